@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Keeps the folder table of the architecture true: which folder may include which.
+
+    check_includes.py [ROOT]
+
+Reads every C++ file below sim, scenes, calibration, perception and benchmarks and reports each #include of ours that
+its folder may not reach. Permission is transitive, except that calibration and perception never reach the truth: not
+by an include, and not by a link edge in a CMakeLists.txt.
+"""
+
+import pathlib
+import re
+import sys
+
+# folder -> folders it may include; permission is transitive. The longest matching folder counts.
+MAY_INCLUDE = {
+    "sim/types": [],
+    "sim/config": ["sim/types"],
+    "sim/truth": ["sim/types"],
+    "sim/imaging": ["sim/types"],
+    "sim/geometry": ["sim/types"],
+    "sim/dataset": ["sim/types", "sim/config", "sim/imaging", "sim/geometry"],
+    "sim/dataset/truth": ["sim/dataset", "sim/truth"],
+    "sim/physics": ["sim/truth", "sim/geometry", "sim/config"],
+    "sim/render": ["sim/truth", "sim/geometry", "sim/config"],
+    "sim/sensors": ["sim/render", "sim/imaging", "sim/config"],
+    "scenes": ["sim/truth", "sim/geometry", "sim/physics", "sim/render", "sim/config"],
+    "calibration": ["sim/types", "sim/imaging", "sim/config", "sim/dataset"],
+    "perception": ["sim/types", "sim/imaging", "sim/config", "sim/geometry", "sim/dataset", "calibration"],
+    "benchmarks": ["sim", "sim/dataset/truth", "scenes", "calibration", "perception"],
+}
+# Files of the dataset's truth target; the rest of sim/dataset must not see the truth.
+TRUTH_FILES = ("sim/dataset/truth_io", "sim/dataset/truth_json")
+TRUTH = "sim/truth"
+NEVER_TRUTH = ("calibration", "perception")
+TRUTH_TARGETS = {"truth", "dataset_truth", "render", "sensors", "physics", "scene_seeds"}
+ROOTS = ("sim", "scenes", "calibration", "perception", "benchmarks")
+INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+
+
+def folder_of(path: str) -> str:
+    """The row of MAY_INCLUDE that a file belongs to."""
+    if path.startswith(TRUTH_FILES):
+        return "sim/dataset/truth"
+    rows = [row for row in MAY_INCLUDE if path == row or path.startswith(row + "/")]
+    return max(rows, key=len) if rows else ""
+
+
+def reach(folder: str) -> set:
+    """All rows a folder may include, itself too."""
+    seen, todo = set(), [folder]
+    while todo:
+        row = todo.pop()
+        if row in seen:
+            continue
+        seen.add(row)
+        children = [r for r in MAY_INCLUDE if r.startswith(row + "/")] if row == "sim" else []
+        todo += MAY_INCLUDE.get(row, []) + children
+    return seen
+
+
+def check(root: pathlib.Path) -> list:
+    problems = []
+    for top in ROOTS:
+        for file in sorted((root / top).rglob("*")):
+            if file.suffix not in (".h", ".cpp"):
+                continue
+            name = file.relative_to(root).as_posix()
+            folder = folder_of(name)
+            allowed = reach(folder)
+            for include in INCLUDE.findall(file.read_text()):
+                target = folder_of(include)
+                if not target:
+                    if not (root / include).exists():
+                        problems.append(f"{name}: \"{include}\" is not below the root")
+                    continue
+                if target not in allowed:
+                    problems.append(f"{name}: {folder} may not include {target} ({include})")
+                if folder.startswith(NEVER_TRUTH) and target in (TRUTH, "sim/dataset/truth"):
+                    problems.append(f"{name}: {folder} must never see the truth ({include})")
+    for top in NEVER_TRUTH:
+        for file in sorted((root / top).rglob("CMakeLists.txt")):
+            words = set(re.findall(r"\w+", file.read_text()))
+            for target in sorted(words & TRUTH_TARGETS):
+                problems.append(f"{file.relative_to(root)}: {top} must not link {target}")
+    return problems
+
+
+def main() -> int:
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)
+    problems = check(root)
+    print("\n".join(problems) if problems else "includes agree with the folder table")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
