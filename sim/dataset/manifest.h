@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cousin {
+
+std::string sha256_hex(std::string_view bytes);
+std::string sha256_hex_of_file(const std::filesystem::path& file);
+
+struct Manifest {
+  int schema = 1;
+  std::string program_version;
+  std::string config_hash;  ///< SHA-256 of the resolved configuration
+  std::string pipeline;
+  std::vector<std::pair<std::string, std::string>>
+      files;  ///< path below the dataset, SHA-256; sorted by path
+};
+
+/// Hashes everything below `dataset` except manifests and timings.json, and writes manifest.json.
+void write_manifest(const std::filesystem::path& dataset, Manifest header);
+/// For shard i of n: hashes `files` only and writes manifest.i-of-n.json; the shard that completes
+/// the set merges all into manifest.json, equal byte for byte to that of one run.
+void write_shard_manifest(const std::filesystem::path& dataset, Manifest header, int shard,
+                          int shards, const std::vector<std::filesystem::path>& files);
+std::optional<Manifest> read_manifest(const std::filesystem::path& dataset);
+
+struct VerifyProblem {
+  std::string path;
+  std::string what;  ///< missing, changed, not in the manifest, escapes the dataset
+};
+/// Re-hashes. A dataset without truth/ is valid; one without a manifest is a real capture: its
+/// files are read instead.
+std::vector<VerifyProblem> verify(const std::filesystem::path& dataset);
+
+}  // namespace cousin

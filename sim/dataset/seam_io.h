@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "sim/types/seams.h"
+
+namespace cousin {
+
+/// Seams on disk, design §3; each reader bounds counts, rejects unknown keys and wrong types and
+/// names file, key and value.
+void write_corners(const std::filesystem::path& dir, const Corners& corners);  // corners.json
+Corners read_corners(const std::filesystem::path& dir);
+void write_poses(const std::filesystem::path& dir, const Poses& poses);  // poses.json
+Poses read_poses(const std::filesystem::path& dir);
+void write_depths(const std::filesystem::path& dir,
+                  const Depths& depths);  // depth/000000.exr, depth_sigma/
+Depths read_depths(const std::filesystem::path& dir);
+void write_cloud(const std::filesystem::path& dir, const Cloud& cloud);  // cloud.ply
+Cloud read_cloud(const std::filesystem::path& dir);
+void write_clusters(const std::filesystem::path& dir, const Clusters& clusters);  // clusters.ply
+Clusters read_clusters(const std::filesystem::path& dir);
+/// masks.json, COCO results: image_id = 1,000,000 scene + frame, sub-pixel polygons, `instance_id`,
+/// and per-point "cousin" arrays (normal, sigma, on_object) that other programs may leave out.
+void write_silhouettes(const std::filesystem::path& dir, const Silhouettes& silhouettes,
+                       int scene_index);
+Silhouettes read_silhouettes(const std::filesystem::path& dir);
+void write_surfaces(const std::filesystem::path& dir,
+                    const Surfaces& surfaces);  // meshes/000000.ply, surfaces.json
+Surfaces read_surfaces(const std::filesystem::path& dir);
+void write_traits(const std::filesystem::path& dir, const Traits& traits);  // traits.json
+Traits read_traits(const std::filesystem::path& dir);
+void write_timings(const std::filesystem::path& dir,
+                   const std::vector<StageTiming>& timings);  // timings.json
+std::vector<StageTiming> read_timings(const std::filesystem::path& dir);
+
+}  // namespace cousin

@@ -1,0 +1,232 @@
+// corners.json
+//   {"frames": [{"frame": 0, "status": "ok",
+//                "corners": [{"column", "row", "pixel_px": [x, y], "sigma_px"}]}]}
+// poses.json
+//   {"frames": [{"frame": 0, "status": "ok", "camera_from_world": POSE, "camera": CAMERA,
+//                "covariance": [36, row-major], "rms_px": number or null, "corner_count"}]}
+//   POSE and CAMERA as in rig.json. A frame that is not ok has frame and status, and maybe camera,
+//   rms_px and corner_count.
+// traits.json
+//   {"specimens": [{"instance": 0, "status": "ok", "reason": "",
+//                   "centroid_in_world_m": [3] or null,
+//                   "traits": [{"name": "length", "unit": "m", "value": number or null,
+//                               "sigma": number or null}]}]}
+// timings.json
+//   {"stages": [{"stage": "poses", "wall_s", "cpu_s", "peak_rss_mb"}]}
+
+#include "sim/dataset/seam_json.h"
+
+#include <set>
+#include <utility>
+
+#include "sim/dataset/json_interop.h"
+
+namespace cousin {
+namespace {
+
+constexpr std::size_t kMaxFrames = 1'000'000;
+constexpr std::size_t kMaxCorners = 100'000;  ///< of one frame
+constexpr std::size_t kMaxSpecimens = 10'000'000;
+constexpr std::size_t kMaxTraits = 1000;  ///< of one specimen
+constexpr int kMaxInstance = 1'000'000'000;
+
+int read_frame_number(const JsonNode& node, std::set<int>& seen) {
+  const int frame = static_cast<int>(node.integer(0, 999'999));
+  if (!seen.insert(frame).second) node.fail("is a frame that occurs twice");
+  return frame;
+}
+
+Json one_key(const char* key, Json value) {
+  Json root = Json::object();
+  root[key] = std::move(value);
+  return root;
+}
+
+FrameCorners read_frame_corners(const JsonNode& node, std::set<int>& seen) {
+  node.expect_keys({"frame", "status", "corners"});
+  FrameCorners frame;
+  frame.frame = read_frame_number(node["frame"], seen);
+  frame.status =
+      node["status"].choice({BoardStatus::ok, BoardStatus::not_seen, BoardStatus::too_few_corners,
+                             BoardStatus::ambiguous, BoardStatus::no_image});
+  std::set<std::pair<int, int>> places;
+  for (const JsonNode& entry : node["corners"].elements(kMaxCorners)) {
+    entry.expect_keys({"column", "row", "pixel_px"}, {"sigma_px"});
+    CornerObservation corner;
+    corner.column = static_cast<int>(entry["column"].integer(0, 9999));
+    corner.row = static_cast<int>(entry["row"].integer(0, 9999));
+    if (!places.emplace(corner.column, corner.row).second)
+      entry.fail("has a (column, row) that occurs twice");
+    corner.pixel_px = entry["pixel_px"].vector<2>();
+    if (entry.has("sigma_px")) corner.sigma_px = entry["sigma_px"].number(0, 1e6);
+    frame.corners.push_back(corner);
+  }
+  return frame;
+}
+
+FramePose read_frame_pose(const JsonNode& node, std::set<int>& seen) {
+  FramePose pose;
+  node.expect_keys({"frame", "status"},
+                   {"camera_from_world", "camera", "covariance", "rms_px", "corner_count"});
+  pose.frame = read_frame_number(node["frame"], seen);
+  pose.status = node["status"].choice(
+      {PoseStatus::ok, PoseStatus::no_board, PoseStatus::degenerate, PoseStatus::not_converged});
+  const bool ok = pose.status == PoseStatus::ok;
+  if (ok || node.has("camera")) {
+    pose.camera = read_camera(node["camera"], "frame " + std::to_string(pose.frame));
+  }
+  if (ok) pose.camera_from_world = read_pose(node["camera_from_world"]);
+  if (node.has("covariance")) {
+    pose.covariance = node["covariance"].matrix<6, 6>();
+    for (int i = 0; i < 6; ++i) {
+      if (pose.covariance(i, i) < 0) node["covariance"].fail("has a negative variance");
+    }
+  }
+  if (node.has("rms_px")) pose.rms_px = node["rms_px"].number_or_nan();
+  if (node.has("corner_count"))
+    pose.corner_count = static_cast<int>(node["corner_count"].integer(0, 1'000'000));
+  return pose;
+}
+
+SpecimenTraits read_specimen(const JsonNode& node) {
+  node.expect_keys({"instance", "status", "traits"}, {"reason", "centroid_in_world_m"});
+  SpecimenTraits specimen;
+  specimen.instance = static_cast<int>(node["instance"].integer(0, kMaxInstance));
+  specimen.status = node["status"].choice({TraitStatus::ok, TraitStatus::not_solved});
+  if (node.has("reason")) specimen.reason = node["reason"].text();
+  if (node.has("centroid_in_world_m") && !node["centroid_in_world_m"].is_null()) {
+    specimen.centroid_in_world_m = node["centroid_in_world_m"].vector<3>();
+  }
+  std::set<std::string> names;
+  for (const JsonNode& entry : node["traits"].elements(kMaxTraits)) {
+    entry.expect_keys({"name", "unit", "value"}, {"sigma"});
+    Trait trait{.name = entry["name"].text(64),
+                .unit = entry["unit"].text(16),
+                .value = entry["value"].number_or_nan()};
+    if (!names.insert(trait.name).second) entry["name"].fail("is a trait that occurs twice");
+    if (entry.has("sigma")) trait.sigma = entry["sigma"].number_or_nan();
+    if (trait.sigma < 0) entry["sigma"].fail("is negative");
+    specimen.traits.push_back(std::move(trait));
+  }
+  return specimen;
+}
+
+}  // namespace
+
+std::string corners_to_json(const Corners& corners) {
+  Json frames = Json::array();
+  for (const FrameCorners& frame : corners) {
+    Json entries = Json::array();
+    for (const CornerObservation& corner : frame.corners) {
+      entries.push_back({{"column", corner.column},
+                         {"row", corner.row},
+                         {"pixel_px", to_json(corner.pixel_px)},
+                         {"sigma_px", corner.sigma_px}});
+    }
+    frames.push_back(
+        {{"frame", frame.frame}, {"status", to_string(frame.status)}, {"corners", entries}});
+  }
+  return to_text(one_key("frames", frames));
+}
+
+Corners corners_from_json(std::string_view text, const std::string& name) {
+  const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  root.expect_keys({"frames"});
+  Corners corners;
+  std::set<int> seen;
+  for (const JsonNode& node : root["frames"].elements(kMaxFrames))
+    corners.push_back(read_frame_corners(node, seen));
+  return corners;
+}
+
+std::string poses_to_json(const Poses& poses) {
+  Json frames = Json::array();
+  for (const FramePose& pose : poses) {
+    Json entry = {{"frame", pose.frame}, {"status", to_string(pose.status)}};
+    if (pose.status == PoseStatus::ok) {
+      entry["camera_from_world"] = to_json(pose.camera_from_world);
+      entry["covariance"] = to_json(pose.covariance);
+    }
+    if (pose.status == PoseStatus::ok || pose.camera.width_px > 0)
+      entry["camera"] = to_json(pose.camera);
+    entry["rms_px"] = nan_to_null(pose.rms_px);
+    entry["corner_count"] = pose.corner_count;
+    frames.push_back(entry);
+  }
+  return to_text(one_key("frames", frames));
+}
+
+Poses poses_from_json(std::string_view text, const std::string& name) {
+  const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  root.expect_keys({"frames"});
+  Poses poses;
+  std::set<int> seen;
+  for (const JsonNode& node : root["frames"].elements(kMaxFrames))
+    poses.push_back(read_frame_pose(node, seen));
+  return poses;
+}
+
+std::string traits_to_json(const Traits& traits) {
+  Json specimens = Json::array();
+  for (const SpecimenTraits& specimen : traits) {
+    Json entries = Json::array();
+    for (const Trait& trait : specimen.traits) {
+      entries.push_back({{"name", trait.name},
+                         {"unit", trait.unit},
+                         {"value", nan_to_null(trait.value)},
+                         {"sigma", nan_to_null(trait.sigma)}});
+    }
+    const bool known = specimen.centroid_in_world_m.allFinite();
+    specimens.push_back(
+        {{"instance", specimen.instance},
+         {"status", to_string(specimen.status)},
+         {"reason", specimen.reason},
+         {"centroid_in_world_m", known ? to_json(specimen.centroid_in_world_m) : Json(nullptr)},
+         {"traits", entries}});
+  }
+  return to_text(one_key("specimens", specimens));
+}
+
+Traits traits_from_json(std::string_view text, const std::string& name) {
+  const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  root.expect_keys({"specimens"});
+  Traits traits;
+  std::set<int> seen;
+  for (const JsonNode& node : root["specimens"].elements(kMaxSpecimens)) {
+    traits.push_back(read_specimen(node));
+    if (!seen.insert(traits.back().instance).second)
+      node["instance"].fail("is an instance that occurs twice");
+  }
+  return traits;
+}
+
+std::string timings_to_json(const std::vector<StageTiming>& timings) {
+  Json stages = Json::array();
+  for (const StageTiming& timing : timings) {
+    stages.push_back({{"stage", timing.stage},
+                      {"wall_s", timing.wall_s},
+                      {"cpu_s", timing.cpu_s},
+                      {"peak_rss_mb", timing.peak_rss_mb}});
+  }
+  return to_text(one_key("stages", stages));
+}
+
+std::vector<StageTiming> timings_from_json(std::string_view text, const std::string& name) {
+  const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  root.expect_keys({"stages"});
+  std::vector<StageTiming> timings;
+  for (const JsonNode& node : root["stages"].elements(10'000)) {
+    node.expect_keys({"stage", "wall_s", "cpu_s", "peak_rss_mb"});
+    timings.push_back({.stage = node["stage"].text(256),
+                       .wall_s = node["wall_s"].number(),
+                       .cpu_s = node["cpu_s"].number(),
+                       .peak_rss_mb = node["peak_rss_mb"].number()});
+  }
+  return timings;
+}
+
+}  // namespace cousin

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "sim/types/seams.h"
+
+namespace cousin {
+
+/// Private to sim/dataset: the JSON seams as text; the schemas are in seam_json.cpp and
+/// seam_masks.cpp. Readers take the text and the name that errors show. @throws std::runtime_error
+/// naming file, key, value and limit.
+
+std::string corners_to_json(const Corners& corners);
+Corners corners_from_json(std::string_view text, const std::string& name);
+std::string poses_to_json(const Poses& poses);
+Poses poses_from_json(std::string_view text, const std::string& name);
+std::string traits_to_json(const Traits& traits);
+Traits traits_from_json(std::string_view text, const std::string& name);
+std::string timings_to_json(const std::vector<StageTiming>& timings);
+std::vector<StageTiming> timings_from_json(std::string_view text, const std::string& name);
+std::string silhouettes_to_json(const Silhouettes& silhouettes, int scene_index);
+Silhouettes silhouettes_from_json(std::string_view text, const std::string& name);
+
+}  // namespace cousin

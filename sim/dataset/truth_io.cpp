@@ -1,0 +1,225 @@
+// SCENE_DIR/truth/ (POSE and CAMERA as in rig.json; frames are those of the capture)
+//   config.toml        the resolved configuration
+//   seed               a decimal number
+//   camera.json        {"views": [{"frame", "time_s", "camera": CAMERA, "camera_from_world": POSE,
+//                                  "camera_from_world_end": POSE}]}
+//   scene.json         name, rig, board, models (name, mesh file, part names, part of each
+//                      triangle), materials, instances, lights, views. Shading (vertex albedo and
+//                      normals) is not kept: configuration and seed make it again.
+//   scene_gt.json      BOP's, of the specimens by id; derived from scene.json and camera.json,
+//                      never read: {"0": [{"cam_R_m2c": [9], "cam_t_m2c": [3, mm],
+//                                          "obj_id": model + 1, "instance_id"}]}
+//   scene_gt_info.json BOP's, there if images are: {"0": [{"bbox_obj": [x, y, w, h],
+//                      "px_count_all", "px_count_visib", "visib_fract", "instance_id"}]}
+//   traits.json        {"instances": [{"instance", "traits": [{"name", "unit", "value"}]}]}
+//   keypoints.json     {"models": [{"model", "keypoints": [{"name", "in_object_m": [3]}]}]}
+//   models/            obj_000001.ply, ...: in the object's frame, metres
+// Images, each only if it was planned:
+//   depth/000000.exr   metres; likewise normal/ and position/ (three channels), coverage/
+//   instance/          16-bit PNG, id + 1; 0 = none
+//   part/              16-bit PNG; 65535 = none
+//   mask/              000000_000003.png: amodal, 255 inside, of frame 0's fourth specimen
+//   mask_visib/        the same of what is seen; derived from instance/, never read
+
+#include "sim/dataset/truth_io.h"
+
+#include <charconv>
+#include <stdexcept>
+
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/exr_vectors.h"
+#include "sim/dataset/for_each_frame.h"
+#include "sim/dataset/json_interop.h"
+#include "sim/dataset/truth_json.h"
+#include "sim/geometry/mesh_io.h"
+#include "sim/imaging/image_io.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kJsonLimitBytes = std::size_t{1} << 29;
+
+std::string mask_name(int frame, std::size_t specimen) {
+  return six_digits(frame) + "_" + six_digits(static_cast<std::int64_t>(specimen)) + ".png";
+}
+
+void check_images(const SceneTruth& truth, const std::vector<const Instance*>& order) {
+  if (truth.images.empty()) return;
+  if (truth.images.size() != truth.views.size())
+    throw std::invalid_argument("truth: not one image set for each view");
+  for (std::size_t i = 0; i < truth.images.size(); ++i) {
+    const TruthImages& images = truth.images[i];
+    const std::string where = "truth: frame " + std::to_string(truth.views[i].frame);
+    if (!images.masks_full.empty() && images.masks_full.size() != images.visibility.size()) {
+      throw std::invalid_argument(where + ": not one mask for each visibility");
+    }
+    if (images.visibility.empty()) continue;
+    bool same = images.visibility.size() == order.size();
+    for (std::size_t k = 0; same && k < order.size(); ++k)
+      same = images.visibility[k].instance == order[k]->id;
+    if (!same) throw std::invalid_argument(where + ": visibility is not of the specimens by id");
+  }
+}
+
+Image<std::uint16_t> instance_codes(const Image<std::int32_t>& instance, int frame) {
+  Image<std::uint16_t> codes(instance.width(), instance.height());
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    const std::int32_t id = instance.data()[i];
+    if (id < -1 || id > 65534) {
+      throw std::invalid_argument("truth: frame " + std::to_string(frame) + ": instance " +
+                                  std::to_string(id) +
+                                  " is outside -1..65534, which a 16-bit PNG holds");
+    }
+    codes.data()[i] = static_cast<std::uint16_t>(id + 1);
+  }
+  return codes;
+}
+
+Image<std::uint8_t> visible_mask(const Image<std::int32_t>& instance, int id) {
+  Image<std::uint8_t> mask(instance.width(), instance.height());
+  for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = instance.data()[i] == id ? 255 : 0;
+  return mask;
+}
+
+void write_images(const fs::path& dir, const TruthImages& images, int frame,
+                  const std::vector<const Instance*>& order) {
+  const auto file = [&](const char* folder, const std::string& name) {
+    fs::create_directories(dir / folder);
+    return dir / folder / name;
+  };
+  const std::string exr = six_digits(frame) + ".exr";
+  const std::string png = six_digits(frame) + ".png";
+  if (!images.depth_m.empty()) write_exr(file("depth", exr), images.depth_m);
+  if (!images.normal.empty()) write_exr_vectors(file("normal", exr), images.normal);
+  if (!images.position_m.empty()) write_exr_vectors(file("position", exr), images.position_m);
+  if (!images.specimen_coverage.empty()) write_exr(file("coverage", exr), images.specimen_coverage);
+  if (!images.part.empty()) write_png(file("part", png), images.part);
+  if (!images.instance.empty()) {
+    write_png(file("instance", png), instance_codes(images.instance, frame));
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      write_png(file("mask_visib", mask_name(frame, k)),
+                visible_mask(images.instance, order[k]->id));
+    }
+  }
+  for (std::size_t k = 0; k < images.masks_full.size(); ++k) {
+    write_png(file("mask", mask_name(frame, k)), images.masks_full[k]);
+  }
+}
+
+/// dir/folder/name by `read` if it is there, checked against the camera; else empty.
+template <class Read>
+auto read_if_there(const fs::path& dir, const std::string& relative, const TrueView& view,
+                   const Read& read) {
+  decltype(read(dir)) image;
+  if (!fs::exists(dir / relative)) return image;
+  const fs::path file = resolve_inside(dir, relative);
+  image = read(file);
+  if (image.width() != view.camera.width_px || image.height() != view.camera.height_px) {
+    throw std::runtime_error(file.string() + " (frame " + std::to_string(view.frame) +
+                             "): the image is " + std::to_string(image.width()) + " x " +
+                             std::to_string(image.height()) + " pixels; its camera has " +
+                             std::to_string(view.camera.width_px) + " x " +
+                             std::to_string(view.camera.height_px));
+  }
+  return image;
+}
+
+void read_images(const fs::path& dir, const TrueView& view, TruthImages& images) {
+  const auto scalar = [](const fs::path& f) { return read_exr(f); };
+  const auto vectors = [](const fs::path& f) { return read_exr_vectors(f); };
+  const auto png16 = [](const fs::path& f) { return read_png16(f); };
+  const auto png8 = [](const fs::path& f) { return read_png8(f); };
+  const std::string exr = six_digits(view.frame) + ".exr";
+  const std::string png = six_digits(view.frame) + ".png";
+  images.depth_m = read_if_there(dir, "depth/" + exr, view, scalar);
+  images.normal = read_if_there(dir, "normal/" + exr, view, vectors);
+  images.position_m = read_if_there(dir, "position/" + exr, view, vectors);
+  images.specimen_coverage = read_if_there(dir, "coverage/" + exr, view, scalar);
+  images.part = read_if_there(dir, "part/" + png, view, png16);
+  const Image<std::uint16_t> codes = read_if_there(dir, "instance/" + png, view, png16);
+  if (!codes.empty()) {
+    images.instance = Image<std::int32_t>(codes.width(), codes.height());
+    for (std::size_t i = 0; i < codes.size(); ++i)
+      images.instance.data()[i] = static_cast<std::int32_t>(codes.data()[i]) - 1;
+  }
+  for (std::size_t k = 0; k < images.visibility.size(); ++k) {
+    Image<std::uint8_t> mask = read_if_there(dir, "mask/" + mask_name(view.frame, k), view, png8);
+    if (!mask.empty()) images.masks_full.push_back(std::move(mask));
+  }
+  if (!images.masks_full.empty() && images.masks_full.size() != images.visibility.size()) {
+    throw std::runtime_error((dir / "mask").string() + " (frame " + std::to_string(view.frame) +
+                             "): " + std::to_string(images.masks_full.size()) +
+                             " masks; scene_gt_info.json lists " +
+                             std::to_string(images.visibility.size()) + " specimens");
+  }
+}
+
+std::uint64_t read_seed(const fs::path& file) {
+  const std::string text = read_file(file, 64);
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  const bool rest_is_newline =
+      std::string_view(end, static_cast<std::size_t>(text.data() + text.size() - end)) == "\n" ||
+      end == text.data() + text.size();
+  if (error != std::errc{} || !rest_is_newline)
+    throw std::runtime_error(file.string() + ": not a number in 0..2^64-1");
+  return seed;
+}
+
+}  // namespace
+
+void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
+  validate(truth.scene);
+  const std::vector<const Instance*> order = specimens(truth.scene);
+  check_images(truth, order);
+  const fs::path dir = scene_dir / "truth";
+  fs::create_directories(dir / "models");
+  for (std::size_t i = 0; i < truth.scene.models.size(); ++i)
+    write_ply(dir / mesh_file(i), truth.scene.models[i].mesh);
+  for_each_frame(truth.images.size(), [&](std::size_t i) {
+    write_images(dir, truth.images[i], truth.views[i].frame, order);
+  });
+  write_file(dir / "config.toml", truth.config_toml);
+  write_file(dir / "seed", std::to_string(truth.seed) + "\n");
+  write_file(dir / "camera.json", views_to_json(truth.views));
+  write_file(dir / "scene.json", scene_to_json(truth.scene));
+  write_file(dir / "scene_gt.json", scene_gt_to_json(truth.scene, truth.views));
+  write_file(dir / "traits.json", true_traits_to_json(truth.scene));
+  write_file(dir / "keypoints.json", keypoints_to_json(truth.scene));
+  if (!truth.images.empty())
+    write_file(dir / "scene_gt_info.json", scene_gt_info_to_json(truth.views, truth.images));
+}
+
+SceneTruth read_truth(const fs::path& scene_dir) {
+  const fs::path dir = scene_dir / "truth";
+  const auto text = [&](const char* name) {
+    return read_file(resolve_inside(dir, name), kJsonLimitBytes);
+  };
+  const auto name = [&](const char* file) { return (dir / file).string(); };
+  SceneTruth truth;
+  truth.config_toml = text("config.toml");
+  truth.seed = read_seed(dir / "seed");
+  truth.views = views_from_json(text("camera.json"), name("camera.json"));
+  std::vector<std::string> mesh_files;
+  truth.scene = scene_from_json(text("scene.json"), name("scene.json"), mesh_files);
+  for_each_frame(mesh_files.size(), [&](std::size_t i) {
+    truth.scene.models[i].mesh = read_mesh(resolve_inside(dir, mesh_files[i]));
+  });
+  keypoints_from_json(text("keypoints.json"), name("keypoints.json"), truth.scene);
+  true_traits_from_json(text("traits.json"), name("traits.json"), truth.scene);
+  try {
+    validate(truth.scene);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(name("scene.json") + ": " + error.what());
+  }
+  if (!fs::exists(dir / "scene_gt_info.json")) return truth;
+  truth.images.resize(truth.views.size());
+  scene_gt_info_from_json(text("scene_gt_info.json"), name("scene_gt_info.json"), truth.views,
+                          truth.images);
+  for_each_frame(truth.views.size(),
+                 [&](std::size_t i) { read_images(dir, truth.views[i], truth.images[i]); });
+  return truth;
+}
+
+}  // namespace cousin

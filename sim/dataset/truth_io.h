@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/truth/scene.h"
+#include "sim/truth/truth_images.h"
+
+namespace cousin {
+
+/// All truth of one scene, apart from per-frame images.
+struct SceneTruth {
+  std::uint64_t seed = 0;
+  std::string config_toml;  ///< resolved
+  Scene scene;              ///< with instances where they came to rest
+  std::vector<TrueView> views;
+  std::vector<TruthImages> images;  ///< one for each view, or empty; what was not planned is empty
+};
+
+/// SCENE_DIR/truth: config.toml, seed, camera.json, scene_gt.json, scene_gt_info.json (BOP),
+/// traits.json, keypoints.json, models/*.ply, and image folders for what is there. Library target
+/// of its own: perception cannot link it. `images` is empty or one for each view; visibility of an
+/// image is empty or of all specimens by id.
+/// @throws std::invalid_argument otherwise or if the scene is not valid, std::runtime_error if a
+/// file cannot be written.
+void write_truth(const std::filesystem::path& scene_dir, const SceneTruth& truth);
+/// Everything that scoring needs: specimens with meshes, poses, traits, views, visibility; images
+/// if they exist. All that was written comes back bit by bit but for the models' vertex albedo and
+/// vertex normals, which no score uses.
+/// @throws std::runtime_error naming file, key, value and limit.
+SceneTruth read_truth(const std::filesystem::path& scene_dir);
+
+}  // namespace cousin

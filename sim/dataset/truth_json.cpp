@@ -1,0 +1,401 @@
+#include "sim/dataset/truth_json.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "sim/dataset/json_interop.h"
+
+namespace cousin {
+namespace {
+
+constexpr std::size_t kMaxViews = 1'000'000;
+constexpr std::size_t kMaxInstances = 1'000'000;
+constexpr std::size_t kMaxTriangles = std::size_t{1} << 26;
+constexpr int kMaxId = 1'000'000'000;
+
+Json array_of(const Rgbf& color) {
+  return {static_cast<double>(color.r), static_cast<double>(color.g), static_cast<double>(color.b)};
+}
+
+Rgbf read_color(const JsonNode& node) {
+  const Eigen::Vector3d v = node.vector<3>();
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+// ---- parts of a scene ---------------------------------------------------------------------------
+
+Json json_of(const Material& material) {
+  Json json = {{"name", material.name},
+               {"albedo", array_of(material.albedo)},
+               {"ior", material.ior},
+               {"roughness", material.roughness},
+               {"ink_albedo", array_of(material.ink_albedo)}};
+  if (material.print) json["print"] = to_json(*material.print);
+  return json;
+}
+
+Material read_material(const JsonNode& node) {
+  node.expect_keys({"name", "albedo", "ior", "roughness", "ink_albedo"}, {"print"});
+  Material material;
+  material.name = node["name"].text();
+  material.albedo = read_color(node["albedo"]);
+  material.ior = node["ior"].number(1, 10);
+  material.roughness = node["roughness"].number(0, 1);
+  material.ink_albedo = read_color(node["ink_albedo"]);
+  if (node.has("print")) material.print = read_board(node["print"]);
+  return material;
+}
+
+Json json_of(const Instance& instance) {
+  Json motion = Json::array();
+  for (const TimedPose& step : instance.motion) {
+    motion.push_back(
+        {{"time_s", step.time_s}, {"world_from_object", to_json(step.world_from_object)}});
+  }
+  return {{"id", instance.id},
+          {"name", instance.name},
+          {"category", instance.category},
+          {"is_specimen", instance.is_specimen},
+          {"model", instance.model},
+          {"material", instance.material},
+          {"mass_kg", instance.mass_kg},
+          {"world_from_object", to_json(instance.world_from_object)},
+          {"motion", motion}};
+}
+
+Instance read_instance(const JsonNode& node) {
+  node.expect_keys({"id", "name", "category", "is_specimen", "model", "material", "mass_kg",
+                    "world_from_object", "motion"});
+  Instance instance;
+  instance.id = static_cast<int>(node["id"].integer(0, kMaxId));
+  instance.name = node["name"].text();
+  instance.category = node["category"].text();
+  instance.is_specimen = node["is_specimen"].boolean();
+  instance.model = static_cast<int>(node["model"].integer(0, kMaxId));
+  instance.material = static_cast<int>(node["material"].integer(0, kMaxId));
+  instance.mass_kg = node["mass_kg"].number(0);
+  instance.world_from_object = read_pose(node["world_from_object"]);
+  for (const JsonNode& step : node["motion"].elements(10'000'000)) {
+    step.expect_keys({"time_s", "world_from_object"});
+    instance.motion.push_back({step["time_s"].number(), read_pose(step["world_from_object"])});
+  }
+  return instance;
+}
+
+Json json_of(const Light& light) {
+  if (const auto* sun = std::get_if<Sun>(&light)) {
+    return {{"kind", "sun"},
+            {"to_sun", to_json(sun->to_sun)},
+            {"angular_radius_rad", sun->angular_radius_rad},
+            {"irradiance", array_of(sun->irradiance)}};
+  }
+  if (const auto* sky = std::get_if<Sky>(&light)) {
+    return {{"kind", "sky"},
+            {"zenith", array_of(sky->zenith)},
+            {"horizon", array_of(sky->horizon)},
+            {"ground", array_of(sky->ground)}};
+  }
+  const Lamp& lamp = std::get<Lamp>(light);
+  return {{"kind", "lamp"},
+          {"centre_in_world_m", to_json(lamp.centre_in_world_m)},
+          {"axis_u_m", to_json(lamp.axis_u_m)},
+          {"axis_v_m", to_json(lamp.axis_v_m)},
+          {"radiance", array_of(lamp.radiance)}};
+}
+
+Light read_light(const JsonNode& node) {
+  const std::string kind = node["kind"].text(16);
+  if (kind == "sun") {
+    node.expect_keys({"kind", "to_sun", "angular_radius_rad", "irradiance"});
+    return Sun{node["to_sun"].vector<3>(), node["angular_radius_rad"].number(0, 1),
+               read_color(node["irradiance"])};
+  }
+  if (kind == "sky") {
+    node.expect_keys({"kind", "zenith", "horizon", "ground"});
+    return Sky{read_color(node["zenith"]), read_color(node["horizon"]), read_color(node["ground"])};
+  }
+  if (kind == "lamp") {
+    node.expect_keys({"kind", "centre_in_world_m", "axis_u_m", "axis_v_m", "radiance"});
+    return Lamp{node["centre_in_world_m"].vector<3>(), node["axis_u_m"].vector<3>(),
+                node["axis_v_m"].vector<3>(), read_color(node["radiance"])};
+  }
+  node["kind"].fail("is not one of sun, sky, lamp");
+}
+
+Json json_of(const ObjectModel& model, std::size_t index) {
+  return {{"name", model.name},
+          {"mesh", mesh_file(index)},
+          {"part_names", model.part_names},
+          {"triangle_part", model.triangle_part}};
+}
+
+ObjectModel read_model(const JsonNode& node, std::vector<std::string>& mesh_files) {
+  node.expect_keys({"name", "mesh", "part_names", "triangle_part"});
+  ObjectModel model;
+  model.name = node["name"].text();
+  mesh_files.push_back(node["mesh"].text());
+  for (const JsonNode& part : node["part_names"].elements(65535))
+    model.part_names.push_back(part.text());
+  const JsonNode parts = node["triangle_part"];
+  const std::size_t count = parts.size(kMaxTriangles);
+  model.triangle_part.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    model.triangle_part.push_back(static_cast<std::uint16_t>(parts[i].integer(0, 65534)));
+    if (model.triangle_part.back() >= model.part_names.size())
+      parts[i].fail("is not an index into part_names");
+  }
+  return model;
+}
+
+/// Members of an object whose keys are the frames of `views`, in the order of the views.
+std::vector<JsonNode> by_view(const JsonNode& root, const std::vector<TrueView>& views) {
+  if (root.members(kMaxViews).size() != views.size())
+    root.fail("does not have one entry for each frame of camera.json");
+  std::vector<JsonNode> nodes;
+  for (const TrueView& view : views) nodes.push_back(root[std::to_string(view.frame)]);
+  return nodes;
+}
+
+}  // namespace
+
+// ---- camera.json --------------------------------------------------------------------------------
+
+std::string views_to_json(const std::vector<TrueView>& views) {
+  Json root = Json::object();
+  root["views"] = Json::array();
+  std::set<int> frames;
+  for (const TrueView& view : views) {
+    if (view.frame < 0 || view.frame > 999'999 || !frames.insert(view.frame).second) {
+      throw std::invalid_argument("truth: view frame " + std::to_string(view.frame) +
+                                  " is not unique in 0..999999");
+    }
+    root["views"].push_back({{"frame", view.frame},
+                             {"time_s", view.time_s},
+                             {"camera", to_json(view.camera)},
+                             {"camera_from_world", to_json(view.camera_from_world)},
+                             {"camera_from_world_end", to_json(view.camera_from_world_end)}});
+  }
+  return to_text(root);
+}
+
+std::vector<TrueView> views_from_json(std::string_view text, const std::string& name) {
+  const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  root.expect_keys({"views"});
+  std::vector<TrueView> views;
+  std::set<int> frames;
+  for (const JsonNode& node : root["views"].elements(kMaxViews)) {
+    node.expect_keys({"frame", "time_s", "camera", "camera_from_world", "camera_from_world_end"});
+    TrueView view;
+    view.frame = static_cast<int>(node["frame"].integer(0, 999'999));
+    if (!frames.insert(view.frame).second) node["frame"].fail("is a frame that occurs twice");
+    view.time_s = node["time_s"].number();
+    view.camera = read_camera(node["camera"], "frame " + std::to_string(view.frame));
+    view.camera_from_world = read_pose(node["camera_from_world"]);
+    view.camera_from_world_end = read_pose(node["camera_from_world_end"]);
+    views.push_back(view);
+  }
+  return views;
+}
+
+// ---- scene.json ---------------------------------------------------------------------------------
+
+std::string mesh_file(std::size_t model) {
+  return "models/obj_" + six_digits(static_cast<std::int64_t>(model) + 1) + ".ply";
+}
+
+std::string scene_to_json(const Scene& scene) {
+  Json models = Json::array(), materials = Json::array(), instances = Json::array(),
+       lights = Json::array();
+  Json views = Json::array();
+  for (std::size_t i = 0; i < scene.models.size(); ++i)
+    models.push_back(json_of(scene.models[i], i));
+  for (const Material& material : scene.materials) materials.push_back(json_of(material));
+  for (const Instance& instance : scene.instances) instances.push_back(json_of(instance));
+  for (const Light& light : scene.lights) lights.push_back(json_of(light));
+  for (const View& view : scene.views) {
+    views.push_back({{"time_s", view.time_s},
+                     {"rig_from_world", to_json(view.rig_from_world)},
+                     {"rig_from_world_end", to_json(view.rig_from_world_end)}});
+  }
+  return to_text(Json{{"name", scene.name},
+                      {"rig", scene.rig},
+                      {"board", scene.board},
+                      {"models", models},
+                      {"materials", materials},
+                      {"instances", instances},
+                      {"lights", lights},
+                      {"views", views}});
+}
+
+Scene scene_from_json(std::string_view text, const std::string& name,
+                      std::vector<std::string>& mesh_files) {
+  const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  root.expect_keys({"name", "rig", "board", "models", "materials", "instances", "lights", "views"});
+  Scene scene;
+  scene.name = root["name"].text();
+  scene.rig = root["rig"].text();
+  scene.board = root["board"].text();
+  for (const JsonNode& node : root["models"].elements(kMaxInstances))
+    scene.models.push_back(read_model(node, mesh_files));
+  for (const JsonNode& node : root["materials"].elements(kMaxInstances))
+    scene.materials.push_back(read_material(node));
+  for (const JsonNode& node : root["instances"].elements(kMaxInstances))
+    scene.instances.push_back(read_instance(node));
+  for (const JsonNode& node : root["lights"].elements(10'000))
+    scene.lights.push_back(read_light(node));
+  for (const JsonNode& node : root["views"].elements(kMaxViews)) {
+    node.expect_keys({"time_s", "rig_from_world", "rig_from_world_end"});
+    scene.views.push_back({node["time_s"].number(), read_pose(node["rig_from_world"]),
+                           read_pose(node["rig_from_world_end"])});
+  }
+  return scene;
+}
+
+// ---- keypoints.json, traits.json ----------------------------------------------------------------
+
+std::string keypoints_to_json(const Scene& scene) {
+  Json models = Json::array();
+  for (std::size_t i = 0; i < scene.models.size(); ++i) {
+    if (scene.models[i].keypoints.empty()) continue;
+    Json keypoints = Json::array();
+    for (const Keypoint& keypoint : scene.models[i].keypoints) {
+      keypoints.push_back(
+          {{"name", keypoint.name}, {"in_object_m", to_json(keypoint.in_object_m)}});
+    }
+    models.push_back({{"model", i}, {"keypoints", keypoints}});
+  }
+  Json root = Json::object();
+  root["models"] = models;
+  return to_text(root);
+}
+
+void keypoints_from_json(std::string_view text, const std::string& name, Scene& scene) {
+  const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  root.expect_keys({"models"});
+  for (const JsonNode& node : root["models"].elements(kMaxInstances)) {
+    node.expect_keys({"model", "keypoints"});
+    const auto index = static_cast<std::size_t>(node["model"].integer(0, kMaxId));
+    if (index >= scene.models.size()) node["model"].fail("is not a model of the scene");
+    if (!scene.models[index].keypoints.empty()) node["model"].fail("is a model that occurs twice");
+    for (const JsonNode& entry : node["keypoints"].elements(100'000)) {
+      entry.expect_keys({"name", "in_object_m"});
+      scene.models[index].keypoints.push_back(
+          {entry["name"].text(), entry["in_object_m"].vector<3>()});
+    }
+  }
+}
+
+std::string true_traits_to_json(const Scene& scene) {
+  Json instances = Json::array();
+  for (const Instance& instance : scene.instances) {
+    if (instance.traits.empty()) continue;
+    Json traits = Json::array();
+    for (const TrueTrait& trait : instance.traits) {
+      traits.push_back({{"name", trait.name}, {"unit", trait.unit}, {"value", trait.value}});
+    }
+    instances.push_back({{"instance", instance.id}, {"traits", traits}});
+  }
+  Json root = Json::object();
+  root["instances"] = instances;
+  return to_text(root);
+}
+
+void true_traits_from_json(std::string_view text, const std::string& name, Scene& scene) {
+  const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  root.expect_keys({"instances"});
+  std::map<int, Instance*> by_id;
+  for (Instance& instance : scene.instances) by_id[instance.id] = &instance;
+  for (const JsonNode& node : root["instances"].elements(kMaxInstances)) {
+    node.expect_keys({"instance", "traits"});
+    const auto found = by_id.find(static_cast<int>(node["instance"].integer(0, kMaxId)));
+    if (found == by_id.end()) node["instance"].fail("is not an instance of the scene");
+    if (!found->second->traits.empty()) node["instance"].fail("is an instance that occurs twice");
+    for (const JsonNode& entry : node["traits"].elements(1000)) {
+      entry.expect_keys({"name", "unit", "value"});
+      found->second->traits.push_back(
+          {entry["name"].text(), entry["unit"].text(), entry["value"].number()});
+    }
+  }
+}
+
+// ---- scene_gt.json, scene_gt_info.json ----------------------------------------------------------
+
+std::vector<const Instance*> specimens(const Scene& scene) {
+  std::vector<const Instance*> result;
+  for (const Instance& instance : scene.instances) {
+    if (instance.is_specimen) result.push_back(&instance);
+  }
+  std::sort(result.begin(), result.end(),
+            [](const Instance* a, const Instance* b) { return a->id < b->id; });
+  return result;
+}
+
+std::string scene_gt_to_json(const Scene& scene, const std::vector<TrueView>& views) {
+  const std::vector<const Instance*> order = specimens(scene);
+  Json root = Json::object();
+  for (const TrueView& view : views) {
+    Json entries = Json::array();
+    for (const Instance* instance : order) {
+      const Pose camera_from_object =
+          view.camera_from_world * world_from_object(*instance, view.time_s);
+      entries.push_back({{"cam_R_m2c", to_json(camera_from_object.rotation.toRotationMatrix())},
+                         {"cam_t_m2c", to_json(1000 * camera_from_object.translation_m)},
+                         {"obj_id", instance->model + 1},
+                         {"instance_id", instance->id}});
+    }
+    root[std::to_string(view.frame)] = entries;
+  }
+  return to_text(root);
+}
+
+std::string scene_gt_info_to_json(const std::vector<TrueView>& views,
+                                  const std::vector<TruthImages>& images) {
+  Json root = Json::object();
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    Json entries = Json::array();
+    for (const InstanceVisibility& v : images[i].visibility) {
+      entries.push_back({{"bbox_obj", {v.box_x, v.box_y, v.box_width, v.box_height}},
+                         {"px_count_all", v.pixels_full},
+                         {"px_count_visib", v.pixels_visible},
+                         {"visib_fract", v.visible_fraction},
+                         {"instance_id", v.instance}});
+    }
+    root[std::to_string(views[i].frame)] = entries;
+  }
+  return to_text(root);
+}
+
+void scene_gt_info_from_json(std::string_view text, const std::string& name,
+                             const std::vector<TrueView>& views, std::vector<TruthImages>& images) {
+  const JsonDocument document(text, name);
+  const std::vector<JsonNode> nodes = by_view(document.root(), views);
+  constexpr std::int64_t kMaxPixels = std::int64_t{1} << 40;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (const JsonNode& node : nodes[i].elements(kMaxInstances)) {
+      node.expect_keys(
+          {"bbox_obj", "px_count_all", "px_count_visib", "visib_fract", "instance_id"});
+      InstanceVisibility v;
+      if (node["bbox_obj"].size(4) != 4) node["bbox_obj"].fail("does not have 4 integers");
+      const auto box = [&](std::size_t at) {
+        return static_cast<int>(node["bbox_obj"][at].integer(-kMaxId, kMaxId));
+      };
+      v.box_x = box(0);
+      v.box_y = box(1);
+      v.box_width = box(2);
+      v.box_height = box(3);
+      v.pixels_full = node["px_count_all"].integer(0, kMaxPixels);
+      v.pixels_visible = node["px_count_visib"].integer(0, kMaxPixels);
+      v.visible_fraction = node["visib_fract"].number(0, 1);
+      v.instance = static_cast<int>(node["instance_id"].integer(0, kMaxId));
+      images[i].visibility.push_back(v);
+    }
+  }
+}
+
+}  // namespace cousin

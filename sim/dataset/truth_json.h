@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/truth/scene.h"
+#include "sim/truth/truth_images.h"
+
+namespace cousin {
+
+/// Private to sim/dataset: the JSON files of truth/ as text; the schemas are in truth_io.cpp.
+/// Readers: @throws std::runtime_error naming `name`, key, value and limit.
+
+std::string views_to_json(const std::vector<TrueView>& views);  ///< camera.json
+std::vector<TrueView> views_from_json(std::string_view text, const std::string& name);
+
+std::string scene_to_json(const Scene& scene);  ///< scene.json: all but meshes, keypoints, traits
+/// Models come without meshes; `mesh_files` gets their paths below truth/.
+Scene scene_from_json(std::string_view text, const std::string& name,
+                      std::vector<std::string>& mesh_files);
+std::string mesh_file(std::size_t model);  ///< "models/obj_000001.ply": BOP counts objects from 1
+
+std::string keypoints_to_json(const Scene& scene);
+void keypoints_from_json(std::string_view text, const std::string& name, Scene& scene);
+std::string true_traits_to_json(const Scene& scene);
+void true_traits_from_json(std::string_view text, const std::string& name, Scene& scene);
+
+/// Specimens by id: the order of BOP's lists and mask files.
+std::vector<const Instance*> specimens(const Scene& scene);
+std::string scene_gt_to_json(const Scene& scene, const std::vector<TrueView>& views);
+std::string scene_gt_info_to_json(const std::vector<TrueView>& views,
+                                  const std::vector<TruthImages>& images);
+/// Fills `visibility` of the images, one for each view.
+void scene_gt_info_from_json(std::string_view text, const std::string& name,
+                             const std::vector<TrueView>& views, std::vector<TruthImages>& images);
+
+}  // namespace cousin

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <limits>
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+namespace cousin {
+
+/// Rays travel in packets of this many lanes. Private to sim/render and its benchmarks.
+inline constexpr int kLanes = 16;
+using HitPacket = RTCRayHit16;
+using ShadowPacket = RTCRay16;
+
+/// Which lanes carry a ray: -1 = yes, 0 = no.
+struct alignas(64) LaneMask {
+  int lane[kLanes];
+};
+
+/// Denormal floats are flushed to zero while this lives, as Embree asks; the thread's mode is then
+/// restored.
+class FlushDenormals {
+ public:
+#if defined(__SSE__)
+  FlushDenormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040U); }  // FTZ and DAZ
+  ~FlushDenormals() { _mm_setcsr(before_); }
+
+ private:
+  unsigned int before_;
+#else
+  FlushDenormals() {}
+#endif
+ public:
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+};
+
+inline RTCIntersectContext make_context(RTCIntersectContextFlags flags) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = flags;
+  return context;
+}
+
+/// Lane `i` becomes a ray that has hit nothing yet.
+template <class Packet>
+inline void set_ray(Packet& ray, int i, float ox, float oy, float oz, float dx, float dy, float dz,
+                    float far = std::numeric_limits<float>::infinity()) {
+  ray.org_x[i] = ox;
+  ray.org_y[i] = oy;
+  ray.org_z[i] = oz;
+  ray.tnear[i] = 0;
+  ray.dir_x[i] = dx;
+  ray.dir_y[i] = dy;
+  ray.dir_z[i] = dz;
+  ray.time[i] = 0;
+  ray.tfar[i] = far;
+  ray.mask[i] = 0xFFFFFFFFU;
+  ray.id[i] = 0;
+  ray.flags[i] = 0;
+}
+
+}  // namespace cousin

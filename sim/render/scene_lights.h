@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "sim/truth/scene.h"
+
+namespace cousin {
+
+/// The scene's lights as the renderer uses them: float, positions less RayScene's centre. Lamps
+/// shine but are not surfaces: they block no ray. Private to sim/render.
+struct SceneLights {
+  struct SunDisk {
+    Eigen::Vector3f to_sun;
+    float cos_radius = 1;
+    Eigen::Vector3f irradiance;
+    Eigen::Vector3f radiance;
+  };
+  struct LampFace {
+    Eigen::Vector3f centre_m, axis_u_m, axis_v_m;
+    Eigen::Vector3f normal;  ///< the side that shines
+    float area_m2 = 0;
+    Eigen::Vector3f radiance;
+  };
+  struct SkyDome {
+    Eigen::Vector3f zenith, horizon, ground;
+  };
+  std::vector<SunDisk> suns;
+  std::vector<LampFace> lamps;
+  std::vector<SkyDome> skies;
+};
+
+/// @throws std::invalid_argument for a lamp without area, a zero direction to the sun, or a number
+/// that is not finite or negative.
+SceneLights make_lights(const Scene& scene, const Eigen::Vector3d& centre_m);
+
+/// Radiance of all skies along a unit direction.
+Eigen::Vector3f sky_radiance(const SceneLights& lights, const Eigen::Vector3f& direction);
+/// Radiance of the suns' disks along a unit direction.
+Eigen::Vector3f sun_radiance(const SceneLights& lights, const Eigen::Vector3f& direction);
+/// Direction to a point of the sun's disk.
+Eigen::Vector3f draw_sun(const SceneLights::SunDisk& sun, const Eigen::Vector2f& u);
+
+/// Whether a ray meets a lamp's shining side before `far_m`: the density there, per steradian, of a
+/// point drawn evenly on the lamp as seen from the origin; 0 = it does not.
+float hit_lamp(const SceneLights::LampFace& lamp, const Eigen::Vector3f& origin_m,
+               const Eigen::Vector3f& direction, float far_m);
+
+/// A point drawn evenly on a lamp, seen from `from_m`. `density` 0: the lamp does not shine towards
+/// it.
+struct LampDraw {
+  Eigen::Vector3f direction;
+  float distance_m = 0;
+  float density = 0;  ///< per steradian
+};
+LampDraw draw_lamp(const SceneLights::LampFace& lamp, const Eigen::Vector3f& from_m,
+                   const Eigen::Vector2f& u);
+
+}  // namespace cousin

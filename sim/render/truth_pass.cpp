@@ -1,0 +1,324 @@
+#include "sim/render/truth_pass.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "sim/render/ray_scene_impl.h"
+#include "sim/render/ray_table.h"
+#include "sim/render/truth_samples.h"
+
+namespace cousin {
+namespace {
+
+constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
+constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
+
+/// Pointers to one row of each image; null for what is not needed.
+struct TruthRow {
+  float* depth_m = nullptr;
+  Eigen::Vector3f* normal = nullptr;
+  Eigen::Vector3f* position_m = nullptr;
+  std::int32_t* instance = nullptr;
+  std::uint16_t* part = nullptr;
+};
+
+template <class T>
+T* row_of(Image<T>& image, int y) {
+  return image.empty() ? nullptr : image.row(y).data();
+}
+
+/// The plane of a hit triangle as one row's rays meet it; neighbouring pixels often share it.
+struct RowPlane {
+  const TrianglePlane* plane = nullptr;
+  double gap_m = 0;  ///< from the camera centre to the plane, along the normal
+  Eigen::Vector3f normal_in_camera = Eigen::Vector3f::Zero();
+};
+
+RowPlane row_plane(const TrianglePlane& plane, const PreparedRays::Row& row) {
+  const Eigen::Vector3d normal(plane.normal[0], plane.normal[1], plane.normal[2]);
+  return {&plane, plane.distance - normal.dot(row.origin_m),
+          (row.camera_from_world * normal).cast<float>()};
+}
+
+/// The hit in double: where the ray meets the triangle's plane.
+struct ExactHit {
+  bool accepted = false;
+  double t_m = 0;
+  double facing = 0;  ///< normal . direction
+};
+
+/// @param reach_m  sum of the origin's coordinates, for the rounding of the float ray.
+inline ExactHit exact_hit(const RowPlane& row_plane, const Eigen::Vector3d& o, double reach_m,
+                          const Eigen::Vector3d& d) {
+  const TrianglePlane& plane = *row_plane.plane;
+  const double facing = plane.normal[0] * d.x() + plane.normal[1] * d.y() + plane.normal[2] * d.z();
+  const double inverse = 1 / facing;
+  const double t = row_plane.gap_m * inverse;
+  // In-plane slip of the float ray against the double one: a few ulps of the distances over the
+  // cosine.
+  const double slip = 8 * 0x1p-23 * (t + reach_m) * std::abs(inverse);
+  const double px = o.x() + t * d.x(), py = o.y() + t * d.y(), pz = o.z() + t * d.z();
+  const bool inside = (t > 0) & (px >= plane.low[0] - slip) & (px <= plane.high[0] + slip) &
+                      (py >= plane.low[1] - slip) & (py <= plane.high[1] + slip) &
+                      (pz >= plane.low[2] - slip) & (pz <= plane.high[2] + slip);
+  return {inside, t, facing};
+}
+
+/// Casts on beyond a hit that was rejected. Lane hits are rare here, so one ray at a time.
+bool cast_on(const RayScene::Impl& impl, const PreparedRays::Row& row, const Eigen::Vector3d& d,
+             float tnear, unsigned int& geometry, RowPlane& plane, ExactHit& hit) {
+  const Eigen::Vector3d& o = row.origin_m;
+  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  for (;;) {
+    RTCRayHit ray{};
+    ray.ray.org_x = static_cast<float>(o.x());
+    ray.ray.org_y = static_cast<float>(o.y());
+    ray.ray.org_z = static_cast<float>(o.z());
+    ray.ray.dir_x = static_cast<float>(d.x());
+    ray.ray.dir_y = static_cast<float>(d.y());
+    ray.ray.dir_z = static_cast<float>(d.z());
+    ray.ray.tnear = std::nextafter(tnear, std::numeric_limits<float>::infinity());
+    ray.ray.tfar = std::numeric_limits<float>::infinity();
+    ray.ray.mask = 0xFFFFFFFFU;
+    ray.hit.geomID = kNone;
+    rtcIntersect1(impl.scene, &context, &ray);
+    if (ray.hit.geomID == kNone) return false;
+    geometry = ray.hit.geomID;
+    plane = row_plane(impl.geometries[geometry].planes[ray.hit.primID], row);
+    hit = exact_hit(plane, o, o.lpNorm<1>(), d);
+    if (hit.accepted) return true;
+    tnear = ray.ray.tfar;
+  }
+}
+
+class RowTracer {
+ public:
+  RowTracer(const RayScene::Impl& impl, const PreparedRays& rays) : impl_(impl), rays_(rays) {
+    context_ = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  }
+
+  void operator()(int y, const TruthRow& out) {
+    const PreparedRays::Row& row = rays_.rows[static_cast<std::size_t>(y)];
+    const Eigen::Vector3f o = row.origin_m.cast<float>();
+    plane_ = {};
+    axis_ = row.camera_from_world.row(2);
+    reach_m_ = row.origin_m.lpNorm<1>();
+    const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(rays_.stride);
+    for (int x = 0; x < rays_.width; x += kLanes) {
+      const std::size_t at = first + static_cast<std::size_t>(x);
+      load_packet(rays_, at, o, packet_, mask_);
+      rtcIntersect16(mask_.lane, impl_.scene, &context_, &packet_);
+      const int lanes = std::min(kLanes, rays_.width - x);
+      if (lanes == kLanes && resolve_together(row, at, x, out)) continue;
+      for (int i = 0; i < lanes; ++i) {
+        if (packet_.hit.geomID[i] != kNone)
+          resolve(row, at + static_cast<std::size_t>(i), i, x + i, out);
+      }
+    }
+  }
+
+ private:
+  /// The common case, in vectors: all lanes meet one triangle well inside. False if they do not.
+  bool resolve_together(const PreparedRays::Row& row, std::size_t ray, int x, const TruthRow& out) {
+    const unsigned int geometry = packet_.hit.geomID[0], triangle = packet_.hit.primID[0];
+    unsigned int differs = 0;
+    for (int i = 0; i < kLanes; ++i) {
+      differs |= (packet_.hit.geomID[i] ^ geometry) | (packet_.hit.primID[i] ^ triangle);
+    }
+    if (differs != 0 || geometry == kNone) return false;
+    const RayGeometry& g = impl_.geometries[geometry];
+    if (plane_.plane != &g.planes[triangle]) plane_ = row_plane(g.planes[triangle], row);
+
+    const float *hx = &rays_.x[ray], *hy = &rays_.y[ray], *hz = &rays_.z[ray];
+    const float *lx = &rays_.x_rest[ray], *ly = &rays_.y_rest[ray], *lz = &rays_.z_rest[ray];
+    const Eigen::Vector3d o = row.origin_m, axis = axis_;
+    const RowPlane plane = plane_;
+    const double reach_m = reach_m_;
+    alignas(64) double t[kLanes], depth_m[kLanes], facing[kLanes];
+    int accepted = 0;
+    for (int i = 0; i < kLanes; ++i) {
+      const double dx = static_cast<double>(hx[i]) + static_cast<double>(lx[i]);
+      const double dy = static_cast<double>(hy[i]) + static_cast<double>(ly[i]);
+      const double dz = static_cast<double>(hz[i]) + static_cast<double>(lz[i]);
+      const ExactHit hit = exact_hit(plane, o, reach_m, {dx, dy, dz});
+      t[i] = hit.t_m;
+      facing[i] = hit.facing;
+      depth_m[i] = hit.t_m * (axis[0] * dx + axis[1] * dy + axis[2] * dz);
+      accepted += hit.accepted ? 1 : 0;
+    }
+    if (accepted != kLanes) return false;
+
+    if (out.depth_m) {
+      for (int i = 0; i < kLanes; ++i) out.depth_m[x + i] = static_cast<float>(depth_m[i]);
+    }
+    if (out.normal) {
+      const Eigen::Vector3f n =
+          facing[0] > 0 ? Eigen::Vector3f(-plane.normal_in_camera) : plane.normal_in_camera;
+      std::fill_n(out.normal + x, kLanes, n);  // one side of one plane: all rays share an origin
+    }
+    if (out.instance) std::fill_n(out.instance + x, kLanes, g.id);
+    if (out.part) std::fill_n(out.part + x, kLanes, plane.plane->part);
+    if (out.position_m) {
+      for (int i = 0; i < kLanes; ++i) {
+        const Eigen::Vector3d d(static_cast<double>(hx[i]) + static_cast<double>(lx[i]),
+                                static_cast<double>(hy[i]) + static_cast<double>(ly[i]),
+                                static_cast<double>(hz[i]) + static_cast<double>(lz[i]));
+        out.position_m[x + i] = (o + t[i] * d + impl_.centre_m).cast<float>();
+      }
+    }
+    return true;
+  }
+
+  void resolve(const PreparedRays::Row& row, std::size_t ray, int lane, int x,
+               const TruthRow& out) {
+    const Eigen::Vector3d& o = row.origin_m;
+    const Eigen::Vector3d d(
+        static_cast<double>(rays_.x[ray]) + static_cast<double>(rays_.x_rest[ray]),
+        static_cast<double>(rays_.y[ray]) + static_cast<double>(rays_.y_rest[ray]),
+        static_cast<double>(rays_.z[ray]) + static_cast<double>(rays_.z_rest[ray]));
+    unsigned int geometry = packet_.hit.geomID[lane];
+    const TrianglePlane& first = impl_.geometries[geometry].planes[packet_.hit.primID[lane]];
+    if (plane_.plane != &first) plane_ = row_plane(first, row);
+    ExactHit hit = exact_hit(plane_, o, reach_m_, d);
+    if (!hit.accepted && !cast_on(impl_, row, d, packet_.ray.tfar[lane], geometry, plane_, hit))
+      return;
+
+    if (out.depth_m) out.depth_m[x] = static_cast<float>(hit.t_m * axis_.dot(d));
+    if (out.normal) {
+      out.normal[x] =
+          hit.facing > 0 ? Eigen::Vector3f(-plane_.normal_in_camera) : plane_.normal_in_camera;
+    }
+    if (out.position_m) out.position_m[x] = (o + hit.t_m * d + impl_.centre_m).cast<float>();
+    if (out.instance) out.instance[x] = impl_.geometries[geometry].id;
+    if (out.part) out.part[x] = plane_.plane->part;
+  }
+
+  const RayScene::Impl& impl_;
+  const PreparedRays& rays_;
+  RTCIntersectContext context_;
+  HitPacket packet_;
+  LaneMask mask_;
+  RowPlane plane_;                                   ///< of the last hit in this row
+  Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();  ///< optical axis in the world
+  double reach_m_ = 0;
+};
+
+}  // namespace
+
+PreparedRays prepare_rays(const RayScene& rays, const TrueView& view) {
+  validate(view.camera);
+  PreparedRays prepared;
+  prepared.width = view.camera.width_px;
+  prepared.height = view.camera.height_px;
+  prepared.stride = (prepared.width + kLanes - 1) / kLanes * kLanes;
+  const std::size_t count =
+      static_cast<std::size_t>(prepared.stride) * static_cast<std::size_t>(prepared.height);
+  for (auto* values : {&prepared.x, &prepared.y, &prepared.z, &prepared.x_rest, &prepared.y_rest,
+                       &prepared.z_rest}) {
+    values->assign(count, 0.0F);
+  }
+  prepared.rows.resize(static_cast<std::size_t>(prepared.height));
+
+  // At 89.99 degrees of incidence depth changes 6000 times as fast as the direction: 1e-7 px keeps
+  // 1e-6.
+  const auto directions = lens_directions(view.camera, 0, 0, prepared.width, prepared.height, 1e-7);
+  tbb::parallel_for(0, prepared.height, [&](int y) {
+    const Pose camera_from_world = pose_at_row(view, y);
+    PreparedRays::Row& row = prepared.rows[static_cast<std::size_t>(y)];
+    row.camera_from_world = camera_from_world.rotation.toRotationMatrix();
+    row.origin_m = centre_in_world_m(camera_from_world) - rays.impl().centre_m;
+    const Eigen::Matrix3d world_from_camera = row.camera_from_world.transpose();
+    for (int x = 0; x < prepared.width; ++x) {
+      const std::size_t from =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(prepared.width) +
+          static_cast<std::size_t>(x);
+      const std::size_t to =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(prepared.stride) +
+          static_cast<std::size_t>(x);
+      const Eigen::Vector3d d = world_from_camera * directions[from];
+      prepared.x[to] = static_cast<float>(d.x());
+      prepared.y[to] = static_cast<float>(d.y());
+      prepared.z[to] = static_cast<float>(d.z());
+      prepared.x_rest[to] = static_cast<float>(d.x() - static_cast<double>(prepared.x[to]));
+      prepared.y_rest[to] = static_cast<float>(d.y() - static_cast<double>(prepared.y[to]));
+      prepared.z_rest[to] = static_cast<float>(d.z() - static_cast<double>(prepared.z[to]));
+    }
+  });
+  return prepared;
+}
+
+TruthImages render_truth(const RayScene& rays, const Scene& scene, const TrueView& view,
+                         const TruthNeeds& needs, const TruthConfig& config) {
+  return render_truth(rays, scene, view, prepare_rays(rays, view), needs, config);
+}
+
+TruthImages render_truth(const RayScene& rays, const Scene& scene, const TrueView& view,
+                         const PreparedRays& prepared, const TruthNeeds& needs,
+                         const TruthConfig& config) {
+  const int width = prepared.width, height = prepared.height;
+  if (width != view.camera.width_px || height != view.camera.height_px) {
+    throw std::invalid_argument(
+        "truth pass: the prepared rays are of another image size than the view");
+  }
+  if (scene.instances.size() != rays.impl().geometries.size()) {
+    throw std::invalid_argument("truth pass: the scene \"" + scene.name +
+                                "\" is not the one of the rays");
+  }
+  TruthImages truth;
+  Image<std::int32_t> instance;
+  const bool needs_ids = needs.instance || needs.coverage || needs.visibility;
+  // Fresh memory costs more to touch than to fill, so the images are made side by side.
+  tbb::parallel_invoke(
+      [&] {
+        if (needs.normal)
+          truth.normal = Image<Eigen::Vector3f>(width, height, Eigen::Vector3f::Zero());
+      },
+      [&] {
+        if (needs.depth) truth.depth_m = Image<float>(width, height, kNoDepth);
+        if (needs_ids) instance = Image<std::int32_t>(width, height, -1);
+      },
+      [&] {
+        if (!needs.position) return;
+        truth.position_m =
+            Image<Eigen::Vector3f>(width, height, Eigen::Vector3f::Constant(kNoDepth));
+      },
+      [&] {
+        if (needs.part) truth.part = Image<std::uint16_t>(width, height, std::uint16_t{65535});
+      });
+
+  tbb::parallel_for(
+      tbb::blocked_range<int>(0, height, 8), [&](const tbb::blocked_range<int>& range) {
+        const FlushDenormals flush;
+        RowTracer trace(rays.impl(), prepared);
+        for (int y = range.begin(); y < range.end(); ++y) {
+          trace(y, {row_of(truth.depth_m, y), row_of(truth.normal, y), row_of(truth.position_m, y),
+                    row_of(instance, y), row_of(truth.part, y)});
+        }
+      });
+
+  if (needs.coverage) {
+    Image<std::uint8_t> is_specimen(width, height);
+    std::vector<std::int32_t> specimens;
+    for (const RayGeometry& g : rays.impl().geometries) {
+      if (g.is_specimen) specimens.push_back(g.id);
+    }
+    std::sort(specimens.begin(), specimens.end());
+    std::transform(instance.begin(), instance.end(), is_specimen.begin(), [&](std::int32_t id) {
+      return std::uint8_t{std::binary_search(specimens.begin(), specimens.end(), id)};
+    });
+    truth.specimen_coverage =
+        specimen_coverage(rays, prepared, is_specimen, config.coverage_samples);
+  }
+  if (needs.visibility) add_visibility(rays, view, prepared, instance, truth);
+  if (needs.instance) truth.instance = std::move(instance);
+  return truth;
+}
+
+}  // namespace cousin

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "sim/render/ray_scene.h"
+#include "sim/truth/truth_images.h"
+
+namespace cousin {
+
+/// Which images a run needs; everything else is left out.
+struct TruthNeeds {
+  bool depth = false;
+  bool normal = false;
+  bool position = false;
+  bool instance = false;
+  bool part = false;
+  bool coverage =
+      false;  ///< several samples a pixel, where neighbouring pixels differ in being specimen
+  bool visibility =
+      false;  ///< visible fraction and full (amodal) masks, by rays that ignore other instances
+};
+
+struct TruthConfig {
+  int coverage_samples = 16;  ///< a pixel, a square number: stratified
+};
+
+/// The rays of one view's pixel centres, ready to be cast at one RayScene. Row y holds `stride`
+/// rays, of which the first `width` are pixels; a direction of zero means that the lens model gives
+/// no ray there.
+struct PreparedRays {
+  int width = 0;
+  int height = 0;
+  int stride = 0;  ///< `width` rounded up to whole packets
+  /// Unit directions in the world, as float and the double's remainder: their sum has 48 bits.
+  std::vector<float> x, y, z;
+  std::vector<float> x_rest, y_rest, z_rest;
+  struct Row {
+    Eigen::Vector3d origin_m;  ///< camera centre, less the scene's centre
+    Eigen::Matrix3d camera_from_world;
+  };
+  std::vector<Row> rows;  ///< one pose a row: a rolling shutter exposes a row at once
+};
+
+PreparedRays prepare_rays(const RayScene& rays, const TrueView& view);
+
+/// Truth seen through the true lens: one ray a pixel centre, distorted per ray, rolling shutter per
+/// row. Pixels whose lens model gives no ray are "none". Depth, normal and position come from the
+/// hit triangle's plane in double precision; a hit whose point is then outside the triangle's
+/// bounds is Embree's mistake (embree#387) and the ray goes on. TBB over rows; the same bytes on
+/// any number of threads.
+/// @throws std::invalid_argument for an invalid camera, or coverage_samples that is not a square
+/// number.
+TruthImages render_truth(const RayScene& rays, const Scene& scene, const TrueView& view,
+                         const TruthNeeds& needs, const TruthConfig& config = {});
+TruthImages render_truth(const RayScene& rays, const Scene& scene, const TrueView& view,
+                         const PreparedRays& prepared, const TruthNeeds& needs,
+                         const TruthConfig& config = {});
+
+}  // namespace cousin

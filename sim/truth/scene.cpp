@@ -1,0 +1,81 @@
+#include "sim/truth/scene.h"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "sim/truth/truth_images.h"
+
+namespace cousin {
+
+Pose world_from_object(const Instance& instance, double time_s) {
+  const auto& motion = instance.motion;
+  if (motion.empty()) return instance.world_from_object;
+  if (time_s <= motion.front().time_s) return motion.front().world_from_object;
+  if (time_s >= motion.back().time_s) return motion.back().world_from_object;
+  const auto after = std::upper_bound(motion.begin(), motion.end(), time_s,
+                                      [](double t, const TimedPose& p) { return t < p.time_s; });
+  const auto before = after - 1;
+  const double fraction = (time_s - before->time_s) / (after->time_s - before->time_s);
+  return interpolate(before->world_from_object, after->world_from_object, fraction);
+}
+
+Mesh mesh_in_world(const Scene& scene, const Instance& instance, double time_s) {
+  Mesh mesh = scene.models.at(static_cast<std::size_t>(instance.model)).mesh;
+  const Pose pose = world_from_object(instance, time_s);
+  for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex = pose * vertex;
+  return mesh;
+}
+
+Pose pose_at_row(const TrueView& view, double y) {
+  const double last = view.camera.height_px - 1;
+  if (last <= 0) return view.camera_from_world;
+  return interpolate(view.camera_from_world, view.camera_from_world_end, y / last);
+}
+
+void validate(const Scene& scene) {
+  for (const ObjectModel& model : scene.models) {
+    const auto fail = [&](const char* what) {
+      throw std::invalid_argument("scene \"" + scene.name + "\", model \"" + model.name + "\": " + what);
+    };
+    const std::size_t vertices = model.mesh.vertices_m.size();
+    const std::size_t triangles = model.mesh.triangles.size();
+    for (const auto& vertex : model.mesh.vertices_m) {
+      if (!vertex.allFinite()) fail("a vertex is not finite");
+    }
+    for (const auto& triangle : model.mesh.triangles) {
+      for (const std::uint32_t index : triangle) {
+        if (index >= vertices) fail("a triangle's index is beyond the vertices");
+      }
+    }
+    if (!model.vertex_albedo.empty() && model.vertex_albedo.size() != vertices) {
+      fail("vertex_albedo has another size than the vertices");
+    }
+    if (!model.vertex_normals.empty() && model.vertex_normals.size() != vertices) {
+      fail("vertex_normals has another size than the vertices");
+    }
+    if (!model.triangle_part.empty() && model.triangle_part.size() != triangles) {
+      fail("triangle_part has another size than the triangles");
+    }
+  }
+  std::set<int> ids;
+  for (const Instance& instance : scene.instances) {
+    const auto fail = [&](const char* what) {
+      throw std::invalid_argument("scene \"" + scene.name + "\", instance \"" + instance.name + "\": " + what);
+    };
+    if (instance.id < 0 || !ids.insert(instance.id).second) fail("its id is negative or not unique");
+    if (instance.model < 0 || instance.model >= static_cast<int>(scene.models.size())) fail("no such model");
+    if (instance.material < 0 || instance.material >= static_cast<int>(scene.materials.size())) {
+      fail("no such material");
+    }
+    if (!instance.world_from_object.translation_m.allFinite() ||
+        !instance.world_from_object.rotation.coeffs().allFinite()) {
+      fail("its pose is not finite");
+    }
+    for (std::size_t i = 1; i < instance.motion.size(); ++i) {
+      if (!(instance.motion[i].time_s > instance.motion[i - 1].time_s)) fail("its motion is not sorted by time");
+    }
+  }
+}
+
+}  // namespace cousin

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sim/types/camera.h"
+#include "sim/types/image.h"
+#include "sim/types/pose.h"
+
+namespace cousin {
+
+/// The true lens and motion of one exposure.
+struct TrueView {
+  int frame = 0;
+  double time_s = 0;
+  Camera camera;                 ///< the lens as it was, this image
+  Pose camera_from_world;        ///< when the first row is read
+  Pose camera_from_world_end;    ///< when the last row is read; equal for a global shutter
+};
+
+/// Pose when row `y` is read (linear in the row).
+Pose pose_at_row(const TrueView& view, double y);
+
+/// How much of one instance a view shows.
+struct InstanceVisibility {
+  int instance = 0;
+  std::int64_t pixels_full = 0;     ///< rays of the image that would hit it were it alone (amodal)
+  std::int64_t pixels_visible = 0;  ///< rays that hit it first
+  double visible_fraction = 0;      ///< pixels_visible / pixels_full; 0 if it is not in the image
+  int box_x = 0, box_y = 0, box_width = 0, box_height = 0;  ///< of the full mask, pixels
+};
+
+/// One sample through each pixel's centre. Images that were not asked for stay empty.
+struct TruthImages {
+  Image<float> depth_m;                ///< along the optical axis; NaN = no surface
+  Image<Eigen::Vector3f> normal;       ///< geometric, unit, in the camera, towards it; zero = none
+  Image<Eigen::Vector3f> position_m;   ///< in the world; NaN = none
+  Image<std::int32_t> instance;        ///< Instance::id; -1 = none
+  Image<std::uint16_t> part;           ///< part of the instance; 65535 = none
+  Image<float> specimen_coverage;      ///< share of the pixel's area that shows a specimen, from several samples
+  std::vector<InstanceVisibility> visibility;  ///< specimens, by id
+  std::vector<Image<std::uint8_t>> masks_full;  ///< one for each of `visibility`: 255 inside the amodal mask
+};
+
+}  // namespace cousin

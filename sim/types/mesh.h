@@ -1,0 +1,18 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace cousin {
+
+/// Triangle mesh. Triangles are counter-clockwise seen from outside. No uniqueness or
+/// watertightness is implied: see sim/geometry/mesh_check.h.
+struct Mesh {
+  std::vector<Eigen::Vector3d> vertices_m;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+}  // namespace cousin

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sim/types/camera.h"
+#include "sim/types/image.h"
+#include "sim/types/mesh.h"
+#include "sim/types/pose.h"
+
+namespace cousin {
+
+/// Values that pass between the stages of a pipeline; each is a file of an estimate folder (design §3).
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// ---- corners.json -----------------------------------------------------------------------------
+struct CornerObservation {
+  int column = 0;  ///< of the board's inner corners
+  int row = 0;
+  Eigen::Vector2d pixel_px = Eigen::Vector2d::Zero();
+  double sigma_px = 0.1;  ///< predicted standard deviation per axis
+};
+enum class BoardStatus { ok, not_seen, too_few_corners, ambiguous, no_image };
+struct FrameCorners {
+  int frame = 0;
+  BoardStatus status = BoardStatus::not_seen;
+  std::vector<CornerObservation> corners;  ///< unique (column, row)
+};
+using Corners = std::vector<FrameCorners>;  ///< one for each frame of the capture, same order
+
+// ---- poses.json -------------------------------------------------------------------------------
+enum class PoseStatus { ok, no_board, degenerate, not_converged };
+struct FramePose {
+  int frame = 0;
+  PoseStatus status = PoseStatus::no_board;
+  Pose camera_from_world;  ///< meaningful only when status is ok
+  Camera camera;           ///< refined lens of this image
+  /// Of (rotation vector of the camera-side increment, translation) in rad and m; zero if unknown.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  double rms_px = kNaN;  ///< per coordinate: sqrt(sum of squared residual coordinates / their count)
+  int corner_count = 0;
+};
+using Poses = std::vector<FramePose>;  ///< one for each frame, same order
+
+// ---- depth/*.exr ------------------------------------------------------------------------------
+struct FrameDepth {
+  int frame = 0;
+  Image<float> depth_m;  ///< along the optical axis; NaN = none; empty if the frame was not used
+  Image<float> sigma_m;  ///< same size, or empty if unknown
+};
+using Depths = std::vector<FrameDepth>;
+
+// ---- cloud.ply, clusters.ply --------------------------------------------------------------------
+struct CloudPoint {
+  Eigen::Vector3f position_m;  ///< in the world
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, outward; zero = unknown
+  Rgb8 color;
+  float sigma_m = 0;  ///< standard deviation along the normal; 0 = unknown
+};
+using Cloud = std::vector<CloudPoint>;
+struct Clusters {
+  Cloud cloud;
+  std::vector<int> instance;  ///< one for each point; -1 = no seed; instances count from 0
+  int count = 0;
+};
+
+// ---- masks.json (COCO results) ------------------------------------------------------------------
+/// A point of an outline with the direction out of the object.
+struct OutlinePoint {
+  Eigen::Vector2f pixel_px;
+  Eigen::Vector2f normal;  ///< unit, outward in the image
+  float sigma_px = 0.1F;   ///< standard deviation along the normal
+  bool on_object = true;   ///< false where another object or the image's border cuts the outline
+};
+struct Silhouette {
+  int frame = 0;
+  int instance = 0;
+  std::vector<OutlinePoint> outline;  ///< closed polygon at sub-pixel precision, in order
+};
+using Silhouettes = std::vector<Silhouette>;
+
+// ---- meshes/*.ply -------------------------------------------------------------------------------
+enum class SurfaceStatus { ok, too_few_views, empty, not_converged, touching, not_watertight };
+struct Surface {
+  int instance = 0;
+  SurfaceStatus status = SurfaceStatus::empty;
+  Mesh mesh;  ///< closed, in the world; may be empty for chains that keep points only
+  std::vector<Eigen::Vector3d> points_m;  ///< the cluster, for chains that measure points
+  /// Equally likely alternatives to `mesh` (same triangles), drawn from the fit's uncertainty.
+  std::vector<std::vector<Eigen::Vector3d>> samples_m;
+};
+using Surfaces = std::vector<Surface>;
+
+// ---- traits.json --------------------------------------------------------------------------------
+enum class TraitStatus { ok, not_solved };
+struct Trait {
+  std::string name;  ///< length, width, height, area, volume
+  std::string unit;  ///< m, m2, m3
+  double value = kNaN;
+  double sigma = kNaN;  ///< standard deviation; NaN = not given
+};
+struct SpecimenTraits {
+  int instance = 0;
+  TraitStatus status = TraitStatus::not_solved;
+  std::string reason;  ///< why not solved
+  Eigen::Vector3d centroid_in_world_m = Eigen::Vector3d::Constant(kNaN);
+  std::vector<Trait> traits;
+};
+using Traits = std::vector<SpecimenTraits>;
+
+/// Names used in files and tables.
+std::string_view to_string(BoardStatus status);
+std::string_view to_string(PoseStatus status);
+std::string_view to_string(SurfaceStatus status);
+std::string_view to_string(TraitStatus status);
+
+/// Seconds a stage took and what it left in memory.
+struct StageTiming {
+  std::string stage;
+  double wall_s = 0;
+  double cpu_s = 0;
+  double peak_rss_mb = 0;
+};
+
+}  // namespace cousin

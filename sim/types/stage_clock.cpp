@@ -1,0 +1,45 @@
+#include "sim/types/stage_clock.h"
+
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <utility>
+
+namespace cousin {
+namespace {
+
+double clock_s(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+StageClock::StageClock(std::string stage)
+    : stage_(std::move(stage)),
+      wall_start_s_(clock_s(CLOCK_MONOTONIC)),
+      cpu_start_s_(clock_s(CLOCK_PROCESS_CPUTIME_ID)) {}
+
+StageTiming StageClock::finish() const {
+  return {stage_, clock_s(CLOCK_MONOTONIC) - wall_start_s_,
+          clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_, peak_rss_mb()};
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+double current_rss_mb() {
+  std::ifstream file("/proc/self/statm");
+  long total_pages = 0;
+  long resident_pages = 0;
+  file >> total_pages >> resident_pages;
+  return static_cast<double>(resident_pages) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+}  // namespace cousin
