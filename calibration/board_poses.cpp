@@ -1,0 +1,116 @@
+#include "calibration/board_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <tbb/parallel_for.h>
+
+#include "calibration/board_bundle.h"
+#include "calibration/field_limits.h"
+#include "calibration/planar_pose.h"
+
+namespace cousin {
+namespace {
+
+void check_input(const Capture& capture, const Corners& corners, const SeedBoard& board) {
+  if (corners.size() != capture.frames.size()) {
+    throw std::invalid_argument("corners of " + std::to_string(corners.size()) + " frames for a capture of " +
+                                std::to_string(capture.frames.size()));
+  }
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const std::string frame = "frame " + std::to_string(capture.frames[i].id);
+    if (corners[i].frame != capture.frames[i].id) {
+      throw std::invalid_argument(frame + ": its corners are of frame " + std::to_string(corners[i].frame));
+    }
+    if (capture.frames[i].sensors.empty()) throw std::invalid_argument(frame + " has no sensor");
+    validate(capture.frames[i].sensors.front().reported);
+    for (const CornerObservation& c : corners[i].corners) {
+      if (!corner_exists(board, c.column, c.row) || !c.pixel_px.allFinite() || !(c.sigma_px > 0) ||
+          !std::isfinite(c.sigma_px)) {
+        throw std::invalid_argument(frame + ": corner (" + std::to_string(c.column) + ", " + std::to_string(c.row) +
+                                    ") is not on the board, or its pixel or sigma is not a number");
+      }
+    }
+  }
+}
+
+std::vector<BoardPoint> points_of(const FrameCorners& frame, const SeedBoard& board) {
+  std::vector<BoardPoint> points;
+  for (const CornerObservation& c : frame.corners) {
+    points.push_back({corner_in_world_m(board, c.column, c.row), c.pixel_px, c.sigma_px});
+  }
+  return points;
+}
+
+}  // namespace
+
+Fields fields(BoardPosesConfig& config) {
+  return {
+      {"refine_lens", &config.refine_lens, "shared lens over all views; false: as reported"},
+      {"min_views_for_lens", &config.min_views_for_lens, "with fewer views the lens stays as reported", 2, 1e6},
+      {"focal_prior", &config.focal_prior, "relative sigma of the focal lengths' common factor", 1e-8, 1},
+      {"focal_jitter", &config.focal_jitter, "relative sigma of one image's focal length", 1e-8, 1},
+      {"centre_prior_px_per_width", &config.centre_prior_px_per_width, "sigma of the principal point, over the width",
+       1e-8, 1},
+      {"distortion_prior", &config.distortion_prior, "sigma of each distortion coefficient", 1e-8, 10},
+      {"hand_speed_m_per_s", &config.hand_speed_m_per_s, "sigma of the velocity while reading; 0 = still", 0, 10},
+      {"hand_rate_rad_per_s", &config.hand_rate_rad_per_s, "sigma of the turning rate while reading; 0 = still", 0, 10},
+      {"corner_floor_px", &config.corner_floor_px, "added in quadrature to each corner's sigma", 0, 10},
+      {"max_rms_px", &config.max_rms_px, "views that fit worse are not_converged", 1e-3, 100},
+      {"max_iterations", &config.max_iterations, "of the bundle adjustment", 1, 1000},
+  };
+}
+
+void validate(const BoardPosesConfig& config) {
+  BoardPosesConfig copy = config;
+  check_limits(fields(copy));
+}
+
+Poses estimate_board_poses(const Capture& capture, const Corners& corners, const SeedBoard& board,
+                           const BoardPosesConfig& config) {
+  validate(config);
+  validate(board);
+  check_input(capture, corners, board);
+  // A still hand has no motion to solve for; neither has a global shutter.
+  const bool moving = config.hand_speed_m_per_s > 0 && config.hand_rate_rad_per_s > 0;
+  const bool rolling = moving && !capture.rig.empty() && capture.rig.front().shutter == Shutter::rolling;
+  const double readout_s = rolling ? capture.rig.front().readout_s : 0;
+
+  Poses poses(corners.size());
+  std::vector<BundleView> views(corners.size());
+  tbb::parallel_for(std::size_t{0}, corners.size(), [&](std::size_t i) {
+    FramePose& pose = poses[i];
+    pose.frame = corners[i].frame;
+    pose.camera = capture.frames[i].sensors.front().reported;
+    if (corners[i].status != BoardStatus::ok) return;
+    pose.corner_count = static_cast<int>(corners[i].corners.size());
+    views[i] = {pose.camera, points_of(corners[i], board), {}, readout_s};
+    const PlanarPose start = estimate_planar_pose(pose.camera, views[i].points);
+    views[i].camera_from_board = start.camera_from_board;
+    pose.status = start.ok ? PoseStatus::ok : PoseStatus::degenerate;
+  });
+
+  std::vector<std::size_t> used;
+  std::vector<BundleView> solved;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (poses[i].status != PoseStatus::ok) continue;
+    used.push_back(i);
+    solved.push_back(std::move(views[i]));
+  }
+  const BundleResult result = bundle_adjust(solved, config);
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    FramePose& pose = poses[used[k]];
+    const BundleResult::View& view = result.views[k];
+    pose.camera_from_world = view.camera_from_board;
+    pose.camera = view.camera;
+    pose.covariance = view.covariance;
+    pose.rms_px = view.rms_px;
+    const bool fits = result.converged && view.rms_px <= config.max_rms_px;
+    if (!fits) pose.status = PoseStatus::not_converged;
+  }
+  return poses;
+}
+
+}  // namespace cousin

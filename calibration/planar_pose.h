@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sim/types/camera.h"
+#include "sim/types/pose.h"
+
+namespace cousin {
+
+/// A point of the board (z = 0) and where it was seen.
+struct BoardPoint {
+  Eigen::Vector3d in_board_m;
+  Eigen::Vector2d pixel_px;
+  double sigma_px = 0.1;
+};
+
+struct PlanarPose {
+  bool ok = false;  ///< false: fewer than four points, points on a line, or no convergence
+  Pose camera_from_board;
+  double rms_px = 0;  ///< per coordinate, all points
+};
+
+/// Rotation by a rotation vector, and the cross-product matrix.
+Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& rotation_vector);
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+
+/// Pose of a plane through a known lens: homography, then Levenberg-Marquardt on pixels with Huber weights, from the
+/// homography's pose and from its mirror about the line of sight (the second minimum of nearly frontal or distant
+/// planes [Collins & Bartoli, IJCV 2014]); the better one is returned.
+PlanarPose estimate_planar_pose(const Camera& camera, const std::vector<BoardPoint>& points);
+
+}  // namespace cousin

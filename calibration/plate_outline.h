@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "calibration/grid_growth.h"
+#include "sim/types/board.h"
+#include "sim/types/image.h"
+
+namespace cousin {
+
+/// The corner lattice sought in the plate turned upright: for views so low that squares are two pixels high. The plate
+/// is the largest thing in the image that is not green; four straight sides are fitted to its outline and the image is
+/// warped so that squares come out square, in which `find_saddles` and `grow_lattice` work as in a view from above.
+/// @param perceptual  the image in which saddles are sought, same size as `color`
+/// @return corners in pixels of the image; empty where no four-sided plate stands on green
+std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color, const Image<float>& perceptual,
+                                                    const SeedBoard& board, double smoothing_px, double contrast);
+
+}  // namespace cousin

@@ -1,0 +1,123 @@
+#include "perception/cloud/measure_traits.h"
+
+#include <array>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+#include "perception/segment/config_limits.h"
+#include "sim/geometry/measure.h"
+
+namespace cousin {
+namespace {
+
+constexpr std::size_t kTraits = 5;
+constexpr std::array<const char*, kTraits> kNames = {"length", "width", "height", "area", "volume"};
+constexpr std::array<const char*, kTraits> kUnits = {"m", "m", "m", "m2", "m3"};
+using Values = std::array<double, kTraits>;
+
+std::vector<Trait> traits_from(const Values& values, const Values& sigmas) {
+  std::vector<Trait> traits;
+  for (std::size_t i = 0; i < kTraits; ++i) traits.push_back({kNames[i], kUnits[i], values[i], sigmas[i]});
+  return traits;
+}
+
+Values no_sigmas() {
+  Values values;
+  values.fill(kNaN);
+  return values;
+}
+
+SpecimenTraits not_solved(int instance, std::string reason) {
+  SpecimenTraits result;
+  result.instance = instance;
+  result.reason = std::move(reason);
+  return result;
+}
+
+SpecimenTraits paper_traits(const Surface& surface, double alpha_m) {
+  if (surface.points_m.size() < 4) {
+    return not_solved(surface.instance, std::to_string(surface.points_m.size()) + " points; at least 4 needed");
+  }
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : surface.points_m) {
+    if (!p.allFinite()) return not_solved(surface.instance, "a point is not finite");
+    centroid += (p - surface.points_m.front()) / static_cast<double>(surface.points_m.size());
+  }
+  const OrientedBox box = pca_box(surface.points_m);
+  const AlphaShape shape = alpha_shape(surface.points_m, alpha_m);
+  if (shape.tetrahedra == 0) return not_solved(surface.instance, "the alpha shape is empty");
+  SpecimenTraits result;
+  result.instance = surface.instance;
+  result.status = TraitStatus::ok;
+  result.centroid_in_world_m = surface.points_m.front() + centroid;
+  result.traits = traits_from(
+      {box.size_m.x(), box.size_m.y(), box.size_m.z(), shape.area_m2, shape.volume_m3}, no_sigmas());
+  return result;
+}
+
+Values values_of(const OrientedBox& box, const MassProperties& mass) {
+  return {box.size_m.x(), box.size_m.y(), box.size_m.z(), mass.area_m2, mass.volume_m3};
+}
+
+/// Standard deviation of each trait over the samples. A sample's box is searched from the mesh's own: they differ little.
+Values sample_sigmas(const Surface& surface, const OrientedBox& box) {
+  const std::size_t n = surface.samples_m.size();
+  if (n < 2) return no_sigmas();
+  std::vector<Values> values(n);
+  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
+    values[i] = values_of(minimum_volume_box(surface.samples_m[i], box),
+                          mass_properties({surface.samples_m[i], surface.mesh.triangles}));
+  });
+  Values sigmas{};
+  for (std::size_t k = 0; k < kTraits; ++k) {
+    double mean = 0, squares = 0;
+    for (const Values& v : values) mean += v[k] / static_cast<double>(n);
+    for (const Values& v : values) squares += (v[k] - mean) * (v[k] - mean);
+    sigmas[k] = std::sqrt(squares / static_cast<double>(n - 1));
+  }
+  return sigmas;
+}
+
+SpecimenTraits mesh_traits(const Surface& surface) {
+  if (surface.status != SurfaceStatus::ok) {
+    return not_solved(surface.instance, "surface: " + std::string(to_string(surface.status)));
+  }
+  if (surface.mesh.triangles.empty()) return not_solved(surface.instance, "the surface has no mesh");
+  SpecimenTraits result;
+  result.instance = surface.instance;
+  const MassProperties mass = mass_properties(surface.mesh);
+  const OrientedBox box = minimum_volume_box(surface.mesh.vertices_m);
+  result.centroid_in_world_m = mass.centroid_m;
+  const Values values = values_of(box, mass);
+  if (!(values[kTraits - 1] > 0)) return not_solved(surface.instance, "the mesh encloses no volume");
+  result.status = TraitStatus::ok;
+  result.traits = traits_from(values, sample_sigmas(surface, box));
+  return result;
+}
+
+}  // namespace
+
+Fields fields(PaperTraitConfig& c) {
+  return {{"alpha_m", &c.alpha_m, "largest circumscribed radius of a kept tetrahedron", 1e-6, 1}};
+}
+
+void validate(const PaperTraitConfig& config) {
+  PaperTraitConfig copy = config;
+  require_within_limits("paper_traits", fields(copy));
+}
+
+Traits traits_as_paper(const Surfaces& surfaces, const PaperTraitConfig& config) {
+  validate(config);
+  Traits traits(surfaces.size());
+  for (std::size_t i = 0; i < surfaces.size(); ++i) traits[i] = paper_traits(surfaces[i], config.alpha_m);
+  return traits;
+}
+
+Traits traits_of_meshes(const Surfaces& surfaces) {
+  Traits traits(surfaces.size());
+  for (std::size_t i = 0; i < surfaces.size(); ++i) traits[i] = mesh_traits(surfaces[i]);
+  return traits;
+}
+
+}  // namespace cousin

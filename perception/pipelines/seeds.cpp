@@ -1,0 +1,182 @@
+#include "perception/pipelines/seeds.h"
+
+#include <exception>
+#include <stdexcept>
+
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+std::string text_of(SeedsMethod method) { return method == SeedsMethod::paper ? "paper" : "ours"; }
+
+SeedsMethod method_of(const std::string& text) {
+  if (text == "ours") return SeedsMethod::ours;
+  if (text == "paper") return SeedsMethod::paper;
+  throw std::invalid_argument("method \"" + text + "\" is not one of ours, paper");
+}
+
+std::string text_of(BoardKind kind) {
+  switch (kind) {
+    case BoardKind::markers: return "markers";
+    case BoardKind::plain: return "plain";
+    case BoardKind::as_reported: break;
+  }
+  return "as_reported";
+}
+
+BoardKind board_kind_of(const std::string& text) {
+  if (text == "as_reported") return BoardKind::as_reported;
+  if (text == "markers") return BoardKind::markers;
+  if (text == "plain") return BoardKind::plain;
+  throw std::invalid_argument("board \"" + text + "\" is not one of as_reported, markers, plain");
+}
+
+SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
+  const double half = 0.5 * board.plate_m + config.margin_m;
+  return {{-half, -half, -config.below_board_m}, {half, half, config.tallest_m}};
+}
+
+/// Runs one stage, times it and tells the observer; an exception names the stage and keeps what is finished.
+template <class Value, class Stage>
+void run_stage(const char* name, const Stage& stage, const Capture& capture, SeedsEstimate& estimate,
+               Value SeedsEstimate::*result, const StageObserver& observer) {
+  if (!stage) return;
+  if (observer) observer(name, false, estimate);
+  const StageClock clock(name);
+  try {
+    estimate.*result = stage(capture, estimate);
+  } catch (const std::exception& error) {
+    std::throw_with_nested(StageError(name, error.what()));
+  }
+  estimate.timings.push_back(clock.finish());
+  if (observer) observer(name, true, estimate);
+}
+
+}  // namespace
+
+StageError::StageError(const std::string& stage_name, const std::string& what)
+    : std::runtime_error("stage " + stage_name + ": " + what), stage(stage_name) {}
+
+Fields fields(SeedsPipelineConfig& config) {
+  Fields own = {
+      {"method", TextField{[&config] { return text_of(config.method); },
+                           [&config](const std::string& text) { config.method = method_of(text); }},
+       "ours: closed surfaces; paper: clusters of points, PCA box, alpha shape"},
+      {"board_kind", TextField{[&config] { return text_of(config.board_kind); },
+                               [&config](const std::string& text) { config.board_kind = board_kind_of(text); }},
+       "calibration board: as_reported by the capture, markers or plain"},
+      {"margin_m", &config.margin_m, "reconstructed beyond the plate's edge", 0, 1},
+      {"below_board_m", &config.below_board_m, "reconstructed below the board's face", 0, 1},
+      {"tallest_m", &config.tallest_m, "tallest object on the board", 0.001, 1},
+  };
+  return own + nested("board", fields(config.board)) + nested("poses", fields(config.poses)) +
+         nested("green", fields(config.green)) + nested("mvs", fields(config.mvs)) +
+         nested("fuse", fields(config.fuse)) + nested("clusters", fields(config.clusters)) +
+         nested("outlines", fields(config.outlines)) + nested("surface", fields(config.surface)) +
+         nested("paper_clusters", fields(config.paper_clusters)) +
+         nested("paper_traits", fields(config.paper_traits));
+}
+
+void validate(const SeedsPipelineConfig& config) {
+  validate(config.board);
+  validate(config.poses);
+  validate(config.green);
+  validate(config.mvs);
+  validate(config.fuse);
+  validate(config.clusters);
+  validate(config.outlines);
+  validate(config.surface);
+  validate(config.paper_clusters);
+  validate(config.paper_traits);
+}
+
+SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config) {
+  SeedBoard board;
+  if (config.board_kind == BoardKind::as_reported) {
+    if (!capture.board.empty() && capture.board != "markers" && capture.board != "plain") {
+      throw std::invalid_argument("the capture's board is \"" + capture.board +
+                                  "\"; the seeds pipeline needs markers or plain");
+    }
+    board.has_markers = capture.board != "plain";
+  } else {
+    board.has_markers = config.board_kind == BoardKind::markers;
+  }
+  return board;
+}
+
+SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) {
+  validate(config);
+  SeedsStages stages;
+  stages.corners = [config](const Capture& capture, const SeedsEstimate&) {
+    return detect_board(capture, board_of(capture, config), config.board);
+  };
+  stages.poses = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return estimate_board_poses(capture, so_far.corners, board_of(capture, config), config.poses);
+  };
+  stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return estimate_depths(capture, so_far.poses, sweep_volume(config, board_of(capture, config)), config.mvs);
+  };
+  stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return fuse_depths(capture, so_far.poses, so_far.depths, config.green, config.fuse);
+  };
+  if (config.method == SeedsMethod::paper) {
+    stages.clusters = [config, seed](const Capture&, const SeedsEstimate& so_far) {
+      return cluster_as_paper(so_far.cloud, config.paper_clusters, Rng(seed).fork("paper_clusters"));
+    };
+    stages.surfaces = [](const Capture&, const SeedsEstimate& so_far) {
+      return surfaces_of_clusters(so_far.clusters);
+    };
+    stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
+      return traits_as_paper(so_far.surfaces, config.paper_traits);
+    };
+    return stages;
+  }
+  stages.clusters = [config](const Capture&, const SeedsEstimate& so_far) {
+    return cluster_on_board(so_far.cloud, config.clusters);
+  };
+  stages.masks = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return find_outlines(capture, so_far.poses, board_of(capture, config), so_far.clusters, config.outlines);
+  };
+  stages.surfaces = [config, seed](const Capture&, const SeedsEstimate& so_far) {
+    return fit_surfaces(so_far.poses, so_far.clusters, so_far.silhouettes, config.surface,
+                        Rng(seed).fork("surface_samples"));
+  };
+  stages.traits = [](const Capture&, const SeedsEstimate& so_far) {
+    return traits_of_meshes(so_far.surfaces);
+  };
+  return stages;
+}
+
+PipelineNeeds needs(const SeedsPipelineConfig& config) {
+  PipelineNeeds result;
+  result.images = {"color"};
+  result.stages = {"corners", "poses", "depth", "cloud", "clusters"};
+  if (config.method == SeedsMethod::paper) {
+    result.left_out.emplace_back("masks", "the paper's chain measures points, not silhouettes");
+  } else {
+    result.stages.push_back("masks");
+  }
+  result.stages.insert(result.stages.end(), {"surfaces", "traits"});
+  result.left_out.emplace_back("raw", "the pipeline reads 8-bit colour");
+  result.left_out.emplace_back("sensor depth", "a phone has none; depth comes from several views");
+  return result;
+}
+
+SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,
+                        const SeedsStages& stages, const StageObserver& observer) {
+  validate(config);
+  if (capture.frames.empty()) throw std::invalid_argument("the capture has no frames");
+  SeedsEstimate estimate;
+  run_stage("corners", stages.corners, capture, estimate, &SeedsEstimate::corners, observer);
+  run_stage("poses", stages.poses, capture, estimate, &SeedsEstimate::poses, observer);
+  run_stage("depth", stages.depth, capture, estimate, &SeedsEstimate::depths, observer);
+  run_stage("cloud", stages.cloud, capture, estimate, &SeedsEstimate::cloud, observer);
+  run_stage("clusters", stages.clusters, capture, estimate, &SeedsEstimate::clusters, observer);
+  run_stage("masks", stages.masks, capture, estimate, &SeedsEstimate::silhouettes, observer);
+  run_stage("surfaces", stages.surfaces, capture, estimate, &SeedsEstimate::surfaces, observer);
+  run_stage("traits", stages.traits, capture, estimate, &SeedsEstimate::traits, observer);
+  return estimate;
+}
+
+}  // namespace cousin

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "calibration/board_detection.h"
+#include "calibration/board_poses.h"
+#include "perception/cloud/clusters.h"
+#include "perception/cloud/fuse.h"
+#include "perception/cloud/measure_traits.h"
+#include "perception/mvs/plane_sweep.h"
+#include "perception/segment/green.h"
+#include "perception/silhouette/outlines.h"
+#include "perception/silhouette/surface_fit.h"
+
+namespace cousin {
+
+/// Two methods share poses, depth and cloud: `paper` measures clusters of points, `ours` fits closed surfaces.
+enum class SeedsMethod { ours, paper };
+
+/// Which print lies under the seeds. A real capture without a rig.json does not say: then it is asked for here.
+enum class BoardKind { as_reported, markers, plain };
+
+struct SeedsPipelineConfig {
+  SeedsMethod method = SeedsMethod::ours;
+  BoardKind board_kind = BoardKind::as_reported;
+  double margin_m = 0.002;       ///< reconstructed beyond the plate's edge
+  double below_board_m = 0.002;  ///< and below its face
+  double tallest_m = 0.026;      ///< objects on the board are at most this high
+  BoardDetectionConfig board;
+  BoardPosesConfig poses;
+  GreenConfig green;
+  MvsConfig mvs;
+  FuseConfig fuse;
+  PaperClusterConfig paper_clusters;
+  BoardClusterConfig clusters;
+  OutlineConfig outlines;
+  /// Outlines alone by default: stereo sees seeds 0.2-0.3 mm too deep, on matt synthetic ones too; the cause is not known.
+  SurfaceFitConfig surface{.use_cloud = false};
+  PaperTraitConfig paper_traits;
+};
+Fields fields(SeedsPipelineConfig& config);
+void validate(const SeedsPipelineConfig& config);
+
+/// Everything between capture and traits, in the order it is made.
+struct SeedsEstimate {
+  Corners corners;
+  Poses poses;
+  Depths depths;
+  Cloud cloud;
+  Clusters clusters;
+  Silhouettes silhouettes;
+  Surfaces surfaces;
+  Traits traits;
+  std::vector<StageTiming> timings;
+};
+
+/// The seams, in order. Each takes the capture and all earlier results; a stage may be replaced by files, a program or truth.
+struct SeedsStages {
+  std::function<Corners(const Capture&, const SeedsEstimate&)> corners;
+  std::function<Poses(const Capture&, const SeedsEstimate&)> poses;
+  std::function<Depths(const Capture&, const SeedsEstimate&)> depth;
+  std::function<Cloud(const Capture&, const SeedsEstimate&)> cloud;
+  std::function<Clusters(const Capture&, const SeedsEstimate&)> clusters;
+  std::function<Silhouettes(const Capture&, const SeedsEstimate&)> masks;
+  std::function<Surfaces(const Capture&, const SeedsEstimate&)> surfaces;
+  std::function<Traits(const Capture&, const SeedsEstimate&)> traits;
+};
+/// @throws std::invalid_argument if a config is not valid.
+SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed);
+
+/// The board a configuration and a capture agree on; without a word from either, the one with markers.
+SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config);
+
+/// A stage failed: ours, a user's program, or a file that does not fit. Nested: the cause.
+class StageError : public std::runtime_error {
+ public:
+  StageError(const std::string& stage_name, const std::string& what);
+  std::string stage;
+};
+
+/// Which of a capture's images and which stages a configuration reads; what is not listed is left out.
+struct PipelineNeeds {
+  std::vector<std::string> images;  ///< "color", ...
+  std::vector<std::string> stages;
+  std::vector<std::pair<std::string, std::string>> left_out;  ///< stage, why
+};
+PipelineNeeds needs(const SeedsPipelineConfig& config);
+
+/// Called before and after each stage, for progress and for writing seams as soon as they exist.
+using StageObserver = std::function<void(const std::string& stage, bool finished, const SeedsEstimate&)>;
+
+SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config, const SeedsStages& stages,
+                        const StageObserver& observer = {});
+
+}  // namespace cousin

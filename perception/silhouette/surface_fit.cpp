@@ -1,0 +1,253 @@
+#include "perception/silhouette/surface_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include <Eigen/Cholesky>
+#include <tbb/parallel_for.h>
+
+#include "calibration/field_limits.h"
+#include "perception/silhouette/icosphere.h"
+#include "perception/silhouette/surface_problem.h"
+#include "sim/geometry/measure.h"
+
+namespace cousin {
+namespace {
+
+constexpr std::size_t kLeastCloudPoints = 10;
+constexpr std::size_t kLeastViews = 3;
+constexpr std::size_t kLeastOutlinePoints = 8;
+constexpr int kCoarseDegree = 4;
+constexpr int kCoarseIterations = 8;
+constexpr int kFullSteps = 6;
+constexpr double kCoarseLimit_px = 25;    ///< how far an outline may be from the first model
+constexpr double kFineLimit_px = 4;
+constexpr double kConverged = 2e-4;       ///< change of the radius, relative, root mean square: 1 um on a seed
+constexpr double kLooselyConverged = 4e-3;
+constexpr double kLowestPoint_m = 3e-4;   ///< stereo mixes object and board below
+
+std::vector<OutlineView> views_of(int instance, const Poses& poses, const Silhouettes& silhouettes) {
+  std::map<int, const FramePose*> posed;
+  for (const FramePose& pose : poses) {
+    if (pose.status == PoseStatus::ok) posed[pose.frame] = &pose;
+  }
+  std::vector<OutlineView> views;
+  for (const Silhouette& silhouette : silhouettes) {
+    if (silhouette.instance != instance) continue;
+    const auto pose = posed.find(silhouette.frame);
+    if (pose == posed.end()) continue;
+    OutlineView view{*pose->second, {}, {}};
+    for (std::size_t i = 0; i < silhouette.outline.size(); ++i) {
+      const OutlinePoint& point = silhouette.outline[i];
+      const bool usable = point.on_object && point.pixel_px.allFinite() && point.normal.allFinite() &&
+                          point.sigma_px > 0 && std::isfinite(point.sigma_px);
+      if (!usable) continue;
+      view.points.push_back(point);
+      view.positions.push_back(static_cast<int>(i));
+    }
+    if (view.points.size() >= kLeastOutlinePoints) views.push_back(std::move(view));
+  }
+  return views;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The cloud in patches about the vertices of a coarse sphere in the frame: stereo errs alike within a patch.
+std::vector<CloudPatch> patches_of(const std::vector<Eigen::Vector3d>& points_m, const SurfaceFrame& frame,
+                                   const Mesh& coarse, double sigma_m) {
+  const Eigen::Matrix3d u_from_world = frame.axes_m.inverse();
+  struct Cell {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    std::vector<double> radii;
+  };
+  std::vector<Cell> cells(coarse.vertices_m.size());
+  for (const Eigen::Vector3d& point : points_m) {
+    if (point.z() < kLowestPoint_m) continue;
+    const Eigen::Vector3d scaled = u_from_world * (point - frame.centre_m);
+    if (scaled.norm() < 0.05) continue;
+    const Eigen::Vector3d u = scaled.normalized();
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < coarse.vertices_m.size(); ++i) {
+      if (coarse.vertices_m[i].dot(u) > coarse.vertices_m[nearest].dot(u)) nearest = i;
+    }
+    cells[nearest].sum += u;
+    cells[nearest].radii.push_back(scaled.norm());
+  }
+  std::vector<CloudPatch> patches;
+  for (const Cell& cell : cells) {
+    if (cell.radii.size() < 3) continue;
+    patches.push_back({frame.point_m(cell.sum.normalized(), median(cell.radii)), sigma_m});
+  }
+  return patches;
+}
+
+/// What all objects share.
+struct FitTables {
+  SurfaceBasis coarse, fine;
+  Mesh patch_sphere = icosphere(3);
+  Mesh final_sphere;
+  explicit FitTables(const SurfaceFitConfig& config)
+      : coarse(std::min(kCoarseDegree, config.degree), 3),
+        fine(config.degree, 4),
+        final_sphere(icosphere(config.subdivisions)) {}
+};
+
+Eigen::MatrixXd basis_at(const Mesh& sphere, const RealHarmonics& harmonics) {
+  Eigen::MatrixXd values(harmonics.count(), static_cast<Eigen::Index>(sphere.vertices_m.size()));
+  for (std::size_t i = 0; i < sphere.vertices_m.size(); ++i) {
+    harmonics.evaluate(sphere.vertices_m[i], values.col(static_cast<Eigen::Index>(i)));
+  }
+  return values;
+}
+
+std::vector<Eigen::Vector3d> vertices_of(const Mesh& sphere, const SurfaceFrame& frame, const Eigen::VectorXd& radii) {
+  std::vector<Eigen::Vector3d> vertices;
+  vertices.reserve(sphere.vertices_m.size());
+  for (std::size_t i = 0; i < sphere.vertices_m.size(); ++i) {
+    vertices.push_back(frame.point_m(sphere.vertices_m[i], 1 + radii[static_cast<Eigen::Index>(i)]));
+  }
+  return vertices;
+}
+
+/// Mesh and samples of a converged state.
+void fill_surface(const SurfaceProblem& problem, const SurfaceState& state, const ResidualScale& scale,
+                  const Mesh& sphere, Rng rng, Surface& surface) {
+  const Eigen::Index harmonics = problem.basis.harmonics.count();
+  const Eigen::MatrixXd values = basis_at(sphere, problem.basis.harmonics);
+  surface.mesh.triangles = sphere.triangles;
+  surface.mesh.vertices_m = vertices_of(sphere, state.frame, values.transpose() * state.radius);
+  // H = L L^T: L^-T z has the covariance H^-1.
+  const Eigen::LLT<Eigen::MatrixXd> root(problem.information(state, scale, kFineLimit_px));
+  for (int s = 0; s < problem.config.samples; ++s) {
+    Rng draw = rng.fork(static_cast<std::uint64_t>(s));
+    Eigen::VectorXd z(harmonics + 2);
+    for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = normal(draw);
+    const Eigen::VectorXd change = root.matrixU().solve(z);
+    surface.samples_m.push_back(
+        vertices_of(sphere, state.frame, values.transpose() * (state.radius + change.head(harmonics))));
+  }
+}
+
+double solidity(const Mesh& mesh) {
+  const Mesh hull = convex_hull(mesh.vertices_m);
+  if (hull.triangles.empty()) return 1;
+  return mass_properties(mesh).volume_m3 / mass_properties(hull).volume_m3;
+}
+
+Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> points_m,
+                const Silhouettes& silhouettes, const SurfaceFitConfig& config, const FitTables& tables, Rng rng) {
+  Surface surface;
+  surface.instance = instance;
+  surface.points_m = std::move(points_m);
+  if (surface.points_m.size() < kLeastCloudPoints) {
+    surface.status = SurfaceStatus::empty;
+    return surface;
+  }
+  std::vector<OutlineView> views;
+  if (config.use_outlines) {
+    views = views_of(instance, poses, silhouettes);
+    if (views.size() < kLeastViews) {
+      surface.status = SurfaceStatus::too_few_views;
+      return surface;
+    }
+  }
+  surface.status = SurfaceStatus::not_converged;
+  const auto patches = [&](const SurfaceFrame& frame) {
+    return config.use_cloud ? patches_of(surface.points_m, frame, tables.patch_sphere, config.cloud_sigma_m)
+                            : std::vector<CloudPatch>{};
+  };
+  const auto start = [&](const SurfaceFrame& frame, const SurfaceBasis& basis) {
+    SurfaceState state;
+    state.frame = frame;
+    state.radius = Eigen::VectorXd::Zero(basis.harmonics.count());
+    state.view_shifts_px.assign(views.size(), Eigen::Vector2d::Zero());
+    return state;
+  };
+
+  // Coarse shape from the cloud's box; it gives the frame of the fine one.
+  SurfaceProblem coarse{tables.coarse, config, views, patches(frame_of_points(surface.points_m))};
+  SurfaceState state = start(frame_of_points(surface.points_m), tables.coarse);
+  ResidualScale scale;
+  for (int i = 0; i < kCoarseIterations; ++i) {
+    const double change = coarse.step(state, scale, kCoarseLimit_px);
+    if (!std::isfinite(change)) return surface;
+    if (change < 0.01) break;
+  }
+  const SurfaceFrame frame = frame_of_solid(sample_surface(tables.coarse, state).mesh);
+  if (!frame.centre_m.allFinite() || !frame.axes_m.allFinite()) return surface;
+
+  SurfaceProblem fine{tables.fine, config, std::move(coarse.views), patches(frame)};
+  state = start(frame, tables.fine);
+  double change = 1;
+  for (int i = 0; i < config.max_iterations && change > kConverged; ++i) {
+    // Matches and weights change with the surface: late steps are shortened, or they would go to and fro.
+    const double relaxation = i < kFullSteps ? 1 : 0.6;
+    change = fine.step(state, scale, i < 3 ? kCoarseLimit_px : kFineLimit_px, relaxation);
+    if (!std::isfinite(change)) return surface;
+  }
+  if (change > kLooselyConverged) return surface;
+  if ((tables.fine.values * state.radius).minCoeff() < -0.8) return surface;
+  if (config.use_outlines && (scale.matched < 0.7 || scale.inliers < 0.7)) return surface;
+
+  fill_surface(fine, state, scale, tables.final_sphere, rng, surface);
+  surface.status = solidity(surface.mesh) < config.min_solidity ? SurfaceStatus::touching : SurfaceStatus::ok;
+  return surface;
+}
+
+}  // namespace
+
+Fields fields(SurfaceFitConfig& config) {
+  return {
+      {"degree", &config.degree, "of the spherical harmonics of the radius", 2, 32},
+      {"smoothness", &config.smoothness, "weight of the prior on bending", 1e-6, 1e6},
+      {"subdivisions", &config.subdivisions, "of the icosahedron for the final mesh", 2, 7},
+      {"max_iterations", &config.max_iterations, "of the fine fit", 1, 1000},
+      {"samples", &config.samples, "surfaces drawn from the fit's uncertainty", 0, 10000},
+      {"use_cloud", &config.use_cloud, "fit the multi-view stereo points too"},
+      {"use_outlines", &config.use_outlines, "fit the outlines"},
+      {"plane_sigma_m", &config.plane_sigma_m, "of the contact with the board", 1e-7, 1e-2},
+      {"cloud_sigma_m", &config.cloud_sigma_m, "of the cloud's mean in a patch", 1e-7, 1e-2},
+      {"cloud_bias_sigma_m", &config.cloud_bias_sigma_m, "of an offset of the whole cloud", 1e-9, 1e-2},
+      {"outline_bias_sigma_px", &config.outline_bias_sigma_px, "of an offset of all outlines", 1e-6, 10},
+      {"view_shift_sigma_px", &config.view_shift_sigma_px, "of a view's shift in the image", 1e-6, 10},
+      {"min_solidity", &config.min_solidity, "least volume over the convex hull's", 0, 1},
+  };
+}
+
+void validate(const SurfaceFitConfig& config) {
+  SurfaceFitConfig copy = config;
+  check_limits(fields(copy));
+  if (!config.use_cloud && !config.use_outlines) {
+    throw std::invalid_argument("use_cloud and use_outlines are both false: nothing to fit");
+  }
+}
+
+Surfaces fit_surfaces(const Poses& poses, const Clusters& clusters, const Silhouettes& silhouettes,
+                      const SurfaceFitConfig& config, Rng rng) {
+  validate(config);
+  if (clusters.instance.size() != clusters.cloud.size()) {
+    throw std::invalid_argument("clusters: " + std::to_string(clusters.instance.size()) + " instances for " +
+                                std::to_string(clusters.cloud.size()) + " points");
+  }
+  std::vector<std::vector<Eigen::Vector3d>> points(static_cast<std::size_t>(std::max(0, clusters.count)));
+  for (std::size_t i = 0; i < clusters.cloud.size(); ++i) {
+    const int instance = clusters.instance[i];
+    if (instance < 0 || instance >= clusters.count || !clusters.cloud[i].position_m.allFinite()) continue;
+    points[static_cast<std::size_t>(instance)].push_back(clusters.cloud[i].position_m.cast<double>());
+  }
+  const FitTables tables(config);
+  Surfaces surfaces(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    surfaces[i] = fit_one(static_cast<int>(i), poses, std::move(points[i]), silhouettes, config, tables,
+                          rng.fork(i));
+  });
+  return surfaces;
+}
+
+}  // namespace cousin

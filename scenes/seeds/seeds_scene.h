@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/config/fields.h"
+#include "sim/truth/scene.h"
+#include "sim/types/mesh.h"
+#include "sim/types/rng.h"
+
+namespace cousin {
+
+enum class SizeSpread { literature, paper };
+
+struct SeedsSceneConfig {
+  std::string cultivar = "zhengdan958";  ///< one of cultivar_names(), or "mixed": all six in turn
+  int seeds = 10;
+  SizeSpread spread = SizeSpread::literature;  ///< "paper": the spread its R^2 and RMSE imply
+  std::string specimen;          ///< "" = grown by us; "mesh:FILE" = a user's watertight mesh in metres
+  double specimen_scale = 1;     ///< metres per unit of that mesh
+  bool markers = true;           ///< false: the paper's plain board
+  bool sphere = false;           ///< a 22 mm matt speckled sphere instead of the seeds
+  int views = 60;                ///< spread over three rings
+  std::vector<double> ring_elevations_rad = {0.26, 0.61, 1.05};
+  std::vector<double> ring_distances_m = {0.45, 0.40, 0.35};  ///< mean camera distance of each ring
+  double distance_min_m = 0.30;  ///< hand-held distances wander within these
+  double distance_max_m = 0.80;
+  double view_jitter = 0.05;     ///< relative wander of distance, radians of elevation and aim
+  std::string light = "window";  ///< window (indoor daylight), lamps, sun
+  std::string rig = "phone_video_720p";
+};
+Fields fields(SeedsSceneConfig& config);
+void validate(const SeedsSceneConfig& config);
+
+std::vector<std::string> cultivar_names();
+
+/// A seed in its own frame: closed, watertight, centroid at the origin, with vertex colours made in 3D,
+/// normals, traits and keypoints. Deterministic in (cultivar, spread, rng).
+struct SeedModel {
+  ObjectModel model;
+  std::vector<TrueTrait> traits;  ///< length, width, height (m), area (m2), volume (m3), mass (kg)
+  double mass_kg = 0;
+};
+SeedModel make_seed(const std::string& cultivar, SizeSpread spread, Rng rng);
+
+/// The whole setting: board, screen, seeds dropped and settled, lights, camera path.
+/// @param user_mesh  the specimen's mesh when config.specimen names a file (already read and scaled)
+/// @throws std::runtime_error if seeds cannot be settled or the mesh is not watertight.
+Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng, const std::optional<Mesh>& user_mesh = {});
+
+}  // namespace cousin
