@@ -1,0 +1,131 @@
+// bench and report: the suites and their pages.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+
+#include "benchmarks/app/commands.h"
+#include "benchmarks/real/real_suite.h"
+#include "benchmarks/render/render_suite.h"
+#include "benchmarks/seeds/result_folder.h"
+#include "benchmarks/seeds/seeds_report.h"
+#include "benchmarks/seeds/suite.h"
+#include "benchmarks/stability/suite.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+ScoreFile finish(ScoreFile file, const JobContext& context, const fs::path& out, const std::string& title) {
+  file.header.program_version = COUSIN_VERSION;
+  file.header.machine = machine_text();
+  file.header.more["command"] = context.command_line;
+  write_result_tables(out, file);
+  SeedsReport report;
+  report.title = title;
+  report.command_line = context.command_line;
+  report.scores = file;
+  write_report(out / "report.html", report);
+  context.progress.line("scores: " + (out / "scores.csv").string() + ", report: " + (out / "report.html").string());
+  return file;
+}
+
+ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  SeedsSuiteConfig config;
+  config.seed = o.seed;
+  config.quick = o.quick;
+  config.attribution = o.attribution;
+  config.sets = o.sets;
+  const auto results = run_shards(out / "shards", seeds_suite_jobs(config, context.progress.function()),
+                                  parse_shard(o.shard), [&](const std::string& name, int done, int total) {
+                                    context.progress.line("job " + std::to_string(done + 1) + " of " +
+                                                          std::to_string(total) + ": " + name);
+                                  });
+  for (const ShardResult& result : results) {
+    if (!result.error.empty()) context.progress.line(result.name + " failed: " + result.error);
+  }
+  return finish(pool_seeds_suite(results, config), context, out, "Cousin: bench seeds");
+}
+
+ScoreFile bench_stability(const JobContext& context, const fs::path& out) {
+  return finish(stability_suite(context.options.quick, context.progress.function()), context, out,
+                "Cousin: bench stability");
+}
+
+ScoreFile bench_render(const JobContext& context, const fs::path& out) {
+  return finish(render_suite(context.options.seed, context.options.sets, context.options.quick, context.progress.function()),
+                context, out, "Cousin: bench render");
+}
+
+ScoreFile bench_real(const JobContext& context, const fs::path& out) {
+  return finish(real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function()), context, out,
+                "Cousin: bench real");
+}
+
+struct Suite {
+  const char* name;
+  ScoreFile (*run)(const JobContext&, const fs::path&);
+};
+constexpr std::array<Suite, 4> kSuites = {
+    {{"stability", bench_stability}, {"render", bench_render}, {"seeds", bench_seeds}, {"real", bench_real}}};
+
+void print_rows(const ScoreFile& file) {
+  for (const ScoreRow& row : file.scores) {
+    std::printf("%-9s %-44s %-38s %14.6g %-6s", std::string(to_string(row.status)).c_str(), row.case_name.c_str(),
+                row.metric.c_str(), row.value, row.unit.c_str());
+    if (row.ci_low == row.ci_low) std::printf(" [%.6g, %.6g]", row.ci_low, row.ci_high);
+    std::printf("\n");
+  }
+}
+
+}  // namespace
+
+ExitCode command_bench(const JobContext& context) {
+  const Options& o = context.options;
+  std::vector<std::string> names = o.arguments;
+  if (names.empty()) {
+    for (const Suite& suite : kSuites) names.emplace_back(suite.name);
+  }
+  std::vector<const Suite*> wanted;
+  for (const std::string& name : names) {
+    const auto suite = std::find_if(kSuites.begin(), kSuites.end(), [&](const Suite& s) { return name == s.name; });
+    if (suite == kSuites.end()) {
+      throw std::invalid_argument("suite \"" + name + "\" is not one of stability, render, seeds, real");
+    }
+    wanted.push_back(&*suite);
+  }
+  bool failed = false;
+  for (const Suite* suite : wanted) {
+    const fs::path out = (o.out.empty() ? fs::path("out") / "bench" : fs::path(o.out)) / suite->name;
+    const ScoreFile file = suite->run(context, out);
+    if (o.json) {
+      std::printf("%s", to_json(file).c_str());
+    } else if (std::string_view(suite->name) == "seeds") {
+      std::printf("%s", summary_table(file.scores).c_str());
+    } else {
+      print_rows(file);
+    }
+    failed = failed || std::any_of(file.scores.begin(), file.scores.end(), [](const ScoreRow& row) {
+               return row.status == ScoreStatus::fail || row.status == ScoreStatus::error;
+             });
+  }
+  return failed ? ExitCode::gate_failed : ExitCode::done;
+}
+
+ExitCode command_report(const JobContext& context) {
+  const fs::path folder = context.options.arguments.at(0);
+  SeedsReport report;
+  report.scores = read_result_tables(folder);
+  report.title = "Cousin: " + folder.filename().string();
+  const auto command = report.scores.header.more.find("command");
+  if (command != report.scores.header.more.end()) report.command_line = command->second;
+  const fs::path file = context.options.out.empty() ? folder / "report.html" : fs::path(context.options.out) / "report.html";
+  write_report(file, report);
+  context.progress.line("report: " + file.string());
+  return ExitCode::done;
+}
+
+}  // namespace cousin

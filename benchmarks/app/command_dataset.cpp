@@ -1,0 +1,182 @@
+// render, import and verify: datasets on disk.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/app/commands.h"
+#include "benchmarks/seeds/simulate.h"
+#include "benchmarks/seeds/stage_files.h"
+#include "benchmarks/shards/shard.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/dataset/import.h"
+#include "sim/dataset/manifest.h"
+#include "sim/dataset/seam_io.h"
+#include "sim/dataset/truth_io.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+/// The dataset's folder belongs to one configuration: a marker file says which until the manifest does.
+constexpr const char* kPartial = "partial.json";
+
+void claim_folder(const fs::path& dataset, const std::string& hash) {
+  const fs::path marker = dataset / kPartial;
+  const auto mismatch = [&](const fs::path& file) {
+    throw std::invalid_argument(file.string() + " belongs to another configuration or seed; choose another --out");
+  };
+  if (fs::exists(marker)) {
+    if (nlohmann::json::parse(read_file(marker)).value("config_hash", "") != hash) mismatch(marker);
+    return;
+  }
+  if (const auto manifest = read_manifest(dataset)) {
+    if (manifest->config_hash != hash) mismatch(dataset / "manifest.json");
+    return;
+  }
+  write_file(marker, nlohmann::json{{"config_hash", hash}}.dump() + "\n");
+}
+
+TruthNeeds dataset_truth() {
+  TruthNeeds needs;
+  needs.visibility = true;
+  return needs;
+}
+
+/// Images of the frames of one scene that are not there yet; the files are final or absent.
+void render_frames(const SeedsSimulation& simulation, const fs::path& scene_dir, int first, int end,
+                   const Progress& progress) {
+  for (int frame = first; frame < end; ++frame) {
+    progress("render " + scene_dir.filename().string(), frame - first, end - first);
+    char name[16];
+    std::snprintf(name, sizeof name, "%06d.png", frame);
+    if (fs::exists(scene_dir / "rgb" / name)) continue;
+    Capture one = simulation.capture_header();
+    one.frames.push_back(simulation.photograph(frame));
+    write_frame_images(scene_dir, one, 0);
+  }
+}
+
+/// Index and truth of a scene: both are pure functions of configuration and seed, whichever shard rendered the images.
+void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir) {
+  Capture capture = simulation.capture_header();
+  SceneTruth truth = simulation.scene_truth();
+  for (const TrueView& view : simulation.views()) {
+    Frame frame;
+    frame.id = view.frame;
+    frame.time_s = view.time_s;
+    SensorFrame sensor;
+    sensor.reported = simulation.reported(view.frame);
+    frame.sensors.push_back(std::move(sensor));
+    capture.frames.push_back(std::move(frame));
+    truth.images.push_back(simulation.truth(view.frame, dataset_truth()));
+  }
+  write_capture_index(scene_dir, capture);
+  write_truth(scene_dir, truth);
+}
+
+}  // namespace
+
+ExitCode command_render(const JobContext& context) {
+  const Options& o = context.options;
+  if (o.arguments.at(0) != "seeds") {
+    throw std::invalid_argument("scene \"" + o.arguments[0] + "\" is not one of: seeds");
+  }
+  std::vector<std::string> sets = o.sets;
+  if (o.frames > 0) sets.push_back("views=" + std::to_string(o.frames));
+  const SeedsRunConfig config = seeds_run_config(sets);
+  if (o.keys) {
+    SeedsRunConfig copy = config;
+    std::printf("%s", describe(fields(copy)).c_str());
+    return ExitCode::done;
+  }
+  const Shard shard = parse_shard(o.shard);
+  const fs::path dataset = o.out.empty() ? fs::path("out") / "seeds_dataset" : fs::path(o.out);
+  const std::string hash = config_hash(config, o.seed);
+  fs::create_directories(dataset);
+  claim_folder(dataset, hash);
+
+  const int frames = config.scene.views;
+  const auto [first, end] = shard_range(shard, o.scenes * frames);
+  std::vector<fs::path> written;
+  std::vector<StageTiming> timings;
+  for (int scene = first / frames; scene * frames < end; ++scene) {
+    const StageClock clock("render " + scene_id(scene));
+    const SeedsSimulation simulation(config, o.seed, scene);
+    const fs::path scene_dir = dataset / scene_id(scene);
+    render_frames(simulation, scene_dir, std::max(0, first - scene * frames),
+                  std::min(frames, end - scene * frames), context.progress.function());
+    // The shard that renders a scene's first frame writes its index and truth.
+    if (first <= scene * frames) write_index(simulation, scene_dir);
+    timings.push_back(clock.finish());
+  }
+  Manifest header;
+  header.program_version = COUSIN_VERSION;
+  header.config_hash = hash;
+  header.pipeline = "seeds";
+  if (shard.count > 1) {
+    for (int i = first; i < end; ++i) {
+      char name[40];
+      std::snprintf(name, sizeof name, "%s/rgb/%06d.png", scene_id(i / frames).c_str(), i % frames);
+      written.emplace_back(name);
+      if (i % frames != 0) continue;
+      const fs::path scene_dir = dataset / scene_id(i / frames);
+      for (const auto& file : {"rig.json", "scene_camera.json"}) {
+        written.push_back(fs::path(scene_id(i / frames)) / file);
+      }
+      for (const auto& entry : fs::recursive_directory_iterator(scene_dir / "truth")) {
+        if (entry.is_regular_file()) written.push_back(fs::relative(entry.path(), dataset));
+      }
+    }
+    write_shard_manifest(dataset, header, shard.index, shard.count, written);
+  }
+  const bool complete = shard.count <= 1 || fs::exists(dataset / "manifest.json");
+  if (complete) fs::remove(dataset / kPartial);
+  if (shard.count <= 1) write_manifest(dataset, header);
+  write_timings(dataset, timings);
+  context.progress.line((complete ? "dataset: " : "shard of dataset: ") + dataset.string());
+  return ExitCode::done;
+}
+
+ExitCode command_import(const JobContext& context) {
+  const Options& o = context.options;
+  const fs::path source = o.arguments.at(0);
+  Capture capture;
+  if (o.format == "nerfstudio") {
+    capture = import_nerfstudio(fs::is_directory(source) ? source / "transforms.json" : source);
+  } else if (o.format == "phenomenal") {
+    capture = import_phenomenal(source);
+  } else if (o.format == "folder") {
+    capture = import_folder(source, o.intrinsics);
+  } else {
+    throw std::invalid_argument("--format \"" + o.format + "\" is not one of nerfstudio, phenomenal, folder");
+  }
+  for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
+  const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
+  write_capture(dataset / scene_id(0), capture);
+  context.progress.line("dataset: " + dataset.string() + ", " + std::to_string(capture.frames.size()) + " frames, " +
+                        std::to_string(capture.warnings.size()) + " warnings");
+  return ExitCode::done;
+}
+
+ExitCode command_verify(const JobContext& context) {
+  const fs::path dataset = context.options.arguments.at(0);
+  const std::vector<VerifyProblem> problems = verify(dataset);
+  if (context.options.json) {
+    nlohmann::json rows = nlohmann::json::array();
+    for (const VerifyProblem& problem : problems) rows.push_back({{"path", problem.path}, {"what", problem.what}});
+    std::printf("%s\n", nlohmann::json{{"dataset", dataset.string()}, {"problems", rows}}.dump(2).c_str());
+  } else {
+    for (const VerifyProblem& problem : problems) {
+      std::printf("%s: %s\n", problem.path.c_str(), problem.what.c_str());
+    }
+    if (problems.empty()) std::printf("%s: no problems\n", dataset.string().c_str());
+  }
+  return problems.empty() ? ExitCode::done : ExitCode::bad_input;
+}
+
+}  // namespace cousin

@@ -1,0 +1,105 @@
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/app/commands.h"
+#include "benchmarks/seeds/perceive.h"
+#include "benchmarks/seeds/run_config.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/dataset/manifest.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+/// Scenes of a dataset, or the folder itself if it is one scene.
+std::vector<fs::path> scenes_of(const fs::path& dataset) {
+  if (!fs::is_directory(dataset)) throw std::runtime_error(dataset.string() + ": no such folder");
+  std::vector<fs::path> scenes = scene_folders(dataset);
+  if (scenes.empty() && fs::exists(dataset / "rig.json")) scenes.push_back(dataset);
+  if (scenes.empty()) {
+    throw std::runtime_error(dataset.string() + ": holds no scene (000000/rig.json); see `cousin import`");
+  }
+  return scenes;
+}
+
+std::string pipeline_of(const Options& options, const Capture& capture, const fs::path& dataset) {
+  std::string name = options.pipeline;
+  if (name.empty()) {
+    const auto manifest = read_manifest(dataset);
+    name = manifest ? manifest->pipeline : capture.pipeline;
+  }
+  if (name.empty()) throw std::invalid_argument("a real capture names no pipeline: give --pipeline seeds");
+  if (name != "seeds") throw std::invalid_argument("--pipeline \"" + name + "\" is not one of: seeds");
+  return name;
+}
+
+void print_traits(const std::string& scene, const Traits& traits, bool json) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const SpecimenTraits& specimen : traits) {
+    if (!json) {
+      std::printf("%s seed %d: %s%s", scene.c_str(), specimen.instance, std::string(to_string(specimen.status)).c_str(),
+                  specimen.reason.empty() ? "" : (" (" + specimen.reason + ")").c_str());
+    }
+    nlohmann::json values;
+    for (const Trait& trait : specimen.traits) {
+      values[trait.name] = {{"value", trait.value}, {"sigma", trait.sigma}, {"unit", trait.unit}};
+      const double scale = trait.unit == "m" ? 1e3 : trait.unit == "m2" ? 1e6 : 1e9;
+      const char* unit = trait.unit == "m" ? "mm" : trait.unit == "m2" ? "mm2" : "mm3";
+      if (!json) std::printf("  %s %.3f %s", trait.name.c_str(), trait.value * scale, unit);
+    }
+    if (!json) std::printf("\n");
+    rows.push_back({{"scene", scene},
+                    {"instance", specimen.instance},
+                    {"status", to_string(specimen.status)},
+                    {"reason", specimen.reason},
+                    {"traits", values}});
+  }
+  if (json) std::printf("%s\n", rows.dump(2).c_str());
+}
+
+}  // namespace
+
+ExitCode command_perceive(const JobContext& context) {
+  const Options& o = context.options;
+  SeedsPipelineConfig config;
+  if (!o.method.empty()) set_field(fields(config), "method=" + o.method);
+  for (const std::string& assignment : o.sets) {
+    constexpr std::string_view kPrefix = "pipeline.";
+    set_field(fields(config), assignment.starts_with(kPrefix) ? assignment.substr(kPrefix.size()) : assignment);
+  }
+  if (o.keys) {
+    std::printf("%s", describe(fields(config)).c_str());
+    return ExitCode::done;
+  }
+  std::vector<StageSource> sources;
+  for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
+
+  const fs::path dataset = o.arguments.at(0);
+  const fs::path out = o.out.empty() ? fs::path(dataset.string() + "_estimate") : fs::path(o.out);
+  int failed = 0;
+  for (const fs::path& scene_dir : scenes_of(dataset)) {
+    const Capture capture = read_capture(scene_dir);
+    pipeline_of(o, capture, dataset);
+    for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
+    const std::string name = scene_dir.filename().string();
+    const int index = name.find_first_not_of("0123456789") == std::string::npos ? std::stoi(name) : 0;
+    const fs::path estimate_dir = out / scene_id(index);
+    write_file(estimate_dir / "config.toml", to_toml(fields(config)));
+    const SeedsEstimate estimate =
+        perceive_seeds(capture, config, o.seed, sources, index, estimate_dir, context.progress.function());
+    int posed = 0;
+    for (const FramePose& pose : estimate.poses) posed += pose.status == PoseStatus::ok;
+    context.progress.line(name + ": " + std::to_string(posed) + " of " + std::to_string(capture.frames.size()) +
+                          " views posed, " + std::to_string(estimate.traits.size()) + " specimens");
+    if (estimate.traits.empty()) ++failed;
+    print_traits(name, estimate.traits, o.json);
+  }
+  context.progress.line("estimates: " + out.string());
+  return failed == 0 ? ExitCode::done : ExitCode::bad_input;
+}
+
+}  // namespace cousin

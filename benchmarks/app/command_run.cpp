@@ -1,0 +1,221 @@
+// run and score: from a scene, or from a dataset and estimates, to numbers and a report.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+
+#include "benchmarks/app/commands.h"
+#include "benchmarks/seeds/attribution.h"
+#include "benchmarks/seeds/perceive.h"
+#include "benchmarks/seeds/plan.h"
+#include "benchmarks/seeds/result_folder.h"
+#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/seeds/seeds_report.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/dataset/manifest.h"
+#include "sim/dataset/seam_io.h"
+#include "sim/dataset/truth_io.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+std::vector<std::string> assignments(const Options& o) {
+  std::vector<std::string> sets = o.sets;
+  if (o.frames > 0) sets.push_back("views=" + std::to_string(o.frames));
+  if (!o.method.empty()) sets.push_back("pipeline.method=" + o.method);
+  return sets;
+}
+
+ExitCode check_gates(const Options& o, const std::vector<ScoreRow>& rows) {
+  bool all_hold = true;
+  for (const std::string& text : o.gates) {
+    for (const std::string& problem : broken(parse_gate(text), rows)) {
+      std::fprintf(stderr, "gate %s: %s\n", text.c_str(), problem.c_str());
+      all_hold = false;
+    }
+  }
+  return all_hold ? ExitCode::done : ExitCode::gate_failed;
+}
+
+void print_result(const Options& o, const ScoreFile& file) {
+  std::printf("%s", o.json ? to_json(file).c_str() : summary_table(file.scores).c_str());
+}
+
+/// Seconds of the simulator's passes as rows.
+std::vector<ScoreRow> timing_rows(const std::vector<StageTiming>& timings, const SeedsScoreLabels& labels) {
+  std::vector<ScoreRow> rows;
+  for (const StageTiming& timing : timings) {
+    ScoreRow row;
+    row.suite = labels.suite;
+    row.scene = labels.scene;
+    row.case_name = labels.case_name;
+    row.method = "simulator";
+    row.metric = "seconds." + timing.stage;
+    row.value = timing.wall_s;
+    row.unit = "s";
+    row.n = 1;
+    row.wall_s = timing.wall_s;
+    row.cpu_s = timing.cpu_s;
+    row.peak_rss_mb = timing.peak_rss_mb;
+    row.seed = labels.seed;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// What leaving the unplanned truth passes out saved: one view is measured, all views are counted.
+ScoreRow left_out_row(const SeedsRunConfig& config, std::uint64_t seed, const SeedsScoreLabels& labels) {
+  const SeedsSimulation simulation(config, seed, 0);
+  TruthNeeds all;
+  all.depth = all.normal = all.position = all.instance = all.part = all.coverage = all.visibility = true;
+  const StageClock clock("left out");
+  simulation.truth(0, all);
+  ScoreRow row;
+  row.suite = labels.suite;
+  row.scene = labels.scene;
+  row.case_name = labels.case_name;
+  row.method = "simulator";
+  row.metric = "seconds_saved.truth_passes_left_out";
+  row.value = clock.finish().wall_s * config.scene.views;
+  row.unit = "s";
+  row.n = config.scene.views;
+  row.seed = labels.seed;
+  return row;
+}
+
+}  // namespace
+
+ExitCode command_run(const JobContext& context) {
+  const Options& o = context.options;
+  if (o.arguments.at(0) != "seeds") {
+    throw std::invalid_argument("scene \"" + o.arguments[0] + "\" is not one of: seeds");
+  }
+  const StageClock total("run");
+  const SeedsRunConfig config = seeds_run_config(assignments(o));
+  if (o.keys) {
+    SeedsRunConfig copy = config;
+    std::printf("%s", describe(fields(copy)).c_str());
+    return ExitCode::done;
+  }
+  const std::vector<PlanEntry> plan = seeds_plan(config, o.attribution);
+  if (o.plan) {
+    std::printf("%s", describe(plan).c_str());
+    return ExitCode::done;
+  }
+  for (const std::string& gate : o.gates) parse_gate(gate);
+  std::vector<StageSource> sources;
+  for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
+  const fs::path out = o.out.empty() ? fs::path("out") / "seeds" : fs::path(o.out);
+  fs::create_directories(out);
+
+  SeedsReport report;
+  report.command_line = context.command_line;
+  report.config_toml = resolved_toml(config);
+  report.plan = describe(plan);
+  ScoreFile& file = report.scores;
+  file.header.program_version = COUSIN_VERSION;
+  file.header.config_hash = config_hash(config, o.seed);
+  file.header.machine = machine_text();
+  file.header.more["command"] = context.command_line;
+  SeedsScoreLabels labels;
+  labels.seed = o.seed;
+  labels.suite = "run";
+  labels.method = config.pipeline.method == SeedsMethod::paper ? "paper" : "ours";
+  for (int scene = 0; scene < o.scenes; ++scene) {
+    labels.scene = labels.run = scene_id(scene);
+    const SimulatedRun run =
+        simulate_seeds(config, o.seed, scene, planned_truth(o.attribution), context.progress.function());
+    const SeedsEstimate estimate = perceive_seeds(run.capture, config.pipeline, o.seed, sources, scene,
+                                                  out / "estimate" / scene_id(scene), context.progress.function());
+    SeedsScores scores = score_run(run.truth, estimate, labels);
+    for (ScoreRow& row : timing_rows(run.timings, labels)) scores.rows.push_back(std::move(row));
+    if (o.attribution) {
+      const auto steps = attribute_seeds(run, config.pipeline, o.seed, labels, &estimate, context.progress.function());
+      for (ScoreRow& row : attribution_rows(steps, labels)) scores.rows.push_back(std::move(row));
+    }
+    file.scores.insert(file.scores.end(), scores.rows.begin(), scores.rows.end());
+    file.specimens.insert(file.specimens.end(), scores.specimens.begin(), scores.specimens.end());
+    if (scene == 0) {
+      add_pictures(report, run, estimate);
+      file.scores.push_back(left_out_row(config, o.seed, labels));
+    }
+  }
+  labels.scene = "pooled";
+  for (ScoreRow& row : pooled_rows(file.specimens, labels)) file.scores.push_back(std::move(row));
+  const StageTiming whole = total.finish();
+  ScoreRow row;
+  row.suite = labels.suite;
+  row.scene = labels.scene;
+  row.case_name = "run";
+  row.method = "whole";
+  row.metric = "seconds.run";
+  row.value = row.wall_s = whole.wall_s;
+  row.cpu_s = whole.cpu_s;
+  row.peak_rss_mb = whole.peak_rss_mb;
+  row.unit = "s";
+  row.n = o.scenes;
+  row.seed = o.seed;
+  file.scores.push_back(row);
+
+  write_result_tables(out, file);
+  write_report(out / "report.html", report);
+  print_result(o, file);
+  char line[160];
+  std::snprintf(line, sizeof line, "%.1f s, peak %.0f MB; report: %s", whole.wall_s, whole.peak_rss_mb,
+                (out / "report.html").string().c_str());
+  context.progress.line(line);
+  return check_gates(o, file.scores);
+}
+
+ExitCode command_score(const JobContext& context) {
+  const Options& o = context.options;
+  const fs::path dataset = o.arguments.at(0);
+  const fs::path estimates = o.arguments.at(1);
+  for (const std::string& gate : o.gates) parse_gate(gate);
+  ScoreFile file;
+  file.header.program_version = COUSIN_VERSION;
+  file.header.machine = machine_text();
+  if (const auto manifest = read_manifest(dataset)) {
+    file.header.dataset_hash = sha256_hex_of_file(dataset / "manifest.json");
+    file.header.config_hash = manifest->config_hash;
+  }
+  SeedsScoreLabels labels;
+  labels.suite = dataset.filename().string();
+  labels.method = "estimate";
+  int scored = 0;
+  for (const fs::path& scene_dir : scene_folders(dataset)) {
+    const fs::path estimate_dir = estimates / scene_dir.filename();
+    if (!fs::is_directory(estimate_dir)) {
+      context.progress.line("no estimate of " + scene_dir.filename().string());
+      continue;
+    }
+    if (!fs::is_directory(scene_dir / "truth")) {
+      throw std::runtime_error(scene_dir.string() + ": there is no truth/ to score against");
+    }
+    const SceneTruth truth = read_truth(scene_dir);
+    SeedsEstimate estimate;
+    estimate.traits = read_traits(estimate_dir);
+    if (fs::exists(estimate_dir / "poses.json")) estimate.poses = read_poses(estimate_dir);
+    if (fs::exists(estimate_dir / "clusters.ply")) estimate.clusters = read_clusters(estimate_dir);
+    if (fs::exists(estimate_dir / "surfaces.json")) estimate.surfaces = read_surfaces(estimate_dir);
+    if (fs::exists(estimate_dir / "timings.json")) estimate.timings = read_timings(estimate_dir);
+    labels.scene = labels.run = scene_dir.filename().string();
+    labels.seed = truth.seed;
+    SeedsScores scores = score_run(truth, estimate, labels);
+    file.scores.insert(file.scores.end(), scores.rows.begin(), scores.rows.end());
+    file.specimens.insert(file.specimens.end(), scores.specimens.begin(), scores.specimens.end());
+    ++scored;
+  }
+  if (scored == 0) throw std::runtime_error(estimates.string() + ": holds no estimate of any scene of " + dataset.string());
+  labels.scene = "pooled";
+  for (ScoreRow& row : pooled_rows(file.specimens, labels)) file.scores.push_back(std::move(row));
+  const fs::path out = o.out.empty() ? estimates : fs::path(o.out);
+  write_result_tables(out, file);
+  print_result(o, file);
+  context.progress.line("scores: " + (out / "scores.csv").string());
+  return check_gates(o, file.scores);
+}
+
+}  // namespace cousin

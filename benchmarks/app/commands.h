@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "benchmarks/app/options.h"
+#include "benchmarks/app/progress.h"
+
+namespace cousin {
+
+/// What every verb gets.
+struct JobContext {
+  const Options& options;
+  std::string command_line;  ///< as given, for the report
+  ProgressPrinter& progress;
+};
+
+/// One function a verb. They throw std::invalid_argument for wrong usage or configuration, StageError for a failed stage,
+/// other std::exceptions for bad input.
+ExitCode command_scenes(const JobContext& context);
+ExitCode command_rigs(const JobContext& context);
+ExitCode command_methods(const JobContext& context);
+ExitCode command_doctor(const JobContext& context);
+ExitCode command_render(const JobContext& context);
+ExitCode command_perceive(const JobContext& context);
+ExitCode command_score(const JobContext& context);
+ExitCode command_run(const JobContext& context);
+ExitCode command_bench(const JobContext& context);
+ExitCode command_import(const JobContext& context);
+ExitCode command_verify(const JobContext& context);
+ExitCode command_report(const JobContext& context);
+
+}  // namespace cousin

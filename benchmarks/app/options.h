@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace cousin {
+
+/// Exit codes of the program.
+enum class ExitCode { done = 0, gate_failed = 1, usage = 2, bad_input = 3, internal = 4 };
+
+/// What the command line says; one struct for all verbs, each reads what concerns it.
+struct Options {
+  std::string verb;
+  std::vector<std::string> arguments;  ///< positional, after the verb
+  std::uint64_t seed = 1;
+  int threads = 0;  ///< 0 = all cores
+  std::string out;  ///< empty = the verb's default
+  std::vector<std::string> sets;  ///< key=value
+  bool json = false;
+  bool quiet = false;
+  int scenes = 1;
+  int frames = 0;  ///< views of each scene; 0 = the scene's own number
+  std::string shard;  ///< "i/n"
+  std::string method;
+  std::string pipeline;
+  std::vector<std::string> stages;  ///< NAME=dir:…|exec:…
+  std::vector<std::string> gates;
+  std::string format;
+  std::string intrinsics;
+  bool plan = false;
+  bool quick = false;
+  bool attribution = false;
+  bool keys = false;  ///< print configuration keys
+};
+
+/// Result of reading the command line: options, or text to print and leave.
+struct ParsedOptions {
+  Options options;
+  bool leave = false;
+  ExitCode code = ExitCode::done;
+  std::string text;
+};
+ParsedOptions parse_options(int argc, const char* const* argv);
+
+}  // namespace cousin

@@ -1,0 +1,95 @@
+#include "benchmarks/metrics/image_scores.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "benchmarks/metrics/order_statistics.h"
+
+namespace cousin {
+namespace {
+
+template <class A, class B>
+void require_same_size(const Image<A>& a, const Image<B>& b, const char* what) {
+  if (a.width() == b.width() && a.height() == b.height()) return;
+  throw std::invalid_argument(std::string(what) + ": " + std::to_string(a.width()) + " x " +
+                              std::to_string(a.height()) + " against " + std::to_string(b.width()) +
+                              " x " + std::to_string(b.height()));
+}
+
+}  // namespace
+
+double mask_iou(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
+  require_same_size(a, b, "mask_iou");
+  long long both = 0;
+  long long either = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const bool in_a = a.data()[i] != 0;
+    const bool in_b = b.data()[i] != 0;
+    both += in_a && in_b ? 1 : 0;
+    either += in_a || in_b ? 1 : 0;
+  }
+  return static_cast<double>(both) / static_cast<double>(either);
+}
+
+DepthScore score_depth(const Image<float>& estimate_m, const Image<float>& truth_m, double bad_m,
+                       const Image<std::uint8_t>& mask) {
+  require_same_size(estimate_m, truth_m, "score_depth");
+  if (!mask.empty()) require_same_size(mask, truth_m, "score_depth, mask");
+  DepthScore score;
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < truth_m.size(); ++i) {
+    const double truth = truth_m.data()[i];
+    if (!std::isfinite(truth) || (!mask.empty() && mask.data()[i] == 0)) continue;
+    ++score.truth_pixels;
+    const double error = estimate_m.data()[i] - truth;
+    if (std::isfinite(error)) errors.push_back(error);
+  }
+  if (score.truth_pixels > 0) {
+    score.filled = static_cast<double>(errors.size()) / static_cast<double>(score.truth_pixels);
+  }
+  score.bias_m = mean(errors);
+  score.rmse_m = rms(errors);
+  for (double& error : errors) error = std::abs(error);
+  score.median_abs_m = quantile(errors, 0.5);
+  score.p95_abs_m = quantile(errors, 0.95);
+  if (!errors.empty()) {
+    const auto bad =
+        std::count_if(errors.begin(), errors.end(), [&](double e) { return e > bad_m; });
+    score.bad_share = static_cast<double>(bad) / static_cast<double>(errors.size());
+  }
+  return score;
+}
+
+PoseScore score_poses(const Poses& estimate, std::span<const Pose> truth_camera_from_world,
+                      std::span<const Camera> truth_cameras) {
+  if (estimate.size() != truth_camera_from_world.size() ||
+      (!truth_cameras.empty() && truth_cameras.size() != estimate.size())) {
+    throw std::invalid_argument("score_poses: " + std::to_string(estimate.size()) + " estimates, " +
+                                std::to_string(truth_camera_from_world.size()) + " true poses, " +
+                                std::to_string(truth_cameras.size()) + " true cameras");
+  }
+  PoseScore score;
+  score.views = static_cast<int>(estimate.size());
+  std::vector<double> centres, rotations, focals;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    if (estimate[i].status != PoseStatus::ok) continue;
+    const Pose& truth = truth_camera_from_world[i];
+    centres.push_back(
+        (centre_in_world_m(estimate[i].camera_from_world) - centre_in_world_m(truth)).norm());
+    rotations.push_back(
+        angle_rad(estimate[i].camera_from_world.rotation * truth.rotation.conjugate()));
+    if (!truth_cameras.empty())
+      focals.push_back(estimate[i].camera.fx_px / truth_cameras[i].fx_px - 1);
+  }
+  score.posed = static_cast<int>(centres.size());
+  score.centre_rms_m = rms(centres);
+  score.centre_max_m = quantile(centres, 1);
+  score.rotation_rms_rad = rms(rotations);
+  score.focal_rms = rms(focals);
+  return score;
+}
+
+}  // namespace cousin

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "sim/types/image.h"
+#include "sim/types/pose.h"
+#include "sim/types/seams.h"
+
+namespace cousin {
+
+/// Intersection over union of two masks (non-zero = inside); NaN if both are empty.
+/// @throws std::invalid_argument if sizes differ.
+double mask_iou(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b);
+
+/// An estimated depth image against the truth, over the pixels where the truth has a surface.
+struct DepthScore {
+  long long truth_pixels = 0;
+  double filled = kNaN;  ///< share of them that have an estimate
+  double bias_m = kNaN;  ///< mean of estimate - truth
+  double rmse_m = kNaN;
+  double median_abs_m = kNaN;
+  double p95_abs_m = kNaN;
+  double bad_share = kNaN;  ///< of the estimates: farther off than `bad_m`
+};
+/// @param mask  empty, or the size of the images: only non-zero pixels count.
+/// @throws std::invalid_argument if sizes differ.
+DepthScore score_depth(const Image<float>& estimate_m, const Image<float>& truth_m, double bad_m,
+                       const Image<std::uint8_t>& mask = {});
+
+/// Estimated camera poses against true ones in the same world; nothing is aligned.
+struct PoseScore {
+  int views = 0;
+  int posed = 0;               ///< views whose status is ok
+  double centre_rms_m = kNaN;  ///< of the camera centres' distances
+  double centre_max_m = kNaN;
+  double rotation_rms_rad = kNaN;  ///< of the angles between the orientations
+  double focal_rms = kNaN;  ///< of the relative errors of fx; NaN if no true cameras are given
+};
+/// @param truth_camera_from_world  one for each of `estimate`, same order: the pose while the
+/// middle row is read
+/// @param truth_cameras            empty, or one for each
+/// @throws std::invalid_argument if counts differ.
+PoseScore score_poses(const Poses& estimate, std::span<const Pose> truth_camera_from_world,
+                      std::span<const Camera> truth_cameras = {});
+
+}  // namespace cousin

@@ -1,0 +1,225 @@
+#include "benchmarks/metrics/surface_distance.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "benchmarks/metrics/order_statistics.h"
+
+namespace cousin {
+namespace {
+
+constexpr std::uint32_t kLeafTriangles = 4;
+
+double segment_distance2(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                         const Eigen::Vector3d& b) {
+  const Eigen::Vector3d along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - t * along).squaredNorm();
+}
+
+double triangle_distance2(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                          const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const double edges = std::min(
+      {segment_distance2(p, a, b), segment_distance2(p, b, c), segment_distance2(p, c, a)});
+  const Eigen::Vector3d normal = (b - a).cross(c - a);
+  const double area2 = normal.squaredNorm();
+  if (!(area2 > 0)) return edges;
+  // Above the triangle if on the inner side of all three edges.
+  const bool inside = (b - a).cross(p - a).dot(normal) >= 0 &&
+                      (c - b).cross(p - b).dot(normal) >= 0 &&
+                      (a - c).cross(p - c).dot(normal) >= 0;
+  if (!inside) return edges;
+  const double height = (p - a).dot(normal);
+  return std::min(edges, height * height / area2);
+}
+
+}  // namespace
+
+double point_triangle_distance_m(const Eigen::Vector3d& point, const Eigen::Vector3d& a,
+                                 const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  return std::sqrt(triangle_distance2(point, a, b, c));
+}
+
+DistanceTree::DistanceTree(const Mesh& mesh)
+    : vertices_(mesh.vertices_m), triangles_(mesh.triangles) {
+  for (const auto& triangle : triangles_) {
+    for (const std::uint32_t index : triangle) {
+      if (index >= vertices_.size()) {
+        throw std::invalid_argument("DistanceTree: vertex " + std::to_string(index) +
+                                    " of a mesh with " + std::to_string(vertices_.size()));
+      }
+    }
+  }
+  build();
+}
+
+DistanceTree::DistanceTree(std::span<const Eigen::Vector3d> points_m)
+    : vertices_(points_m.begin(), points_m.end()) {
+  for (std::uint32_t i = 0; i < vertices_.size(); ++i) triangles_.push_back({i, i, i});
+  build();
+}
+
+void DistanceTree::build() {
+  if (triangles_.empty())
+    throw std::invalid_argument("DistanceTree: there is nothing to measure to");
+  for (const Eigen::Vector3d& vertex : vertices_) {
+    if (!vertex.allFinite()) throw std::invalid_argument("DistanceTree: a vertex is not finite");
+  }
+  nodes_.reserve(triangles_.size());
+  const auto add_node = [&](std::uint32_t first, std::uint32_t count) {
+    Node node;
+    node.first = first;
+    node.count = count;
+    nodes_.push_back(node);
+  };
+  add_node(0, static_cast<std::uint32_t>(triangles_.size()));
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    Node node = nodes_[i];
+    node.low.setConstant(std::numeric_limits<double>::infinity());
+    node.high = -node.low;
+    for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
+      for (const std::uint32_t v : triangles_[t]) {
+        node.low = node.low.cwiseMin(vertices_[v]);
+        node.high = node.high.cwiseMax(vertices_[v]);
+      }
+    }
+    if (node.count > kLeafTriangles) {
+      // Split at the median centre along the longest side; ties by the triangle's indices keep it
+      // deterministic.
+      Eigen::Index axis = 0;
+      (node.high - node.low).maxCoeff(&axis);
+      const auto key = [&](const std::array<std::uint32_t, 3>& t) {
+        return std::pair(vertices_[t[0]][axis] + vertices_[t[1]][axis] + vertices_[t[2]][axis], t);
+      };
+      const auto begin = triangles_.begin() + node.first;
+      const std::uint32_t half = node.count / 2;
+      std::nth_element(begin, begin + half, begin + node.count,
+                       [&](const auto& a, const auto& b) { return key(a) < key(b); });
+      const auto children = static_cast<std::uint32_t>(nodes_.size());
+      add_node(node.first, half);
+      add_node(node.first + half, node.count - half);
+      node.first = children;
+      node.count = 0;
+    }
+    nodes_[i] = node;
+  }
+}
+
+double DistanceTree::box_distance2(const Node& node, const Eigen::Vector3d& point) const {
+  return (node.low - point).cwiseMax(point - node.high).cwiseMax(0.0).squaredNorm();
+}
+
+double DistanceTree::distance_m(const Eigen::Vector3d& point_m) const {
+  struct Entry {
+    std::uint32_t node;
+    double distance2;
+  };
+  std::array<Entry, 128>
+      stack;  // depth of a median split of 2^32 triangles is 32, two entries a level
+  std::size_t size = 0;
+  stack[size++] = {0, box_distance2(nodes_[0], point_m)};
+  double best2 = std::numeric_limits<double>::infinity();
+  while (size > 0) {
+    const Entry entry = stack[--size];
+    if (entry.distance2 >= best2) continue;
+    const Node& node = nodes_[entry.node];
+    if (node.count > 0) {
+      for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
+        const auto& [a, b, c] = triangles_[t];
+        best2 = std::min(
+            best2, a == b ? (point_m - vertices_[a]).squaredNorm()
+                          : triangle_distance2(point_m, vertices_[a], vertices_[b], vertices_[c]));
+      }
+      continue;
+    }
+    const Entry left{node.first, box_distance2(nodes_[node.first], point_m)};
+    const Entry right{node.first + 1, box_distance2(nodes_[node.first + 1], point_m)};
+    const bool left_first = left.distance2 <= right.distance2;
+    stack[size++] = left_first ? right : left;
+    stack[size++] = left_first ? left : right;
+  }
+  return std::sqrt(best2);
+}
+
+std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int count, Rng rng) {
+  std::vector<double> cumulative;
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    area += (mesh.vertices_m.at(b) - mesh.vertices_m.at(a))
+                .cross(mesh.vertices_m.at(c) - mesh.vertices_m.at(a))
+                .norm();
+    cumulative.push_back(area);
+  }
+  if (!(area > 0) || !std::isfinite(area))
+    throw std::invalid_argument("sample_surface: the mesh has no area");
+  std::vector<Eigen::Vector3d> samples;
+  samples.reserve(static_cast<std::size_t>(std::max(count, 0)));
+  for (int i = 0; i < count; ++i) {
+    const double along = area * (i + uniform(rng)) / count;
+    const auto found = std::upper_bound(cumulative.begin(), cumulative.end() - 1, along);
+    const auto& [a, b, c] = mesh.triangles[static_cast<std::size_t>(found - cumulative.begin())];
+    // Square root: uniform over the triangle.
+    const double s = std::sqrt(uniform(rng));
+    const double t = uniform(rng);
+    samples.push_back((1 - s) * mesh.vertices_m[a] + s * (1 - t) * mesh.vertices_m[b] +
+                      s * t * mesh.vertices_m[c]);
+  }
+  return samples;
+}
+
+namespace {
+
+std::vector<double> distances(std::span<const Eigen::Vector3d> points, const DistanceTree& tree) {
+  std::vector<double> result(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { result[i] = tree.distance_m(points[i]); });
+  return result;
+}
+
+double share_within(const std::vector<double>& values, double limit) {
+  if (values.empty()) return 0;
+  const auto count =
+      std::count_if(values.begin(), values.end(), [&](double v) { return v <= limit; });
+  return static_cast<double>(count) / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+CloudScore score_cloud(std::span<const Eigen::Vector3d> cloud_m, const Mesh& surface,
+                       std::span<const Eigen::Vector3d> surface_samples_m,
+                       std::span<const double> tolerances_m) {
+  if (surface_samples_m.empty())
+    throw std::invalid_argument("score_cloud: no samples of the true surface");
+  const DistanceTree surface_tree(surface);
+  std::vector<double> to_surface, to_cloud;
+  if (!cloud_m.empty()) {
+    const DistanceTree cloud_tree(cloud_m);
+    to_surface = distances(cloud_m, surface_tree);
+    to_cloud = distances(surface_samples_m, cloud_tree);
+  }
+
+  CloudScore score;
+  score.accuracy_mean_m = mean(to_surface);
+  score.accuracy_rms_m = rms(to_surface);
+  score.accuracy_median_m = quantile(to_surface, 0.5);
+  score.accuracy_p95_m = quantile(to_surface, 0.95);
+  score.completeness_mean_m = mean(to_cloud);
+  score.completeness_p95_m = quantile(to_cloud, 0.95);
+  for (const double tolerance_m : tolerances_m) {
+    CloudScore::AtTolerance at{tolerance_m, share_within(to_surface, tolerance_m),
+                               share_within(to_cloud, tolerance_m), 0};
+    if (at.precision + at.recall > 0)
+      at.f1 = 2 * at.precision * at.recall / (at.precision + at.recall);
+    score.at.push_back(at);
+  }
+  return score;
+}
+
+}  // namespace cousin

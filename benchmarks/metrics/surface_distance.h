@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim/types/mesh.h"
+#include "sim/types/rng.h"
+
+namespace cousin {
+
+/// Distance from anywhere to the nearest of many triangles or points, exact, by a tree of boxes.
+class DistanceTree {
+ public:
+  /// @throws std::invalid_argument if there are no triangles, an index is out of range or a vertex
+  /// not finite.
+  explicit DistanceTree(const Mesh& mesh);
+  /// @throws std::invalid_argument if there are no points or one is not finite.
+  explicit DistanceTree(std::span<const Eigen::Vector3d> points_m);
+
+  double distance_m(const Eigen::Vector3d& point_m) const;
+
+ private:
+  struct Node {
+    Eigen::Vector3d low = Eigen::Vector3d::Zero();
+    Eigen::Vector3d high = Eigen::Vector3d::Zero();
+    std::uint32_t first =
+        0;  ///< of its triangles, or its left child; the right one follows the left
+    std::uint32_t count = 0;  ///< of triangles; 0 = inner node
+  };
+  void build();
+  double box_distance2(const Node& node, const Eigen::Vector3d& point) const;
+
+  std::vector<Eigen::Vector3d> vertices_;
+  std::vector<std::array<std::uint32_t, 3>>
+      triangles_;  ///< a point is a triangle of one vertex three times
+  std::vector<Node> nodes_;
+};
+
+/// Distance from a point to a triangle; triangles that are lines or points are fine.
+double point_triangle_distance_m(const Eigen::Vector3d& point, const Eigen::Vector3d& a,
+                                 const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
+/// Points spread evenly over the area of a mesh: stratified along the sum of areas.
+std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int count, Rng rng);
+
+/// A measured cloud against a true surface [terms of Knapitsch et al., "Tanks and Temples", 2017].
+struct CloudScore {
+  double accuracy_mean_m = 0;  ///< cloud to surface
+  double accuracy_rms_m = 0;
+  double accuracy_median_m = 0;
+  double accuracy_p95_m = 0;
+  double completeness_mean_m = 0;  ///< surface to cloud
+  double completeness_p95_m = 0;
+  struct AtTolerance {
+    double tolerance_m = 0;
+    double precision = 0;  ///< share of the cloud within the tolerance of the surface
+    double recall = 0;     ///< share of the surface within the tolerance of the cloud
+    double f1 = 0;         ///< harmonic mean; 0 if both are 0
+  };
+  std::vector<AtTolerance> at;
+};
+/// @param cloud_m           measured points; a measured mesh is scored by its `sample_surface`
+/// @param surface           the true mesh, in the frame of the cloud
+/// @param surface_samples_m points of the true surface that ought to be found: all of it, or what
+/// cameras can see An empty cloud scores precision and recall 0 and distances NaN. The same bytes
+/// on any number of threads.
+/// @throws std::invalid_argument if the surface or the samples are empty, or a point is not finite.
+CloudScore score_cloud(std::span<const Eigen::Vector3d> cloud_m, const Mesh& surface,
+                       std::span<const Eigen::Vector3d> surface_samples_m,
+                       std::span<const double> tolerances_m);
+
+}  // namespace cousin

@@ -1,0 +1,27 @@
+#include "benchmarks/real/real_rows.h"
+
+namespace cousin {
+
+ScoreRow real_row(const std::string& scene, const std::string& case_name, const std::string& method,
+                  const std::string& metric, double value, const std::string& unit,
+                  std::int64_t n) {
+  ScoreRow row;
+  row.suite = "real";
+  row.scene = scene;
+  row.case_name = case_name;
+  row.method = method;
+  row.metric = metric;
+  row.value = value;
+  row.unit = unit;
+  row.n = n;
+  return row;
+}
+
+ScoreRow not_solved_row(const std::string& scene, const std::string& case_name,
+                        const std::string& why) {
+  ScoreRow row = real_row(scene, case_name, "ours", why, ScoreRow::kNone, "1", 0);
+  row.status = ScoreStatus::not_solved;
+  return row;
+}
+
+}  // namespace cousin

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "benchmarks/metrics/scores.h"
+#include "benchmarks/seeds/simulate.h"
+
+namespace cousin {
+
+/// Real captures through our readers and stages: a real maize plant carved from silhouettes against
+/// the published carvings, a nerfstudio capture through undistortion and multi-view stereo,
+/// photographs of rice grains with rulers. Folders that are absent give rows with status
+/// not_solved. Pictures and clouds are written below `out`.
+ScoreFile real_suite(const std::filesystem::path& real_data, const std::filesystem::path& out,
+                     bool quick, const Progress& progress = {});
+
+}  // namespace cousin

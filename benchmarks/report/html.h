@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "benchmarks/metrics/trait_statistics.h"
+
+namespace cousin {
+
+/// Text as HTML content or attribute value: & < > " ' are escaped.
+std::string html_escaped(std::string_view text);
+
+std::string base64(std::span<const std::uint8_t> bytes);
+std::string base64(std::string_view text);
+
+/// Script text that may stand inside <script>: an end tag or a comment opening in it would end or
+/// change the element.
+std::string inside_script(std::string_view script);
+
+/// How a unit is shown to people: metres in millimetres and so on.
+struct ShownUnit {
+  std::string name;   ///< "mm", "mm²", "°", "%", "" for a ratio
+  double factor = 1;  ///< times the SI value
+};
+/// @param metric  ratios whose name ends in mape, coverage_68, ... are shown in per cent
+ShownUnit shown_unit(std::string_view unit, std::string_view metric = {});
+
+/// Three significant digits, no exponent between 1e-4 and 1e7; "–" for NaN.
+std::string shown_number(double value);
+/// "0.123 [0.101, 0.145]"; without the bracket where there is no interval.
+std::string shown_interval(const WithInterval& value, double factor);
+
+}  // namespace cousin

@@ -1,0 +1,350 @@
+#include "benchmarks/report/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "benchmarks/report/html.h"
+#include "benchmarks/report/javascript_libraries.h"
+#include "benchmarks/report/plots.h"
+#include "benchmarks/report/report_assets.h"
+
+namespace cousin {
+namespace {
+
+/// The page as it grows. Plots and shapes get numbers; their data stands beside them in script
+/// elements.
+struct Page {
+  std::string html;
+  std::vector<std::pair<std::string, std::string>> sections;  ///< id, title: the page's navigation
+  int plots = 0;
+  int shapes = 0;
+};
+
+void open_section(Page& page, const std::string& id, const std::string& title) {
+  page.sections.emplace_back(id, title);
+  page.html += "<h2 id=\"" + id + "\">" + html_escaped(title) + "</h2>\n";
+}
+
+/// JSON that may stand in a script element.
+std::string json_text(const nlohmann::ordered_json& json) {
+  std::string text;
+  for (const char c : json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  }
+  return text;
+}
+
+std::string data_script(const std::string& id, const nlohmann::ordered_json& json) {
+  return "<script type=\"application/json\" id=\"" + id + "\">" + json_text(json) + "</script>\n";
+}
+
+void add_plot(Page& page, const Plot& plot) {
+  const std::string id = "plot-" + std::to_string(page.plots++);
+  page.html += "<section><h3>" + html_escaped(plot.title) +
+               "</h3><div class=\"plot\" data-spec=\"" + id + "\"></div>";
+  for (const std::string& line : plot.caption)
+    page.html += "<p class=\"caption\">" + html_escaped(line) + "</p>";
+  page.html += "</section>\n" + data_script(id, plot.spec);
+}
+
+void add_plots(Page& page, const std::string& id, const std::string& title,
+               const std::vector<Plot>& plots, bool wide) {
+  if (plots.empty()) return;
+  open_section(page, id, title);
+  page.html += wide ? "<div class=\"plots wide\">\n" : "<div class=\"plots\">\n";
+  for (const Plot& plot : plots) add_plot(page, plot);
+  page.html += "</div>\n";
+}
+
+void add_headlines(Page& page, const std::vector<Headline>& headlines) {
+  if (headlines.empty()) return;
+  page.html += "<div class=\"tiles\">\n";
+  for (const Headline& h : headlines) {
+    const ShownUnit unit = shown_unit(h.unit, h.label);
+    const std::string status(to_string(h.status));
+    page.html += "<div class=\"tile " + status + "\"><div class=\"muted\">" +
+                 html_escaped(h.label) + "</div><div class=\"value\">" +
+                 shown_number(unit.factor * h.value.value) + " <small>" + unit.name;
+    if (std::isfinite(h.value.low) && std::isfinite(h.value.high)) {
+      page.html += " [" + shown_number(unit.factor * h.value.low) + ", " +
+                   shown_number(unit.factor * h.value.high) + "]";
+    }
+    page.html += "</small></div>";
+    if (!h.limit.empty() || h.status != ScoreStatus::ok) {
+      page.html += "<div class=\"muted\">" + html_escaped(h.limit) + " <span class=\"status " +
+                   status + "\">" + (h.status == ScoreStatus::ok ? "" : status) + "</span></div>";
+    }
+    page.html += "</div>\n";
+  }
+  page.html += "</div>\n";
+}
+
+void add_images(Page& page, const std::vector<ReportImage>& images) {
+  if (images.empty()) return;
+  open_section(page, "images", "Images");
+  page.html += "<div class=\"images\">\n";
+  for (const ReportImage& image : images) {
+    const bool is_jpeg = image.png.size() > 2 && image.png[0] == 0xff && image.png[1] == 0xd8;
+    page.html += "<figure><img alt=\"" + html_escaped(image.name) + "\" src=\"data:image/" +
+                 (is_jpeg ? "jpeg" : "png") + ";base64," + base64(image.png) +
+                 "\"><figcaption><b>" + html_escaped(image.name) + "</b> " +
+                 html_escaped(image.caption) + "</figcaption></figure>\n";
+  }
+  page.html += "</div>\n";
+}
+
+template <class T>
+std::string base64_of(const std::vector<T>& values) {
+  return base64(
+      std::string_view(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)));
+}
+
+void validate(const ReportShape& shape) {
+  const auto fail = [&](const std::string& what) {
+    throw std::invalid_argument("report: shape \"" + shape.name + "\": " + what);
+  };
+  if (!shape.colors.empty() && shape.colors.size() != shape.positions_m.size()) {
+    fail(std::to_string(shape.colors.size()) + " colours for " +
+         std::to_string(shape.positions_m.size()) + " positions");
+  }
+  for (const Eigen::Vector3f& p : shape.positions_m) {
+    if (!p.allFinite()) fail("a position is not finite");
+  }
+  for (const auto& triangle : shape.triangles) {
+    for (const std::uint32_t i : triangle) {
+      if (i >= shape.positions_m.size()) fail("vertex " + std::to_string(i) + " does not exist");
+    }
+  }
+}
+
+/// Every k-th point of a cloud, so that at most `limit` are left; meshes stay whole.
+ReportShape thinned(const ReportShape& shape, int limit) {
+  const std::size_t count = shape.positions_m.size();
+  if (!shape.triangles.empty() || count <= static_cast<std::size_t>(limit)) return shape;
+  ReportShape result{shape.name, shape.caption, {}, {}, {}};
+  for (int i = 0; i < limit; ++i) {
+    const std::size_t at = static_cast<std::size_t>(i) * count / static_cast<std::size_t>(limit);
+    result.positions_m.push_back(shape.positions_m[at]);
+    if (!shape.colors.empty()) result.colors.push_back(shape.colors[at]);
+  }
+  result.caption +=
+      " Shown: " + std::to_string(limit) + " of " + std::to_string(count) + " points.";
+  return result;
+}
+
+nlohmann::ordered_json shape_json(const ReportShape& shape) {
+  Eigen::Vector3f low = shape.positions_m.front();
+  Eigen::Vector3f high = low;
+  for (const Eigen::Vector3f& p : shape.positions_m) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Eigen::Vector3f size = high - low;
+  std::vector<std::uint16_t> codes;
+  codes.reserve(3 * shape.positions_m.size());
+  for (const Eigen::Vector3f& p : shape.positions_m) {
+    for (int k = 0; k < 3; ++k) {
+      const float share = size[k] > 0 ? (p[k] - low[k]) / size[k] : 0.5F;
+      codes.push_back(
+          static_cast<std::uint16_t>(std::lround(65535 * std::clamp(share, 0.0F, 1.0F))));
+    }
+  }
+  nlohmann::ordered_json json = {{"size", {size.x(), size.y(), size.z()}},
+                                 {"positions", base64_of(codes)}};
+  if (!shape.colors.empty()) json["colors"] = base64_of(shape.colors);
+  if (!shape.triangles.empty()) json["triangles"] = base64_of(shape.triangles);
+  return json;
+}
+
+void add_shapes(Page& page, const std::vector<ReportShape>& shapes, int max_points) {
+  const bool any = std::any_of(shapes.begin(), shapes.end(),
+                               [](const auto& s) { return !s.positions_m.empty(); });
+  if (!any) return;
+  open_section(page, "shapes", "Shapes to turn");
+  page.html += "<div class=\"plots\">\n";
+  for (const ReportShape& given : shapes) {
+    validate(given);
+    if (given.positions_m.empty()) continue;
+    const ReportShape shape = thinned(given, max_points);
+    const std::string id = "shape-" + std::to_string(page.shapes++);
+    page.html +=
+        "<section><h3>" + html_escaped(shape.name) + "</h3><div class=\"shape\" data-shape=\"" +
+        id + "\"><div class=\"hint\">drag to turn, wheel to zoom</div></div><p class=\"caption\">" +
+        html_escaped(shape.caption) + "</p></section>\n" + data_script(id, shape_json(shape));
+  }
+  page.html += "</div>\n";
+}
+
+std::string number_cell(const std::string& text) {
+  return "<td class=\"number\">" + text + "</td>";
+}
+std::string text_cell(std::string_view text) { return "<td>" + html_escaped(text) + "</td>"; }
+
+void add_score_table(Page& page, const std::vector<ScoreRow>& rows) {
+  if (rows.empty()) return;
+  open_section(page, "scores", "Scores");
+  page.html +=
+      "<input type=\"search\" placeholder=\"Filter: words that a row must have\" "
+      "aria-label=\"Filter the scores\" "
+      "data-filters=\"score-table\">\n<div class=\"scroll\"><table "
+      "id=\"score-table\"><thead><tr><th>suite</th><th>scene</th>"
+      "<th>case</th><th>method</th><th>metric</th><th class=\"number\">value</th><th "
+      "class=\"number\">95 % interval</th><th>unit</th>"
+      "<th class=\"number\">n</th><th class=\"number\">wall s</th><th class=\"number\">peak "
+      "MB</th><th>status</th></tr></thead><tbody>\n";
+  for (const ScoreRow& row : rows) {
+    const ShownUnit unit = shown_unit(row.unit, row.metric);
+    const bool has_interval = std::isfinite(row.ci_low) && std::isfinite(row.ci_high);
+    const std::string status(to_string(row.status));
+    page.html += "<tr>" + text_cell(row.suite) + text_cell(row.scene) + text_cell(row.case_name) +
+                 text_cell(row.method) + text_cell(row.metric) +
+                 number_cell(shown_number(unit.factor * row.value)) +
+                 number_cell(has_interval ? shown_number(unit.factor * row.ci_low) + " … " +
+                                                shown_number(unit.factor * row.ci_high)
+                                          : "") +
+                 text_cell(unit.name) + number_cell(std::to_string(row.n)) +
+                 number_cell(std::isnan(row.wall_s) ? "" : shown_number(row.wall_s)) +
+                 number_cell(std::isnan(row.peak_rss_mb) ? "" : shown_number(row.peak_rss_mb)) +
+                 "<td class=\"status " + status + "\">" + status + "</td></tr>\n";
+  }
+  page.html += "</tbody></table></div>\n";
+}
+
+std::string download(const std::string& file, const std::string& type, const std::string& text) {
+  return "<a download=\"" + file + "\" href=\"data:" + type + ";base64," + base64(text) + "\">" +
+         file + "</a>";
+}
+
+void add_sources(Page& page, const ReportInput& input) {
+  open_section(page, "sources", "How this was made");
+  if (!input.commands.empty()) {
+    page.html += "<pre>";
+    for (const std::string& command : input.commands) page.html += html_escaped(command) + "\n";
+    page.html += "</pre>\n";
+  }
+  const ScoreHeader& header = input.scores.header;
+  std::vector<std::pair<std::string, std::string>> facts = {{"program", header.program_version},
+                                                            {"dataset", header.dataset_hash},
+                                                            {"configuration", header.config_hash},
+                                                            {"machine", header.machine}};
+  facts.insert(facts.end(), header.more.begin(), header.more.end());
+  page.html += "<dl>";
+  for (const auto& [name, text] : facts) {
+    if (!text.empty())
+      page.html += "<dt>" + html_escaped(name) + "</dt><dd>" + html_escaped(text) + "</dd>";
+  }
+  page.html +=
+      "</dl>\n<p>Data: " + download("scores.csv", "text/csv", to_csv(input.scores.scores)) + " · " +
+      download("specimens.csv", "text/csv", to_csv(input.scores.specimens)) + " · " +
+      download("scores.json", "application/json", to_json(input.scores)) + "</p>\n";
+  if (!input.config_toml.empty()) {
+    page.html += "<details><summary>Configuration</summary><pre>" +
+                 html_escaped(input.config_toml) + "</pre></details>\n";
+  }
+}
+
+std::string navigation(const Page& page) {
+  std::string html = "<nav>";
+  for (const auto& [id, title] : page.sections)
+    html += "<a href=\"#" + id + "\">" + html_escaped(title) + "</a>";
+  return html + "</nav>";
+}
+
+void validate(const ReportInput& input) {
+  for (const ErrorTimeCurve& curve : input.curves) {
+    for (const ErrorTimePoint& point : curve.points) {
+      if (point.wall_s > 0 && std::isfinite(point.wall_s)) continue;
+      throw std::invalid_argument("report: curve \"" + curve.title + "\": time of \"" +
+                                  point.setting + "\" is " + std::to_string(point.wall_s) +
+                                  " s; it must be positive");
+    }
+  }
+}
+
+/// A curve or waterfall can be drawn if one of its errors is a number (and, on a logarithmic axis,
+/// positive).
+bool can_draw(const ErrorTimeCurve& curve) {
+  return std::any_of(curve.points.begin(), curve.points.end(),
+                     [](const auto& p) { return p.error.value > 0; });
+}
+bool can_draw(const Attribution& attribution) {
+  return !attribution.steps.empty() &&
+         std::all_of(attribution.steps.begin(), attribution.steps.end(),
+                     [](const auto& s) { return std::isfinite(s.error.value); });
+}
+
+}  // namespace
+
+std::vector<bool> pareto_front(const std::vector<ErrorTimePoint>& points) {
+  std::vector<bool> front(points.size(), false);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const ErrorTimePoint& p = points[i];
+    front[i] = !std::isnan(p.error.value) &&
+               std::none_of(points.begin(), points.end(), [&](const ErrorTimePoint& q) {
+                 return q.wall_s <= p.wall_s && q.error.value <= p.error.value &&
+                        (q.wall_s < p.wall_s || q.error.value < p.error.value);
+               });
+  }
+  return front;
+}
+
+std::string make_report(const ReportInput& input, const ReportConfig& config) {
+  validate(input);
+  const JavascriptLibraries libraries = load_javascript_libraries(config.javascript);
+
+  Page page;
+  add_headlines(page, input.headlines);
+  std::vector<std::string> notes = input.notes;
+  if (!libraries.missing.empty()) {
+    notes.push_back(
+        "When this page was made, these files were missing, so plots or turning shapes are "
+        "reduced: " +
+        libraries.missing);
+  }
+  for (const std::string& note : notes)
+    page.html += "<p class=\"note\">" + html_escaped(note) + "</p>\n";
+  add_images(page, input.images);
+  add_shapes(page, input.shapes, config.max_points);
+  add_plots(page, "traits", "Measured against true", scatter_plots(input.scores.specimens), false);
+  add_plots(page, "errors", "Distribution of errors", error_histograms(input.scores.specimens),
+            false);
+  std::vector<Plot> plots;
+  for (const Attribution& attribution : input.attributions) {
+    if (can_draw(attribution)) plots.push_back(waterfall_plot(attribution));
+  }
+  add_plots(page, "attribution", "Where the error comes from", plots, true);
+  plots.clear();
+  for (const ErrorTimeCurve& curve : input.curves) {
+    if (can_draw(curve)) plots.push_back(error_time_plot(curve));
+  }
+  add_plots(page, "time", "Error against run time", plots, true);
+  if (!input.timings.empty())
+    add_plots(page, "stages", "Run time", {timing_plot(input.timings)}, true);
+  add_score_table(page, input.scores.scores);
+  add_sources(page, input);
+
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+      html_escaped(input.title) + "</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n" +
+      std::string(kReportCss) + "</style>\n<script>\n" + std::string(kErrorsJs) +
+      "</script>\n</head>\n<body>\n<main>\n<header class=\"page\"><div><h1>" +
+      html_escaped(input.title) + "</h1>";
+  if (!input.summary.empty()) html += "<p>" + html_escaped(input.summary) + "</p>";
+  html += navigation(page) + "</div><button id=\"theme\">Dark</button></header>\n" + page.html +
+          "</main>\n";
+  for (const std::string& script :
+       {libraries.vega, libraries.three, std::string(kView3dJs), std::string(kReportJs)}) {
+    if (!script.empty()) html += "<script>\n" + script + "\n</script>\n";
+  }
+  return html + "</body>\n</html>\n";
+}
+
+}  // namespace cousin

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "benchmarks/metrics/scores.h"
+#include "sim/types/image.h"
+#include "sim/types/seams.h"
+
+namespace cousin {
+
+/// A number that belongs at the top of the page, with the limit it was held against.
+struct Headline {
+  std::string label;   ///< "RMSE of length, maize"
+  WithInterval value;  ///< SI; shown in millimetres, degrees or per cent
+  std::string unit;    ///< as in ScoreRow; "%" shows a ratio in per cent
+  std::string limit;   ///< as text, "at most 0.15 mm"; empty if there is none
+  ScoreStatus status = ScoreStatus::ok;
+};
+
+struct ReportImage {
+  std::string name;
+  std::string caption;
+  std::vector<std::uint8_t> png;  ///< the file's bytes; JPEG works too
+};
+
+/// A cloud or a mesh that the reader can turn. World: z up, metres.
+struct ReportShape {
+  std::string name;
+  std::string caption;
+  std::vector<Eigen::Vector3f> positions_m;
+  std::vector<Rgb8> colors;                             ///< one for each position, or empty
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< empty: a cloud
+};
+
+/// Error over run time of methods whose knob was swept.
+struct ErrorTimePoint {
+  std::string method;
+  std::string setting;  ///< "60 views"
+  double wall_s = 0;    ///< > 0
+  WithInterval error;
+};
+struct ErrorTimeCurve {
+  std::string title;
+  std::string metric;  ///< "RMSE of length"
+  std::string unit;    ///< as in ScoreRow
+  std::vector<ErrorTimePoint> points;
+};
+
+/// What remains of an error when truth replaces one seam after another, in the order of the
+/// pipeline: the first step is the pipeline as it is, and each further one has truth in its own
+/// seam and all before it.
+struct AttributionStep {
+  std::string stage;
+  WithInterval error;
+};
+struct Attribution {
+  std::string title;
+  std::string metric;
+  std::string unit;
+  std::vector<AttributionStep> steps;
+};
+
+struct ReportInput {
+  std::string title;
+  std::string summary;                ///< a paragraph of plain text
+  std::vector<std::string> commands;  ///< that made what is shown
+  std::string config_toml;
+  ScoreFile scores;
+  std::vector<Headline> headlines;
+  std::vector<ReportImage> images;
+  std::vector<ReportShape> shapes;
+  std::vector<ErrorTimeCurve> curves;
+  std::vector<Attribution> attributions;
+  std::vector<StageTiming> timings;  ///< of one run
+  std::vector<std::string> notes;    ///< warnings, what was left out and why
+};
+
+struct ReportConfig {
+  /// Folder with vega/ and three/ as Debian's libjs-vega and libjs-three lay them; empty: the
+  /// folder compiled in (CMake: COUSIN_JAVASCRIPT).
+  std::filesystem::path javascript;
+  int max_points = 60000;  ///< of a cloud; a larger one is thinned evenly, and its caption says so
+};
+
+/// One HTML page that holds everything: text, tables, images, plots (Vega), shapes to turn
+/// (three.js), and the data for download. It loads nothing from anywhere. Where Vega is missing, a
+/// note stands in place of the plots; where three.js or WebGL is missing, shapes are drawn on a
+/// plain canvas.
+///
+/// For tests the page's root element carries data-ready="true" when all is drawn and data-errors,
+/// the number of errors; each plot data-plot-ok, each shape data-view-ok ("webgl" or "canvas").
+/// @throws std::invalid_argument if an index or a size in a shape does not fit, or a time is not
+/// positive.
+std::string make_report(const ReportInput& input, const ReportConfig& config = {});
+
+/// Which points no other one beats: none is at most as slow and at most as wrong, and better in
+/// one. Points whose error is NaN are never on the front.
+std::vector<bool> pareto_front(const std::vector<ErrorTimePoint>& points);
+
+}  // namespace cousin

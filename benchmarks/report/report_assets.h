@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string_view>
+
+namespace cousin {
+
+/// The files of assets/, compiled in at configure time.
+extern const std::string_view kReportCss;
+extern const std::string_view kErrorsJs;
+extern const std::string_view kReportJs;
+extern const std::string_view kView3dJs;
+
+}  // namespace cousin

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "benchmarks/seeds/run_config.h"
+
+namespace cousin {
+
+/// One pass of a run: whether it runs and why, or why it is left out.
+struct PlanEntry {
+  std::string pass;
+  bool runs = false;
+  std::string why;
+};
+
+/// What `run seeds` does with a configuration: the union of what the pipeline needs and what is scored.
+/// @param attribution  truth is put into each seam too, which reads true depth and instances
+std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution);
+
+/// The truth images that the plan renders.
+TruthNeeds planned_truth(bool attribution);
+
+std::string describe(const std::vector<PlanEntry>& plan);
+
+}  // namespace cousin

@@ -1,0 +1,40 @@
+#include "benchmarks/seeds/render_noise.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace cousin {
+
+RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor, int frame) {
+  const Image<Rgbf> a = simulation.radiance(frame, 1);
+  const Image<Rgbf> b = simulation.radiance(frame, 2);
+  const double electrons = electrons_per_radiance(sensor, a);
+  RenderNoise noise;
+  double ratio_sum = 0, variance_sum = 0, sensor_sum = 0;
+  std::vector<float> ratios;
+  ratios.reserve(3 * a.size());
+  for (int y = 0; y < a.height(); ++y) {
+    for (int x = 0; x < a.width(); ++x) {
+      const Rgbf& p = a(x, y);
+      const Rgbf& q = b(x, y);
+      for (const auto& [u, v] : {std::pair{p.r, q.r}, std::pair{p.g, q.g}, std::pair{p.b, q.b}}) {
+        const double variance = 0.5 * (u - v) * (u - v);
+        const double limit = sensor_variance(sensor, 0.5 * (u + v), electrons);
+        ratio_sum += variance / limit;
+        variance_sum += variance;
+        sensor_sum += limit;
+        ratios.push_back(static_cast<float>(variance / limit));
+      }
+      ++noise.pixels;
+    }
+  }
+  const double count = static_cast<double>(ratios.size());
+  noise.mean_ratio = ratio_sum / count;
+  noise.ratio_of_means = variance_sum / sensor_sum;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  noise.median_ratio = *middle;
+  return noise;
+}
+
+}  // namespace cousin

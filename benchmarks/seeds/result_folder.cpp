@@ -1,0 +1,78 @@
+#include "benchmarks/seeds/result_folder.h"
+
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <set>
+#include <thread>
+#include <tuple>
+
+#include "sim/dataset/atomic_file.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+
+void write_result_tables(const fs::path& folder, const ScoreFile& file) {
+  write_file(folder / "scores.csv", to_csv(file.scores));
+  write_file(folder / "specimens.csv", to_csv(file.specimens));
+  write_file(folder / "scores.json", to_json(file));
+}
+
+ScoreFile read_result_tables(const fs::path& folder) {
+  const fs::path file = folder / "scores.json";
+  return scores_from_json(read_file(file), file.string());
+}
+
+std::string machine_text() {
+  std::string processor = "unknown processor";
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  for (std::string line; std::getline(cpuinfo, line);) {
+    if (line.starts_with("model name")) {
+      processor = line.substr(line.find(':') + 2);
+      break;
+    }
+  }
+  double memory_gib = 0;
+  std::ifstream meminfo("/proc/meminfo");
+  std::string key;
+  double kib = 0;
+  if (meminfo >> key >> kib) memory_gib = kib / (1 << 20);
+  char text[160];
+  std::snprintf(text, sizeof text, "%s, %u cores, %.0f GiB", processor.c_str(), std::thread::hardware_concurrency(),
+                memory_gib);
+  return text;
+}
+
+std::string summary_table(const std::vector<ScoreRow>& rows) {
+  // (case, method, trait) -> metric -> value
+  std::map<std::tuple<std::string, std::string, std::string>, std::map<std::string, const ScoreRow*>> table;
+  for (const ScoreRow& row : rows) {
+    const std::size_t dot = row.metric.find('.');
+    if (dot == std::string::npos) continue;
+    const std::string trait = row.metric.substr(0, dot);
+    static const std::set<std::string> kTraits = {"length", "width", "height", "area", "volume"};
+    if (kTraits.contains(trait)) table[{row.case_name, row.method, trait}][row.metric.substr(dot + 1)] = &row;
+  }
+  std::string text;
+  char line[200];
+  std::snprintf(line, sizeof line, "%-18s %-8s %-7s %4s %18s %9s %8s %7s %8s\n", "case", "method", "trait", "n", "RMSE",
+                "bias", "MAPE %", "slope", "cover 95");
+  for (const auto& [key, metrics] : table) {
+    const auto& [case_name, method, trait] = key;
+    const auto found = metrics.find("rmse");
+    if (found == metrics.end() || !metrics.contains("slope")) continue;
+    const auto value = [&](const char* metric) {
+      const auto it = metrics.find(metric);
+      return it == metrics.end() ? ScoreRow::kNone : it->second->value;
+    };
+    const double scale = trait == "area" ? 1e6 : trait == "volume" ? 1e9 : 1e3;
+    const char* unit = trait == "area" ? "mm2" : trait == "volume" ? "mm3" : "mm";
+    std::snprintf(line, sizeof line, "%-18s %-8s %-7s %4lld %13.4f %-4s %+9.4f %8.2f %7.3f %8.2f\n", case_name.c_str(),
+                  method.c_str(), trait.c_str(), static_cast<long long>(found->second->n), value("rmse") * scale, unit,
+                  value("bias") * scale, value("mape") * 100, value("slope"), value("coverage_95"));
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace cousin

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "benchmarks/metrics/scores.h"
+
+namespace cousin {
+
+/// scores.csv, specimens.csv and scores.json of a run or benchmark, whole or not at all each.
+void write_result_tables(const std::filesystem::path& folder, const ScoreFile& file);
+
+/// scores.json back. @throws std::runtime_error naming the file.
+ScoreFile read_result_tables(const std::filesystem::path& folder);
+
+/// Processor name, cores and memory of this machine, for score headers.
+std::string machine_text();
+
+/// Total rows that a person wants to see first, as aligned text in millimetres: pooled RMSE, bias, MAPE, slope, coverage.
+std::string summary_table(const std::vector<ScoreRow>& rows);
+
+}  // namespace cousin

@@ -1,0 +1,43 @@
+#include "benchmarks/seeds/run_config.h"
+
+#include "sim/dataset/manifest.h"
+
+namespace cousin {
+
+Fields fields(SeedsRunConfig& config) {
+  return fields(config.scene) + nested("rig", fields(config.rig)) +
+         nested("render", fields(config.render)) + nested("pipeline", fields(config.pipeline));
+}
+
+void validate(const SeedsRunConfig& config) {
+  validate(config.scene);
+  validate(config.rig);
+  validate(config.render);
+  validate(config.pipeline);
+}
+
+SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments) {
+  SeedsRunConfig config;
+  constexpr std::string_view kRig = "rig=";
+  for (const std::string& assignment : assignments) {
+    if (assignment.starts_with(kRig)) config.scene.rig = assignment.substr(kRig.size());
+  }
+  config.rig = phone_preset(config.scene.rig);
+  const Fields all = fields(config);
+  for (const std::string& assignment : assignments) set_field(all, assignment);
+  validate(config);
+  return config;
+}
+
+std::string resolved_toml(const SeedsRunConfig& config) {
+  SeedsRunConfig copy = config;  // fields point into what they describe
+  // Scene keys under a table of their own: top-level "rig" is a name there and a table here.
+  return to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
+                 nested("render", fields(copy.render)) + nested("pipeline", fields(copy.pipeline)));
+}
+
+std::string config_hash(const SeedsRunConfig& config, std::uint64_t seed) {
+  return sha256_hex(resolved_toml(config) + "\nseed = " + std::to_string(seed) + "\n");
+}
+
+}  // namespace cousin

@@ -1,0 +1,341 @@
+#include "benchmarks/seeds/score_seeds.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "benchmarks/metrics/image_scores.h"
+#include "benchmarks/metrics/specimens.h"
+#include "benchmarks/metrics/surface_distance.h"
+#include "benchmarks/metrics/trait_statistics.h"
+#include "benchmarks/seeds/true_outline.h"
+#include "benchmarks/seeds/truth_stages.h"
+#include "sim/geometry/measure.h"
+
+namespace cousin {
+namespace {
+
+constexpr std::array<double, 3> kTolerances_m = {0.0001, 0.0002, 0.0005};
+constexpr double kMatchGate_m = 0.004;  ///< half a seed: nearer than two seeds can lie
+constexpr int kSurfaceSamples = 20000;
+
+ScoreRow base_row(const SeedsScoreLabels& labels) {
+  ScoreRow row;
+  row.suite = labels.suite;
+  row.scene = labels.scene;
+  row.case_name = labels.case_name;
+  row.method = labels.method;
+  row.seed = labels.seed;
+  return row;
+}
+
+void add(std::vector<ScoreRow>& rows, ScoreRow row, const std::string& metric, double value, const std::string& unit,
+         std::int64_t n) {
+  row.metric = metric;
+  row.value = value;
+  row.unit = unit;
+  row.n = n;
+  rows.push_back(std::move(row));
+}
+
+void score_poses_of(const SceneTruth& truth, const SeedsEstimate& estimate, const ScoreRow& base,
+                    std::vector<ScoreRow>& rows) {
+  if (estimate.poses.empty() || estimate.poses.size() != truth.views.size()) return;
+  std::vector<Pose> poses;
+  std::vector<Camera> cameras;
+  for (const TrueView& view : truth.views) {
+    poses.push_back(interpolate(view.camera_from_world, view.camera_from_world_end, 0.5));
+    cameras.push_back(view.camera);
+  }
+  const PoseScore score = score_poses(estimate.poses, poses, cameras);
+  add(rows, base, "views.posed", static_cast<double>(score.posed) / std::max(1, score.views), "1", score.views);
+  add(rows, base, "camera.centre_rms", score.centre_rms_m, "m", score.posed);
+  add(rows, base, "camera.centre_max", score.centre_max_m, "m", score.posed);
+  add(rows, base, "camera.rotation_rms", score.rotation_rms_rad, "rad", score.posed);
+  add(rows, base, "camera.focal_rms", score.focal_rms, "1", score.posed);
+}
+
+Mesh merged(const std::vector<Mesh>& meshes) {
+  Mesh all;
+  for (const Mesh& mesh : meshes) {
+    const auto offset = static_cast<std::uint32_t>(all.vertices_m.size());
+    all.vertices_m.insert(all.vertices_m.end(), mesh.vertices_m.begin(), mesh.vertices_m.end());
+    for (const auto& t : mesh.triangles) all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  }
+  return all;
+}
+
+void add_cloud_rows(const std::string& what, std::span<const Eigen::Vector3d> points, const Mesh& surface,
+                    std::span<const Eigen::Vector3d> samples, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+  const CloudScore score = score_cloud(points, surface, samples, kTolerances_m);
+  const auto n = static_cast<std::int64_t>(points.size());
+  add(rows, base, what + ".points", static_cast<double>(n), "1", n);
+  add(rows, base, what + ".accuracy_rms", score.accuracy_rms_m, "m", n);
+  add(rows, base, what + ".accuracy_median", score.accuracy_median_m, "m", n);
+  add(rows, base, what + ".completeness_mean", score.completeness_mean_m, "m", n);
+  for (const CloudScore::AtTolerance& at : score.at) {
+    const std::string tolerance = std::to_string(static_cast<int>(at.tolerance_m * 1e6 + 0.5)) + "um";
+    add(rows, base, what + ".precision_" + tolerance, at.precision, "1", n);
+    add(rows, base, what + ".recall_" + tolerance, at.recall, "1", n);
+    add(rows, base, what + ".f1_" + tolerance, at.f1, "1", n);
+  }
+}
+
+/// Cloud against what cameras above the board can see of the seeds; meshes against all of it.
+void score_shapes(const std::vector<Mesh>& true_meshes, const SeedsEstimate& estimate, const ScoreRow& base,
+                  std::vector<ScoreRow>& rows) {
+  if (true_meshes.empty()) return;
+  const Mesh surface = merged(true_meshes);
+  const std::vector<Eigen::Vector3d> samples = sample_surface(surface, kSurfaceSamples, Rng(1));
+  std::vector<Eigen::Vector3d> cloud;
+  for (std::size_t i = 0; i < estimate.clusters.cloud.size(); ++i) {
+    if (estimate.clusters.instance[i] >= 0) cloud.push_back(estimate.clusters.cloud[i].position_m.cast<double>());
+  }
+  if (!cloud.empty()) add_cloud_rows("cloud", cloud, surface, samples, base, rows);
+  std::vector<Mesh> measured;
+  for (const Surface& s : estimate.surfaces) {
+    if (s.status == SurfaceStatus::ok && !s.mesh.triangles.empty()) measured.push_back(s.mesh);
+  }
+  if (!measured.empty()) {
+    const auto points = sample_surface(merged(measured), kSurfaceSamples, Rng(2));
+    add_cloud_rows("mesh", points, surface, samples, base, rows);
+  }
+}
+
+/// Measured outlines against the true apparent contours.
+void score_outlines_of(const SceneTruth& truth, const std::vector<Mesh>& true_meshes, const SpecimenMatching& matching,
+                       const SeedsEstimate& estimate, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+  if (estimate.silhouettes.empty()) return;
+  std::vector<int> object_of;
+  for (const SpecimenMatch& match : matching.matches) {
+    const int instance = estimate.traits[static_cast<std::size_t>(match.measured)].instance;
+    if (instance < 0) continue;
+    object_of.resize(std::max(object_of.size(), static_cast<std::size_t>(instance) + 1), -1);
+    object_of[static_cast<std::size_t>(instance)] = match.truth;
+  }
+  const OutlineScore score = score_outlines(estimate.silhouettes, truth.views, true_meshes, object_of);
+  if (score.points == 0) return;
+  add(rows, base, "outline.bias", score.bias_px, "px", score.points);
+  add(rows, base, "outline.rms", score.rms_px, "px", score.points);
+  add(rows, base, "outline.rms_over_sigma", score.normalized_rms, "1", score.points);
+}
+
+void score_timings(const SeedsEstimate& estimate, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+  double wall_s = 0, cpu_s = 0, peak_mb = 0;
+  for (const StageTiming& timing : estimate.timings) {
+    ScoreRow row = base;
+    row.wall_s = timing.wall_s;
+    row.cpu_s = timing.cpu_s;
+    row.peak_rss_mb = timing.peak_rss_mb;
+    add(rows, row, "seconds." + timing.stage, timing.wall_s, "s", 1);
+    wall_s += timing.wall_s;
+    cpu_s += timing.cpu_s;
+    peak_mb = std::max(peak_mb, timing.peak_rss_mb);
+  }
+  ScoreRow row = base;
+  row.wall_s = wall_s;
+  row.cpu_s = cpu_s;
+  row.peak_rss_mb = peak_mb;
+  add(rows, row, "seconds.perceive", wall_s, "s", 1);
+}
+
+std::vector<Eigen::Vector3d> centroids_of(const Traits& traits) {
+  std::vector<Eigen::Vector3d> result;
+  for (const SpecimenTraits& t : traits) result.push_back(t.centroid_in_world_m);
+  return result;
+}
+
+void append_specimen_rows(const Instance& object, const SpecimenTraits* measured, const SeedsScoreLabels& labels,
+                          std::vector<SpecimenRow>& rows) {
+  for (const TrueTrait& trait : object.traits) {
+    static const std::set<std::string> kScored = {"length", "width", "height", "area", "volume"};
+    if (!kScored.contains(trait.name)) continue;
+    SpecimenRow row;
+    row.dataset = labels.suite;
+    row.scene = labels.scene;
+    row.instance = object.id;
+    row.cultivar = object.category;
+    row.run = labels.run;
+    row.method = labels.method;
+    row.trait = trait.name;
+    row.unit = trait.unit;
+    row.truth = trait.value;
+    row.status = ScoreStatus::not_solved;
+    if (measured && measured->status == TraitStatus::ok) {
+      for (const Trait& m : measured->traits) {
+        if (m.name != trait.name) continue;
+        row.measured = m.value;
+        row.sigma = m.sigma;
+        row.status = ScoreStatus::ok;
+      }
+    }
+    rows.push_back(std::move(row));
+  }
+}
+
+/// Groups that statistics are made for: each cultivar, each species, and all.
+std::vector<std::string> groups_of(std::span<const SpecimenRow> specimens) {
+  std::set<std::string> cultivars, species;
+  for (const SpecimenRow& row : specimens) {
+    cultivars.insert(row.cultivar);
+    species.insert(species_of(row.cultivar));
+  }
+  std::vector<std::string> groups(cultivars.begin(), cultivars.end());
+  for (const std::string& s : species) {
+    if (!cultivars.contains(s)) groups.push_back(s);
+  }
+  if (species.size() > 1) groups.push_back("all");
+  return groups;
+}
+
+bool in_group(const SpecimenRow& row, const std::string& group) {
+  return group == "all" || row.cultivar == group || species_of(row.cultivar) == group;
+}
+
+std::map<std::string, std::string> traits_in(std::span<const SpecimenRow> specimens) {
+  std::map<std::string, std::string> units;
+  for (const SpecimenRow& row : specimens) units[row.trait] = row.unit;
+  return units;
+}
+
+}  // namespace
+
+std::string species_of(const std::string& cultivar) {
+  static const std::map<std::string, std::string> kSpecies = {
+      {"zhengdan958", "maize"}, {"tianguinuo932", "maize"}, {"jimai22", "wheat"},
+      {"aikang58", "wheat"},    {"suijing18", "rice"},      {"xiangyaxiangzhan", "rice"}};
+  const auto found = kSpecies.find(cultivar);
+  return found == kSpecies.end() ? cultivar : found->second;
+}
+
+SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate, const SeedsScoreLabels& labels) {
+  SeedsScores scores;
+  const ScoreRow base = base_row(labels);
+  const auto objects = specimens_of(truth.scene);
+  std::vector<Mesh> meshes;
+  std::vector<Eigen::Vector3d> true_centroids;
+  for (const Instance* object : objects) {
+    meshes.push_back(mesh_in_world(truth.scene, *object));
+    true_centroids.push_back(mass_properties(meshes.back()).centroid_m);
+  }
+  const SpecimenMatching matching =
+      match_specimens(centroids_of(estimate.traits), true_centroids, kMatchGate_m);
+  std::vector<const SpecimenTraits*> measured(objects.size(), nullptr);
+  for (const SpecimenMatch& match : matching.matches) {
+    measured[static_cast<std::size_t>(match.truth)] = &estimate.traits[static_cast<std::size_t>(match.measured)];
+  }
+  const auto n = static_cast<std::int64_t>(objects.size());
+  add(scores.rows, base, "specimens.found", static_cast<double>(matching.matches.size()), "1", n);
+  add(scores.rows, base, "specimens.missed", static_cast<double>(matching.missed.size()), "1", n);
+  add(scores.rows, base, "specimens.spurious", static_cast<double>(matching.spurious.size()), "1", n);
+  score_poses_of(truth, estimate, base, scores.rows);
+  score_outlines_of(truth, meshes, matching, estimate, base, scores.rows);
+  score_shapes(meshes, estimate, base, scores.rows);
+  score_timings(estimate, base, scores.rows);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    append_specimen_rows(*objects[i], measured[i], labels, scores.specimens);
+  }
+  return scores;
+}
+
+std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens, const SeedsScoreLabels& labels) {
+  std::vector<ScoreRow> rows;
+  std::set<std::string> methods;
+  for (const SpecimenRow& row : specimens) methods.insert(row.method);
+  for (const std::string& method : methods) {
+    for (const std::string& group : groups_of(specimens)) {
+      for (const auto& [trait, unit] : traits_in(specimens)) {
+        const auto wanted = [&](const SpecimenRow& row) { return row.method == method && in_group(row, group); };
+        const std::vector<TraitPair> pairs = trait_pairs(specimens, trait, wanted);
+        ScoreRow base = base_row(labels);
+        base.case_name = group;
+        base.method = method;
+        const auto asked = std::count_if(specimens.begin(), specimens.end(), [&](const SpecimenRow& row) {
+          return row.trait == trait && wanted(row);
+        });
+        if (asked == 0) continue;
+        add(rows, base, trait + ".solved", static_cast<double>(pairs.size()) / static_cast<double>(asked), "1", asked);
+        if (pairs.size() < 2) continue;
+        const Rng rng = Rng(labels.seed).fork("bootstrap").fork(method + "/" + group + "/" + trait);
+        for (ScoreRow& row : score_rows(base, trait, unit, trait_statistics(pairs, rng))) rows.push_back(std::move(row));
+        const SigmaCoverage coverage = sigma_coverage(pairs);
+        if (coverage.n == 0) continue;
+        for (ScoreRow& row : score_rows(base, trait, coverage)) rows.push_back(std::move(row));
+      }
+    }
+  }
+  return rows;
+}
+
+std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens, const std::string& method_a,
+                                  const std::string& method_b, const SeedsScoreLabels& labels) {
+  std::vector<ScoreRow> rows;
+  for (const std::string& group : groups_of(specimens)) {
+    for (const auto& [trait, unit] : traits_in(specimens)) {
+      std::map<std::string, PairedMeasurement> pairs;
+      std::map<std::string, int> methods_there;
+      for (const SpecimenRow& row : specimens) {
+        const bool usable = row.trait == trait && in_group(row, group) && row.status == ScoreStatus::ok;
+        if (!usable || (row.method != method_a && row.method != method_b)) continue;
+        const std::string key = row.cultivar + "/" + row.run + "/" + std::to_string(row.instance);
+        PairedMeasurement& pair = pairs[key];
+        pair.truth = row.truth;
+        pair.run = row.cultivar + "/" + row.run;
+        (row.method == method_a ? pair.measured_a : pair.measured_b) = row.measured;
+        ++methods_there[key];
+      }
+      std::vector<PairedMeasurement> both;
+      for (const auto& [key, pair] : pairs) {
+        if (methods_there[key] == 2) both.push_back(pair);
+      }
+      if (both.size() < 2) continue;
+      const PairedComparison c =
+          compare_paired(both, Rng(labels.seed).fork("paired").fork(group + "/" + trait));
+      ScoreRow base = base_row(labels);
+      base.case_name = group;
+      base.method = method_a + "/" + method_b;
+      rows.push_back(with_interval(base, trait + ".rmse_ratio", "1", c.rmse_ratio, c.n));
+      rows.push_back(with_interval(base, trait + ".absolute_difference", unit, c.absolute_difference, c.n));
+      add(rows, base, trait + ".paired_t_p", c.p_value, "1", c.n);
+    }
+  }
+  return rows;
+}
+
+Gate parse_gate(const std::string& text) {
+  const std::size_t place = text.find("=");
+  if (place == std::string::npos || place < 2 || (text[place - 1] != '<' && text[place - 1] != '>')) {
+    throw std::invalid_argument("--gate \"" + text + "\" is not 'metric<=x' or 'metric>=x'");
+  }
+  Gate gate;
+  gate.metric = text.substr(0, place - 1);
+  gate.at_most = text[place - 1] == '<';
+  const char* begin = text.data() + place + 1;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(begin, end, gate.limit);
+  if (error != std::errc() || stop != end) {
+    throw std::invalid_argument("--gate \"" + text + "\": the limit is no number");
+  }
+  return gate;
+}
+
+std::vector<std::string> broken(const Gate& gate, std::span<const ScoreRow> rows) {
+  std::vector<std::string> result;
+  bool found = false;
+  for (const ScoreRow& row : rows) {
+    if (row.metric != gate.metric) continue;
+    found = true;
+    const bool holds = gate.at_most ? row.value <= gate.limit : row.value >= gate.limit;
+    if (!holds) {
+      result.push_back(row.case_name + " " + row.method + " " + row.metric + " = " + std::to_string(row.value) +
+                       (gate.at_most ? " > " : " < ") + std::to_string(gate.limit));
+    }
+  }
+  if (!found) result.push_back("no row has the metric \"" + gate.metric + "\"");
+  return result;
+}
+
+}  // namespace cousin

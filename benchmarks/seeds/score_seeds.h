@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "benchmarks/metrics/scores.h"
+#include "perception/pipelines/seeds.h"
+#include "sim/dataset/truth_io.h"
+
+namespace cousin {
+
+/// What the rows of one run are labelled with.
+struct SeedsScoreLabels {
+  std::string suite = "seeds";
+  std::string scene = "000000";
+  std::string case_name = "run";
+  std::string method = "ours";
+  std::string run = "000000";
+  std::uint64_t seed = 0;
+};
+
+struct SeedsScores {
+  std::vector<ScoreRow> rows;
+  std::vector<SpecimenRow> specimens;
+};
+
+/// Scores one capture: specimens found, missed and spurious, poses, cloud and meshes against the true surfaces, seconds and
+/// memory; and one specimen row for each true specimen and trait (status not_solved where it was not measured).
+/// Whatever the estimate does not hold is not scored.
+SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate, const SeedsScoreLabels& labels);
+
+/// Trait statistics over all runs: per cultivar, per species and over all, for each method and trait in the rows.
+std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens, const SeedsScoreLabels& labels);
+
+/// Ratio of the RMSE of method a to that of b on the same specimens, per cultivar, species and trait.
+std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens, const std::string& method_a,
+                                  const std::string& method_b, const SeedsScoreLabels& labels);
+
+/// maize, wheat, rice; other names stand for themselves.
+std::string species_of(const std::string& cultivar);
+
+/// A condition on a metric: "length.rmse<=0.0001".
+struct Gate {
+  std::string metric;
+  bool at_most = true;
+  double limit = 0;
+};
+/// @throws std::invalid_argument naming the text and the form.
+Gate parse_gate(const std::string& text);
+/// Rows of that metric that break the gate; a metric that no row has breaks it too.
+std::vector<std::string> broken(const Gate& gate, std::span<const ScoreRow> rows);
+
+}  // namespace cousin

@@ -1,0 +1,143 @@
+#include "benchmarks/seeds/simulate.h"
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "sim/geometry/mesh_io.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+std::optional<Mesh> user_specimen(const SeedsSceneConfig& config) {
+  constexpr std::string_view kMesh = "mesh:";
+  if (config.specimen.empty()) return std::nullopt;
+  if (!config.specimen.starts_with(kMesh)) {
+    throw std::invalid_argument("specimen = \"" + config.specimen + "\" is not \"mesh:FILE\"");
+  }
+  Mesh mesh = read_mesh(config.specimen.substr(kMesh.size()));
+  for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex *= config.specimen_scale;
+  return mesh;
+}
+
+}  // namespace
+
+struct SeedsSimulation::Impl {
+  SeedsRunConfig config;
+  std::uint64_t seed;
+  Rng rng;
+  Scene scene;
+  RayScene rays;
+  PhoneUnit phone;
+  std::vector<TrueView> views;
+  mutable std::mutex cache_mutex;
+  mutable std::map<std::uint64_t, IrradianceCache> caches;  ///< one for each repeat; nodes stay in place
+
+  Impl(const SeedsRunConfig& run_config, std::uint64_t run_seed, int scene_index)
+      : config(run_config),
+        seed(run_seed),
+        rng(Rng(run_seed).fork("scene").fork(static_cast<std::uint64_t>(scene_index))),
+        scene(build_seeds_scene(config.scene, rng.fork("build"), user_specimen(config.scene))),
+        rays(scene),
+        phone(make_phone(config.rig, rng.fork("phone"))) {
+    for (std::size_t i = 0; i < scene.views.size(); ++i) {
+      views.push_back(true_view(config.rig, phone, scene, static_cast<int>(i), rng.fork("view").fork(i)));
+    }
+  }
+
+  const IrradianceCache& cache(std::uint64_t repeat) const {
+    const std::lock_guard lock(cache_mutex);
+    const auto found = caches.find(repeat);
+    if (found != caches.end()) return found->second;
+    return caches.emplace(repeat, IrradianceCache(rays, scene, config.render, rng.fork("light").fork(repeat)))
+        .first->second;
+  }
+};
+
+SeedsSimulation::SeedsSimulation(const SeedsRunConfig& config, std::uint64_t seed, int scene_index)
+    : impl_(std::make_unique<Impl>(config, seed, scene_index)) {}
+SeedsSimulation::~SeedsSimulation() = default;
+SeedsSimulation::SeedsSimulation(SeedsSimulation&&) noexcept = default;
+
+const Scene& SeedsSimulation::scene() const { return impl_->scene; }
+const RayScene& SeedsSimulation::rays() const { return impl_->rays; }
+const std::vector<TrueView>& SeedsSimulation::views() const { return impl_->views; }
+const PhoneUnit& SeedsSimulation::phone() const { return impl_->phone; }
+
+Image<Rgbf> SeedsSimulation::radiance(int frame, std::uint64_t repeat) const {
+  const Rng rng = impl_->rng.fork("radiance").fork(repeat).fork(static_cast<std::uint64_t>(frame));
+  return render_radiance(impl_->rays, impl_->scene, impl_->cache(repeat),
+                         impl_->views.at(static_cast<std::size_t>(frame)), impl_->config.render, rng);
+}
+
+Frame SeedsSimulation::photograph(int frame) const {
+  const TrueView& view = impl_->views.at(static_cast<std::size_t>(frame));
+  const Rng rng = impl_->rng.fork("sensor").fork(static_cast<std::uint64_t>(frame));
+  Frame result;
+  result.id = frame;
+  result.time_s = view.time_s;
+  result.sensors.push_back(sense(radiance(frame), impl_->config.rig, impl_->phone, view, rng));
+  return result;
+}
+
+Camera SeedsSimulation::reported(int frame) const {
+  return reported_camera(impl_->config.rig, impl_->phone, impl_->views.at(static_cast<std::size_t>(frame)),
+                         impl_->rng.fork("sensor").fork(static_cast<std::uint64_t>(frame)));
+}
+
+TruthImages SeedsSimulation::truth(int frame, const TruthNeeds& needs) const {
+  return render_truth(impl_->rays, impl_->scene, impl_->views.at(static_cast<std::size_t>(frame)), needs);
+}
+
+Capture SeedsSimulation::capture_header() const {
+  Capture capture;
+  capture.pipeline = "seeds";
+  capture.board = impl_->scene.board;
+  capture.rig.push_back(report_of(impl_->config.rig, impl_->phone));
+  return capture;
+}
+
+SceneTruth SeedsSimulation::scene_truth() const {
+  SceneTruth truth;
+  truth.seed = impl_->seed;
+  truth.config_toml = resolved_toml(impl_->config);
+  truth.scene = impl_->scene;
+  truth.views = impl_->views;
+  return truth;
+}
+
+SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, int scene_index,
+                            const TruthNeeds& needs, const Progress& progress) {
+  const auto say = [&](const std::string& what, int done, int total) {
+    if (progress) progress(what, done, total);
+  };
+  SimulatedRun run;
+  say("scene", 0, 1);
+  const StageClock scene_clock("scene");
+  const SeedsSimulation simulation(config, seed, scene_index);
+  run.timings.push_back(scene_clock.finish());
+
+  const int frames = static_cast<int>(simulation.views().size());
+  run.capture = simulation.capture_header();
+  const StageClock render_clock("render");
+  for (int frame = 0; frame < frames; ++frame) {
+    say("render", frame, frames);
+    run.capture.frames.push_back(simulation.photograph(frame));
+  }
+  run.timings.push_back(render_clock.finish());
+
+  const StageClock truth_clock("truth");
+  run.truth = simulation.scene_truth();
+  const bool any = needs.depth || needs.normal || needs.position || needs.instance || needs.part ||
+                   needs.coverage || needs.visibility;
+  for (int frame = 0; any && frame < frames; ++frame) {
+    say("truth", frame, frames);
+    run.truth.images.push_back(simulation.truth(frame, needs));
+  }
+  run.timings.push_back(truth_clock.finish());
+  return run;
+}
+
+}  // namespace cousin

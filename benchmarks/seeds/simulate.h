@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "benchmarks/seeds/run_config.h"
+#include "sim/dataset/truth_io.h"
+#include "sim/types/capture.h"
+#include "sim/types/seams.h"
+
+namespace cousin {
+
+/// Called as work goes on: what is being done, steps finished, steps in all.
+using Progress = std::function<void(const std::string& what, int done, int total)>;
+
+/// One scene of the virtual world, ready to be photographed. A frame is a pure function of (configuration, seed,
+/// scene index, frame index): any subset may be rendered, in any order.
+class SeedsSimulation {
+ public:
+  /// Builds and settles the scene, draws the phone. Light is computed on the first photograph.
+  SeedsSimulation(const SeedsRunConfig& config, std::uint64_t seed, int scene_index);
+  ~SeedsSimulation();
+  SeedsSimulation(SeedsSimulation&&) noexcept;
+
+  const Scene& scene() const;
+  const RayScene& rays() const;
+  const std::vector<TrueView>& views() const;
+  const PhoneUnit& phone() const;
+
+  /// Linear radiance of one view, before the sensor. `repeat` draws other Monte-Carlo samples of the same view and
+  /// of the light cache, to measure the renderer's own noise.
+  Image<Rgbf> radiance(int frame, std::uint64_t repeat = 0) const;
+  /// What the phone hands over for one view.
+  Frame photograph(int frame) const;
+  /// The calibration that photograph(frame) reports, without rendering.
+  Camera reported(int frame) const;
+  TruthImages truth(int frame, const TruthNeeds& needs) const;
+
+  /// The capture without frames: rig, pipeline, board.
+  Capture capture_header() const;
+  /// Truth without images.
+  SceneTruth scene_truth() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// All frames of a scene and the truth that `needs` asks for, in memory, with the seconds of each pass.
+struct SimulatedRun {
+  Capture capture;
+  SceneTruth truth;
+  std::vector<StageTiming> timings;
+};
+SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, int scene_index,
+                            const TruthNeeds& needs, const Progress& progress = {});
+
+}  // namespace cousin

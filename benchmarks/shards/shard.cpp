@@ -1,0 +1,85 @@
+#include "benchmarks/shards/shard.h"
+
+#include <charconv>
+#include <exception>
+#include <optional>
+#include <stdexcept>
+
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/manifest.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+int parse_whole(std::string_view text, const std::string& all) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw std::invalid_argument("--shard \"" + all + "\" is not i/n with 0 <= i < n");
+  }
+  return value;
+}
+
+/// A result file: the key's hash on its first line, then the text.
+std::optional<std::string> stored_result(const fs::path& file, const std::string& key_hash) {
+  if (!fs::exists(file)) return std::nullopt;
+  const std::string text = read_file(file);
+  const std::size_t line_end = text.find('\n');
+  if (line_end == std::string::npos || text.substr(0, line_end) != key_hash) return std::nullopt;
+  return text.substr(line_end + 1);
+}
+
+}  // namespace
+
+Shard parse_shard(const std::string& text) {
+  if (text.empty()) return {};
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos) {
+    throw std::invalid_argument("--shard \"" + text + "\" is not i/n with 0 <= i < n");
+  }
+  const std::string_view view(text);
+  const Shard shard{parse_whole(view.substr(0, slash), text), parse_whole(view.substr(slash + 1), text)};
+  if (shard.count < 1 || shard.count > 100000 || shard.index < 0 || shard.index >= shard.count) {
+    throw std::invalid_argument("--shard \"" + text + "\" is not i/n with 0 <= i < n <= 100000");
+  }
+  return shard;
+}
+
+std::pair<int, int> shard_range(const Shard& shard, int size) {
+  const auto cut = [&](int i) {
+    return static_cast<int>(static_cast<long long>(size) * i / shard.count);
+  };
+  return {cut(shard.index), cut(shard.index + 1)};
+}
+
+std::vector<ShardResult> run_shards(
+    const fs::path& folder, const std::vector<ShardJob>& jobs, const Shard& shard,
+    const std::function<void(const std::string&, int, int)>& progress) {
+  const int count = static_cast<int>(jobs.size());
+  const auto [first, end] = shard_range(shard, count);
+  std::vector<ShardResult> results;
+  for (int i = 0; i < count; ++i) {
+    const ShardJob& job = jobs[static_cast<std::size_t>(i)];
+    ShardResult result;
+    result.name = job.name;
+    const fs::path file = folder / job.name;
+    const std::string key_hash = sha256_hex(job.key);
+    if (const auto stored = stored_result(file, key_hash)) {
+      result.text = *stored;
+      result.reused = true;
+    } else if (i >= first && i < end) {
+      if (progress) progress(job.name, i - first, end - first);
+      try {
+        result.text = job.run();
+        write_file(file, key_hash + "\n" + result.text);
+      } catch (const std::exception& error) {
+        result.error = error.what();
+      }
+    }
+    results.push_back(std::move(result));
+  }
+  return results;
+}
+
+}  // namespace cousin

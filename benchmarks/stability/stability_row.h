@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+namespace cousin {
+
+/// One line of the stability table: a measured quantity of a stiff or extreme case against its
+/// limit.
+struct StabilityRow {
+  std::string case_name;
+  std::string quantity;
+  std::string unit;  ///< empty for counts and ratios
+  double limit = 0;
+  double value = 0;
+  bool upper = true;  ///< the limit is an upper one: value <= limit passes; else value >= limit
+  bool pass = false;  ///< NaN never passes
+};
+
+/// A row with `pass` worked out.
+inline StabilityRow make_row(std::string case_name, std::string quantity, std::string unit,
+                             double limit, double value, bool upper = true) {
+  const bool pass = upper ? value <= limit : value >= limit;
+  return {std::move(case_name), std::move(quantity), std::move(unit), limit, value, upper, pass};
+}
+
+}  // namespace cousin

@@ -1,0 +1,84 @@
+#include "benchmarks/stability/suite.h"
+
+#include <exception>
+#include <functional>
+
+#include "benchmarks/stability/contact_cases.h"
+#include "benchmarks/stability/geometry_cases.h"
+#include "benchmarks/stability/ray_cases.h"
+#include "scenes/seeds/seeds_scene.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+/// Rays from inside one seed of each cultivar; every specimen's surface must be closed to them.
+std::vector<StabilityRow> watertight_seeds(bool quick) {
+  const std::int64_t rays = quick ? 200'000 : 2'000'000;  // six seeds: above 10^7 in the full run
+  std::vector<StabilityRow> rows;
+  for (const std::string& cultivar : cultivar_names()) {
+    const SeedModel seed = make_seed(cultivar, SizeSpread::literature, Rng(1).fork(cultivar));
+    rows.push_back(watertight_case("seed of " + cultivar, seed.model.mesh, rays, Rng(2).fork(cultivar)));
+  }
+  return rows;
+}
+
+struct Module {
+  const char* name;
+  std::function<std::vector<StabilityRow>()> run;
+};
+
+}  // namespace
+
+ScoreFile stability_suite(bool quick, const Progress& progress) {
+  RayCasesConfig rays;
+  if (quick) {
+    rays.watertight_rays = 500'000;
+    rays.offset_rays = 4'000;
+  }
+  const std::vector<Module> modules = {{"geometry", geometry_cases},
+                                       {"rays", [&] { return ray_cases(rays, Rng(1)); }},
+                                       {"watertight seeds", [&] { return watertight_seeds(quick); }},
+                                       {"contacts", [&] { return contact_cases(quick); }}};
+  ScoreFile file;
+  for (std::size_t i = 0; i < modules.size(); ++i) {
+    if (progress) progress(modules[i].name, static_cast<int>(i), static_cast<int>(modules.size()));
+    const StageClock clock(modules[i].name);
+    std::vector<StabilityRow> rows;
+    ScoreRow base;
+    base.suite = "stability";
+    base.scene = modules[i].name;
+    base.method = "ours";
+    try {
+      rows = modules[i].run();
+    } catch (const std::exception& error) {
+      base.case_name = modules[i].name;
+      base.metric = error.what();
+      base.status = ScoreStatus::error;
+      file.scores.push_back(base);
+      continue;
+    }
+    for (const StabilityRow& row : rows) {
+      ScoreRow score = base;
+      score.case_name = row.case_name;
+      char limit[64];
+      std::snprintf(limit, sizeof limit, " (%s %.3g)", row.upper ? "at most" : "at least", row.limit);
+      score.metric = row.quantity + limit;
+      score.value = row.value;
+      score.unit = row.unit.empty() ? "1" : row.unit;
+      score.n = 1;
+      score.status = row.pass ? ScoreStatus::pass : ScoreStatus::fail;
+      file.scores.push_back(std::move(score));
+    }
+    ScoreRow seconds = base;
+    seconds.case_name = modules[i].name;
+    seconds.metric = "seconds";
+    seconds.value = seconds.wall_s = clock.finish().wall_s;
+    seconds.unit = "s";
+    seconds.n = static_cast<std::int64_t>(rows.size());
+    file.scores.push_back(std::move(seconds));
+  }
+  return file;
+}
+
+}  // namespace cousin
