@@ -1,0 +1,212 @@
+#include "calibration/board_detection.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <tbb/global_control.h>
+
+#include "tests/calibration/synthetic_board.h"
+
+namespace cousin {
+namespace {
+
+synthetic::View still(const Camera& camera, const Pose& pose) { return {camera, pose, pose}; }
+
+Capture capture_of(const std::vector<synthetic::View>& views, const SeedBoard& board,
+                   const std::vector<synthetic::Ellipsoid>& seeds) {
+  Capture capture;
+  capture.rig.resize(1);
+  for (const synthetic::View& view : views) {
+    Frame frame;
+    frame.id = static_cast<int>(capture.frames.size());
+    frame.sensors.resize(1);
+    frame.sensors[0].reported = view.camera;
+    frame.sensors[0].color =
+        synthetic::photograph(view, board, seeds, {}, Rng(11).fork(static_cast<std::uint64_t>(frame.id)));
+    capture.frames.push_back(std::move(frame));
+  }
+  return capture;
+}
+
+struct Errors {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  double rms_px = 0;       ///< per axis
+  double normalized = 0;   ///< RMS of error over predicted sigma, per axis
+  double worst_px = 0;
+};
+
+Errors errors_of(const FrameCorners& corners, const synthetic::View& view, const SeedBoard& board) {
+  Errors e;
+  const double n = static_cast<double>(corners.corners.size());
+  for (const CornerObservation& c : corners.corners) {
+    const Eigen::Vector2d d = c.pixel_px - synthetic::true_pixel(view, corner_in_world_m(board, c.column, c.row));
+    e.mean += d / n;
+    e.rms_px += d.squaredNorm() / (2 * n);
+    e.normalized += d.squaredNorm() / (2 * n * c.sigma_px * c.sigma_px);
+    e.worst_px = std::max(e.worst_px, d.norm());
+  }
+  e.rms_px = std::sqrt(e.rms_px);
+  e.normalized = std::sqrt(e.normalized);
+  return e;
+}
+
+TEST(BoardDetection, CornersAreUnbiasedForEveryLens) {
+  const SeedBoard board;
+  for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
+                                LensModel::kannala_brandt4}) {
+    const synthetic::View view = still(synthetic::phone_camera(1280, model), synthetic::orbit(0.45, 0.7, 0.4));
+    const Corners corners = detect_board(capture_of({view}, board, synthetic::seeds(Rng(3))), board);
+    ASSERT_EQ(corners[0].status, BoardStatus::ok) << to_string(model);
+    EXPECT_GT(corners[0].corners.size(), 90U);  // of 160; seeds hide about a quarter
+    const Errors e = errors_of(corners[0], view, board);
+    EXPECT_LT(e.mean.norm(), 0.005);  // 0.006 px / sqrt(100) is the noise of this mean; the goal is 0.02
+    EXPECT_LT(e.rms_px, 0.02);
+    EXPECT_LT(e.worst_px, 0.06);
+    EXPECT_GT(e.normalized, 0.8);  // sigma is predicted
+    EXPECT_LT(e.normalized, 1.9);  // part of the error is the test image's own 55 rays a pixel
+  }
+}
+
+TEST(BoardDetection, LowAndHighViewsNearAndFarAreFound) {
+  const SeedBoard board;
+  std::vector<synthetic::View> views;
+  for (const auto& [distance, elevation, azimuth] :
+       {std::array{0.30, 1.1, 0.3}, std::array{0.45, 0.26, 0.5}, std::array{0.47, 0.22, 2.6}, std::array{0.8, 0.6, 4.0}}) {
+    views.push_back(still(synthetic::phone_camera(1280), synthetic::orbit(distance, elevation, azimuth, 0.1)));
+  }
+  const Corners corners = detect_board(capture_of(views, board, synthetic::seeds(Rng(4))), board);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    ASSERT_EQ(corners[i].status, BoardStatus::ok) << i;
+    const Errors e = errors_of(corners[i], views[i], board);
+    EXPECT_LT(e.mean.norm(), 0.02) << i;
+    EXPECT_LT(e.rms_px, 0.06) << i;
+  }
+}
+
+TEST(BoardDetection, AnyTurnOfTheCameraGivesTheSameCorners) {
+  const SeedBoard board;
+  std::vector<synthetic::View> views;
+  for (const double roll : {0.8, std::numbers::pi, 4.5}) {
+    views.push_back(still(synthetic::phone_camera(1280), synthetic::orbit(0.45, 0.8, 1.0, roll)));
+  }
+  const Corners corners = detect_board(capture_of(views, board, {}), board);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    ASSERT_EQ(corners[i].status, BoardStatus::ok);
+    EXPECT_LT(errors_of(corners[i], views[i], board).worst_px, 0.1);
+  }
+}
+
+TEST(BoardDetection, OneMarkerInFourIsEnough) {
+  const SeedBoard board;
+  std::vector<synthetic::Ellipsoid> covers = synthetic::seeds(Rng(5));
+  for (int index = 0; index < 3; ++index) {  // pebbles on three of the markers
+    synthetic::Ellipsoid e;
+    const auto corners = marker_corners_in_world_m(board, index);
+    e.centre_m = 0.5 * (corners[0] + corners[2]);
+    e.half_axes_m = {0.010, 0.010, 0.003};
+    covers.push_back(e);
+  }
+  const synthetic::View view = still(synthetic::phone_camera(1280), synthetic::orbit(0.45, 0.8, 2.0));
+  const Corners corners = detect_board(capture_of({view}, board, covers), board);
+  ASSERT_EQ(corners[0].status, BoardStatus::ok);
+  EXPECT_LT(errors_of(corners[0], view, board).worst_px, 0.1);
+}
+
+TEST(BoardDetection, HandMotionDoesNotBreakIt) {
+  const SeedBoard board;
+  const synthetic::View view = synthetic::hand_held(synthetic::phone_camera(1280), synthetic::orbit(0.4, 0.8, 2.0),
+                                                    0.0006, 0.0006, Rng(8));
+  const Corners corners = detect_board(capture_of({view}, board, synthetic::seeds(Rng(6))), board);
+  ASSERT_EQ(corners[0].status, BoardStatus::ok);
+  EXPECT_LT(errors_of(corners[0], view, board).rms_px, 0.03);
+}
+
+TEST(BoardDetection, NothingToSeeIsSaidSo) {
+  Capture capture;
+  capture.rig.resize(1);
+  const Camera camera = synthetic::phone_camera(640);
+  for (int i = 0; i < 3; ++i) {
+    Frame frame;
+    frame.id = i;
+    frame.sensors.resize(1);
+    frame.sensors[0].reported = camera;
+    if (i > 0) frame.sensors[0].color = Image<Rgb8>(camera.width_px, camera.height_px, Rgb8{40, 160, 60});
+    capture.frames.push_back(frame);
+  }
+  Rng rng(2);
+  for (Rgb8& c : capture.frames[2].sensors[0].color) {  // noise has saddles, but no lattice
+    c = {static_cast<std::uint8_t>(uniform_index(rng, 256)), static_cast<std::uint8_t>(uniform_index(rng, 256)),
+         static_cast<std::uint8_t>(uniform_index(rng, 256))};
+  }
+  const Corners corners = detect_board(capture, SeedBoard{});
+  EXPECT_EQ(corners[0].status, BoardStatus::no_image);
+  EXPECT_EQ(corners[1].status, BoardStatus::not_seen);
+  EXPECT_NE(corners[2].status, BoardStatus::ok);
+  for (const FrameCorners& frame : corners) EXPECT_TRUE(frame.corners.empty());
+  capture.frames[1].sensors[0].color = Image<Rgb8>(10, 10);
+  EXPECT_THROW(detect_board(capture, SeedBoard{}), std::invalid_argument);
+}
+
+TEST(BoardDetection, PlainBoardIsTiedAcrossViewsByContinuity) {
+  SeedBoard board;
+  board.has_markers = false;
+  std::vector<synthetic::View> views;
+  for (int i = 0; i < 8; ++i) {  // 25 degrees a step: past a quarter turn, where turns would mix
+    views.push_back(still(synthetic::phone_camera(1280), synthetic::orbit(0.42, 0.9, 0.3 + 0.44 * i)));
+  }
+  views.push_back(still(synthetic::phone_camera(1280), synthetic::orbit(0.42, 0.9, 0.3 + 0.44 * 7 + 0.785)));
+  const Corners corners = detect_board(capture_of(views, board, synthetic::seeds(Rng(7))), board);
+  // One quarter turn, the same for all views, takes the true corners to those found.
+  int found_turn = -1;
+  for (int turn = 0; turn < 4 && found_turn < 0; ++turn) {
+    bool all = true;
+    for (int i = 0; i < 8; ++i) {
+      ASSERT_EQ(corners[static_cast<std::size_t>(i)].status, BoardStatus::ok) << i;
+      for (const CornerObservation& c : corners[static_cast<std::size_t>(i)].corners) {
+        const Eigen::Vector3d p = Eigen::AngleAxisd(0.5 * std::numbers::pi * turn, Eigen::Vector3d::UnitZ()) *
+                                  corner_in_world_m(board, c.column, c.row);
+        all = all && (c.pixel_px - synthetic::true_pixel(views[static_cast<std::size_t>(i)], p)).norm() < 0.2;
+      }
+    }
+    if (all) found_turn = turn;
+  }
+  EXPECT_GE(found_turn, 0);
+  // Half way between two quarter turns nothing decides.
+  EXPECT_EQ(corners[8].status, BoardStatus::ambiguous);
+}
+
+TEST(BoardDetection, ThreadsDoNotChangeAByte) {
+  const SeedBoard board;
+  synthetic::ShootConfig config;
+  config.views = 3;
+  const synthetic::Shoot shoot = synthetic::shoot(config, board, {}, Rng(9));
+  Corners reference;
+  for (const std::size_t threads : {1, 2, 7}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    const Corners corners = detect_board(shoot.capture, board);
+    if (reference.empty()) reference = corners;
+    ASSERT_EQ(corners.size(), reference.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      ASSERT_EQ(corners[i].corners.size(), reference[i].corners.size());
+      for (std::size_t k = 0; k < corners[i].corners.size(); ++k) {
+        EXPECT_EQ(corners[i].corners[k].pixel_px, reference[i].corners[k].pixel_px);
+        EXPECT_EQ(corners[i].corners[k].sigma_px, reference[i].corners[k].sigma_px);
+      }
+    }
+  }
+}
+
+TEST(BoardDetection, BadConfigurationIsRefusedByName) {
+  try {
+    detect_board({}, SeedBoard{}, {.window_squares = 0.9});
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("window_squares"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace cousin

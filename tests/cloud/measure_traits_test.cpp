@@ -1,0 +1,128 @@
+#include "perception/cloud/measure_traits.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "sim/geometry/measure.h"
+#include "sim/types/rng.h"
+
+namespace cousin {
+namespace {
+
+/// Points of a block, evenly spaced through its inside and surface, turned and moved.
+std::vector<Eigen::Vector3d> block_points(const Eigen::Vector3d& size_m, int steps) {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i <= steps; ++i) {
+    for (int j = 0; j <= steps; ++j) {
+      for (int k = 0; k <= steps; ++k) {
+        const Eigen::Vector3d share = Eigen::Vector3d(i, j, k) / steps - Eigen::Vector3d::Constant(0.5);
+        points.push_back(turn * share.cwiseProduct(size_m) + Eigen::Vector3d(0.01, 0.02, 0.03));
+      }
+    }
+  }
+  return points;
+}
+
+Surface block_surface(const Eigen::Vector3d& size_m) {
+  Surface surface;
+  surface.instance = 3;
+  surface.status = SurfaceStatus::ok;
+  surface.mesh = convex_hull(block_points(size_m, 1));
+  return surface;
+}
+
+double value_of(const SpecimenTraits& traits, const std::string& name) {
+  for (const Trait& t : traits.traits) {
+    if (t.name == name) return t.value;
+  }
+  return kNaN;
+}
+double sigma_of(const SpecimenTraits& traits, const std::string& name) {
+  for (const Trait& t : traits.traits) {
+    if (t.name == name) return t.sigma;
+  }
+  return kNaN;
+}
+
+const Eigen::Vector3d kSize{0.010, 0.006, 0.004};
+
+TEST(PaperTraits, OfABlockOfPointsAreItsSizes) {
+  Surface surface;
+  surface.status = SurfaceStatus::ok;
+  surface.points_m = block_points(kSize, 10);
+  const SpecimenTraits traits = traits_as_paper({surface}).front();
+  ASSERT_EQ(traits.status, TraitStatus::ok) << traits.reason;
+  EXPECT_NEAR(value_of(traits, "length"), 0.010, 1e-9);
+  EXPECT_NEAR(value_of(traits, "width"), 0.006, 1e-9);
+  EXPECT_NEAR(value_of(traits, "height"), 0.004, 1e-9);
+  // A grid is cospherical everywhere: Qhull's joggle or flat tetrahedra cost a little.
+  EXPECT_NEAR(value_of(traits, "volume"), 2.4e-7, 0.02 * 2.4e-7);
+  EXPECT_NEAR(value_of(traits, "area"), 2.48e-4, 0.05 * 2.48e-4);
+  EXPECT_TRUE(std::isnan(sigma_of(traits, "length")));
+  EXPECT_LT((traits.centroid_in_world_m - Eigen::Vector3d(0.01, 0.02, 0.03)).norm(), 1e-9);
+}
+
+TEST(PaperTraits, DegenerateClustersAreNotSolvedAndSayWhy) {
+  Surfaces surfaces(4);
+  for (int i = 0; i < 4; ++i) surfaces[static_cast<std::size_t>(i)].instance = i;
+  surfaces[1].points_m.assign(3, Eigen::Vector3d::Zero());
+  for (int i = 0; i < 100; ++i) surfaces[2].points_m.emplace_back(0.001 * (i % 10), 0.001 * (i / 10), 0);  // a plane
+  surfaces[3].points_m.assign(10, Eigen::Vector3d(0, 0, kNaN));
+  for (const SpecimenTraits& t : traits_as_paper(surfaces)) {
+    EXPECT_EQ(t.status, TraitStatus::not_solved);
+    EXPECT_FALSE(t.reason.empty());
+    EXPECT_TRUE(t.traits.empty());
+  }
+}
+
+TEST(MeshTraits, OfABlockAreExact) {
+  const SpecimenTraits traits = traits_of_meshes({block_surface(kSize)}).front();
+  ASSERT_EQ(traits.status, TraitStatus::ok) << traits.reason;
+  EXPECT_EQ(traits.instance, 3);
+  EXPECT_NEAR(value_of(traits, "length"), 0.010, 1e-9);
+  EXPECT_NEAR(value_of(traits, "width"), 0.006, 1e-9);
+  EXPECT_NEAR(value_of(traits, "height"), 0.004, 1e-9);
+  EXPECT_NEAR(value_of(traits, "area"), 2.48e-4, 1e-12);
+  EXPECT_NEAR(value_of(traits, "volume"), 2.4e-7, 1e-15);
+  EXPECT_TRUE(std::isnan(sigma_of(traits, "length")));
+}
+
+TEST(MeshTraits, SigmaIsTheSpreadOfTheSamples) {
+  Surface surface = block_surface(kSize);
+  const Eigen::Vector3d middle(0.01, 0.02, 0.03);
+  Rng rng(4);
+  constexpr int kSamples = 200;
+  constexpr double kScaleSigma = 0.01;
+  for (int i = 0; i < kSamples; ++i) {
+    std::vector<Eigen::Vector3d> sample = surface.mesh.vertices_m;
+    const double scale = 1 + kScaleSigma * normal(rng);
+    for (Eigen::Vector3d& p : sample) p = middle + scale * (p - middle);
+    surface.samples_m.push_back(std::move(sample));
+  }
+  const SpecimenTraits traits = traits_of_meshes({surface}).front();
+  // The relative standard error of a sigma of 200 samples is 5 %; allow four.
+  EXPECT_NEAR(sigma_of(traits, "length") / 0.010, kScaleSigma, 0.2 * kScaleSigma);
+  EXPECT_NEAR(sigma_of(traits, "height") / 0.004, kScaleSigma, 0.2 * kScaleSigma);
+  EXPECT_NEAR(sigma_of(traits, "area") / 2.48e-4, 2 * kScaleSigma, 0.4 * kScaleSigma);
+  EXPECT_NEAR(sigma_of(traits, "volume") / 2.4e-7, 3 * kScaleSigma, 0.6 * kScaleSigma);
+}
+
+TEST(MeshTraits, WhatIsNotASurfaceIsNotSolved) {
+  Surface touching = block_surface(kSize);
+  touching.status = SurfaceStatus::touching;
+  Surface bare;
+  bare.status = SurfaceStatus::ok;
+  Surface inside_out = block_surface(kSize);
+  for (auto& t : inside_out.mesh.triangles) std::swap(t[0], t[1]);
+  for (const SpecimenTraits& t : traits_of_meshes({touching, bare, inside_out})) {
+    EXPECT_EQ(t.status, TraitStatus::not_solved);
+    EXPECT_FALSE(t.reason.empty());
+  }
+  EXPECT_TRUE(traits_of_meshes({}).empty());
+}
+
+}  // namespace
+}  // namespace cousin

@@ -1,0 +1,221 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "sim/dataset/capture_json.h"
+#include "sim/dataset/seam_json.h"
+#include "tests/dataset/sample_capture.h"
+#include "tests/dataset/temporary_folder.h"
+
+namespace cousin {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// `text` with the first `from` replaced. A test that replaces nothing tests nothing.
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  if (at != std::string::npos) text.replace(at, from.size(), to);
+  return text;
+}
+
+std::string poses_text() {
+  Poses poses(1);
+  poses[0].status = PoseStatus::ok;
+  poses[0].frame = 3;
+  poses[0].camera = {
+      .width_px = 640, .height_px = 480, .fx_px = 500, .fy_px = 501, .cx_px = 320, .cy_px = 240};
+  return poses_to_json(poses);
+}
+
+std::string rig_text() { return rig_to_json(sample_capture()); }
+
+std::string camera_text(const Capture& capture) {
+  std::vector<std::vector<ImageKinds>> kinds(
+      3, {{.color = true, .raw = true}, {.color = true, .depth = true}});
+  return scene_camera_to_json(capture, kinds);
+}
+
+std::string poses_error(const std::string& text) {
+  return error_of([&] { poses_from_json(text, "poses.json"); });
+}
+std::string rig_error(const std::string& text) {
+  return error_of([&] { rig_from_json(text, "rig.json"); });
+}
+std::string frames_error(const std::string& text) {
+  Capture capture = sample_capture();
+  return error_of([&] { frames_from_json(text, "scene_camera.json", capture); });
+}
+
+TEST(HostileJson, EveryTruncationIsAnError) {
+  const std::string poses = poses_text();
+  const std::string rig = rig_text();
+  const std::string frames = camera_text(sample_capture());
+  ASSERT_EQ(poses_error(poses), "");
+  ASSERT_EQ(rig_error(rig), "");
+  ASSERT_EQ(frames_error(frames), "");
+  for (std::size_t n = 0; n + 2 < poses.size(); n += 7)
+    EXPECT_THAT(poses_error(poses.substr(0, n)), HasSubstr("poses.json: not JSON"));
+  for (std::size_t n = 0; n + 2 < rig.size(); n += 31)
+    EXPECT_THAT(rig_error(rig.substr(0, n)), HasSubstr("rig.json: not JSON"));
+  for (std::size_t n = 0; n + 2 < frames.size(); n += 101)
+    EXPECT_THAT(frames_error(frames.substr(0, n)), HasSubstr("not JSON"));
+}
+
+TEST(HostileJson, PosesNameKeyValueAndLimit) {
+  const std::string good = poses_text();
+  const auto error = [&](const std::string& from, const std::string& to) {
+    return poses_error(replaced(good, from, to));
+  };
+  EXPECT_THAT(error("\"status\": \"ok\"", "\"status\": \"fine\""),
+              AllOf(HasSubstr("poses.json: /frames/0/status = \"fine\""), HasSubstr("no_board")));
+  EXPECT_THAT(error("\"frame\": 3", "\"frame\": 3.5"),
+              HasSubstr("/frames/0/frame = 3.5 is not an integer"));
+  EXPECT_THAT(error("\"frame\": 3", "\"frame\": -1"), HasSubstr("is outside [0, 999999]"));
+  EXPECT_THAT(error("\"frame\": 3", "\"frame\": 99999999999999999999"),
+              HasSubstr("/frames/0/frame"));
+  EXPECT_THAT(error("\"frame\": 3", "\"frame\": 18446744073709551615"),
+              HasSubstr("/frames/0/frame"));
+  EXPECT_THAT(error("\"frame\": 3,", ""), HasSubstr("lacks the key \"frame\""));
+  EXPECT_THAT(error("\"frame\": 3,", "\"frame\": 3, \"extra\": 1,"),
+              HasSubstr("unknown key \"extra\""));
+  EXPECT_THAT(error("\"fx_px\": 500.0", "\"fx_px\": \"500\""),
+              HasSubstr("/frames/0/camera/fx_px = \"500\" is not a number"));
+  EXPECT_THAT(error("\"fx_px\": 500.0", "\"fx_px\": NaN"), HasSubstr("not JSON"));
+  EXPECT_THAT(error("\"fx_px\": 500.0", "\"fx_px\": null"),
+              HasSubstr("/frames/0/camera/fx_px = null is not a number"));
+  EXPECT_THAT(error("\"fx_px\": 500.0", "\"fx_px\": 1e999"), HasSubstr("poses.json"));
+  EXPECT_THAT(error("\"fx_px\": 500.0", "\"fx_px\": 0"),
+              AllOf(HasSubstr("/frames/0/camera"), HasSubstr("frame 3"), HasSubstr("fx_px = 0")));
+  EXPECT_THAT(error("\"model\": \"pinhole\"", "\"model\": \"magic\""),
+              AllOf(HasSubstr("\"magic\""), HasSubstr("opencv5")));
+  EXPECT_THAT(error("\"distortion\": []", "\"distortion\": [0.1]"),
+              HasSubstr("/frames/0/camera/distortion"));
+  EXPECT_THAT(error("[1.0, 0.0, 0.0, 0.0]", "[2.0, 0.0, 0.0, 0.0]"), HasSubstr("unit norm"));
+  EXPECT_THAT(error("[1.0, 0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0]"),
+              HasSubstr("/frames/0/camera_from_world/rotation_wxyz"));
+  EXPECT_THAT(error("[1.0, 0.0, 0.0, 0.0]", "[1.0, 0.0, \"0\", 0.0]"),
+              HasSubstr("/rotation_wxyz/2 = \"0\" is not a finite number"));
+  EXPECT_THAT(poses_error("[]"), HasSubstr("is not an object"));
+  EXPECT_THAT(poses_error("{\"frames\": {}}"), HasSubstr("/frames = an object is not an array"));
+  EXPECT_THAT(poses_error(std::string(100'000, '[')), HasSubstr("not JSON"));
+}
+
+TEST(HostileJson, ALensThatFoldsNamesTheFrame) {
+  const std::string text =
+      replaced(replaced(poses_text(), "\"model\": \"pinhole\"", "\"model\": \"opencv5\""),
+               "\"distortion\": []", "\"distortion\": [-1.0, 0, 0, 0, 0]");
+  EXPECT_THAT(poses_error(text), AllOf(HasSubstr("poses.json"), HasSubstr("frame 3"),
+                                       HasSubstr("folds inside the image")));
+  Capture capture = sample_capture();
+  capture.frames[1].sensors[1].reported.distortion[0] = -30;
+  EXPECT_THAT(frames_error(camera_text(capture)),
+              AllOf(HasSubstr("scene_camera.json"), HasSubstr("/10/cousin/sensors/1/camera"),
+                    HasSubstr("frame 10"), HasSubstr("folds")));
+}
+
+TEST(HostileJson, TheRigNamesWhatIsWrong) {
+  const std::string good = rig_text();
+  const auto error = [&](const std::string& from, const std::string& to) {
+    return rig_error(replaced(good, from, to));
+  };
+  EXPECT_THAT(error("\"schema\": 1", "\"schema\": 2"), HasSubstr("/schema = 2 is outside [1, 1]"));
+  EXPECT_THAT(error("\"name\": \"rgb\"", "\"name\": \"../rgb\""), HasSubstr("../rgb"));
+  EXPECT_THAT(error("\"name\": \"rgb\"", "\"name\": \"ir_left\""),
+              HasSubstr("share the folder \"ir_left\""));
+  EXPECT_THAT(error("\"shutter\": \"rolling\"", "\"shutter\": \"folding\""),
+              HasSubstr("/sensors/0/shutter"));
+  EXPECT_THAT(error("\"linear_raw\": true", "\"linear_raw\": 1"),
+              HasSubstr("/sensors/0/linear_raw = 1 is neither true nor false"));
+  EXPECT_THAT(error("\"width_px\": 24", "\"width_px\": 0"),
+              HasSubstr("/sensors/0/camera/width_px = 0 is outside [1, 65535]"));
+  EXPECT_THAT(error("\"board\": \"markers\"", "\"board\": \"chess\""), HasSubstr("/board"));
+  EXPECT_THAT(rig_error(R"({"schema": 1, "sensors": []})"), HasSubstr("0 sensors"));
+}
+
+TEST(HostileJson, SceneCameraNamesWhatIsWrong) {
+  const std::string good = camera_text(sample_capture());
+  const auto error = [&](const std::string& from, const std::string& to) {
+    return frames_error(replaced(good, from, to));
+  };
+  EXPECT_THAT(error("\"0\": {", "\"zero\": {"), HasSubstr("/zero"));
+  EXPECT_THAT(error("\"0\": {", "\"1234567\": {"), HasSubstr("/1234567"));
+  EXPECT_THAT(error("\"10\": {", "\"00\": {"), HasSubstr("second entry of frame 0"));
+  EXPECT_THAT(error("\"cam_K\": [", "\"cam_K\": [1.0, "), HasSubstr("/0/cam_K"));
+  EXPECT_THAT(error("\"cam_K\": [5", "\"cam_K\": [6"),
+              HasSubstr("differs from cousin/sensors/0/camera (frame 0)"));
+  EXPECT_THAT(error("\"cam_R_w2c\"", "\"cam_R_x\""), HasSubstr("unknown key \"cam_R_x\""));
+  EXPECT_THAT(error("\"images\": [\"color\"", "\"images\": [\"colour\""),
+              HasSubstr("images/0 = \"colour\""));
+  EXPECT_THAT(error("\"depth_unit_m\": 0.001", "\"depth_unit_m\": 0"), HasSubstr("depth_unit_m"));
+}
+
+TEST(HostileJson, MasksNameWhatIsWrong) {
+  const auto error = [](const std::string& text) {
+    return error_of([&] { silhouettes_from_json(text, "masks.json"); });
+  };
+  const auto mask = [](const std::string& rest) {
+    return R"([{"image_id": 1, "instance_id": 0, )" + rest + "}]";
+  };
+  EXPECT_EQ(error(mask(R"("segmentation": [[0, 0, 4, 0, 4, 4]])")), "");
+  EXPECT_THAT(error(mask(R"("segmentation": {"counts": "abc", "size": [4, 4]})")),
+              HasSubstr("/0/segmentation = an object is not an array"));
+  EXPECT_THAT(error(mask(R"("segmentation": [[0, 0, 4]])")), HasSubstr("even number"));
+  EXPECT_THAT(error(mask(R"("segmentation": [[0, 0, 4, 0, 1e9, 4]])")),
+              HasSubstr("/0/segmentation/0/4"));
+  EXPECT_THAT(error(mask(R"("segmentation": [[0, 0, 4, 0, null, 4]])")),
+              HasSubstr("/0/segmentation/0/4 = null is not a finite number"));
+  EXPECT_THAT(error(mask(R"("segmentation": [[0, 0], [1, 1]])")), HasSubstr("longer than 1"));
+  EXPECT_THAT(error(mask(R"("segmentation": [[0, 0, 4, 0, 4, 4]], "cousin": {"normal": [1, 0]})")),
+              HasSubstr("/0/cousin/normal"));
+  EXPECT_THAT(
+      error(mask(
+          R"("segmentation": [[0, 0, 4, 0, 4, 4]], "cousin": {"normal": [1, 0, 1, 0, 0, 0]})")),
+      HasSubstr("unit vector at point 2"));
+  EXPECT_THAT(
+      error(mask(R"("segmentation": [[0, 0, 4, 0, 4, 4]], "cousin": {"on_object": [1, 1, 1]})")),
+      HasSubstr("/0/cousin/on_object/0"));
+  EXPECT_THAT(error(R"([{"image_id": 1, "segmentation": []}])"),
+              HasSubstr("lacks the key \"instance_id\""));
+  EXPECT_THAT(error(
+                  R"([{"image_id": 1, "instance_id": 0, "segmentation": []}, 
+             {"image_id": 1000001, "instance_id": 0, "segmentation": []}])"),
+              HasSubstr("/1/image_id = 1000001 is of another scene"));
+}
+
+TEST(HostileJson, TraitsAndCornersNameWhatIsWrong) {
+  const auto traits = [](const std::string& text) {
+    return error_of([&] { traits_from_json(text, "traits.json"); });
+  };
+  EXPECT_THAT(traits(
+                  R"({"specimens": [{"instance": 0, "status": "ok", 
+             "traits": [{"name": "length", "unit": "m", "value": "1"}]}]})"),
+              HasSubstr("traits.json: /specimens/0/traits/0/value = \"1\" is not a number"));
+  EXPECT_THAT(traits(
+                  R"({"specimens": [{"instance": 0, "status": "ok", 
+             "traits": [{"name": "length", "unit": "m", "value": 1, "sigma": -1}]}]})"),
+              HasSubstr("sigma = -1 is negative"));
+  EXPECT_THAT(traits(
+                  R"({"specimens": [{"instance": 0, "status": "ok", "traits": []}, 
+             {"instance": 0, "status": "ok", "traits": []}]})"),
+              HasSubstr("occurs twice"));
+  const auto corners = [](const std::string& text) {
+    return error_of([&] { corners_from_json(text, "corners.json"); });
+  };
+  EXPECT_THAT(corners(
+                  R"({"frames": [{"frame": 0, "status": "ok", 
+             "corners": [{"column": 0, "row": 0, "pixel_px": [1]}]}]})"),
+              HasSubstr("/frames/0/corners/0/pixel_px"));
+  EXPECT_THAT(corners(
+                  R"({"frames": [{"frame": 0, "status": "ok", "corners": []}, 
+             {"frame": 0, "status": "ok", "corners": []}]})"),
+              HasSubstr("occurs twice"));
+  EXPECT_THAT(error_of([] { timings_from_json(R"({"stages": 3})", "timings.json"); }),
+              HasSubstr("/stages = 3 is not an array"));
+}
+
+}  // namespace
+}  // namespace cousin

@@ -1,0 +1,298 @@
+#include "sim/dataset/truth_io.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/imaging/image_io.h"
+#include "tests/dataset/sample_capture.h"
+#include "tests/dataset/temporary_folder.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int kWidth = 16, kHeight = 12;
+
+Mesh tetrahedron(double size_m) {
+  return {{{0, 0, 0}, {size_m, 0, 0}, {0, size_m / 3, 0}, {0, 0, size_m / 7}},
+          {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+}
+
+Scene sample_scene(Rng& rng) {
+  Scene scene{.name = "seeds", .rig = "phone", .board = "markers"};
+  scene.models = {{.name = "kernel", .mesh = tetrahedron(0.01)},
+                  {.name = "plate", .mesh = tetrahedron(0.1)}};
+  scene.models[0].triangle_part = {0, 1, 1, 0};
+  scene.models[0].part_names = {"germ", "endosperm"};
+  scene.models[0].keypoints = {{"tip", {0.01 / 3, 0, 0}}, {"crown", {0, 0.01 / 7, 0}}};
+  scene.materials = {{.name = "seed", .albedo = {0.1F, 0.2F, 0.3F}, .ior = 1.4 / 3 + 1},
+                     {.name = "paper", .print = SeedBoard{}}};
+  for (int i = 0; i < 3; ++i) {
+    Instance instance{
+        .id = 10 - 3 * i, .name = "i" + std::to_string(i), .category = i == 2 ? "board" : "maize"};
+    instance.is_specimen = i != 2;
+    instance.model = i == 2 ? 1 : 0;
+    instance.material = instance.model;
+    instance.world_from_object = odd_pose(rng);
+    instance.mass_kg = 3e-4 / 7;
+    if (instance.is_specimen)
+      instance.traits = {{"volume", "m3", 1e-8 / 3}, {"length", "m", 0.01 / 7}};
+    scene.instances.push_back(instance);
+  }
+  scene.instances[0].motion = {{0, odd_pose(rng)}, {1 / 3.0, odd_pose(rng)}};
+  scene.lights = {Sun{Eigen::Vector3d(1, 2, 3).normalized(), 0.005, {1, 2, 3}},
+                  Sky{{1, 1, 2}, {1, 1, 1}, {0.1F, 0.1F, 0.1F}},
+                  Lamp{{0, 0, 1}, {0.1, 0, 0}, {0, 0.1, 0}, {10, 10, 9.9F}}};
+  scene.views = {{0.5, odd_pose(rng), odd_pose(rng)}, {1 / 3.0, odd_pose(rng), odd_pose(rng)}};
+  return scene;
+}
+
+SceneTruth sample_truth() {
+  Rng rng(21);
+  SceneTruth truth{
+      .seed = 0xfedcba9876543210U, .config_toml = "seed_count = 10\n", .scene = sample_scene(rng)};
+  for (int i = 0; i < 2; ++i) {
+    TrueView view{.frame = 5 * i, .time_s = i / 3.0, .camera = odd_camera(kWidth, kHeight, i)};
+    view.camera_from_world = odd_pose(rng);
+    view.camera_from_world_end = odd_pose(rng);
+    truth.views.push_back(view);
+
+    TruthImages images;
+    images.depth_m = Image<float>(kWidth, kHeight, 0.3F);
+    images.depth_m(1, 1) = std::numeric_limits<float>::quiet_NaN();
+    images.normal = Image<Eigen::Vector3f>(kWidth, kHeight, Eigen::Vector3f(0.1F, 0.2F, -0.9F));
+    images.position_m = Image<Eigen::Vector3f>(
+        kWidth, kHeight, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+    images.position_m(3, 4) = {1 / 3.0F, 2, 3};
+    images.instance = Image<std::int32_t>(kWidth, kHeight, -1);
+    images.instance(3, 4) = 7;
+    images.instance(4, 4) = 10;
+    images.part = Image<std::uint16_t>(kWidth, kHeight, 65535);
+    images.part(3, 4) = 1;
+    images.specimen_coverage = Image<float>(kWidth, kHeight, 1 / 3.0F);
+    images.visibility = {{7, 100, 50, 0.5, 1, 2, 3, 4}, {10, 3, 1, 1 / 3.0, -5, 0, 2, 2}};
+    images.masks_full.assign(2, Image<std::uint8_t>(kWidth, kHeight));
+    images.masks_full[1](4, 4) = 255;
+    truth.images.push_back(std::move(images));
+  }
+  return truth;
+}
+
+void expect_equal(const Scene& a, const Scene& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.rig, b.rig);
+  EXPECT_EQ(a.board, b.board);
+  ASSERT_EQ(a.models.size(), b.models.size());
+  for (std::size_t i = 0; i < a.models.size(); ++i) {
+    EXPECT_EQ(a.models[i].name, b.models[i].name);
+    EXPECT_EQ(a.models[i].mesh.vertices_m, b.models[i].mesh.vertices_m);
+    EXPECT_EQ(a.models[i].mesh.triangles, b.models[i].mesh.triangles);
+    EXPECT_EQ(a.models[i].triangle_part, b.models[i].triangle_part);
+    EXPECT_EQ(a.models[i].part_names, b.models[i].part_names);
+    ASSERT_EQ(a.models[i].keypoints.size(), b.models[i].keypoints.size());
+    for (std::size_t k = 0; k < a.models[i].keypoints.size(); ++k) {
+      EXPECT_EQ(a.models[i].keypoints[k].name, b.models[i].keypoints[k].name);
+      EXPECT_EQ(a.models[i].keypoints[k].in_object_m, b.models[i].keypoints[k].in_object_m);
+    }
+  }
+  ASSERT_EQ(a.materials.size(), b.materials.size());
+  for (std::size_t i = 0; i < a.materials.size(); ++i) {
+    EXPECT_EQ(a.materials[i].albedo, b.materials[i].albedo);
+    EXPECT_EQ(a.materials[i].ior, b.materials[i].ior);
+    EXPECT_EQ(a.materials[i].print.has_value(), b.materials[i].print.has_value());
+  }
+  ASSERT_EQ(a.instances.size(), b.instances.size());
+  for (std::size_t i = 0; i < a.instances.size(); ++i) {
+    const Instance& x = a.instances[i];
+    const Instance& y = b.instances[i];
+    EXPECT_EQ(std::tie(x.id, x.name, x.category, x.is_specimen, x.model, x.material, x.mass_kg),
+              std::tie(y.id, y.name, y.category, y.is_specimen, y.model, y.material, y.mass_kg));
+    EXPECT_TRUE(same_pose(x.world_from_object, y.world_from_object));
+    ASSERT_EQ(x.motion.size(), y.motion.size());
+    for (std::size_t k = 0; k < x.motion.size(); ++k) {
+      EXPECT_EQ(x.motion[k].time_s, y.motion[k].time_s);
+      EXPECT_TRUE(same_pose(x.motion[k].world_from_object, y.motion[k].world_from_object));
+    }
+    ASSERT_EQ(x.traits.size(), y.traits.size());
+    for (std::size_t k = 0; k < x.traits.size(); ++k) {
+      EXPECT_EQ(std::tie(x.traits[k].name, x.traits[k].unit, x.traits[k].value),
+                std::tie(y.traits[k].name, y.traits[k].unit, y.traits[k].value));
+    }
+  }
+  ASSERT_EQ(a.lights.size(), b.lights.size());
+  EXPECT_EQ(std::get<Sun>(a.lights[0]).to_sun, std::get<Sun>(b.lights[0]).to_sun);
+  EXPECT_EQ(std::get<Sky>(a.lights[1]).zenith, std::get<Sky>(b.lights[1]).zenith);
+  EXPECT_EQ(std::get<Lamp>(a.lights[2]).radiance, std::get<Lamp>(b.lights[2]).radiance);
+  ASSERT_EQ(a.views.size(), b.views.size());
+  for (std::size_t i = 0; i < a.views.size(); ++i) {
+    EXPECT_EQ(a.views[i].time_s, b.views[i].time_s);
+    EXPECT_TRUE(same_pose(a.views[i].rig_from_world, b.views[i].rig_from_world));
+    EXPECT_TRUE(same_pose(a.views[i].rig_from_world_end, b.views[i].rig_from_world_end));
+  }
+}
+
+void expect_equal(const TruthImages& a, const TruthImages& b) {
+  EXPECT_TRUE(same_bits(a.depth_m, b.depth_m));
+  EXPECT_TRUE(same_bits(a.normal, b.normal));
+  EXPECT_TRUE(same_bits(a.position_m, b.position_m));
+  EXPECT_TRUE(same_bits(a.instance, b.instance));
+  EXPECT_TRUE(same_bits(a.part, b.part));
+  EXPECT_TRUE(same_bits(a.specimen_coverage, b.specimen_coverage));
+  ASSERT_EQ(a.visibility.size(), b.visibility.size());
+  for (std::size_t i = 0; i < a.visibility.size(); ++i) {
+    const InstanceVisibility& x = a.visibility[i];
+    const InstanceVisibility& y = b.visibility[i];
+    EXPECT_EQ(std::tie(x.instance, x.pixels_full, x.pixels_visible, x.visible_fraction, x.box_x,
+                       x.box_y, x.box_width, x.box_height),
+              std::tie(y.instance, y.pixels_full, y.pixels_visible, y.visible_fraction, y.box_x,
+                       y.box_y, y.box_width, y.box_height));
+  }
+  EXPECT_EQ(a.masks_full, b.masks_full);
+}
+
+TEST(TruthIo, EveryBitComesBack) {
+  const TemporaryFolder folder;
+  const SceneTruth truth = sample_truth();
+  write_truth(folder.path(), truth);
+  const SceneTruth read = read_truth(folder.path());
+  EXPECT_EQ(read.seed, truth.seed);
+  EXPECT_EQ(read.config_toml, truth.config_toml);
+  expect_equal(read.scene, truth.scene);
+  ASSERT_EQ(read.views.size(), 2U);
+  ASSERT_EQ(read.images.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.views[i].frame, truth.views[i].frame);
+    EXPECT_EQ(read.views[i].time_s, truth.views[i].time_s);
+    EXPECT_EQ(read.views[i].camera, truth.views[i].camera);
+    EXPECT_TRUE(same_pose(read.views[i].camera_from_world, truth.views[i].camera_from_world));
+    EXPECT_TRUE(
+        same_pose(read.views[i].camera_from_world_end, truth.views[i].camera_from_world_end));
+    expect_equal(read.images[i], truth.images[i]);
+  }
+}
+
+TEST(TruthIo, WhatWasNotPlannedIsNotThere) {
+  const TemporaryFolder folder;
+  SceneTruth truth = sample_truth();
+  for (TruthImages& images : truth.images) {
+    images.normal = {};
+    images.position_m = {};
+    images.instance = {};
+    images.masks_full.clear();
+  }
+  write_truth(folder.path(), truth);
+  for (const char* absent : {"normal", "position", "instance", "mask", "mask_visib"}) {
+    EXPECT_FALSE(fs::exists(folder.path() / "truth" / absent)) << absent;
+  }
+  const SceneTruth read = read_truth(folder.path());
+  expect_equal(read.images[1], truth.images[1]);
+
+  const TemporaryFolder second;
+  truth.images.clear();
+  write_truth(second.path(), truth);
+  EXPECT_FALSE(fs::exists(second.path() / "truth/scene_gt_info.json"));
+  EXPECT_TRUE(read_truth(second.path()).images.empty());
+}
+
+TEST(TruthIo, BopMasksFollowTheSpecimensById) {
+  const TemporaryFolder folder;
+  write_truth(folder.path(), sample_truth());
+  const fs::path truth = folder.path() / "truth";
+  // Specimens are 7 and 10: the second is seen in pixel (4, 4).
+  EXPECT_EQ(read_png8(truth / "mask_visib/000005_000001.png")(4, 4), 255);
+  EXPECT_EQ(read_png8(truth / "mask_visib/000005_000001.png")(3, 4), 0);
+  EXPECT_EQ(read_png8(truth / "mask_visib/000005_000000.png")(3, 4), 255);
+  EXPECT_EQ(read_png8(truth / "mask/000000_000001.png")(4, 4), 255);
+  EXPECT_TRUE(fs::exists(truth / "models/obj_000002.ply"));
+  EXPECT_THAT(read_file(truth / "scene_gt.json"),
+              AllOf(HasSubstr("cam_R_m2c"), HasSubstr("\"obj_id\": 1")));
+}
+
+TEST(TruthIo, ACaptureReadsWithoutTruth) {
+  const TemporaryFolder folder;
+  write_capture(folder.path(), sample_capture());
+  write_truth(folder.path(), sample_truth());
+  fs::remove_all(folder.path() / "truth");
+  EXPECT_EQ(read_capture(folder.path()).frames.size(), 3U);
+  EXPECT_THAT(error_of([&] { read_truth(folder.path()); }), HasSubstr("config.toml: cannot read"));
+}
+
+TEST(TruthIo, BadFilesAreNamed) {
+  const TemporaryFolder folder;
+  write_truth(folder.path(), sample_truth());
+  const fs::path truth = folder.path() / "truth";
+  const auto error = [&] { return error_of([&] { read_truth(folder.path()); }); };
+  const auto with = [&](const char* file, const std::string& from, const std::string& to) {
+    const std::string good = read_file(truth / file);
+    std::string bad = good;
+    const std::size_t at = bad.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    if (at != std::string::npos) bad.replace(at, from.size(), to);
+    write_file(truth / file, bad);
+    const std::string message = error();
+    write_file(truth / file, good);
+    return message;
+  };
+  EXPECT_EQ(error(), "");
+  EXPECT_THAT(with("seed", "1", "x"), HasSubstr("seed: not a number"));
+  EXPECT_THAT(with("camera.json", "\"frame\": 5", "\"frame\": 0"), HasSubstr("occurs twice"));
+  EXPECT_THAT(with("camera.json", "\"fx_px\": 50", "\"fx_px\": -50"),
+              AllOf(HasSubstr("camera.json"), HasSubstr("frame 0")));
+  EXPECT_THAT(with("scene.json", "models/obj_000001.ply", "../../obj.ply"), HasSubstr("\"..\""));
+  EXPECT_THAT(with("scene.json", "\"model\": 1", "\"model\": 9"), HasSubstr("scene.json"));
+  EXPECT_THAT(with("scene.json", "\"kind\": \"sun\"", "\"kind\": \"moon\""),
+              HasSubstr("/lights/0/kind = \"moon\""));
+  EXPECT_THAT(with("scene.json", "[0, 1, 1, 0]", "[0, 2, 1, 0]"),
+              HasSubstr("/models/0/triangle_part/1 = 2"));
+  EXPECT_THAT(with("traits.json", "\"instance\": 10", "\"instance\": 11"),
+              HasSubstr("/instances/0/instance = 11"));
+  EXPECT_THAT(with("keypoints.json", "\"model\": 0", "\"model\": 4"),
+              HasSubstr("/models/0/model = 4"));
+  EXPECT_THAT(with("scene_gt_info.json", "\"visib_fract\": 0.5", "\"visib_fract\": 1.5"),
+              HasSubstr("visib_fract = 1.5"));
+  EXPECT_THAT(with("scene_gt_info.json", "\"5\": [", "\"6\": ["), HasSubstr("lacks the key \"5\""));
+
+  write_exr(truth / "depth/000005.exr", Image<float>(3, 3));
+  EXPECT_THAT(error(),
+              AllOf(HasSubstr("depth/000005.exr"), HasSubstr("frame 5"), HasSubstr("3 x 3")));
+  fs::remove(truth / "depth/000005.exr");
+  const std::string normals = read_file(truth / "normal/000005.exr");
+  for (const std::size_t n :
+       {std::size_t{0}, std::size_t{3}, normals.size() / 2, normals.size() - 1}) {
+    write_file(truth / "normal/000005.exr", normals.substr(0, n));
+    EXPECT_THAT(error(), HasSubstr("normal/000005.exr")) << n;
+  }
+  fs::copy_file(truth / "coverage/000005.exr", truth / "normal/000005.exr",
+                fs::copy_options::overwrite_existing);
+  EXPECT_THAT(error(), HasSubstr("lacks the 32-bit float channel X"));
+  fs::remove(truth / "normal/000005.exr");
+  fs::remove(truth / "mask/000000_000001.png");
+  EXPECT_THAT(error(), AllOf(HasSubstr("mask"), HasSubstr("frame 0")));
+}
+
+TEST(TruthIo, WhatCannotBeKeptIsRefused) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const auto& change) {
+    SceneTruth truth = sample_truth();
+    change(truth);
+    EXPECT_THROW(write_truth(folder.path(), truth), std::invalid_argument);
+    EXPECT_FALSE(fs::exists(folder.path() / "truth" / "scene.json"));
+  };
+  refused([](SceneTruth& t) { t.images.pop_back(); });
+  refused([](SceneTruth& t) { std::swap(t.images[0].visibility[0], t.images[0].visibility[1]); });
+  refused([](SceneTruth& t) { t.images[0].masks_full.pop_back(); });
+  refused([](SceneTruth& t) { t.images[0].instance(0, 0) = 70000; });
+  refused([](SceneTruth& t) { t.scene.instances[0].model = 5; });
+  refused([](SceneTruth& t) { t.views[1].frame = t.views[0].frame; });
+}
+
+}  // namespace
+}  // namespace cousin

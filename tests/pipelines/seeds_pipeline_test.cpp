@@ -1,0 +1,83 @@
+#include "perception/pipelines/seeds.h"
+
+#include <gtest/gtest.h>
+
+namespace cousin {
+namespace {
+
+Capture one_grey_view() {
+  Capture capture;
+  SensorReport sensor;
+  sensor.camera = Camera{LensModel::pinhole, 320, 240, 300, 300, 160, 120, {}};
+  capture.rig.push_back(sensor);
+  Frame frame;
+  frame.sensors.resize(1);
+  frame.sensors[0].reported = sensor.camera;
+  frame.sensors[0].color = Image<Rgb8>(320, 240, {90, 90, 90});
+  capture.frames.push_back(frame);
+  return capture;
+}
+
+TEST(SeedsPipeline, PlanOfOursReadsOutlinesAndThePapersDoesNot) {
+  SeedsPipelineConfig config;
+  const PipelineNeeds ours = needs(config);
+  EXPECT_EQ(ours.stages, (std::vector<std::string>{"corners", "poses", "depth", "cloud", "clusters", "masks", "surfaces",
+                                                   "traits"}));
+  config.method = SeedsMethod::paper;
+  const PipelineNeeds paper = needs(config);
+  EXPECT_EQ(paper.stages,
+            (std::vector<std::string>{"corners", "poses", "depth", "cloud", "clusters", "surfaces", "traits"}));
+  EXPECT_EQ(paper.left_out.front().first, "masks");
+}
+
+TEST(SeedsPipeline, AViewWithoutABoardGivesAStatusAndNoSeeds) {
+  const SeedsPipelineConfig config;
+  const SeedsEstimate estimate = run_seeds(one_grey_view(), config, seeds_stages(config, 1));
+  ASSERT_EQ(estimate.corners.size(), 1U);
+  EXPECT_NE(estimate.corners[0].status, BoardStatus::ok);
+  EXPECT_EQ(estimate.poses.at(0).status, PoseStatus::no_board);
+  EXPECT_TRUE(estimate.cloud.empty());
+  EXPECT_TRUE(estimate.traits.empty());
+  EXPECT_EQ(estimate.timings.size(), 8U);
+}
+
+TEST(SeedsPipeline, AStageThatThrowsIsNamedAndEarlierResultsWereHandedOver) {
+  const SeedsPipelineConfig config;
+  SeedsStages stages = seeds_stages(config, 1);
+  stages.depth = [](const Capture&, const SeedsEstimate&) -> Depths { throw std::runtime_error("no texture"); };
+  std::vector<std::string> finished;
+  try {
+    run_seeds(one_grey_view(), config, stages, [&](const std::string& stage, bool is_finished, const SeedsEstimate&) {
+      if (is_finished) finished.push_back(stage);
+    });
+    FAIL() << "the failing stage was not reported";
+  } catch (const StageError& error) {
+    EXPECT_EQ(error.stage, "depth");
+    EXPECT_STREQ(error.what(), "stage depth: no texture");
+  }
+  EXPECT_EQ(finished, (std::vector<std::string>{"corners", "poses"}));
+}
+
+TEST(SeedsPipeline, NoFramesAndAForeignBoardAreTheCallersMistakes) {
+  const SeedsPipelineConfig config;
+  EXPECT_THROW(run_seeds(Capture{}, config, seeds_stages(config, 1)), std::invalid_argument);
+  Capture capture = one_grey_view();
+  capture.board = "april";
+  EXPECT_THROW(board_of(capture, config), std::invalid_argument);
+  capture.board = "plain";
+  EXPECT_FALSE(board_of(capture, config).has_markers);
+}
+
+TEST(SeedsPipeline, EveryKeyIsUniqueAndReadsBack) {
+  SeedsPipelineConfig config;
+  const Fields all = fields(config);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(all[i].key, all[j].key);
+  }
+  SeedsPipelineConfig copy;
+  read_toml_text(to_toml(all), "own", fields(copy), MissingKeys::error);
+  EXPECT_EQ(to_toml(fields(copy)), to_toml(all));
+}
+
+}  // namespace
+}  // namespace cousin

@@ -1,0 +1,52 @@
+#include "benchmarks/report/html.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace cousin {
+namespace {
+
+TEST(Html, EscapesWhatWouldBecomeMarkup) {
+  EXPECT_EQ(html_escaped("<a href=\"x\">&'"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
+}
+
+// RFC 4648, section 10.
+TEST(Base64, AgreesWithTheStandardsExamples) {
+  const char* words[] = {"", "f", "fo", "foo", "foob", "fooba", "foobar"};
+  const char* codes[] = {"", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"};
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(base64(std::string_view(words[i])), codes[i]);
+  EXPECT_EQ(base64(std::vector<std::uint8_t>{0xff, 0xfe}), "//4=");
+}
+
+TEST(InsideScript, LeavesNoEndTagAndNoComment) {
+  EXPECT_EQ(inside_script("a = '</Script>' < b; c = '<!--';"),
+            "a = '<\\/Script>' < b; c = '<\\!--';");
+  // A regular expression that ends right after "<" stays one.
+  EXPECT_EQ(inside_script("s.replace(/</g, '')"), "s.replace(/</g, '')");
+  EXPECT_EQ(inside_script("<"), "<");
+}
+
+TEST(ShownNumber, HasThreeDigitsAndNoNeedlessExponent) {
+  EXPECT_EQ(shown_number(0.12345), "0.123");
+  EXPECT_EQ(shown_number(12.345), "12.3");
+  EXPECT_EQ(shown_number(123456), "123456");
+  EXPECT_EQ(shown_number(-0.00123), "-0.00123");
+  EXPECT_EQ(shown_number(0), "0");
+  EXPECT_EQ(shown_number(1e-9), "1e-09");
+  EXPECT_EQ(shown_number(std::nan("")), "–");
+  EXPECT_EQ(shown_interval({0.001, 0.0005, 0.002}, 1e3), "1.00 [0.500, 2.00]");
+  EXPECT_EQ(shown_interval({.value = 0.001}, 1e3), "1.00");
+}
+
+TEST(ShownUnit, IsWhatPeopleRead) {
+  EXPECT_EQ(shown_unit("m").name, "mm");
+  EXPECT_EQ(shown_unit("m3").factor, 1e9);
+  EXPECT_EQ(shown_unit("1", "length.mape").name, "%");
+  EXPECT_EQ(shown_unit("1", "length.slope").name, "");
+  EXPECT_EQ(shown_unit("s").name, "s");
+}
+
+}  // namespace
+}  // namespace cousin

@@ -1,0 +1,92 @@
+#include "benchmarks/report/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "example_report.h"
+
+namespace cousin {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(ParetoFront, KeepsWhatNothingBeats) {
+  const auto point = [](double s, double e) { return ErrorTimePoint{"m", "", s, {.value = e}}; };
+  EXPECT_EQ(pareto_front({point(1, 5), point(2, 3), point(3, 4), point(4, 3), point(5, 1),
+                          point(0.5, std::nan(""))}),
+            (std::vector<bool>{true, true, false, false, true, false}));
+  // Two equal points do not beat each other.
+  EXPECT_EQ(pareto_front({point(1, 1), point(1, 1)}), (std::vector<bool>{true, true}));
+}
+
+TEST(Report, LoadsNothingFromAnywhere) {
+  const std::string html = make_report(example_report());
+  // Addresses occur inside the libraries as names (SVG's namespace); none is in a tag that would
+  // load it.
+  for (const char* tag : {"<script src", "<link rel=\"stylesheet", "<img src=\"http", "@import",
+                          "url(http", "<iframe"}) {
+    EXPECT_THAT(html.find(tag), std::string::npos) << tag;
+  }
+}
+
+TEST(Report, TextNeverBecomesMarkup) {
+  const std::string html = make_report(example_report());
+  EXPECT_EQ(html.find("<b>not markup</b>"), std::string::npos);
+  EXPECT_NE(html.find("Seeds: example &lt;report&gt; &amp; &quot;quotes&quot;"), std::string::npos);
+  ReportInput hostile;
+  hostile.title = "</title><script>alert(1)</script>";
+  SpecimenRow row;
+  row.trait = "</script><script>alert(2)</script>";
+  row.unit = "m";
+  row.truth = row.measured = 1;
+  hostile.scores.specimens = {row};
+  const std::string page = make_report(hostile);
+  EXPECT_EQ(page.find("<script>alert"), std::string::npos);
+}
+
+TEST(Report, IsTheSameBytesEachTime) {
+  EXPECT_TRUE(make_report(example_report()) == make_report(example_report()));
+}
+
+TEST(Report, SaysWhichLibrariesWereMissing) {
+  const std::string html = make_report(example_report(), {.javascript = "/nonexistent"});
+  EXPECT_NE(html.find("/nonexistent/vega/vega-util.min.js (Debian package libjs-vega)"),
+            std::string::npos);
+  EXPECT_NE(html.find("libjs-three"), std::string::npos);
+  EXPECT_LT(html.size(), 1000000U);
+}
+
+TEST(Report, ThinsLargeCloudsAndSaysSo) {
+  ReportInput input;
+  ReportShape cloud{
+      "cloud", "Fused.", std::vector<Eigen::Vector3f>(1000, Eigen::Vector3f::Zero()), {}, {}};
+  input.shapes = {cloud};
+  EXPECT_NE(make_report(input, {.max_points = 100}).find("Fused. Shown: 100 of 1000 points."),
+            std::string::npos);
+}
+
+TEST(Report, RejectsShapesAndTimesThatCannotBeDrawn) {
+  ReportInput input;
+  input.shapes = {{"bad", "", {Eigen::Vector3f::Zero()}, {}, {{0, 0, 1}}}};
+  EXPECT_THROW(make_report(input), std::invalid_argument);
+  input.shapes = {{"bad", "", {Eigen::Vector3f::Constant(NAN)}, {}, {}}};
+  EXPECT_THROW(make_report(input), std::invalid_argument);
+  input.shapes = {{"bad", "", {Eigen::Vector3f::Zero()}, {{}, {}}, {}}};
+  EXPECT_THROW(make_report(input), std::invalid_argument);
+  input.shapes.clear();
+  input.curves = {{"c", "e", "m", {{"m", "s", 0, {.value = 1}}}}};
+  EXPECT_THROW(make_report(input), std::invalid_argument);
+}
+
+TEST(Report, AnEmptyReportIsAPage) {
+  const std::string html = make_report({});
+  EXPECT_NE(html.find("How this was made"), std::string::npos);
+  EXPECT_EQ(html.find("id=\"scores\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cousin

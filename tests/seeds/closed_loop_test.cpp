@@ -1,0 +1,176 @@
+// The loop as a whole, on a small scene: few seeds, few views, small images.
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "benchmarks/seeds/attribution.h"
+#include "benchmarks/seeds/perceive.h"
+#include "benchmarks/seeds/plan.h"
+#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/seeds/simulate.h"
+#include "benchmarks/seeds/truth_stages.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/dataset/seam_io.h"
+#include "sim/dataset/truth_io.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string>& small_scene() {
+  static const std::vector<std::string> sets = {
+      "seeds=2", "views=9", "rig.width_px=640", "rig.height_px=360", "ring_distances_m=[0.30, 0.30, 0.30]",
+      "render.irradiance_samples=16", "render.edge_samples=16", "pipeline.surface.subdivisions=3",
+      "pipeline.surface.samples=8"};
+  return sets;
+}
+
+SimulatedRun simulate(std::size_t threads, const TruthNeeds& needs = {}) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  return simulate_seeds(seeds_run_config(small_scene()), 3, 0, needs);
+}
+
+fs::path fresh_folder(const std::string& name) {
+  const fs::path folder = fs::path(testing::TempDir()) / ("closed_loop_" + name);
+  fs::remove_all(folder);
+  return folder;
+}
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+/// Every file below a folder but timings, as path -> bytes.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> result;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "timings.json") continue;
+    result[fs::relative(entry.path(), folder).string()] = bytes_of(entry.path());
+  }
+  return result;
+}
+
+void perceive_into(const Capture& capture, const fs::path& folder, std::size_t threads) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  perceive_seeds(capture, seeds_run_config(small_scene()).pipeline, 3, {}, 0, folder);
+}
+
+TEST(ClosedLoop, ImagesAndEstimatesAreTheSameOnOneTwoAndSevenThreads) {
+  const SimulatedRun one = simulate(1);
+  perceive_into(one.capture, fresh_folder("t1"), 1);
+  const auto expected = contents(fs::path(testing::TempDir()) / "closed_loop_t1");
+  EXPECT_GT(expected.size(), 5U);
+  for (const std::size_t threads : {2, 7}) {
+    const SimulatedRun run = simulate(threads);
+    for (std::size_t i = 0; i < one.capture.frames.size(); ++i) {
+      EXPECT_EQ(run.capture.frames[i].sensors[0].color, one.capture.frames[i].sensors[0].color) << "frame " << i;
+    }
+    const fs::path folder = fresh_folder("t" + std::to_string(threads));
+    perceive_into(run.capture, folder, threads);
+    EXPECT_EQ(contents(folder), expected) << threads << " threads";
+  }
+}
+
+TEST(ClosedLoop, ThroughFilesAndWithoutTruthGivesTheBytesOfMemory) {
+  const SimulatedRun run = simulate(2);
+  const fs::path dataset = fresh_folder("data");
+  write_capture(dataset / "000000", run.capture);
+  write_truth(dataset / "000000", run.truth);
+  perceive_into(run.capture, fresh_folder("memory"), 2);
+  perceive_into(read_capture(dataset / "000000"), fresh_folder("files"), 2);
+  fs::remove_all(dataset / "000000" / "truth");
+  perceive_into(read_capture(dataset / "000000"), fresh_folder("no_truth"), 2);
+  const auto memory = contents(fs::path(testing::TempDir()) / "closed_loop_memory");
+  EXPECT_EQ(contents(fs::path(testing::TempDir()) / "closed_loop_files"), memory);
+  EXPECT_EQ(contents(fs::path(testing::TempDir()) / "closed_loop_no_truth"), memory);
+}
+
+TEST(ClosedLoop, AFrameDoesNotDependOnWhichFramesCameBefore) {
+  const SeedsRunConfig config = seeds_run_config(small_scene());
+  const SeedsSimulation simulation(config, 3, 0);
+  const Frame late = simulation.photograph(7);
+  const SimulatedRun run = simulate(2);
+  EXPECT_EQ(late.sensors[0].color, run.capture.frames[7].sensors[0].color);
+  EXPECT_EQ(simulation.reported(7), run.capture.frames[7].sensors[0].reported);
+}
+
+TEST(ClosedLoop, TruthInEverySeamScoresPerfectly) {
+  const SimulatedRun run = simulate(2, truth_stage_needs());
+  const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
+  const SeedsStages truth = truth_stages(run, board_of(run.capture, pipeline));
+  const SeedsEstimate estimate = run_seeds(run.capture, pipeline, truth);
+  const SeedsScores scores = score_run(run.truth, estimate, {});
+  ASSERT_EQ(scores.specimens.size(), 10U);
+  for (const SpecimenRow& row : scores.specimens) EXPECT_EQ(row.measured, row.truth) << row.trait;
+  for (const ScoreRow& row : scores.rows) {
+    if (row.metric == "views.posed") {
+      EXPECT_EQ(row.value, 1);
+    }
+    if (row.metric == "camera.centre_rms") {
+      EXPECT_LT(row.value, 1e-12);
+    }
+    if (row.metric == "cloud.accuracy_rms") {
+      EXPECT_LT(row.value, 1e-8);  // float points 0.1 m from the origin
+    }
+  }
+}
+
+TEST(ClosedLoop, TrueCornersAgreeWithWhatIsFoundInTheImages) {
+  const SimulatedRun run = simulate(2, truth_stage_needs());
+  const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
+  const SeedBoard board = board_of(run.capture, pipeline);
+  const Corners truth = truth_stages(run, board).corners(run.capture, {});
+  const Corners found = detect_board(run.capture, board, pipeline.board);
+  int compared = 0;
+  double squares = 0;
+  for (std::size_t f = 0; f < truth.size(); ++f) {
+    for (const CornerObservation& seen : found[f].corners) {
+      for (const CornerObservation& exact : truth[f].corners) {
+        if (seen.column != exact.column || seen.row != exact.row) continue;
+        squares += (seen.pixel_px - exact.pixel_px).squaredNorm();
+        ++compared;
+      }
+    }
+  }
+  ASSERT_GT(compared, 300);
+  // Noise at this size moves a corner by about 0.05 px an axis; a wrong pixel convention would show as 0.5.
+  EXPECT_LT(std::sqrt(squares / (2 * compared)), 0.12);
+}
+
+TEST(ClosedLoop, SeedsOfFilesAndPrograms) {
+  const SimulatedRun run = simulate(2, truth_stage_needs());
+  const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
+  const SeedsStages truth = truth_stages(run, board_of(run.capture, pipeline));
+  const SeedsEstimate perfect = run_seeds(run.capture, pipeline, truth);
+  const fs::path folder = fresh_folder("seam") / "000000";
+  write_traits(folder, perfect.traits);
+
+  // dir: the seam's file in place of the stage.
+  const auto from_files =
+      with_stage_sources(truth, {parse_stage_source("traits=dir:" + folder.parent_path().string())}, 0);
+  EXPECT_EQ(from_files.traits(run.capture, perfect).size(), perfect.traits.size());
+
+  // exec: a program that copies a prepared file; it must see the capture and earlier seams, and no truth.
+  const fs::path program = folder / "mine.sh";
+  std::ofstream(program) << "#!/bin/sh\n[ -f \"$1/rig.json\" ] && [ -f \"$1/poses.json\" ] && [ ! -e \"$1/truth\" ] && cp "
+                         << (folder / "traits.json").string() << " \"$2\"/\n";
+  fs::permissions(program, fs::perms::owner_all);
+  const auto from_program = with_stage_sources(truth, {parse_stage_source("traits=exec:" + program.string())}, 0);
+  EXPECT_EQ(from_program.traits(run.capture, perfect).size(), perfect.traits.size());
+
+  std::ofstream(program) << "#!/bin/sh\nexit 3\n";
+  try {
+    run_seeds(run.capture, pipeline, from_program);
+    FAIL() << "a failing program was not reported";
+  } catch (const StageError& error) {
+    EXPECT_EQ(error.stage, "traits");
+    EXPECT_NE(std::string(error.what()).find("exited with 3"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace cousin

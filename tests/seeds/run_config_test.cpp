@@ -1,0 +1,82 @@
+#include "benchmarks/seeds/run_config.h"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "benchmarks/seeds/plan.h"
+#include "benchmarks/seeds/stage_files.h"
+
+namespace cousin {
+namespace {
+
+TEST(SeedsRunConfig, TheResolvedTextReadsBackToItself) {
+  const SeedsRunConfig config = seeds_run_config({"cultivar=jimai22", "rig.read_noise_e=3", "pipeline.mvs.neighbours=4"});
+  EXPECT_EQ(config.scene.cultivar, "jimai22");
+  EXPECT_EQ(config.rig.read_noise_e, 3);
+  SeedsRunConfig copy;
+  read_toml_text(resolved_toml(config), "resolved",
+                 nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
+                     nested("render", fields(copy.render)) + nested("pipeline", fields(copy.pipeline)),
+                 MissingKeys::error);
+  EXPECT_EQ(resolved_toml(copy), resolved_toml(config));
+  EXPECT_NE(config_hash(config, 1), config_hash(config, 2));
+}
+
+TEST(SeedsRunConfig, TheRigsPresetComesBeforeTheUsersKeysWhateverTheirOrder) {
+  const SeedsRunConfig config = seeds_run_config({"rig.prnu=0.002", "rig=phone_video_1080p"});
+  EXPECT_EQ(config.rig.width_px, 1920);
+  EXPECT_EQ(config.rig.prnu, 0.002);
+}
+
+TEST(SeedsRunConfig, MistakesNameTheKeyAndWhatThereIs) {
+  const auto message = [](const std::string& set) {
+    try {
+      seeds_run_config({set});
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_NE(message("veiws=3").find("views"), std::string::npos) << message("veiws=3");
+  EXPECT_NE(message("views=-1").find("views"), std::string::npos) << message("views=-1");
+  EXPECT_NE(message("views=many").find("views"), std::string::npos) << message("views=many");
+  EXPECT_NE(message("rig=no_such_phone").find("phone_video_720p"), std::string::npos);
+  EXPECT_NE(message("pipeline.method=magic").find("paper"), std::string::npos);
+}
+
+TEST(SeedsPlan, LeavesOutWhatNoScoreReads) {
+  const SeedsRunConfig config = seeds_run_config({});
+  std::vector<std::string> runs;
+  for (const PlanEntry& entry : seeds_plan(config, false)) {
+    if (entry.runs) runs.push_back(entry.pass);
+  }
+  EXPECT_EQ(runs, (std::vector<std::string>{"scene", "physics", "light cache", "radiance", "sensor", "perceive: corners",
+                                            "perceive: poses", "perceive: depth", "perceive: cloud", "perceive: clusters",
+                                            "perceive: masks", "perceive: surfaces", "perceive: traits", "score"}));
+}
+
+TEST(SeedsPlan, AttributionAddsDepthAndInstancesAndASphereNeedsNoPhysics) {
+  const SeedsRunConfig config = seeds_run_config({"sphere=true", "pipeline.method=paper"});
+  for (const PlanEntry& entry : seeds_plan(config, true)) {
+    if (entry.pass == "physics" || entry.pass == "perceive: masks" || entry.pass == "truth: normal") {
+      EXPECT_FALSE(entry.runs) << entry.pass;
+    }
+    if (entry.pass == "truth: depth" || entry.pass == "truth: instance") {
+      EXPECT_TRUE(entry.runs) << entry.pass;
+    }
+  }
+}
+
+TEST(StageSource, ReadsBothFormsAndNamesMistakes) {
+  const StageSource folder = parse_stage_source("depth=dir:/");
+  EXPECT_EQ(folder.stage, "depth");
+  EXPECT_EQ(folder.kind, StageSource::Kind::directory);
+  EXPECT_EQ(parse_stage_source("traits=exec:./mine").kind, StageSource::Kind::program);
+  for (const char* text : {"depth", "deep=dir:/", "depth=/tmp", "depth=dir:/no/such/folder", "depth=exec:"}) {
+    EXPECT_THROW(parse_stage_source(text), std::invalid_argument) << text;
+  }
+}
+
+}  // namespace
+}  // namespace cousin

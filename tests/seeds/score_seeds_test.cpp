@@ -1,0 +1,128 @@
+#include "benchmarks/seeds/score_seeds.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "benchmarks/seeds/truth_stages.h"
+#include "sim/geometry/measure.h"
+
+namespace cousin {
+namespace {
+
+/// A closed box of the given size about the origin.
+Mesh box_mesh(const Eigen::Vector3d& size) {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i) {
+    mesh.vertices_m.emplace_back((i & 1 ? 0.5 : -0.5) * size.x(), (i & 2 ? 0.5 : -0.5) * size.y(),
+                                 (i & 4 ? 0.5 : -0.5) * size.z());
+  }
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh;
+}
+
+SceneTruth three_boxes() {
+  SceneTruth truth;
+  truth.scene.materials.emplace_back();
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d size(0.010 + 0.001 * i, 0.006, 0.004 - 0.0002 * i);
+    ObjectModel model;
+    model.mesh = box_mesh(size);
+    truth.scene.models.push_back(model);
+    Instance seed;
+    seed.id = 10 + i;
+    seed.category = "zhengdan958";
+    seed.is_specimen = true;
+    seed.model = i;
+    seed.world_from_object.translation_m = {0.02 * i, 0, 0.002};
+    seed.traits = {{"length", "m", size.x()}, {"width", "m", size.y()}, {"height", "m", size.z()},
+                   {"volume", "m3", size.prod()}, {"mass", "kg", 1e-4}};
+    truth.scene.instances.push_back(seed);
+  }
+  return truth;
+}
+
+/// What a perfect pipeline hands over, moved and scaled as asked.
+SeedsEstimate estimate_of(const SceneTruth& truth, double offset_m, double sigma_m) {
+  SeedsEstimate estimate;
+  for (const Instance* seed : specimens_of(truth.scene)) {
+    SpecimenTraits traits;
+    traits.instance = static_cast<int>(estimate.traits.size());
+    traits.status = TraitStatus::ok;
+    traits.centroid_in_world_m = seed->world_from_object.translation_m;
+    for (const TrueTrait& t : seed->traits) {
+      traits.traits.push_back({t.name, t.unit, t.unit == "m" ? t.value + offset_m : t.value, sigma_m});
+    }
+    estimate.traits.push_back(traits);
+  }
+  return estimate;
+}
+
+const ScoreRow& row_of(const std::vector<ScoreRow>& rows, const std::string& case_name, const std::string& metric) {
+  for (const ScoreRow& row : rows) {
+    if (row.case_name == case_name && row.metric == metric) return row;
+  }
+  throw std::runtime_error("no row " + case_name + " " + metric);
+}
+
+TEST(ScoreSeeds, TruthScoresPerfectly) {
+  const SceneTruth truth = three_boxes();
+  const SeedsScores scores = score_run(truth, estimate_of(truth, 0, 1e-5), {});
+  EXPECT_EQ(row_of(scores.rows, "run", "specimens.found").value, 3);
+  EXPECT_EQ(row_of(scores.rows, "run", "specimens.missed").value, 0);
+  EXPECT_EQ(scores.specimens.size(), 12U);  // mass is no measured trait
+  const auto rows = pooled_rows(scores.specimens, {});
+  EXPECT_NEAR(row_of(rows, "zhengdan958", "length.rmse").value, 0, 1e-15);
+  EXPECT_NEAR(row_of(rows, "maize", "length.slope").value, 1, 1e-9);
+}
+
+TEST(ScoreSeeds, AKnownOffsetScoresItselfAndItsCoverage) {
+  const SceneTruth truth = three_boxes();
+  constexpr double kOffset_m = 5e-5;
+  const SeedsScores scores = score_run(truth, estimate_of(truth, kOffset_m, kOffset_m / 1.5), {});
+  const auto rows = pooled_rows(scores.specimens, {});
+  EXPECT_NEAR(row_of(rows, "zhengdan958", "length.rmse").value, kOffset_m, 1e-12);
+  EXPECT_NEAR(row_of(rows, "zhengdan958", "length.bias").value, kOffset_m, 1e-12);
+  EXPECT_EQ(row_of(rows, "zhengdan958", "length.coverage_68").value, 0);  // 1.5 sigma off
+  EXPECT_EQ(row_of(rows, "zhengdan958", "length.coverage_95").value, 1);
+}
+
+TEST(ScoreSeeds, AMissedSeedIsNotSolvedAndAStrangerIsSpurious) {
+  const SceneTruth truth = three_boxes();
+  SeedsEstimate estimate = estimate_of(truth, 0, 1e-5);
+  estimate.traits[1].centroid_in_world_m += Eigen::Vector3d(0, 0.02, 0);
+  const SeedsScores scores = score_run(truth, estimate, {});
+  EXPECT_EQ(row_of(scores.rows, "run", "specimens.missed").value, 1);
+  EXPECT_EQ(row_of(scores.rows, "run", "specimens.spurious").value, 1);
+  const auto rows = pooled_rows(scores.specimens, {});
+  EXPECT_NEAR(row_of(rows, "zhengdan958", "length.solved").value, 2.0 / 3, 1e-12);
+}
+
+TEST(ScoreSeeds, RatioOfTwoMethodsIsTheirOffsetsRatio) {
+  const SceneTruth truth = three_boxes();
+  SeedsScoreLabels labels;
+  auto all = score_run(truth, estimate_of(truth, 2e-5, 1e-5), labels).specimens;
+  labels.method = "paper";
+  const auto paper = score_run(truth, estimate_of(truth, -8e-5, 1e-5), labels).specimens;
+  all.insert(all.end(), paper.begin(), paper.end());
+  const auto rows = paired_rows(all, "ours", "paper", {});
+  EXPECT_NEAR(row_of(rows, "maize", "length.rmse_ratio").value, 0.25, 1e-9);
+}
+
+TEST(Gate, HoldsBreaksAndRefusesNonsense) {
+  ScoreRow row;
+  row.metric = "length.rmse";
+  row.value = 1e-4;
+  const std::vector<ScoreRow> rows = {row};
+  EXPECT_TRUE(broken(parse_gate("length.rmse<=0.0002"), rows).empty());
+  EXPECT_EQ(broken(parse_gate("length.rmse<=0.00005"), rows).size(), 1U);
+  EXPECT_TRUE(broken(parse_gate("length.rmse>=0.00005"), rows).empty());
+  EXPECT_EQ(broken(parse_gate("no.such>=0"), rows).size(), 1U);
+  for (const char* text : {"length", "length=1", "<=1", "length<=abc", "length<=1x"}) {
+    EXPECT_THROW(parse_gate(text), std::invalid_argument) << text;
+  }
+}
+
+}  // namespace
+}  // namespace cousin

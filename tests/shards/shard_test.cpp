@@ -1,0 +1,95 @@
+#include "benchmarks/shards/shard.h"
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ShardFolder : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("shards_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::vector<ShardJob> jobs(int count, const std::string& key = "k") {
+    std::vector<ShardJob> result;
+    for (int i = 0; i < count; ++i) {
+      result.push_back({"job" + std::to_string(i) + ".json", key, [this, i] {
+                          ++calls_;
+                          return "result " + std::to_string(i);
+                        }});
+    }
+    return result;
+  }
+  fs::path folder_;
+  int calls_ = 0;
+};
+
+TEST(Shard, RangesCoverTheListOnceWithSizesThatDifferByOne) {
+  for (const int size : {0, 1, 7, 60, 1000}) {
+    for (const int count : {1, 2, 3, 7, 64}) {
+      int next = 0;
+      for (int i = 0; i < count; ++i) {
+        const auto [first, end] = shard_range({i, count}, size);
+        EXPECT_EQ(first, next);
+        EXPECT_GE(end - first, size / count);
+        EXPECT_LE(end - first, size / count + 1);
+        next = end;
+      }
+      EXPECT_EQ(next, size);
+    }
+  }
+}
+
+TEST(Shard, RefusesTextThatIsNoShard) {
+  EXPECT_EQ(parse_shard("2/5").index, 2);
+  EXPECT_EQ(parse_shard("").count, 1);
+  for (const char* text : {"5/5", "-1/5", "1", "1/0", "a/b", "1/2x", "/", "1/999999999999"}) {
+    EXPECT_THROW(parse_shard(text), std::invalid_argument) << text;
+  }
+}
+
+TEST_F(ShardFolder, FinishedJobsAreNotRunAgain) {
+  run_shards(folder_, jobs(4), {});
+  EXPECT_EQ(calls_, 4);
+  const auto again = run_shards(folder_, jobs(4), {});
+  EXPECT_EQ(calls_, 4);
+  EXPECT_EQ(again[3].text, "result 3");
+  EXPECT_TRUE(again[3].reused);
+}
+
+TEST_F(ShardFolder, AnotherKeyOrADamagedFileIsMadeAnew) {
+  run_shards(folder_, jobs(2), {});
+  run_shards(folder_, jobs(2, "other"), {});
+  EXPECT_EQ(calls_, 4);
+  std::ofstream(folder_ / "job0.json") << "half a li";  // as a foreign writer would leave it
+  EXPECT_EQ(run_shards(folder_, jobs(2, "other"), {})[0].text, "result 0");
+  EXPECT_EQ(calls_, 5);
+}
+
+TEST_F(ShardFolder, ShardsTogetherGiveWhatOneRunGives) {
+  run_shards(folder_, jobs(5), {0, 2});
+  const auto merged = run_shards(folder_, jobs(5), {1, 2});
+  EXPECT_EQ(calls_, 5);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(merged[static_cast<std::size_t>(i)].text, "result " + std::to_string(i));
+}
+
+TEST_F(ShardFolder, AJobThatThrowsIsRecordedAndTheRestGoesOn) {
+  auto list = jobs(3);
+  list[1].run = []() -> std::string { throw std::runtime_error("no light"); };
+  const auto results = run_shards(folder_, list, {});
+  EXPECT_EQ(results[1].error, "no light");
+  EXPECT_EQ(results[2].text, "result 2");
+  EXPECT_FALSE(fs::exists(folder_ / "job1.json"));
+}
+
+}  // namespace
+}  // namespace cousin
