@@ -1,5 +1,9 @@
 #include "calibration/board_bundle.h"
 
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,17 +11,13 @@
 #include <memory>
 #include <optional>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <ceres/ceres.h>
-
 #include "calibration/lens_jacobian.h"
 
 namespace cousin {
 namespace {
 
-// Parameters of a view: rotation vector and translation added to the start, focal jitter, then, for a rolling
-// shutter, turn (rad) and shift (m) during readout.
+// Parameters of a view: rotation vector and translation added to the start, focal jitter, then, for
+// a rolling shutter, turn (rad) and shift (m) during readout.
 constexpr int kPose = 6, kJitter = 6, kMotion = 7, kGlobalSize = 7, kRollingSize = 13;
 // Shared parameters: relative focal scale, principal point offset (px), distortion offsets.
 constexpr int kScale = 0, kCentre = 1, kDistortion = 3;
@@ -55,7 +55,9 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& v) {
 class CornerCost final : public ceres::CostFunction {
  public:
   CornerCost(const BundleView& view, const BoardPoint& point, double sigma_px)
-      : view_(view), point_(point), sigma_px_(sigma_px),
+      : view_(view),
+        point_(point),
+        sigma_px_(sigma_px),
         fraction_((point.pixel_px.y() - 0.5 * (view.reported.height_px - 1)) /
                   std::max(1, view.reported.height_px - 1)) {
     set_num_residuals(2);
@@ -63,18 +65,20 @@ class CornerCost final : public ceres::CostFunction {
     mutable_parameter_block_sizes()->push_back(kDistortion + distortion_count(view.reported.model));
   }
 
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
     const double* v = parameters[0];
     const Camera camera = adjusted(view_.reported, v[kJitter], parameters[1]);
     const bool rolling = view_size(view_) == kRollingSize;
-    const Eigen::Vector3d turned =
-        exp_rotation(Eigen::Map<const Eigen::Vector3d>(v)) * (view_.camera_from_board.rotation * point_.in_board_m);
+    const Eigen::Vector3d turned = exp_rotation(Eigen::Map<const Eigen::Vector3d>(v)) *
+                                   (view_.camera_from_board.rotation * point_.in_board_m);
     const Eigen::Vector3d still =
         turned + view_.camera_from_board.translation_m + Eigen::Map<const Eigen::Vector3d>(v + 3);
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
     Eigen::Vector3d shift = Eigen::Vector3d::Zero();
     if (rolling) {
-      turn = exp_rotation(fraction_ * Eigen::Map<const Eigen::Vector3d>(v + kMotion)).toRotationMatrix();
+      turn = exp_rotation(fraction_ * Eigen::Map<const Eigen::Vector3d>(v + kMotion))
+                 .toRotationMatrix();
       shift = fraction_ * Eigen::Map<const Eigen::Vector3d>(v + kMotion + 3);
     }
     const Eigen::Vector3d p = turn * still + shift;
@@ -83,11 +87,13 @@ class CornerCost final : public ceres::CostFunction {
     const Eigen::Vector2d residual = (seen->pixel_px - point_.pixel_px) / sigma_px_;
     std::copy_n(residual.data(), 2, residuals);
     if (jacobians == nullptr) return true;
-    const Eigen::Vector2d from_centre(seen->pixel_px.x() - camera.cx_px, seen->pixel_px.y() - camera.cy_px);
+    const Eigen::Vector2d from_centre(seen->pixel_px.x() - camera.cx_px,
+                                      seen->pixel_px.y() - camera.cy_px);
     if (jacobians[0] != nullptr) {
       Eigen::Map<RowMatrix> j(jacobians[0], 2, view_size(view_));
       const Eigen::Matrix<double, 2, 3> d = seen->d_point * turn;
-      j.leftCols<3>() = -d * cross_matrix(turned) * left_jacobian(Eigen::Map<const Eigen::Vector3d>(v));
+      j.leftCols<3>() =
+          -d * cross_matrix(turned) * left_jacobian(Eigen::Map<const Eigen::Vector3d>(v));
       j.middleCols<3>(3) = d;
       j.col(kJitter) = from_centre / (1 + v[kJitter]);
       if (rolling) {
@@ -120,7 +126,8 @@ class Prior final : public ceres::CostFunction {
     set_num_residuals(static_cast<int>(sigma_.size()));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(sigma_.size()));
   }
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
     const Eigen::Index n = sigma_.size();
     Eigen::Map<Eigen::VectorXd>(residuals, n) =
         Eigen::Map<const Eigen::VectorXd>(parameters[0], n).cwiseQuotient(sigma_);
@@ -135,7 +142,8 @@ class Prior final : public ceres::CostFunction {
 };
 
 Eigen::VectorXd view_prior(const BundleView& view, const BoardPosesConfig& config) {
-  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(view_size(view), std::numeric_limits<double>::infinity());
+  Eigen::VectorXd sigma =
+      Eigen::VectorXd::Constant(view_size(view), std::numeric_limits<double>::infinity());
   sigma(kJitter) = config.focal_jitter;
   if (view.readout_s > 0) {
     sigma.segment<3>(kMotion).setConstant(config.hand_rate_rad_per_s * view.readout_s);
@@ -156,15 +164,17 @@ Eigen::VectorXd shared_prior(const Camera& camera, const BoardPosesConfig& confi
 struct Bundle {
   const std::vector<BundleView>& views;
   const BoardPosesConfig& config;
-  /// All parameters in one piece, views first: Ceres eliminates blocks in the order of their addresses, which must not
-  /// depend on the heap.
+  /// All parameters in one piece, views first: Ceres eliminates blocks in the order of their
+  /// addresses, which must not depend on the heap.
   std::vector<double> parameters;
   std::vector<std::size_t> offsets;  ///< of each view's parameters
   int shared_size = 0;
   bool lens_fixed = false;
 
   Bundle(const std::vector<BundleView>& all, const BoardPosesConfig& c)
-      : views(all), config(c), shared_size(kDistortion + distortion_count(all.front().reported.model)),
+      : views(all),
+        config(c),
+        shared_size(kDistortion + distortion_count(all.front().reported.model)),
         lens_fixed(!c.refine_lens || static_cast<int>(all.size()) < c.min_views_for_lens) {
     std::size_t size = 0;
     for (const BundleView& view : all) {
@@ -175,10 +185,16 @@ struct Bundle {
   }
   double* own(std::size_t i) { return parameters.data() + offsets[i]; }
   const double* own(std::size_t i) const { return parameters.data() + offsets[i]; }
-  double* shared() { return parameters.data() + parameters.size() - static_cast<std::size_t>(shared_size); }
-  const double* shared() const { return parameters.data() + parameters.size() - static_cast<std::size_t>(shared_size); }
+  double* shared() {
+    return parameters.data() + parameters.size() - static_cast<std::size_t>(shared_size);
+  }
+  const double* shared() const {
+    return parameters.data() + parameters.size() - static_cast<std::size_t>(shared_size);
+  }
 
-  double sigma_px(const BoardPoint& p) const { return std::hypot(p.sigma_px, config.corner_floor_px); }
+  double sigma_px(const BoardPoint& p) const {
+    return std::hypot(p.sigma_px, config.corner_floor_px);
+  }
 };
 
 bool solve(Bundle& bundle) {
@@ -197,10 +213,11 @@ bool solve(Bundle& bundle) {
     ordering->AddElementToGroup(parameters, 0);
     problem.AddResidualBlock(new Prior(view_prior(view, bundle.config)), nullptr, parameters);
     for (const BoardPoint& p : view.points) {
-      problem.AddResidualBlock(new CornerCost(view, p, bundle.sigma_px(p)), new ceres::CauchyLoss(kLossSigmas),
-                               parameters, bundle.shared());
+      problem.AddResidualBlock(new CornerCost(view, p, bundle.sigma_px(p)),
+                               new ceres::CauchyLoss(kLossSigmas), parameters, bundle.shared());
     }
-    if (bundle.lens_fixed) problem.SetManifold(parameters, new ceres::SubsetManifold(view_size(view), {kJitter}));
+    if (bundle.lens_fixed)
+      problem.SetManifold(parameters, new ceres::SubsetManifold(view_size(view), {kJitter}));
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
@@ -226,7 +243,8 @@ struct ViewSystem {
 ViewSystem linearize(const Bundle& bundle, std::size_t i) {
   const BundleView& view = bundle.views[i];
   const int own = view_size(view), all = bundle.shared_size;
-  ViewSystem s{Eigen::MatrixXd::Zero(own, own), Eigen::MatrixXd::Zero(own, all), Eigen::MatrixXd::Zero(all, all)};
+  ViewSystem s{Eigen::MatrixXd::Zero(own, own), Eigen::MatrixXd::Zero(own, all),
+               Eigen::MatrixXd::Zero(all, all)};
   RowMatrix jv(2, own), js(2, all);
   for (const BoardPoint& p : view.points) {
     const double sigma = bundle.sigma_px(p);
@@ -235,7 +253,8 @@ ViewSystem linearize(const Bundle& bundle, std::size_t i) {
     std::array<double*, 2> jacobians{jv.data(), js.data()};
     Eigen::Vector2d r;
     if (!cost.Evaluate(parameters.data(), r.data(), jacobians.data())) continue;
-    const double weight = 1 / (1 + r.squaredNorm() / (kLossSigmas * kLossSigmas));  // of the Cauchy loss
+    const double weight =
+        1 / (1 + r.squaredNorm() / (kLossSigmas * kLossSigmas));  // of the Cauchy loss
     s.own += weight * jv.transpose() * jv;
     s.mixed += weight * jv.transpose() * js;
     s.shared += weight * js.transpose() * js;
@@ -247,8 +266,9 @@ ViewSystem linearize(const Bundle& bundle, std::size_t i) {
   return s;
 }
 
-/// Covariances of the poses by the Schur complement of the shared lens, scaled by the variance of the residuals
-/// where that is above what the corners predict. A lens that is not refined counts with its prior.
+/// Covariances of the poses by the Schur complement of the shared lens, scaled by the variance of
+/// the residuals where that is above what the corners predict. A lens that is not refined counts
+/// with its prior.
 void add_covariances(const Bundle& bundle, BundleResult& result) {
   const Eigen::VectorXd prior = shared_prior(bundle.views.front().reported, bundle.config);
   Eigen::MatrixXd schur = prior.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -265,13 +285,14 @@ void add_covariances(const Bundle& bundle, BundleResult& result) {
     count += 2.0 * static_cast<double>(bundle.views[i].points.size()) - kPose;
   }
   const double factor = std::max(1.0, squares / std::max(1.0, count));
-  const Eigen::MatrixXd shared = schur.ldlt().solve(Eigen::MatrixXd::Identity(schur.rows(), schur.cols()));
+  const Eigen::MatrixXd shared =
+      schur.ldlt().solve(Eigen::MatrixXd::Identity(schur.rows(), schur.cols()));
   for (std::size_t i = 0; i < systems.size(); ++i) {
     const Eigen::MatrixXd gain = inverses[i] * systems[i].mixed;
     const Eigen::MatrixXd covariance = inverses[i] + gain * shared * gain.transpose();
     result.views[i].covariance = factor * covariance.topLeftCorner<kPose, kPose>();
-    result.views[i].rms_px =
-        std::sqrt(systems[i].squares_px2 / (2.0 * static_cast<double>(bundle.views[i].points.size())));
+    result.views[i].rms_px = std::sqrt(systems[i].squares_px2 /
+                                       (2.0 * static_cast<double>(bundle.views[i].points.size())));
   }
 }
 

@@ -26,12 +26,13 @@ struct BundleResult {
   std::vector<View> views;  ///< same order
 };
 
-/// Least squares over all views (Ceres, one thread). Pixel of point X in a view, read at row v of H:
+/// Least squares over all views (Ceres, one thread). Pixel of point X in a view, read at row v of
+/// H:
 ///   camera(exp(a u) (R X + t) + b u),  u = (v - (H - 1) / 2) / (H - 1),
-/// where a, b are the hand's turn and shift during readout with a prior from the configured hand; camera is the
-/// reported one with focal length f (1 + s) (1 + j), s shared, j of the view, and shared offsets of principal point
-/// and distortion, all with priors. Cauchy loss at 3 sigma.
-/// Built without Ceres the starts come back with the reported lens and zero covariance.
+/// where a, b are the hand's turn and shift during readout with a prior from the configured hand;
+/// camera is the reported one with focal length f (1 + s) (1 + j), s shared, j of the view, and
+/// shared offsets of principal point and distortion, all with priors. Cauchy loss at 3 sigma. Built
+/// without Ceres the starts come back with the reported lens and zero covariance.
 BundleResult bundle_adjust(const std::vector<BundleView>& views, const BoardPosesConfig& config);
 
 }  // namespace cousin

@@ -1,6 +1,6 @@
-#include "calibration/board_bundle.h"
-
 #include <cmath>
+
+#include "calibration/board_bundle.h"
 
 namespace cousin {
 
@@ -11,8 +11,10 @@ BundleResult bundle_adjust(const std::vector<BundleView>& views, const BoardPose
   for (const BundleView& view : views) {
     double squares_px2 = 0;
     for (const BoardPoint& p : view.points) {
-      squares_px2 += (project(view.reported, view.camera_from_board * p.in_board_m).value_or(p.pixel_px) - p.pixel_px)
-                         .squaredNorm();
+      squares_px2 +=
+          (project(view.reported, view.camera_from_board * p.in_board_m).value_or(p.pixel_px) -
+           p.pixel_px)
+              .squaredNorm();
     }
     BundleResult::View out{view.camera_from_board, view.reported};
     out.rms_px = std::sqrt(squares_px2 / (2.0 * static_cast<double>(view.points.size())));

@@ -1,15 +1,15 @@
 #include "calibration/board_detection.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
-#include <tbb/parallel_for.h>
 
 #include "calibration/board_template.h"
 #include "calibration/corner_refinement.h"
@@ -24,10 +24,12 @@ namespace cousin {
 namespace {
 
 constexpr double kStartBlurPx = 0.6;
-// Saddles of the plate turned upright, whose squares are ten pixels wide and blurred along one axis.
+// Saddles of the plate turned upright, whose squares are ten pixels wide and blurred along one
+// axis.
 constexpr double kUprightSmoothingPx = 2.0, kUprightContrast = 0.001;
 
-/// Linear luma (Rec. 709 weights) and the perceptual luma that saddles are sought in, both in [0, 1].
+/// Linear luma (Rec. 709 weights) and the perceptual luma that saddles are sought in, both in [0,
+/// 1].
 struct Planes {
   Image<float> linear;
   Image<float> perceptual;
@@ -35,8 +37,10 @@ struct Planes {
 
 Planes planes_of(const Image<Rgb8>& color) {
   std::array<float, 256> table{};
-  for (std::size_t i = 0; i < table.size(); ++i) table[i] = linear_from_srgb8(static_cast<std::uint8_t>(i));
-  Planes planes{Image<float>(color.width(), color.height()), Image<float>(color.width(), color.height())};
+  for (std::size_t i = 0; i < table.size(); ++i)
+    table[i] = linear_from_srgb8(static_cast<std::uint8_t>(i));
+  Planes planes{Image<float>(color.width(), color.height()),
+                Image<float>(color.width(), color.height())};
   for (std::size_t i = 0; i < color.size(); ++i) {
     const Rgb8 c = color.data()[i];
     planes.linear.data()[i] = 0.2126F * table[c.r] + 0.7152F * table[c.g] + 0.0722F * table[c.b];
@@ -93,10 +97,14 @@ struct Placement {
 
 std::array<int, 2> turned(int turn, int column, int row) {
   switch (turn % 4) {
-    case 1: return {-row, column};
-    case 2: return {-column, -row};
-    case 3: return {row, -column};
-    default: return {column, row};
+    case 1:
+      return {-row, column};
+    case 2:
+      return {-column, -row};
+    case 3:
+      return {row, -column};
+    default:
+      return {column, row};
   }
 }
 
@@ -112,7 +120,8 @@ Eigen::Matrix3d lattice_from_board(const SeedBoard& board, const Placement& p) {
 }
 
 /// Placements that keep the lattice on the board and squares on their colour.
-std::vector<Placement> placements(const SeedBoard& board, const std::vector<LatticeCorner>& lattice) {
+std::vector<Placement> placements(const SeedBoard& board,
+                                  const std::vector<LatticeCorner>& lattice) {
   std::vector<Placement> result;
   const int last = board.squares - 2;
   for (int turn = 0; turn < 4; ++turn) {
@@ -134,7 +143,8 @@ std::vector<Placement> placements(const SeedBoard& board, const std::vector<Latt
 }
 
 /// Correlation of the image with the print over the plate.
-double correlation(const Image<float>& linear, const BoardPattern& pattern, const BoardTemplate& t) {
+double correlation(const Image<float>& linear, const BoardPattern& pattern,
+                   const BoardTemplate& t) {
   constexpr float kInset = 0.2F;  // squares; keeps the green screen out
   double n = 0, sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
   for (int y = 0; y < t.box.height; ++y) {
@@ -150,8 +160,9 @@ double correlation(const Image<float>& linear, const BoardPattern& pattern, cons
   return (sab - sa * sb / n) / std::sqrt(va * vb);
 }
 
-/// How clearly the image prefers one print over another: its correlation with their difference. About 0.8 with all
-/// markers in view, a quarter of that with one, zero where the difference is hidden.
+/// How clearly the image prefers one print over another: its correlation with their difference.
+/// About 0.8 with all markers in view, a quarter of that with one, zero where the difference is
+/// hidden.
 double preference(const Image<float>& linear, const BoardPattern& pattern, const BoardTemplate& a,
                   const BoardTemplate& b) {
   constexpr float kInset = 0.2F;
@@ -161,7 +172,8 @@ double preference(const Image<float>& linear, const BoardPattern& pattern, const
       const int u = x + a.box.x - b.box.x, v = y + a.box.y - b.box.y;
       if (!b.white.contains(u, v)) continue;
       const Eigen::Vector2f p = a.in_squares(x, y), q = b.in_squares(u, v);
-      if (!pattern.on_plate(p.x(), p.y(), kInset) || !pattern.on_plate(q.x(), q.y(), kInset)) continue;
+      if (!pattern.on_plate(p.x(), p.y(), kInset) || !pattern.on_plate(q.x(), q.y(), kInset))
+        continue;
       const double d = a.white(x, y) - b.white(u, v), i = linear(a.box.x + x, a.box.y + y);
       if (std::abs(d) < 0.2) continue;
       n += 1, sd += d, si += i, sdd += d * d, sii += i * i, sdi += d * i;
@@ -180,7 +192,8 @@ struct Choice {
 /// The placement that correlates best. A plain board's turns tie, so only shifts compete there.
 Choice choose_placement(const Planes& planes, LensMap& lens, const SeedBoard& board,
                         const BoardPattern& pattern, const std::vector<LatticeCorner>& lattice,
-                        const Eigen::Matrix3d& normalized_from_lattice, const BoardDetectionConfig& config) {
+                        const Eigen::Matrix3d& normalized_from_lattice,
+                        const BoardDetectionConfig& config) {
   struct Scored {
     Placement placement;
     double score = -1;
@@ -196,7 +209,8 @@ Choice choose_placement(const Planes& planes, LensMap& lens, const SeedBoard& bo
     Scored one{p, 0, render_board(pattern, lens, box, h, kStartBlurPx, TemplateQuality::coarse),
                from_board.col(2).head<2>()};
     one.score = correlation(planes.linear, pattern, one.print);
-    const bool same = !board.has_markers && best.score > -1 && (one.middle - best.middle).norm() < 0.1;
+    const bool same =
+        !board.has_markers && best.score > -1 && (one.middle - best.middle).norm() < 0.1;
     if (same) continue;
     if (one.score > best.score) {
       next = std::move(best);
@@ -207,8 +221,8 @@ Choice choose_placement(const Planes& planes, LensMap& lens, const SeedBoard& bo
   }
   Choice choice{best.placement};
   if (best.score < config.min_correlation) return choice;
-  const bool clear =
-      next.score < 0 || preference(planes.linear, pattern, best.print, next.print) >= config.min_preference;
+  const bool clear = next.score < 0 || preference(planes.linear, pattern, best.print, next.print) >=
+                                           config.min_preference;
   choice.status = clear ? BoardStatus::ok : BoardStatus::ambiguous;
   return choice;
 }
@@ -223,20 +237,22 @@ double quantile(std::vector<double> values, double share) {
 double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 
 /// Pixels a board square spans about a corner, as the matrix d(pixel)/d(square).
-Eigen::Matrix2d pixels_per_square(const Camera& camera, const SeedBoard& board, const Eigen::Matrix3d& h,
-                                  const Eigen::Vector3d& at) {
+Eigen::Matrix2d pixels_per_square(const Camera& camera, const SeedBoard& board,
+                                  const Eigen::Matrix3d& h, const Eigen::Vector3d& at) {
   const double d = 0.25 * board.square_m;
   const auto seen = [&](double x, double y) {
-    return project(camera, h * Eigen::Vector3d(at.x() + x, at.y() + y, 1)).value_or(Eigen::Vector2d::Zero());
+    return project(camera, h * Eigen::Vector3d(at.x() + x, at.y() + y, 1))
+        .value_or(Eigen::Vector2d::Zero());
   };
   Eigen::Matrix2d m;
   m << 2 * (seen(d, 0) - seen(-d, 0)), 2 * (seen(0, d) - seen(0, -d));
   return m;
 }
 
-/// Corners whose window shows the print and nothing else, and whose shift is a fraction of a square.
-std::vector<CornerFit> accept(const std::vector<CornerFit>& fits, const Camera& camera, const SeedBoard& board,
-                              const Eigen::Matrix3d& h) {
+/// Corners whose window shows the print and nothing else, and whose shift is a fraction of a
+/// square.
+std::vector<CornerFit> accept(const std::vector<CornerFit>& fits, const Camera& camera,
+                              const SeedBoard& board, const Eigen::Matrix3d& h) {
   constexpr double kMaxShiftSquares = 0.3, kMinContrast = 0.3, kNoiseFactor = 2.0, kClean = 0.2;
   if (fits.empty()) return {};
   std::vector<double> noises, contrasts;
@@ -258,15 +274,18 @@ std::vector<CornerFit> accept(const std::vector<CornerFit>& fits, const Camera& 
   return result;
 }
 
-/// Drops corners that do not follow the plane; updates the homography. False if the rest is not a plane's.
-bool fit_plane(const Camera& camera, const SeedBoard& board, std::vector<CornerFit>& fits, Eigen::Matrix3d& h) {
+/// Drops corners that do not follow the plane; updates the homography. False if the rest is not a
+/// plane's.
+bool fit_plane(const Camera& camera, const SeedBoard& board, std::vector<CornerFit>& fits,
+               Eigen::Matrix3d& h) {
   constexpr double kMaxResidual = 5;  // times the larger of the predicted and the view's own spread
   std::vector<PlanePoint> points;
   for (const CornerFit& f : fits) {
     const std::optional<Eigen::Vector2d> n = normalized(camera, f.pixel_px);
     if (!n) return false;
     const double sigma_px = std::max(0.01, f.sigma_px * f.noise);
-    points.push_back({corner_in_world_m(board, f.column, f.row).head<2>(), *n, sigma_px / camera.fx_px});
+    points.push_back(
+        {corner_in_world_m(board, f.column, f.row).head<2>(), *n, sigma_px / camera.fx_px});
   }
   for (int round = 0; round < 3; ++round) {
     const HomographyFit fit = fit_homography(points);
@@ -289,8 +308,8 @@ bool fit_plane(const Camera& camera, const SeedBoard& board, std::vector<CornerF
 }
 
 /// Measures all corners by template, outward from those that follow the homography found so far.
-void refine(const Planes& planes, LensMap& lens, const SeedBoard& board, const BoardPattern& pattern,
-            const BoardDetectionConfig& config, BoardView& view) {
+void refine(const Planes& planes, LensMap& lens, const SeedBoard& board,
+            const BoardPattern& pattern, const BoardDetectionConfig& config, BoardView& view) {
   const Camera& camera = lens.camera();
   constexpr int kMaxRounds = 6;
   std::vector<CornerFit> fits;
@@ -303,7 +322,8 @@ void refine(const Planes& planes, LensMap& lens, const SeedBoard& board, const B
     last = last || round == kMaxRounds - 1;
     const BoardTemplate t = render_board(pattern, lens, box, view.normalized_from_board, blur_px,
                                          last ? TemplateQuality::fine : TemplateQuality::coarse);
-    fits = accept(fit_corners(planes.linear, board, camera, view.normalized_from_board, t, config.window_squares),
+    fits = accept(fit_corners(planes.linear, board, camera, view.normalized_from_board, t,
+                              config.window_squares),
                   camera, board, view.normalized_from_board);
     if (fits.size() < 4 || !fit_plane(camera, board, fits, view.normalized_from_board)) return;
     if (last) break;
@@ -325,13 +345,15 @@ void refine(const Planes& planes, LensMap& lens, const SeedBoard& board, const B
       view.corners.push_back({f.column, f.row, f.pixel_px, std::max(sigma_px, 1e-3)});
     }
   }
-  view.status = static_cast<int>(view.corners.size()) >= config.min_corners ? BoardStatus::ok
-                                                                            : BoardStatus::too_few_corners;
+  view.status = static_cast<int>(view.corners.size()) >= config.min_corners
+                    ? BoardStatus::ok
+                    : BoardStatus::too_few_corners;
 }
 
 /// Places a lattice on the board and measures the corners.
-BoardView measure(const Planes& planes, LensMap& lens, const SeedBoard& board, const BoardPattern& pattern,
-                  const BoardDetectionConfig& config, std::vector<LatticeCorner> lattice) {
+BoardView measure(const Planes& planes, LensMap& lens, const SeedBoard& board,
+                  const BoardPattern& pattern, const BoardDetectionConfig& config,
+                  std::vector<LatticeCorner> lattice) {
   constexpr int kLeastLattice = 8;
   BoardView view;
   if (static_cast<int>(lattice.size()) < kLeastLattice) return view;
@@ -341,14 +363,15 @@ BoardView measure(const Planes& planes, LensMap& lens, const SeedBoard& board, c
       choose_placement(planes, lens, board, pattern, lattice, fit.normalized_from_plane, config);
   view.status = choice.status;
   if (choice.status != BoardStatus::ok) return view;
-  view.normalized_from_board = fit.normalized_from_plane * lattice_from_board(board, choice.placement);
+  view.normalized_from_board =
+      fit.normalized_from_plane * lattice_from_board(board, choice.placement);
   view.status = BoardStatus::not_seen;
   refine(planes, lens, board, pattern, config, view);
   return view;
 }
 
-BoardView detect_in_frame(const SensorFrame& frame, const SeedBoard& board, const BoardPattern& pattern,
-                          const BoardDetectionConfig& config) {
+BoardView detect_in_frame(const SensorFrame& frame, const SeedBoard& board,
+                          const BoardPattern& pattern, const BoardDetectionConfig& config) {
   BoardView view;
   if (frame.color.empty()) {
     view.status = BoardStatus::no_image;
@@ -376,7 +399,8 @@ Eigen::Quaterniond rotation_of(const Eigen::Matrix3d& h) {
 }
 
 /// Plain board: turns each view by quarters to be nearest to the view before.
-void resolve_turns(const SeedBoard& board, const BoardDetectionConfig& config, std::vector<BoardView>& views) {
+void resolve_turns(const SeedBoard& board, const BoardDetectionConfig& config,
+                   std::vector<BoardView>& views) {
   std::optional<Eigen::Quaterniond> last;
   const int end = board.squares - 2;
   for (BoardView& view : views) {
@@ -387,7 +411,8 @@ void resolve_turns(const SeedBoard& board, const BoardDetectionConfig& config, s
     if (last) {
       angle = 10;
       for (int k = 0; k < 4; ++k) {
-        const Eigen::Quaterniond about_z(Eigen::AngleAxisd(0.5 * M_PI * k, Eigen::Vector3d::UnitZ()));
+        const Eigen::Quaterniond about_z(
+            Eigen::AngleAxisd(0.5 * M_PI * k, Eigen::Vector3d::UnitZ()));
         const double a = angle_rad(rotation * about_z * last->conjugate());
         if (a < angle) angle = a, turn = k;
       }
@@ -397,9 +422,11 @@ void resolve_turns(const SeedBoard& board, const BoardDetectionConfig& config, s
       view.corners.clear();
       continue;
     }
-    const Eigen::Quaterniond about_z(Eigen::AngleAxisd(0.5 * M_PI * turn, Eigen::Vector3d::UnitZ()));
+    const Eigen::Quaterniond about_z(
+        Eigen::AngleAxisd(0.5 * M_PI * turn, Eigen::Vector3d::UnitZ()));
     last = rotation * about_z;
-    // The board's axes turn by +k quarters, so a corner's place on the board turns by -k about the middle.
+    // The board's axes turn by +k quarters, so a corner's place on the board turns by -k about the
+    // middle.
     for (CornerObservation& c : view.corners) {
       const auto p = turned(4 - turn, 2 * c.column - end, 2 * c.row - end);
       c.column = (p[0] + end) / 2;
@@ -414,12 +441,18 @@ Fields fields(BoardDetectionConfig& config) {
   return {
       {"min_corners", &config.min_corners, "views with fewer corners are not used", 4, 1e6},
       {"window_squares", &config.window_squares, "half of a corner's window, in squares", 0.2, 0.5},
-      {"max_sigma_px", &config.max_sigma_px, "corners predicted worse than this are dropped", 1e-3, 10},
-      {"saddle_smoothing_px", &config.saddle_smoothing_px, "Gaussian before the search for saddles", 0.3, 10},
-      {"saddle_contrast", &config.saddle_contrast, "least sqrt(-det Hessian) of a saddle, of the sRGB range", 1e-6, 1},
-      {"min_correlation", &config.min_correlation, "of the image with the print for a board to be accepted", 0, 1},
-      {"min_preference", &config.min_preference, "least correlation with the two best placements' difference", 0, 1},
-      {"max_turn_rad", &config.max_turn_rad, "plain board: largest turn between two views used", 0, 0.78},
+      {"max_sigma_px", &config.max_sigma_px, "corners predicted worse than this are dropped", 1e-3,
+       10},
+      {"saddle_smoothing_px", &config.saddle_smoothing_px, "Gaussian before the search for saddles",
+       0.3, 10},
+      {"saddle_contrast", &config.saddle_contrast,
+       "least sqrt(-det Hessian) of a saddle, of the sRGB range", 1e-6, 1},
+      {"min_correlation", &config.min_correlation,
+       "of the image with the print for a board to be accepted", 0, 1},
+      {"min_preference", &config.min_preference,
+       "least correlation with the two best placements' difference", 0, 1},
+      {"max_turn_rad", &config.max_turn_rad, "plain board: largest turn between two views used", 0,
+       0.78},
   };
 }
 
@@ -428,7 +461,8 @@ void validate(const BoardDetectionConfig& config) {
   check_limits(fields(copy));
 }
 
-Corners detect_board(const Capture& capture, const SeedBoard& board, const BoardDetectionConfig& config) {
+Corners detect_board(const Capture& capture, const SeedBoard& board,
+                     const BoardDetectionConfig& config) {
   validate(config);
   validate(board);
   for (const Frame& frame : capture.frames) {
@@ -439,11 +473,11 @@ Corners detect_board(const Capture& capture, const SeedBoard& board, const Board
     validate(sensor.reported);
     if (!sensor.color.empty() && (sensor.color.width() != sensor.reported.width_px ||
                                   sensor.color.height() != sensor.reported.height_px)) {
-      throw std::invalid_argument("frame " + std::to_string(frame.id) + ": the image is " +
-                                  std::to_string(sensor.color.width()) + " x " +
-                                  std::to_string(sensor.color.height()) + " px, its reported camera " +
-                                  std::to_string(sensor.reported.width_px) + " x " +
-                                  std::to_string(sensor.reported.height_px));
+      throw std::invalid_argument(
+          "frame " + std::to_string(frame.id) + ": the image is " +
+          std::to_string(sensor.color.width()) + " x " + std::to_string(sensor.color.height()) +
+          " px, its reported camera " + std::to_string(sensor.reported.width_px) + " x " +
+          std::to_string(sensor.reported.height_px));
     }
   }
   const BoardPattern pattern(board);

@@ -8,27 +8,35 @@
 namespace cousin {
 
 struct BoardDetectionConfig {
-  int min_corners = 12;           ///< fewer: the view is not used
-  double window_squares = 0.5;    ///< half of a corner's window, in squares; windows up to 0.5 share no pixel
-  double max_sigma_px = 0.5;      ///< corners predicted worse than this are dropped
+  int min_corners = 12;  ///< fewer: the view is not used
+  double window_squares =
+      0.5;  ///< half of a corner's window, in squares; windows up to 0.5 share no pixel
+  double max_sigma_px = 0.5;         ///< corners predicted worse than this are dropped
   double saddle_smoothing_px = 1.0;  ///< Gaussian before the search for saddles
-  double saddle_contrast = 0.008;    ///< least sqrt(-det Hessian) of a saddle, of the full sRGB range, per px^2
-  double min_correlation = 0.5;   ///< of the image with the print, below which the board is not accepted
-  double min_preference = 0.15;   ///< least correlation of the image with the difference of the two best placements
-  double max_turn_rad = 0.6;      ///< plain board: largest turn between two views used
+  double saddle_contrast =
+      0.008;  ///< least sqrt(-det Hessian) of a saddle, of the full sRGB range, per px^2
+  double min_correlation =
+      0.5;  ///< of the image with the print, below which the board is not accepted
+  double min_preference =
+      0.15;  ///< least correlation of the image with the difference of the two best placements
+  double max_turn_rad = 0.6;  ///< plain board: largest turn between two views used
 };
 Fields fields(BoardDetectionConfig& config);
 void validate(const BoardDetectionConfig& config);
 
 /// Finds the seed board although seeds cover part of it, in the first sensor's images:
-/// 1. saddles of the image grow into a lattice of checkerboard corners from any visible cell outward;
-/// 2. each placement of the lattice on the board (four turns, all shifts) is scored by the correlation of the image
+/// 1. saddles of the image grow into a lattice of checkerboard corners from any visible cell
+/// outward;
+/// 2. each placement of the lattice on the board (four turns, all shifts) is scored by the
+/// correlation of the image
 ///    with the print seen through the reported lens: the markers decide;
-/// 3. the print's template is moved onto the image in a window about each corner (least squares in linear light),
+/// 3. the print's template is moved onto the image in a window about each corner (least squares in
+/// linear light),
 ///    outward until no corner is added; seeds and shadows fail the fit's residual.
-/// A plain board looks the same after a quarter turn: its first view defines the frame and later views take the turn
-/// nearest to the view before; a view too far from it for that is `ambiguous`.
+/// A plain board looks the same after a quarter turn: its first view defines the frame and later
+/// views take the turn nearest to the view before; a view too far from it for that is `ambiguous`.
 /// One entry for each frame; sigma_px is predicted from each fit's own residual.
-Corners detect_board(const Capture& capture, const SeedBoard& board, const BoardDetectionConfig& config = {});
+Corners detect_board(const Capture& capture, const SeedBoard& board,
+                     const BoardDetectionConfig& config = {});
 
 }  // namespace cousin

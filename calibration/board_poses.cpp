@@ -1,11 +1,11 @@
 #include "calibration/board_poses.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
-
-#include <tbb/parallel_for.h>
 
 #include "calibration/board_bundle.h"
 #include "calibration/field_limits.h"
@@ -16,20 +16,23 @@ namespace {
 
 void check_input(const Capture& capture, const Corners& corners, const SeedBoard& board) {
   if (corners.size() != capture.frames.size()) {
-    throw std::invalid_argument("corners of " + std::to_string(corners.size()) + " frames for a capture of " +
+    throw std::invalid_argument("corners of " + std::to_string(corners.size()) +
+                                " frames for a capture of " +
                                 std::to_string(capture.frames.size()));
   }
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const std::string frame = "frame " + std::to_string(capture.frames[i].id);
     if (corners[i].frame != capture.frames[i].id) {
-      throw std::invalid_argument(frame + ": its corners are of frame " + std::to_string(corners[i].frame));
+      throw std::invalid_argument(frame + ": its corners are of frame " +
+                                  std::to_string(corners[i].frame));
     }
     if (capture.frames[i].sensors.empty()) throw std::invalid_argument(frame + " has no sensor");
     validate(capture.frames[i].sensors.front().reported);
     for (const CornerObservation& c : corners[i].corners) {
       if (!corner_exists(board, c.column, c.row) || !c.pixel_px.allFinite() || !(c.sigma_px > 0) ||
           !std::isfinite(c.sigma_px)) {
-        throw std::invalid_argument(frame + ": corner (" + std::to_string(c.column) + ", " + std::to_string(c.row) +
+        throw std::invalid_argument(frame + ": corner (" + std::to_string(c.column) + ", " +
+                                    std::to_string(c.row) +
                                     ") is not on the board, or its pixel or sigma is not a number");
       }
     }
@@ -49,15 +52,21 @@ std::vector<BoardPoint> points_of(const FrameCorners& frame, const SeedBoard& bo
 Fields fields(BoardPosesConfig& config) {
   return {
       {"refine_lens", &config.refine_lens, "shared lens over all views; false: as reported"},
-      {"min_views_for_lens", &config.min_views_for_lens, "with fewer views the lens stays as reported", 2, 1e6},
-      {"focal_prior", &config.focal_prior, "relative sigma of the focal lengths' common factor", 1e-8, 1},
-      {"focal_jitter", &config.focal_jitter, "relative sigma of one image's focal length", 1e-8, 1},
-      {"centre_prior_px_per_width", &config.centre_prior_px_per_width, "sigma of the principal point, over the width",
+      {"min_views_for_lens", &config.min_views_for_lens,
+       "with fewer views the lens stays as reported", 2, 1e6},
+      {"focal_prior", &config.focal_prior, "relative sigma of the focal lengths' common factor",
        1e-8, 1},
-      {"distortion_prior", &config.distortion_prior, "sigma of each distortion coefficient", 1e-8, 10},
-      {"hand_speed_m_per_s", &config.hand_speed_m_per_s, "sigma of the velocity while reading; 0 = still", 0, 10},
-      {"hand_rate_rad_per_s", &config.hand_rate_rad_per_s, "sigma of the turning rate while reading; 0 = still", 0, 10},
-      {"corner_floor_px", &config.corner_floor_px, "added in quadrature to each corner's sigma", 0, 10},
+      {"focal_jitter", &config.focal_jitter, "relative sigma of one image's focal length", 1e-8, 1},
+      {"centre_prior_px_per_width", &config.centre_prior_px_per_width,
+       "sigma of the principal point, over the width", 1e-8, 1},
+      {"distortion_prior", &config.distortion_prior, "sigma of each distortion coefficient", 1e-8,
+       10},
+      {"hand_speed_m_per_s", &config.hand_speed_m_per_s,
+       "sigma of the velocity while reading; 0 = still", 0, 10},
+      {"hand_rate_rad_per_s", &config.hand_rate_rad_per_s,
+       "sigma of the turning rate while reading; 0 = still", 0, 10},
+      {"corner_floor_px", &config.corner_floor_px, "added in quadrature to each corner's sigma", 0,
+       10},
       {"max_rms_px", &config.max_rms_px, "views that fit worse are not_converged", 1e-3, 100},
       {"max_iterations", &config.max_iterations, "of the bundle adjustment", 1, 1000},
   };
@@ -75,7 +84,8 @@ Poses estimate_board_poses(const Capture& capture, const Corners& corners, const
   check_input(capture, corners, board);
   // A still hand has no motion to solve for; neither has a global shutter.
   const bool moving = config.hand_speed_m_per_s > 0 && config.hand_rate_rad_per_s > 0;
-  const bool rolling = moving && !capture.rig.empty() && capture.rig.front().shutter == Shutter::rolling;
+  const bool rolling =
+      moving && !capture.rig.empty() && capture.rig.front().shutter == Shutter::rolling;
   const double readout_s = rolling ? capture.rig.front().readout_s : 0;
 
   Poses poses(corners.size());

@@ -1,13 +1,12 @@
 #include "calibration/board_template.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 namespace cousin {
 namespace {
@@ -25,29 +24,35 @@ Image<Eigen::Vector2f> board_points(const BoardPattern& pattern, LensMap& lens, 
   Image<Eigen::Vector2f> points(box.width + 2, box.height + 2, Eigen::Vector2f::Zero());
   for (int y = 0; y < points.height(); ++y) {
     for (int x = 0; x < points.width(); ++x) {
-      const Eigen::Vector3d p = squares_from_normalized * lens(box.x + x - 1, box.y + y - 1).homogeneous();
-      points(x, y) = sign * p.z() > 0 ? Eigen::Vector2f((p.head<2>() / p.z()).cast<float>())
-                                      : Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
+      const Eigen::Vector3d p =
+          squares_from_normalized * lens(box.x + x - 1, box.y + y - 1).homogeneous();
+      points(x, y) = sign * p.z() > 0
+                         ? Eigen::Vector2f((p.head<2>() / p.z()).cast<float>())
+                         : Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
     }
   }
   return points;
 }
 
-/// Fibonacci lattice of the unit square [Sloan & Joe, Lattice Methods for Multiple Integration, 1994]: as many
-/// different x and y as points. `count` and `step` are successive Fibonacci numbers, the larger first.
+/// Fibonacci lattice of the unit square [Sloan & Joe, Lattice Methods for Multiple Integration,
+/// 1994]: as many different x and y as points. `count` and `step` are successive Fibonacci numbers,
+/// the larger first.
 std::vector<Eigen::Vector2f> fibonacci_lattice(int count, int step) {
   std::vector<Eigen::Vector2f> points;
   for (int i = 0; i < count; ++i) {
-    points.push_back(Eigen::Vector2f(i + 0.5F, (step * i) % count + 0.5F) / static_cast<float>(count));
+    points.push_back(Eigen::Vector2f(i + 0.5F, (step * i) % count + 0.5F) /
+                     static_cast<float>(count));
   }
   return points;
 }
 
-/// A shift within the unit square that differs between neighbouring pixels: the additive recurrence R2.
+/// A shift within the unit square that differs between neighbouring pixels: the additive recurrence
+/// R2.
 Eigen::Vector2f pixel_shift(int x, int y) {
   constexpr double kA = 0.7548776662466927, kB = 0.5698402909980532;
   const double n = x + 97.0 * y;
-  return {static_cast<float>(kA * n - std::floor(kA * n)), static_cast<float>(kB * n - std::floor(kB * n))};
+  return {static_cast<float>(kA * n - std::floor(kA * n)),
+          static_cast<float>(kB * n - std::floor(kB * n))};
 }
 
 void blur(Image<float>& image, double sigma_px) {
@@ -59,8 +64,10 @@ void blur(Image<float>& image, double sigma_px) {
 }  // namespace
 
 LensMap::LensMap(const Camera& camera)
-    : camera_(camera), columns_(camera.width_px / kStep + 4),
-      nodes_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(camera.height_px / kStep + 4)),
+    : camera_(camera),
+      columns_(camera.width_px / kStep + 4),
+      nodes_(static_cast<std::size_t>(columns_) *
+             static_cast<std::size_t>(camera.height_px / kStep + 4)),
       known_(nodes_.size(), 0) {}
 
 const Eigen::Vector2d& LensMap::node(int column, int row) {
@@ -68,8 +75,9 @@ const Eigen::Vector2d& LensMap::node(int column, int row) {
   if (known_[i] == 0) {
     const std::optional<Eigen::Vector3d> ray =
         unproject(camera_, Eigen::Vector2d((column - 1) * kStep, (row - 1) * kStep));
-    nodes_[i] = ray && ray->z() > 1e-3 ? Eigen::Vector2d(ray->head<2>() / ray->z())
-                                       : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+    nodes_[i] = ray && ray->z() > 1e-3
+                    ? Eigen::Vector2d(ray->head<2>() / ray->z())
+                    : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
     known_[i] = 1;
   }
   return nodes_[i];
@@ -84,7 +92,8 @@ Eigen::Vector2d LensMap::operator()(int x, int y) {
 }
 
 BoardPattern::BoardPattern(const SeedBoard& board)
-    : squares_(board.squares), square_m_(board.square_m),
+    : squares_(board.squares),
+      square_m_(board.square_m),
       margin_(static_cast<float>(0.5 * (board.plate_m / board.square_m - board.squares))),
       marker_inset_(static_cast<float>(0.5 * (kBlockSquares - board.marker_m / board.square_m))),
       module_(static_cast<float>(board.marker_m / board.square_m / kMarkerModules)),
@@ -121,15 +130,19 @@ bool BoardPattern::is_white(float x, float y) const {
   const float v = (y - (row < kBlockSquares ? 0 : block) - marker_inset_) / module_;
   if (u < 0 || v < 0 || u >= kMarkerModules || v >= kMarkerModules) return true;
   const int module = static_cast<int>(v) * kMarkerModules + static_cast<int>(u);
-  return modules_[static_cast<std::size_t>((cell - 2) * kMarkerModules * kMarkerModules + module)] == 1;
+  return modules_[static_cast<std::size_t>((cell - 2) * kMarkerModules * kMarkerModules +
+                                           module)] == 1;
 }
 
 bool BoardPattern::is_uniform(const Eigen::Vector2f& centre, const Eigen::Vector2f& reach) const {
   const auto inside_one = [&](float c, float r) { return std::floor(c - r) == std::floor(c + r); };
-  const auto outside = [&](float c, float r) { return c + r < 0 || c - r >= static_cast<float>(squares_); };
+  const auto outside = [&](float c, float r) {
+    return c + r < 0 || c - r >= static_cast<float>(squares_);
+  };
   if (outside(centre.x(), reach.x()) || outside(centre.y(), reach.y())) return true;
   if (!inside_one(centre.x(), reach.x()) || !inside_one(centre.y(), reach.y())) return false;
-  const int column = static_cast<int>(std::floor(centre.x())), row = static_cast<int>(std::floor(centre.y()));
+  const int column = static_cast<int>(std::floor(centre.x())),
+            row = static_cast<int>(std::floor(centre.y()));
   if (column < 0 || row < 0 || column >= squares_ || row >= squares_) return true;
   return cells_[static_cast<std::size_t>(row * squares_ + column)] < 2;
 }
@@ -145,21 +158,25 @@ Eigen::Matrix3d BoardPattern::squares_from_board() const {
   return m;
 }
 
-PixelBox plate_box(const SeedBoard& board, const Camera& camera, const Eigen::Matrix3d& normalized_from_board) {
+PixelBox plate_box(const SeedBoard& board, const Camera& camera,
+                   const Eigen::Matrix3d& normalized_from_board) {
   constexpr int kSamples = 144;
   const double half = 0.5 * board.plate_m;
   double x0 = camera.width_px, y0 = camera.height_px, x1 = -1, y1 = -1;
   for (int i = 0; i <= kSamples; ++i) {
     for (int j = 0; j <= kSamples; ++j) {
       const Eigen::Vector3d p =
-          normalized_from_board * Eigen::Vector3d(half * (2.0 * i / kSamples - 1), half * (2.0 * j / kSamples - 1), 1);
+          normalized_from_board *
+          Eigen::Vector3d(half * (2.0 * i / kSamples - 1), half * (2.0 * j / kSamples - 1), 1);
       const std::optional<Eigen::Vector2d> pixel = project(camera, p);
       if (!pixel) continue;
       x0 = std::min(x0, pixel->x()), x1 = std::max(x1, pixel->x());
       y0 = std::min(y0, pixel->y()), y1 = std::max(y1, pixel->y());
     }
   }
-  const auto clamp = [](double v, int size) { return static_cast<int>(std::clamp(v, 0.0, size - 1.0)); };
+  const auto clamp = [](double v, int size) {
+    return static_cast<int>(std::clamp(v, 0.0, size - 1.0));
+  };
   PixelBox box;
   if (x1 < 0 || y1 < 0 || x0 > camera.width_px - 1 || y0 > camera.height_px - 1) return box;
   box.x = clamp(std::floor(x0) - 1, camera.width_px);
@@ -170,11 +187,13 @@ PixelBox plate_box(const SeedBoard& board, const Camera& camera, const Eigen::Ma
 }
 
 BoardTemplate render_board(const BoardPattern& pattern, LensMap& lens, const PixelBox& box,
-                           const Eigen::Matrix3d& normalized_from_board, double psf_sigma_px, TemplateQuality quality) {
+                           const Eigen::Matrix3d& normalized_from_board, double psf_sigma_px,
+                           TemplateQuality quality) {
   const Image<Eigen::Vector2f> points = board_points(pattern, lens, box, normalized_from_board);
   BoardTemplate t{box, Image<float>(box.width, box.height),
                   Image<Eigen::Vector2f>(box.width, box.height, Eigen::Vector2f::Zero())};
-  // The error of an edge's place falls faster than 1/count: 0.01 px and 0.002 px over a corner's window.
+  // The error of an edge's place falls faster than 1/count: 0.01 px and 0.002 px over a corner's
+  // window.
   const std::vector<Eigen::Vector2f> lattice =
       quality == TemplateQuality::fine ? fibonacci_lattice(144, 89) : fibonacci_lattice(21, 13);
   for (int y = 0; y < box.height; ++y) {
@@ -189,7 +208,8 @@ BoardTemplate render_board(const BoardPattern& pattern, LensMap& lens, const Pix
         t.white(x, y) = pattern.is_white(centre.x(), centre.y()) ? 1.0F : 0.0F;
         continue;
       }
-      // Each pixel turns the lattice by its own shift, so that an edge along a row meets no common grid.
+      // Each pixel turns the lattice by its own shift, so that an edge along a row meets no common
+      // grid.
       const Eigen::Vector2f shift = pixel_shift(x, y);
       int white = 0;
       for (const Eigen::Vector2f& sample : lattice) {

@@ -1,18 +1,18 @@
 #include "calibration/corner_refinement.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
-
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 
 namespace cousin {
 namespace {
 
 /// Least squares of one window; nothing if its pixels do not fix a shift.
-std::optional<CornerFit> fit_window(const Image<float>& linear, const BoardTemplate& t, const PixelBox& window,
-                                    const Eigen::Vector2d& centre_squares, double half_squares) {
+std::optional<CornerFit> fit_window(const Image<float>& linear, const BoardTemplate& t,
+                                    const PixelBox& window, const Eigen::Vector2d& centre_squares,
+                                    double half_squares) {
   Eigen::Matrix4d ata = Eigen::Matrix4d::Zero();
   Eigen::Vector4d atb = Eigen::Vector4d::Zero();
   double bb = 0;
@@ -49,17 +49,19 @@ std::optional<CornerFit> fit_window(const Image<float>& linear, const BoardTempl
 
 }  // namespace
 
-std::vector<CornerFit> fit_corners(const Image<float>& linear, const SeedBoard& board, const Camera& camera,
-                                   const Eigen::Matrix3d& normalized_from_board, const BoardTemplate& t,
-                                   double window_squares) {
+std::vector<CornerFit> fit_corners(const Image<float>& linear, const SeedBoard& board,
+                                   const Camera& camera,
+                                   const Eigen::Matrix3d& normalized_from_board,
+                                   const BoardTemplate& t, double window_squares) {
   std::vector<CornerFit> fits;
   for (int row = 0; row < board.squares - 1; ++row) {
     for (int column = 0; column < board.squares - 1; ++column) {
       if (!corner_exists(board, column, row)) continue;
       const Eigen::Vector3d corner = corner_in_world_m(board, column, row);
       const auto seen = [&](double du, double dv) {
-        return project(camera, normalized_from_board * Eigen::Vector3d(corner.x() + du * board.square_m,
-                                                                       corner.y() + dv * board.square_m, 1));
+        return project(
+            camera, normalized_from_board * Eigen::Vector3d(corner.x() + du * board.square_m,
+                                                            corner.y() + dv * board.square_m, 1));
       };
       // Box around the window; a window that reaches the image's border is not used.
       const std::optional<Eigen::Vector2d> centre = seen(0, 0);
@@ -75,7 +77,8 @@ std::vector<CornerFit> fit_corners(const Image<float>& linear, const SeedBoard& 
           y0 = std::min(y0, p->y()), y1 = std::max(y1, p->y());
         }
       }
-      PixelBox window{static_cast<int>(std::floor(x0)) - t.box.x, static_cast<int>(std::floor(y0)) - t.box.y, 0, 0};
+      PixelBox window{static_cast<int>(std::floor(x0)) - t.box.x,
+                      static_cast<int>(std::floor(y0)) - t.box.y, 0, 0};
       window.width = static_cast<int>(std::ceil(x1)) - t.box.x - window.x + 1;
       window.height = static_cast<int>(std::ceil(y1)) - t.box.y - window.y + 1;
       inside = inside && window.x >= 1 && window.y >= 1 && window.x + window.width < t.box.width &&
@@ -94,22 +97,25 @@ std::vector<CornerFit> fit_corners(const Image<float>& linear, const SeedBoard& 
   return fits;
 }
 
-double refined_blur_px(const Image<float>& linear, const BoardTemplate& t, const std::vector<CornerFit>& fits,
-                       double window_squares, double blur_px) {
+double refined_blur_px(const Image<float>& linear, const BoardTemplate& t,
+                       const std::vector<CornerFit>& fits, double window_squares, double blur_px) {
   constexpr double kLeast = 0.25, kMost = 3.0;
   const auto half = static_cast<float>(window_squares);
   double along = 0, squares = 0;
   for (const CornerFit& fit : fits) {
-    const Eigen::Vector2f centre(static_cast<float>(fit.column + 1), static_cast<float>(fit.row + 1));
+    const Eigen::Vector2f centre(static_cast<float>(fit.column + 1),
+                                 static_cast<float>(fit.row + 1));
     const PixelBox& w = fit.window;
     for (int y = w.y; y < w.y + w.height; ++y) {
       for (int x = w.x; x < w.x + w.width; ++x) {
         const Eigen::Vector2f d = t.in_squares(x, y) - centre;
         if (!(d.cwiseAbs().maxCoeff() < half)) continue;
-        const double half_laplacian = 0.5 * (t.white(x + 1, y) + t.white(x - 1, y) + t.white(x, y + 1) +
-                                             t.white(x, y - 1) - 4 * t.white(x, y));
+        const double half_laplacian =
+            0.5 * (t.white(x + 1, y) + t.white(x - 1, y) + t.white(x, y + 1) + t.white(x, y - 1) -
+                   4 * t.white(x, y));
         const double shifted = t.white(x, y) - fit.shift_px.dot(gradient(t, x, y).cast<double>());
-        const double left = (linear(t.box.x + x, t.box.y + y) - fit.offset) / fit.contrast - shifted;
+        const double left =
+            (linear(t.box.x + x, t.box.y + y) - fit.offset) / fit.contrast - shifted;
         along += left * half_laplacian;
         squares += half_laplacian * half_laplacian;
       }

@@ -18,7 +18,8 @@ void check_limits(const Fields& fields) {
     }
     if (std::isfinite(value) && value >= field.min && value <= field.max) continue;
     std::ostringstream text;
-    text << field.key << " = " << value << " is not within [" << field.min << ", " << field.max << "]";
+    text << field.key << " = " << value << " is not within [" << field.min << ", " << field.max
+         << "]";
     throw std::invalid_argument(text.str());
   }
 }

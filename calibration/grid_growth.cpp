@@ -1,15 +1,14 @@
 #include "calibration/grid_growth.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
-
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <opencv2/imgproc.hpp>
 
 namespace cousin {
 namespace {
@@ -20,7 +19,9 @@ constexpr int kBucketPx = 8;
 class SaddleIndex {
  public:
   SaddleIndex(const std::vector<Saddle>& saddles, int width, int height)
-      : saddles_(saddles), columns_(width / kBucketPx + 1), rows_(height / kBucketPx + 1),
+      : saddles_(saddles),
+        columns_(width / kBucketPx + 1),
+        rows_(height / kBucketPx + 1),
         buckets_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
     for (std::size_t i = 0; i < saddles.size(); ++i) {
       const int c = bucket(saddles[i].pixel_px.x(), columns_);
@@ -33,7 +34,8 @@ class SaddleIndex {
   template <class Visit>
   void near(const Eigen::Vector2d& centre, double radius, const Visit& visit) const {
     if (!centre.allFinite()) return;
-    const int c0 = bucket(centre.x() - radius, columns_), c1 = bucket(centre.x() + radius, columns_);
+    const int c0 = bucket(centre.x() - radius, columns_),
+              c1 = bucket(centre.x() + radius, columns_);
     const int r0 = bucket(centre.y() - radius, rows_), r1 = bucket(centre.y() + radius, rows_);
     for (int r = r0; r <= r1; ++r) {
       for (int c = c0; c <= c1; ++c) {
@@ -53,9 +55,10 @@ class SaddleIndex {
   std::vector<std::vector<int>> buckets_;
 };
 
-/// +1 for corners of the same kind, -1 for neighbours: one square on, a checkerboard is its own negative, however it
-/// is foreshortened and blurred. (The directions in which the Hessian vanishes are no such invariant: blur takes more
-/// of the finer of the board's two diagonal waves, and turns them.)
+/// +1 for corners of the same kind, -1 for neighbours: one square on, a checkerboard is its own
+/// negative, however it is foreshortened and blurred. (The directions in which the Hessian vanishes
+/// are no such invariant: blur takes more of the finer of the board's two diagonal waves, and turns
+/// them.)
 double likeness(const Saddle& a, const Saddle& b) {
   return a.hessian.cwiseProduct(b.hessian).sum() / (a.hessian.norm() * b.hessian.norm());
 }
@@ -68,18 +71,21 @@ float bilinear(const Image<float>& image, const Eigen::Vector2d& at) {
          v * ((1 - u) * image(x, y + 1) + u * image(x + 1, y + 1));
 }
 
-/// How far the image strays from one value on the way between two corners, over its spread beside the way: small
-/// along an edge of a square, about one across squares.
-double straying(const Image<float>& image, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double spread) {
+/// How far the image strays from one value on the way between two corners, over its spread beside
+/// the way: small along an edge of a square, about one across squares.
+double straying(const Image<float>& image, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                double spread) {
   const float level = 0.5F * (bilinear(image, from) + bilinear(image, to));
   double sum = 0;
   constexpr std::array<double, 6> kPlaces = {0.15, 0.28, 0.41, 0.59, 0.72, 0.85};
-  for (const double t : kPlaces) sum += std::pow(bilinear(image, from + t * (to - from)) - level, 2);
+  for (const double t : kPlaces)
+    sum += std::pow(bilinear(image, from + t * (to - from)) - level, 2);
   return std::sqrt(sum / kPlaces.size()) / spread;
 }
 
 double spread_around(const Image<float>& image, const Eigen::Vector2d& centre, int radius) {
-  const int cx = static_cast<int>(std::lround(centre.x())), cy = static_cast<int>(std::lround(centre.y()));
+  const int cx = static_cast<int>(std::lround(centre.x())),
+            cy = static_cast<int>(std::lround(centre.y()));
   double n = 0, sum = 0, squares = 0;
   for (int y = cy - radius; y <= cy + radius; ++y) {
     for (int x = cx - radius; x <= cx + radius; ++x) {
@@ -94,7 +100,8 @@ double spread_around(const Image<float>& image, const Eigen::Vector2d& centre, i
 class Lattice {
  public:
   explicit Lattice(int max_extent)
-      : max_extent_(max_extent), side_(2 * max_extent + 1),
+      : max_extent_(max_extent),
+        side_(2 * max_extent + 1),
         cells_(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_), -1) {}
 
   int at(int column, int row) const {
@@ -129,7 +136,8 @@ struct LocalAffine {
 };
 
 /// Affine map fitted to the known corners within two steps of a place.
-std::optional<LocalAffine> local_affine(const Lattice& lattice, const SaddleIndex& saddles, int column, int row) {
+std::optional<LocalAffine> local_affine(const Lattice& lattice, const SaddleIndex& saddles,
+                                        int column, int row) {
   Eigen::Matrix3d ata = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 2> atb = Eigen::Matrix<double, 3, 2>::Zero();
   for (int dr = -2; dr <= 2; ++dr) {
@@ -152,8 +160,8 @@ std::optional<LocalAffine> local_affine(const Lattice& lattice, const SaddleInde
 }
 
 /// The free saddle nearest to a predicted place, of the expected kind and within 0.3 of a step.
-int match(const SaddleIndex& saddles, const std::vector<std::uint8_t>& taken, const LocalAffine& affine,
-          const Saddle& seed, double sign) {
+int match(const SaddleIndex& saddles, const std::vector<std::uint8_t>& taken,
+          const LocalAffine& affine, const Saddle& seed, double sign) {
   constexpr double kTolerance = 0.3, kLikeness = 0.3;
   if (std::abs(affine.steps.determinant()) < 0.5) return -1;
   const Eigen::Matrix2d inverse = affine.steps.inverse();
@@ -171,7 +179,8 @@ int match(const SaddleIndex& saddles, const std::vector<std::uint8_t>& taken, co
 }
 
 /// Saddles of the other kind that an edge joins to the seed, nearest first.
-std::vector<int> edge_neighbours(const Image<float>& image, const SaddleIndex& saddles, int seed, double reach_px) {
+std::vector<int> edge_neighbours(const Image<float>& image, const SaddleIndex& saddles, int seed,
+                                 double reach_px) {
   constexpr std::size_t kMost = 48;
   constexpr double kLikeness = -0.6, kStraying = 0.35;
   const Eigen::Vector2d at = saddles[seed].pixel_px;
@@ -191,8 +200,8 @@ std::vector<int> edge_neighbours(const Image<float>& image, const SaddleIndex& s
 }
 
 /// Four corners of a cell at saddle `seed`, or false.
-bool seed_cell(const Image<float>& image, const SaddleIndex& saddles, std::vector<std::uint8_t>& taken, int seed,
-               double reach_px, Lattice& lattice) {
+bool seed_cell(const Image<float>& image, const SaddleIndex& saddles,
+               std::vector<std::uint8_t>& taken, int seed, double reach_px, Lattice& lattice) {
   constexpr double kSine = 0.12;  // least between the two edges of a cell
   const std::vector<int> ends = edge_neighbours(image, saddles, seed, reach_px);
   const Eigen::Vector2d at = saddles[seed].pixel_px;
@@ -204,7 +213,8 @@ bool seed_cell(const Image<float>& image, const SaddleIndex& saddles, std::vecto
       if (std::abs(cross) < kSine * u.norm() * v.norm()) continue;
       if (++tried > 6) return false;
       int right = ends[a], up = ends[b];
-      // Right-handed as seen from the printed side: in the image, whose y points down, the turn is negative.
+      // Right-handed as seen from the printed side: in the image, whose y points down, the turn is
+      // negative.
       if (cross > 0) std::swap(u, v), std::swap(right, up);
       LocalAffine affine;
       affine.steps << u, v;
@@ -254,7 +264,8 @@ std::vector<Saddle> find_saddles(const Image<float>& image, double smoothing_px,
   const cv::Mat source(height, width, CV_32F, const_cast<float*>(image.data()));
   cv::Mat f;
   const int size = 2 * static_cast<int>(std::ceil(3 * smoothing_px)) + 1;
-  cv::GaussianBlur(source, f, cv::Size(size, size), smoothing_px, smoothing_px, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(source, f, cv::Size(size, size), smoothing_px, smoothing_px,
+                   cv::BORDER_REPLICATE);
   cv::Mat response(height, width, CV_32F, cv::Scalar(0));
   const auto second = [&](int x, int y) {
     const float* up = f.ptr<float>(y - 1) + x;
@@ -296,8 +307,8 @@ std::vector<Saddle> find_saddles(const Image<float>& image, double smoothing_px,
   return saddles;
 }
 
-std::vector<LatticeCorner> grow_lattice(const Image<float>& image, const std::vector<Saddle>& saddles,
-                                        int max_extent) {
+std::vector<LatticeCorner> grow_lattice(const Image<float>& image,
+                                        const std::vector<Saddle>& saddles, int max_extent) {
   constexpr int kMaxTries = 200;
   const SaddleIndex index(saddles, image.width(), image.height());
   const double reach_px = 0.06 * image.width();
@@ -305,7 +316,8 @@ std::vector<LatticeCorner> grow_lattice(const Image<float>& image, const std::ve
   std::vector<std::uint8_t> tried(saddles.size(), 0);
   std::vector<LatticeCorner> best;
   int tries = 0;
-  for (std::size_t seed = 0; seed < saddles.size() && tries < kMaxTries && best.size() < enough; ++seed) {
+  for (std::size_t seed = 0; seed < saddles.size() && tries < kMaxTries && best.size() < enough;
+       ++seed) {
     if (tried[seed] != 0) continue;
     ++tries;
     Lattice lattice(max_extent);
@@ -322,7 +334,8 @@ std::vector<LatticeCorner> grow_lattice(const Image<float>& image, const std::ve
     best.clear();
     for (const auto& [column, row] : lattice.places()) {
       const Saddle& s = index[lattice.at(column, row)];
-      // The image is convex towards the brighter squares: a negative mixed derivative means dark ahead.
+      // The image is convex towards the brighter squares: a negative mixed derivative means dark
+      // ahead.
       const bool dark = ((column + row) % 2 == 0 ? seed_mixed : -seed_mixed) < 0;
       best.push_back({column, row, s.pixel_px, dark});
     }

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
+#include <vector>
 
 #include "sim/types/image.h"
 
@@ -11,15 +10,16 @@ namespace cousin {
 /// A point where the image is a saddle, as it is where four squares of a checkerboard meet.
 struct Saddle {
   Eigen::Vector2d pixel_px;
-  double strength = 0;       ///< sqrt(-det) of the Hessian
-  Eigen::Matrix2d hessian;   ///< of the smoothed image, per px^2
+  double strength = 0;      ///< sqrt(-det) of the Hessian
+  Eigen::Matrix2d hessian;  ///< of the smoothed image, per px^2
 };
 
-/// Saddles of an image smoothed by a Gaussian of `smoothing_px`, with strength above `minimum`, strongest first.
+/// Saddles of an image smoothed by a Gaussian of `smoothing_px`, with strength above `minimum`,
+/// strongest first.
 std::vector<Saddle> find_saddles(const Image<float>& image, double smoothing_px, double minimum);
 
-/// A saddle with its place in a checkerboard lattice whose origin is arbitrary. Seen from the printed side, the
-/// second axis is 90 degrees counter-clockwise of the first.
+/// A saddle with its place in a checkerboard lattice whose origin is arbitrary. Seen from the
+/// printed side, the second axis is 90 degrees counter-clockwise of the first.
 struct LatticeCorner {
   int column = 0;
   int row = 0;
@@ -27,12 +27,13 @@ struct LatticeCorner {
   bool dark_ahead = false;  ///< the square between the two positive axes is the darker kind
 };
 
-/// The largest lattice that grows from any of the saddles: from a cell of four corners outward, each new corner
-/// predicted from the known ones within two steps and accepted where a saddle of the expected kind lies. Cells start
-/// where the image is level along two of its sides, as it is along the edges of squares and nowhere else.
+/// The largest lattice that grows from any of the saddles: from a cell of four corners outward,
+/// each new corner predicted from the known ones within two steps and accepted where a saddle of
+/// the expected kind lies. Cells start where the image is level along two of its sides, as it is
+/// along the edges of squares and nowhere else.
 /// @param image  that the saddles are of
 /// At most `max_extent` corners along an axis. Empty if no cell is found.
-std::vector<LatticeCorner> grow_lattice(const Image<float>& image, const std::vector<Saddle>& saddles,
-                                        int max_extent);
+std::vector<LatticeCorner> grow_lattice(const Image<float>& image,
+                                        const std::vector<Saddle>& saddles, int max_extent);
 
 }  // namespace cousin

@@ -1,11 +1,10 @@
 #include "calibration/homography.h"
 
-#include <cmath>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <cmath>
 
 namespace cousin {
 namespace {
@@ -26,8 +25,8 @@ Eigen::Matrix3d normalizer(const std::vector<PlanePoint>& points, const Get& get
 }
 
 /// Least-squares homography between normalised coordinates; false if the points do not fix it.
-bool linear_fit(const std::vector<PlanePoint>& points, const Eigen::Matrix3d& from, const Eigen::Matrix3d& to,
-                Eigen::Matrix3d& result) {
+bool linear_fit(const std::vector<PlanePoint>& points, const Eigen::Matrix3d& from,
+                const Eigen::Matrix3d& to, Eigen::Matrix3d& result) {
   Eigen::Matrix<double, 9, 9> ata = Eigen::Matrix<double, 9, 9>::Zero();
   for (const PlanePoint& p : points) {
     const Eigen::Vector3d x = from * p.in_plane.homogeneous();
@@ -96,7 +95,8 @@ HomographyFit fit_homography(const std::vector<PlanePoint>& points, double huber
   if (positive < 0) fit.normalized_from_plane *= -1;
   fit.ok = fit.normalized_from_plane.allFinite();
   for (const PlanePoint& p : points) {
-    fit.residual.push_back((transfer(fit.normalized_from_plane, p.in_plane) - p.normalized).norm() / p.sigma);
+    fit.residual.push_back((transfer(fit.normalized_from_plane, p.in_plane) - p.normalized).norm() /
+                           p.sigma);
   }
   return fit;
 }

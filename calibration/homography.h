@@ -1,8 +1,7 @@
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
+#include <vector>
 
 namespace cousin {
 
@@ -19,8 +18,9 @@ struct HomographyFit {
   std::vector<double> residual;  ///< distance of each point from its prediction, over its sigma
 };
 
-/// Homography by the normalised linear method [Hartley, TPAMI 1997], then Gauss-Newton on the distances with Huber
-/// weights at `huber` sigmas. The scale is such that the third coordinate is positive at the points.
+/// Homography by the normalised linear method [Hartley, TPAMI 1997], then Gauss-Newton on the
+/// distances with Huber weights at `huber` sigmas. The scale is such that the third coordinate is
+/// positive at the points.
 HomographyFit fit_homography(const std::vector<PlanePoint>& points, double huber = 2.5);
 
 /// The image of a plane point.

@@ -4,14 +4,16 @@
 
 namespace cousin {
 
-Eigen::Matrix<double, 2, Eigen::Dynamic> d_pixel_d_distortion(const Camera& camera, const Eigen::Vector3d& point) {
+Eigen::Matrix<double, 2, Eigen::Dynamic> d_pixel_d_distortion(const Camera& camera,
+                                                              const Eigen::Vector3d& point) {
   const int count = distortion_count(camera.model);
   Eigen::Matrix<double, 2, Eigen::Dynamic> j(2, count);
   const auto& k = camera.distortion;
   if (camera.model == LensModel::kannala_brandt4) {
     const double r = point.head<2>().norm();
     const double theta = std::atan2(r, point.z());
-    const Eigen::Vector2d direction = r > 0 ? Eigen::Vector2d(point.head<2>() / r) : Eigen::Vector2d::Zero();
+    const Eigen::Vector2d direction =
+        r > 0 ? Eigen::Vector2d(point.head<2>() / r) : Eigen::Vector2d::Zero();
     double power = theta * theta * theta;
     for (int i = 0; i < count; ++i, power *= theta * theta) j.col(i) = power * direction;
   } else if (count > 0) {

@@ -1,11 +1,10 @@
 #include "calibration/planar_pose.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <optional>
-
-#include <Eigen/Cholesky>
-#include <Eigen/SVD>
 
 #include "calibration/homography.h"
 
@@ -27,7 +26,8 @@ System linearize(const Camera& camera, const std::vector<BoardPoint>& points, co
   System system;
   for (const BoardPoint& p : points) {
     const Eigen::Vector3d turned = pose.rotation * p.in_board_m;
-    const std::optional<Projection> seen = project_with_jacobian(camera, turned + pose.translation_m);
+    const std::optional<Projection> seen =
+        project_with_jacobian(camera, turned + pose.translation_m);
     if (!seen) {
       system.cost = kHopeless;
       return system;
@@ -85,7 +85,8 @@ Refined refine(const Camera& camera, const std::vector<BoardPoint>& points, cons
 }
 
 Pose pose_of(const Eigen::Matrix3d& normalized_from_board) {
-  const double scale = std::sqrt(normalized_from_board.col(0).norm() * normalized_from_board.col(1).norm());
+  const double scale =
+      std::sqrt(normalized_from_board.col(0).norm() * normalized_from_board.col(1).norm());
   Eigen::Matrix3d m = normalized_from_board / scale;
   const Eigen::Vector3d translation = m.col(2);
   m.col(2) = m.col(0).cross(m.col(1));
@@ -100,7 +101,8 @@ Pose mirrored(const Pose& pose) {
   const Eigen::Vector3d sight = pose.translation_m.normalized();
   const Eigen::Vector3d normal = pose.rotation * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d mirror = 2 * normal.dot(sight) * sight - normal;
-  return {(Eigen::Quaterniond::FromTwoVectors(normal, mirror) * pose.rotation).normalized(), pose.translation_m};
+  return {(Eigen::Quaterniond::FromTwoVectors(normal, mirror) * pose.rotation).normalized(),
+          pose.translation_m};
 }
 
 }  // namespace
@@ -129,7 +131,8 @@ PlanarPose estimate_planar_pose(const Camera& camera, const std::vector<BoardPoi
   if (!fit.ok) return result;
   const Pose start = pose_of(fit.normalized_from_plane);
   Refined best = refine(camera, points, start);
-  const Refined other = refine(camera, points, mirrored(best.system.cost < kHopeless ? best.pose : start));
+  const Refined other =
+      refine(camera, points, mirrored(best.system.cost < kHopeless ? best.pose : start));
   if (other.system.cost < best.system.cost) best = other;
   result.ok = best.converged && best.system.cost < kHopeless;
   result.camera_from_board = best.pose;

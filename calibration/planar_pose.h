@@ -1,8 +1,7 @@
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
+#include <vector>
 
 #include "sim/types/camera.h"
 #include "sim/types/pose.h"
@@ -26,9 +25,10 @@ struct PlanarPose {
 Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& rotation_vector);
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 
-/// Pose of a plane through a known lens: homography, then Levenberg-Marquardt on pixels with Huber weights, from the
-/// homography's pose and from its mirror about the line of sight (the second minimum of nearly frontal or distant
-/// planes [Collins & Bartoli, IJCV 2014]); the better one is returned.
+/// Pose of a plane through a known lens: homography, then Levenberg-Marquardt on pixels with Huber
+/// weights, from the homography's pose and from its mirror about the line of sight (the second
+/// minimum of nearly frontal or distant planes [Collins & Bartoli, IJCV 2014]); the better one is
+/// returned.
 PlanarPose estimate_planar_pose(const Camera& camera, const std::vector<BoardPoint>& points);
 
 }  // namespace cousin

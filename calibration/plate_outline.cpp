@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-
 #include <opencv2/imgproc.hpp>
 
 namespace cousin {
@@ -25,14 +24,15 @@ cv::Mat not_green(const Image<Rgb8>& color) {
   return mask;
 }
 
-/// The largest region's outline as four corners, clockwise in the image; empty if it has not four sides.
+/// The largest region's outline as four corners, clockwise in the image; empty if it has not four
+/// sides.
 std::vector<cv::Point2f> plate_quad(const cv::Mat& mask) {
   constexpr double kMinArea = 400;  // px^2
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(mask, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-  const auto largest = std::max_element(outlines.begin(), outlines.end(), [](const auto& a, const auto& b) {
-    return cv::contourArea(a) < cv::contourArea(b);
-  });
+  const auto largest = std::max_element(
+      outlines.begin(), outlines.end(),
+      [](const auto& a, const auto& b) { return cv::contourArea(a) < cv::contourArea(b); });
   if (largest == outlines.end() || cv::contourArea(*largest) < kMinArea) return {};
   std::vector<cv::Point> hull, quad;
   cv::convexHull(*largest, hull, true);
@@ -47,11 +47,14 @@ std::vector<cv::Point2f> plate_quad(const cv::Mat& mask) {
 
 }  // namespace
 
-std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color, const Image<float>& perceptual,
-                                                    const SeedBoard& board, double smoothing_px, double contrast) {
+std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color,
+                                                    const Image<float>& perceptual,
+                                                    const SeedBoard& board, double smoothing_px,
+                                                    double contrast) {
   std::vector<cv::Point2f> quad = plate_quad(not_green(color));
   if (quad.empty()) return {};
-  // Clockwise on both sides, so that the warp does not mirror the print. The signed area says which way round.
+  // Clockwise on both sides, so that the warp does not mirror the print. The signed area says which
+  // way round.
   double area = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     const cv::Point2f a = quad[i], b = quad[(i + 1) % 4];
@@ -64,7 +67,8 @@ std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color, co
   const cv::Mat upright_from_image = cv::getPerspectiveTransform(quad, upright);
   Image<float> warped(side, side);
   cv::Mat to(side, side, CV_32F, warped.data());
-  cv::warpPerspective(cv::Mat(perceptual.height(), perceptual.width(), CV_32F, const_cast<float*>(perceptual.data())),
+  cv::warpPerspective(cv::Mat(perceptual.height(), perceptual.width(), CV_32F,
+                              const_cast<float*>(perceptual.data())),
                       to, upright_from_image, to.size(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
   std::vector<LatticeCorner> lattice =
       grow_lattice(warped, find_saddles(warped, smoothing_px, contrast), board.squares - 1);

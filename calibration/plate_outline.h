@@ -8,12 +8,15 @@
 
 namespace cousin {
 
-/// The corner lattice sought in the plate turned upright: for views so low that squares are two pixels high. The plate
-/// is the largest thing in the image that is not green; four straight sides are fitted to its outline and the image is
-/// warped so that squares come out square, in which `find_saddles` and `grow_lattice` work as in a view from above.
+/// The corner lattice sought in the plate turned upright: for views so low that squares are two
+/// pixels high. The plate is the largest thing in the image that is not green; four straight sides
+/// are fitted to its outline and the image is warped so that squares come out square, in which
+/// `find_saddles` and `grow_lattice` work as in a view from above.
 /// @param perceptual  the image in which saddles are sought, same size as `color`
 /// @return corners in pixels of the image; empty where no four-sided plate stands on green
-std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color, const Image<float>& perceptual,
-                                                    const SeedBoard& board, double smoothing_px, double contrast);
+std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color,
+                                                    const Image<float>& perceptual,
+                                                    const SeedBoard& board, double smoothing_px,
+                                                    double contrast);
 
 }  // namespace cousin

@@ -18,7 +18,8 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-ScoreFile finish(ScoreFile file, const JobContext& context, const fs::path& out, const std::string& title) {
+ScoreFile finish(ScoreFile file, const JobContext& context, const fs::path& out,
+                 const std::string& title) {
   file.header.program_version = COUSIN_VERSION;
   file.header.machine = machine_text();
   file.header.more["command"] = context.command_line;
@@ -28,7 +29,8 @@ ScoreFile finish(ScoreFile file, const JobContext& context, const fs::path& out,
   report.command_line = context.command_line;
   report.scores = file;
   write_report(out / "report.html", report);
-  context.progress.line("scores: " + (out / "scores.csv").string() + ", report: " + (out / "report.html").string());
+  context.progress.line("scores: " + (out / "scores.csv").string() +
+                        ", report: " + (out / "report.html").string());
   return file;
 }
 
@@ -39,11 +41,12 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   config.quick = o.quick;
   config.attribution = o.attribution;
   config.sets = o.sets;
-  const auto results = run_shards(out / "shards", seeds_suite_jobs(config, context.progress.function()),
-                                  parse_shard(o.shard), [&](const std::string& name, int done, int total) {
-                                    context.progress.line("job " + std::to_string(done + 1) + " of " +
-                                                          std::to_string(total) + ": " + name);
-                                  });
+  const auto results =
+      run_shards(out / "shards", seeds_suite_jobs(config, context.progress.function()),
+                 parse_shard(o.shard), [&](const std::string& name, int done, int total) {
+                   context.progress.line("job " + std::to_string(done + 1) + " of " +
+                                         std::to_string(total) + ": " + name);
+                 });
   for (const ShardResult& result : results) {
     if (!result.error.empty()) context.progress.line(result.name + " failed: " + result.error);
   }
@@ -56,26 +59,30 @@ ScoreFile bench_stability(const JobContext& context, const fs::path& out) {
 }
 
 ScoreFile bench_render(const JobContext& context, const fs::path& out) {
-  return finish(render_suite(context.options.seed, context.options.sets, context.options.quick, context.progress.function()),
+  return finish(render_suite(context.options.seed, context.options.sets, context.options.quick,
+                             context.progress.function()),
                 context, out, "Cousin: bench render");
 }
 
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
-  return finish(real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function()), context, out,
-                "Cousin: bench real");
+  return finish(
+      real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function()),
+      context, out, "Cousin: bench real");
 }
 
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
 };
-constexpr std::array<Suite, 4> kSuites = {
-    {{"stability", bench_stability}, {"render", bench_render}, {"seeds", bench_seeds}, {"real", bench_real}}};
+constexpr std::array<Suite, 4> kSuites = {{{"stability", bench_stability},
+                                           {"render", bench_render},
+                                           {"seeds", bench_seeds},
+                                           {"real", bench_real}}};
 
 void print_rows(const ScoreFile& file) {
   for (const ScoreRow& row : file.scores) {
-    std::printf("%-9s %-44s %-38s %14.6g %-6s", std::string(to_string(row.status)).c_str(), row.case_name.c_str(),
-                row.metric.c_str(), row.value, row.unit.c_str());
+    std::printf("%-9s %-44s %-38s %14.6g %-6s", std::string(to_string(row.status)).c_str(),
+                row.case_name.c_str(), row.metric.c_str(), row.value, row.unit.c_str());
     if (row.ci_low == row.ci_low) std::printf(" [%.6g, %.6g]", row.ci_low, row.ci_high);
     std::printf("\n");
   }
@@ -91,15 +98,18 @@ ExitCode command_bench(const JobContext& context) {
   }
   std::vector<const Suite*> wanted;
   for (const std::string& name : names) {
-    const auto suite = std::find_if(kSuites.begin(), kSuites.end(), [&](const Suite& s) { return name == s.name; });
+    const auto suite = std::find_if(kSuites.begin(), kSuites.end(),
+                                    [&](const Suite& s) { return name == s.name; });
     if (suite == kSuites.end()) {
-      throw std::invalid_argument("suite \"" + name + "\" is not one of stability, render, seeds, real");
+      throw std::invalid_argument("suite \"" + name +
+                                  "\" is not one of stability, render, seeds, real");
     }
     wanted.push_back(&*suite);
   }
   bool failed = false;
   for (const Suite* suite : wanted) {
-    const fs::path out = (o.out.empty() ? fs::path("out") / "bench" : fs::path(o.out)) / suite->name;
+    const fs::path out =
+        (o.out.empty() ? fs::path("out") / "bench" : fs::path(o.out)) / suite->name;
     const ScoreFile file = suite->run(context, out);
     if (o.json) {
       std::printf("%s", to_json(file).c_str());
@@ -122,7 +132,8 @@ ExitCode command_report(const JobContext& context) {
   report.title = "Cousin: " + folder.filename().string();
   const auto command = report.scores.header.more.find("command");
   if (command != report.scores.header.more.end()) report.command_line = command->second;
-  const fs::path file = context.options.out.empty() ? folder / "report.html" : fs::path(context.options.out) / "report.html";
+  const fs::path file = context.options.out.empty() ? folder / "report.html"
+                                                    : fs::path(context.options.out) / "report.html";
   write_report(file, report);
   context.progress.line("report: " + file.string());
   return ExitCode::done;

@@ -2,9 +2,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <stdexcept>
-
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/seeds/simulate.h"
@@ -22,13 +21,15 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-/// The dataset's folder belongs to one configuration: a marker file says which until the manifest does.
+/// The dataset's folder belongs to one configuration: a marker file says which until the manifest
+/// does.
 constexpr const char* kPartial = "partial.json";
 
 void claim_folder(const fs::path& dataset, const std::string& hash) {
   const fs::path marker = dataset / kPartial;
   const auto mismatch = [&](const fs::path& file) {
-    throw std::invalid_argument(file.string() + " belongs to another configuration or seed; choose another --out");
+    throw std::invalid_argument(file.string() +
+                                " belongs to another configuration or seed; choose another --out");
   };
   if (fs::exists(marker)) {
     if (nlohmann::json::parse(read_file(marker)).value("config_hash", "") != hash) mismatch(marker);
@@ -61,7 +62,8 @@ void render_frames(const SeedsSimulation& simulation, const fs::path& scene_dir,
   }
 }
 
-/// Index and truth of a scene: both are pure functions of configuration and seed, whichever shard rendered the images.
+/// Index and truth of a scene: both are pure functions of configuration and seed, whichever shard
+/// rendered the images.
 void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir) {
   Capture capture = simulation.capture_header();
   SceneTruth truth = simulation.scene_truth();
@@ -153,12 +155,14 @@ ExitCode command_import(const JobContext& context) {
   } else if (o.format == "folder") {
     capture = import_folder(source, o.intrinsics);
   } else {
-    throw std::invalid_argument("--format \"" + o.format + "\" is not one of nerfstudio, phenomenal, folder");
+    throw std::invalid_argument("--format \"" + o.format +
+                                "\" is not one of nerfstudio, phenomenal, folder");
   }
   for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
   const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
   write_capture(dataset / scene_id(0), capture);
-  context.progress.line("dataset: " + dataset.string() + ", " + std::to_string(capture.frames.size()) + " frames, " +
+  context.progress.line("dataset: " + dataset.string() + ", " +
+                        std::to_string(capture.frames.size()) + " frames, " +
                         std::to_string(capture.warnings.size()) + " warnings");
   return ExitCode::done;
 }
@@ -168,8 +172,10 @@ ExitCode command_verify(const JobContext& context) {
   const std::vector<VerifyProblem> problems = verify(dataset);
   if (context.options.json) {
     nlohmann::json rows = nlohmann::json::array();
-    for (const VerifyProblem& problem : problems) rows.push_back({{"path", problem.path}, {"what", problem.what}});
-    std::printf("%s\n", nlohmann::json{{"dataset", dataset.string()}, {"problems", rows}}.dump(2).c_str());
+    for (const VerifyProblem& problem : problems)
+      rows.push_back({{"path", problem.path}, {"what", problem.what}});
+    std::printf("%s\n",
+                nlohmann::json{{"dataset", dataset.string()}, {"problems", rows}}.dump(2).c_str());
   } else {
     for (const VerifyProblem& problem : problems) {
       std::printf("%s: %s\n", problem.path.c_str(), problem.what.c_str());

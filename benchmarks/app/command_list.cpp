@@ -2,11 +2,10 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/report/javascript_libraries.h"
@@ -25,7 +24,8 @@ struct Entry {
 void print(const std::vector<Entry>& entries, bool json) {
   if (json) {
     nlohmann::json rows = nlohmann::json::array();
-    for (const Entry& e : entries) rows.push_back({{"name", e.name}, {"status", e.status}, {"help", e.help}});
+    for (const Entry& e : entries)
+      rows.push_back({{"name", e.name}, {"status", e.status}, {"help", e.help}});
     std::printf("%s\n", rows.dump(2).c_str());
     return;
   }
@@ -42,9 +42,11 @@ std::string built(bool is_built, const char* option) {
 
 ExitCode command_scenes(const JobContext& context) {
   std::string cultivars;
-  for (const std::string& name : cultivar_names()) cultivars += (cultivars.empty() ? "" : ", ") + name;
+  for (const std::string& name : cultivar_names())
+    cultivars += (cultivars.empty() ? "" : ", ") + name;
   print({{"seeds", built(COUSIN_WITH_MUJOCO, "WITH_MUJOCO"),
-          "ten seeds dropped on a calibration board before a green screen, three camera rings (" + cultivars + ")"}},
+          "ten seeds dropped on a calibration board before a green screen, three camera rings (" +
+              cultivars + ")"}},
         context.options.json);
   return ExitCode::done;
 }
@@ -63,9 +65,11 @@ ExitCode command_rigs(const JobContext& context) {
 
 ExitCode command_methods(const JobContext& context) {
   print({{"seeds/ours", built(COUSIN_WITH_CERES, "WITH_CERES"),
-          "board poses, plane sweep, sub-pixel outlines, closed surface per seed, minimum-volume box"},
+          "board poses, plane sweep, sub-pixel outlines, closed surface per seed, minimum-volume "
+          "box"},
          {"seeds/paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
-          "the paper's steps: outlier removal, voxel grid, RANSAC plane, clusters, PCA box, alpha shape"}},
+          "the paper's steps: outlier removal, voxel grid, RANSAC plane, clusters, PCA box, alpha "
+          "shape"}},
         context.options.json);
   return ExitCode::done;
 }
@@ -75,12 +79,15 @@ ExitCode command_doctor(const JobContext& context) {
   const JavascriptLibraries libraries = load_javascript_libraries({});
   const auto program = [](const char* path) { return fs::exists(path) ? "found" : "missing"; };
   std::vector<Entry> entries = {
-      {"threads", std::to_string(std::thread::hardware_concurrency()), "cores that this machine offers"},
-      {"mujoco", built(COUSIN_WITH_MUJOCO, "WITH_MUJOCO"), "physics: without it seeds cannot be dropped"},
+      {"threads", std::to_string(std::thread::hardware_concurrency()),
+       "cores that this machine offers"},
+      {"mujoco", built(COUSIN_WITH_MUJOCO, "WITH_MUJOCO"),
+       "physics: without it seeds cannot be dropped"},
       {"pcl", built(COUSIN_WITH_PCL, "WITH_PCL"), "the papers' point-cloud steps"},
       {"ceres", built(COUSIN_WITH_CERES, "WITH_CERES"), "refinement of board poses"},
       {"vega", libraries.vega.empty() ? "missing" : "found", "plots of the report (libjs-vega)"},
-      {"three.js", libraries.three.empty() ? "missing" : "found", "3D view of the report (libjs-three)"},
+      {"three.js", libraries.three.empty() ? "missing" : "found",
+       "3D view of the report (libjs-three)"},
       {"chromium", program("/usr/bin/chromium"), "the report's test"},
       {"real data", fs::is_directory(COUSIN_REAL_DATA) ? "found" : "missing",
        std::string("real captures at ") + COUSIN_REAL_DATA + " (CMake: COUSIN_REAL_DATA)"},

@@ -1,8 +1,7 @@
 #include <cstdio>
 #include <filesystem>
-#include <stdexcept>
-
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/seeds/perceive.h"
@@ -21,7 +20,8 @@ std::vector<fs::path> scenes_of(const fs::path& dataset) {
   std::vector<fs::path> scenes = scene_folders(dataset);
   if (scenes.empty() && fs::exists(dataset / "rig.json")) scenes.push_back(dataset);
   if (scenes.empty()) {
-    throw std::runtime_error(dataset.string() + ": holds no scene (000000/rig.json); see `cousin import`");
+    throw std::runtime_error(dataset.string() +
+                             ": holds no scene (000000/rig.json); see `cousin import`");
   }
   return scenes;
 }
@@ -32,8 +32,10 @@ std::string pipeline_of(const Options& options, const Capture& capture, const fs
     const auto manifest = read_manifest(dataset);
     name = manifest ? manifest->pipeline : capture.pipeline;
   }
-  if (name.empty()) throw std::invalid_argument("a real capture names no pipeline: give --pipeline seeds");
-  if (name != "seeds") throw std::invalid_argument("--pipeline \"" + name + "\" is not one of: seeds");
+  if (name.empty())
+    throw std::invalid_argument("a real capture names no pipeline: give --pipeline seeds");
+  if (name != "seeds")
+    throw std::invalid_argument("--pipeline \"" + name + "\" is not one of: seeds");
   return name;
 }
 
@@ -41,7 +43,8 @@ void print_traits(const std::string& scene, const Traits& traits, bool json) {
   nlohmann::json rows = nlohmann::json::array();
   for (const SpecimenTraits& specimen : traits) {
     if (!json) {
-      std::printf("%s seed %d: %s%s", scene.c_str(), specimen.instance, std::string(to_string(specimen.status)).c_str(),
+      std::printf("%s seed %d: %s%s", scene.c_str(), specimen.instance,
+                  std::string(to_string(specimen.status)).c_str(),
                   specimen.reason.empty() ? "" : (" (" + specimen.reason + ")").c_str());
     }
     nlohmann::json values;
@@ -69,7 +72,8 @@ ExitCode command_perceive(const JobContext& context) {
   if (!o.method.empty()) set_field(fields(config), "method=" + o.method);
   for (const std::string& assignment : o.sets) {
     constexpr std::string_view kPrefix = "pipeline.";
-    set_field(fields(config), assignment.starts_with(kPrefix) ? assignment.substr(kPrefix.size()) : assignment);
+    set_field(fields(config),
+              assignment.starts_with(kPrefix) ? assignment.substr(kPrefix.size()) : assignment);
   }
   if (o.keys) {
     std::printf("%s", describe(fields(config)).c_str());
@@ -84,17 +88,20 @@ ExitCode command_perceive(const JobContext& context) {
   for (const fs::path& scene_dir : scenes_of(dataset)) {
     const Capture capture = read_capture(scene_dir);
     pipeline_of(o, capture, dataset);
-    for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
+    for (const std::string& warning : capture.warnings)
+      context.progress.line("warning: " + warning);
     const std::string name = scene_dir.filename().string();
-    const int index = name.find_first_not_of("0123456789") == std::string::npos ? std::stoi(name) : 0;
+    const int index =
+        name.find_first_not_of("0123456789") == std::string::npos ? std::stoi(name) : 0;
     const fs::path estimate_dir = out / scene_id(index);
     write_file(estimate_dir / "config.toml", to_toml(fields(config)));
-    const SeedsEstimate estimate =
-        perceive_seeds(capture, config, o.seed, sources, index, estimate_dir, context.progress.function());
+    const SeedsEstimate estimate = perceive_seeds(capture, config, o.seed, sources, index,
+                                                  estimate_dir, context.progress.function());
     int posed = 0;
     for (const FramePose& pose : estimate.poses) posed += pose.status == PoseStatus::ok;
-    context.progress.line(name + ": " + std::to_string(posed) + " of " + std::to_string(capture.frames.size()) +
-                          " views posed, " + std::to_string(estimate.traits.size()) + " specimens");
+    context.progress.line(name + ": " + std::to_string(posed) + " of " +
+                          std::to_string(capture.frames.size()) + " views posed, " +
+                          std::to_string(estimate.traits.size()) + " specimens");
     if (estimate.traits.empty()) ++failed;
     print_traits(name, estimate.traits, o.json);
   }

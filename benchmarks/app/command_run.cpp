@@ -44,7 +44,8 @@ void print_result(const Options& o, const ScoreFile& file) {
 }
 
 /// Seconds of the simulator's passes as rows.
-std::vector<ScoreRow> timing_rows(const std::vector<StageTiming>& timings, const SeedsScoreLabels& labels) {
+std::vector<ScoreRow> timing_rows(const std::vector<StageTiming>& timings,
+                                  const SeedsScoreLabels& labels) {
   std::vector<ScoreRow> rows;
   for (const StageTiming& timing : timings) {
     ScoreRow row;
@@ -66,10 +67,12 @@ std::vector<ScoreRow> timing_rows(const std::vector<StageTiming>& timings, const
 }
 
 /// What leaving the unplanned truth passes out saved: one view is measured, all views are counted.
-ScoreRow left_out_row(const SeedsRunConfig& config, std::uint64_t seed, const SeedsScoreLabels& labels) {
+ScoreRow left_out_row(const SeedsRunConfig& config, std::uint64_t seed,
+                      const SeedsScoreLabels& labels) {
   const SeedsSimulation simulation(config, seed, 0);
   TruthNeeds all;
-  all.depth = all.normal = all.position = all.instance = all.part = all.coverage = all.visibility = true;
+  all.depth = all.normal = all.position = all.instance = all.part = all.coverage = all.visibility =
+      true;
   const StageClock clock("left out");
   simulation.truth(0, all);
   ScoreRow row;
@@ -125,14 +128,16 @@ ExitCode command_run(const JobContext& context) {
   labels.method = config.pipeline.method == SeedsMethod::paper ? "paper" : "ours";
   for (int scene = 0; scene < o.scenes; ++scene) {
     labels.scene = labels.run = scene_id(scene);
-    const SimulatedRun run =
-        simulate_seeds(config, o.seed, scene, planned_truth(o.attribution), context.progress.function());
-    const SeedsEstimate estimate = perceive_seeds(run.capture, config.pipeline, o.seed, sources, scene,
-                                                  out / "estimate" / scene_id(scene), context.progress.function());
+    const SimulatedRun run = simulate_seeds(config, o.seed, scene, planned_truth(o.attribution),
+                                            context.progress.function());
+    const SeedsEstimate estimate =
+        perceive_seeds(run.capture, config.pipeline, o.seed, sources, scene,
+                       out / "estimate" / scene_id(scene), context.progress.function());
     SeedsScores scores = score_run(run.truth, estimate, labels);
     for (ScoreRow& row : timing_rows(run.timings, labels)) scores.rows.push_back(std::move(row));
     if (o.attribution) {
-      const auto steps = attribute_seeds(run, config.pipeline, o.seed, labels, &estimate, context.progress.function());
+      const auto steps = attribute_seeds(run, config.pipeline, o.seed, labels, &estimate,
+                                         context.progress.function());
       for (ScoreRow& row : attribution_rows(steps, labels)) scores.rows.push_back(std::move(row));
     }
     file.scores.insert(file.scores.end(), scores.rows.begin(), scores.rows.end());
@@ -163,8 +168,8 @@ ExitCode command_run(const JobContext& context) {
   write_report(out / "report.html", report);
   print_result(o, file);
   char line[160];
-  std::snprintf(line, sizeof line, "%.1f s, peak %.0f MB; report: %s", whole.wall_s, whole.peak_rss_mb,
-                (out / "report.html").string().c_str());
+  std::snprintf(line, sizeof line, "%.1f s, peak %.0f MB; report: %s", whole.wall_s,
+                whole.peak_rss_mb, (out / "report.html").string().c_str());
   context.progress.line(line);
   return check_gates(o, file.scores);
 }
@@ -208,7 +213,9 @@ ExitCode command_score(const JobContext& context) {
     file.specimens.insert(file.specimens.end(), scores.specimens.begin(), scores.specimens.end());
     ++scored;
   }
-  if (scored == 0) throw std::runtime_error(estimates.string() + ": holds no estimate of any scene of " + dataset.string());
+  if (scored == 0)
+    throw std::runtime_error(estimates.string() + ": holds no estimate of any scene of " +
+                             dataset.string());
   labels.scene = "pooled";
   for (ScoreRow& row : pooled_rows(file.specimens, labels)) file.scores.push_back(std::move(row));
   const fs::path out = o.out.empty() ? estimates : fs::path(o.out);

@@ -14,8 +14,8 @@ struct JobContext {
   ProgressPrinter& progress;
 };
 
-/// One function a verb. They throw std::invalid_argument for wrong usage or configuration, StageError for a failed stage,
-/// other std::exceptions for bad input.
+/// One function a verb. They throw std::invalid_argument for wrong usage or configuration,
+/// StageError for a failed stage, other std::exceptions for bad input.
 ExitCode command_scenes(const JobContext& context);
 ExitCode command_rigs(const JobContext& context);
 ExitCode command_methods(const JobContext& context);

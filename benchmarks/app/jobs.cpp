@@ -1,16 +1,15 @@
 #include "benchmarks/app/jobs.h"
 
 #include <pmmintrin.h>
+#include <tbb/global_control.h>
 #include <xmmintrin.h>
 
 #include <array>
 #include <cstdio>
 #include <exception>
+#include <opencv2/core/utility.hpp>
 #include <string>
 #include <thread>
-
-#include <opencv2/core/utility.hpp>
-#include <tbb/global_control.h>
 
 #include "benchmarks/app/commands.h"
 #include "perception/pipelines/seeds.h"
@@ -41,8 +40,9 @@ int fail(ExitCode code, const std::string& what) {
 }
 
 int run_job(const Options& options, int argc, const char* const* argv) {
-  const int threads =
-      options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int threads = options.threads > 0
+                          ? options.threads
+                          : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   cv::setNumThreads(1);  // parallelism is over frames, and OpenCV's own would change sums
@@ -63,7 +63,8 @@ int run_job(const Options& options, int argc, const char* const* argv) {
 }  // namespace
 }  // namespace cousin
 
-extern "C" __attribute__((visibility("default"))) int cousin_run_job(const cousin::Options* options, int argc,
+extern "C" __attribute__((visibility("default"))) int cousin_run_job(const cousin::Options* options,
+                                                                     int argc,
                                                                      const char* const* argv) {
   using cousin::ExitCode;
   try {

@@ -1,5 +1,5 @@
-// The program starts in milliseconds: this file knows the command line only. Everything that links a heavy library is in
-// the module cousin_jobs, which is opened when a verb needs it.
+// The program starts in milliseconds: this file knows the command line only. Everything that links
+// a heavy library is in the module cousin_jobs, which is opened when a verb needs it.
 #include <dlfcn.h>
 
 #include <cstdio>

@@ -1,8 +1,7 @@
 #include "benchmarks/app/options.h"
 
-#include <sstream>
-
 #include <CLI/CLI.hpp>
+#include <sstream>
 
 namespace cousin {
 namespace {
@@ -11,12 +10,14 @@ void add_set(CLI::App& verb, Options& o) {
   verb.add_option("--set", o.sets, "Configuration key=value; repeatable. `--keys` lists the keys")
       ->type_size(1)
       ->allow_extra_args(false);
-  verb.add_flag("--keys", o.keys, "List the configuration keys with defaults and limits, and leave");
+  verb.add_flag("--keys", o.keys,
+                "List the configuration keys with defaults and limits, and leave");
 }
 
 void add_stages(CLI::App& verb, Options& o) {
   verb.add_option("--method", o.method, "ours (default) or paper; `cousin methods` lists them");
-  verb.add_option("--stage", o.stages, "NAME=dir:PATH or NAME=exec:PROGRAM in place of a stage; repeatable")
+  verb.add_option("--stage", o.stages,
+                  "NAME=dir:PATH or NAME=exec:PROGRAM in place of a stage; repeatable")
       ->type_size(1)
       ->allow_extra_args(false);
 }
@@ -26,8 +27,10 @@ void add_stages(CLI::App& verb, Options& o) {
 ParsedOptions parse_options(int argc, const char* const* argv) {
   ParsedOptions result;
   Options& o = result.options;
-  CLI::App app{"Cousin: a simulation-first testbed for plant perception. Scenes whose every dimension is known are\n"
-               "photographed by virtual cameras, measured, and scored against the truth."};
+  CLI::App app{
+      "Cousin: a simulation-first testbed for plant perception. Scenes whose every dimension is "
+      "known are\n"
+      "photographed by virtual cameras, measured, and scored against the truth."};
   app.name("cousin");
   app.set_version_flag("--version", std::string("cousin ") + COUSIN_VERSION);
   app.require_subcommand(1);
@@ -56,12 +59,17 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
 
   CLI::App* render = verb("render", "Write a dataset: images, reported calibration and truth");
   takes(render, "SCENE", "Scene, see `cousin scenes`", 1, 1);
-  render->add_option("--scenes", o.scenes, "How many scenes")->check(CLI::Range(1, 999999))->capture_default_str();
-  render->add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")->check(CLI::Range(0, 100000));
-  render->add_option("--shard", o.shard, "i/n: part i (from 0) of n of the list of scenes and frames");
+  render->add_option("--scenes", o.scenes, "How many scenes")
+      ->check(CLI::Range(1, 999999))
+      ->capture_default_str();
+  render->add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
+      ->check(CLI::Range(0, 100000));
+  render->add_option("--shard", o.shard,
+                     "i/n: part i (from 0) of n of the list of scenes and frames");
   add_set(*render, o);
 
-  CLI::App* perceive = verb("perceive", "Run a pipeline on a simulated or real dataset; reads no truth");
+  CLI::App* perceive =
+      verb("perceive", "Run a pipeline on a simulated or real dataset; reads no truth");
   takes(perceive, "DATASET", "Dataset folder", 1, 1);
   perceive->add_option("--pipeline", o.pipeline, "Pipeline; needed for a real capture");
   add_stages(*perceive, o);
@@ -69,17 +77,23 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
 
   CLI::App* score = verb("score", "Score estimates, ours or anybody's, against a dataset's truth");
   takes(score, "DATASET ESTIMATE_DIR", "Dataset and estimate folders", 2, 2);
-  score->add_option("--gate", o.gates, "'metric<=x' or 'metric>=x': exit code 1 if it does not hold; repeatable")
+  score
+      ->add_option("--gate", o.gates,
+                   "'metric<=x' or 'metric>=x': exit code 1 if it does not hold; repeatable")
       ->type_size(1)
       ->allow_extra_args(false);
 
   CLI::App* run = verb("run", "Render, perceive, score and report in one go");
   takes(run, "SCENE", "Scene, see `cousin scenes`", 1, 1);
-  run->add_option("--scenes", o.scenes, "How many scenes")->check(CLI::Range(1, 9999))->capture_default_str();
-  run->add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")->check(CLI::Range(0, 100000));
+  run->add_option("--scenes", o.scenes, "How many scenes")
+      ->check(CLI::Range(1, 9999))
+      ->capture_default_str();
+  run->add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
+      ->check(CLI::Range(0, 100000));
   run->add_flag("--plan", o.plan, "Print what will run, what is left out and why, and leave");
   run->add_flag("--attribution", o.attribution, "Also put truth in place of each seam in turn");
-  run->add_option("--gate", o.gates, "'metric<=x' or 'metric>=x': exit code 1 if it does not hold; repeatable")
+  run->add_option("--gate", o.gates,
+                  "'metric<=x' or 'metric>=x': exit code 1 if it does not hold; repeatable")
       ->type_size(1)
       ->allow_extra_args(false);
   add_stages(*run, o);
@@ -87,7 +101,8 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
 
   CLI::App* bench = verb("bench", "The papers' tables, error against time, stability cases");
   takes(bench, "SUITE", "seeds, stability, render, real; none = all", 0, -1);
-  bench->add_flag("--quick", o.quick, "Smaller samples: each suite ends within ten minutes, same columns");
+  bench->add_flag("--quick", o.quick,
+                  "Smaller samples: each suite ends within ten minutes, same columns");
   bench->add_flag("--attribution", o.attribution, "Put truth in place of each seam in turn");
   bench->add_option("--shard", o.shard, "i/n: only part i (from 0) of n of the suite's jobs");
   add_set(*bench, o);
@@ -95,10 +110,12 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   CLI::App* import = verb("import", "Make a dataset of another program's capture");
   takes(import, "SOURCE", "File or folder", 1, 1);
   import->add_option("--format", o.format, "nerfstudio, phenomenal or folder")->required();
-  import->add_option("--intrinsics", o.intrinsics, "For a folder: a YAML file or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"");
+  import->add_option("--intrinsics", o.intrinsics,
+                     "For a folder: a YAML file or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"");
 
   takes(verb("verify", "Re-hash a dataset"), "DATASET", "Dataset folder", 1, 1);
-  takes(verb("report", "Make the HTML report of a folder of scores"), "FOLDER", "Folder of a run or benchmark", 1, 1);
+  takes(verb("report", "Make the HTML report of a folder of scores"), "FOLDER",
+        "Folder of a run or benchmark", 1, 1);
 
   try {
     app.parse(argc, argv);

@@ -14,13 +14,13 @@ struct Options {
   std::string verb;
   std::vector<std::string> arguments;  ///< positional, after the verb
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0 = all cores
-  std::string out;  ///< empty = the verb's default
+  int threads = 0;                ///< 0 = all cores
+  std::string out;                ///< empty = the verb's default
   std::vector<std::string> sets;  ///< key=value
   bool json = false;
   bool quiet = false;
   int scenes = 1;
-  int frames = 0;  ///< views of each scene; 0 = the scene's own number
+  int frames = 0;     ///< views of each scene; 0 = the scene's own number
   std::string shard;  ///< "i/n"
   std::string method;
   std::string pipeline;

@@ -6,7 +6,8 @@
 
 namespace cousin {
 
-ProgressPrinter::ProgressPrinter(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+ProgressPrinter::ProgressPrinter(bool quiet)
+    : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
 
 ProgressPrinter::~ProgressPrinter() { clear(); }
 

@@ -7,7 +7,8 @@
 
 namespace cousin {
 
-/// A bar that redraws on a terminal, a plain line every few seconds elsewhere, nothing when quiet. Goes to stderr.
+/// A bar that redraws on a terminal, a plain line every few seconds elsewhere, nothing when quiet.
+/// Goes to stderr.
 class ProgressPrinter {
  public:
   explicit ProgressPrinter(bool quiet);

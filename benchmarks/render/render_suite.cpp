@@ -10,8 +10,8 @@
 namespace cousin {
 namespace {
 
-ScoreRow row_of(const std::string& case_name, const std::string& metric, double value, const std::string& unit,
-                std::int64_t n, std::uint64_t seed) {
+ScoreRow row_of(const std::string& case_name, const std::string& metric, double value,
+                const std::string& unit, std::int64_t n, std::uint64_t seed) {
   ScoreRow row;
   row.suite = "render";
   row.scene = "seeds";
@@ -33,7 +33,8 @@ ScoreRow limited(ScoreRow row, bool passes) {
 
 }  // namespace
 
-ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets, bool quick, const Progress& progress) {
+ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets, bool quick,
+                       const Progress& progress) {
   const auto say = [&](const std::string& what, int done, int total) {
     if (progress) progress(what, done, total);
   };
@@ -50,13 +51,16 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   const int views = static_cast<int>(simulation.views().size());
   std::vector<double> shares;
   for (const int view : {views / 6, views / 2, 5 * views / 6}) {
-    const TruthThroughput t = measure_truth_throughput(simulation.rays(), simulation.scene(),
-                                                       simulation.views()[static_cast<std::size_t>(view)], quick ? 7 : 21);
+    const TruthThroughput t = measure_truth_throughput(
+        simulation.rays(), simulation.scene(), simulation.views()[static_cast<std::size_t>(view)],
+        quick ? 7 : 21);
     const std::string name = "truth pass, view " + std::to_string(view);
     const std::int64_t rays = static_cast<std::int64_t>(config.rig.width_px) * config.rig.height_px;
     file.scores.push_back(row_of(name, "raw_rays_per_second", t.raw_rays_per_s, "1/s", rays, seed));
-    file.scores.push_back(row_of(name, "truth_rays_per_second", t.truth_rays_per_s, "1/s", rays, seed));
-    file.scores.push_back(limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), t.share >= 0.6));
+    file.scores.push_back(
+        row_of(name, "truth_rays_per_second", t.truth_rays_per_s, "1/s", rays, seed));
+    file.scores.push_back(
+        limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), t.share >= 0.6));
   }
 
   say("radiance", 2, 4);
@@ -71,16 +75,21 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   }
   std::sort(seconds.begin(), seconds.end());
   const double median_s = seconds[seconds.size() / 2];
-  file.scores.push_back(row_of("radiance pass", "seconds.view", median_s, "s", static_cast<std::int64_t>(seconds.size()), seed));
-  file.scores.push_back(row_of("radiance pass", "seconds.light_cache", std::max(0.0, first_s - median_s), "s", 1, seed));
+  file.scores.push_back(row_of("radiance pass", "seconds.view", median_s, "s",
+                               static_cast<std::int64_t>(seconds.size()), seed));
+  file.scores.push_back(row_of("radiance pass", "seconds.light_cache",
+                               std::max(0.0, first_s - median_s), "s", 1, seed));
 
   say("noise", 3, 4);
-  for (const int view : quick ? std::vector<int>{views / 2} : std::vector<int>{views / 6, views / 2, 5 * views / 6}) {
+  for (const int view : quick ? std::vector<int>{views / 2}
+                              : std::vector<int>{views / 6, views / 2, 5 * views / 6}) {
     const RenderNoise noise = measure_render_noise(simulation, config.rig, view);
     const std::string name = "Monte-Carlo noise, view " + std::to_string(view);
-    file.scores.push_back(limited(row_of(name, "mean_variance_over_sensor_variance", noise.mean_ratio, "1", noise.pixels, seed),
+    file.scores.push_back(limited(row_of(name, "mean_variance_over_sensor_variance",
+                                         noise.mean_ratio, "1", noise.pixels, seed),
                                   noise.mean_ratio <= 0.25));
-    file.scores.push_back(row_of(name, "median_variance_over_sensor_variance", noise.median_ratio, "1", noise.pixels, seed));
+    file.scores.push_back(row_of(name, "median_variance_over_sensor_variance", noise.median_ratio,
+                                 "1", noise.pixels, seed));
   }
   return file;
 }

@@ -18,8 +18,8 @@ double wall_s(const SeedsEstimate& estimate) {
 }  // namespace
 
 std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipelineConfig& config,
-                                             std::uint64_t seed, const SeedsScoreLabels& labels,
-                                             const SeedsEstimate* estimate, const Progress& progress) {
+                                      std::uint64_t seed, const SeedsScoreLabels& labels,
+                                      const SeedsEstimate* estimate, const Progress& progress) {
   const SeedsStages own = seeds_stages(config, seed);
   const SeedsStages truth = truth_stages(run, board_of(run.capture, config));
   std::vector<std::string> replaced;
@@ -28,17 +28,20 @@ std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipeli
   // A stage that this method leaves out has no seam to fill.
   const PipelineNeeds needed = needs(config);
   for (const std::string& stage : seeds_stage_names()) {
-    if (std::find(needed.stages.begin(), needed.stages.end(), stage) != needed.stages.end()) bars.push_back(stage);
+    if (std::find(needed.stages.begin(), needed.stages.end(), stage) != needed.stages.end())
+      bars.push_back(stage);
   }
   for (std::size_t i = 0; i < bars.size(); ++i) {
-    if (progress) progress("truth up to " + bars[i], static_cast<int>(i), static_cast<int>(bars.size()));
+    if (progress)
+      progress("truth up to " + bars[i], static_cast<int>(i), static_cast<int>(bars.size()));
     if (i > 0) replaced.push_back(bars[i]);
     SeedsEstimate result;
     if (i == 0 && estimate) {
       result = *estimate;
     } else {
       SeedsStages stages = replace_stages(own, truth, replaced);
-      // True clusters and everything after them do not read depth and cloud: leave those stages out.
+      // True clusters and everything after them do not read depth and cloud: leave those stages
+      // out.
       if (std::find(replaced.begin(), replaced.end(), "clusters") != replaced.end()) {
         stages.depth = nullptr;
         stages.cloud = nullptr;
@@ -50,11 +53,13 @@ std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipeli
   return steps;
 }
 
-std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps, const SeedsScoreLabels& labels) {
+std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps,
+                                       const SeedsScoreLabels& labels) {
   std::vector<ScoreRow> rows;
   for (const SeamStep& step : steps) {
     for (const char* trait : {"length", "width", "height", "area", "volume"}) {
-      const auto pairs = trait_pairs(step.scores.specimens, trait, [](const SpecimenRow&) { return true; });
+      const auto pairs =
+          trait_pairs(step.scores.specimens, trait, [](const SpecimenRow&) { return true; });
       if (pairs.empty()) continue;
       ScoreRow base;
       base.suite = labels.suite;
@@ -65,7 +70,8 @@ std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps, const
       base.wall_s = step.wall_s;
       const std::string name = trait;
       const std::string unit = name == "area" ? "m2" : name == "volume" ? "m3" : "m";
-      const TraitStatistics s = trait_statistics(pairs, Rng(labels.seed).fork("attribution").fork(step.stage + name));
+      const TraitStatistics s =
+          trait_statistics(pairs, Rng(labels.seed).fork("attribution").fork(step.stage + name));
       rows.push_back(with_interval(base, name + ".rmse", unit, s.rmse, s.n));
       rows.push_back(with_interval(base, name + ".bias", unit, s.bias, s.n));
       rows.push_back(with_interval(base, name + ".mape", "1", s.mape, s.n));

@@ -8,21 +8,26 @@
 
 namespace cousin {
 
-/// One bar of the waterfall: the trait errors that are left when truth stands in every seam up to `stage`, in the order
-/// of the flow; "none" is the pipeline as it is. What a stage adds to the error is the step between its bar and the one before.
+/// One bar of the waterfall: the trait errors that are left when truth stands in every seam up to
+/// `stage`, in the order of the flow; "none" is the pipeline as it is. What a stage adds to the
+/// error is the step between its bar and the one before.
 struct SeamStep {
   std::string stage;
   SeedsScores scores;
   double wall_s = 0;  ///< of the stages that ran
 };
 
-/// Runs the pipeline once as it is and once more for each seam with truth up to there. `run.truth.images` must hold truth_stage_needs().
-/// @param estimate  the pipeline's own result on run.capture if it is known already; its stages are not run again
+/// Runs the pipeline once as it is and once more for each seam with truth up to there.
+/// `run.truth.images` must hold truth_stage_needs().
+/// @param estimate  the pipeline's own result on run.capture if it is known already; its stages are
+/// not run again
 std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipelineConfig& config,
-                                             std::uint64_t seed, const SeedsScoreLabels& labels,
-                                             const SeedsEstimate* estimate = nullptr, const Progress& progress = {});
+                                      std::uint64_t seed, const SeedsScoreLabels& labels,
+                                      const SeedsEstimate* estimate = nullptr,
+                                      const Progress& progress = {});
 
 /// Rows "length.rmse", "length.bias", ... with case "truth up to STAGE" for each step.
-std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps, const SeedsScoreLabels& labels);
+std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps,
+                                       const SeedsScoreLabels& labels);
 
 }  // namespace cousin

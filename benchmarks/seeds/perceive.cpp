@@ -7,16 +7,19 @@
 
 namespace cousin {
 
-SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config, std::uint64_t seed,
-                             const std::vector<StageSource>& sources, int scene_index,
-                             const std::filesystem::path& estimate_dir, const Progress& progress) {
+SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
+                             std::uint64_t seed, const std::vector<StageSource>& sources,
+                             int scene_index, const std::filesystem::path& estimate_dir,
+                             const Progress& progress) {
   const SeedsStages stages = with_stage_sources(
-      seeds_stages(config, Rng(seed).fork(static_cast<std::uint64_t>(scene_index))()), sources, scene_index);
+      seeds_stages(config, Rng(seed).fork(static_cast<std::uint64_t>(scene_index))()), sources,
+      scene_index);
   const auto& names = seeds_stage_names();
   const auto observe = [&](const std::string& stage, bool finished, const SeedsEstimate& so_far) {
     const auto place = std::find(names.begin(), names.end(), stage) - names.begin();
     if (!finished) {
-      if (progress) progress("perceive: " + stage, static_cast<int>(place), static_cast<int>(names.size()));
+      if (progress)
+        progress("perceive: " + stage, static_cast<int>(place), static_cast<int>(names.size()));
     } else if (!estimate_dir.empty()) {
       write_seam(estimate_dir, stage, so_far, scene_index);
     }

@@ -6,18 +6,24 @@
 
 namespace cousin {
 
-TruthNeeds planned_truth(bool attribution) { return attribution ? truth_stage_needs() : TruthNeeds{}; }
+TruthNeeds planned_truth(bool attribution) {
+  return attribution ? truth_stage_needs() : TruthNeeds{};
+}
 
 std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution) {
   std::vector<PlanEntry> plan;
-  const auto add = [&](const char* pass, bool runs, const std::string& why) { plan.push_back({pass, runs, why}); };
+  const auto add = [&](const char* pass, bool runs, const std::string& why) {
+    plan.push_back({pass, runs, why});
+  };
   const bool sphere = config.scene.sphere;
   add("scene", true, "board, screen, specimens");
-  add("physics", !sphere, sphere ? "a sphere is placed on the board" : "seeds are dropped and settle on the board");
+  add("physics", !sphere,
+      sphere ? "a sphere is placed on the board" : "seeds are dropped and settle on the board");
   add("motion", false, "the scene is static; only the hand moves while rows are read");
   add("light cache", true, "the scene is static: diffuse light is computed once for all views");
   const PipelineNeeds pipeline = needs(config.pipeline);
-  const bool color = std::find(pipeline.images.begin(), pipeline.images.end(), "color") != pipeline.images.end();
+  const bool color =
+      std::find(pipeline.images.begin(), pipeline.images.end(), "color") != pipeline.images.end();
   add("radiance", color, color ? "the pipeline reads colour" : "no stage reads colour");
   add("sensor", color, "the phone's lens, noise and 8-bit sRGB");
   add("infrared", false, "a phone has no infrared pair");
@@ -25,7 +31,9 @@ std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution
 
   const TruthNeeds truth = planned_truth(attribution);
   const auto truth_pass = [&](const char* pass, bool runs) {
-    add(pass, runs, runs ? "true seams are put into the pipeline" : "no score reads it: traits come from the exact meshes");
+    add(pass, runs,
+        runs ? "true seams are put into the pipeline"
+             : "no score reads it: traits come from the exact meshes");
   };
   truth_pass("truth: depth", truth.depth);
   truth_pass("truth: instance", truth.instance);
@@ -36,7 +44,8 @@ std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution
   truth_pass("truth: visibility", truth.visibility);
 
   for (const std::string& stage : seeds_stage_names()) {
-    const bool runs = std::find(pipeline.stages.begin(), pipeline.stages.end(), stage) != pipeline.stages.end();
+    const bool runs =
+        std::find(pipeline.stages.begin(), pipeline.stages.end(), stage) != pipeline.stages.end();
     std::string why = "needed for the traits";
     for (const auto& [name, reason] : pipeline.left_out) {
       if (name == stage) why = reason;

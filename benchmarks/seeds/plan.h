@@ -14,7 +14,8 @@ struct PlanEntry {
   std::string why;
 };
 
-/// What `run seeds` does with a configuration: the union of what the pipeline needs and what is scored.
+/// What `run seeds` does with a configuration: the union of what the pipeline needs and what is
+/// scored.
 /// @param attribution  truth is put into each seam too, which reads true depth and instances
 std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution);
 

@@ -5,7 +5,8 @@
 
 namespace cousin {
 
-RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor, int frame) {
+RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor,
+                                 int frame) {
   const Image<Rgbf> a = simulation.radiance(frame, 1);
   const Image<Rgbf> b = simulation.radiance(frame, 2);
   const double electrons = electrons_per_radiance(sensor, a);

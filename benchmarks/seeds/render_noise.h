@@ -4,14 +4,17 @@
 
 namespace cousin {
 
-/// The renderer's own noise against the sensor's. From two independent renders a and b of a view (other light cache, other
-/// pixel samples) a pixel's Monte-Carlo variance is (a - b)^2 / 2, unbiased.
+/// The renderer's own noise against the sensor's. From two independent renders a and b of a view
+/// (other light cache, other pixel samples) a pixel's Monte-Carlo variance is (a - b)^2 / 2,
+/// unbiased.
 struct RenderNoise {
-  double mean_ratio = 0;  ///< mean over pixels and channels of Monte-Carlo variance over the sensor's variance there
+  double mean_ratio = 0;  ///< mean over pixels and channels of Monte-Carlo variance over the
+                          ///< sensor's variance there
   double ratio_of_means = 0;
   double median_ratio = 0;
   long long pixels = 0;
 };
-RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor, int frame);
+RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor,
+                                 int frame);
 
 }  // namespace cousin

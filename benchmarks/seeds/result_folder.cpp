@@ -38,25 +38,28 @@ std::string machine_text() {
   double kib = 0;
   if (meminfo >> key >> kib) memory_gib = kib / (1 << 20);
   char text[160];
-  std::snprintf(text, sizeof text, "%s, %u cores, %.0f GiB", processor.c_str(), std::thread::hardware_concurrency(),
-                memory_gib);
+  std::snprintf(text, sizeof text, "%s, %u cores, %.0f GiB", processor.c_str(),
+                std::thread::hardware_concurrency(), memory_gib);
   return text;
 }
 
 std::string summary_table(const std::vector<ScoreRow>& rows) {
   // (case, method, trait) -> metric -> value
-  std::map<std::tuple<std::string, std::string, std::string>, std::map<std::string, const ScoreRow*>> table;
+  std::map<std::tuple<std::string, std::string, std::string>,
+           std::map<std::string, const ScoreRow*>>
+      table;
   for (const ScoreRow& row : rows) {
     const std::size_t dot = row.metric.find('.');
     if (dot == std::string::npos) continue;
     const std::string trait = row.metric.substr(0, dot);
     static const std::set<std::string> kTraits = {"length", "width", "height", "area", "volume"};
-    if (kTraits.contains(trait)) table[{row.case_name, row.method, trait}][row.metric.substr(dot + 1)] = &row;
+    if (kTraits.contains(trait))
+      table[{row.case_name, row.method, trait}][row.metric.substr(dot + 1)] = &row;
   }
   std::string text;
   char line[200];
-  std::snprintf(line, sizeof line, "%-18s %-8s %-7s %4s %18s %9s %8s %7s %8s\n", "case", "method", "trait", "n", "RMSE",
-                "bias", "MAPE %", "slope", "cover 95");
+  std::snprintf(line, sizeof line, "%-18s %-8s %-7s %4s %18s %9s %8s %7s %8s\n", "case", "method",
+                "trait", "n", "RMSE", "bias", "MAPE %", "slope", "cover 95");
   for (const auto& [key, metrics] : table) {
     const auto& [case_name, method, trait] = key;
     const auto found = metrics.find("rmse");
@@ -67,8 +70,9 @@ std::string summary_table(const std::vector<ScoreRow>& rows) {
     };
     const double scale = trait == "area" ? 1e6 : trait == "volume" ? 1e9 : 1e3;
     const char* unit = trait == "area" ? "mm2" : trait == "volume" ? "mm3" : "mm";
-    std::snprintf(line, sizeof line, "%-18s %-8s %-7s %4lld %13.4f %-4s %+9.4f %8.2f %7.3f %8.2f\n", case_name.c_str(),
-                  method.c_str(), trait.c_str(), static_cast<long long>(found->second->n), value("rmse") * scale, unit,
+    std::snprintf(line, sizeof line, "%-18s %-8s %-7s %4lld %13.4f %-4s %+9.4f %8.2f %7.3f %8.2f\n",
+                  case_name.c_str(), method.c_str(), trait.c_str(),
+                  static_cast<long long>(found->second->n), value("rmse") * scale, unit,
                   value("bias") * scale, value("mape") * 100, value("slope"), value("coverage_95"));
     text += line;
   }

@@ -17,7 +17,8 @@ ScoreFile read_result_tables(const std::filesystem::path& folder);
 /// Processor name, cores and memory of this machine, for score headers.
 std::string machine_text();
 
-/// Total rows that a person wants to see first, as aligned text in millimetres: pooled RMSE, bias, MAPE, slope, coverage.
+/// Total rows that a person wants to see first, as aligned text in millimetres: pooled RMSE, bias,
+/// MAPE, slope, coverage.
 std::string summary_table(const std::vector<ScoreRow>& rows);
 
 }  // namespace cousin

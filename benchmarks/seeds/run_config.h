@@ -13,8 +13,8 @@
 
 namespace cousin {
 
-/// Everything that decides what `run seeds` does, apart from the seed. Scene keys stand alone (`cultivar`); the others carry
-/// a prefix (`rig.`, `render.`, `pipeline.`).
+/// Everything that decides what `run seeds` does, apart from the seed. Scene keys stand alone
+/// (`cultivar`); the others carry a prefix (`rig.`, `render.`, `pipeline.`).
 struct SeedsRunConfig {
   SeedsSceneConfig scene;
   PhoneConfig rig;
@@ -24,7 +24,8 @@ struct SeedsRunConfig {
 Fields fields(SeedsRunConfig& config);
 void validate(const SeedsRunConfig& config);
 
-/// Defaults, then the rig's preset, then the user's `key=value`s in order. `rig=NAME` picks the preset first.
+/// Defaults, then the rig's preset, then the user's `key=value`s in order. `rig=NAME` picks the
+/// preset first.
 /// @throws std::invalid_argument naming key, value and limit.
 SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments);
 

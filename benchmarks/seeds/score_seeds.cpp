@@ -32,8 +32,8 @@ ScoreRow base_row(const SeedsScoreLabels& labels) {
   return row;
 }
 
-void add(std::vector<ScoreRow>& rows, ScoreRow row, const std::string& metric, double value, const std::string& unit,
-         std::int64_t n) {
+void add(std::vector<ScoreRow>& rows, ScoreRow row, const std::string& metric, double value,
+         const std::string& unit, std::int64_t n) {
   row.metric = metric;
   row.value = value;
   row.unit = unit;
@@ -51,7 +51,8 @@ void score_poses_of(const SceneTruth& truth, const SeedsEstimate& estimate, cons
     cameras.push_back(view.camera);
   }
   const PoseScore score = score_poses(estimate.poses, poses, cameras);
-  add(rows, base, "views.posed", static_cast<double>(score.posed) / std::max(1, score.views), "1", score.views);
+  add(rows, base, "views.posed", static_cast<double>(score.posed) / std::max(1, score.views), "1",
+      score.views);
   add(rows, base, "camera.centre_rms", score.centre_rms_m, "m", score.posed);
   add(rows, base, "camera.centre_max", score.centre_max_m, "m", score.posed);
   add(rows, base, "camera.rotation_rms", score.rotation_rms_rad, "rad", score.posed);
@@ -63,13 +64,15 @@ Mesh merged(const std::vector<Mesh>& meshes) {
   for (const Mesh& mesh : meshes) {
     const auto offset = static_cast<std::uint32_t>(all.vertices_m.size());
     all.vertices_m.insert(all.vertices_m.end(), mesh.vertices_m.begin(), mesh.vertices_m.end());
-    for (const auto& t : mesh.triangles) all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    for (const auto& t : mesh.triangles)
+      all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
   }
   return all;
 }
 
-void add_cloud_rows(const std::string& what, std::span<const Eigen::Vector3d> points, const Mesh& surface,
-                    std::span<const Eigen::Vector3d> samples, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+void add_cloud_rows(const std::string& what, std::span<const Eigen::Vector3d> points,
+                    const Mesh& surface, std::span<const Eigen::Vector3d> samples,
+                    const ScoreRow& base, std::vector<ScoreRow>& rows) {
   const CloudScore score = score_cloud(points, surface, samples, kTolerances_m);
   const auto n = static_cast<std::int64_t>(points.size());
   add(rows, base, what + ".points", static_cast<double>(n), "1", n);
@@ -77,7 +80,8 @@ void add_cloud_rows(const std::string& what, std::span<const Eigen::Vector3d> po
   add(rows, base, what + ".accuracy_median", score.accuracy_median_m, "m", n);
   add(rows, base, what + ".completeness_mean", score.completeness_mean_m, "m", n);
   for (const CloudScore::AtTolerance& at : score.at) {
-    const std::string tolerance = std::to_string(static_cast<int>(at.tolerance_m * 1e6 + 0.5)) + "um";
+    const std::string tolerance =
+        std::to_string(static_cast<int>(at.tolerance_m * 1e6 + 0.5)) + "um";
     add(rows, base, what + ".precision_" + tolerance, at.precision, "1", n);
     add(rows, base, what + ".recall_" + tolerance, at.recall, "1", n);
     add(rows, base, what + ".f1_" + tolerance, at.f1, "1", n);
@@ -85,14 +89,15 @@ void add_cloud_rows(const std::string& what, std::span<const Eigen::Vector3d> po
 }
 
 /// Cloud against what cameras above the board can see of the seeds; meshes against all of it.
-void score_shapes(const std::vector<Mesh>& true_meshes, const SeedsEstimate& estimate, const ScoreRow& base,
-                  std::vector<ScoreRow>& rows) {
+void score_shapes(const std::vector<Mesh>& true_meshes, const SeedsEstimate& estimate,
+                  const ScoreRow& base, std::vector<ScoreRow>& rows) {
   if (true_meshes.empty()) return;
   const Mesh surface = merged(true_meshes);
   const std::vector<Eigen::Vector3d> samples = sample_surface(surface, kSurfaceSamples, Rng(1));
   std::vector<Eigen::Vector3d> cloud;
   for (std::size_t i = 0; i < estimate.clusters.cloud.size(); ++i) {
-    if (estimate.clusters.instance[i] >= 0) cloud.push_back(estimate.clusters.cloud[i].position_m.cast<double>());
+    if (estimate.clusters.instance[i] >= 0)
+      cloud.push_back(estimate.clusters.cloud[i].position_m.cast<double>());
   }
   if (!cloud.empty()) add_cloud_rows("cloud", cloud, surface, samples, base, rows);
   std::vector<Mesh> measured;
@@ -106,8 +111,9 @@ void score_shapes(const std::vector<Mesh>& true_meshes, const SeedsEstimate& est
 }
 
 /// Measured outlines against the true apparent contours.
-void score_outlines_of(const SceneTruth& truth, const std::vector<Mesh>& true_meshes, const SpecimenMatching& matching,
-                       const SeedsEstimate& estimate, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+void score_outlines_of(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
+                       const SpecimenMatching& matching, const SeedsEstimate& estimate,
+                       const ScoreRow& base, std::vector<ScoreRow>& rows) {
   if (estimate.silhouettes.empty()) return;
   std::vector<int> object_of;
   for (const SpecimenMatch& match : matching.matches) {
@@ -116,14 +122,16 @@ void score_outlines_of(const SceneTruth& truth, const std::vector<Mesh>& true_me
     object_of.resize(std::max(object_of.size(), static_cast<std::size_t>(instance) + 1), -1);
     object_of[static_cast<std::size_t>(instance)] = match.truth;
   }
-  const OutlineScore score = score_outlines(estimate.silhouettes, truth.views, true_meshes, object_of);
+  const OutlineScore score =
+      score_outlines(estimate.silhouettes, truth.views, true_meshes, object_of);
   if (score.points == 0) return;
   add(rows, base, "outline.bias", score.bias_px, "px", score.points);
   add(rows, base, "outline.rms", score.rms_px, "px", score.points);
   add(rows, base, "outline.rms_over_sigma", score.normalized_rms, "1", score.points);
 }
 
-void score_timings(const SeedsEstimate& estimate, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+void score_timings(const SeedsEstimate& estimate, const ScoreRow& base,
+                   std::vector<ScoreRow>& rows) {
   double wall_s = 0, cpu_s = 0, peak_mb = 0;
   for (const StageTiming& timing : estimate.timings) {
     ScoreRow row = base;
@@ -148,8 +156,8 @@ std::vector<Eigen::Vector3d> centroids_of(const Traits& traits) {
   return result;
 }
 
-void append_specimen_rows(const Instance& object, const SpecimenTraits* measured, const SeedsScoreLabels& labels,
-                          std::vector<SpecimenRow>& rows) {
+void append_specimen_rows(const Instance& object, const SpecimenTraits* measured,
+                          const SeedsScoreLabels& labels, std::vector<SpecimenRow>& rows) {
   for (const TrueTrait& trait : object.traits) {
     static const std::set<std::string> kScored = {"length", "width", "height", "area", "volume"};
     if (!kScored.contains(trait.name)) continue;
@@ -211,7 +219,8 @@ std::string species_of(const std::string& cultivar) {
   return found == kSpecies.end() ? cultivar : found->second;
 }
 
-SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate, const SeedsScoreLabels& labels) {
+SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate,
+                      const SeedsScoreLabels& labels) {
   SeedsScores scores;
   const ScoreRow base = base_row(labels);
   const auto objects = specimens_of(truth.scene);
@@ -225,12 +234,14 @@ SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate, co
       match_specimens(centroids_of(estimate.traits), true_centroids, kMatchGate_m);
   std::vector<const SpecimenTraits*> measured(objects.size(), nullptr);
   for (const SpecimenMatch& match : matching.matches) {
-    measured[static_cast<std::size_t>(match.truth)] = &estimate.traits[static_cast<std::size_t>(match.measured)];
+    measured[static_cast<std::size_t>(match.truth)] =
+        &estimate.traits[static_cast<std::size_t>(match.measured)];
   }
   const auto n = static_cast<std::int64_t>(objects.size());
   add(scores.rows, base, "specimens.found", static_cast<double>(matching.matches.size()), "1", n);
   add(scores.rows, base, "specimens.missed", static_cast<double>(matching.missed.size()), "1", n);
-  add(scores.rows, base, "specimens.spurious", static_cast<double>(matching.spurious.size()), "1", n);
+  add(scores.rows, base, "specimens.spurious", static_cast<double>(matching.spurious.size()), "1",
+      n);
   score_poses_of(truth, estimate, base, scores.rows);
   score_outlines_of(truth, meshes, matching, estimate, base, scores.rows);
   score_shapes(meshes, estimate, base, scores.rows);
@@ -241,26 +252,31 @@ SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate, co
   return scores;
 }
 
-std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens, const SeedsScoreLabels& labels) {
+std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens,
+                                  const SeedsScoreLabels& labels) {
   std::vector<ScoreRow> rows;
   std::set<std::string> methods;
   for (const SpecimenRow& row : specimens) methods.insert(row.method);
   for (const std::string& method : methods) {
     for (const std::string& group : groups_of(specimens)) {
       for (const auto& [trait, unit] : traits_in(specimens)) {
-        const auto wanted = [&](const SpecimenRow& row) { return row.method == method && in_group(row, group); };
+        const auto wanted = [&](const SpecimenRow& row) {
+          return row.method == method && in_group(row, group);
+        };
         const std::vector<TraitPair> pairs = trait_pairs(specimens, trait, wanted);
         ScoreRow base = base_row(labels);
         base.case_name = group;
         base.method = method;
-        const auto asked = std::count_if(specimens.begin(), specimens.end(), [&](const SpecimenRow& row) {
-          return row.trait == trait && wanted(row);
-        });
+        const auto asked = std::count_if(
+            specimens.begin(), specimens.end(),
+            [&](const SpecimenRow& row) { return row.trait == trait && wanted(row); });
         if (asked == 0) continue;
-        add(rows, base, trait + ".solved", static_cast<double>(pairs.size()) / static_cast<double>(asked), "1", asked);
+        add(rows, base, trait + ".solved",
+            static_cast<double>(pairs.size()) / static_cast<double>(asked), "1", asked);
         if (pairs.size() < 2) continue;
         const Rng rng = Rng(labels.seed).fork("bootstrap").fork(method + "/" + group + "/" + trait);
-        for (ScoreRow& row : score_rows(base, trait, unit, trait_statistics(pairs, rng))) rows.push_back(std::move(row));
+        for (ScoreRow& row : score_rows(base, trait, unit, trait_statistics(pairs, rng)))
+          rows.push_back(std::move(row));
         const SigmaCoverage coverage = sigma_coverage(pairs);
         if (coverage.n == 0) continue;
         for (ScoreRow& row : score_rows(base, trait, coverage)) rows.push_back(std::move(row));
@@ -270,15 +286,17 @@ std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens, const 
   return rows;
 }
 
-std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens, const std::string& method_a,
-                                  const std::string& method_b, const SeedsScoreLabels& labels) {
+std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens,
+                                  const std::string& method_a, const std::string& method_b,
+                                  const SeedsScoreLabels& labels) {
   std::vector<ScoreRow> rows;
   for (const std::string& group : groups_of(specimens)) {
     for (const auto& [trait, unit] : traits_in(specimens)) {
       std::map<std::string, PairedMeasurement> pairs;
       std::map<std::string, int> methods_there;
       for (const SpecimenRow& row : specimens) {
-        const bool usable = row.trait == trait && in_group(row, group) && row.status == ScoreStatus::ok;
+        const bool usable =
+            row.trait == trait && in_group(row, group) && row.status == ScoreStatus::ok;
         if (!usable || (row.method != method_a && row.method != method_b)) continue;
         const std::string key = row.cultivar + "/" + row.run + "/" + std::to_string(row.instance);
         PairedMeasurement& pair = pairs[key];
@@ -298,7 +316,8 @@ std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens, const 
       base.case_name = group;
       base.method = method_a + "/" + method_b;
       rows.push_back(with_interval(base, trait + ".rmse_ratio", "1", c.rmse_ratio, c.n));
-      rows.push_back(with_interval(base, trait + ".absolute_difference", unit, c.absolute_difference, c.n));
+      rows.push_back(
+          with_interval(base, trait + ".absolute_difference", unit, c.absolute_difference, c.n));
       add(rows, base, trait + ".paired_t_p", c.p_value, "1", c.n);
     }
   }
@@ -307,7 +326,8 @@ std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens, const 
 
 Gate parse_gate(const std::string& text) {
   const std::size_t place = text.find("=");
-  if (place == std::string::npos || place < 2 || (text[place - 1] != '<' && text[place - 1] != '>')) {
+  if (place == std::string::npos || place < 2 ||
+      (text[place - 1] != '<' && text[place - 1] != '>')) {
     throw std::invalid_argument("--gate \"" + text + "\" is not 'metric<=x' or 'metric>=x'");
   }
   Gate gate;
@@ -330,8 +350,9 @@ std::vector<std::string> broken(const Gate& gate, std::span<const ScoreRow> rows
     found = true;
     const bool holds = gate.at_most ? row.value <= gate.limit : row.value >= gate.limit;
     if (!holds) {
-      result.push_back(row.case_name + " " + row.method + " " + row.metric + " = " + std::to_string(row.value) +
-                       (gate.at_most ? " > " : " < ") + std::to_string(gate.limit));
+      result.push_back(row.case_name + " " + row.method + " " + row.metric + " = " +
+                       std::to_string(row.value) + (gate.at_most ? " > " : " < ") +
+                       std::to_string(gate.limit));
     }
   }
   if (!found) result.push_back("no row has the metric \"" + gate.metric + "\"");

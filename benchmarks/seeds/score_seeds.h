@@ -26,17 +26,22 @@ struct SeedsScores {
   std::vector<SpecimenRow> specimens;
 };
 
-/// Scores one capture: specimens found, missed and spurious, poses, cloud and meshes against the true surfaces, seconds and
-/// memory; and one specimen row for each true specimen and trait (status not_solved where it was not measured).
-/// Whatever the estimate does not hold is not scored.
-SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate, const SeedsScoreLabels& labels);
+/// Scores one capture: specimens found, missed and spurious, poses, cloud and meshes against the
+/// true surfaces, seconds and memory; and one specimen row for each true specimen and trait (status
+/// not_solved where it was not measured). Whatever the estimate does not hold is not scored.
+SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate,
+                      const SeedsScoreLabels& labels);
 
-/// Trait statistics over all runs: per cultivar, per species and over all, for each method and trait in the rows.
-std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens, const SeedsScoreLabels& labels);
+/// Trait statistics over all runs: per cultivar, per species and over all, for each method and
+/// trait in the rows.
+std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens,
+                                  const SeedsScoreLabels& labels);
 
-/// Ratio of the RMSE of method a to that of b on the same specimens, per cultivar, species and trait.
-std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens, const std::string& method_a,
-                                  const std::string& method_b, const SeedsScoreLabels& labels);
+/// Ratio of the RMSE of method a to that of b on the same specimens, per cultivar, species and
+/// trait.
+std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens,
+                                  const std::string& method_a, const std::string& method_b,
+                                  const SeedsScoreLabels& labels);
 
 /// maize, wheat, rice; other names stand for themselves.
 std::string species_of(const std::string& cultivar);

@@ -36,7 +36,8 @@ Image<Rgb8> enlarged(const Image<Rgb8>& image, int factor) {
 }
 
 /// The view's image about its outlines, enlarged, with the outlines drawn in.
-Image<Rgb8> with_outlines(const Image<Rgb8>& image, const std::vector<const Silhouette*>& silhouettes) {
+Image<Rgb8> with_outlines(const Image<Rgb8>& image,
+                          const std::vector<const Silhouette*>& silhouettes) {
   float left = 1e9F, top = 1e9F, right = -1e9F, bottom = -1e9F;
   for (const Silhouette* s : silhouettes) {
     for (const OutlinePoint& p : s->outline) {
@@ -47,17 +48,22 @@ Image<Rgb8> with_outlines(const Image<Rgb8>& image, const std::vector<const Silh
     }
   }
   constexpr int kMargin = 12, kZoom = 3;
-  const int x0 = std::max(0, static_cast<int>(left) - kMargin), y0 = std::max(0, static_cast<int>(top) - kMargin);
+  const int x0 = std::max(0, static_cast<int>(left) - kMargin),
+            y0 = std::max(0, static_cast<int>(top) - kMargin);
   Image<Rgb8> picture = enlarged(
-      crop(image, x0, y0, static_cast<int>(right) + kMargin, static_cast<int>(bottom) + kMargin), kZoom);
+      crop(image, x0, y0, static_cast<int>(right) + kMargin, static_cast<int>(bottom) + kMargin),
+      kZoom);
   for (const Silhouette* s : silhouettes) {
     for (std::size_t i = 0; i < s->outline.size(); ++i) {
-      const Eigen::Vector2f a = s->outline[i].pixel_px, b = s->outline[(i + 1) % s->outline.size()].pixel_px;
+      const Eigen::Vector2f a = s->outline[i].pixel_px,
+                            b = s->outline[(i + 1) % s->outline.size()].pixel_px;
       const Rgb8 color = s->outline[i].on_object ? Rgb8{255, 0, 160} : Rgb8{0, 200, 255};
       for (int k = 0; k < 12; ++k) {
         const Eigen::Vector2f p = a + (b - a) * (static_cast<float>(k) / 12);
-        const int x = static_cast<int>(std::lround((p.x() - static_cast<float>(x0) + 0.5F) * kZoom - 0.5F));
-        const int y = static_cast<int>(std::lround((p.y() - static_cast<float>(y0) + 0.5F) * kZoom - 0.5F));
+        const int x =
+            static_cast<int>(std::lround((p.x() - static_cast<float>(x0) + 0.5F) * kZoom - 0.5F));
+        const int y =
+            static_cast<int>(std::lround((p.y() - static_cast<float>(y0) + 0.5F) * kZoom - 0.5F));
         if (picture.contains(x, y)) picture(x, y) = color;
       }
     }
@@ -65,26 +71,31 @@ Image<Rgb8> with_outlines(const Image<Rgb8>& image, const std::vector<const Silh
   return picture;
 }
 
-ReportShape shape_of(const std::vector<Mesh>& meshes, const std::string& name, const std::string& caption, Rgb8 color) {
+ReportShape shape_of(const std::vector<Mesh>& meshes, const std::string& name,
+                     const std::string& caption, Rgb8 color) {
   ReportShape shape;
   shape.name = name;
   shape.caption = caption;
   for (const Mesh& mesh : meshes) {
     const auto offset = static_cast<std::uint32_t>(shape.positions_m.size());
     for (const Eigen::Vector3d& v : mesh.vertices_m) shape.positions_m.push_back(v.cast<float>());
-    for (const auto& t : mesh.triangles) shape.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    for (const auto& t : mesh.triangles)
+      shape.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
   }
   shape.colors.assign(shape.positions_m.size(), color);
   return shape;
 }
 
-std::string unit_of(const std::string& trait) { return trait == "area" ? "m2" : trait == "volume" ? "m3" : "m"; }
+std::string unit_of(const std::string& trait) {
+  return trait == "area" ? "m2" : trait == "volume" ? "m3" : "m";
+}
 
 /// The limits that the project holds itself to.
 std::string limit_text(const std::string& trait, const std::string& group) {
   if (trait == "area") return "at most 4 %";
   if (trait == "volume") return "at most 5 %";
-  return group == "maize" || group == "zhengdan958" || group == "tianguinuo932" ? "at most 0.15 mm" : "at most 0.08 mm";
+  return group == "maize" || group == "zhengdan958" || group == "tianguinuo932" ? "at most 0.15 mm"
+                                                                                : "at most 0.08 mm";
 }
 
 double limit_value(const std::string& trait, const std::string& group) {
@@ -100,8 +111,8 @@ std::vector<Headline> headlines_of(const std::vector<ScoreRow>& rows) {
     for (const std::string& trait : kTraits) {
       const bool by_size = trait == "area" || trait == "volume";
       if (row.metric != trait + (by_size ? ".mape" : ".rmse")) continue;
-      if (species_of(row.case_name) == row.case_name && row.case_name != "maize" && row.case_name != "wheat" &&
-          row.case_name != "rice") {
+      if (species_of(row.case_name) == row.case_name && row.case_name != "maize" &&
+          row.case_name != "wheat" && row.case_name != "rice") {
         continue;  // one line a cultivar or species is enough; "all" mixes limits
       }
       Headline headline;
@@ -109,7 +120,8 @@ std::vector<Headline> headlines_of(const std::vector<ScoreRow>& rows) {
       headline.value = {row.value, row.ci_low, row.ci_high};
       headline.unit = by_size ? "%" : "m";
       headline.limit = limit_text(trait, row.case_name);
-      headline.status = row.value <= limit_value(trait, row.case_name) ? ScoreStatus::pass : ScoreStatus::fail;
+      headline.status =
+          row.value <= limit_value(trait, row.case_name) ? ScoreStatus::pass : ScoreStatus::fail;
       result.push_back(std::move(headline));
     }
   }
@@ -128,7 +140,8 @@ std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
       std::string setting = row.case_name;
       const std::size_t run = setting.find(" run ");
       if (run != std::string::npos) setting = setting.substr(setting.find(' ', run + 5) + 1);
-      curve.points.push_back({row.method, setting, row.wall_s, {row.value, row.ci_low, row.ci_high}});
+      curve.points.push_back(
+          {row.method, setting, row.wall_s, {row.value, row.ci_low, row.ci_high}});
     }
   }
   std::vector<ErrorTimeCurve> result;
@@ -149,7 +162,8 @@ std::vector<Attribution> attributions_of(const std::vector<ScoreRow>& rows) {
       attribution.title = "Where the error of " + trait + " comes from, " + row.scene;
       attribution.metric = "RMSE of " + trait;
       attribution.unit = row.unit;
-      attribution.steps.push_back({row.case_name.substr(prefix.size()), {row.value, row.ci_low, row.ci_high}});
+      attribution.steps.push_back(
+          {row.case_name.substr(prefix.size()), {row.value, row.ci_low, row.ci_high}});
     }
   }
   std::vector<Attribution> result;
@@ -164,7 +178,9 @@ void add_pictures(SeedsReport& report, const SimulatedRun& run, const SeedsEstim
   const std::size_t count = frames.size();
   for (const std::size_t i : {count / 6, count / 2, 5 * count / 6}) {
     if (i >= count) continue;
-    report.pictures.push_back({"View " + std::to_string(frames[i].id) + " as the phone hands it over", frames[i].sensors[0].color});
+    report.pictures.push_back(
+        {"View " + std::to_string(frames[i].id) + " as the phone hands it over",
+         frames[i].sensors[0].color});
   }
   std::map<int, std::vector<const Silhouette*>> by_frame;
   for (const Silhouette& s : estimate.silhouettes) {
@@ -172,9 +188,10 @@ void add_pictures(SeedsReport& report, const SimulatedRun& run, const SeedsEstim
   }
   for (const std::size_t i : {count / 6, 5 * count / 6}) {
     if (i >= count || !by_frame.contains(frames[i].id)) continue;
-    report.pictures.push_back({"Outlines found in view " + std::to_string(frames[i].id) +
-                                   " (magenta; blue where something else cuts them), 3 times enlarged",
-                               with_outlines(frames[i].sensors[0].color, by_frame[frames[i].id])});
+    report.pictures.push_back(
+        {"Outlines found in view " + std::to_string(frames[i].id) +
+             " (magenta; blue where something else cuts them), 3 times enlarged",
+         with_outlines(frames[i].sensors[0].color, by_frame[frames[i].id])});
   }
   report.cloud = estimate.cloud;
   for (const Surface& surface : estimate.surfaces) {
@@ -189,8 +206,10 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   ReportInput input;
   input.title = report.title;
   input.summary =
-      "Every number here is measured against the exact shape of the specimens. Intervals are 95 % bootstrap intervals, "
-      "drawn by run where there are several runs. The scene and the sensor are verified against theory only; no real "
+      "Every number here is measured against the exact shape of the specimens. Intervals are 95 % "
+      "bootstrap intervals, "
+      "drawn by run where there are several runs. The scene and the sensor are verified against "
+      "theory only; no real "
       "device has been compared with them.";
   if (!report.command_line.empty()) input.commands = {report.command_line};
   input.config_toml = report.config_toml;
@@ -210,17 +229,21 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
     input.shapes.push_back(std::move(shape));
   }
   if (!report.measured.empty()) {
-    input.shapes.push_back(shape_of(report.measured, "Measured surfaces", "Closed surfaces fitted by our method", {214, 140, 60}));
+    input.shapes.push_back(shape_of(report.measured, "Measured surfaces",
+                                    "Closed surfaces fitted by our method", {214, 140, 60}));
   }
   if (!report.truth.empty()) {
-    input.shapes.push_back(shape_of(report.truth, "True surfaces", "The specimens as they are", {90, 140, 200}));
+    input.shapes.push_back(
+        shape_of(report.truth, "True surfaces", "The specimens as they are", {90, 140, 200}));
   }
   input.curves = curves_of(report.scores.scores);
   input.attributions = attributions_of(report.scores.scores);
   for (const ScoreRow& row : report.scores.scores) {
-    const bool of_one_run = row.metric.starts_with("seconds.") && row.metric != "seconds.perceive" &&
-                            row.metric != "seconds.run" && row.suite == "run" && row.scene == "000000";
-    if (of_one_run) input.timings.push_back({row.metric.substr(8), row.wall_s, row.cpu_s, row.peak_rss_mb});
+    const bool of_one_run = row.metric.starts_with("seconds.") &&
+                            row.metric != "seconds.perceive" && row.metric != "seconds.run" &&
+                            row.suite == "run" && row.scene == "000000";
+    if (of_one_run)
+      input.timings.push_back({row.metric.substr(8), row.wall_s, row.cpu_s, row.peak_rss_mb});
   }
   if (!report.plan.empty()) input.notes.push_back("Plan:\n" + report.plan);
   write_file(file, make_report(input));

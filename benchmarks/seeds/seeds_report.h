@@ -24,12 +24,13 @@ struct SeedsReport {
   std::string plan;
   ScoreFile scores;
   std::vector<ReportPicture> pictures;
-  Cloud cloud;                ///< of the scene that is shown in 3D
-  std::vector<Mesh> measured; ///< fitted surfaces, in the world
-  std::vector<Mesh> truth;    ///< true surfaces, in the world
+  Cloud cloud;                 ///< of the scene that is shown in 3D
+  std::vector<Mesh> measured;  ///< fitted surfaces, in the world
+  std::vector<Mesh> truth;     ///< true surfaces, in the world
 };
 
-/// Adds the scene's images, with the measured outlines drawn on one of them, and the shapes for the 3D view.
+/// Adds the scene's images, with the measured outlines drawn on one of them, and the shapes for the
+/// 3D view.
 void add_pictures(SeedsReport& report, const SimulatedRun& run, const SeedsEstimate& estimate);
 
 /// One self-contained HTML file, written whole or not at all.

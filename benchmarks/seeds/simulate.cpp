@@ -33,7 +33,8 @@ struct SeedsSimulation::Impl {
   PhoneUnit phone;
   std::vector<TrueView> views;
   mutable std::mutex cache_mutex;
-  mutable std::map<std::uint64_t, IrradianceCache> caches;  ///< one for each repeat; nodes stay in place
+  mutable std::map<std::uint64_t, IrradianceCache>
+      caches;  ///< one for each repeat; nodes stay in place
 
   Impl(const SeedsRunConfig& run_config, std::uint64_t run_seed, int scene_index)
       : config(run_config),
@@ -43,7 +44,8 @@ struct SeedsSimulation::Impl {
         rays(scene),
         phone(make_phone(config.rig, rng.fork("phone"))) {
     for (std::size_t i = 0; i < scene.views.size(); ++i) {
-      views.push_back(true_view(config.rig, phone, scene, static_cast<int>(i), rng.fork("view").fork(i)));
+      views.push_back(
+          true_view(config.rig, phone, scene, static_cast<int>(i), rng.fork("view").fork(i)));
     }
   }
 
@@ -51,7 +53,9 @@ struct SeedsSimulation::Impl {
     const std::lock_guard lock(cache_mutex);
     const auto found = caches.find(repeat);
     if (found != caches.end()) return found->second;
-    return caches.emplace(repeat, IrradianceCache(rays, scene, config.render, rng.fork("light").fork(repeat)))
+    return caches
+        .emplace(repeat,
+                 IrradianceCache(rays, scene, config.render, rng.fork("light").fork(repeat)))
         .first->second;
   }
 };
@@ -69,7 +73,8 @@ const PhoneUnit& SeedsSimulation::phone() const { return impl_->phone; }
 Image<Rgbf> SeedsSimulation::radiance(int frame, std::uint64_t repeat) const {
   const Rng rng = impl_->rng.fork("radiance").fork(repeat).fork(static_cast<std::uint64_t>(frame));
   return render_radiance(impl_->rays, impl_->scene, impl_->cache(repeat),
-                         impl_->views.at(static_cast<std::size_t>(frame)), impl_->config.render, rng);
+                         impl_->views.at(static_cast<std::size_t>(frame)), impl_->config.render,
+                         rng);
 }
 
 Frame SeedsSimulation::photograph(int frame) const {
@@ -83,12 +88,14 @@ Frame SeedsSimulation::photograph(int frame) const {
 }
 
 Camera SeedsSimulation::reported(int frame) const {
-  return reported_camera(impl_->config.rig, impl_->phone, impl_->views.at(static_cast<std::size_t>(frame)),
+  return reported_camera(impl_->config.rig, impl_->phone,
+                         impl_->views.at(static_cast<std::size_t>(frame)),
                          impl_->rng.fork("sensor").fork(static_cast<std::uint64_t>(frame)));
 }
 
 TruthImages SeedsSimulation::truth(int frame, const TruthNeeds& needs) const {
-  return render_truth(impl_->rays, impl_->scene, impl_->views.at(static_cast<std::size_t>(frame)), needs);
+  return render_truth(impl_->rays, impl_->scene, impl_->views.at(static_cast<std::size_t>(frame)),
+                      needs);
 }
 
 Capture SeedsSimulation::capture_header() const {

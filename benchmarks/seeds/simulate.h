@@ -16,8 +16,8 @@ namespace cousin {
 /// Called as work goes on: what is being done, steps finished, steps in all.
 using Progress = std::function<void(const std::string& what, int done, int total)>;
 
-/// One scene of the virtual world, ready to be photographed. A frame is a pure function of (configuration, seed,
-/// scene index, frame index): any subset may be rendered, in any order.
+/// One scene of the virtual world, ready to be photographed. A frame is a pure function of
+/// (configuration, seed, scene index, frame index): any subset may be rendered, in any order.
 class SeedsSimulation {
  public:
   /// Builds and settles the scene, draws the phone. Light is computed on the first photograph.
@@ -30,8 +30,8 @@ class SeedsSimulation {
   const std::vector<TrueView>& views() const;
   const PhoneUnit& phone() const;
 
-  /// Linear radiance of one view, before the sensor. `repeat` draws other Monte-Carlo samples of the same view and
-  /// of the light cache, to measure the renderer's own noise.
+  /// Linear radiance of one view, before the sensor. `repeat` draws other Monte-Carlo samples of
+  /// the same view and of the light cache, to measure the renderer's own noise.
   Image<Rgbf> radiance(int frame, std::uint64_t repeat = 0) const;
   /// What the phone hands over for one view.
   Frame photograph(int frame) const;
@@ -49,7 +49,8 @@ class SeedsSimulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// All frames of a scene and the truth that `needs` asks for, in memory, with the seconds of each pass.
+/// All frames of a scene and the truth that `needs` asks for, in memory, with the seconds of each
+/// pass.
 struct SimulatedRun {
   Capture capture;
   SceneTruth truth;

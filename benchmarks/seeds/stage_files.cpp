@@ -24,8 +24,8 @@ class TemporaryFolder {
   TemporaryFolder() {
     std::string name = (fs::temp_directory_path() / "cousin-stage-XXXXXX").string();
     if (!mkdtemp(name.data())) {
-      throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string() + ": " +
-                               std::strerror(errno));
+      throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string() +
+                               ": " + std::strerror(errno));
     }
     path_ = name;
   }
@@ -52,19 +52,23 @@ void call_program(const fs::path& program, const fs::path& input, const fs::path
   }
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) throw std::runtime_error("waiting for \"" + name + "\": " + std::strerror(errno));
+    if (errno != EINTR)
+      throw std::runtime_error("waiting for \"" + name + "\": " + std::strerror(errno));
   }
   if (WIFSIGNALED(status)) {
-    throw std::runtime_error("\"" + name + "\" was ended by signal " + std::to_string(WTERMSIG(status)));
+    throw std::runtime_error("\"" + name + "\" was ended by signal " +
+                             std::to_string(WTERMSIG(status)));
   }
   if (WEXITSTATUS(status) != 0) {
     throw std::runtime_error("\"" + name + "\" exited with " + std::to_string(WEXITSTATUS(status)));
   }
 }
 
-/// A stage that reads its seam with `read` from files, or from what a program makes of the capture and earlier seams.
+/// A stage that reads its seam with `read` from files, or from what a program makes of the capture
+/// and earlier seams.
 template <class Value>
-std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSource& source, int scene_index,
+std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSource& source,
+                                                                   int scene_index,
                                                                    Value (*read)(const fs::path&)) {
   if (source.kind == StageSource::Kind::directory) {
     return [source, scene_index, read](const Capture&, const SeedsEstimate&) {
@@ -114,7 +118,8 @@ StageSource parse_stage_source(const std::string& text) {
   const std::string rest = text.substr(equals + 1);
   if (rest.starts_with("dir:")) {
     source.path = rest.substr(4);
-    if (!fs::is_directory(source.path)) fail("folder \"" + source.path.string() + "\" does not exist");
+    if (!fs::is_directory(source.path))
+      fail("folder \"" + source.path.string() + "\" does not exist");
   } else if (rest.starts_with("exec:")) {
     source.kind = StageSource::Kind::program;
     source.path = rest.substr(5);
@@ -125,7 +130,8 @@ StageSource parse_stage_source(const std::string& text) {
   return source;
 }
 
-SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources, int scene_index) {
+SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources,
+                               int scene_index) {
   for (const StageSource& source : sources) {
     if (source.stage == "corners") base.corners = sourced(source, scene_index, read_corners);
     if (source.stage == "poses") base.poses = sourced(source, scene_index, read_poses);
@@ -139,7 +145,8 @@ SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>&
   return base;
 }
 
-void write_seam(const fs::path& dir, const std::string& stage, const SeedsEstimate& estimate, int scene_index) {
+void write_seam(const fs::path& dir, const std::string& stage, const SeedsEstimate& estimate,
+                int scene_index) {
   if (stage == "corners") write_corners(dir, estimate.corners);
   if (stage == "poses") write_poses(dir, estimate.poses);
   if (stage == "depth") write_depths(dir, estimate.depths);

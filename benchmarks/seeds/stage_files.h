@@ -18,14 +18,17 @@ struct StageSource {
 /// @throws std::invalid_argument naming the text, the forms and the stages that exist.
 StageSource parse_stage_source(const std::string& text);
 
-/// `base` with each named stage read from files or made by a program. `dir:PATH` reads the seam's file of PATH/SCENE_ID or
-/// PATH. `exec:PROGRAM` is called as PROGRAM INPUT_DIR OUTPUT_DIR; INPUT_DIR holds the capture and the earlier seams,
-/// never truth. Missing or malformed files and a non-zero exit throw std::runtime_error.
-SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources, int scene_index);
+/// `base` with each named stage read from files or made by a program. `dir:PATH` reads the seam's
+/// file of PATH/SCENE_ID or PATH. `exec:PROGRAM` is called as PROGRAM INPUT_DIR OUTPUT_DIR;
+/// INPUT_DIR holds the capture and the earlier seams, never truth. Missing or malformed files and a
+/// non-zero exit throw std::runtime_error.
+SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources,
+                               int scene_index);
 
-/// Writes the seam of one finished stage into `dir`; stages without a file of their own write nothing.
-void write_seam(const std::filesystem::path& dir, const std::string& stage, const SeedsEstimate& estimate,
-                int scene_index);
+/// Writes the seam of one finished stage into `dir`; stages without a file of their own write
+/// nothing.
+void write_seam(const std::filesystem::path& dir, const std::string& stage,
+                const SeedsEstimate& estimate, int scene_index);
 
 /// "000003" for 3.
 std::string scene_id(int scene_index);

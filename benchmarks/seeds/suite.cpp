@@ -18,8 +18,9 @@ struct SuiteJob {
   SeedsRunConfig config;
   std::uint64_t seed = 0;
   int run = 0;
-  std::vector<int> view_counts;  ///< evenly spread subsets of the views; the last one is all of them
-  bool pooled = false;           ///< its specimens (all views) enter the main table
+  std::vector<int>
+      view_counts;      ///< evenly spread subsets of the views; the last one is all of them
+  bool pooled = false;  ///< its specimens (all views) enter the main table
   bool attribution = false;
 };
 
@@ -27,7 +28,8 @@ Capture subset(const Capture& capture, int views) {
   Capture part = capture;
   part.frames.clear();
   const int all = static_cast<int>(capture.frames.size());
-  for (int i = 0; i < views; ++i) part.frames.push_back(capture.frames[static_cast<std::size_t>(i * all / views)]);
+  for (int i = 0; i < views; ++i)
+    part.frames.push_back(capture.frames[static_cast<std::size_t>(i * all / views)]);
   return part;
 }
 
@@ -36,13 +38,14 @@ SceneTruth subset(const SceneTruth& truth, int views) {
   part.views.clear();
   part.images.clear();
   const int all = static_cast<int>(truth.views.size());
-  for (int i = 0; i < views; ++i) part.views.push_back(truth.views[static_cast<std::size_t>(i * all / views)]);
+  for (int i = 0; i < views; ++i)
+    part.views.push_back(truth.views[static_cast<std::size_t>(i * all / views)]);
   return part;
 }
 
 /// The paper's steps on the cloud that ours made: same poses, depth and points.
-SeedsEstimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineConfig& config, std::uint64_t seed,
-                                  const SeedsEstimate& ours) {
+SeedsEstimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineConfig& config,
+                                  std::uint64_t seed, const SeedsEstimate& ours) {
   SeedsPipelineConfig paper = config;
   paper.method = SeedsMethod::paper;
   SeedsStages stages = seeds_stages(paper, seed);
@@ -55,7 +58,8 @@ SeedsEstimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineCon
   // Its seconds include those of the stages it shares.
   std::vector<StageTiming> timings;
   for (const StageTiming& t : ours.timings) {
-    if (t.stage == "corners" || t.stage == "poses" || t.stage == "depth" || t.stage == "cloud") timings.push_back(t);
+    if (t.stage == "corners" || t.stage == "poses" || t.stage == "depth" || t.stage == "cloud")
+      timings.push_back(t);
   }
   for (const StageTiming& t : estimate.timings) {
     if (t.stage != "cloud") timings.push_back(t);
@@ -70,10 +74,11 @@ double total_wall_s(const SeedsEstimate& estimate) {
 }
 
 /// RMSE rows of one capture with the seconds they cost: points of the error-against-time curves.
-void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate, const SeedsScoreLabels& labels,
-                    std::vector<ScoreRow>& rows) {
+void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
+                    const SeedsScoreLabels& labels, std::vector<ScoreRow>& rows) {
   for (const char* trait : {"length", "width", "height", "area", "volume"}) {
-    const auto pairs = trait_pairs(scores.specimens, trait, [](const SpecimenRow&) { return true; });
+    const auto pairs =
+        trait_pairs(scores.specimens, trait, [](const SpecimenRow&) { return true; });
     if (pairs.size() < 2) continue;
     ScoreRow base;
     base.suite = labels.suite;
@@ -83,14 +88,20 @@ void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate, co
     base.seed = labels.seed;
     base.wall_s = total_wall_s(estimate);
     const std::string name = trait;
-    const TraitStatistics s = trait_statistics(pairs, Rng(labels.seed).fork("curve").fork(labels.case_name + name));
-    rows.push_back(with_interval(base, "curve." + name + ".rmse", name == "area" ? "m2" : name == "volume" ? "m3" : "m", s.rmse, s.n));
+    const TraitStatistics s =
+        trait_statistics(pairs, Rng(labels.seed).fork("curve").fork(labels.case_name + name));
+    rows.push_back(with_interval(base, "curve." + name + ".rmse",
+                                 name == "area"     ? "m2"
+                                 : name == "volume" ? "m3"
+                                                    : "m",
+                                 s.rmse, s.n));
     rows.push_back(with_interval(base, "curve." + name + ".mape", "1", s.mape, s.n));
   }
 }
 
 std::string run_job(const SuiteJob& job, const Progress& progress) {
-  const SimulatedRun run = simulate_seeds(job.config, job.seed, job.run, planned_truth(job.attribution), progress);
+  const SimulatedRun run =
+      simulate_seeds(job.config, job.seed, job.run, planned_truth(job.attribution), progress);
   ScoreFile file;
   file.header.program_version = COUSIN_VERSION;
   file.header.config_hash = config_hash(job.config, job.seed);
@@ -98,14 +109,17 @@ std::string run_job(const SuiteJob& job, const Progress& progress) {
   labels.scene = job.config.scene.sphere ? "sphere" : job.config.scene.cultivar;
   labels.run = std::to_string(job.run);
   labels.seed = job.seed;
-  const std::string size = std::to_string(job.config.rig.width_px) + "x" + std::to_string(job.config.rig.height_px);
+  const std::string size =
+      std::to_string(job.config.rig.width_px) + "x" + std::to_string(job.config.rig.height_px);
   const std::uint64_t stage_seed = Rng(job.seed).fork(static_cast<std::uint64_t>(job.run))();
   for (const int views : job.view_counts) {
     const bool all = views == static_cast<int>(run.capture.frames.size());
     const Capture capture = subset(run.capture, views);
     const SceneTruth truth = subset(run.truth, views);
-    labels.case_name = labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " + size;
-    const SeedsEstimate ours = perceive_seeds(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
+    labels.case_name =
+        labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " + size;
+    const SeedsEstimate ours =
+        perceive_seeds(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
     const SeedsEstimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
     for (const auto& [method, estimate] : {std::pair{"ours", &ours}, std::pair{"paper", &paper}}) {
       labels.method = method;
@@ -113,12 +127,14 @@ std::string run_job(const SuiteJob& job, const Progress& progress) {
       add_curve_rows(scores, *estimate, labels, file.scores);
       file.scores.insert(file.scores.end(), scores.rows.begin(), scores.rows.end());
       if (all && job.pooled) {
-        file.specimens.insert(file.specimens.end(), scores.specimens.begin(), scores.specimens.end());
+        file.specimens.insert(file.specimens.end(), scores.specimens.begin(),
+                              scores.specimens.end());
       }
     }
     if (all && job.attribution) {
       labels.method = "ours";
-      const auto steps = attribute_seeds(run, job.config.pipeline, stage_seed, labels, &ours, progress);
+      const auto steps =
+          attribute_seeds(run, job.config.pipeline, stage_seed, labels, &ours, progress);
       for (ScoreRow& row : attribution_rows(steps, labels)) {
         row.scene = labels.scene;
         file.scores.push_back(std::move(row));
@@ -164,7 +180,8 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   if (suite.quick) {
     for (const char* cultivar : {"zhengdan958", "jimai22", "suijing18"}) {
       add(std::string("quick_") + cultivar, 0,
-          {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=30"}, {10, 20}, true, suite.attribution);
+          {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=30"}, {10, 20}, true,
+          suite.attribution);
     }
     return jobs;
   }
@@ -172,17 +189,20 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   for (int run = 0; run < suite.runs; ++run) {
     for (const std::string& cultivar : cultivars) {
       add(cultivar + "_run" + std::to_string(run), run,
-          {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=60"}, {}, true, suite.attribution && run == 0);
+          {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=60"}, {}, true,
+          suite.attribution && run == 0);
     }
     if (run > 0) continue;
     add("sphere_run0", run, {"sphere=true", "rig=phone_video_1080p", "views=60"}, {}, true, false);
     for (const char* cultivar : {"zhengdan958", "jimai22", "suijing18"}) {
       add(std::string(cultivar) + "_720p", run,
-          {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=60"}, {10, 20, 40}, false, false);
+          {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=60"}, {10, 20, 40},
+          false, false);
     }
   }
   for (const std::string& cultivar : cultivars) {
-    add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"}, {120}, false, false);
+    add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"},
+        {120}, false, false);
   }
   return jobs;
 }
@@ -192,15 +212,17 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
 std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Progress& progress) {
   std::vector<ShardJob> jobs;
   for (const SuiteJob& job : list_jobs(config)) {
-    std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) + std::to_string(job.seed) + "/" +
-                      std::to_string(job.run) + (job.attribution ? "/attribution" : "");
+    std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
+                      std::to_string(job.seed) + "/" + std::to_string(job.run) +
+                      (job.attribution ? "/attribution" : "");
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back({job.name, key, [job, progress] { return run_job(job, progress); }});
   }
   return jobs;
 }
 
-ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results, const SeedsSuiteConfig& config) {
+ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
+                           const SeedsSuiteConfig& config) {
   ScoreFile pooled;
   pooled.header.program_version = COUSIN_VERSION;
   SeedsScoreLabels labels;
@@ -220,8 +242,10 @@ ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results, const SeedsS
     }
   }
   labels.scene = "pooled";
-  for (ScoreRow& row : pooled_rows(pooled.specimens, labels)) pooled.scores.push_back(std::move(row));
-  for (ScoreRow& row : paired_rows(pooled.specimens, "ours", "paper", labels)) pooled.scores.push_back(std::move(row));
+  for (ScoreRow& row : pooled_rows(pooled.specimens, labels))
+    pooled.scores.push_back(std::move(row));
+  for (ScoreRow& row : paired_rows(pooled.specimens, "ours", "paper", labels))
+    pooled.scores.push_back(std::move(row));
   return pooled;
 }
 

@@ -13,18 +13,21 @@ namespace cousin {
 
 struct SeedsSuiteConfig {
   std::uint64_t seed = 1;
-  int runs = 5;                        ///< of each cultivar at 60 views
-  bool quick = false;                  ///< one cultivar a species, few views, small images: minutes
-  bool attribution = false;            ///< truth in each seam for run 0 of each cultivar
-  std::vector<std::string> sets;       ///< key=value for every job
+  int runs = 5;                   ///< of each cultivar at 60 views
+  bool quick = false;             ///< one cultivar a species, few views, small images: minutes
+  bool attribution = false;       ///< truth in each seam for run 0 of each cultivar
+  std::vector<std::string> sets;  ///< key=value for every job
 };
 
-/// The Seeds experiment: for each cultivar runs of ten seeds at the paper's imaging (1920 x 1080, 60 views; 270 for one run), on the
-/// same captures the paper's measuring steps and ours; the error-against-time curves over views and image size; the 22 mm
-/// sphere. Each job is one capture, minutes long, and resumes.
-std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Progress& progress = {});
+/// The Seeds experiment: for each cultivar runs of ten seeds at the paper's imaging (1920 x 1080,
+/// 60 views; 270 for one run), on the same captures the paper's measuring steps and ours; the
+/// error-against-time curves over views and image size; the 22 mm sphere. Each job is one capture,
+/// minutes long, and resumes.
+std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config,
+                                       const Progress& progress = {});
 
-/// Rows of all finished jobs with the statistics over runs. Jobs that failed become rows with status error.
+/// Rows of all finished jobs with the statistics over runs. Jobs that failed become rows with
+/// status error.
 ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results, const SeedsSuiteConfig& config);
 
 }  // namespace cousin

@@ -9,9 +9,12 @@ namespace {
 
 constexpr double kReach_px = 3;
 
-/// Where the line through an outline point along its normal leaves the object: its outermost crossing within reach.
-std::optional<double> outermost_crossing(const std::vector<ContourSegment>& contour, const OutlinePoint& point) {
-  const Eigen::Vector2d origin = point.pixel_px.cast<double>(), normal = point.normal.cast<double>();
+/// Where the line through an outline point along its normal leaves the object: its outermost
+/// crossing within reach.
+std::optional<double> outermost_crossing(const std::vector<ContourSegment>& contour,
+                                         const OutlinePoint& point) {
+  const Eigen::Vector2d origin = point.pixel_px.cast<double>(),
+                        normal = point.normal.cast<double>();
   const Eigen::Vector2d along(-normal.y(), normal.x());
   std::optional<double> outermost;
   for (const ContourSegment& segment : contour) {
@@ -31,9 +34,10 @@ Pose middle_pose(const TrueView& view) {
   return interpolate(view.camera_from_world, view.camera_from_world_end, 0.5);
 }
 
-/// Pixel of a world point through a rolling shutter: the row it lands on fixes the pose it is seen from. The motion during
-/// readout is a pixel or so, so the fixed point iteration contracts fast.
-std::optional<Eigen::Vector2d> project_rolling(const TrueView& view, const Eigen::Vector3d& point_in_world_m) {
+/// Pixel of a world point through a rolling shutter: the row it lands on fixes the pose it is seen
+/// from. The motion during readout is a pixel or so, so the fixed point iteration contracts fast.
+std::optional<Eigen::Vector2d> project_rolling(const TrueView& view,
+                                               const Eigen::Vector3d& point_in_world_m) {
   std::optional<Eigen::Vector2d> pixel = project(view.camera, middle_pose(view) * point_in_world_m);
   for (int i = 0; i < 6 && pixel; ++i) {
     pixel = project(view.camera, pose_at_row(view, pixel->y()) * point_in_world_m);
@@ -43,13 +47,15 @@ std::optional<Eigen::Vector2d> project_rolling(const TrueView& view, const Eigen
 
 std::vector<ContourSegment> true_contour(const Mesh& mesh, const TrueView& view) {
   const Eigen::Vector3d eye = centre_in_world_m(middle_pose(view));
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> facing;  // edge -> sum of +1 front, -1 back
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int>
+      facing;  // edge -> sum of +1 front, -1 back
   for (const auto& t : mesh.triangles) {
     const Eigen::Vector3d a = mesh.vertices_m[t[0]];
     const Eigen::Vector3d normal = (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a);
     const int sign = normal.dot(eye - a) > 0 ? 1 : -1;
     for (int i = 0; i < 3; ++i) {
-      facing[std::minmax(t[static_cast<std::size_t>(i)], t[static_cast<std::size_t>((i + 1) % 3)])] += sign;
+      facing[std::minmax(t[static_cast<std::size_t>(i)],
+                         t[static_cast<std::size_t>((i + 1) % 3)])] += sign;
     }
   }
   std::vector<ContourSegment> segments;
@@ -63,7 +69,8 @@ std::vector<ContourSegment> true_contour(const Mesh& mesh, const TrueView& view)
 }
 
 OutlineScore score_outlines(const Silhouettes& measured, const std::vector<TrueView>& views,
-                            const std::vector<Mesh>& meshes_in_world, const std::vector<int>& object_of) {
+                            const std::vector<Mesh>& meshes_in_world,
+                            const std::vector<int>& object_of) {
   std::map<int, const TrueView*> view_of;
   for (const TrueView& view : views) view_of[view.frame] = &view;
   OutlineScore score;
@@ -73,7 +80,8 @@ OutlineScore score_outlines(const Silhouettes& measured, const std::vector<TrueV
     if (view == view_of.end() || silhouette.instance < 0) continue;
     const auto instance = static_cast<std::size_t>(silhouette.instance);
     if (instance >= object_of.size() || object_of[instance] < 0) continue;
-    const auto contour = true_contour(meshes_in_world[static_cast<std::size_t>(object_of[instance])], *view->second);
+    const auto contour =
+        true_contour(meshes_in_world[static_cast<std::size_t>(object_of[instance])], *view->second);
     for (const OutlinePoint& point : silhouette.outline) {
       if (!point.on_object || !(point.sigma_px > 0)) continue;
       const auto crossing = outermost_crossing(contour, point);

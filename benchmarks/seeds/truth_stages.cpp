@@ -81,7 +81,8 @@ bool sees(const TrueView& view, const TruthImages& truth, const Eigen::Vector3d&
   return std::abs(truth.depth_m(x, y) - depth_m) < 5e-4 * depth_m;
 }
 
-/// Points of the specimens' true surfaces that at least two views see, with exact normals; about one a quarter millimetre.
+/// Points of the specimens' true surfaces that at least two views see, with exact normals; about
+/// one a quarter millimetre.
 Clusters true_clusters(const SimulatedRun& run) {
   constexpr double kSpacing_m = 0.00025;
   Clusters result;
@@ -90,7 +91,8 @@ Clusters true_clusters(const SimulatedRun& run) {
     const Mesh mesh = mesh_in_world(run.truth.scene, *objects[k]);
     std::map<std::array<int, 3>, bool> taken;
     for (const auto& t : mesh.triangles) {
-      const Eigen::Vector3d a = mesh.vertices_m[t[0]], b = mesh.vertices_m[t[1]], c = mesh.vertices_m[t[2]];
+      const Eigen::Vector3d a = mesh.vertices_m[t[0]], b = mesh.vertices_m[t[1]],
+                            c = mesh.vertices_m[t[2]];
       const Eigen::Vector3d point = (a + b + c) / 3;
       const std::array<int, 3> cell = {static_cast<int>(std::floor(point.x() / kSpacing_m)),
                                        static_cast<int>(std::floor(point.y() / kSpacing_m)),
@@ -99,7 +101,8 @@ Clusters true_clusters(const SimulatedRun& run) {
       const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
       int seen = 0;
       for (std::size_t f = 0; f < run.truth.views.size() && seen < 2; ++f) {
-        const Eigen::Vector3d to_camera = centre_in_world_m(run.truth.views[f].camera_from_world) - point;
+        const Eigen::Vector3d to_camera =
+            centre_in_world_m(run.truth.views[f].camera_from_world) - point;
         if (normal.dot(to_camera) > 0.2 * to_camera.norm() &&
             sees(run.truth.views[f], run.truth.images[f], point)) {
           ++seen;
@@ -115,12 +118,17 @@ Clusters true_clusters(const SimulatedRun& run) {
   return result;
 }
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
-/// Outer boundary of the contour as seen from its middle: the farthest crossing along each direction.
-std::vector<Eigen::Vector2d> outer_boundary(const std::vector<ContourSegment>& segments, int directions) {
+/// Outer boundary of the contour as seen from its middle: the farthest crossing along each
+/// direction.
+std::vector<Eigen::Vector2d> outer_boundary(const std::vector<ContourSegment>& segments,
+                                            int directions) {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const ContourSegment& s : segments) middle += (s[0] + s[1]) / (2.0 * static_cast<double>(segments.size()));
+  for (const ContourSegment& s : segments)
+    middle += (s[0] + s[1]) / (2.0 * static_cast<double>(segments.size()));
   std::vector<double> radius(static_cast<std::size_t>(directions), 0);
   const double step = 2 * std::numbers::pi / directions;
   for (const ContourSegment& s : segments) {
@@ -131,7 +139,8 @@ std::vector<Eigen::Vector2d> outer_boundary(const std::vector<ContourSegment>& s
       std::swap(from, to);
       to += 2 * std::numbers::pi;
     }
-    for (int i = static_cast<int>(std::ceil(from / step)); i <= static_cast<int>(std::floor(to / step)); ++i) {
+    for (int i = static_cast<int>(std::ceil(from / step));
+         i <= static_cast<int>(std::floor(to / step)); ++i) {
       const Eigen::Vector2d d(std::cos(i * step), std::sin(i * step));
       const double denominator = cross(d, b - a);
       if (std::abs(denominator) < 1e-15) continue;
@@ -142,7 +151,8 @@ std::vector<Eigen::Vector2d> outer_boundary(const std::vector<ContourSegment>& s
   std::vector<Eigen::Vector2d> boundary;
   for (int i = 0; i < directions; ++i) {
     const double r = radius[static_cast<std::size_t>(i)];
-    if (r > 0) boundary.push_back(middle + r * Eigen::Vector2d(std::cos(i * step), std::sin(i * step)));
+    if (r > 0)
+      boundary.push_back(middle + r * Eigen::Vector2d(std::cos(i * step), std::sin(i * step)));
   }
   return boundary;
 }
@@ -162,7 +172,8 @@ Silhouettes true_silhouettes(const SimulatedRun& run) {
         const Eigen::Vector2d& next = boundary[(i + 1) % boundary.size()];
         const Eigen::Vector2d& previous = boundary[(i + boundary.size() - 1) % boundary.size()];
         const Eigen::Vector2d along = (next - previous).normalized();
-        const Eigen::Vector2d normal(along.y(), -along.x());  // the angle grows from x to y: outward
+        const Eigen::Vector2d normal(along.y(),
+                                     -along.x());  // the angle grows from x to y: outward
         OutlinePoint point{boundary[i].cast<float>(), normal.cast<float>(), 0.01F, true};
         const auto inside = instance_at(run.truth.images[f], boundary[i] - 1.5 * normal);
         const auto outside = instance_at(run.truth.images[f], boundary[i] + 1.5 * normal);
@@ -198,7 +209,8 @@ Traits true_traits(const SimulatedRun& run) {
     SpecimenTraits traits;
     traits.instance = static_cast<int>(result.size());
     traits.status = TraitStatus::ok;
-    traits.centroid_in_world_m = mass_properties(mesh_in_world(run.truth.scene, *object)).centroid_m;
+    traits.centroid_in_world_m =
+        mass_properties(mesh_in_world(run.truth.scene, *object)).centroid_m;
     for (const TrueTrait& trait : object->traits) {
       traits.traits.push_back({trait.name, trait.unit, trait.value, 0});
     }
@@ -237,7 +249,9 @@ SeedsStages truth_stages(const SimulatedRun& run, const SeedBoard& board) {
     throw std::invalid_argument("true seams need truth images of every view");
   }
   SeedsStages stages;
-  stages.corners = [&run, board](const Capture&, const SeedsEstimate&) { return true_corners(run, board); };
+  stages.corners = [&run, board](const Capture&, const SeedsEstimate&) {
+    return true_corners(run, board);
+  };
   stages.poses = [&run](const Capture&, const SeedsEstimate&) { return true_poses(run); };
   stages.depth = [&run](const Capture&, const SeedsEstimate&) { return true_depths(run); };
   stages.cloud = [&run](const Capture&, const SeedsEstimate&) { return true_clusters(run).cloud; };
@@ -251,17 +265,26 @@ SeedsStages truth_stages(const SimulatedRun& run, const SeedBoard& board) {
 SeedsStages replace_stages(SeedsStages base, const SeedsStages& replacement,
                            const std::vector<std::string>& names) {
   for (const std::string& name : names) {
-    if (name == "corners") base.corners = replacement.corners;
-    else if (name == "poses") base.poses = replacement.poses;
-    else if (name == "depth") base.depth = replacement.depth;
-    else if (name == "cloud") base.cloud = replacement.cloud;
-    else if (name == "clusters") base.clusters = replacement.clusters;
-    else if (name == "masks") base.masks = replacement.masks;
-    else if (name == "surfaces") base.surfaces = replacement.surfaces;
-    else if (name == "traits") base.traits = replacement.traits;
+    if (name == "corners")
+      base.corners = replacement.corners;
+    else if (name == "poses")
+      base.poses = replacement.poses;
+    else if (name == "depth")
+      base.depth = replacement.depth;
+    else if (name == "cloud")
+      base.cloud = replacement.cloud;
+    else if (name == "clusters")
+      base.clusters = replacement.clusters;
+    else if (name == "masks")
+      base.masks = replacement.masks;
+    else if (name == "surfaces")
+      base.surfaces = replacement.surfaces;
+    else if (name == "traits")
+      base.traits = replacement.traits;
     else {
       std::string known;
-      for (const std::string& stage : seeds_stage_names()) known += (known.empty() ? "" : ", ") + stage;
+      for (const std::string& stage : seeds_stage_names())
+        known += (known.empty() ? "" : ", ") + stage;
       throw std::invalid_argument("stage \"" + name + "\" is not one of " + known);
     }
   }

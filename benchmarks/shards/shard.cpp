@@ -39,7 +39,8 @@ Shard parse_shard(const std::string& text) {
     throw std::invalid_argument("--shard \"" + text + "\" is not i/n with 0 <= i < n");
   }
   const std::string_view view(text);
-  const Shard shard{parse_whole(view.substr(0, slash), text), parse_whole(view.substr(slash + 1), text)};
+  const Shard shard{parse_whole(view.substr(0, slash), text),
+                    parse_whole(view.substr(slash + 1), text)};
   if (shard.count < 1 || shard.count > 100000 || shard.index < 0 || shard.index >= shard.count) {
     throw std::invalid_argument("--shard \"" + text + "\" is not i/n with 0 <= i < n <= 100000");
   }

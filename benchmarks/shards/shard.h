@@ -15,13 +15,15 @@ struct Shard {
 };
 /// "i/n"; empty = everything. @throws std::invalid_argument naming the text and the form.
 Shard parse_shard(const std::string& text);
-/// The half-open range of a list of `size` items that belongs to the shard; sizes differ by one at most.
+/// The half-open range of a list of `size` items that belongs to the shard; sizes differ by one at
+/// most.
 std::pair<int, int> shard_range(const Shard& shard, int size);
 
 /// One piece of long work, minutes at most: a pure function of `key` whose result is text (JSON).
 struct ShardJob {
   std::string name;  ///< file name below the folder: letters, digits, . _ -
-  std::string key;   ///< everything the result depends on; a finished result with another key is made anew
+  std::string
+      key;  ///< everything the result depends on; a finished result with another key is made anew
   std::function<std::string()> run;
 };
 struct ShardResult {
@@ -31,11 +33,11 @@ struct ShardResult {
   bool reused = false;
 };
 
-/// Runs the jobs of `shard` that `folder` holds no result for, in order, and writes each result at once, under its final name only when
-/// whole: a run that was stopped goes on where it was. Jobs of other shards are read if they are there. A job that throws is recorded and
-/// the rest goes on.
-std::vector<ShardResult> run_shards(const std::filesystem::path& folder, const std::vector<ShardJob>& jobs,
-                                    const Shard& shard,
-                                    const std::function<void(const std::string& name, int done, int total)>& progress = {});
+/// Runs the jobs of `shard` that `folder` holds no result for, in order, and writes each result at
+/// once, under its final name only when whole: a run that was stopped goes on where it was. Jobs of
+/// other shards are read if they are there. A job that throws is recorded and the rest goes on.
+std::vector<ShardResult> run_shards(
+    const std::filesystem::path& folder, const std::vector<ShardJob>& jobs, const Shard& shard,
+    const std::function<void(const std::string& name, int done, int total)>& progress = {});
 
 }  // namespace cousin

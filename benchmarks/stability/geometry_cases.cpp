@@ -1,10 +1,9 @@
 #include "benchmarks/stability/geometry_cases.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
 #include <string>
-
-#include <Eigen/Geometry>
 
 #include "sim/geometry/measure.h"
 #include "sim/types/rng.h"
@@ -45,8 +44,8 @@ Points moved(Points points, const Eigen::Vector3d& by) {
 }
 
 /// A measured value against a limit from above; NaN and exceptions fail.
-StabilityRow row(const std::string& name, const std::string& quantity, const std::string& unit, double limit,
-                 const std::function<double()>& measure) {
+StabilityRow row(const std::string& name, const std::string& quantity, const std::string& unit,
+                 double limit, const std::function<double()>& measure) {
   StabilityRow result{name, quantity, unit, limit, std::nan(""), true, false};
   try {
     result.value = measure();
@@ -74,28 +73,34 @@ std::vector<StabilityRow> geometry_cases() {
     Points points;
     int zero_sizes;
   };
-  const std::vector<Flat> flats = {{"coplanar", flat_points(2), 1},
-                                   {"collinear", flat_points(1), 2},
-                                   {"duplicate", Points(50, Eigen::Vector3d(0.001, 0.002, 0.003)), 3},
-                                   {"single", Points(1, Eigen::Vector3d(0.001, 0.002, 0.003)), 3}};
+  const std::vector<Flat> flats = {
+      {"coplanar", flat_points(2), 1},
+      {"collinear", flat_points(1), 2},
+      {"duplicate", Points(50, Eigen::Vector3d(0.001, 0.002, 0.003)), 3},
+      {"single", Points(1, Eigen::Vector3d(0.001, 0.002, 0.003)), 3}};
   for (const Flat& flat : flats) {
-    rows.push_back(row(std::string("box, ") + flat.name + " points", "smallest sizes that should be 0", "m", 1e-15,
-                       [&] {
+    rows.push_back(row(std::string("box, ") + flat.name + " points",
+                       "smallest sizes that should be 0", "m", 1e-15, [&] {
                          const OrientedBox box = minimum_volume_box(flat.points);
                          double worst = 0;
-                         for (int i = 3 - flat.zero_sizes; i < 3; ++i) worst = std::max(worst, box.size_m[i]);
-                         return box.size_m.allFinite() && box.axes.allFinite() ? worst : std::nan("");
+                         for (int i = 3 - flat.zero_sizes; i < 3; ++i)
+                           worst = std::max(worst, box.size_m[i]);
+                         return box.size_m.allFinite() && box.axes.allFinite() ? worst
+                                                                               : std::nan("");
                        }));
-    rows.push_back(row(std::string("alpha shape, ") + flat.name + " points", "volume", "m3", 0, [&] {
-      const AlphaShape shape = alpha_shape(flat.points, 0.0015);
-      return shape.volume_m3 + shape.area_m2;
-    }));
+    rows.push_back(
+        row(std::string("alpha shape, ") + flat.name + " points", "volume", "m3", 0, [&] {
+          const AlphaShape shape = alpha_shape(flat.points, 0.0015);
+          return shape.volume_m3 + shape.area_m2;
+        }));
   }
   for (const double offset_m : {1.0, 1e3, 1e6}) {
-    // Coordinates carry a rounding of 2^-53 of the offset each; sizes and volumes can be no better than a few of those.
+    // Coordinates carry a rounding of 2^-53 of the offset each; sizes and volumes can be no better
+    // than a few of those.
     const double rounding_m = offset_m * 0x1p-52;
     const Points far = moved(solid, {offset_m, -offset_m, offset_m});
-    const std::string name = "2000 points " + std::to_string(static_cast<long>(offset_m)) + " m away";
+    const std::string name =
+        "2000 points " + std::to_string(static_cast<long>(offset_m)) + " m away";
     rows.push_back(row("box, " + name, "change of a size", "m", 1e-12 + 4 * rounding_m,
                        [&] { return worst_size_error(minimum_volume_box(far), reference_box); }));
     rows.push_back(row("alpha shape, " + name, "relative change of the volume", "1",
@@ -108,18 +113,20 @@ std::vector<StabilityRow> geometry_cases() {
     twice.insert(twice.end(), solid.begin(), solid.end());
     return worst_size_error(minimum_volume_box(twice), reference_box);
   }));
-  rows.push_back(row("alpha shape, every point twice", "relative change of the volume", "1", 1e-12, [&] {
-    Points twice = solid;
-    twice.insert(twice.end(), solid.begin(), solid.end());
-    return std::abs(alpha_shape(twice, 0.0015).volume_m3 / reference_volume - 1);
-  }));
-  rows.push_back(row("box, unit change to kilometres and back", "relative change of a size", "1", 1e-9, [&] {
-    Points scaled = solid;
-    for (Eigen::Vector3d& p : scaled) p *= 1e-3;
-    OrientedBox box = minimum_volume_box(scaled);
-    box.size_m *= 1e3;
-    return worst_size_error(box, reference_box) / reference_box.size_m.z();
-  }));
+  rows.push_back(
+      row("alpha shape, every point twice", "relative change of the volume", "1", 1e-12, [&] {
+        Points twice = solid;
+        twice.insert(twice.end(), solid.begin(), solid.end());
+        return std::abs(alpha_shape(twice, 0.0015).volume_m3 / reference_volume - 1);
+      }));
+  rows.push_back(
+      row("box, unit change to kilometres and back", "relative change of a size", "1", 1e-9, [&] {
+        Points scaled = solid;
+        for (Eigen::Vector3d& p : scaled) p *= 1e-3;
+        OrientedBox box = minimum_volume_box(scaled);
+        box.size_m *= 1e3;
+        return worst_size_error(box, reference_box) / reference_box.size_m.z();
+      }));
   return rows;
 }
 

@@ -18,7 +18,8 @@ std::vector<StabilityRow> watertight_seeds(bool quick) {
   std::vector<StabilityRow> rows;
   for (const std::string& cultivar : cultivar_names()) {
     const SeedModel seed = make_seed(cultivar, SizeSpread::literature, Rng(1).fork(cultivar));
-    rows.push_back(watertight_case("seed of " + cultivar, seed.model.mesh, rays, Rng(2).fork(cultivar)));
+    rows.push_back(
+        watertight_case("seed of " + cultivar, seed.model.mesh, rays, Rng(2).fork(cultivar)));
   }
   return rows;
 }
@@ -36,10 +37,11 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
     rays.watertight_rays = 500'000;
     rays.offset_rays = 4'000;
   }
-  const std::vector<Module> modules = {{"geometry", geometry_cases},
-                                       {"rays", [&] { return ray_cases(rays, Rng(1)); }},
-                                       {"watertight seeds", [&] { return watertight_seeds(quick); }},
-                                       {"contacts", [&] { return contact_cases(quick); }}};
+  const std::vector<Module> modules = {
+      {"geometry", geometry_cases},
+      {"rays", [&] { return ray_cases(rays, Rng(1)); }},
+      {"watertight seeds", [&] { return watertight_seeds(quick); }},
+      {"contacts", [&] { return contact_cases(quick); }}};
   ScoreFile file;
   for (std::size_t i = 0; i < modules.size(); ++i) {
     if (progress) progress(modules[i].name, static_cast<int>(i), static_cast<int>(modules.size()));
@@ -62,7 +64,8 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       ScoreRow score = base;
       score.case_name = row.case_name;
       char limit[64];
-      std::snprintf(limit, sizeof limit, " (%s %.3g)", row.upper ? "at most" : "at least", row.limit);
+      std::snprintf(limit, sizeof limit, " (%s %.3g)", row.upper ? "at most" : "at least",
+                    row.limit);
       score.metric = row.quantity + limit;
       score.value = row.value;
       score.unit = row.unit.empty() ? "1" : row.unit;

@@ -1,13 +1,13 @@
 #include "perception/carve/visual_hull.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
-
-#include <tbb/parallel_for.h>
 
 namespace cousin {
 namespace {
@@ -16,7 +16,9 @@ namespace {
 class AreaTable {
  public:
   explicit AreaTable(const Image<std::uint8_t>& mask)
-      : width_(mask.width()), height_(mask.height()), sums_(mask.width() + 1, mask.height() + 1, 0) {
+      : width_(mask.width()),
+        height_(mask.height()),
+        sums_(mask.width() + 1, mask.height() + 1, 0) {
     for (int y = 0; y < height_; ++y) {
       std::uint32_t row = 0;
       for (int x = 0; x < width_; ++x) {
@@ -25,7 +27,8 @@ class AreaTable {
       }
     }
   }
-  /// Whether the square about `centre_px` holds object pixels; true if it lies outside the image altogether.
+  /// Whether the square about `centre_px` holds object pixels; true if it lies outside the image
+  /// altogether.
   bool may_see(const Eigen::Vector2d& centre_px, double half_px) const {
     const auto low = [](double v) { return std::ceil(std::max(-1e8, v - 0.5)); };
     const auto high = [](double v) { return std::floor(std::min(1e8, v + 0.5)); };
@@ -33,8 +36,10 @@ class AreaTable {
     const double x0 = low(centre_px.x() - half_px), x1 = high(centre_px.x() + half_px);
     const double y0 = low(centre_px.y() - half_px), y1 = high(centre_px.y() + half_px);
     if (x1 < 0 || y1 < 0 || x0 > width_ - 1 || y0 > height_ - 1) return true;
-    const int left = static_cast<int>(std::max(0.0, x0)), right = static_cast<int>(std::min(width_ - 1.0, x1)) + 1;
-    const int top = static_cast<int>(std::max(0.0, y0)), bottom = static_cast<int>(std::min(height_ - 1.0, y1)) + 1;
+    const int left = static_cast<int>(std::max(0.0, x0)),
+              right = static_cast<int>(std::min(width_ - 1.0, x1)) + 1;
+    const int top = static_cast<int>(std::max(0.0, y0)),
+              bottom = static_cast<int>(std::min(height_ - 1.0, y1)) + 1;
     return sums_(right, bottom) - sums_(left, bottom) - sums_(right, top) + sums_(left, top) > 0;
   }
 
@@ -45,8 +50,8 @@ class AreaTable {
 
 using Cell = std::array<std::int32_t, 3>;
 
-bool keeps(const std::vector<CarveView>& views, const std::vector<AreaTable>& tables, const Eigen::Vector3d& centre_m,
-           double radius_m, int tolerated) {
+bool keeps(const std::vector<CarveView>& views, const std::vector<AreaTable>& tables,
+           const Eigen::Vector3d& centre_m, double radius_m, int tolerated) {
   int misses = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const CarveView& view = views[i];
@@ -54,7 +59,8 @@ bool keeps(const std::vector<CarveView>& views, const std::vector<AreaTable>& ta
     if (point.z() <= radius_m) continue;  // around or behind the camera: this view cannot carve it
     const auto pixel = project(view.camera, point);
     if (!pixel) continue;
-    const double half_px = std::max(view.camera.fx_px, view.camera.fy_px) * radius_m / (point.z() - radius_m);
+    const double half_px =
+        std::max(view.camera.fx_px, view.camera.fy_px) * radius_m / (point.z() - radius_m);
     if (!tables[i].may_see(*pixel, half_px) && ++misses > tolerated) return false;
   }
   return true;
@@ -71,7 +77,8 @@ void validate(const CarveConfig& config) {
     throw std::invalid_argument("carving: voxel_m = " + std::to_string(config.voxel_m) +
                                 " gives more than 16384 voxels a side");
   }
-  if (config.tolerated_misses < 0) throw std::invalid_argument("carving: tolerated_misses is negative");
+  if (config.tolerated_misses < 0)
+    throw std::invalid_argument("carving: tolerated_misses is negative");
 }
 
 Carving carve_visual_hull(const std::vector<CarveView>& views, const CarveConfig& config) {
@@ -113,7 +120,8 @@ Carving carve_visual_hull(const std::vector<CarveView>& views, const CarveConfig
         continue;
       }
       for (int child = 0; child < 8; ++child) {
-        next.push_back({2 * cells[i][0] + (child & 1), 2 * cells[i][1] + (child >> 1 & 1), 2 * cells[i][2] + (child >> 2)});
+        next.push_back({2 * cells[i][0] + (child & 1), 2 * cells[i][1] + (child >> 1 & 1),
+                        2 * cells[i][2] + (child >> 2)});
       }
     }
     cells = std::move(next);
@@ -121,7 +129,8 @@ Carving carve_visual_hull(const std::vector<CarveView>& views, const CarveConfig
   std::sort(cells.begin(), cells.end());
   for (const Cell& cell : cells) {
     result.centres_m.push_back(config.low_m +
-                               config.voxel_m * (Eigen::Vector3d(cell[0], cell[1], cell[2]) + Eigen::Vector3d::Constant(0.5)));
+                               config.voxel_m * (Eigen::Vector3d(cell[0], cell[1], cell[2]) +
+                                                 Eigen::Vector3d::Constant(0.5)));
   }
   result.status = cells.empty() ? CarveStatus::empty : CarveStatus::ok;
   return result;
@@ -132,7 +141,8 @@ std::vector<CarveView> silhouette_views(const Capture& capture) {
   for (const Frame& frame : capture.frames) {
     if (!frame.rig_from_world || frame.sensors.empty() || frame.sensors[0].color.empty()) continue;
     const SensorFrame& sensor = frame.sensors[0];
-    CarveView view{sensor.reported, *frame.rig_from_world, Image<std::uint8_t>(sensor.color.width(), sensor.color.height())};
+    CarveView view{sensor.reported, *frame.rig_from_world,
+                   Image<std::uint8_t>(sensor.color.width(), sensor.color.height())};
     std::transform(sensor.color.begin(), sensor.color.end(), view.mask.begin(), [](const Rgb8& c) {
       return static_cast<std::uint8_t>(c.r > 127 || c.g > 127 || c.b > 127 ? 255 : 0);
     });

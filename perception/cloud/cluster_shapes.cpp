@@ -1,8 +1,7 @@
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
-
-#include <Eigen/Eigenvalues>
 
 #include "perception/cloud/clusters.h"
 
@@ -34,7 +33,8 @@ double hull_area(const std::vector<Cell>& cells) {
   for (int side = 0; side < 2; ++side) {
     const std::size_t start = hull.size();
     for (const Cell& c : corners) {
-      while (hull.size() >= start + 2 && cross(hull[hull.size() - 2], hull.back(), c) <= 0) hull.pop_back();
+      while (hull.size() >= start + 2 && cross(hull[hull.size() - 2], hull.back(), c) <= 0)
+        hull.pop_back();
       hull.push_back(c);
     }
     hull.pop_back();
@@ -48,7 +48,8 @@ double hull_area(const std::vector<Cell>& cells) {
   return 0.5 * std::abs(twice);
 }
 
-/// Cells covered in every row from the first to the last point: fills holes that matching left inside.
+/// Cells covered in every row from the first to the last point: fills holes that matching left
+/// inside.
 std::vector<Cell> filled(const std::vector<Cell>& cells, bool by_rows) {
   std::map<int, std::pair<int, int>> span;
   for (const Cell& c : cells) {
@@ -75,7 +76,8 @@ ClusterShape shape_of(const std::vector<Eigen::Vector2d>& points_m) {
   Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
   for (const auto& p : points_m) moments += (p - mean) * (p - mean).transpose();
   // Along the long axis, so that a waist shows as short lines across.
-  const Eigen::Matrix2d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(moments).eigenvectors();
+  const Eigen::Matrix2d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(moments).eigenvectors();
   std::vector<Cell> cells;
   for (const auto& p : points_m) {
     const Eigen::Vector2d q = axes.transpose() * (p - mean) / kCellM;
@@ -83,7 +85,8 @@ ClusterShape shape_of(const std::vector<Eigen::Vector2d>& points_m) {
   }
   const std::vector<Cell> rows = filled(cells, true), columns = filled(cells, false);
   std::vector<Cell> both;
-  std::set_intersection(rows.begin(), rows.end(), columns.begin(), columns.end(), std::back_inserter(both));
+  std::set_intersection(rows.begin(), rows.end(), columns.begin(), columns.end(),
+                        std::back_inserter(both));
   shape.footprint_m2 = static_cast<double>(both.size()) * kCellM * kCellM;
   shape.solidity = std::min(1.0, static_cast<double>(both.size()) / hull_area(cells));
   shape.may_be_several = shape.solidity < kLeastSolidity;

@@ -18,8 +18,10 @@ bool faces_up(const CloudPoint& p) {
   return p.normal.squaredNorm() == 0 || p.normal.z() > kSteep;
 }
 
-/// Groups of the chosen points, linked by steps of at most `distance_m`; -1 for the others. Numbers start at `first`.
-std::vector<int> groups_of(const Cloud& cloud, const std::vector<bool>& chosen, double distance_m, int first) {
+/// Groups of the chosen points, linked by steps of at most `distance_m`; -1 for the others. Numbers
+/// start at `first`.
+std::vector<int> groups_of(const Cloud& cloud, const std::vector<bool>& chosen, double distance_m,
+                           int first) {
   std::vector<Eigen::Vector3f> points_m;
   std::vector<std::size_t> source;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -37,11 +39,13 @@ int group_count(const std::vector<int>& instance) {
   return instance.empty() ? 0 : *std::max_element(instance.begin(), instance.end()) + 1;
 }
 
-/// Takes -1 where the top of a group (95 % of its points lie below) is lower than any object: noise of the board's own edge.
+/// Takes -1 where the top of a group (95 % of its points lie below) is lower than any object: noise
+/// of the board's own edge.
 void drop_low_groups(const Cloud& cloud, double min_top_m, std::vector<int>& instance) {
   std::vector<std::vector<float>> heights(static_cast<std::size_t>(group_count(instance)));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (instance[i] >= 0) heights[static_cast<std::size_t>(instance[i])].push_back(cloud[i].position_m.z());
+    if (instance[i] >= 0)
+      heights[static_cast<std::size_t>(instance[i])].push_back(cloud[i].position_m.z());
   }
   std::vector<bool> low(heights.size());
   for (std::size_t g = 0; g < heights.size(); ++g) {
@@ -55,7 +59,8 @@ void drop_low_groups(const Cloud& cloud, double min_top_m, std::vector<int>& ins
   }
 }
 
-/// Takes -1 for groups far smaller than the largest: patches of a seed's side that its core does not reach.
+/// Takes -1 for groups far smaller than the largest: patches of a seed's side that its core does
+/// not reach.
 void drop_small_groups(double min_share, std::vector<int>& instance) {
   std::vector<std::size_t> size(static_cast<std::size_t>(group_count(instance)));
   for (const int i : instance) {
@@ -63,17 +68,22 @@ void drop_small_groups(double min_share, std::vector<int>& instance) {
   }
   const std::size_t largest = size.empty() ? 0 : *std::max_element(size.begin(), size.end());
   for (int& i : instance) {
-    if (i >= 0 && static_cast<double>(size[static_cast<std::size_t>(i)]) < min_share * static_cast<double>(largest)) i = -1;
+    if (i >= 0 && static_cast<double>(size[static_cast<std::size_t>(i)]) <
+                      min_share * static_cast<double>(largest))
+      i = -1;
   }
 }
 
-/// Upward faces of objects: between two seeds that nearly touch, stereo smears the gap at their sides, not on top.
-/// Coloured ones first; grey ones only where no colour is near, so that board seen at a seed's edge links nothing.
-std::vector<int> core_groups(const BoardClusterConfig& config, const Cloud& cloud, const std::vector<bool>& saturated) {
+/// Upward faces of objects: between two seeds that nearly touch, stereo smears the gap at their
+/// sides, not on top. Coloured ones first; grey ones only where no colour is near, so that board
+/// seen at a seed's edge links nothing.
+std::vector<int> core_groups(const BoardClusterConfig& config, const Cloud& cloud,
+                             const std::vector<bool>& saturated) {
   std::vector<bool> colored(cloud.size()), grey(cloud.size());
   std::vector<Eigen::Vector3f> colored_m;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const bool high = cloud[i].position_m.z() >= static_cast<float>(config.min_height_m) && faces_up(cloud[i]);
+    const bool high =
+        cloud[i].position_m.z() >= static_cast<float>(config.min_height_m) && faces_up(cloud[i]);
     colored[i] = high && saturated[i];
     grey[i] = high && !saturated[i];
     if (colored[i]) colored_m.push_back(cloud[i].position_m);
@@ -86,17 +96,18 @@ std::vector<int> core_groups(const BoardClusterConfig& config, const Cloud& clou
     grey[i] = !near;
   }
   std::vector<int> instance = groups_of(cloud, colored, config.core_distance_m, 0);
-  const std::vector<int> of_grey = groups_of(cloud, grey, config.core_distance_m, group_count(instance));
+  const std::vector<int> of_grey =
+      groups_of(cloud, grey, config.core_distance_m, group_count(instance));
   for (std::size_t i = 0; i < cloud.size(); ++i) instance[i] = std::max(instance[i], of_grey[i]);
   drop_low_groups(cloud, config.min_top_m, instance);
   drop_small_groups(config.min_share, instance);
   return instance;
 }
 
-/// Points of an object's own kind of colour join the core they are nearest to: coloured ones down to `low_height_m`, grey ones
-/// down to `min_height_m`.
-void join_cores(const BoardClusterConfig& config, const Cloud& cloud, const std::vector<bool>& saturated,
-                std::vector<int>& instance) {
+/// Points of an object's own kind of colour join the core they are nearest to: coloured ones down
+/// to `low_height_m`, grey ones down to `min_height_m`.
+void join_cores(const BoardClusterConfig& config, const Cloud& cloud,
+                const std::vector<bool>& saturated, std::vector<int>& instance) {
   std::vector<Eigen::Vector3f> core_m;
   std::vector<std::size_t> source;
   for (std::size_t i = 0; i < cloud.size(); ++i) {

@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-// The point type is ours, so that every template of PCL is compiled here: Debian's PCL is built for 16-byte alignment,
-// and a cloud that its code allocates may not be freed by code built for AVX, where Eigen has another allocator.
+// The point type is ours, so that every template of PCL is compiled here: Debian's PCL is built for
+// 16-byte alignment, and a cloud that its code allocates may not be freed by code built for AVX,
+// where Eigen has another allocator.
 #define PCL_NO_PRECOMPILE
 #include <pcl/filters/statistical_outlier_removal.h>
 #include <pcl/filters/voxel_grid.h>
@@ -21,10 +22,11 @@ struct EIGEN_ALIGN16 PaperPoint {
   PCL_ADD_NORMAL4D;
   float red, green, blue, sigma;
 };
-POINT_CLOUD_REGISTER_POINT_STRUCT(PaperPoint,
-                                  (float, x, x)(float, y, y)(float, z, z)(float, normal_x, normal_x)(
-                                      float, normal_y, normal_y)(float, normal_z, normal_z)(float, red, red)(
-                                      float, green, green)(float, blue, blue)(float, sigma, sigma))
+POINT_CLOUD_REGISTER_POINT_STRUCT(
+    PaperPoint,
+    (float, x, x)(float, y, y)(float, z, z)(float, normal_x, normal_x)(float, normal_y, normal_y)(
+        float, normal_z, normal_z)(float, red, red)(float, green, green)(float, blue,
+                                                                         blue)(float, sigma, sigma))
 
 namespace cousin {
 namespace {
@@ -66,7 +68,9 @@ PclCloud::Ptr to_pcl(const Cloud& cloud, Eigen::Vector3d& mean_m) {
   return result;
 }
 
-std::uint8_t to_code(float value) { return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L)); }
+std::uint8_t to_code(float value) {
+  return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
+}
 
 CloudPoint from_pcl(const PaperPoint& q, const Eigen::Vector3d& mean_m) {
   CloudPoint p;
@@ -90,8 +94,8 @@ PclCloud::Ptr without_outliers(const PclCloud::Ptr& cloud, const PaperClusterCon
   return result;
 }
 
-/// PCL's voxel grid indexes cells by an int: where the extent asks for more, its filter returns the input
-/// unthinned and only prints a warning.
+/// PCL's voxel grid indexes cells by an int: where the extent asks for more, its filter returns the
+/// input unthinned and only prints a warning.
 PclCloud::Ptr in_voxels(const PclCloud::Ptr& cloud, double voxel_m) {
   Eigen::Array3d low = Eigen::Array3d::Constant(1e300), high = -low;
   for (const auto& p : *cloud) {
@@ -129,7 +133,8 @@ pcl::IndicesPtr above_plane(const PclCloud::Ptr& cloud, double distance_m, std::
   pcl::Indices sides[2];
   for (std::size_t i = 0; i < cloud->size(); ++i) {
     const float d = refined.head<3>().dot((*cloud)[i].getVector3fMap()) + refined[3];
-    if (std::abs(d) > static_cast<float>(distance_m)) sides[d > 0 ? 1 : 0].push_back(static_cast<int>(i));
+    if (std::abs(d) > static_cast<float>(distance_m))
+      sides[d > 0 ? 1 : 0].push_back(static_cast<int>(i));
   }
   *above = sides[1].size() >= sides[0].size() ? std::move(sides[1]) : std::move(sides[0]);
   return above;

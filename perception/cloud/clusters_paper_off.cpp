@@ -5,7 +5,8 @@
 namespace cousin {
 
 Clusters cluster_as_paper(const Cloud&, const PaperClusterConfig&, Rng) {
-  throw std::runtime_error("the paper's clusters are not built in: configure with -DWITH_PCL=ON (libpcl-dev)");
+  throw std::runtime_error(
+      "the paper's clusters are not built in: configure with -DWITH_PCL=ON (libpcl-dev)");
 }
 
 }  // namespace cousin

@@ -1,5 +1,9 @@
 #include "perception/cloud/fuse.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,18 +11,16 @@
 #include <stdexcept>
 #include <string>
 
-#include <Eigen/Eigenvalues>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
 #include "perception/segment/config_limits.h"
 
 namespace cousin {
 namespace {
 
 constexpr float kAssumedSigmaM = 0.0001F;  ///< of depths that come without
-constexpr float kLeastSigmaM = 0.00002F;   ///< what all views share (poses, lens) does not average out
-constexpr float kLeastFacing = 0.2F;       ///< cosine between normal and ray below which a depth says little
+constexpr float kLeastSigmaM =
+    0.00002F;  ///< what all views share (poses, lens) does not average out
+constexpr float kLeastFacing =
+    0.2F;  ///< cosine between normal and ray below which a depth says little
 
 /// A view's depths as points of the world, cropped to where there are any.
 struct DepthView {
@@ -30,7 +32,9 @@ struct DepthView {
   Image<Eigen::Vector3f> point_m;  ///< in the world; NaN = none
   Image<Eigen::Vector3f> normal;   ///< unit, towards the camera; zero = none
   Image<float> sigma_m;            ///< along the ray
-  bool valid(int x, int y) const { return point_m.contains(x, y) && std::isfinite(point_m(x, y).x()); }
+  bool valid(int x, int y) const {
+    return point_m.contains(x, y) && std::isfinite(point_m(x, y).x());
+  }
 };
 
 struct Box {
@@ -103,7 +107,8 @@ std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth,
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       if (!view.valid(x, y)) continue;
-      const float pixel_m = depth.depth_m(view.x0 + x, view.y0 + y) / static_cast<float>(pose.camera.fx_px);
+      const float pixel_m =
+          depth.depth_m(view.x0 + x, view.y0 + y) / static_cast<float>(pose.camera.fx_px);
       view.normal(x, y) = window_normal(view, x, y, 6 * pixel_m);
     }
   }
@@ -128,7 +133,8 @@ Sight sight(const DepthView& view, const Eigen::Vector3f& point_m, const Eigen::
   if (view.normal(x, y).dot(normal) < 0.6F) return {};  // unknown, or another side of an edge
   const Eigen::Vector3f offset = view.point_m(x, y) - point_m;
   const float along = normal.dot(offset);
-  if (std::abs(along) > agreement_m || (offset - along * normal).norm() > 2 * agreement_m + 0.002F) return {};
+  if (std::abs(along) > agreement_m || (offset - along * normal).norm() > 2 * agreement_m + 0.002F)
+    return {};
   const float sigma = view.sigma_m(x, y) * facing;
   return {along, 1 / (sigma * sigma)};
 }
@@ -147,9 +153,9 @@ struct VoxelPoint {
   }
 };
 
-std::vector<VoxelPoint> fused_points(const DepthView& view, int own, const std::vector<DepthView>& views,
-                                     const Image<Rgb8>& color, const GreenConfig& green,
-                                     const FuseConfig& config) {
+std::vector<VoxelPoint> fused_points(const DepthView& view, int own,
+                                     const std::vector<DepthView>& views, const Image<Rgb8>& color,
+                                     const GreenConfig& green, const FuseConfig& config) {
   std::vector<VoxelPoint> points;
   const float agreement = static_cast<float>(config.agreement_m);
   for (int y = 0; y < view.point_m.height(); ++y) {
@@ -171,8 +177,8 @@ std::vector<VoxelPoint> fused_points(const DepthView& view, int own, const std::
       VoxelPoint fused;
       fused.position_m = point + normal * (sum / weights);
       for (std::size_t k = 0; k < 3; ++k) {
-        fused.voxel[k] = static_cast<std::int32_t>(
-            std::floor(fused.position_m[static_cast<Eigen::Index>(k)] / static_cast<float>(config.voxel_m)));
+        fused.voxel[k] = static_cast<std::int32_t>(std::floor(
+            fused.position_m[static_cast<Eigen::Index>(k)] / static_cast<float>(config.voxel_m)));
       }
       fused.view = own;
       fused.pixel = y * view.point_m.width() + x;
@@ -201,14 +207,16 @@ CloudPoint averaged(const VoxelPoint* begin, const VoxelPoint* end) {
   CloudPoint point;
   point.position_m = begin->position_m + position / weights;
   point.normal = normal.norm() > 0 ? Eigen::Vector3f(normal.normalized()) : Eigen::Vector3f::Zero();
-  point.color = {static_cast<std::uint8_t>(code.x() + 0.5F), static_cast<std::uint8_t>(code.y() + 0.5F),
+  point.color = {static_cast<std::uint8_t>(code.x() + 0.5F),
+                 static_cast<std::uint8_t>(code.y() + 0.5F),
                  static_cast<std::uint8_t>(code.z() + 0.5F)};
   point.sigma_m = least;  // points of one voxel share their views, so their errors do not average
   return point;
 }
 
 Cloud voxel_means(std::vector<VoxelPoint> points) {
-  tbb::parallel_sort(points.begin(), points.end());  // a total order: the same result on any number of threads
+  tbb::parallel_sort(points.begin(),
+                     points.end());  // a total order: the same result on any number of threads
   Cloud cloud;
   for (std::size_t begin = 0; begin < points.size();) {
     std::size_t end = begin + 1;
@@ -235,7 +243,8 @@ void check_sizes(const Capture& capture, const Poses& poses, const Depths& depth
     const bool sigma_fits =
         sigma.empty() || (sigma.width() == depth.width() && sigma.height() == depth.height());
     if (!has_color || !sigma_fits) {
-      throw std::invalid_argument("fusion: the depth image of frame " + std::to_string(depths[i].frame) +
+      throw std::invalid_argument("fusion: the depth image of frame " +
+                                  std::to_string(depths[i].frame) +
                                   " differs in size from its colour or sigma image");
     }
   }
@@ -244,9 +253,10 @@ void check_sizes(const Capture& capture, const Poses& poses, const Depths& depth
 }  // namespace
 
 Fields fields(FuseConfig& c) {
-  return {{"voxel_m", &c.voxel_m, "side of the averaging voxels", 1e-6, 0.1},
-          {"agreement_m", &c.agreement_m, "distance along the normal at which views agree", 1e-6, 0.1},
-          {"min_views", &c.min_views, "views that see the surface, the own included", 1, 1000}};
+  return {
+      {"voxel_m", &c.voxel_m, "side of the averaging voxels", 1e-6, 0.1},
+      {"agreement_m", &c.agreement_m, "distance along the normal at which views agree", 1e-6, 0.1},
+      {"min_views", &c.min_views, "views that see the surface, the own included", 1, 1000}};
 }
 
 void validate(const FuseConfig& config) {
@@ -254,8 +264,8 @@ void validate(const FuseConfig& config) {
   require_within_limits("fuse", fields(copy));
 }
 
-Cloud fuse_depths(const Capture& capture, const Poses& poses, const Depths& depths, const GreenConfig& green,
-                  const FuseConfig& config) {
+Cloud fuse_depths(const Capture& capture, const Poses& poses, const Depths& depths,
+                  const GreenConfig& green, const FuseConfig& config) {
   validate(green);
   validate(config);
   check_sizes(capture, poses, depths);
@@ -271,7 +281,8 @@ Cloud fuse_depths(const Capture& capture, const Poses& poses, const Depths& dept
   }
   std::vector<std::vector<VoxelPoint>> parts(views.size());
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
-    const Image<Rgb8>& color = capture.frames[static_cast<std::size_t>(views[i].frame)].sensors[0].color;
+    const Image<Rgb8>& color =
+        capture.frames[static_cast<std::size_t>(views[i].frame)].sensors[0].color;
     parts[i] = fused_points(views[i], static_cast<int>(i), views, color, green, config);
   });
   std::vector<VoxelPoint> all;

@@ -1,9 +1,9 @@
 #include "perception/cloud/measure_traits.h"
 
+#include <tbb/parallel_for.h>
+
 #include <array>
 #include <cmath>
-
-#include <tbb/parallel_for.h>
 
 #include "perception/segment/config_limits.h"
 #include "sim/geometry/measure.h"
@@ -18,7 +18,8 @@ using Values = std::array<double, kTraits>;
 
 std::vector<Trait> traits_from(const Values& values, const Values& sigmas) {
   std::vector<Trait> traits;
-  for (std::size_t i = 0; i < kTraits; ++i) traits.push_back({kNames[i], kUnits[i], values[i], sigmas[i]});
+  for (std::size_t i = 0; i < kTraits; ++i)
+    traits.push_back({kNames[i], kUnits[i], values[i], sigmas[i]});
   return traits;
 }
 
@@ -37,7 +38,8 @@ SpecimenTraits not_solved(int instance, std::string reason) {
 
 SpecimenTraits paper_traits(const Surface& surface, double alpha_m) {
   if (surface.points_m.size() < 4) {
-    return not_solved(surface.instance, std::to_string(surface.points_m.size()) + " points; at least 4 needed");
+    return not_solved(surface.instance,
+                      std::to_string(surface.points_m.size()) + " points; at least 4 needed");
   }
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : surface.points_m) {
@@ -51,8 +53,9 @@ SpecimenTraits paper_traits(const Surface& surface, double alpha_m) {
   result.instance = surface.instance;
   result.status = TraitStatus::ok;
   result.centroid_in_world_m = surface.points_m.front() + centroid;
-  result.traits = traits_from(
-      {box.size_m.x(), box.size_m.y(), box.size_m.z(), shape.area_m2, shape.volume_m3}, no_sigmas());
+  result.traits =
+      traits_from({box.size_m.x(), box.size_m.y(), box.size_m.z(), shape.area_m2, shape.volume_m3},
+                  no_sigmas());
   return result;
 }
 
@@ -60,7 +63,8 @@ Values values_of(const OrientedBox& box, const MassProperties& mass) {
   return {box.size_m.x(), box.size_m.y(), box.size_m.z(), mass.area_m2, mass.volume_m3};
 }
 
-/// Standard deviation of each trait over the samples. A sample's box is searched from the mesh's own: they differ little.
+/// Standard deviation of each trait over the samples. A sample's box is searched from the mesh's
+/// own: they differ little.
 Values sample_sigmas(const Surface& surface, const OrientedBox& box) {
   const std::size_t n = surface.samples_m.size();
   if (n < 2) return no_sigmas();
@@ -83,14 +87,16 @@ SpecimenTraits mesh_traits(const Surface& surface) {
   if (surface.status != SurfaceStatus::ok) {
     return not_solved(surface.instance, "surface: " + std::string(to_string(surface.status)));
   }
-  if (surface.mesh.triangles.empty()) return not_solved(surface.instance, "the surface has no mesh");
+  if (surface.mesh.triangles.empty())
+    return not_solved(surface.instance, "the surface has no mesh");
   SpecimenTraits result;
   result.instance = surface.instance;
   const MassProperties mass = mass_properties(surface.mesh);
   const OrientedBox box = minimum_volume_box(surface.mesh.vertices_m);
   result.centroid_in_world_m = mass.centroid_m;
   const Values values = values_of(box, mass);
-  if (!(values[kTraits - 1] > 0)) return not_solved(surface.instance, "the mesh encloses no volume");
+  if (!(values[kTraits - 1] > 0))
+    return not_solved(surface.instance, "the mesh encloses no volume");
   result.status = TraitStatus::ok;
   result.traits = traits_from(values, sample_sigmas(surface, box));
   return result;
@@ -110,7 +116,8 @@ void validate(const PaperTraitConfig& config) {
 Traits traits_as_paper(const Surfaces& surfaces, const PaperTraitConfig& config) {
   validate(config);
   Traits traits(surfaces.size());
-  for (std::size_t i = 0; i < surfaces.size(); ++i) traits[i] = paper_traits(surfaces[i], config.alpha_m);
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    traits[i] = paper_traits(surfaces[i], config.alpha_m);
   return traits;
 }
 

@@ -30,7 +30,8 @@ PointGrid::Range PointGrid::range(const Cell& first, const Cell& last) const {
   const auto begin = std::lower_bound(entries_.begin(), entries_.end(), first, before);
   auto end = begin;
   while (end != entries_.end() && end->cell <= last) ++end;
-  return {static_cast<std::size_t>(begin - entries_.begin()), static_cast<std::size_t>(end - entries_.begin())};
+  return {static_cast<std::size_t>(begin - entries_.begin()),
+          static_cast<std::size_t>(end - entries_.begin())};
 }
 
 std::vector<int> euclidean_groups(std::span<const Eigen::Vector3f> points_m, double distance_m) {

@@ -1,15 +1,15 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
-
 namespace cousin {
 
-/// Points in cubes of one side, for neighbours within that side. Points must be finite and lie within 2^30 sides of the first.
+/// Points in cubes of one side, for neighbours within that side. Points must be finite and lie
+/// within 2^30 sides of the first.
 class PointGrid {
  public:
   PointGrid(std::span<const Eigen::Vector3f> points_m, double side_m);
@@ -50,8 +50,8 @@ class PointGrid {
   std::vector<Entry> entries_;  ///< by cell, then index
 };
 
-/// Groups of points linked by steps of at most `distance_m`; a number for each point, counting from 0 in the order
-/// of each group's first point.
+/// Groups of points linked by steps of at most `distance_m`; a number for each point, counting from
+/// 0 in the order of each group's first point.
 std::vector<int> euclidean_groups(std::span<const Eigen::Vector3f> points_m, double distance_m);
 
 }  // namespace cousin

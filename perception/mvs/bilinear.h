@@ -7,14 +7,14 @@
 
 namespace cousin {
 
-/// Many bilinear look-ups at once, in three loops: where, the four neighbours, and the mixture. The outer two are
-/// vectorised; one loop for all would not be, since compilers doubt gathers.
+/// Many bilinear look-ups at once, in three loops: where, the four neighbours, and the mixture. The
+/// outer two are vectorised; one loop for all would not be, since compilers doubt gathers.
 template <std::size_t kMost>
 struct BilinearLookUp {
   using Floats = std::array<float, kMost>;
-  alignas(32) Floats x, y;    ///< in: where
-  alignas(32) Floats inside;  ///< 1, or 0 where (x, y) is outside the image or NaN
-  alignas(32) Floats value;   ///< 0 outside
+  alignas(32) Floats x, y;      ///< in: where
+  alignas(32) Floats inside;    ///< 1, or 0 where (x, y) is outside the image or NaN
+  alignas(32) Floats value;     ///< 0 outside
   alignas(32) Floats d_x, d_y;  ///< slope of the value; only with slopes
 
   template <bool kSlopes>

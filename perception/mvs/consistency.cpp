@@ -1,9 +1,9 @@
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
-
-#include <tbb/parallel_for.h>
 
 #include "perception/mvs/reference_depth.h"
 
@@ -18,11 +18,11 @@ constexpr int kAsked = 10;
 struct Witness {
   const MvsView* view;
   const ReferenceDepth* depth;
-  Eigen::Matrix3f rotation;      ///< witness_from_reference
+  Eigen::Matrix3f rotation;  ///< witness_from_reference
   Eigen::Vector3f translation_m;
 
-  /// Whether the witness sees the surface there too: its depth at the nearest pixel of the point's projection, carried along
-  /// its plane to the exact place, agrees within the tolerances.
+  /// Whether the witness sees the surface there too: its depth at the nearest pixel of the point's
+  /// projection, carried along its plane to the exact place, agrees within the tolerances.
   bool agrees(const Eigen::Vector3f& point_m, float most_px, float most_relative) const {
     const Eigen::Vector3f p = rotation * point_m + translation_m;
     if (!(p.z() > 0)) return false;
@@ -33,11 +33,14 @@ struct Witness {
     const int x = static_cast<int>(std::lround(pixel.x())) - view->rect.x0;
     const int y = static_cast<int>(std::lround(pixel.y())) - view->rect.y0;
     if (!depth->inverse_depth.contains(x, y)) return false;
-    const float there = depth->inverse_depth(x, y) + depth->slope_x(x, y) * (ray.x() - view->ray_x(x, y)) +
+    const float there = depth->inverse_depth(x, y) +
+                        depth->slope_x(x, y) * (ray.x() - view->ray_x(x, y)) +
                         depth->slope_y(x, y) * (ray.y() - view->ray_y(x, y));
     const float difference = 1 / there - p.z();  // NaN where the witness has no depth
-    // What the difference amounts to in the reference's image: the part of it across the reference's ray.
-    const Eigen::Vector3f moved = rotation.transpose() * Eigen::Vector3f(ray.x(), ray.y(), 1) * difference;
+    // What the difference amounts to in the reference's image: the part of it across the
+    // reference's ray.
+    const Eigen::Vector3f moved =
+        rotation.transpose() * Eigen::Vector3f(ray.x(), ray.y(), 1) * difference;
     const float across = (moved - point_m * (moved.dot(point_m) / point_m.squaredNorm())).norm();
     return std::abs(difference) <= most_relative * p.z() &&
            across * view->focal_px.x() <= most_px * point_m.z();
@@ -59,7 +62,8 @@ std::vector<Image<float>> consistent_depths_m(const std::vector<MvsView>& views,
       if (j != i) order.push_back(j);
     }
     const auto far = [&](std::size_t j) {
-      return (views[static_cast<std::size_t>(references[j])].centre_in_world_m - view.centre_in_world_m)
+      return (views[static_cast<std::size_t>(references[j])].centre_in_world_m -
+              view.centre_in_world_m)
           .squaredNorm();
     };
     std::stable_sort(order.begin(), order.end(),

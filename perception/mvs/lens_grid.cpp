@@ -21,7 +21,9 @@ std::array<float, 4> cubic_weights(float t) {
 }  // namespace
 
 LensGrid::LensGrid(const PixelRect& rect, const Map& map)
-    : rect_(rect), columns_(cells(rect.width) + 3), rows_(cells(rect.height) + 3),
+    : rect_(rect),
+      columns_(cells(rect.width) + 3),
+      rows_(cells(rect.height) + 3),
       step_x_(static_cast<float>(std::max(rect.width - 1, 1)) / static_cast<float>(columns_ - 3)),
       step_y_(static_cast<float>(std::max(rect.height - 1, 1)) / static_cast<float>(rows_ - 3)) {
   const auto at = [&](int column, int row) -> Eigen::Vector2f& {
@@ -33,16 +35,19 @@ LensGrid::LensGrid(const PixelRect& rect, const Map& map)
     for (int column = 1; column < columns_ - 1; ++column) {
       const auto value = map({rect.x0 + static_cast<double>(column - 1) * step_x_,
                               rect.y0 + static_cast<double>(row - 1) * step_y_});
-      at(column, row) = value ? Eigen::Vector2f(value->cast<float>()) : Eigen::Vector2f::Constant(kNone);
+      at(column, row) =
+          value ? Eigen::Vector2f(value->cast<float>()) : Eigen::Vector2f::Constant(kNone);
     }
   }
   for (int row = 1; row < rows_ - 1; ++row) {
     at(0, row) = 3 * at(1, row) - 3 * at(2, row) + at(3, row);
-    at(columns_ - 1, row) = 3 * at(columns_ - 2, row) - 3 * at(columns_ - 3, row) + at(columns_ - 4, row);
+    at(columns_ - 1, row) =
+        3 * at(columns_ - 2, row) - 3 * at(columns_ - 3, row) + at(columns_ - 4, row);
   }
   for (int column = 0; column < columns_; ++column) {
     at(column, 0) = 3 * at(column, 1) - 3 * at(column, 2) + at(column, 3);
-    at(column, rows_ - 1) = 3 * at(column, rows_ - 2) - 3 * at(column, rows_ - 3) + at(column, rows_ - 4);
+    at(column, rows_ - 1) =
+        3 * at(column, rows_ - 2) - 3 * at(column, rows_ - 3) + at(column, rows_ - 4);
   }
 }
 

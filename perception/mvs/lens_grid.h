@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace cousin {
 
@@ -12,12 +11,14 @@ namespace cousin {
 struct PixelRect {
   int x0 = 0, y0 = 0, width = 0, height = 0;
   bool empty() const { return width <= 0 || height <= 0; }
-  bool contains(int x, int y) const { return x >= x0 && y >= y0 && x < x0 + width && y < y0 + height; }
+  bool contains(int x, int y) const {
+    return x >= x0 && y >= y0 && x < x0 + width && y < y0 + height;
+  }
 };
 
-/// A smooth map of the plane, tabulated every 16 pixels or less and interpolated by cubics (Catmull-Rom): lens maps
-/// are costly to evaluate (Newton, safeguards) and smooth (error below 0.002 px for phone lenses and fisheyes).
-/// The map is only asked inside the rectangle.
+/// A smooth map of the plane, tabulated every 16 pixels or less and interpolated by cubics
+/// (Catmull-Rom): lens maps are costly to evaluate (Newton, safeguards) and smooth (error below
+/// 0.002 px for phone lenses and fisheyes). The map is only asked inside the rectangle.
 class LensGrid {
  public:
   using Map = std::function<std::optional<Eigen::Vector2d>(const Eigen::Vector2d&)>;

@@ -7,7 +7,8 @@
 namespace cousin {
 namespace {
 
-/// Nearest depth that is looked at, as a share of the farthest: a camera may stand inside the volume.
+/// Nearest depth that is looked at, as a share of the farthest: a camera may stand inside the
+/// volume.
 constexpr double kNearShare = 0.02;
 /// Rays farther off axis than a tangent of 4 (76 degrees) do not fit a pinhole image.
 constexpr double kWidestTangent = 4;
@@ -27,8 +28,8 @@ PixelRect rect_around(const Bounds& bounds, double margin) {
   if (!(bounds.low.x() <= bounds.high.x())) return {};
   const Eigen::Vector2d low = (bounds.low.array() - margin).floor().max(-1e6).min(1e6);
   const Eigen::Vector2d high = (bounds.high.array() + margin).ceil().max(-1e6).min(1e6);
-  return {static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(high.x() - low.x()) + 1,
-          static_cast<int>(high.y() - low.y()) + 1};
+  return {static_cast<int>(low.x()), static_cast<int>(low.y()),
+          static_cast<int>(high.x() - low.x()) + 1, static_cast<int>(high.y() - low.y()) + 1};
 }
 
 PixelRect intersection(const PixelRect& a, const PixelRect& b) {
@@ -51,7 +52,8 @@ struct Footprint {
   Bounds image_px;
   Bounds tangents;
 };
-Footprint footprint(const Camera& camera, const Pose& camera_from_world, const SweepVolume& volume) {
+Footprint footprint(const Camera& camera, const Pose& camera_from_world,
+                    const SweepVolume& volume) {
   Footprint result;
   // A grid over the box: its edges bend under distortion, and parts may be behind the camera.
   constexpr int kSteps = 8;
@@ -64,7 +66,8 @@ Footprint footprint(const Camera& camera, const Pose& camera_from_world, const S
     for (int j = 0; j <= kSteps; ++j) {
       for (int k = 0; k <= kSteps; ++k) {
         const Eigen::Vector3d share = Eigen::Vector3d(i, j, k) / kSteps;
-        const Eigen::Vector3d p = camera_from_world * (volume.low_m + size.cwiseProduct(share)).eval();
+        const Eigen::Vector3d p =
+            camera_from_world * (volume.low_m + size.cwiseProduct(share)).eval();
         if (p.z() < kNearShare * farthest || p.z() <= 0) continue;
         const Eigen::Vector2d tangent = p.head<2>() / p.z();
         if (tangent.norm() > kWidestTangent) continue;
@@ -78,8 +81,8 @@ Footprint footprint(const Camera& camera, const Pose& camera_from_world, const S
   return result;
 }
 
-/// A light binomial blur (variance a quarter of a square pixel each way): bilinear look-ups of the smoothed
-/// image blur it less unevenly between pixel centres and pixel corners.
+/// A light binomial blur (variance a quarter of a square pixel each way): bilinear look-ups of the
+/// smoothed image blur it less unevenly between pixel centres and pixel corners.
 Image<float> smoothed(const Image<float>& image) {
   const int w = image.width(), h = image.height();
   Image<float> rows(w, h), result(w, h);
@@ -106,7 +109,8 @@ Image<float> laplacian(const Image<float>& image) {
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       result(x, y) = image(std::max(x - 1, 0), y) + image(std::min(x + 1, w - 1), y) +
-                     image(x, std::max(y - 1, 0)) + image(x, std::min(y + 1, h - 1)) - 4 * image(x, y);
+                     image(x, std::max(y - 1, 0)) + image(x, std::min(y + 1, h - 1)) -
+                     4 * image(x, y);
     }
   }
   return result;
@@ -139,7 +143,8 @@ float sample_cubic(const Image<float>& image, float x, float y) {
 
 void fill_source(const Image<Rgb8>& image, const Camera& camera, MvsView& view) {
   const PixelRect& rect = view.rect;
-  const LensGrid rays(rect, [&](const Eigen::Vector2d& pixel) { return normalized(camera, pixel); });
+  const LensGrid rays(rect,
+                      [&](const Eigen::Vector2d& pixel) { return normalized(camera, pixel); });
   view.ray_x = view.ray_y = view.chroma_b = view.chroma_r = Image<float>(rect.width, rect.height);
   Image<float> luma(rect.width, rect.height);
   for (int y = 0; y < rect.height; ++y) {
@@ -149,7 +154,8 @@ void fill_source(const Image<Rgb8>& image, const Camera& camera, MvsView& view) 
       luma(x, y) = code - 128.0F;
       view.chroma_b(x, y) = (c.b - code) / (code + kDarkCode);
       view.chroma_r(x, y) = (c.r - code) / (code + kDarkCode);
-      const Eigen::Vector2f ray = rays(static_cast<float>(rect.x0 + x), static_cast<float>(rect.y0 + y));
+      const Eigen::Vector2f ray =
+          rays(static_cast<float>(rect.x0 + x), static_cast<float>(rect.y0 + y));
       view.ray_x(x, y) = ray.x();
       view.ray_y(x, y) = ray.y();
     }
@@ -173,18 +179,19 @@ void fill_pinhole(const Camera& camera, const Bounds& tangents, MvsView& view) {
   }
   view.pinhole_rect = intersection(rect_around(px, 6), rect_around(seen, 1));
   if (view.pinhole_rect.empty()) return;
-  view.distorted_from_pinhole =
-      LensGrid(view.pinhole_rect, [&](const Eigen::Vector2d& pixel) {
-        return project(camera, ((pixel - c).cwiseQuotient(f)).homogeneous());
-      });
+  view.distorted_from_pinhole = LensGrid(view.pinhole_rect, [&](const Eigen::Vector2d& pixel) {
+    return project(camera, ((pixel - c).cwiseQuotient(f)).homogeneous());
+  });
   view.pinhole_luma = Image<float>(view.pinhole_rect.width, view.pinhole_rect.height);
   for (int y = 0; y < view.pinhole_rect.height; ++y) {
     for (int x = 0; x < view.pinhole_rect.width; ++x) {
-      const Eigen::Vector2f source = view.distorted_from_pinhole(
-          static_cast<float>(view.pinhole_rect.x0 + x), static_cast<float>(view.pinhole_rect.y0 + y));
+      const Eigen::Vector2f source =
+          view.distorted_from_pinhole(static_cast<float>(view.pinhole_rect.x0 + x),
+                                      static_cast<float>(view.pinhole_rect.y0 + y));
       if (!std::isfinite(source.x())) continue;  // stays mid grey
-      view.pinhole_luma(x, y) = sample_cubic(view.luma, source.x() - static_cast<float>(view.rect.x0),
-                                             source.y() - static_cast<float>(view.rect.y0));
+      view.pinhole_luma(x, y) =
+          sample_cubic(view.luma, source.x() - static_cast<float>(view.rect.x0),
+                       source.y() - static_cast<float>(view.rect.y0));
     }
   }
 }
@@ -221,7 +228,7 @@ std::optional<MvsView> prepare_view(const Capture& capture, const Poses& poses, 
 
 std::vector<int> choose_neighbours(const std::vector<MvsView>& views, int reference,
                                    const SweepVolume& volume, const MvsConfig& config) {
-  constexpr double kBestAngle = 0.25;   // enough parallax for depth, little change of appearance
+  constexpr double kBestAngle = 0.25;  // enough parallax for depth, little change of appearance
   constexpr double kSameSideCost = 0.7;
   const MvsView& here = views[static_cast<std::size_t>(reference)];
   const Eigen::Vector3d centre = 0.5 * (volume.low_m + volume.high_m);
@@ -237,7 +244,8 @@ std::vector<int> choose_neighbours(const std::vector<MvsView>& views, int refere
     const Eigen::Vector3d towards = (other.centre_in_world_m - centre).normalized();
     const double angle = std::atan2(direction.cross(towards).norm(), direction.dot(towards));
     const double scale = std::abs(std::log(other.distance_m / here.distance_m));
-    if (i == reference || angle < config.min_angle_rad || angle > config.max_angle_rad || scale > 0.7) {
+    if (i == reference || angle < config.min_angle_rad || angle > config.max_angle_rad ||
+        scale > 0.7) {
       continue;
     }
     const Eigen::Vector3d side = (towards - direction * direction.dot(towards)).normalized();
@@ -245,8 +253,9 @@ std::vector<int> choose_neighbours(const std::vector<MvsView>& views, int refere
   }
   std::vector<int> chosen;
   while (static_cast<int>(chosen.size()) < config.neighbours && !candidates.empty()) {
-    const auto best = std::min_element(candidates.begin(), candidates.end(),
-                                       [](const auto& a, const auto& b) { return a.cost < b.cost; });
+    const auto best =
+        std::min_element(candidates.begin(), candidates.end(),
+                         [](const auto& a, const auto& b) { return a.cost < b.cost; });
     const Candidate taken = *best;
     chosen.push_back(taken.view);
     candidates.erase(best);

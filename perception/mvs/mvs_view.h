@@ -18,11 +18,12 @@ struct MvsView {
 
   /// On the original, distorted grid: the part of the image that is reconstructed.
   PixelRect rect;
-  Image<float> luma;     ///< 8-bit codes less 128, lightly smoothed
-  Image<float> detail;   ///< Laplacian of luma: what a little more or less blur changes
-  Image<float> chroma_b;  ///< (blue - luma) and (red - luma) over luma: the same in light and shade, zero for grey
+  Image<float> luma;      ///< 8-bit codes less 128, lightly smoothed
+  Image<float> detail;    ///< Laplacian of luma: what a little more or less blur changes
+  Image<float> chroma_b;  ///< (blue - luma) and (red - luma) over luma: the same in light and
+                          ///< shade, zero for grey
   Image<float> chroma_r;
-  Image<float> ray_x;    ///< x/z of each pixel's ray; NaN where the lens has none
+  Image<float> ray_x;  ///< x/z of each pixel's ray; NaN where the lens has none
   Image<float> ray_y;
 
   /// Undistorted copy that other views look up, of the pinhole camera (f, c).
@@ -39,12 +40,13 @@ std::optional<MvsView> prepare_view(const Capture& capture, const Poses& poses, 
 
 std::array<Eigen::Vector3d, 8> corners_in_world_m(const SweepVolume& volume);
 
-/// Indices into `views` of the views to match view `reference` with, best first: parallax near a quarter radian,
-/// similar scale, seen from different sides.
+/// Indices into `views` of the views to match view `reference` with, best first: parallax near a
+/// quarter radian, similar scale, seen from different sides.
 std::vector<int> choose_neighbours(const std::vector<MvsView>& views, int reference,
                                    const SweepVolume& volume, const MvsConfig& config);
 
-/// What one view's rays become in another view's pinhole image: pixel ~ from_ray * (x, y, 1) + from_inverse_depth / depth.
+/// What one view's rays become in another view's pinhole image: pixel ~ from_ray * (x, y, 1) +
+/// from_inverse_depth / depth.
 struct Warp {
   Eigen::Matrix3f from_ray = Eigen::Matrix3f::Identity();
   Eigen::Vector3f from_inverse_depth = Eigen::Vector3f::Zero();

@@ -9,8 +9,9 @@
 namespace cousin {
 namespace {
 
-/// Difference of chroma at which a pixel counts little. Luma has no say: its edges are the texture that is matched,
-/// on the board above all, while chroma tells a coloured object from the grey board.
+/// Difference of chroma at which a pixel counts little. Luma has no say: its edges are the texture
+/// that is matched, on the board above all, while chroma tells a coloured object from the grey
+/// board.
 constexpr float kChromaSigma = 0.06F;
 /// A window in which fewer pixels than this are like the middle one is on the rim of something.
 constexpr float kLeastSamples = 7;
@@ -101,11 +102,11 @@ void PatchScorer::move_to(int x, int y) {
   variance_ = effective_samples_ < kLeastSamples ? 0 : weighted_dot(value_, value_);
 }
 
-/// Looks up the neighbour's image where each tap's ray meets the patch. With slopes, (d_x, d_y) is how far that
-/// point moves for a change of inverse depth by one.
+/// Looks up the neighbour's image where each tap's ray meets the patch. With slopes, (d_x, d_y) is
+/// how far that point moves for a change of inverse depth by one.
 template <bool kSlopes>
-void PatchScorer::place(const Neighbour& neighbour, const SurfacePatch& patch, LookUp& look_up, float* d_x,
-                        float* d_y) const {
+void PatchScorer::place(const Neighbour& neighbour, const SurfacePatch& patch, LookUp& look_up,
+                        float* d_x, float* d_y) const {
   const Eigen::Matrix3f& a = neighbour.warp.from_ray;
   const Eigen::Vector3f& b = neighbour.warp.from_inverse_depth;
   const float a00 = a(0, 0), a01 = a(0, 1), a02 = a(0, 2), b0 = b(0);
@@ -113,7 +114,8 @@ void PatchScorer::place(const Neighbour& neighbour, const SurfacePatch& patch, L
   const float a20 = a(2, 0), a21 = a(2, 1), a22 = a(2, 2), b2 = b(2);
   const SurfacePatch p = patch;
   for (std::size_t k = 0; k < static_cast<std::size_t>(taps_); ++k) {
-    const float w = p.inverse_depth + dx_[k] * (p.slope_x + 0.5F * p.bend_xx * dx_[k] + p.bend_xy * dy_[k]) +
+    const float w = p.inverse_depth +
+                    dx_[k] * (p.slope_x + 0.5F * p.bend_xx * dx_[k] + p.bend_xy * dy_[k]) +
                     dy_[k] * (p.slope_y + 0.5F * p.bend_yy * dy_[k]);
     const float z = a20 * ray_x_[k] + a21 * ray_y_[k] + a22 + b2 * w;
     const float in_front = z > 0 ? 1.0F / z : std::numeric_limits<float>::quiet_NaN();
@@ -150,7 +152,8 @@ float PatchScorer::correlation(const Neighbour& neighbour, const SurfacePatch& p
     s3 += l3[lane];
     s4 += l4[lane];
   }
-  // The reference's values have no mean and no detail; the neighbour's variance is freed of both here.
+  // The reference's values have no mean and no detail; the neighbour's variance is freed of both
+  // here.
   const float variance = std::max(0.0F, s2 - s1 * s1 - s4 * s4 * inverse_detail_);
   return s3 / std::sqrt((variance + kNoiseVariance) * (variance_ + kNoiseVariance));
 }
@@ -209,7 +212,8 @@ void PatchScorer::add_equations(const Neighbour& neighbour, const SurfacePatch& 
   const float mean = weighted_sum(seen), share = weighted_dot(seen, detail_) * inverse_detail_;
   for (std::size_t i = 0; i < taps; ++i) seen[i] -= mean + share * detail_[i];
   const float variance = weighted_dot(seen, seen);
-  const float gain = std::max(0.0F, weighted_dot(seen, value_)) / (variance + 0.1F * kNoiseVariance);
+  const float gain =
+      std::max(0.0F, weighted_dot(seen, value_)) / (variance + 0.1F * kNoiseVariance);
   for (std::size_t i = 0; i < taps; ++i) {
     residual[i] = value_[i] - gain * seen[i];
     jacobian[0][i] *= gain;
@@ -238,7 +242,8 @@ void PatchScorer::add_equations(const Neighbour& neighbour, const SurfacePatch& 
   }
 }
 
-PatchScorer::Fit PatchScorer::fit(const SurfacePatch& start, float slope_sigma, int iterations) const {
+PatchScorer::Fit PatchScorer::fit(const SurfacePatch& start, float slope_sigma,
+                                  int iterations) const {
   std::array<std::pair<float, std::size_t>, kMostNeighbours> ranked;
   const std::size_t count = std::min<std::size_t>(neighbours_.size(), kMostNeighbours);
   for (std::size_t i = 0; i < count; ++i) ranked[i] = {-correlation(neighbours_[i], start), i};

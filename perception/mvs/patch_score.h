@@ -15,9 +15,10 @@ struct SurfacePatch {
   float bend_xx = 0, bend_xy = 0, bend_yy = 0;
 };
 
-/// Scores surface patches at one pixel at a time, with a window weighted by likeness of colour: a window on a seed's
-/// edge does not listen to the board [Yoon & Kweon, TPAMI 2006]. Images differ in gain, offset and sharpness (distance,
-/// focus, resampling). All three are taken out: to a slanted window a blurred edge looks just like a stretched one.
+/// Scores surface patches at one pixel at a time, with a window weighted by likeness of colour: a
+/// window on a seed's edge does not listen to the board [Yoon & Kweon, TPAMI 2006]. Images differ
+/// in gain, offset and sharpness (distance, focus, resampling). All three are taken out: to a
+/// slanted window a blurred edge looks just like a stretched one.
 class PatchScorer {
  public:
   PatchScorer(const std::vector<MvsView>& views, int reference, const std::vector<int>& neighbours,
@@ -25,14 +26,16 @@ class PatchScorer {
 
   /// Moves to a pixel at least the window's radius inside the rectangle.
   void move_to(int x, int y);
-  /// Weighted variance of the reference window, squared codes, less what a change of blur explains; zero on a rim.
+  /// Weighted variance of the reference window, squared codes, less what a change of blur explains;
+  /// zero on a rim.
   float texture() const { return variance_; }
   /// Mean of the better half of the neighbours' correlations, -1..1.
   float score(const SurfacePatch& patch) const;
 
-  /// Gauss-Newton on depth and slopes; bends stay. The residuals are those left after a gain, an offset and a change of
-  /// blur for each of the better half of the neighbours. Slopes have a prior at where they started, `slope_sigma` times
-  /// the inverse depth wide (1 is a turn of 45 degrees): a lone edge leaves the depth beside it uncertain, not wild.
+  /// Gauss-Newton on depth and slopes; bends stay. The residuals are those left after a gain, an
+  /// offset and a change of blur for each of the better half of the neighbours. Slopes have a prior
+  /// at where they started, `slope_sigma` times the inverse depth wide (1 is a turn of 45 degrees):
+  /// a lone edge leaves the depth beside it uncertain, not wild.
   struct Fit {
     SurfacePatch patch;
     float sigma = 0;  ///< standard deviation of inverse_depth, slopes marginalised
@@ -59,11 +62,13 @@ class PatchScorer {
   };
   struct NormalEquations;
   template <bool kSlopes>
-  void place(const Neighbour& neighbour, const SurfacePatch& patch, LookUp& look_up, float* d_x, float* d_y) const;
+  void place(const Neighbour& neighbour, const SurfacePatch& patch, LookUp& look_up, float* d_x,
+             float* d_y) const;
   float correlation(const Neighbour& neighbour, const SurfacePatch& patch) const;
   float weighted_sum(const Taps& a) const;
   float weighted_dot(const Taps& a, const Taps& b) const;
-  void add_equations(const Neighbour& neighbour, const SurfacePatch& patch, NormalEquations& sum) const;
+  void add_equations(const Neighbour& neighbour, const SurfacePatch& patch,
+                     NormalEquations& sum) const;
 
   const MvsView& view_;
   std::vector<Neighbour> neighbours_;

@@ -1,10 +1,10 @@
 #include "perception/mvs/plane_sweep.h"
 
+#include <tbb/parallel_for.h>
+
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-#include <tbb/parallel_for.h>
 
 #include "perception/mvs/reference_depth.h"
 #include "perception/segment/config_limits.h"
@@ -23,9 +23,10 @@ std::vector<int> usable_frames(const Capture& capture, const Poses& poses) {
     if (image.empty()) continue;
     const Camera& camera = poses[i].camera;
     if (image.width() != camera.width_px || image.height() != camera.height_px) {
-      throw std::invalid_argument("frame " + std::to_string(capture.frames[i].id) + ": the image is " +
-                                  std::to_string(image.width()) + " x " + std::to_string(image.height()) +
-                                  " px, its camera " + std::to_string(camera.width_px) + " x " +
+      throw std::invalid_argument("frame " + std::to_string(capture.frames[i].id) +
+                                  ": the image is " + std::to_string(image.width()) + " x " +
+                                  std::to_string(image.height()) + " px, its camera " +
+                                  std::to_string(camera.width_px) + " x " +
                                   std::to_string(camera.height_px));
     }
     usable.push_back(static_cast<int>(i));
@@ -59,28 +60,30 @@ FrameDepth whole_image(int width, int height, const MvsView& view, const Image<f
 }  // namespace
 
 Fields fields(MvsConfig& c) {
-  return {{"neighbours", &c.neighbours, "views each reference is matched with", 2, 32},
-          {"window_px", &c.window_px, "side of the matching window, odd", 3, 21},
-          {"step_px", &c.step_px, "depth step as disparity", 0.1, 4},
-          {"min_angle_rad", &c.min_angle_rad, "least parallax to a neighbour", 0.005, 1.5},
-          {"max_angle_rad", &c.max_angle_rad, "most parallax to a neighbour", 0.01, 1.57},
-          {"min_score", &c.min_score, "least mean correlation", 0, 1},
-          {"consistent_views", &c.consistent_views, "other views whose depth agrees", 0, 10},
-          {"consistency_px", &c.consistency_px, "agreement in the image", 0.05, 10},
-          {"consistency_depth", &c.consistency_depth, "agreement in depth, relative", 1e-5, 0.1},
-          {"max_references", &c.max_references, "views with depth, evenly spread; 0 = all", 0, 100000}};
+  return {
+      {"neighbours", &c.neighbours, "views each reference is matched with", 2, 32},
+      {"window_px", &c.window_px, "side of the matching window, odd", 3, 21},
+      {"step_px", &c.step_px, "depth step as disparity", 0.1, 4},
+      {"min_angle_rad", &c.min_angle_rad, "least parallax to a neighbour", 0.005, 1.5},
+      {"max_angle_rad", &c.max_angle_rad, "most parallax to a neighbour", 0.01, 1.57},
+      {"min_score", &c.min_score, "least mean correlation", 0, 1},
+      {"consistent_views", &c.consistent_views, "other views whose depth agrees", 0, 10},
+      {"consistency_px", &c.consistency_px, "agreement in the image", 0.05, 10},
+      {"consistency_depth", &c.consistency_depth, "agreement in depth, relative", 1e-5, 0.1},
+      {"max_references", &c.max_references, "views with depth, evenly spread; 0 = all", 0, 100000}};
 }
 
 void validate(const MvsConfig& config) {
   MvsConfig copy = config;
   require_within_limits("mvs", fields(copy));
   if (config.window_px % 2 == 0) {
-    throw std::invalid_argument("mvs.window_px = " + std::to_string(config.window_px) + " is not odd");
+    throw std::invalid_argument("mvs.window_px = " + std::to_string(config.window_px) +
+                                " is not odd");
   }
   if (config.min_angle_rad >= config.max_angle_rad) {
-    throw std::invalid_argument("mvs.min_angle_rad = " + std::to_string(config.min_angle_rad) +
-                                " is not below mvs.max_angle_rad = " +
-                                std::to_string(config.max_angle_rad));
+    throw std::invalid_argument(
+        "mvs.min_angle_rad = " + std::to_string(config.min_angle_rad) +
+        " is not below mvs.max_angle_rad = " + std::to_string(config.max_angle_rad));
   }
 }
 
@@ -88,8 +91,8 @@ Depths estimate_depths(const Capture& capture, const Poses& poses, const SweepVo
                        const MvsConfig& config) {
   validate(config);
   if (poses.size() != capture.frames.size()) {
-    throw std::invalid_argument("multi-view stereo: " + std::to_string(poses.size()) + " poses for " +
-                                std::to_string(capture.frames.size()) + " frames");
+    throw std::invalid_argument("multi-view stereo: " + std::to_string(poses.size()) +
+                                " poses for " + std::to_string(capture.frames.size()) + " frames");
   }
   if (!((volume.high_m - volume.low_m).minCoeff() > 0) || !volume.low_m.allFinite() ||
       !volume.high_m.allFinite()) {
@@ -101,8 +104,9 @@ Depths estimate_depths(const Capture& capture, const Poses& poses, const SweepVo
   // Undistort once.
   const std::vector<int> usable = usable_frames(capture, poses);
   std::vector<std::optional<MvsView>> prepared(usable.size());
-  tbb::parallel_for(std::size_t{0}, usable.size(),
-                    [&](std::size_t i) { prepared[i] = prepare_view(capture, poses, usable[i], volume); });
+  tbb::parallel_for(std::size_t{0}, usable.size(), [&](std::size_t i) {
+    prepared[i] = prepare_view(capture, poses, usable[i], volume);
+  });
   std::vector<MvsView> views;
   for (std::optional<MvsView>& view : prepared) {
     if (view) views.push_back(std::move(*view));

@@ -15,14 +15,15 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr int kFlatRadius = 7;
 constexpr int kSweeps = 4;
 constexpr float kStartScore = 0.2F;
-/// A new slope must gain this much: under a lone edge all slopes score alike, and noise would choose.
+/// A new slope must gain this much: under a lone edge all slopes score alike, and noise would
+/// choose.
 constexpr float kSlopeMargin = 0.005F;
 /// Matching windows with less variance than this, in squared codes, show noise only.
 constexpr float kLeastTexture = 2 * kNoiseVariance;
 /// Depth errors that the score's shape does not see: lens and pose errors, in pixels of disparity.
 constexpr float kSystematicPx = 0.05F;
-/// Neighbouring pixels' residuals are correlated and the reference's noise is shared by all neighbours, so there are fewer
-/// independent samples than pixels.
+/// Neighbouring pixels' residuals are correlated and the reference's noise is shared by all
+/// neighbours, so there are fewer independent samples than pixels.
 constexpr float kSigmaScale = 1.5F;
 /// Prior of the slopes relative to inverse depth, where a wide plane was found and elsewhere.
 constexpr float kFlatSlopeSigma = 0.03F;
@@ -42,11 +43,13 @@ void store(const SurfacePatch& plane, float score, int x, int y, ReferenceDepth&
   depth.score(x, y) = score;
 }
 
-/// Pixels that the first pass leaves uncertain: textured, with some score, and not inside a wide swept plane.
+/// Pixels that the first pass leaves uncertain: textured, with some score, and not inside a wide
+/// swept plane.
 Image<std::uint8_t> pixels_to_refine(const MvsView& view, const ReferenceDepth& depth, int radius,
                                      float min_score) {
   const int w = view.rect.width, h = view.rect.height;
-  // Relative change of inverse depth that one pixel of the swept plane explains, plus a tenth of a pixel of disparity.
+  // Relative change of inverse depth that one pixel of the swept plane explains, plus a tenth of a
+  // pixel of disparity.
   const auto agree = [&](int x, int y, int x2, int y2) {
     const SurfacePatch p = patch_at(depth, x, y);
     const float predicted = p.inverse_depth + p.slope_x * (view.ray_x(x2, y2) - view.ray_x(x, y)) +
@@ -88,8 +91,8 @@ struct Best {
 };
 
 /// A neighbour pixel's plane carried to this pixel.
-SurfacePatch carried(const MvsView& view, const ReferenceDepth& depth, int from_x, int from_y, int x,
-                     int y) {
+SurfacePatch carried(const MvsView& view, const ReferenceDepth& depth, int from_x, int from_y,
+                     int x, int y) {
   SurfacePatch p = patch_at(depth, from_x, from_y);
   p.inverse_depth += p.slope_x * (view.ray_x(x, y) - view.ray_x(from_x, from_y)) +
                      p.slope_y * (view.ray_y(x, y) - view.ray_y(from_x, from_y));
@@ -135,8 +138,10 @@ void propagate(const MvsView& view, const Image<std::uint8_t>& refine, int radiu
       const SurfacePatch facing{best.plane.inverse_depth, 0, 0};
       if (pass == 0) best.offer(scorer, facing, kSlopeMargin);
       best.offer(scorer, perturbed(best.plane, one_px * shrink, 0, draws));
-      best.offer(scorer, perturbed(best.plane, 0.5F * one_px * shrink, slope * shrink, draws), kSlopeMargin);
-      best.offer(scorer, perturbed(best.plane, 0.25F * one_px * shrink, 0.5F * slope * shrink, draws),
+      best.offer(scorer, perturbed(best.plane, 0.5F * one_px * shrink, slope * shrink, draws),
+                 kSlopeMargin);
+      best.offer(scorer,
+                 perturbed(best.plane, 0.25F * one_px * shrink, 0.5F * slope * shrink, draws),
                  kSlopeMargin);
       store(best.plane, best.score, x, y, depth);
     }
@@ -144,8 +149,8 @@ void propagate(const MvsView& view, const Image<std::uint8_t>& refine, int radiu
 }
 
 /// Depth and slopes by Gauss-Newton, with their standard deviation.
-void settle(const PatchScorer& scorer, const SurfacePatch& start, float slope_sigma, int iterations, int x,
-            int y, ReferenceDepth& depth) {
+void settle(const PatchScorer& scorer, const SurfacePatch& start, float slope_sigma, int iterations,
+            int x, int y, ReferenceDepth& depth) {
   const PatchScorer::Fit fit = scorer.fit(start, slope_sigma, iterations);
   if (!fit.ok) {
     depth.inverse_depth(x, y) = kNone;
@@ -158,8 +163,8 @@ void settle(const PatchScorer& scorer, const SurfacePatch& start, float slope_si
   depth.sigma_m(x, y) = sigma / (fit.patch.inverse_depth * fit.patch.inverse_depth);
 }
 
-/// Bends of the surface around a pixel: a quadric through the inverse depths of the window, weighted by colour and
-/// certainty, without what lies off it. Weakly held at zero.
+/// Bends of the surface around a pixel: a quadric through the inverse depths of the window,
+/// weighted by colour and certainty, without what lies off it. Weakly held at zero.
 SurfacePatch with_bends(const MvsView& view, const ReferenceDepth& depth, const PatchScorer& scorer,
                         int radius, int x, int y) {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -182,7 +187,8 @@ SurfacePatch with_bends(const MvsView& view, const ReferenceDepth& depth, const 
         const double v = (view.ray_y(x + dx, y + dy) - view.ray_y(x, y)) / step;
         const double value = other - patch.inverse_depth;
         const Vector6 row{1, u, v, 0.5 * u * u, u * v, 0.5 * v * v};
-        const double sigma = std::max(1e-12, static_cast<double>(depth.sigma_m(x + dx, y + dy)) * other * other);
+        const double sigma =
+            std::max(1e-12, static_cast<double>(depth.sigma_m(x + dx, y + dy)) * other * other);
         const double off = (value - row.dot(quadric)) / (3 * sigma);
         const double trust = round == 0 ? 1 : 1 / (1 + off * off);  // Cauchy
         const double w = *weight / most * trust / (sigma * sigma);
@@ -211,8 +217,9 @@ bool inside(const SweepVolume& volume, const Eigen::Vector3d& p) {
 
 }  // namespace
 
-void refine_slanted(const std::vector<MvsView>& views, int reference, const std::vector<int>& neighbours,
-                    const SweepVolume& volume, const MvsConfig& config, ReferenceDepth& depth) {
+void refine_slanted(const std::vector<MvsView>& views, int reference,
+                    const std::vector<int>& neighbours, const SweepVolume& volume,
+                    const MvsConfig& config, ReferenceDepth& depth) {
   const MvsView& view = views[static_cast<std::size_t>(reference)];
   const int radius = config.window_px / 2;
   const int w = view.rect.width, h = view.rect.height;
@@ -221,10 +228,12 @@ void refine_slanted(const std::vector<MvsView>& views, int reference, const std:
   PatchScorer scorer(views, reference, neighbours, config.window_px);
   const Rng rng = Rng(0).fork("mvs").fork(static_cast<std::uint64_t>(view.index));
   for (int pass = 0; pass < kSweeps; ++pass) {
-    propagate(view, refine, radius, pass, rng.fork(static_cast<std::uint64_t>(pass)), scorer, depth);
+    propagate(view, refine, radius, pass, rng.fork(static_cast<std::uint64_t>(pass)), scorer,
+              depth);
   }
 
-  // Flat windows everywhere; then, where the surface is not a swept plane, windows bent like the depths found.
+  // Flat windows everywhere; then, where the surface is not a swept plane, windows bent like the
+  // depths found.
   const auto each = [&](const auto& visit) {
     for (int y = 0; y < h; ++y) {
       for (int x = 0; x < w; ++x) {
@@ -240,7 +249,8 @@ void refine_slanted(const std::vector<MvsView>& views, int reference, const std:
       depth.inverse_depth(x, y) = kNone;
     } else {
       const bool flat = refine(x, y) == 0;
-      settle(scorer, patch_at(depth, x, y), flat ? kFlatSlopeSigma : kFreeSlopeSigma, flat ? 1 : 2, x, y, depth);
+      settle(scorer, patch_at(depth, x, y), flat ? kFlatSlopeSigma : kFreeSlopeSigma, flat ? 1 : 2,
+             x, y, depth);
     }
   });
   for (int round = 0; round < kBentRounds; ++round) {
@@ -248,7 +258,8 @@ void refine_slanted(const std::vector<MvsView>& views, int reference, const std:
     each([&](int x, int y) {
       if (refine(x, y) == 0) return;
       scorer.move_to(x, y);
-      settle(scorer, with_bends(view, before, scorer, radius, x, y), kFreeSlopeSigma, 2, x, y, depth);
+      settle(scorer, with_bends(view, before, scorer, radius, x, y), kFreeSlopeSigma, 2, x, y,
+             depth);
     });
   }
 

@@ -13,14 +13,14 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr int kMostPlanes = 512;
 constexpr int kMostCounted = 16;
-/// What planes that face the camera must gain over level ones: where a window shows one edge only, both fit, and what
-/// is photographed lies level more often.
+/// What planes that face the camera must gain over level ones: where a window shows one edge only,
+/// both fit, and what is photographed lies level more often.
 constexpr float kFamilyMargin = 0.03F;
 
 /// Planes normal . X = offset of the world, at even steps of inverse distance from the camera.
 struct PlaneFamily {
   Eigen::Vector3d normal;
-  double nearest = 0;   ///< signed distances from the camera centre, same sign
+  double nearest = 0;  ///< signed distances from the camera centre, same sign
   double farthest = 0;
   int count = 0;
   double distance(int i) const {  ///< of plane i
@@ -54,8 +54,8 @@ PlaneFamily make_family(const Eigen::Vector3d& normal, const MvsView& view,
     if (along <= 0) continue;
     for (const MvsView* neighbour : neighbours) {
       const auto pixel = [&](double distance) {
-        const Eigen::Vector3d p =
-            neighbour->camera_from_world * (view.centre_in_world_m + ray * (distance / along)).eval();
+        const Eigen::Vector3d p = neighbour->camera_from_world *
+                                  (view.centre_in_world_m + ray * (distance / along)).eval();
         const double depth = std::max(p.z(), 0.1 * neighbour->distance_m);
         return Eigen::Vector2d(neighbour->focal_px.x() * p.x() / depth,
                                neighbour->focal_px.y() * p.y() / depth);
@@ -70,22 +70,29 @@ PlaneFamily make_family(const Eigen::Vector3d& normal, const MvsView& view,
 /// Buffers of one sweep, all the size of the reference's rectangle.
 struct SweepBuffers {
   explicit SweepBuffers(int width, int height, int counted_)
-      : counted(counted_), inverse_slope(width, height), mean(width, height), spread(width, height),
-        warped(width, height), best_score(width, height, -1), best_plane(width, height, -1),
-        before(width, height, -1), after(width, height, -1), previous(width, height, -1) {
+      : counted(counted_),
+        inverse_slope(width, height),
+        mean(width, height),
+        spread(width, height),
+        warped(width, height),
+        best_score(width, height, -1),
+        best_plane(width, height, -1),
+        before(width, height, -1),
+        after(width, height, -1),
+        previous(width, height, -1) {
     for (int i = 0; i < counted; ++i) top.emplace_back(width, height, -1.0F);
   }
   int counted;
-  Image<float> inverse_slope;  ///< depth of plane d = d * inverse_slope
-  Image<float> mean;           ///< of the reference's window
-  Image<float> spread;         ///< 1 / sqrt(variance + noise) of the reference's window
-  Image<float> warped;         ///< the neighbour seen through the plane
+  Image<float> inverse_slope;     ///< depth of plane d = d * inverse_slope
+  Image<float> mean;              ///< of the reference's window
+  Image<float> spread;            ///< 1 / sqrt(variance + noise) of the reference's window
+  Image<float> warped;            ///< the neighbour seen through the plane
   std::vector<Image<float>> top;  ///< best scores at this plane, in descending order
   Image<float> best_score, best_plane, before, after, previous;
 };
 
-/// Sums of 2 radius + 1 neighbours along a row. `column_sums` begins `kMostRadius` zeros before the row and ends as
-/// many after it: windows are clipped at the border.
+/// Sums of 2 radius + 1 neighbours along a row. `column_sums` begins `kMostRadius` zeros before the
+/// row and ends as many after it: windows are clipped at the border.
 constexpr int kMostRadius = 10;
 template <int kRadius>
 void sum_row_of(const float* column_sums, int width, float* sums) {
@@ -109,7 +116,9 @@ SumRow sum_row_for(int radius) {
 class ColumnSums {
  public:
   ColumnSums(int width, int height, int radius)
-      : height_(height), radius_(radius), sums_(static_cast<std::size_t>(width + 2 * kMostRadius)) {}
+      : height_(height),
+        radius_(radius),
+        sums_(static_cast<std::size_t>(width + 2 * kMostRadius)) {}
   /// Moves to row y, visited in order; add(row, sign, sums) adds a row's terms to the sums.
   template <class Add>
   void move_to(int y, const Add& add) {
@@ -152,14 +161,16 @@ void reference_moments(const Image<float>& luma, int radius, SweepBuffers& buffe
       const auto i = static_cast<std::size_t>(x);
       const float mean = s1[i] / n;
       buffers.mean(x, y) = mean;
-      buffers.spread(x, y) = 1.0F / std::sqrt(std::max(0.0F, s2[i] / n - mean * mean) + kNoiseVariance);
+      buffers.spread(x, y) =
+          1.0F / std::sqrt(std::max(0.0F, s2[i] / n - mean * mean) + kNoiseVariance);
     }
   }
 }
 
-/// The neighbour's luma where each reference pixel's ray meets the plane; outside mid grey: no texture, no score.
-void warp_row(const MvsView& view, const MvsView& neighbour, const Warp& warp, float inverse_distance,
-              const float* slope, int y, float* out) {
+/// The neighbour's luma where each reference pixel's ray meets the plane; outside mid grey: no
+/// texture, no score.
+void warp_row(const MvsView& view, const MvsView& neighbour, const Warp& warp,
+              float inverse_distance, const float* slope, int y, float* out) {
   constexpr int kBlock = 64;
   const Eigen::Matrix3f& a = warp.from_ray;
   const Eigen::Vector3f& b = warp.from_inverse_depth;
@@ -273,7 +284,8 @@ float parabola_offset(float before, float middle, float after) {
 void merge(const PlaneFamily& family, const Eigen::Vector3f& normal_in_camera,
            const SweepBuffers& buffers, ReferenceDepth& result) {
   const double near_inverse = 1.0 / family.nearest;
-  const double step = family.count > 1 ? (1.0 / family.farthest - near_inverse) / (family.count - 1) : 0;
+  const double step =
+      family.count > 1 ? (1.0 / family.farthest - near_inverse) / (family.count - 1) : 0;
   for (std::size_t i = 0; i < buffers.best_score.size(); ++i) {
     const float score = buffers.best_score.data()[i];
     const float plane = buffers.best_plane.data()[i];
@@ -300,8 +312,8 @@ void sweep_family(const PlaneFamily& family, const MvsView& view,
     const float slope = n.x() * view.ray_x.data()[i] + n.y() * view.ray_y.data()[i] + n.z();
     buffers.inverse_slope.data()[i] = slope > 1e-3F ? slope : kNone;
   }
-  for (Image<float>* image : {&buffers.best_score, &buffers.best_plane, &buffers.before, &buffers.after,
-                              &buffers.previous}) {
+  for (Image<float>* image : {&buffers.best_score, &buffers.best_plane, &buffers.before,
+                              &buffers.after, &buffers.previous}) {
     std::fill(image->begin(), image->end(), -1.0F);
   }
   std::vector<Warp> warps;
@@ -310,8 +322,8 @@ void sweep_family(const PlaneFamily& family, const MvsView& view,
     const float inverse_distance = static_cast<float>(1.0 / family.distance(plane));
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
       for (int y = 0; y < view.rect.height; ++y) {
-        warp_row(view, *neighbours[i], warps[i], inverse_distance, buffers.inverse_slope.row(y).data(), y,
-                 buffers.warped.row(y).data());
+        warp_row(view, *neighbours[i], warps[i], inverse_distance,
+                 buffers.inverse_slope.row(y).data(), y, buffers.warped.row(y).data());
       }
       score_plane(view.luma, radius, buffers);
     }
@@ -337,8 +349,8 @@ ReferenceDepth sweep_reference(const std::vector<MvsView>& views, int reference,
   const int radius = config.window_px / 2;
   reference_moments(view.luma, radius, buffers);
 
-  // Level planes suit the board and what lies on it; seen obliquely, flanks need planes that face the camera;
-  // seen from the side, level planes are edge-on and say nothing.
+  // Level planes suit the board and what lies on it; seen obliquely, flanks need planes that face
+  // the camera; seen from the side, level planes are edge-on and say nothing.
   const Eigen::Vector3d centre = 0.5 * (volume.low_m + volume.high_m);
   const Eigen::Vector3d view_direction = (centre - view.centre_in_world_m).normalized();
   const double downward = std::abs(view_direction.z());

@@ -18,9 +18,12 @@ SeedsMethod method_of(const std::string& text) {
 
 std::string text_of(BoardKind kind) {
   switch (kind) {
-    case BoardKind::markers: return "markers";
-    case BoardKind::plain: return "plain";
-    case BoardKind::as_reported: break;
+    case BoardKind::markers:
+      return "markers";
+    case BoardKind::plain:
+      return "plain";
+    case BoardKind::as_reported:
+      break;
   }
   return "as_reported";
 }
@@ -37,10 +40,12 @@ SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& boa
   return {{-half, -half, -config.below_board_m}, {half, half, config.tallest_m}};
 }
 
-/// Runs one stage, times it and tells the observer; an exception names the stage and keeps what is finished.
+/// Runs one stage, times it and tells the observer; an exception names the stage and keeps what is
+/// finished.
 template <class Value, class Stage>
-void run_stage(const char* name, const Stage& stage, const Capture& capture, SeedsEstimate& estimate,
-               Value SeedsEstimate::*result, const StageObserver& observer) {
+void run_stage(const char* name, const Stage& stage, const Capture& capture,
+               SeedsEstimate& estimate, Value SeedsEstimate::*result,
+               const StageObserver& observer) {
   if (!stage) return;
   if (observer) observer(name, false, estimate);
   const StageClock clock(name);
@@ -60,11 +65,13 @@ StageError::StageError(const std::string& stage_name, const std::string& what)
 
 Fields fields(SeedsPipelineConfig& config) {
   Fields own = {
-      {"method", TextField{[&config] { return text_of(config.method); },
-                           [&config](const std::string& text) { config.method = method_of(text); }},
+      {"method",
+       TextField{[&config] { return text_of(config.method); },
+                 [&config](const std::string& text) { config.method = method_of(text); }},
        "ours: closed surfaces; paper: clusters of points, PCA box, alpha shape"},
-      {"board_kind", TextField{[&config] { return text_of(config.board_kind); },
-                               [&config](const std::string& text) { config.board_kind = board_kind_of(text); }},
+      {"board_kind",
+       TextField{[&config] { return text_of(config.board_kind); },
+                 [&config](const std::string& text) { config.board_kind = board_kind_of(text); }},
        "calibration board: as_reported by the capture, markers or plain"},
       {"margin_m", &config.margin_m, "reconstructed beyond the plate's edge", 0, 1},
       {"below_board_m", &config.below_board_m, "reconstructed below the board's face", 0, 1},
@@ -115,14 +122,16 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     return estimate_board_poses(capture, so_far.corners, board_of(capture, config), config.poses);
   };
   stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
-    return estimate_depths(capture, so_far.poses, sweep_volume(config, board_of(capture, config)), config.mvs);
+    return estimate_depths(capture, so_far.poses, sweep_volume(config, board_of(capture, config)),
+                           config.mvs);
   };
   stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return fuse_depths(capture, so_far.poses, so_far.depths, config.green, config.fuse);
   };
   if (config.method == SeedsMethod::paper) {
     stages.clusters = [config, seed](const Capture&, const SeedsEstimate& so_far) {
-      return cluster_as_paper(so_far.cloud, config.paper_clusters, Rng(seed).fork("paper_clusters"));
+      return cluster_as_paper(so_far.cloud, config.paper_clusters,
+                              Rng(seed).fork("paper_clusters"));
     };
     stages.surfaces = [](const Capture&, const SeedsEstimate& so_far) {
       return surfaces_of_clusters(so_far.clusters);
@@ -136,7 +145,8 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     return cluster_on_board(so_far.cloud, config.clusters);
   };
   stages.masks = [config](const Capture& capture, const SeedsEstimate& so_far) {
-    return find_outlines(capture, so_far.poses, board_of(capture, config), so_far.clusters, config.outlines);
+    return find_outlines(capture, so_far.poses, board_of(capture, config), so_far.clusters,
+                         config.outlines);
   };
   stages.surfaces = [config, seed](const Capture&, const SeedsEstimate& so_far) {
     return fit_surfaces(so_far.poses, so_far.clusters, so_far.silhouettes, config.surface,

@@ -18,10 +18,12 @@
 
 namespace cousin {
 
-/// Two methods share poses, depth and cloud: `paper` measures clusters of points, `ours` fits closed surfaces.
+/// Two methods share poses, depth and cloud: `paper` measures clusters of points, `ours` fits
+/// closed surfaces.
 enum class SeedsMethod { ours, paper };
 
-/// Which print lies under the seeds. A real capture without a rig.json does not say: then it is asked for here.
+/// Which print lies under the seeds. A real capture without a rig.json does not say: then it is
+/// asked for here.
 enum class BoardKind { as_reported, markers, plain };
 
 struct SeedsPipelineConfig {
@@ -38,7 +40,8 @@ struct SeedsPipelineConfig {
   PaperClusterConfig paper_clusters;
   BoardClusterConfig clusters;
   OutlineConfig outlines;
-  /// Outlines alone by default: stereo sees seeds 0.2-0.3 mm too deep, on matt synthetic ones too; the cause is not known.
+  /// Outlines alone by default: stereo sees seeds 0.2-0.3 mm too deep, on matt synthetic ones too;
+  /// the cause is not known.
   SurfaceFitConfig surface{.use_cloud = false};
   PaperTraitConfig paper_traits;
 };
@@ -58,7 +61,8 @@ struct SeedsEstimate {
   std::vector<StageTiming> timings;
 };
 
-/// The seams, in order. Each takes the capture and all earlier results; a stage may be replaced by files, a program or truth.
+/// The seams, in order. Each takes the capture and all earlier results; a stage may be replaced by
+/// files, a program or truth.
 struct SeedsStages {
   std::function<Corners(const Capture&, const SeedsEstimate&)> corners;
   std::function<Poses(const Capture&, const SeedsEstimate&)> poses;
@@ -72,7 +76,8 @@ struct SeedsStages {
 /// @throws std::invalid_argument if a config is not valid.
 SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed);
 
-/// The board a configuration and a capture agree on; without a word from either, the one with markers.
+/// The board a configuration and a capture agree on; without a word from either, the one with
+/// markers.
 SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config);
 
 /// A stage failed: ours, a user's program, or a file that does not fit. Nested: the cause.
@@ -82,7 +87,8 @@ class StageError : public std::runtime_error {
   std::string stage;
 };
 
-/// Which of a capture's images and which stages a configuration reads; what is not listed is left out.
+/// Which of a capture's images and which stages a configuration reads; what is not listed is left
+/// out.
 struct PipelineNeeds {
   std::vector<std::string> images;  ///< "color", ...
   std::vector<std::string> stages;
@@ -91,9 +97,10 @@ struct PipelineNeeds {
 PipelineNeeds needs(const SeedsPipelineConfig& config);
 
 /// Called before and after each stage, for progress and for writing seams as soon as they exist.
-using StageObserver = std::function<void(const std::string& stage, bool finished, const SeedsEstimate&)>;
+using StageObserver =
+    std::function<void(const std::string& stage, bool finished, const SeedsEstimate&)>;
 
-SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config, const SeedsStages& stages,
-                        const StageObserver& observer = {});
+SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,
+                        const SeedsStages& stages, const StageObserver& observer = {});
 
 }  // namespace cousin

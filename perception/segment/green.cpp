@@ -9,8 +9,8 @@
 namespace cousin {
 namespace {
 
-/// Fixed-point reciprocals of OpenCV's 8-bit conversion [imgproc/src/color_hsv, RGB2HSV_b]: 12 fractional
-/// bits, rounded to nearest even.
+/// Fixed-point reciprocals of OpenCV's 8-bit conversion [imgproc/src/color_hsv, RGB2HSV_b]: 12
+/// fractional bits, rounded to nearest even.
 constexpr int kShift = 12;
 struct Reciprocals {
   std::array<int, 256> saturation{};  ///< 255 / value
@@ -31,7 +31,8 @@ const Reciprocals& reciprocals() {
 
 bool inside(const Hsv8& c, const GreenConfig& box) {
   return c.hue >= box.hue_low && c.hue <= box.hue_high && c.saturation >= box.saturation_low &&
-         c.saturation <= box.saturation_high && c.value >= box.value_low && c.value <= box.value_high;
+         c.saturation <= box.saturation_high && c.value >= box.value_low &&
+         c.value <= box.value_high;
 }
 
 }  // namespace
@@ -59,7 +60,8 @@ Hsv8 hsv8(Rgb8 color) {
   int hue = value == r ? g - b : value == g ? b - r + 2 * chroma : r - g + 4 * chroma;
   hue = (hue * table.hue[static_cast<std::size_t>(chroma)] + kHalf) >> kShift;
   if (hue < 0) hue += 180;
-  const int saturation = (chroma * table.saturation[static_cast<std::size_t>(value)] + kHalf) >> kShift;
+  const int saturation =
+      (chroma * table.saturation[static_cast<std::size_t>(value)] + kHalf) >> kShift;
   return {static_cast<std::uint8_t>(hue), static_cast<std::uint8_t>(saturation),
           static_cast<std::uint8_t>(value)};
 }

@@ -5,8 +5,9 @@
 
 namespace cousin {
 
-/// HSV box of the green screen; defaults are the Seeds paper's in OpenCV's 8-bit HSV (hue 0..179, half degrees).
-/// Both ends belong to the box. A low end above its high end makes an empty box: nothing is green.
+/// HSV box of the green screen; defaults are the Seeds paper's in OpenCV's 8-bit HSV (hue 0..179,
+/// half degrees). Both ends belong to the box. A low end above its high end makes an empty box:
+/// nothing is green.
 struct GreenConfig {
   int hue_low = 35, saturation_low = 25, value_low = 25;
   int hue_high = 77, saturation_high = 255, value_high = 255;
@@ -26,7 +27,8 @@ Hsv8 hsv8(Rgb8 color);
 /// Whether a colour lies in the box.
 bool is_green(Rgb8 color, const GreenConfig& config);
 
-/// 255 where the pixel is not green screen, 0 where it is; the complement of cv::inRange on the HSV image.
+/// 255 where the pixel is not green screen, 0 where it is; the complement of cv::inRange on the HSV
+/// image.
 Image<std::uint8_t> remove_green(const Image<Rgb8>& image, const GreenConfig& config = {});
 
 }  // namespace cousin

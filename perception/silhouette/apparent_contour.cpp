@@ -38,7 +38,8 @@ std::vector<ContourSegment> apparent_contour(const SampledSurface& surface,
     const Eigen::Vector3d normal = (1 - s) * surface.normals[i] + s * surface.normals[j];
     const auto projection = project_with_jacobian(view.camera, view.camera_from_world * point);
     if (!projection) return std::nullopt;
-    return End{projection->pixel_px, projection->d_point * (view.camera_from_world.rotation * normal),
+    return End{projection->pixel_px,
+               projection->d_point * (view.camera_from_world.rotation * normal),
                (1 - s) * directions[i] + s * directions[j]};
   };
 
@@ -61,8 +62,8 @@ std::vector<ContourSegment> apparent_contour(const SampledSurface& surface,
 }
 
 std::optional<ContourCrossing> cross_contour(const std::vector<ContourSegment>& contour,
-                                             const Eigen::Vector2d& pixel_px, const Eigen::Vector2d& normal,
-                                             double limit_px) {
+                                             const Eigen::Vector2d& pixel_px,
+                                             const Eigen::Vector2d& normal, double limit_px) {
   std::optional<ContourCrossing> best;
   const Eigen::Vector2d tangent(-normal.y(), normal.x());
   for (const ContourSegment& segment : contour) {

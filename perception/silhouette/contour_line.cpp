@@ -4,9 +4,8 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <utility>
-
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 namespace cousin {
 namespace {
@@ -24,7 +23,8 @@ double signed_area(const std::vector<Eigen::Vector2d>& line) {
   return sum;
 }
 
-std::vector<Eigen::Vector2d> resample(const std::vector<Eigen::Vector2d>& line, int count, double length) {
+std::vector<Eigen::Vector2d> resample(const std::vector<Eigen::Vector2d>& line, int count,
+                                      double length) {
   std::vector<Eigen::Vector2d> result;
   const double step = length / count;
   double done = 0, next = 0;
@@ -57,15 +57,18 @@ std::vector<Eigen::Vector2d> trace_mask(const Image<std::uint8_t>& mask) {
     return {x + s * (x2 - x), y + s * (y2 - y)};
   };
 
-  // In each cell, from the edge where the line enters to the edge where it leaves, the object on a fixed side.
+  // In each cell, from the edge where the line enters to the edge where it leaves, the object on a
+  // fixed side.
   std::map<GridEdge, GridEdge> next;
   for (int y = 0; y + 1 < mask.height(); ++y) {
     for (int x = 0; x + 1 < mask.width(); ++x) {
-      const std::array<bool, 4> corner = {inside(x, y), inside(x + 1, y), inside(x + 1, y + 1), inside(x, y + 1)};
+      const std::array<bool, 4> corner = {inside(x, y), inside(x + 1, y), inside(x + 1, y + 1),
+                                          inside(x, y + 1)};
       const std::array<GridEdge, 4> edge = {{{x, y, 0}, {x + 1, y, 1}, {x, y + 1, 0}, {x, y, 1}}};
       for (std::size_t i = 0; i < 4; ++i) {
         if (!(!corner[i] && corner[(i + 1) % 4])) continue;
-        // Enters through edge i, from outside to inside; leaves through the next edge that goes inside to outside.
+        // Enters through edge i, from outside to inside; leaves through the next edge that goes
+        // inside to outside.
         for (std::size_t j = 1; j < 4; ++j) {
           const std::size_t k = (i + j) % 4;
           if (corner[k] && !corner[(k + 1) % 4]) {
@@ -94,9 +97,11 @@ std::vector<Eigen::Vector2d> trace_mask(const Image<std::uint8_t>& mask) {
   return best;
 }
 
-std::vector<ContourVertex> smooth_contour(const std::vector<Eigen::Vector2d>& line_px, double sigma_px) {
+std::vector<ContourVertex> smooth_contour(const std::vector<Eigen::Vector2d>& line_px,
+                                          double sigma_px) {
   double length = 0;
-  for (std::size_t i = 0; i < line_px.size(); ++i) length += (line_px[(i + 1) % line_px.size()] - line_px[i]).norm();
+  for (std::size_t i = 0; i < line_px.size(); ++i)
+    length += (line_px[(i + 1) % line_px.size()] - line_px[i]).norm();
   if (line_px.size() < 6 || !(length >= 8)) return {};
   const int count = static_cast<int>(std::lround(length));
   const double step = length / count;
@@ -110,7 +115,8 @@ std::vector<ContourVertex> smooth_contour(const std::vector<Eigen::Vector2d>& li
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     double weights = 0;
     for (int k = -reach; k <= reach; ++k) {
-      const double weight = sigma_px > 0 ? std::exp(-0.5 * k * k * step * step / (sigma_px * sigma_px)) : (k == 0);
+      const double weight =
+          sigma_px > 0 ? std::exp(-0.5 * k * k * step * step / (sigma_px * sigma_px)) : (k == 0);
       sum += weight * points[wrap(i + k)];
       weights += weight;
     }
@@ -119,7 +125,8 @@ std::vector<ContourVertex> smooth_contour(const std::vector<Eigen::Vector2d>& li
   const double side = signed_area(smooth) > 0 ? 1 : -1;
   std::vector<ContourVertex> contour;
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector2d before = smooth[wrap(i - 2)], here = smooth[wrap(i)], after = smooth[wrap(i + 2)];
+    const Eigen::Vector2d before = smooth[wrap(i - 2)], here = smooth[wrap(i)],
+                          after = smooth[wrap(i + 2)];
     const Eigen::Vector2d tangent = (after - before).normalized();
     // The circle through three points: curvature = 4 area / product of the sides.
     const Eigen::Vector2d a = here - before, b = after - here;

@@ -1,31 +1,31 @@
 #include "perception/silhouette/edge_fit.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 namespace cousin {
 namespace {
 
 constexpr double kAlong_px = 1.5;
 constexpr double kAcross_px = 3.5;
-constexpr int kLinear = 9;            ///< s0 (3), s1 (3), w0, w1, e
+constexpr int kLinear = 9;                                  ///< s0 (3), s1 (3), w0, w1, e
 constexpr int kOffset = kLinear, kCurvature = kLinear + 1;  ///< Gauss-Newton steps
 constexpr int kUnknowns = kLinear + 2;
 constexpr int kIterations = 8;
 constexpr double kFarthest_px = 2.5;  ///< an edge farther from the guess is not the one meant
 constexpr double kHuber = 2.0;
 
-// Noise of a pixel in linear colour: read noise and quantisation, and shot noise. Only ratios matter: each fit scales it
-// to its own misfit.
+// Noise of a pixel in linear colour: read noise and quantisation, and shot noise. Only ratios
+// matter: each fit scales it to its own misfit.
 constexpr double kFloorVariance = 1.0e-5;
 constexpr double kShotVariance = 1.7e-4;
 
-// Priors (mean 0 but for w0), in units of the object's or the board's brightness, per pixel where it is a change.
+// Priors (mean 0 but for w0), in units of the object's or the board's brightness, per pixel where
+// it is a change.
 constexpr double kObjectChange = 0.10;
 constexpr double kLight = 0.7, kLightSigma = 0.4, kLightChange = 0.08;
 constexpr double kReflected = 0.15;
@@ -35,9 +35,10 @@ constexpr double kLeastCurvature = -0.3, kLargestCurvature = 1;
 
 struct Sample {
   Eigen::Vector3d color, board, reflected;
-  double across = 0;            ///< v
-  double bend = 0;              ///< (t^2 + sigma^2) / 2: times the curvature, how far the half-level line is inside
-  double weight = 1;            ///< robust
+  double across = 0;  ///< v
+  double bend =
+      0;  ///< (t^2 + sigma^2) / 2: times the curvature, how far the half-level line is inside
+  double weight = 1;  ///< robust
 };
 
 using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -58,7 +59,8 @@ struct Edge {
   double offset_px = 0, curvature = 0;
 };
 
-std::optional<Problem> gather(const ObjectWindow& window, const ContourVertex& guess, double blur_sigma_px) {
+std::optional<Problem> gather(const ObjectWindow& window, const ContourVertex& guess,
+                              double blur_sigma_px) {
   Problem problem;
   problem.sigma_px = std::sqrt(blur_sigma_px * blur_sigma_px + 1.0 / 12);
   const Eigen::Vector2d tangent(-guess.normal.y(), guess.normal.x());
@@ -68,7 +70,8 @@ std::optional<Problem> gather(const ObjectWindow& window, const ContourVertex& g
   const int size = static_cast<int>(std::ceil(2 * reach)) + 1;
   int on_plate = 0, off_plate = 0;
   Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
-  problem.guessed_curvature = std::clamp(guess.curvature_per_px, kLeastCurvature, kLargestCurvature);
+  problem.guessed_curvature =
+      std::clamp(guess.curvature_per_px, kLeastCurvature, kLargestCurvature);
   const Eigen::Vector3d object = window.object.cast<double>();
   for (int y = y0; y < y0 + size; ++y) {
     for (int x = x0; x < x0 + size; ++x) {
@@ -121,7 +124,8 @@ struct Solution {
   double variance = 0;  ///< of the offset
 };
 
-/// @param step_about  the colours of a solution before, for the derivatives by the edge; nullptr: edge held
+/// @param step_about  the colours of a solution before, for the derivatives by the edge; nullptr:
+/// edge held
 Solution solve(const Problem& problem, const Edge& edge, const Unknowns* step_about) {
   Normal h = problem.prior_precision.asDiagonal();
   Unknowns mean = problem.prior_mean;
@@ -129,7 +133,8 @@ Solution solve(const Problem& problem, const Edge& edge, const Unknowns* step_ab
   Unknowns g = problem.prior_precision.cwiseProduct(mean);
   double constant = mean.dot(g);
   for (const Sample& sample : problem.samples) {
-    const double z = (sample.across - edge.offset_px + edge.curvature * sample.bend) / problem.sigma_px;
+    const double z =
+        (sample.across - edge.offset_px + edge.curvature * sample.bend) / problem.sigma_px;
     const double a = upper_tail(z), rest = 1 - a, slope = density(z) / problem.sigma_px;
     const double inwards = std::min(0.0, sample.across - edge.offset_px);
     const double outwards = std::max(0.0, sample.across - edge.offset_px);
@@ -143,11 +148,13 @@ Solution solve(const Problem& problem, const Edge& edge, const Unknowns* step_ab
       if (step_about != nullptr) {
         const Unknowns& x = *step_about;
         const double object = x[channel] + x[3 + channel] * inwards;
-        const double board = (x[6] + x[7] * outwards) * sample.board[channel] + x[8] * sample.reflected[channel];
+        const double board =
+            (x[6] + x[7] * outwards) * sample.board[channel] + x[8] * sample.reflected[channel];
         row[kOffset] = slope * (object - board);
         row[kCurvature] = -sample.bend * row[kOffset];
       }
-      const double weight = sample.weight / (kFloorVariance + kShotVariance * sample.color[channel]);
+      const double weight =
+          sample.weight / (kFloorVariance + kShotVariance * sample.color[channel]);
       h.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
       g += weight * sample.color[channel] * row;
       constant += weight * sample.color[channel] * sample.color[channel];
@@ -166,14 +173,15 @@ Solution solve(const Problem& problem, const Edge& edge, const Unknowns* step_ab
 double reweigh(Problem& problem, const Edge& edge, const Unknowns& x) {
   std::vector<double> squares;
   for (Sample& sample : problem.samples) {
-    const double a =
-        upper_tail((sample.across - edge.offset_px + edge.curvature * sample.bend) / problem.sigma_px);
+    const double a = upper_tail((sample.across - edge.offset_px + edge.curvature * sample.bend) /
+                                problem.sigma_px);
     const double inwards = std::min(0.0, sample.across - edge.offset_px);
     const double outwards = std::max(0.0, sample.across - edge.offset_px);
     double square = 0;
     for (int channel = 0; channel < 3; ++channel) {
       const double object = x[channel] + x[3 + channel] * inwards;
-      const double board = (x[6] + x[7] * outwards) * sample.board[channel] + x[8] * sample.reflected[channel];
+      const double board =
+          (x[6] + x[7] * outwards) * sample.board[channel] + x[8] * sample.reflected[channel];
       const double residual = sample.color[channel] - a * object - (1 - a) * board;
       square += residual * residual / (kFloorVariance + kShotVariance * sample.color[channel]);
     }
@@ -182,7 +190,8 @@ double reweigh(Problem& problem, const Edge& edge, const Unknowns& x) {
   std::vector<double> sorted = squares;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
-  const double typical = std::max(1e-6, *middle / 0.79);  // median of a mean of three squared normals
+  const double typical =
+      std::max(1e-6, *middle / 0.79);  // median of a mean of three squared normals
   double sum = 0, weights = 0;
   for (std::size_t i = 0; i < squares.size(); ++i) {
     const double distance = std::sqrt(squares[i] / typical);
@@ -197,7 +206,8 @@ double reweigh(Problem& problem, const Edge& edge, const Unknowns& x) {
 
 }  // namespace
 
-std::optional<EdgeFit> fit_edge(const ObjectWindow& window, const ContourVertex& guess, const EdgeFitOptions& options) {
+std::optional<EdgeFit> fit_edge(const ObjectWindow& window, const ContourVertex& guess,
+                                const EdgeFitOptions& options) {
   auto problem = gather(window, guess, options.blur_sigma_px);
   if (!problem) return std::nullopt;
 
@@ -216,9 +226,10 @@ std::optional<EdgeFit> fit_edge(const ObjectWindow& window, const ContourVertex&
     solution = solve(*problem, edge, &solution.x);
     const double step = std::clamp(solution.x[kOffset], -0.5, 0.5);
     edge.offset_px += step;
-    edge.curvature =
-        std::clamp(edge.curvature + std::clamp(solution.x[kCurvature], -0.2, 0.2), kLeastCurvature, kLargestCurvature);
-    if (!std::isfinite(edge.offset_px) || std::abs(edge.offset_px) > kFarthest_px) return std::nullopt;
+    edge.curvature = std::clamp(edge.curvature + std::clamp(solution.x[kCurvature], -0.2, 0.2),
+                                kLeastCurvature, kLargestCurvature);
+    if (!std::isfinite(edge.offset_px) || std::abs(edge.offset_px) > kFarthest_px)
+      return std::nullopt;
     if (std::abs(step) < 2e-3 && i > 1) break;
   }
 

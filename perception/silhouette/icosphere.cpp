@@ -12,12 +12,13 @@ namespace {
 Mesh icosahedron() {
   const double t = (1 + std::sqrt(5.0)) / 2;
   Mesh mesh;
-  mesh.vertices_m = {{-1, t, 0}, {1, t, 0},   {-1, -t, 0}, {1, -t, 0}, {0, -1, t}, {0, 1, t},
+  mesh.vertices_m = {{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
                      {0, -1, -t}, {0, 1, -t}, {t, 0, -1},  {t, 0, 1},  {-t, 0, -1}, {-t, 0, 1}};
   for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex.normalize();
-  mesh.triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                    {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                    {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+  mesh.triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                    {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                    {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                    {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   return mesh;
 }
 
@@ -25,14 +26,15 @@ Mesh icosahedron() {
 
 Mesh icosphere(int subdivisions) {
   if (subdivisions < 0 || subdivisions > 8) {
-    throw std::invalid_argument("subdivisions = " + std::to_string(subdivisions) + " is outside [0, 8]");
+    throw std::invalid_argument("subdivisions = " + std::to_string(subdivisions) +
+                                " is outside [0, 8]");
   }
   Mesh mesh = icosahedron();
   for (int level = 0; level < subdivisions; ++level) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [at, is_new] =
-          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices_m.size()));
+      const auto [at, is_new] = middles.try_emplace(
+          std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices_m.size()));
       if (is_new) mesh.vertices_m.push_back((mesh.vertices_m[a] + mesh.vertices_m[b]).normalized());
       return at->second;
     };

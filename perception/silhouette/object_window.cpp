@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-
 #include <opencv2/imgproc.hpp>
 
 #include "sim/imaging/color.h"
@@ -11,9 +10,10 @@
 namespace cousin {
 namespace {
 
-constexpr int kRing_px = 12;        ///< of board about the searched region, where paper and ink are measured
-constexpr int kLeastPixels = 12;    ///< of a kind, for its median colour
-constexpr float kOnPlate = 0.02F;   ///< squares inside the plate's edge
+constexpr int kRing_px =
+    12;  ///< of board about the searched region, where paper and ink are measured
+constexpr int kLeastPixels = 12;   ///< of a kind, for its median colour
+constexpr float kOnPlate = 0.02F;  ///< squares inside the plate's edge
 
 /// Linear value of each 8-bit code.
 const std::array<float, 256>& linear_table() {
@@ -62,7 +62,8 @@ Image<float> distance_to(const std::vector<std::vector<cv::Point>>& hulls, const
   return distance;
 }
 
-std::optional<PixelBox> box_around(const std::vector<Eigen::Vector2f>& pixels_px, const Camera& camera, int grow_px) {
+std::optional<PixelBox> box_around(const std::vector<Eigen::Vector2f>& pixels_px,
+                                   const Camera& camera, int grow_px) {
   if (pixels_px.empty()) return std::nullopt;
   Eigen::Vector2f low = pixels_px[0], high = pixels_px[0];
   for (const Eigen::Vector2f& pixel : pixels_px) {
@@ -70,7 +71,8 @@ std::optional<PixelBox> box_around(const std::vector<Eigen::Vector2f>& pixels_px
     high = high.cwiseMax(pixel);
   }
   const auto clamped = [](float value, int size) {
-    return static_cast<int>(std::clamp(std::lround(value), -1000000L, static_cast<long>(size) + 1000000L));
+    return static_cast<int>(
+        std::clamp(std::lround(value), -1000000L, static_cast<long>(size) + 1000000L));
   };
   const int x0 = std::max(0, clamped(low.x(), camera.width_px) - grow_px);
   const int y0 = std::max(0, clamped(low.y(), camera.height_px) - grow_px);
@@ -87,7 +89,8 @@ bool measure_colors(ObjectWindow& window, double margin_px) {
   const cv::Mat inside_distance = [&] {
     cv::Mat inside(window.box.height, window.box.width, CV_8U);
     for (int y = 0; y < window.box.height; ++y) {
-      for (int x = 0; x < window.box.width; ++x) inside.at<std::uint8_t>(y, x) = window.to_object_px(x, y) <= 0 ? 255 : 0;
+      for (int x = 0; x < window.box.width; ++x)
+        inside.at<std::uint8_t>(y, x) = window.to_object_px(x, y) <= 0 ? 255 : 0;
     }
     cv::Mat distance;
     cv::distanceTransform(inside, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
@@ -115,8 +118,8 @@ bool measure_colors(ObjectWindow& window, double margin_px) {
 
 }  // namespace
 
-std::optional<ObjectWindow> open_window(const ViewClusters& view, std::size_t instance, const BoardPattern& pattern,
-                                        const OutlineConfig& config) {
+std::optional<ObjectWindow> open_window(const ViewClusters& view, std::size_t instance,
+                                        const BoardPattern& pattern, const OutlineConfig& config) {
   const Camera& camera = view.pose.camera;
   const int grow_px = static_cast<int>(std::ceil(config.margin_px)) + kRing_px;
   const auto box = box_around(view.pixels_px[instance], camera, grow_px);
@@ -128,8 +131,8 @@ std::optional<ObjectWindow> open_window(const ViewClusters& view, std::size_t in
   Eigen::Matrix3d normalized_from_board = pose.rotation.toRotationMatrix();
   normalized_from_board.col(2) = pose.translation_m;
   LensMap lens(camera);
-  const BoardTemplate bare =
-      render_board(pattern, lens, *box, normalized_from_board, config.blur_sigma_px, TemplateQuality::coarse);
+  const BoardTemplate bare = render_board(pattern, lens, *box, normalized_from_board,
+                                          config.blur_sigma_px, TemplateQuality::coarse);
   window.white = bare.white;
   window.color = Image<Eigen::Vector3f>(box->width, box->height);
   window.on_plate = Image<std::uint8_t>(box->width, box->height, 0);
@@ -139,7 +142,8 @@ std::optional<ObjectWindow> open_window(const ViewClusters& view, std::size_t in
       const Rgb8& code = (*view.image)(box->x + x, box->y + y);
       window.color(x, y) = {linear[code.r], linear[code.g], linear[code.b]};
       const Eigen::Vector2f& square = bare.in_squares(x, y);
-      if (square.allFinite() && pattern.on_plate(square.x(), square.y(), kOnPlate)) window.on_plate(x, y) = 1;
+      if (square.allFinite() && pattern.on_plate(square.x(), square.y(), kOnPlate))
+        window.on_plate(x, y) = 1;
     }
   }
 
@@ -160,18 +164,21 @@ bool shows_object(const ObjectWindow& window, int x, int y) {
   const Eigen::Vector3f& color = window.color(x, y);
   const Eigen::Vector3f& object = window.object;
   if (window.on_plate(x, y) == 0) {
-    // Nothing is known of what lies beyond the plate: the object's hue decides, to within 14 degrees.
+    // Nothing is known of what lies beyond the plate: the object's hue decides, to within 14
+    // degrees.
     return color.dot(object) > 0.97F * color.norm() * object.norm();
   }
   // color = a object + w board, least squares; w is held near 1 - a where the board is dark.
   const Eigen::Vector3f board = window.board_at(x, y);
   const float hold = 0.02F * window.paper.squaredNorm();
-  const float aa = object.squaredNorm() + hold, ww = board.squaredNorm() + hold, aw = object.dot(board) + hold;
+  const float aa = object.squaredNorm() + hold, ww = board.squaredNorm() + hold,
+              aw = object.dot(board) + hold;
   const float ca = object.dot(color) + hold, cw = board.dot(color) + hold;
   const float determinant = aa * ww - aw * aw;
   if (!(determinant > 0)) return false;
   const float a = (ca * ww - cw * aw) / determinant, w = (cw * aa - ca * aw) / determinant;
-  const float from_object = std::max(0.0F, a) * object.norm(), from_board = std::max(0.0F, w) * board.norm();
+  const float from_object = std::max(0.0F, a) * object.norm(),
+              from_board = std::max(0.0F, w) * board.norm();
   return a > 0.12F && from_object > 0.7F * from_board;
 }
 
@@ -210,7 +217,8 @@ Image<std::uint8_t> rough_mask(const ObjectWindow& window, const OutlineConfig& 
   cv::copyMakeBorder(piece, outside, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   cv::floodFill(outside, cv::Point(0, 0), cv::Scalar(128));
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) result(x, y) = outside.at<std::uint8_t>(y + 1, x + 1) == 128 ? 0 : 255;
+    for (int x = 0; x < width; ++x)
+      result(x, y) = outside.at<std::uint8_t>(y + 1, x + 1) == 128 ? 0 : 255;
   }
   return result;
 }

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
+#include <vector>
 
 namespace cousin {
 
-/// Real spherical harmonics Y_lm, orthonormal on the unit sphere, for l <= degree. Index l * l + l + m; m < 0 are the
-/// sines. By recurrences on Cartesian coordinates: no angles, so no trouble at the poles.
+/// Real spherical harmonics Y_lm, orthonormal on the unit sphere, for l <= degree. Index l * l + l
+/// + m; m < 0 are the sines. By recurrences on Cartesian coordinates: no angles, so no trouble at
+/// the poles.
 class RealHarmonics {
  public:
   /// @throws std::invalid_argument unless 0 <= degree <= 64.

@@ -1,12 +1,12 @@
 #include "perception/silhouette/surface_fit.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
-
-#include <Eigen/Cholesky>
-#include <tbb/parallel_for.h>
 
 #include "calibration/field_limits.h"
 #include "perception/silhouette/icosphere.h"
@@ -22,13 +22,15 @@ constexpr std::size_t kLeastOutlinePoints = 8;
 constexpr int kCoarseDegree = 4;
 constexpr int kCoarseIterations = 8;
 constexpr int kFullSteps = 6;
-constexpr double kCoarseLimit_px = 25;    ///< how far an outline may be from the first model
+constexpr double kCoarseLimit_px = 25;  ///< how far an outline may be from the first model
 constexpr double kFineLimit_px = 4;
-constexpr double kConverged = 2e-4;       ///< change of the radius, relative, root mean square: 1 um on a seed
+constexpr double kConverged =
+    2e-4;  ///< change of the radius, relative, root mean square: 1 um on a seed
 constexpr double kLooselyConverged = 4e-3;
-constexpr double kLowestPoint_m = 3e-4;   ///< stereo mixes object and board below
+constexpr double kLowestPoint_m = 3e-4;  ///< stereo mixes object and board below
 
-std::vector<OutlineView> views_of(int instance, const Poses& poses, const Silhouettes& silhouettes) {
+std::vector<OutlineView> views_of(int instance, const Poses& poses,
+                                  const Silhouettes& silhouettes) {
   std::map<int, const FramePose*> posed;
   for (const FramePose& pose : poses) {
     if (pose.status == PoseStatus::ok) posed[pose.frame] = &pose;
@@ -41,8 +43,9 @@ std::vector<OutlineView> views_of(int instance, const Poses& poses, const Silhou
     OutlineView view{*pose->second, {}, {}};
     for (std::size_t i = 0; i < silhouette.outline.size(); ++i) {
       const OutlinePoint& point = silhouette.outline[i];
-      const bool usable = point.on_object && point.pixel_px.allFinite() && point.normal.allFinite() &&
-                          point.sigma_px > 0 && std::isfinite(point.sigma_px);
+      const bool usable = point.on_object && point.pixel_px.allFinite() &&
+                          point.normal.allFinite() && point.sigma_px > 0 &&
+                          std::isfinite(point.sigma_px);
       if (!usable) continue;
       view.points.push_back(point);
       view.positions.push_back(static_cast<int>(i));
@@ -58,9 +61,10 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// The cloud in patches about the vertices of a coarse sphere in the frame: stereo errs alike within a patch.
-std::vector<CloudPatch> patches_of(const std::vector<Eigen::Vector3d>& points_m, const SurfaceFrame& frame,
-                                   const Mesh& coarse, double sigma_m) {
+/// The cloud in patches about the vertices of a coarse sphere in the frame: stereo errs alike
+/// within a patch.
+std::vector<CloudPatch> patches_of(const std::vector<Eigen::Vector3d>& points_m,
+                                   const SurfaceFrame& frame, const Mesh& coarse, double sigma_m) {
   const Eigen::Matrix3d u_from_world = frame.axes_m.inverse();
   struct Cell {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -106,18 +110,20 @@ Eigen::MatrixXd basis_at(const Mesh& sphere, const RealHarmonics& harmonics) {
   return values;
 }
 
-std::vector<Eigen::Vector3d> vertices_of(const Mesh& sphere, const SurfaceFrame& frame, const Eigen::VectorXd& radii) {
+std::vector<Eigen::Vector3d> vertices_of(const Mesh& sphere, const SurfaceFrame& frame,
+                                         const Eigen::VectorXd& radii) {
   std::vector<Eigen::Vector3d> vertices;
   vertices.reserve(sphere.vertices_m.size());
   for (std::size_t i = 0; i < sphere.vertices_m.size(); ++i) {
-    vertices.push_back(frame.point_m(sphere.vertices_m[i], 1 + radii[static_cast<Eigen::Index>(i)]));
+    vertices.push_back(
+        frame.point_m(sphere.vertices_m[i], 1 + radii[static_cast<Eigen::Index>(i)]));
   }
   return vertices;
 }
 
 /// Mesh and samples of a converged state.
-void fill_surface(const SurfaceProblem& problem, const SurfaceState& state, const ResidualScale& scale,
-                  const Mesh& sphere, Rng rng, Surface& surface) {
+void fill_surface(const SurfaceProblem& problem, const SurfaceState& state,
+                  const ResidualScale& scale, const Mesh& sphere, Rng rng, Surface& surface) {
   const Eigen::Index harmonics = problem.basis.harmonics.count();
   const Eigen::MatrixXd values = basis_at(sphere, problem.basis.harmonics);
   surface.mesh.triangles = sphere.triangles;
@@ -129,8 +135,8 @@ void fill_surface(const SurfaceProblem& problem, const SurfaceState& state, cons
     Eigen::VectorXd z(harmonics + 2);
     for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = normal(draw);
     const Eigen::VectorXd change = root.matrixU().solve(z);
-    surface.samples_m.push_back(
-        vertices_of(sphere, state.frame, values.transpose() * (state.radius + change.head(harmonics))));
+    surface.samples_m.push_back(vertices_of(
+        sphere, state.frame, values.transpose() * (state.radius + change.head(harmonics))));
   }
 }
 
@@ -141,7 +147,8 @@ double solidity(const Mesh& mesh) {
 }
 
 Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> points_m,
-                const Silhouettes& silhouettes, const SurfaceFitConfig& config, const FitTables& tables, Rng rng) {
+                const Silhouettes& silhouettes, const SurfaceFitConfig& config,
+                const FitTables& tables, Rng rng) {
   Surface surface;
   surface.instance = instance;
   surface.points_m = std::move(points_m);
@@ -159,8 +166,9 @@ Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> p
   }
   surface.status = SurfaceStatus::not_converged;
   const auto patches = [&](const SurfaceFrame& frame) {
-    return config.use_cloud ? patches_of(surface.points_m, frame, tables.patch_sphere, config.cloud_sigma_m)
-                            : std::vector<CloudPatch>{};
+    return config.use_cloud
+               ? patches_of(surface.points_m, frame, tables.patch_sphere, config.cloud_sigma_m)
+               : std::vector<CloudPatch>{};
   };
   const auto start = [&](const SurfaceFrame& frame, const SurfaceBasis& basis) {
     SurfaceState state;
@@ -186,7 +194,8 @@ Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> p
   state = start(frame, tables.fine);
   double change = 1;
   for (int i = 0; i < config.max_iterations && change > kConverged; ++i) {
-    // Matches and weights change with the surface: late steps are shortened, or they would go to and fro.
+    // Matches and weights change with the surface: late steps are shortened, or they would go to
+    // and fro.
     const double relaxation = i < kFullSteps ? 1 : 0.6;
     change = fine.step(state, scale, i < 3 ? kCoarseLimit_px : kFineLimit_px, relaxation);
     if (!std::isfinite(change)) return surface;
@@ -196,7 +205,8 @@ Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> p
   if (config.use_outlines && (scale.matched < 0.7 || scale.inliers < 0.7)) return surface;
 
   fill_surface(fine, state, scale, tables.final_sphere, rng, surface);
-  surface.status = solidity(surface.mesh) < config.min_solidity ? SurfaceStatus::touching : SurfaceStatus::ok;
+  surface.status =
+      solidity(surface.mesh) < config.min_solidity ? SurfaceStatus::touching : SurfaceStatus::ok;
   return surface;
 }
 
@@ -213,9 +223,12 @@ Fields fields(SurfaceFitConfig& config) {
       {"use_outlines", &config.use_outlines, "fit the outlines"},
       {"plane_sigma_m", &config.plane_sigma_m, "of the contact with the board", 1e-7, 1e-2},
       {"cloud_sigma_m", &config.cloud_sigma_m, "of the cloud's mean in a patch", 1e-7, 1e-2},
-      {"cloud_bias_sigma_m", &config.cloud_bias_sigma_m, "of an offset of the whole cloud", 1e-9, 1e-2},
-      {"outline_bias_sigma_px", &config.outline_bias_sigma_px, "of an offset of all outlines", 1e-6, 10},
-      {"view_shift_sigma_px", &config.view_shift_sigma_px, "of a view's shift in the image", 1e-6, 10},
+      {"cloud_bias_sigma_m", &config.cloud_bias_sigma_m, "of an offset of the whole cloud", 1e-9,
+       1e-2},
+      {"outline_bias_sigma_px", &config.outline_bias_sigma_px, "of an offset of all outlines", 1e-6,
+       10},
+      {"view_shift_sigma_px", &config.view_shift_sigma_px, "of a view's shift in the image", 1e-6,
+       10},
       {"min_solidity", &config.min_solidity, "least volume over the convex hull's", 0, 1},
   };
 }
@@ -232,20 +245,24 @@ Surfaces fit_surfaces(const Poses& poses, const Clusters& clusters, const Silhou
                       const SurfaceFitConfig& config, Rng rng) {
   validate(config);
   if (clusters.instance.size() != clusters.cloud.size()) {
-    throw std::invalid_argument("clusters: " + std::to_string(clusters.instance.size()) + " instances for " +
-                                std::to_string(clusters.cloud.size()) + " points");
+    throw std::invalid_argument("clusters: " + std::to_string(clusters.instance.size()) +
+                                " instances for " + std::to_string(clusters.cloud.size()) +
+                                " points");
   }
-  std::vector<std::vector<Eigen::Vector3d>> points(static_cast<std::size_t>(std::max(0, clusters.count)));
+  std::vector<std::vector<Eigen::Vector3d>> points(
+      static_cast<std::size_t>(std::max(0, clusters.count)));
   for (std::size_t i = 0; i < clusters.cloud.size(); ++i) {
     const int instance = clusters.instance[i];
-    if (instance < 0 || instance >= clusters.count || !clusters.cloud[i].position_m.allFinite()) continue;
-    points[static_cast<std::size_t>(instance)].push_back(clusters.cloud[i].position_m.cast<double>());
+    if (instance < 0 || instance >= clusters.count || !clusters.cloud[i].position_m.allFinite())
+      continue;
+    points[static_cast<std::size_t>(instance)].push_back(
+        clusters.cloud[i].position_m.cast<double>());
   }
   const FitTables tables(config);
   Surfaces surfaces(points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-    surfaces[i] = fit_one(static_cast<int>(i), poses, std::move(points[i]), silhouettes, config, tables,
-                          rng.fork(i));
+    surfaces[i] = fit_one(static_cast<int>(i), poses, std::move(points[i]), silhouettes, config,
+                          tables, rng.fork(i));
   });
   return surfaces;
 }

@@ -7,35 +7,41 @@
 namespace cousin {
 
 struct SurfaceFitConfig {
-  int degree = 18;              ///< of the spherical harmonics of the radius, about an affine frame of the cluster
-  double smoothness = 1.0;      ///< weight of the prior on bending, where nothing is seen
-  int subdivisions = 5;         ///< of the icosahedron for the final mesh
+  int degree =
+      18;  ///< of the spherical harmonics of the radius, about an affine frame of the cluster
+  double smoothness = 1.0;  ///< weight of the prior on bending, where nothing is seen
+  int subdivisions = 5;     ///< of the icosahedron for the final mesh
   int max_iterations = 15;
-  int samples = 64;             ///< drawn from the fit's covariance for the uncertainties
-  bool use_cloud = true;        ///< the multi-view stereo points too
+  int samples = 64;       ///< drawn from the fit's covariance for the uncertainties
+  bool use_cloud = true;  ///< the multi-view stereo points too
   bool use_outlines = true;
   double plane_sigma_m = 1e-5;  ///< the object may not go below z = 0 and touches it
   double cloud_sigma_m = 4e-5;  ///< of the mean of the cloud's points in a patch of the surface
-  double cloud_bias_sigma_m = 3e-5;  ///< all points too far out or in
+  double cloud_bias_sigma_m = 3e-5;     ///< all points too far out or in
   double outline_bias_sigma_px = 0.03;  ///< all outlines too wide or too narrow
-  double view_shift_sigma_px = 0.1;  ///< of a view's outline in the image, from its pose
-  double min_solidity = 0.88;   ///< volume over its convex hull's; below, it is several objects that touch
+  double view_shift_sigma_px = 0.1;     ///< of a view's outline in the image, from its pose
+  double min_solidity =
+      0.88;  ///< volume over its convex hull's; below, it is several objects that touch
 };
 Fields fields(SurfaceFitConfig& config);
 void validate(const SurfaceFitConfig& config);
 
-/// A closed smooth surface per object, fitted by Gauss-Newton to its outlines (tangent rays), to its cloud points and to
-/// the board it lies on; what no view sees is completed by least bending. No shape prior of any species or sphere.
+/// A closed smooth surface per object, fitted by Gauss-Newton to its outlines (tangent rays), to
+/// its cloud points and to the board it lies on; what no view sees is completed by least bending.
+/// No shape prior of any species or sphere.
 ///
-/// x(u) = centre + axes u r(u), r(u) = 1 + sum b_lm Y_lm(u): spherical harmonics about an ellipsoid. The prior on b_lm has
-/// the variance tau^2 / (l (l + 1))^2 (that is least bending); tau is estimated with the fit, for each object (evidence).
-/// An outline point's residual is its distance along its normal from the model's apparent contour; each view may shift
-/// by a fraction of a pixel. Samples are drawn from the posterior, with the scatter and the correlation
-/// of neighbours that the residuals themselves show, and with errors common to all outlines or all cloud points.
+/// x(u) = centre + axes u r(u), r(u) = 1 + sum b_lm Y_lm(u): spherical harmonics about an
+/// ellipsoid. The prior on b_lm has the variance tau^2 / (l (l + 1))^2 (that is least bending); tau
+/// is estimated with the fit, for each object (evidence). An outline point's residual is its
+/// distance along its normal from the model's apparent contour; each view may shift by a fraction
+/// of a pixel. Samples are drawn from the posterior, with the scatter and the correlation of
+/// neighbours that the residuals themselves show, and with errors common to all outlines or all
+/// cloud points.
 ///
-/// One surface for each instance of `clusters`, in order. Status: `empty` with fewer than 10 cluster points;
-/// `too_few_views` with fewer than 3 views (only where outlines are used); `not_converged`; `touching` where the solid is
-/// too far from convex for one seed. The mesh is filled for `ok` and `touching` only.
+/// One surface for each instance of `clusters`, in order. Status: `empty` with fewer than 10
+/// cluster points; `too_few_views` with fewer than 3 views (only where outlines are used);
+/// `not_converged`; `touching` where the solid is too far from convex for one seed. The mesh is
+/// filled for `ok` and `touching` only.
 Surfaces fit_surfaces(const Poses& poses, const Clusters& clusters, const Silhouettes& silhouettes,
                       const SurfaceFitConfig& config, Rng rng);
 

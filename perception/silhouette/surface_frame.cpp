@@ -1,11 +1,10 @@
 #include "perception/silhouette/surface_frame.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
-
-#include <Eigen/Eigenvalues>
 
 namespace cousin {
 namespace {
@@ -21,7 +20,8 @@ Eigen::Matrix3d axes_of(const Eigen::Matrix3d& covariance) {
 }
 
 double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -30,7 +30,8 @@ double quantile(std::vector<double> values, double share) {
 
 SurfaceFrame frame_of_points(std::span<const Eigen::Vector3d> points_m) {
   if (points_m.size() < 4) {
-    throw std::invalid_argument("a frame needs 4 points or more; there are " + std::to_string(points_m.size()));
+    throw std::invalid_argument("a frame needs 4 points or more; there are " +
+                                std::to_string(points_m.size()));
   }
   // Middle of the box from the board up; the 2 % farthest points on each side do not count.
   Eigen::Vector3d middle;
@@ -42,19 +43,22 @@ SurfaceFrame frame_of_points(std::span<const Eigen::Vector3d> points_m) {
   }
 
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& point : points_m) covariance += (point - middle) * (point - middle).transpose();
+  for (const Eigen::Vector3d& point : points_m)
+    covariance += (point - middle) * (point - middle).transpose();
   const Eigen::Matrix3d rotation = axes_of(covariance);
   Eigen::Vector3d semi_axes;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> extents;
-    for (const Eigen::Vector3d& point : points_m) extents.push_back(std::abs(rotation.col(axis).dot(point - middle)));
+    for (const Eigen::Vector3d& point : points_m)
+      extents.push_back(std::abs(rotation.col(axis).dot(point - middle)));
     semi_axes[axis] = std::max(kLeastAxis_m, quantile(extents, 0.98));
   }
   return {middle, rotation * semi_axes.asDiagonal()};
 }
 
 SurfaceFrame frame_of_solid(const Mesh& mesh) {
-  // Signed tetrahedra from a vertex of the mesh; moments of a tetrahedron with a corner at the origin.
+  // Signed tetrahedra from a vertex of the mesh; moments of a tetrahedron with a corner at the
+  // origin.
   const Eigen::Vector3d origin = mesh.vertices_m.at(0);
   double volume = 0;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
@@ -66,7 +70,8 @@ SurfaceFrame frame_of_solid(const Mesh& mesh) {
     const Eigen::Vector3d sum = a + b + c;
     volume += v;
     first += v / 4 * sum;
-    second += v / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+    second += v / 20 *
+              (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
   }
   const Eigen::Vector3d centroid = first / volume;
   const Eigen::Matrix3d covariance = second / volume - centroid * centroid.transpose();

@@ -1,20 +1,20 @@
 #include "perception/silhouette/surface_problem.h"
 
-#include <algorithm>
-#include <cmath>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/Cholesky>
-#include <tbb/parallel_for.h>
+#include <algorithm>
+#include <cmath>
 
 #include "perception/silhouette/icosphere.h"
 
 namespace cousin {
 namespace {
 
-constexpr int kChunks = 8;             ///< of the views, for sums in a fixed order
-constexpr double kTukey = 4.685;       ///< 95 % efficient for Gaussian residuals
-constexpr double kOutlier = 4.5;       ///< scatters
-constexpr double kWeakSigma = 0.5;     ///< prior of l <= 2: size, position and ellipsoid are free
+constexpr int kChunks = 8;          ///< of the views, for sums in a fixed order
+constexpr double kTukey = 4.685;    ///< 95 % efficient for Gaussian residuals
+constexpr double kOutlier = 4.5;    ///< scatters
+constexpr double kWeakSigma = 0.5;  ///< prior of l <= 2: size, position and ellipsoid are free
 constexpr double kLeastRadius = 0.05;
 
 /// An outline point and where its normal meets the model.
@@ -25,7 +25,7 @@ struct Match {
   double residual_px = 0;  ///< along the normal, measured - model, biases not taken off
   double gain_px = 0;      ///< d(model along the normal) / d(radius)
   double sigma_px = 0;
-  double normalized = 0;   ///< residual without biases over sigma
+  double normalized = 0;  ///< residual without biases over sigma
 };
 
 struct PatchResidual {
@@ -41,8 +41,9 @@ double median_absolute(std::vector<double> values) {
   return *middle;
 }
 
-/// Tukey's biweight. Where a shadow is taken for the object, whole stretches of outline are far out: a loss that never gives
-/// them up (Huber's) makes seeds a tenth of a millimetre narrower or wider.
+/// Tukey's biweight. Where a shadow is taken for the object, whole stretches of outline are far
+/// out: a loss that never gives them up (Huber's) makes seeds a tenth of a millimetre narrower or
+/// wider.
 double robust_weight(double scaled_residual) {
   const double ratio = scaled_residual / kTukey;
   if (std::abs(ratio) >= 1) return 0;
@@ -50,7 +51,8 @@ double robust_weight(double scaled_residual) {
   return kept * kept;
 }
 
-/// Normal equations of (b, outline bias, cloud bias) for an increment of b and new values of the biases.
+/// Normal equations of (b, outline bias, cloud bias) for an increment of b and new values of the
+/// biases.
 struct NormalEquations {
   Eigen::MatrixXd h;  ///< lower triangle
   Eigen::VectorXd g;
@@ -68,7 +70,8 @@ std::vector<Match> match_views(const SurfaceProblem& problem, const SurfaceState
     const auto contour = apparent_contour(surface, problem.basis.sphere.vertices_m, view.pose);
     for (std::size_t p = 0; p < view.points.size(); ++p) {
       const OutlinePoint& point = view.points[p];
-      const Eigen::Vector2d pixel = point.pixel_px.cast<double>(), normal = point.normal.cast<double>();
+      const Eigen::Vector2d pixel = point.pixel_px.cast<double>(),
+                            normal = point.normal.cast<double>();
       const auto crossing = cross_contour(contour, pixel, normal, limit_px);
       if (!crossing) continue;
       // The exact surface there: errors of the triangles' contour enter squared only.
@@ -76,16 +79,17 @@ std::vector<Match> match_views(const SurfaceProblem& problem, const SurfaceState
       Eigen::VectorXd y(problem.basis.harmonics.count());
       problem.basis.harmonics.evaluate(u, y);
       const double radius = std::max(kLeastRadius, 1 + y.dot(state.radius));
-      const auto projection =
-          project_with_jacobian(view.pose.camera, camera_from_world * state.frame.point_m(u, radius));
+      const auto projection = project_with_jacobian(
+          view.pose.camera, camera_from_world * state.frame.point_m(u, radius));
       if (!projection) continue;
       Match match{v, p, u, normal};
       match.residual_px = normal.dot(pixel - projection->pixel_px);
       match.gain_px =
           normal.dot(projection->d_point * (camera_from_world.rotation * (state.frame.axes_m * u)));
       match.sigma_px = point.sigma_px;
-      match.normalized = (match.residual_px - state.outline_bias_px - normal.dot(state.view_shifts_px[v])) /
-                         match.sigma_px;
+      match.normalized =
+          (match.residual_px - state.outline_bias_px - normal.dot(state.view_shifts_px[v])) /
+          match.sigma_px;
       found[v].push_back(match);
     }
   });
@@ -123,9 +127,10 @@ std::vector<PatchResidual> patch_residuals(const SurfaceProblem& problem, const 
   return residuals;
 }
 
-/// Number of neighbouring points that carry the information of one: 1 + 2 sum of the autocorrelations up to the first that
-/// is not positive.
-double correlation_length(const SurfaceProblem& problem, const std::vector<Match>& matches, double scale) {
+/// Number of neighbouring points that carry the information of one: 1 + 2 sum of the
+/// autocorrelations up to the first that is not positive.
+double correlation_length(const SurfaceProblem& problem, const std::vector<Match>& matches,
+                          double scale) {
   constexpr int kLags = 24;
   std::vector<double> products(kLags + 1, 0.0), counts(kLags + 1, 0.0);
   for (std::size_t i = 0; i < matches.size(); ++i) {
@@ -157,10 +162,12 @@ void update_scale(const SurfaceProblem& problem, const std::vector<Match>& match
   scale.outline = std::max(0.3, 1.4826 * median_absolute(values));
   scale.correlation = correlation_length(problem, matches, scale.outline);
   double inliers = 0;
-  for (const Match& match : matches) inliers += std::abs(match.normalized) < kOutlier * scale.outline ? 1 : 0;
+  for (const Match& match : matches)
+    inliers += std::abs(match.normalized) < kOutlier * scale.outline ? 1 : 0;
   std::size_t points = 0;
   for (const OutlineView& view : problem.views) points += view.points.size();
-  scale.matched = points > 0 ? static_cast<double>(matches.size()) / static_cast<double>(points) : 0;
+  scale.matched =
+      points > 0 ? static_cast<double>(matches.size()) / static_cast<double>(points) : 0;
   scale.inliers = matches.empty() ? 0 : inliers / static_cast<double>(matches.size());
   values.clear();
   for (const PatchResidual& patch : patches) values.push_back(patch.normalized);
@@ -172,7 +179,8 @@ Eigen::VectorXd prior_precision(const SurfaceProblem& problem, double roughness)
   Eigen::VectorXd precision(problem.basis.harmonics.count());
   for (int l = 0; l <= problem.basis.harmonics.degree(); ++l) {
     const double bending = l * (l + 1.0) / roughness;
-    const double value = l <= 2 ? 1 / (kWeakSigma * kWeakSigma) : problem.config.smoothness * bending * bending;
+    const double value =
+        l <= 2 ? 1 / (kWeakSigma * kWeakSigma) : problem.config.smoothness * bending * bending;
     precision.segment(l * l, 2 * l + 1).setConstant(value);
   }
   return precision;
@@ -184,8 +192,8 @@ void add_row(NormalEquations& to, const Eigen::VectorXd& row, double residual, d
 }
 
 /// The outlines' share of the equations, a chunk of views at a time.
-void add_outlines(const SurfaceProblem& problem, const std::vector<Match>& matches, const ResidualScale& scale,
-                  NormalEquations& to) {
+void add_outlines(const SurfaceProblem& problem, const std::vector<Match>& matches,
+                  const ResidualScale& scale, NormalEquations& to) {
   const Eigen::Index unknowns = to.g.size(), harmonics = problem.basis.harmonics.count();
   std::vector<Eigen::MatrixXd> h(kChunks);
   std::vector<Eigen::VectorXd> g(kChunks);
@@ -202,7 +210,8 @@ void add_outlines(const SurfaceProblem& problem, const std::vector<Match>& match
     rows.setZero();
     Eigen::Index at = 0;
     for (auto match = begin; match != end; ++match, ++at) {
-      const double variance = match->sigma_px * match->sigma_px * scale.outline * scale.outline * scale.correlation;
+      const double variance =
+          match->sigma_px * match->sigma_px * scale.outline * scale.outline * scale.correlation;
       const double weight = robust_weight(match->normalized / scale.outline) / variance;
       const double root = std::sqrt(weight);
       problem.basis.harmonics.evaluate(match->u, y);
@@ -228,14 +237,15 @@ void add_outlines(const SurfaceProblem& problem, const std::vector<Match>& match
 
 /// What a step of b does to the heights of the vertices that may meet the board.
 struct BoardContact {
-  Eigen::MatrixXd rows;       ///< d(height) / d(unknowns), a column a vertex
+  Eigen::MatrixXd rows;  ///< d(height) / d(unknowns), a column a vertex
   Eigen::VectorXd heights_m;
 };
 
 /// Vertices higher than this are not looked at.
 constexpr double kContactReach_m = 5e-4;
 
-BoardContact contact_of(const SurfaceProblem& problem, const SurfaceState& state, const SampledSurface& surface) {
+BoardContact contact_of(const SurfaceProblem& problem, const SurfaceState& state,
+                        const SampledSurface& surface) {
   const auto& vertices = surface.mesh.vertices_m;
   double lowest_m = vertices[0].z();
   for (const Eigen::Vector3d& vertex : vertices) lowest_m = std::min(lowest_m, vertex.z());
@@ -243,12 +253,14 @@ BoardContact contact_of(const SurfaceProblem& problem, const SurfaceState& state
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (vertices[i].z() < std::max(lowest_m, 0.0) + kContactReach_m) near.push_back(i);
   }
-  const Eigen::Index harmonics = problem.basis.harmonics.count(), count = static_cast<Eigen::Index>(near.size());
+  const Eigen::Index harmonics = problem.basis.harmonics.count(),
+                     count = static_cast<Eigen::Index>(near.size());
   BoardContact contact{Eigen::MatrixXd::Zero(harmonics + 2, count), Eigen::VectorXd(count)};
   for (Eigen::Index k = 0; k < count; ++k) {
     const std::size_t i = near[static_cast<std::size_t>(k)];
     const double gain_m = (state.frame.axes_m * problem.basis.sphere.vertices_m[i]).z();
-    contact.rows.col(k).head(harmonics) = gain_m * problem.basis.values.row(static_cast<Eigen::Index>(i)).transpose();
+    contact.rows.col(k).head(harmonics) =
+        gain_m * problem.basis.values.row(static_cast<Eigen::Index>(i)).transpose();
     contact.heights_m[k] = vertices[i].z();
   }
   return contact;
@@ -270,14 +282,15 @@ std::vector<Eigen::Index> held_vertices(const Eigen::VectorXd& heights_m) {
 
 Eigen::MatrixXd rows_of(const BoardContact& contact, const std::vector<Eigen::Index>& held) {
   Eigen::MatrixXd rows(contact.rows.rows(), static_cast<Eigen::Index>(held.size()));
-  for (std::size_t k = 0; k < held.size(); ++k) rows.col(static_cast<Eigen::Index>(k)) = contact.rows.col(held[k]);
+  for (std::size_t k = 0; k < held.size(); ++k)
+    rows.col(static_cast<Eigen::Index>(k)) = contact.rows.col(held[k]);
   return rows;
 }
 
-/// Solves h x = g with the board as a one-sided penalty: vertices are held or let go until the heights that the step leads
-/// to agree with the set. `h` holds the board's rows on return.
-Eigen::VectorXd solve_on_board(Eigen::MatrixXd& h, const Eigen::VectorXd& g, const BoardContact& contact,
-                               double sigma_m) {
+/// Solves h x = g with the board as a one-sided penalty: vertices are held or let go until the
+/// heights that the step leads to agree with the set. `h` holds the board's rows on return.
+Eigen::VectorXd solve_on_board(Eigen::MatrixXd& h, const Eigen::VectorXd& g,
+                               const BoardContact& contact, double sigma_m) {
   constexpr int kRounds = 8;
   const double weight = 1 / (sigma_m * sigma_m);
   const Eigen::MatrixXd free = h;
@@ -292,14 +305,16 @@ Eigen::VectorXd solve_on_board(Eigen::MatrixXd& h, const Eigen::VectorXd& g, con
     h = free;
     h.selfadjointView<Eigen::Lower>().rankUpdate(rows, weight);
     x = h.selfadjointView<Eigen::Lower>().llt().solve(right);
-    std::vector<Eigen::Index> next = held_vertices(contact.heights_m + contact.rows.transpose() * x);
+    std::vector<Eigen::Index> next =
+        held_vertices(contact.heights_m + contact.rows.transpose() * x);
     if (next == held) break;
     held = std::move(next);
   }
   return x;
 }
 
-NormalEquations assemble(const SurfaceProblem& problem, const SurfaceState& state, const std::vector<Match>& matches,
+NormalEquations assemble(const SurfaceProblem& problem, const SurfaceState& state,
+                         const std::vector<Match>& matches,
                          const std::vector<PatchResidual>& patches, const ResidualScale& scale) {
   const SurfaceFitConfig& config = problem.config;
   const Eigen::Index harmonics = problem.basis.harmonics.count(), unknowns = harmonics + 2;
@@ -317,18 +332,22 @@ NormalEquations assemble(const SurfaceProblem& problem, const SurfaceState& stat
     problem.basis.harmonics.evaluate(patch.u, y);
     row << patch.gain_m * y, 0, 1;
     const double variance = patch.sigma_m * patch.sigma_m * scale.cloud * scale.cloud;
-    add_row(equations, row, patch.residual_m, robust_weight(patch.normalized / scale.cloud) / variance);
+    add_row(equations, row, patch.residual_m,
+            robust_weight(patch.normalized / scale.cloud) / variance);
   }
 
   const Eigen::VectorXd precision = prior_precision(problem, state.roughness);
   equations.h.diagonal().head(harmonics) += precision;
   equations.g.head(harmonics) -= precision.cwiseProduct(state.radius);
-  equations.h(harmonics, harmonics) += 1 / (config.outline_bias_sigma_px * config.outline_bias_sigma_px);
-  equations.h(harmonics + 1, harmonics + 1) += 1 / (config.cloud_bias_sigma_m * config.cloud_bias_sigma_m);
+  equations.h(harmonics, harmonics) +=
+      1 / (config.outline_bias_sigma_px * config.outline_bias_sigma_px);
+  equations.h(harmonics + 1, harmonics + 1) +=
+      1 / (config.cloud_bias_sigma_m * config.cloud_bias_sigma_m);
   return equations;
 }
 
-/// Takes the views' shifts out (Schur complement); `h` and `g` are then those of the other unknowns alone.
+/// Takes the views' shifts out (Schur complement); `h` and `g` are then those of the other unknowns
+/// alone.
 void eliminate_shifts(NormalEquations& equations) {
   for (std::size_t v = 0; v < equations.h_view.size(); ++v) {
     const Eigen::Matrix2d inverse = equations.h_view[v].inverse();
@@ -342,7 +361,8 @@ void eliminate_shifts(NormalEquations& equations) {
 
 }  // namespace
 
-SurfaceBasis::SurfaceBasis(int degree, int subdivisions) : harmonics(degree), sphere(icosphere(subdivisions)) {
+SurfaceBasis::SurfaceBasis(int degree, int subdivisions)
+    : harmonics(degree), sphere(icosphere(subdivisions)) {
   values.resize(static_cast<Eigen::Index>(sphere.vertices_m.size()), harmonics.count());
   Eigen::VectorXd y(harmonics.count());
   for (std::size_t i = 0; i < sphere.vertices_m.size(); ++i) {
@@ -374,8 +394,8 @@ double SurfaceProblem::step(SurfaceState& state, ResidualScale& scale, double ma
   eliminate_shifts(equations);
 
   const Eigen::Index harmonics = basis.harmonics.count();
-  const Eigen::VectorXd solution =
-      solve_on_board(equations.h, equations.g, contact_of(*this, state, surface), config.plane_sigma_m);
+  const Eigen::VectorXd solution = solve_on_board(
+      equations.h, equations.g, contact_of(*this, state, surface), config.plane_sigma_m);
   const Eigen::LLT<Eigen::MatrixXd> solver(equations.h.selfadjointView<Eigen::Lower>());
   if (solver.info() != Eigen::Success || !solution.allFinite()) return kNaN;
   // The radius changes by a quarter at most: beyond, the matches are others.
@@ -386,11 +406,14 @@ double SurfaceProblem::step(SurfaceState& state, ResidualScale& scale, double ma
   state.outline_bias_px = solution[harmonics];
   state.cloud_bias_m = solution[harmonics + 1];
   for (std::size_t v = 0; v < views.size(); ++v) {
-    state.view_shifts_px[v] = equations.h_view[v].inverse() * (equations.g_view[v] - equations.h_mixed[v] * solution);
+    state.view_shifts_px[v] =
+        equations.h_view[v].inverse() * (equations.g_view[v] - equations.h_mixed[v] * solution);
   }
 
-  // Expectation-maximisation of the evidence: the mean square of b in units of the prior, with its own uncertainty.
-  const Eigen::MatrixXd covariance = solver.solve(Eigen::MatrixXd::Identity(harmonics + 2, harmonics + 2));
+  // Expectation-maximisation of the evidence: the mean square of b in units of the prior, with its
+  // own uncertainty.
+  const Eigen::MatrixXd covariance =
+      solver.solve(Eigen::MatrixXd::Identity(harmonics + 2, harmonics + 2));
   double sum = 0, count = 0;
   for (int l = 3; l <= basis.harmonics.degree(); ++l) {
     const double bending = l * (l + 1.0);

@@ -14,7 +14,8 @@ std::vector<View> camera_path(const SeedsSceneConfig& config, Rng rng) {
   const std::uint64_t key = rng.fork("wander")();
   std::vector<View> views;
   for (int i = 0; i < config.views; ++i) {
-    // Rings one after the other, as a person walks round; views split evenly, the first rings take the remainder.
+    // Rings one after the other, as a person walks round; views split evenly, the first rings take
+    // the remainder.
     const int ring = static_cast<int>(static_cast<long>(i) * rings / config.views);
     const long first = (static_cast<long>(ring) * config.views + rings - 1) / rings;
     const long next = (static_cast<long>(ring + 1) * config.views + rings - 1) / rings;
@@ -30,17 +31,19 @@ std::vector<View> camera_path(const SeedsSceneConfig& config, Rng rng) {
     const double j = config.view_jitter;
     const double azimuth = kTwoPi * (turn + 0.5 * ring / rings) + j * wander(0);
     const double elevation = std::clamp(config.ring_elevations_rad[r] + j * wander(1), 0.12, 1.45);
-    const double distance_m = std::clamp(config.ring_distances_m[r] * (1 + 3 * j * wander(2)), config.distance_min_m,
-                                         config.distance_max_m);
-    const Eigen::Vector3d direction(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                                    std::sin(elevation));
-    // The aim misses the centre by up to a few per cent of the distance; the plate stays in the image.
+    const double distance_m = std::clamp(config.ring_distances_m[r] * (1 + 3 * j * wander(2)),
+                                         config.distance_min_m, config.distance_max_m);
+    const Eigen::Vector3d direction(std::cos(elevation) * std::cos(azimuth),
+                                    std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+    // The aim misses the centre by up to a few per cent of the distance; the plate stays in the
+    // image.
     const Eigen::Vector3d aim_m = 0.25 * j * distance_m * Eigen::Vector3d(wander(3), wander(4), 0);
     const double roll = j * wander(5);
     View view;
     view.time_s = kFrameStep_s * i;
     const Pose upright = look_at(distance_m * direction, aim_m);
-    const Pose rolled{Eigen::Quaterniond(Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ())), Eigen::Vector3d::Zero()};
+    const Pose rolled{Eigen::Quaterniond(Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ())),
+                      Eigen::Vector3d::Zero()};
     view.rig_from_world = rolled * upright;
     view.rig_from_world_end = view.rig_from_world;
     views.push_back(view);

@@ -13,7 +13,8 @@ namespace {
 constexpr std::array<const char*, 6> kNames = {"zhengdan958", "tianguinuo932", "jimai22",
                                                "aikang58",    "suijing18",     "xiangyaxiangzhan"};
 
-// A standard normal cut at +-2 keeps this share of its standard deviation: sqrt(1 - 2 * 2 phi(2) / (2 Phi(2) - 1)).
+// A standard normal cut at +-2 keeps this share of its standard deviation: sqrt(1 - 2 * 2 phi(2) /
+// (2 Phi(2) - 1)).
 constexpr double kCut = 2.0;
 constexpr double kCutSigma = 0.87963;
 
@@ -30,15 +31,16 @@ std::string species_name(Species species) {
 
 void require_count(const char* key, const std::vector<double>& values, std::size_t count) {
   if (values.size() != count) {
-    throw std::invalid_argument(std::string(key) + " has " + std::to_string(values.size()) + " numbers; it needs " +
-                                std::to_string(count));
+    throw std::invalid_argument(std::string(key) + " has " + std::to_string(values.size()) +
+                                " numbers; it needs " + std::to_string(count));
   }
 }
 
 std::vector<CultivarConfig> read_cultivars() {
   std::vector<CultivarConfig> cultivars(kNames.size());
   Fields all;
-  for (std::size_t i = 0; i < kNames.size(); ++i) all = all + nested(kNames[i], fields(cultivars[i]));
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    all = all + nested(kNames[i], fields(cultivars[i]));
   read_toml_text(cultivars_toml(), "scenes/seeds/cultivars.toml", all, MissingKeys::error);
   for (const CultivarConfig& config : cultivars) validate(config);
   return cultivars;
@@ -57,7 +59,8 @@ Fields fields(CultivarConfig& c) {
       {"cv_length", &c.cv_length, "standard deviation over mean", 0, 0.3},
       {"cv_width", &c.cv_width, "standard deviation over mean", 0, 0.3},
       {"cv_height", &c.cv_height, "standard deviation over mean", 0, 0.3},
-      {"size_share", &c.size_share, "share of the variances that a common size factor explains", 0, 1},
+      {"size_share", &c.size_share, "share of the variances that a common size factor explains", 0,
+       1},
       {"paper_rmse_m", &c.paper_rmse_m, "RMSE of length, width, height in the paper", 0, 0.01},
       {"paper_r2", &c.paper_r2, "R^2 of length, width, height in the paper", 0, 1},
       {"density_kg_m3", &c.density_kg_m3, "mass over volume", 100, 3000},
@@ -71,7 +74,8 @@ Fields fields(CultivarConfig& c) {
       {"bend_m", &c.bend_m, "bow of the long axis", 0, 0.01},
       {"lump_m", &c.lump_m, "amplitude of individual lopsidedness", 0, 0.001},
       {"relief_m", &c.relief_m, "maize: dent; wheat: rim of the embryo; rice: nerves", 0, 0.002},
-      {"groove_m", &c.groove_m, "maize: hollow over the embryo; wheat: crease; rice: seam", 0, 0.002},
+      {"groove_m", &c.groove_m, "maize: hollow over the embryo; wheat: crease; rice: seam", 0,
+       0.002},
       {"wrinkle_m", &c.wrinkle_m, "fine relief", 0, 0.0005},
       {"albedo_body", &c.albedo_body, "linear reflectance", 0, 1},
       {"albedo_pale", &c.albedo_pale, "linear reflectance", 0, 1},
@@ -92,7 +96,8 @@ void validate(const CultivarConfig& c) {
     if (!(r2 < 1)) throw std::invalid_argument("paper_r2 must be below 1");
   }
   if (c.profile_width.size() < 4 || c.profile_width.size() != c.profile_height.size()) {
-    throw std::invalid_argument("profile_width and profile_height need the same number of knots, at least 4");
+    throw std::invalid_argument(
+        "profile_width and profile_height need the same number of knots, at least 4");
   }
   for (const auto* albedo : {&c.albedo_body, &c.albedo_pale, &c.albedo_dark, &c.albedo_tip}) {
     require_count("albedo_*", *albedo, 3);

@@ -1,8 +1,7 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-
-#include <Eigen/Geometry>
 
 #include "scenes/seeds/seed_color.h"
 #include "scenes/seeds/seed_shape.h"
@@ -12,8 +11,9 @@
 namespace cousin {
 namespace {
 
-/// Stretches the mesh so that its extents along the seed's own axes are the size drawn: what a caliper laid along the seed
-/// reads. The minimum-volume box of a wedge may lie a few degrees off those axes, so the box's traits differ a little.
+/// Stretches the mesh so that its extents along the seed's own axes are the size drawn: what a
+/// caliper laid along the seed reads. The minimum-volume box of a wedge may lie a few degrees off
+/// those axes, so the box's traits differ a little.
 void fit_extents(Mesh& mesh, const Eigen::Vector3d& size_m) {
   Eigen::AlignedBox3d extents;
   for (const Eigen::Vector3d& vertex : mesh.vertices_m) extents.extend(vertex);
@@ -21,7 +21,8 @@ void fit_extents(Mesh& mesh, const Eigen::Vector3d& size_m) {
   for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex = vertex.cwiseProduct(factor);
 }
 
-std::uint32_t farthest(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& direction) {
+std::uint32_t farthest(const std::vector<Eigen::Vector3d>& points,
+                       const Eigen::Vector3d& direction) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < points.size(); ++i) {
     if (points[i].dot(direction) > points[best].dot(direction)) best = i;
@@ -31,7 +32,9 @@ std::uint32_t farthest(const std::vector<Eigen::Vector3d>& points, const Eigen::
 
 std::vector<Keypoint> seed_keypoints(const SeedShape& shape, Species species) {
   const auto& points = shape.mesh.vertices_m;
-  const auto at = [&](const Eigen::Vector3d& direction) { return points[farthest(points, direction)]; };
+  const auto at = [&](const Eigen::Vector3d& direction) {
+    return points[farthest(points, direction)];
+  };
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
   std::vector<Keypoint> keypoints = {{"tip", at(-x)}, {"crown", at(x)}};
   // The embryo lies on the face +z of maize and wheat near the tip; rice hides it under the husk.
@@ -66,7 +69,8 @@ std::vector<Eigen::Vector3f> smooth_normals(const Mesh& mesh) {
   normals.reserve(sums.size());
   for (const Eigen::Vector3d& sum : sums) {
     const double length = sum.norm();
-    normals.emplace_back(length > 0 ? Eigen::Vector3f((sum / length).cast<float>()) : Eigen::Vector3f::UnitZ());
+    normals.emplace_back(length > 0 ? Eigen::Vector3f((sum / length).cast<float>())
+                                    : Eigen::Vector3f::UnitZ());
   }
   return normals;
 }
@@ -74,13 +78,15 @@ std::vector<Eigen::Vector3f> smooth_normals(const Mesh& mesh) {
 std::vector<TrueTrait> measure_traits(const Mesh& mesh, double mass_kg) {
   const MassProperties mass = mass_properties(mesh);
   const OrientedBox box = minimum_volume_box(mesh.vertices_m);
-  return {{"length", "m", box.size_m.x()}, {"width", "m", box.size_m.y()},      {"height", "m", box.size_m.z()},
-          {"area", "m2", mass.area_m2},    {"volume", "m3", mass.volume_m3}, {"mass", "kg", mass_kg}};
+  return {{"length", "m", box.size_m.x()},  {"width", "m", box.size_m.y()},
+          {"height", "m", box.size_m.z()},  {"area", "m2", mass.area_m2},
+          {"volume", "m3", mass.volume_m3}, {"mass", "kg", mass_kg}};
 }
 
 SeedModel make_specimen(const std::string& name, const Mesh& mesh, double density_kg_m3) {
   const MeshCheck check = check_watertight(mesh);
-  if (!check.ok) throw std::runtime_error("specimen " + name + " is not a closed mesh: " + check.problem);
+  if (!check.ok)
+    throw std::runtime_error("specimen " + name + " is not a closed mesh: " + check.problem);
   const MassProperties mass = mass_properties(mesh);
   SeedModel seed;
   seed.model.name = name;

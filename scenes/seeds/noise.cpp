@@ -13,17 +13,21 @@ std::uint64_t mix(std::uint64_t z) {  // finaliser of splitmix64
 }
 
 /// Dot product of a lattice point's gradient (one of twelve cube edges) with the offset from it.
-double gradient_dot(std::int64_t ix, std::int64_t iy, std::int64_t iz, const Eigen::Vector3d& offset,
-                    std::uint64_t key) {
-  const std::uint64_t h = mix(key ^ mix(static_cast<std::uint64_t>(ix) * 0x9e3779b97f4a7c15ULL ^
-                                        mix(static_cast<std::uint64_t>(iy) * 0xc2b2ae3d27d4eb4fULL ^
-                                            mix(static_cast<std::uint64_t>(iz) + 0x165667b19e3779f9ULL))));
+double gradient_dot(std::int64_t ix, std::int64_t iy, std::int64_t iz,
+                    const Eigen::Vector3d& offset, std::uint64_t key) {
+  const std::uint64_t h =
+      mix(key ^ mix(static_cast<std::uint64_t>(ix) * 0x9e3779b97f4a7c15ULL ^
+                    mix(static_cast<std::uint64_t>(iy) * 0xc2b2ae3d27d4eb4fULL ^
+                        mix(static_cast<std::uint64_t>(iz) + 0x165667b19e3779f9ULL))));
   const double u = (h & 1) != 0 ? 1 : -1;
   const double v = (h & 2) != 0 ? 1 : -1;
   switch ((h >> 8) % 3) {
-    case 0: return u * offset.x() + v * offset.y();
-    case 1: return u * offset.y() + v * offset.z();
-    default: return u * offset.z() + v * offset.x();
+    case 0:
+      return u * offset.x() + v * offset.y();
+    case 1:
+      return u * offset.y() + v * offset.z();
+    default:
+      return u * offset.z() + v * offset.x();
   }
 }
 
@@ -45,7 +49,8 @@ double noise3(const Eigen::Vector3d& point, std::uint64_t key) {
     const int dx = corner & 1;
     const int dy = (corner >> 1) & 1;
     const int dz = (corner >> 2) & 1;
-    const double weight = (dx != 0 ? wx : 1 - wx) * (dy != 0 ? wy : 1 - wy) * (dz != 0 ? wz : 1 - wz);
+    const double weight =
+        (dx != 0 ? wx : 1 - wx) * (dy != 0 ? wy : 1 - wy) * (dz != 0 ? wz : 1 - wz);
     sum += weight * gradient_dot(ix + dx, iy + dy, iz + dz, f - Eigen::Vector3d(dx, dy, dz), key);
   }
   return sum;

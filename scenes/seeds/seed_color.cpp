@@ -44,10 +44,11 @@ Eigen::Vector3d rice_color(const Palette& c, const SurfacePoint& s, double noise
 }  // namespace
 
 std::vector<Rgbf> color_seed(const CultivarConfig& config, const SeedShape& shape, Rng rng) {
-  const Palette palette{to_vector(config.albedo_body), to_vector(config.albedo_pale), to_vector(config.albedo_dark),
-                        to_vector(config.albedo_tip)};
+  const Palette palette{to_vector(config.albedo_body), to_vector(config.albedo_pale),
+                        to_vector(config.albedo_dark), to_vector(config.albedo_tip)};
   const std::uint64_t key = rng();
-  const double brightness = truncated_normal(rng, 1, 0.05, 2);  // seeds of a lot differ a little in tone
+  const double brightness =
+      truncated_normal(rng, 1, 0.05, 2);  // seeds of a lot differ a little in tone
   const double warmth = truncated_normal(rng, 0, 0.03, 2);
   std::vector<Rgbf> colors;
   colors.reserve(shape.surface.size());
@@ -60,16 +61,25 @@ std::vector<Rgbf> color_seed(const CultivarConfig& config, const SeedShape& shap
     const double coarse = noise3(x_m / (4 * config.mottle_scale_m), key + 17);
     Eigen::Vector3d rgb;
     switch (config.species) {
-      case Species::maize: rgb = maize_color(palette, s, coarse); break;
-      case Species::wheat: rgb = wheat_color(palette, s, coarse); break;
-      case Species::rice: rgb = rice_color(palette, s, coarse); break;
+      case Species::maize:
+        rgb = maize_color(palette, s, coarse);
+        break;
+      case Species::wheat:
+        rgb = wheat_color(palette, s, coarse);
+        break;
+      case Species::rice:
+        rgb = rice_color(palette, s, coarse);
+        break;
     }
-    const double specks = std::max(0.0, noise3(x_m / (0.6 * config.mottle_scale_m), key + 31) - 0.55);
-    const double factor = brightness * (1 + 2 * config.mottle * fine + config.mottle * coarse - 0.8 * specks);
+    const double specks =
+        std::max(0.0, noise3(x_m / (0.6 * config.mottle_scale_m), key + 31) - 0.55);
+    const double factor =
+        brightness * (1 + 2 * config.mottle * fine + config.mottle * coarse - 0.8 * specks);
     const double hue = warmth + 0.25 * config.mottle * coarse;
     const Eigen::Vector3d tint(1 + 0.3 * hue, 1, 1 - hue);
     rgb = (factor * rgb.cwiseProduct(tint)).cwiseMax(0.01).cwiseMin(0.95);
-    colors.push_back({static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])});
+    colors.push_back(
+        {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])});
   }
   return colors;
 }

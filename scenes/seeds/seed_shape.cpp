@@ -1,12 +1,12 @@
 #include "scenes/seeds/seed_shape.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "scenes/seeds/cube_sphere.h"
 #include "scenes/seeds/noise.h"
@@ -16,11 +16,11 @@ namespace {
 
 /// What distinguishes this seed from its lot, besides its size.
 struct Individual {
-  double dent = 1, hollow = 1;      ///< factors on relief_m and groove_m
-  Eigen::Vector2d bow_m{0, 0};      ///< of the long axis, along y and z
-  double slant = 0;                 ///< the crown leans: dx/dy
-  double skew = 0;                  ///< the width's maximum shifts sideways
-  double taper = 0;                 ///< change of height from -y to +y
+  double dent = 1, hollow = 1;  ///< factors on relief_m and groove_m
+  Eigen::Vector2d bow_m{0, 0};  ///< of the long axis, along y and z
+  double slant = 0;             ///< the crown leans: dx/dy
+  double skew = 0;              ///< the width's maximum shifts sideways
+  double taper = 0;             ///< change of height from -y to +y
   std::uint64_t key = 0;
 };
 
@@ -29,7 +29,8 @@ Individual draw_individual(const CultivarConfig& c, Rng& rng) {
   seed.dent = truncated_normal(rng, 1, 0.25, 2);
   seed.hollow = truncated_normal(rng, 1, 0.15, 2);
   const bool rice = c.species == Species::rice;
-  const double bow_y = truncated_normal(rng, rice ? -c.bend_m : 0, rice ? c.bend_m / 2 : c.bend_m, 2);
+  const double bow_y =
+      truncated_normal(rng, rice ? -c.bend_m : 0, rice ? c.bend_m / 2 : c.bend_m, 2);
   seed.bow_m = {bow_y, truncated_normal(rng, 0, rice ? c.bend_m / 4 : c.bend_m / 2, 2)};
   const bool maize = c.species == Species::maize;
   seed.slant = truncated_normal(rng, 0, maize ? 0.05 : 0.015, 2);
@@ -50,7 +51,8 @@ double spline(const std::vector<double>& knots, double t) {
   const double m1 = (k(i + 2) - k(i)) / 2;
   const double f2 = f * f;
   const double f3 = f2 * f;
-  return k(i) * (2 * f3 - 3 * f2 + 1) + m0 * (f3 - 2 * f2 + f) + k(i + 1) * (3 * f2 - 2 * f3) + m1 * (f3 - f2);
+  return k(i) * (2 * f3 - 3 * f2 + 1) + m0 * (f3 - 2 * f2 + f) + k(i + 1) * (3 * f2 - 2 * f3) +
+         m1 * (f3 - f2);
 }
 
 /// Closes an end: 0 at distance 0, 1 from `round` on, along a superellipse.
@@ -60,11 +62,13 @@ double cap(double distance, double round, double exponent) {
   return std::pow(std::max(0.0, 1 - std::pow(t, exponent)), 1 / exponent);
 }
 
-/// The body without details. Inside where the superellipse of the section holds the point; p in half-sizes.
+/// The body without details. Inside where the superellipse of the section holds the point; p in
+/// half-sizes.
 bool inside_body(const CultivarConfig& c, const Eigen::Vector3d& p) {
   const double along = 0.5 * (p.x() + 1);
   if (along <= 0 || along >= 1) return false;
-  const double close = cap(along, c.tip_round, c.tip_exponent) * cap(1 - along, c.crown_round, c.crown_exponent);
+  const double close =
+      cap(along, c.tip_round, c.tip_exponent) * cap(1 - along, c.crown_round, c.crown_exponent);
   const double half_width = close * spline(c.profile_width, along);
   const double half_height = close * spline(c.profile_height, along);
   const double y = std::abs(p.y()) / half_width;
@@ -73,7 +77,8 @@ bool inside_body(const CultivarConfig& c, const Eigen::Vector3d& p) {
   return std::pow(y, c.section_exponent) + std::pow(z, c.section_exponent) < 1;
 }
 
-/// Surface point of the body in a direction from its middle, by bisection to 2^-40 of the half-sizes.
+/// Surface point of the body in a direction from its middle, by bisection to 2^-40 of the
+/// half-sizes.
 Eigen::Vector3d body_point(const CultivarConfig& c, const Eigen::Vector3d& direction) {
   double low = 0;
   double high = 2;
@@ -88,8 +93,8 @@ double bump(double x, double width) { return std::exp(-(x / width) * (x / width)
 double plateau(double x, double width) { return std::exp(-std::pow(x / width, 4)); }
 
 /// Dent of the crown and hollow over the embryo; p in half-sizes, displacement in metres.
-Eigen::Vector3d maize_details(const CultivarConfig& c, const Individual& seed, const Eigen::Vector3d& p,
-                              SurfacePoint& s) {
+Eigen::Vector3d maize_details(const CultivarConfig& c, const Individual& seed,
+                              const Eigen::Vector3d& p, SurfacePoint& s) {
   const double crown = smoothstep(0.80, 0.98, s.along);
   s.relief = crown * bump(p.y(), 0.55) * bump(p.z() - 0.05, 0.36);
   const double dent_m = seed.dent * c.relief_m * s.relief;
@@ -105,13 +110,15 @@ Eigen::Vector3d maize_details(const CultivarConfig& c, const Individual& seed, c
 }
 
 /// Crease along the belly, cheeks, embryo on the back of the tip end, blunt brush end.
-Eigen::Vector3d wheat_details(const CultivarConfig& c, const Individual& seed, const Eigen::Vector3d& p,
-                              SurfacePoint& s) {
-  const double belly = smoothstep(0.05, 0.45, -p.z() / (0.2 + 0.8 * std::sqrt(std::max(0.0, 1 - p.x() * p.x()))));
+Eigen::Vector3d wheat_details(const CultivarConfig& c, const Individual& seed,
+                              const Eigen::Vector3d& p, SurfacePoint& s) {
+  const double belly =
+      smoothstep(0.05, 0.45, -p.z() / (0.2 + 0.8 * std::sqrt(std::max(0.0, 1 - p.x() * p.x()))));
   const double ends = smoothstep(-0.02, 0.16, s.along) * smoothstep(-0.02, 0.12, 1 - s.along);
   s.groove = belly * ends * bump(p.y(), 0.13);
   // A narrow furrow between cheeks that round off into it.
-  const double crease_m = seed.hollow * c.groove_m * (0.65 * s.groove + 0.45 * belly * ends * bump(p.y(), 0.33));
+  const double crease_m =
+      seed.hollow * c.groove_m * (0.65 * s.groove + 0.45 * belly * ends * bump(p.y(), 0.33));
   const double back = smoothstep(0.0, 0.4, p.z());
   const double radius = std::hypot((s.along - 0.10) / 0.13, p.y() / 0.46);
   const double embryo = back * std::exp(-std::pow(radius, 4));
@@ -124,23 +131,29 @@ Eigen::Vector3d wheat_details(const CultivarConfig& c, const Individual& seed, c
   return Eigen::Vector3d(0, narrow, crease_m) + embryo_m * outward;
 }
 
-/// Nerves and keels of the husk, the seam where lemma clasps palea, sterile lemmas at the base, the apiculus.
-Eigen::Vector3d rice_details(const CultivarConfig& c, const Individual& seed, const Eigen::Vector3d& p,
-                             SurfacePoint& s) {
-  const double angle = std::atan2(std::abs(p.z()), p.y());  // 0 at the keel of the lemma, pi at the palea's
+/// Nerves and keels of the husk, the seam where lemma clasps palea, sterile lemmas at the base, the
+/// apiculus.
+Eigen::Vector3d rice_details(const CultivarConfig& c, const Individual& seed,
+                             const Eigen::Vector3d& p, SurfacePoint& s) {
+  const double angle =
+      std::atan2(std::abs(p.z()), p.y());  // 0 at the keel of the lemma, pi at the palea's
   const double body = smoothstep(0.03, 0.2, s.along) * smoothstep(0.02, 0.22, 1 - s.along);
   const double seam_at = 2.12 + 0.12 * std::sin(std::numbers::pi * s.along);
   constexpr std::array<double, 4> kNerves = {0.0, 0.82, 1.55, 2.72};
   double nerve = 0;
   for (const double at : kNerves) nerve = std::max(nerve, bump(angle - at, 0.13));
-  s.groove = smoothstep(0.02, 0.12, s.along) * smoothstep(0.01, 0.10, 1 - s.along) * bump(angle - seam_at, 0.09);
+  s.groove = smoothstep(0.02, 0.12, s.along) * smoothstep(0.01, 0.10, 1 - s.along) *
+             bump(angle - seam_at, 0.09);
   s.relief = body * nerve;
   // The lemma's edge stands over the palea beside the seam.
   const double edge = body * bump(angle - (seam_at - 0.22), 0.14);
-  double out_m = seed.dent * c.relief_m * (s.relief + 0.6 * edge) - seed.hollow * c.groove_m * s.groove;
+  double out_m =
+      seed.dent * c.relief_m * (s.relief + 0.6 * edge) - seed.hollow * c.groove_m * s.groove;
   // Tubercles stand in rows along the husk.
-  out_m += c.wrinkle_m * body * std::cos(26 * angle) * (0.6 + 0.4 * std::sin(150 * s.along + 4 * angle));
-  const double scale = smoothstep(0.0, 0.05, s.along) * (1 - smoothstep(0.17, 0.24, s.along + 0.10 * p.y() * p.y()));
+  out_m +=
+      c.wrinkle_m * body * std::cos(26 * angle) * (0.6 + 0.4 * std::sin(150 * s.along + 4 * angle));
+  const double scale =
+      smoothstep(0.0, 0.05, s.along) * (1 - smoothstep(0.17, 0.24, s.along + 0.10 * p.y() * p.y()));
   out_m += 0.00005 * scale * smoothstep(0.1, 0.4, std::abs(p.z()) / (0.15 + s.along * 2.2));
   const Eigen::Vector3d outward = Eigen::Vector3d(0, p.y(), p.z()).normalized();
   const double beak = smoothstep(0.965, 1.0, s.along);
@@ -149,8 +162,9 @@ Eigen::Vector3d rice_details(const CultivarConfig& c, const Individual& seed, co
 }
 
 /// Lopsidedness, bow, slant and taper; x in metres.
-Eigen::Vector3d individualise(const CultivarConfig& c, const Individual& seed, const Eigen::Vector3d& half_m,
-                              const Eigen::Vector3d& p, Eigen::Vector3d x_m) {
+Eigen::Vector3d individualise(const CultivarConfig& c, const Individual& seed,
+                              const Eigen::Vector3d& half_m, const Eigen::Vector3d& p,
+                              Eigen::Vector3d x_m) {
   const double along = p.x();  // -1..1
   x_m.x() += seed.slant * x_m.y() * smoothstep(0.1, 1, along);
   x_m.y() += seed.skew * half_m.y() * (1 - along * along);
@@ -161,7 +175,8 @@ Eigen::Vector3d individualise(const CultivarConfig& c, const Individual& seed, c
   const double feature_m = 0.45 * half_m.x();
   x_m += c.lump_m * noise3(x_m / feature_m, seed.key) * 1.4 * outward;
   if (c.species != Species::rice && c.wrinkle_m > 0) {
-    const double where = c.species == Species::maize ? 0.35 + 0.65 * smoothstep(-0.2, 0.7, along) : 1;
+    const double where =
+        c.species == Species::maize ? 0.35 + 0.65 * smoothstep(-0.2, 0.7, along) : 1;
     const Eigen::Vector3d folds(x_m.x() / 0.0026, x_m.y() / 0.0011, x_m.z() / 0.0011);
     x_m += c.wrinkle_m * where * fractal_noise3(folds, 2, seed.key ^ 0x5bd1e995U) * 1.4 * outward;
   }
@@ -177,22 +192,29 @@ SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& s
   shape.mesh = cube_sphere(config.grid);
   auto& vertices_m = shape.mesh.vertices_m;
   shape.surface.resize(vertices_m.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices_m.size(), 256), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const Eigen::Vector3d p = body_point(config, vertices_m[i]);
-      SurfacePoint& s = shape.surface[i];
-      s.along = 0.5 * (p.x() + 1);
-      s.across = p.y();
-      s.up = p.z();
-      Eigen::Vector3d moved_m = p.cwiseProduct(half_m);
-      switch (config.species) {
-        case Species::maize: moved_m += maize_details(config, seed, p, s); break;
-        case Species::wheat: moved_m += wheat_details(config, seed, p, s); break;
-        case Species::rice: moved_m += rice_details(config, seed, p, s); break;
-      }
-      vertices_m[i] = individualise(config, seed, half_m, p, moved_m);
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices_m.size(), 256),
+                    [&](const auto& range) {
+                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                        const Eigen::Vector3d p = body_point(config, vertices_m[i]);
+                        SurfacePoint& s = shape.surface[i];
+                        s.along = 0.5 * (p.x() + 1);
+                        s.across = p.y();
+                        s.up = p.z();
+                        Eigen::Vector3d moved_m = p.cwiseProduct(half_m);
+                        switch (config.species) {
+                          case Species::maize:
+                            moved_m += maize_details(config, seed, p, s);
+                            break;
+                          case Species::wheat:
+                            moved_m += wheat_details(config, seed, p, s);
+                            break;
+                          case Species::rice:
+                            moved_m += rice_details(config, seed, p, s);
+                            break;
+                        }
+                        vertices_m[i] = individualise(config, seed, half_m, p, moved_m);
+                      }
+                    });
   return shape;
 }
 

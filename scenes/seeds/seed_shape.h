@@ -1,17 +1,17 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "scenes/seeds/cultivar.h"
 
 namespace cousin {
 
-/// Where a surface point lies on the seed, for colouring and keypoints. Seed axes: x from the tip (maize: tip cap, wheat:
-/// embryo end, rice: pedicel) to the crown (maize: dent, wheat: brush, rice: apiculus); y across the width; z across
-/// the height (maize: towards the embryo's face, wheat: dorsal, rice: one of the two like sides).
+/// Where a surface point lies on the seed, for colouring and keypoints. Seed axes: x from the tip
+/// (maize: tip cap, wheat: embryo end, rice: pedicel) to the crown (maize: dent, wheat: brush,
+/// rice: apiculus); y across the width; z across the height (maize: towards the embryo's face,
+/// wheat: dorsal, rice: one of the two like sides).
 struct SurfacePoint {
   double along = 0;   ///< 0 at the tip, 1 at the crown
   double across = 0;  ///< y over the half-width, about [-1, 1]
@@ -21,12 +21,13 @@ struct SurfacePoint {
 };
 
 struct SeedShape {
-  Mesh mesh;                           ///< closed, outward; not yet centred
-  std::vector<SurfacePoint> surface;   ///< one for each vertex
+  Mesh mesh;                          ///< closed, outward; not yet centred
+  std::vector<SurfacePoint> surface;  ///< one for each vertex
 };
 
-/// A seed of about `size_m` (length, width, height along x, y, z): a body of superellipse sections along the
-/// cultivar's profiles, star-shaped about its middle, then the species' details as smooth displacements.
+/// A seed of about `size_m` (length, width, height along x, y, z): a body of superellipse sections
+/// along the cultivar's profiles, star-shaped about its middle, then the species' details as smooth
+/// displacements.
 /// @param rng  individual lopsidedness, bow and strength of the details
 SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& size_m, Rng rng);
 

@@ -1,12 +1,12 @@
 #include "scenes/seeds/seeds_scene.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
-
-#include <tbb/parallel_for.h>
 
 #include "scenes/seeds/cultivar.h"
 #include "scenes/seeds/setting.h"
@@ -49,19 +49,21 @@ Specimen reference_sphere(const SettingConfig& setting, Rng rng) {
 
 Specimen users(const SettingConfig& setting, const std::string& name, const Mesh& mesh, Rng rng) {
   Specimen specimen{make_specimen(name, mesh, setting.specimen_density_kg_m3), {}, "specimen"};
-  specimen.seed.model.vertex_albedo = mottle(specimen.seed.model.mesh, setting.specimen_albedo,
-                                             setting.specimen_mottle, setting.specimen_mottle_scale_m, rng);
+  specimen.seed.model.vertex_albedo =
+      mottle(specimen.seed.model.mesh, setting.specimen_albedo, setting.specimen_mottle,
+             setting.specimen_mottle_scale_m, rng);
   specimen.material = {.name = "specimen", .albedo = {1, 1, 1}, .ior = 1.47, .roughness = 0.5};
   return specimen;
 }
 
-std::vector<Specimen> make_specimens(const SeedsSceneConfig& config, const SettingConfig& setting, Rng rng,
-                                     const std::optional<Mesh>& user_mesh) {
+std::vector<Specimen> make_specimens(const SeedsSceneConfig& config, const SettingConfig& setting,
+                                     Rng rng, const std::optional<Mesh>& user_mesh) {
   const std::vector<std::string> names = cultivar_names();
   const auto make = [&](std::size_t i) {
     if (config.sphere) return reference_sphere(setting, rng.fork("sphere"));
     if (user_mesh) return users(setting, config.specimen, *user_mesh, rng.fork(i));
-    const std::string& name = config.cultivar == "mixed" ? names[i % names.size()] : config.cultivar;
+    const std::string& name =
+        config.cultivar == "mixed" ? names[i % names.size()] : config.cultivar;
     return grown(name, config.spread, rng.fork(i));
   };
   std::vector<Specimen> specimens(config.sphere ? 1 : static_cast<std::size_t>(config.seeds));
@@ -77,13 +79,14 @@ Eigen::Quaterniond random_rotation(Rng& rng) {  // uniform [Shoemake 1992]
   const double u = uniform(rng);
   const double a = 2 * std::numbers::pi * uniform(rng);
   const double b = 2 * std::numbers::pi * uniform(rng);
-  return {std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a), std::sqrt(1 - u) * std::cos(a),
-          std::sqrt(u) * std::sin(b)};
+  return {std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a),
+          std::sqrt(1 - u) * std::cos(a), std::sqrt(u) * std::sin(b)};
 }
 
-/// Release spots whose bounding spheres keep the gap, drawn one after the other; nothing if 2000 darts in a row miss.
-std::optional<std::vector<Pose>> draw_spots(const std::vector<Specimen>& specimens, const SettingConfig& setting,
-                                            Rng rng) {
+/// Release spots whose bounding spheres keep the gap, drawn one after the other; nothing if 2000
+/// darts in a row miss.
+std::optional<std::vector<Pose>> draw_spots(const std::vector<Specimen>& specimens,
+                                            const SettingConfig& setting, Rng rng) {
   std::vector<Pose> poses;
   for (const Specimen& specimen : specimens) {
     const double reach_m = std::min(setting.spot_radius_m, setting.reach_m - specimen.radius_m);
@@ -104,7 +107,8 @@ std::optional<std::vector<Pose>> draw_spots(const std::vector<Specimen>& specime
   return poses;
 }
 
-/// The outline seen from above, as the convex hull's corners at many directions: enough for gaps of a millimetre.
+/// The outline seen from above, as the convex hull's corners at many directions: enough for gaps of
+/// a millimetre.
 std::vector<Eigen::Vector2d> outline(const Mesh& mesh, const Pose& world_from_body) {
   constexpr int kDirections = 64;
   std::vector<Eigen::Vector2d> corners(kDirections);
@@ -127,7 +131,8 @@ std::vector<Eigen::Vector2d> outline(const Mesh& mesh, const Pose& world_from_bo
   return corners;
 }
 
-/// Gap between two convex outlines along the best of the directions that separate them; negative where they overlap.
+/// Gap between two convex outlines along the best of the directions that separate them; negative
+/// where they overlap.
 double gap_m(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b) {
   double widest = -1e9;
   constexpr int kDirections = 128;
@@ -143,10 +148,11 @@ double gap_m(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vec
   return widest;
 }
 
-/// Moves specimens that rest too near another, or too far out, to spots of their own. The board is a plane: a body at rest
-/// that touches no other is at rest anywhere on it. Returns why that is not possible; empty if it is done.
-std::string slide_apart(const std::vector<Specimen>& specimens, const SettingConfig& setting, Rng rng,
-                        std::vector<Pose>& poses) {
+/// Moves specimens that rest too near another, or too far out, to spots of their own. The board is
+/// a plane: a body at rest that touches no other is at rest anywhere on it. Returns why that is not
+/// possible; empty if it is done.
+std::string slide_apart(const std::vector<Specimen>& specimens, const SettingConfig& setting,
+                        Rng rng, std::vector<Pose>& poses) {
   constexpr double kLeaning_m = 2e-4;  // nearer than this, one may lean on the other
   std::vector<std::vector<Eigen::Vector2d>> outlines;
   for (std::size_t i = 0; i < specimens.size(); ++i) {
@@ -185,12 +191,15 @@ std::string slide_apart(const std::vector<Specimen>& specimens, const SettingCon
 }
 
 /// Drops the specimens; new spots are drawn where they do not come to rest apart from each other.
-std::vector<Pose> drop(const std::vector<Specimen>& specimens, const SettingConfig& setting, Rng rng) {
+std::vector<Pose> drop(const std::vector<Specimen>& specimens, const SettingConfig& setting,
+                       Rng rng) {
   SettleConfig settle_config;
   settle_config.drop_height_m = setting.drop_height_m;
-  std::string problem = "no room for " + std::to_string(specimens.size()) + " specimens on the board";
+  std::string problem =
+      "no room for " + std::to_string(specimens.size()) + " specimens on the board";
   for (int attempt = 0; attempt < setting.attempts; ++attempt) {
-    const auto spots = draw_spots(specimens, setting, rng.fork(static_cast<std::uint64_t>(attempt)));
+    const auto spots =
+        draw_spots(specimens, setting, rng.fork(static_cast<std::uint64_t>(attempt)));
     if (!spots) continue;
     std::vector<SettleBody> bodies;
     for (std::size_t i = 0; i < specimens.size(); ++i) {
@@ -199,10 +208,12 @@ std::vector<Pose> drop(const std::vector<Specimen>& specimens, const SettingConf
     }
     SettleResult rest = settle(bodies, settle_config);
     if (rest.status == SettleStatus::not_built) {
-      throw std::runtime_error("seeds: MuJoCo is not built in (WITH_MUJOCO=OFF), so nothing can be dropped");
+      throw std::runtime_error(
+          "seeds: MuJoCo is not built in (WITH_MUJOCO=OFF), so nothing can be dropped");
     }
     if (rest.status == SettleStatus::engine_warning) {
-      throw std::runtime_error("seeds: the physics engine gave " + std::to_string(rest.warnings) + " warnings");
+      throw std::runtime_error("seeds: the physics engine gave " + std::to_string(rest.warnings) +
+                               " warnings");
     }
     if (rest.status == SettleStatus::ok) {
       const Rng slide = rng.fork("slide").fork(static_cast<std::uint64_t>(attempt));
@@ -225,10 +236,12 @@ SizeSpread spread_from_string(const std::string& text) {
 }  // namespace
 
 Fields fields(SeedsSceneConfig& c) {
-  const TextField spread{[&c] { return std::string(c.spread == SizeSpread::paper ? "paper" : "literature"); },
-                         [&c](const std::string& text) { c.spread = spread_from_string(text); }};
+  const TextField spread{
+      [&c] { return std::string(c.spread == SizeSpread::paper ? "paper" : "literature"); },
+      [&c](const std::string& text) { c.spread = spread_from_string(text); }};
   return {
-      {"cultivar", &c.cultivar, "zhengdan958, tianguinuo932, jimai22, aikang58, suijing18, xiangyaxiangzhan or mixed"},
+      {"cultivar", &c.cultivar,
+       "zhengdan958, tianguinuo932, jimai22, aikang58, suijing18, xiangyaxiangzhan or mixed"},
       {"seeds", &c.seeds, "on the board", 0, 40},
       {"spread", spread, "of sizes: literature, or paper (what its R^2 and RMSE imply)"},
       {"specimen", &c.specimen, "\"\" = grown; mesh:FILE = a closed mesh (PLY, OBJ, STL)"},
@@ -240,7 +253,8 @@ Fields fields(SeedsSceneConfig& c) {
       {"ring_distances_m", &c.ring_distances_m, "mean camera distance of each ring", 0.05, 10},
       {"distance_min_m", &c.distance_min_m, "nearest hand-held distance", 0.05, 10},
       {"distance_max_m", &c.distance_max_m, "farthest hand-held distance", 0.05, 10},
-      {"view_jitter", &c.view_jitter, "hand-held wander: of angles in radians, of distance and aim relative", 0, 0.5},
+      {"view_jitter", &c.view_jitter,
+       "hand-held wander: of angles in radians, of distance and aim relative", 0, 0.5},
       {"light", &c.light, "window, lamps or sun"},
       {"rig", &c.rig, "sensor preset"},
   };
@@ -248,16 +262,20 @@ Fields fields(SeedsSceneConfig& c) {
 
 void validate(const SeedsSceneConfig& config) {
   const std::vector<std::string> names = cultivar_names();
-  if (config.cultivar != "mixed" && std::find(names.begin(), names.end(), config.cultivar) == names.end()) {
+  if (config.cultivar != "mixed" &&
+      std::find(names.begin(), names.end(), config.cultivar) == names.end()) {
     cultivar(config.cultivar);  // throws, naming those that exist
   }
-  if (config.ring_elevations_rad.empty() || config.ring_elevations_rad.size() != config.ring_distances_m.size()) {
-    throw std::invalid_argument("ring_elevations_rad has " + std::to_string(config.ring_elevations_rad.size()) +
-                                " numbers and ring_distances_m " + std::to_string(config.ring_distances_m.size()) +
-                                "; they need the same number, at least 1");
+  if (config.ring_elevations_rad.empty() ||
+      config.ring_elevations_rad.size() != config.ring_distances_m.size()) {
+    throw std::invalid_argument(
+        "ring_elevations_rad has " + std::to_string(config.ring_elevations_rad.size()) +
+        " numbers and ring_distances_m " + std::to_string(config.ring_distances_m.size()) +
+        "; they need the same number, at least 1");
   }
   if (config.distance_min_m > config.distance_max_m) {
-    throw std::invalid_argument("distance_min_m " + std::to_string(config.distance_min_m) + " is above distance_max_m " +
+    throw std::invalid_argument("distance_min_m " + std::to_string(config.distance_min_m) +
+                                " is above distance_max_m " +
                                 std::to_string(config.distance_max_m));
   }
   if (config.distance_max_m > 0.95 * seeds_setting().screen_radius_m) {
@@ -265,15 +283,19 @@ void validate(const SeedsSceneConfig& config) {
                                 " leaves the green screen of radius " +
                                 std::to_string(seeds_setting().screen_radius_m) + " m");
   }
-  if (config.views < 1) throw std::invalid_argument("views is " + std::to_string(config.views) + "; it must be at least 1");
+  if (config.views < 1)
+    throw std::invalid_argument("views is " + std::to_string(config.views) +
+                                "; it must be at least 1");
   Scene scene;
   add_lights(scene, config.light);  // throws, naming those that exist
 }
 
-Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng, const std::optional<Mesh>& user_mesh) {
+Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
+                        const std::optional<Mesh>& user_mesh) {
   validate(config);
   if (!config.specimen.empty() && !user_mesh) {
-    throw std::invalid_argument("specimen \"" + config.specimen + "\" is set, but no mesh was given");
+    throw std::invalid_argument("specimen \"" + config.specimen +
+                                "\" is set, but no mesh was given");
   }
   const SettingConfig& setting = seeds_setting();
   Scene scene;
@@ -286,7 +308,8 @@ Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng, const std::opti
   add_screen(scene, setting);
   add_lights(scene, config.light);
 
-  std::vector<Specimen> specimens = make_specimens(config, setting, rng.fork("specimens"), user_mesh);
+  std::vector<Specimen> specimens =
+      make_specimens(config, setting, rng.fork("specimens"), user_mesh);
   const std::vector<Pose> poses = drop(specimens, setting, rng.fork("drop"));
   for (std::size_t i = 0; i < specimens.size(); ++i) {
     Specimen& specimen = specimens[i];

@@ -17,11 +17,11 @@ struct SeedsSceneConfig {
   std::string cultivar = "zhengdan958";  ///< one of cultivar_names(), or "mixed": all six in turn
   int seeds = 10;
   SizeSpread spread = SizeSpread::literature;  ///< "paper": the spread its R^2 and RMSE imply
-  std::string specimen;          ///< "" = grown by us; "mesh:FILE" = a user's watertight mesh in metres
-  double specimen_scale = 1;     ///< metres per unit of that mesh
-  bool markers = true;           ///< false: the paper's plain board
-  bool sphere = false;           ///< a 22 mm matt speckled sphere instead of the seeds
-  int views = 60;                ///< spread over three rings
+  std::string specimen;  ///< "" = grown by us; "mesh:FILE" = a user's watertight mesh in metres
+  double specimen_scale = 1;  ///< metres per unit of that mesh
+  bool markers = true;        ///< false: the paper's plain board
+  bool sphere = false;        ///< a 22 mm matt speckled sphere instead of the seeds
+  int views = 60;             ///< spread over three rings
   std::vector<double> ring_elevations_rad = {0.26, 0.61, 1.05};
   std::vector<double> ring_distances_m = {0.45, 0.40, 0.35};  ///< mean camera distance of each ring
   double distance_min_m = 0.30;  ///< hand-held distances wander within these
@@ -35,8 +35,8 @@ void validate(const SeedsSceneConfig& config);
 
 std::vector<std::string> cultivar_names();
 
-/// A seed in its own frame: closed, watertight, centroid at the origin, with vertex colours made in 3D,
-/// normals, traits and keypoints. Deterministic in (cultivar, spread, rng).
+/// A seed in its own frame: closed, watertight, centroid at the origin, with vertex colours made in
+/// 3D, normals, traits and keypoints. Deterministic in (cultivar, spread, rng).
 struct SeedModel {
   ObjectModel model;
   std::vector<TrueTrait> traits;  ///< length, width, height (m), area (m2), volume (m3), mass (kg)
@@ -45,8 +45,10 @@ struct SeedModel {
 SeedModel make_seed(const std::string& cultivar, SizeSpread spread, Rng rng);
 
 /// The whole setting: board, screen, seeds dropped and settled, lights, camera path.
-/// @param user_mesh  the specimen's mesh when config.specimen names a file (already read and scaled)
+/// @param user_mesh  the specimen's mesh when config.specimen names a file (already read and
+/// scaled)
 /// @throws std::runtime_error if seeds cannot be settled or the mesh is not watertight.
-Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng, const std::optional<Mesh>& user_mesh = {});
+Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
+                        const std::optional<Mesh>& user_mesh = {});
 
 }  // namespace cousin

@@ -1,11 +1,10 @@
 #include "scenes/seeds/setting.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-
-#include <Eigen/Geometry>
 
 #include "scenes/seeds/cube_sphere.h"
 #include "scenes/seeds/noise.h"
@@ -33,8 +32,8 @@ int add_instance(Scene& scene, ObjectModel model, Material material, const char*
 }
 
 /// A face of a box: cells x cells quads from `origin` along u and v; outward is u x v.
-void add_face(Mesh& mesh, const Eigen::Vector3d& origin, const Eigen::Vector3d& u, const Eigen::Vector3d& v,
-              int cells_u, int cells_v) {
+void add_face(Mesh& mesh, const Eigen::Vector3d& origin, const Eigen::Vector3d& u,
+              const Eigen::Vector3d& v, int cells_u, int cells_v) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices_m.size());
   for (int j = 0; j <= cells_v; ++j) {
     for (int i = 0; i <= cells_u; ++i) {
@@ -52,8 +51,8 @@ void add_face(Mesh& mesh, const Eigen::Vector3d& origin, const Eigen::Vector3d& 
   }
 }
 
-Lamp make_lamp(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& target_m, double half_width_m,
-               double half_height_m, const Rgbf& radiance) {
+Lamp make_lamp(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& target_m,
+               double half_width_m, double half_height_m, const Rgbf& radiance) {
   const Eigen::Vector3d towards = (target_m - centre_m).normalized();
   const Eigen::Vector3d u = Eigen::Vector3d::UnitZ().cross(towards).normalized();
   return {centre_m, u * half_width_m, towards.cross(u) * half_height_m, radiance};
@@ -92,10 +91,12 @@ Fields fields(SettingConfig& c) {
 }
 
 void validate(const SettingConfig& c) {
-  for (const auto* albedo : {&c.paper_albedo, &c.ink_albedo, &c.screen_albedo, &c.sphere_albedo, &c.specimen_albedo}) {
+  for (const auto* albedo :
+       {&c.paper_albedo, &c.ink_albedo, &c.screen_albedo, &c.sphere_albedo, &c.specimen_albedo}) {
     if (albedo->size() != 3) throw std::invalid_argument("setting.toml: an albedo needs 3 numbers");
   }
-  if (c.reach_m < c.spot_radius_m) throw std::invalid_argument("placing.reach_m is below placing.spot_radius_m");
+  if (c.reach_m < c.spot_radius_m)
+    throw std::invalid_argument("placing.reach_m is below placing.spot_radius_m");
 }
 
 const SettingConfig& seeds_setting() {
@@ -111,7 +112,8 @@ const SettingConfig& seeds_setting() {
 void add_board(Scene& scene, const SettingConfig& setting, const SeedBoard& board) {
   const double h = board.plate_m / 2;
   const double t = setting.board_thickness_m;
-  const int cells = std::max(1, static_cast<int>(std::lround(board.plate_m / setting.board_cell_m)));
+  const int cells =
+      std::max(1, static_cast<int>(std::lround(board.plate_m / setting.board_cell_m)));
   const Eigen::Vector3d x(2 * h, 0, 0);
   const Eigen::Vector3d y(0, 2 * h, 0);
   const Eigen::Vector3d z(0, 0, t);
@@ -134,15 +136,18 @@ void add_board(Scene& scene, const SettingConfig& setting, const SeedBoard& boar
 }
 
 void add_screen(Scene& scene, const SettingConfig& setting) {
-  // A dish: flat floor, a quarter-round foot, an upright wall. Rows of rings from the centre outward.
+  // A dish: flat floor, a quarter-round foot, an upright wall. Rows of rings from the centre
+  // outward.
   const double r = setting.screen_radius_m;
   const double foot = std::min(setting.screen_wall_m, 0.3);
   constexpr int kSides = 192;
   std::vector<Eigen::Vector2d> profile;  // radius, height
-  // Light is stored at vertices: 2 mm apart where the plate's shadow falls, from inside its edges to beyond its corners.
+  // Light is stored at vertices: 2 mm apart where the plate's shadow falls, from inside its edges
+  // to beyond its corners.
   const double plate = SeedBoard{}.plate_m;
   profile.emplace_back(0.25 * plate, 0);
-  for (double radius = 0.44 * plate; radius < plate; radius += 0.002) profile.emplace_back(radius, 0);
+  for (double radius = 0.44 * plate; radius < plate; radius += 0.002)
+    profile.emplace_back(radius, 0);
   for (double radius = plate; radius < r - foot; radius *= 1.15) profile.emplace_back(radius, 0);
   profile.emplace_back(r - foot, 0);
   for (int i = 1; i <= 6; ++i) {
@@ -158,7 +163,8 @@ void add_screen(Scene& scene, const SettingConfig& setting) {
   for (const Eigen::Vector2d& p : profile) {
     for (int k = 0; k < kSides; ++k) {
       const double angle = 2 * std::numbers::pi * k / kSides;
-      model.mesh.vertices_m.emplace_back(p.x() * std::cos(angle), p.x() * std::sin(angle), z0 + p.y());
+      model.mesh.vertices_m.emplace_back(p.x() * std::cos(angle), p.x() * std::sin(angle),
+                                         z0 + p.y());
     }
   }
   const auto at = [&](std::size_t ring, int side) {
@@ -184,11 +190,14 @@ void add_lights(Scene& scene, const std::string& light) {
   const Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   if (light == "window") {
     // A room: bright walls and ceiling, a window to one side, a weak reflection from the other.
-    scene.lights.emplace_back(Sky{{0.36F, 0.36F, 0.35F}, {0.30F, 0.30F, 0.30F}, {0.05F, 0.08F, 0.05F}});
-    scene.lights.emplace_back(make_lamp({-0.95, 0.75, 1.15}, centre, 0.50, 0.60, {2.0F, 2.1F, 2.25F}));
+    scene.lights.emplace_back(
+        Sky{{0.36F, 0.36F, 0.35F}, {0.30F, 0.30F, 0.30F}, {0.05F, 0.08F, 0.05F}});
+    scene.lights.emplace_back(
+        make_lamp({-0.95, 0.75, 1.15}, centre, 0.50, 0.60, {2.0F, 2.1F, 2.25F}));
     scene.lights.emplace_back(make_lamp({1.0, -0.6, 1.2}, centre, 0.50, 0.40, {0.7F, 0.66F, 0.6F}));
   } else if (light == "lamps") {
-    scene.lights.emplace_back(Sky{{0.10F, 0.10F, 0.10F}, {0.08F, 0.08F, 0.08F}, {0.02F, 0.03F, 0.02F}});
+    scene.lights.emplace_back(
+        Sky{{0.10F, 0.10F, 0.10F}, {0.08F, 0.08F, 0.08F}, {0.02F, 0.03F, 0.02F}});
     scene.lights.emplace_back(make_lamp({-0.7, -0.6, 1.0}, centre, 0.25, 0.25, {9.0F, 8.9F, 8.6F}));
     scene.lights.emplace_back(make_lamp({0.75, 0.55, 1.0}, centre, 0.25, 0.25, {6.5F, 6.4F, 6.2F}));
   } else if (light == "sun") {
@@ -196,20 +205,23 @@ void add_lights(Scene& scene, const std::string& light) {
     sun.to_sun = Eigen::Vector3d(-0.45, 0.35, 0.82).normalized();
     sun.irradiance = {2.10F, 2.02F, 1.86F};
     scene.lights.emplace_back(sun);
-    scene.lights.emplace_back(Sky{{0.16F, 0.20F, 0.27F}, {0.26F, 0.28F, 0.31F}, {0.05F, 0.08F, 0.05F}});
+    scene.lights.emplace_back(
+        Sky{{0.16F, 0.20F, 0.27F}, {0.26F, 0.28F, 0.31F}, {0.05F, 0.08F, 0.05F}});
   } else {
     throw std::invalid_argument("light \"" + light + "\" is not one of window, lamps, sun");
   }
 }
 
-std::vector<Rgbf> mottle(const Mesh& mesh, const std::vector<double>& albedo, double contrast, double scale_m,
-                         Rng rng) {
+std::vector<Rgbf> mottle(const Mesh& mesh, const std::vector<double>& albedo, double contrast,
+                         double scale_m, Rng rng) {
   const std::uint64_t key = rng();
   std::vector<Rgbf> colors;
   colors.reserve(mesh.vertices_m.size());
   for (const Eigen::Vector3d& vertex : mesh.vertices_m) {
     const double factor = 1 + 2 * contrast * fractal_noise3(vertex / scale_m, 2, key);
-    const auto channel = [&](std::size_t i) { return static_cast<float>(std::clamp(factor * albedo[i], 0.01, 0.95)); };
+    const auto channel = [&](std::size_t i) {
+      return static_cast<float>(std::clamp(factor * albedo[i], 0.01, 0.95));
+    };
     colors.push_back({channel(0), channel(1), channel(2)});
   }
   return colors;
@@ -219,8 +231,8 @@ SeedModel make_sphere(const SettingConfig& setting, Rng rng) {
   Mesh mesh = cube_sphere(setting.sphere_grid);
   for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex *= setting.sphere_radius_m;
   SeedModel sphere = make_specimen("sphere", mesh, setting.specimen_density_kg_m3);
-  sphere.model.vertex_albedo = mottle(sphere.model.mesh, setting.sphere_albedo, setting.sphere_speckle,
-                                      setting.sphere_speckle_scale_m, rng);
+  sphere.model.vertex_albedo = mottle(sphere.model.mesh, setting.sphere_albedo,
+                                      setting.sphere_speckle, setting.sphere_speckle_scale_m, rng);
   return sphere;
 }
 

@@ -30,17 +30,20 @@ const SettingConfig& seeds_setting();
 
 /// The plate with its print on z = 0, and its material.
 void add_board(Scene& scene, const SettingConfig& setting, const SeedBoard& board);
-/// Green floor at the plate's underside with a low wall around, open above so that the sky lights the scene.
+/// Green floor at the plate's underside with a low wall around, open above so that the sky lights
+/// the scene.
 void add_screen(Scene& scene, const SettingConfig& setting);
 /// @param light  window, lamps or sun. @throws std::invalid_argument for another.
 void add_lights(Scene& scene, const std::string& light);
 /// The 22 mm sphere, matt with speckle, at its centroid.
 SeedModel make_sphere(const SettingConfig& setting, Rng rng);
 /// Mottled colour of one hue, for meshes without their own.
-std::vector<Rgbf> mottle(const Mesh& mesh, const std::vector<double>& albedo, double contrast, double scale_m, Rng rng);
+std::vector<Rgbf> mottle(const Mesh& mesh, const std::vector<double>& albedo, double contrast,
+                         double scale_m, Rng rng);
 
-/// `views` poses on three rings around the board, hand-held: distances wander within the limits, every view looks near
-/// the centre. View i is the same for the same rng whatever `views` is only if `views` is the same.
+/// `views` poses on three rings around the board, hand-held: distances wander within the limits,
+/// every view looks near the centre. View i is the same for the same rng whatever `views` is only
+/// if `views` is the same.
 std::vector<View> camera_path(const SeedsSceneConfig& config, Rng rng);
 
 }  // namespace cousin

@@ -11,7 +11,8 @@
 
 namespace cousin {
 
-/// What a file or a command line gave for a key, before it is checked against the field. Private to sim/config.
+/// What a file or a command line gave for a key, before it is checked against the field. Private to
+/// sim/config.
 using FieldValue = std::variant<bool, std::int64_t, double, std::string, std::vector<double>>;
 
 /// Writes `value` through the field. Integers pass as doubles, never the other way round.

@@ -57,7 +57,11 @@ std::string text_of(const FieldValue& value) {
 }
 
 std::string limits(const Field& field) {
-  return std::string("[").append(shortest(field.min)).append(", ").append(shortest(field.max)).append("]");
+  return std::string("[")
+      .append(shortest(field.min))
+      .append(", ")
+      .append(shortest(field.max))
+      .append("]");
 }
 
 bool within(const Field& field, double value) {
@@ -155,7 +159,8 @@ void assign(const Field& field, const FieldValue& value) {
       *out = std::get<std::string>(value);
     }
     void operator()(std::vector<double>* out) const {
-      if (!std::holds_alternative<std::vector<double>>(value)) refuse(field, value, "a list of numbers");
+      if (!std::holds_alternative<std::vector<double>>(value))
+        refuse(field, value, "a list of numbers");
       for (const double each : std::get<std::vector<double>>(value)) {
         if (!within(field, each)) refuse(field, value, "numbers that are " + in_limits(field));
       }
@@ -174,14 +179,16 @@ void assign(const Field& field, const FieldValue& value) {
 }
 
 const Field* find(const Fields& fields, std::string_view key) {
-  const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.key == key; });
+  const auto found =
+      std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.key == key; });
   return found == fields.end() ? nullptr : &*found;
 }
 
 std::string unknown_key_message(const Fields& fields, std::string_view key) {
   const Field* nearest = nullptr;
   std::size_t best = std::numeric_limits<std::size_t>::max();
-  const std::string_view given = key.substr(0, 200);  // the distance is quadratic, and keys are short
+  const std::string_view given =
+      key.substr(0, 200);  // the distance is quadratic, and keys are short
   for (const Field& field : fields) {
     // A forgotten prefix ("planes" for "mvs.planes") costs one edit, whatever its length.
     const std::size_t distance =
@@ -192,7 +199,8 @@ std::string unknown_key_message(const Fields& fields, std::string_view key) {
     }
   }
   std::string message = "unknown key '" + std::string(given) + "'";
-  return nearest ? message + "; the nearest key is '" + nearest->key + "'" : message + "; there are no keys";
+  return nearest ? message + "; the nearest key is '" + nearest->key + "'"
+                 : message + "; there are no keys";
 }
 
 std::string shortest(double value) {
@@ -214,7 +222,9 @@ std::string value_as_toml(const Field& field) {
     std::string operator()(const int* v) const { return std::to_string(*v); }
     std::string operator()(const std::uint64_t* v) const {
       const std::string text = std::to_string(*v);
-      return *v > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) ? toml_string(text) : text;
+      return *v > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())
+                 ? toml_string(text)
+                 : text;
     }
     std::string operator()(const bool* v) const { return *v ? "true" : "false"; }
     std::string operator()(const std::string* v) const { return toml_string(*v); }

@@ -35,7 +35,8 @@ FieldValue number_or_text(std::string_view text) {
 /// "1, 2" or "[1, 2]".
 FieldValue list_or_text(std::string_view text) {
   std::string_view rest = text;
-  if (rest.starts_with('[') && rest.ends_with(']') && rest.size() >= 2) rest = rest.substr(1, rest.size() - 2);
+  if (rest.starts_with('[') && rest.ends_with(']') && rest.size() >= 2)
+    rest = rest.substr(1, rest.size() - 2);
   std::vector<double> values;
   if (trimmed(rest).empty()) return values;
   while (true) {
@@ -49,7 +50,8 @@ FieldValue list_or_text(std::string_view text) {
 }
 
 std::string unquoted(std::string_view text) {
-  const bool both = text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.back() == text.front();
+  const bool both = text.size() >= 2 && (text.front() == '"' || text.front() == '\'') &&
+                    text.back() == text.front();
   return std::string(both ? text.substr(1, text.size() - 2) : text);
 }
 

@@ -3,7 +3,6 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
-
 #include <toml.hpp>
 
 #include "sim/config/field_value.h"
@@ -16,16 +15,18 @@ constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxLine = 4096;
 constexpr std::ptrdiff_t kMaxBrackets = 1000;
 
-/// toml11 recurses once for each bracket and each part of a dotted key: hostile text must not exhaust the stack.
+/// toml11 recurses once for each bracket and each part of a dotted key: hostile text must not
+/// exhaust the stack.
 void check_size(std::string_view text, const std::string& name) {
   if (text.size() > kMaxBytes) {
     throw std::runtime_error(name + ": " + std::to_string(text.size()) + " bytes; the limit is " +
                              std::to_string(kMaxBytes));
   }
-  const auto brackets = std::count_if(text.begin(), text.end(), [](char c) { return c == '[' || c == '{'; });
+  const auto brackets =
+      std::count_if(text.begin(), text.end(), [](char c) { return c == '[' || c == '{'; });
   if (brackets > kMaxBrackets) {
-    throw std::runtime_error(name + ": " + std::to_string(brackets) + " opening brackets; the limit is " +
-                             std::to_string(kMaxBrackets));
+    throw std::runtime_error(name + ": " + std::to_string(brackets) +
+                             " opening brackets; the limit is " + std::to_string(kMaxBrackets));
   }
   std::size_t line = 1;
   while (!text.empty()) {
@@ -57,7 +58,8 @@ toml::value parse(std::string_view text, const std::string& name) {
   try {
     return toml::parse(in, name);
   } catch (const toml::exception& error) {
-    throw std::runtime_error(name + ":" + std::to_string(error.location().line()) + ": " + first_line(error.what()));
+    throw std::runtime_error(name + ":" + std::to_string(error.location().line()) + ": " +
+                             first_line(error.what()));
   } catch (const std::exception& error) {
     throw std::runtime_error(name + ": " + first_line(error.what()));
   }
@@ -95,9 +97,11 @@ class Reader {
     std::vector<std::pair<std::string, const toml::value*>> rows;
     for (const auto& [key, value] : table.as_table()) rows.emplace_back(key, &value);
     std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
-      return std::pair(a.second->location().line(), a.first) < std::pair(b.second->location().line(), b.first);
+      return std::pair(a.second->location().line(), a.first) <
+             std::pair(b.second->location().line(), b.first);
     });
-    for (const auto& [key, value] : rows) read_row(prefix.empty() ? key : prefix + "." + key, *value);
+    for (const auto& [key, value] : rows)
+      read_row(prefix.empty() ? key : prefix + "." + key, *value);
   }
 
   void require_all() const {
@@ -111,8 +115,9 @@ class Reader {
  private:
   void read_row(const std::string& key, const toml::value& value) {
     const Field* field = find(fields_, key);
-    const bool is_prefix = std::any_of(fields_.begin(), fields_.end(),
-                                       [&](const Field& f) { return f.key.starts_with(key + "."); });
+    const bool is_prefix = std::any_of(fields_.begin(), fields_.end(), [&](const Field& f) {
+      return f.key.starts_with(key + ".");
+    });
     if (!field && value.is_table() && is_prefix) return read(value, key);
     if (!field) throw std::runtime_error(at(name_, value) + unknown_key_message(fields_, key));
     try {
@@ -130,7 +135,8 @@ class Reader {
 
 }  // namespace
 
-void read_toml_text(std::string_view text, std::string_view name, const Fields& fields, MissingKeys missing) {
+void read_toml_text(std::string_view text, std::string_view name, const Fields& fields,
+                    MissingKeys missing) {
   const std::string file(name);
   check_size(text, file);
   const toml::value root = parse(text, file);
@@ -141,8 +147,10 @@ void read_toml_text(std::string_view text, std::string_view name, const Fields& 
 
 void read_toml(const std::filesystem::path& file, const Fields& fields, MissingKeys missing) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw std::runtime_error(file.string() + ": no such file");
-  if (!std::filesystem::is_regular_file(file, error)) throw std::runtime_error(file.string() + ": not a regular file");
+  if (!std::filesystem::exists(file, error))
+    throw std::runtime_error(file.string() + ": no such file");
+  if (!std::filesystem::is_regular_file(file, error))
+    throw std::runtime_error(file.string() + ": not a regular file");
   std::ifstream in(file, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -152,21 +160,24 @@ void read_toml(const std::filesystem::path& file, const Fields& fields, MissingK
 }
 
 std::string to_toml(const Fields& fields) {
-  // TOML puts plain keys before tables, and each table once; tables keep the order of their first field.
+  // TOML puts plain keys before tables, and each table once; tables keep the order of their first
+  // field.
   std::vector<std::string> tables = {""};
   const auto table_of = [](const Field& field) {
     const auto dot = field.key.rfind('.');
     return dot == std::string::npos ? std::string() : field.key.substr(0, dot);
   };
   for (const Field& field : fields) {
-    if (std::find(tables.begin(), tables.end(), table_of(field)) == tables.end()) tables.push_back(table_of(field));
+    if (std::find(tables.begin(), tables.end(), table_of(field)) == tables.end())
+      tables.push_back(table_of(field));
   }
   std::string out;
   for (const std::string& table : tables) {
     if (!table.empty()) out += (out.empty() ? "[" : "\n[") + table + "]\n";
     for (const Field& field : fields) {
       if (table_of(field) != table) continue;
-      out += field.key.substr(table.empty() ? 0 : table.size() + 1) + " = " + value_as_toml(field) + "\n";
+      out += field.key.substr(table.empty() ? 0 : table.size() + 1) + " = " + value_as_toml(field) +
+             "\n";
     }
   }
   return out;

@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,8 +7,6 @@
 #include <string>
 #include <unordered_map>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 #include "sim/geometry/measure.h"
 #include "sim/geometry/point_set.h"
@@ -21,7 +20,8 @@ using Face = std::array<std::uint32_t, 3>;
 
 struct Tetrahedron {
   std::array<std::uint32_t, 4> corners{};  ///< the last lies on the inner side of (0, 1, 2)
-  unsigned cell = 0;  ///< cospherical points make one Delaunay cell of several tetrahedra, all with its sphere
+  unsigned cell =
+      0;  ///< cospherical points make one Delaunay cell of several tetrahedra, all with its sphere
 };
 
 double six_volumes(const Points& p, const Tetrahedron& t) {
@@ -29,7 +29,8 @@ double six_volumes(const Points& p, const Tetrahedron& t) {
   return (p[b] - p[a]).dot((p[c] - p[a]).cross(p[d] - p[a]));
 }
 
-/// The tetrahedron of a lower facet of the lifted hull; false if a corner is Qhull's point at infinity.
+/// The tetrahedron of a lower facet of the lifted hull; false if a corner is Qhull's point at
+/// infinity.
 bool read_facet(qhT* qh, facetT* facet, std::size_t count, Tetrahedron& out) {
   if (facet->upperdelaunay || !facet->simplicial) return false;
   std::size_t corner = 0;
@@ -40,20 +41,22 @@ bool read_facet(qhT* qh, facetT* facet, std::size_t count, Tetrahedron& out) {
     if (id < 0 || static_cast<std::size_t>(id) >= count || corner == 4) return false;
     out.corners[corner++] = static_cast<std::uint32_t>(id);
   }
-  // Of all facets alike, so that even the faces of flat tetrahedra are oriented like their neighbours'.
+  // Of all facets alike, so that even the faces of flat tetrahedra are oriented like their
+  // neighbours'.
   if (facet->toporient ^ qh_ORIENTclock) std::swap(out.corners[2], out.corners[3]);
   out.cell = facet->tricoplanar && facet->f.triowner ? facet->f.triowner->id : facet->id;
   return corner == 4;
 }
 
-/// Delaunay tetrahedra of points of unit extent about the origin; none if Qhull finds them flat. Qbb scales the lifted
-/// coordinate; Qz adds a point at infinity, so that cospherical points have a triangulation; where that fails,
-/// slightly joggled points have one.
+/// Delaunay tetrahedra of points of unit extent about the origin; none if Qhull finds them flat.
+/// Qbb scales the lifted coordinate; Qz adds a point at infinity, so that cospherical points have a
+/// triangulation; where that fails, slightly joggled points have one.
 std::vector<Tetrahedron> delaunay(const Points& points) {
   for (const char* options : {"qhull d Qbb Qz Qt Q12 Pp", "qhull d Qbb QJ Pp"}) {
     std::vector<double> coordinates;
     coordinates.reserve(3 * points.size());
-    for (const Eigen::Vector3d& p : points) coordinates.insert(coordinates.end(), p.begin(), p.end());
+    for (const Eigen::Vector3d& p : points)
+      coordinates.insert(coordinates.end(), p.begin(), p.end());
     geometry::Qhull run(std::move(coordinates), options);
     if (!run.ok()) continue;
     qhT* qh = run.get();
@@ -84,8 +87,8 @@ double circumradius(const Points& p, const Tetrahedron& t) {
   return std::isfinite(radius) ? radius : std::numeric_limits<double>::infinity();
 }
 
-/// One radius a tetrahedron. Of a cell's tetrahedra the largest gives the sphere: the others may be flat (four of a
-/// grid's corners in a square), and to drop those would leave cracks inside.
+/// One radius a tetrahedron. Of a cell's tetrahedra the largest gives the sphere: the others may be
+/// flat (four of a grid's corners in a square), and to drop those would leave cracks inside.
 std::vector<double> circumradii(const Points& points, const std::vector<Tetrahedron>& tetrahedra) {
   std::unordered_map<unsigned, std::size_t> largest;
   for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
@@ -95,18 +98,21 @@ std::vector<double> circumradii(const Points& points, const std::vector<Tetrahed
   }
   std::vector<double> radii;
   radii.reserve(tetrahedra.size());
-  for (const Tetrahedron& t : tetrahedra) radii.push_back(circumradius(points, tetrahedra[largest[t.cell]]));
+  for (const Tetrahedron& t : tetrahedra)
+    radii.push_back(circumradius(points, tetrahedra[largest[t.cell]]));
   return radii;
 }
 
-/// Faces that belong to one of the kept tetrahedra only, counter-clockwise from outside, in a fixed order.
+/// Faces that belong to one of the kept tetrahedra only, counter-clockwise from outside, in a fixed
+/// order.
 std::vector<Face> boundary_faces(const std::vector<Tetrahedron>& kept) {
   struct Side {
     Face key, face;
   };
   std::vector<Side> sides;
   sides.reserve(4 * kept.size());
-  constexpr std::array<std::array<std::size_t, 3>, 4> kFaces = {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
+  constexpr std::array<std::array<std::size_t, 3>, 4> kFaces = {
+      {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}};
   for (const Tetrahedron& t : kept) {
     for (const auto& f : kFaces) {
       const Face face = {t.corners[f[0]], t.corners[f[1]], t.corners[f[2]]};
@@ -124,7 +130,8 @@ std::vector<Face> boundary_faces(const std::vector<Tetrahedron>& kept) {
   return boundary;
 }
 
-/// About the flat's origin, of unit extent, each position once, in an order that the input's does not change.
+/// About the flat's origin, of unit extent, each position once, in an order that the input's does
+/// not change.
 Points local_points(std::span<const Eigen::Vector3d> points_m, const geometry::Flat& flat) {
   Points points;
   points.reserve(points_m.size());
@@ -140,7 +147,8 @@ Points local_points(std::span<const Eigen::Vector3d> points_m, const geometry::F
 
 AlphaShape alpha_shape(std::span<const Eigen::Vector3d> points_m, double alpha_m) {
   if (!(alpha_m > 0)) {
-    throw std::invalid_argument("alpha_shape: alpha_m = " + std::to_string(alpha_m) + ": must be positive");
+    throw std::invalid_argument("alpha_shape: alpha_m = " + std::to_string(alpha_m) +
+                                ": must be positive");
   }
   AlphaShape shape;
   if (points_m.empty()) return shape;
@@ -159,7 +167,8 @@ AlphaShape alpha_shape(std::span<const Eigen::Vector3d> points_m, double alpha_m
   shape.tetrahedra = static_cast<int>(count);
 
   const double area_scale = flat.extent_m * flat.extent_m;
-  for (const Tetrahedron& t : kept) shape.volume_m3 += std::abs(six_volumes(points, t)) / 6 * area_scale * flat.extent_m;
+  for (const Tetrahedron& t : kept)
+    shape.volume_m3 += std::abs(six_volumes(points, t)) / 6 * area_scale * flat.extent_m;
   std::vector<std::int64_t> index_of(points.size(), -1);
   for (const Face& face : boundary_faces(kept)) {
     Face triangle{};

@@ -1,19 +1,19 @@
-// The volume as a function of the rotation is continuous, with creases where an edge of the hull becomes flush with a
-// side; minima lie on creases [O'Rourke 1985: two adjacent sides are flush with edges]. So no derivatives at first:
-// starts all over the rotations, Nelder and Mead's simplex at scales from a tenth of a radian down [in the manner of
-// HYBBRID, Chang, Gorissen & Melchior 2011], and at last the creases themselves for the digits that are left.
-// Speed comes from exact pruning: within an angle of the present axes only few points can touch a side.
+// The volume as a function of the rotation is continuous, with creases where an edge of the hull
+// becomes flush with a side; minima lie on creases [O'Rourke 1985: two adjacent sides are flush
+// with edges]. So no derivatives at first: starts all over the rotations, Nelder and Mead's simplex
+// at scales from a tenth of a radian down [in the manner of HYBBRID, Chang, Gorissen & Melchior
+// 2011], and at last the creases themselves for the digits that are left. Speed comes from exact
+// pruning: within an angle of the present axes only few points can touch a side.
 
 #include "sim/geometry/box_search.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 #include "sim/geometry/crease_descent.h"
 
@@ -23,8 +23,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Rotations evenly over SO(3) [super-Fibonacci spirals, Alexa, CVPR 2022], of which only those stay that are the
-/// smallest among the 24 that give the same box: 1200, about 8 degrees apart.
+/// Rotations evenly over SO(3) [super-Fibonacci spirals, Alexa, CVPR 2022], of which only those
+/// stay that are the smallest among the 24 that give the same box: 1200, about 8 degrees apart.
 std::vector<Matrix3d> make_rotations() {
   constexpr int kCount = 24 * 1200;
   constexpr double kPhi = std::numbers::sqrt2, kPsi = 1.533751168755204288118041;
@@ -36,7 +36,8 @@ std::vector<Matrix3d> make_rotations() {
                          std::sqrt(t) * std::cos(alpha), std::sqrt(1 - t) * std::sin(beta));
     const double w = std::abs(q.w());
     const Vector3d v = q.vec().cwiseAbs();
-    if (v.maxCoeff() <= (std::numbers::sqrt2 - 1) * w && v.sum() <= w) rotations.push_back(q.toRotationMatrix());
+    if (v.maxCoeff() <= (std::numbers::sqrt2 - 1) * w && v.sum() <= w)
+      rotations.push_back(q.toRotationMatrix());
   }
   return rotations;
 }
@@ -83,15 +84,17 @@ struct Caps {
   }
 };
 
-/// The most of h cos t + r sin t over tilts t from 0 to one of the given cosine and sine: the height that a point at
-/// height h and distance r from an axis can have along directions around that axis. The least is -most(-h, r).
+/// The most of h cos t + r sin t over tilts t from 0 to one of the given cosine and sine: the
+/// height that a point at height h and distance r from an axis can have along directions around
+/// that axis. The least is -most(-h, r).
 double most(double h, double r, double cosine, double sine) {
   return h > 0 && r * cosine <= h * sine ? std::hypot(h, r) : h * cosine + r * sine;
 }
 
-/// Marks the points that can be the highest or the lowest along some direction within `radius` of `axis`: those whose
-/// most is at least every point's least.
-void mark_cap(const PointSet& points, const Vector3d& axis, double radius, std::vector<char>& marks) {
+/// Marks the points that can be the highest or the lowest along some direction within `radius` of
+/// `axis`: those whose most is at least every point's least.
+void mark_cap(const PointSet& points, const Vector3d& axis, double radius,
+              std::vector<char>& marks) {
   const double c = std::cos(radius), s = std::sin(radius);
   struct Reach {
     double height = 0, distance = 0;
@@ -137,12 +140,17 @@ PointSet points_near_sides(const PointSet& points, const Matrix3d& axes, double 
 }
 
 Caps make_caps(const PointSet& points, const Matrix3d& axes, double radius) {
-  return {axes, radius, {cap(points, axes.col(0), radius), cap(points, axes.col(1), radius), cap(points, axes.col(2), radius)}};
+  return {axes,
+          radius,
+          {cap(points, axes.col(0), radius), cap(points, axes.col(1), radius),
+           cap(points, axes.col(2), radius)}};
 }
 
 Caps narrowed(const Caps& caps, const Matrix3d& axes, double radius) {
-  return {axes, radius, {cap(caps.points[0], axes.col(0), radius), cap(caps.points[1], axes.col(1), radius),
-                         cap(caps.points[2], axes.col(2), radius)}};
+  return {axes,
+          radius,
+          {cap(caps.points[0], axes.col(0), radius), cap(caps.points[1], axes.col(1), radius),
+           cap(caps.points[2], axes.col(2), radius)}};
 }
 
 Matrix3d rotation(const Vector3d& turn_rad) {
@@ -161,10 +169,11 @@ struct Simplex {
   double value = 0;
 };
 
-/// Nelder and Mead's search over turns of up to `limit_rad`, from a simplex of side `size_rad` about no turn.
+/// Nelder and Mead's search over turns of up to `limit_rad`, from a simplex of side `size_rad`
+/// about no turn.
 template <class Function>
-Simplex nelder_mead(const Function& value_of, double start_value, double size_rad, double limit_rad, int evaluations,
-                    double side) {
+Simplex nelder_mead(const Function& value_of, double start_value, double size_rad, double limit_rad,
+                    int evaluations, double side) {
   struct Corner {
     Vector3d x = Vector3d::Zero();
     double f = 0;
@@ -175,11 +184,13 @@ Simplex nelder_mead(const Function& value_of, double start_value, double size_ra
   };
   std::array<Corner, 4> s;
   s[0].f = start_value;
-  for (int k = 0; k < 3; ++k) s[static_cast<std::size_t>(k) + 1] = corner(side * size_rad * Vector3d::Unit(k));
+  for (int k = 0; k < 3; ++k)
+    s[static_cast<std::size_t>(k) + 1] = corner(side * size_rad * Vector3d::Unit(k));
   const auto by_value = [](const Corner& a, const Corner& b) { return a.f < b.f; };
   while (evaluations > 0) {
     std::sort(s.begin(), s.end(), by_value);
-    const double spread = std::max({(s[1].x - s[0].x).norm(), (s[2].x - s[0].x).norm(), (s[3].x - s[0].x).norm()});
+    const double spread =
+        std::max({(s[1].x - s[0].x).norm(), (s[2].x - s[0].x).norm(), (s[3].x - s[0].x).norm()});
     if (spread < 0.02 * size_rad) break;
     const Vector3d middle = (s[0].x + s[1].x + s[2].x) / 3;
     const Corner reflected = corner(2 * middle - s[3].x);
@@ -190,7 +201,8 @@ Simplex nelder_mead(const Function& value_of, double start_value, double size_ra
       s[3] = reflected;
     } else {
       const bool outside = reflected.f < s[3].f;
-      const Corner contracted = corner(outside ? Vector3d(1.5 * middle - 0.5 * s[3].x) : Vector3d(0.5 * (middle + s[3].x)));
+      const Corner contracted = corner(outside ? Vector3d(1.5 * middle - 0.5 * s[3].x)
+                                               : Vector3d(0.5 * (middle + s[3].x)));
       if (contracted.f < std::min(reflected.f, s[3].f)) {
         s[3] = contracted;
       } else {
@@ -208,17 +220,21 @@ struct Candidate {
 };
 
 /// Restarts the simplex search at `first_rad`, then ever smaller, down to `last_rad`.
-Candidate refine(const PointSet& points, const Matrix3d& start, double first_rad, double last_rad, int evaluations) {
+Candidate refine(const PointSet& points, const Matrix3d& start, double first_rad, double last_rad,
+                 int evaluations) {
   constexpr double kReach = 3;  // simplex sizes that a round may move
   Candidate best{start, box_volume(points, start)};
   Caps wide = make_caps(points, start, kReach * first_rad);
   double side = 1;
   int repeats = 0;
   for (double size = first_rad; size >= last_rad;) {
-    const bool inside = angle_between(wide.axes, best.axes) + kReach * size < wide.radius * (1 + 1e-12);
-    Caps caps = inside ? narrowed(wide, best.axes, kReach * size) : make_caps(points, best.axes, kReach * size);
-    const Simplex found = nelder_mead([&](const Vector3d& turn) { return caps.volume(rotation(turn) * caps.axes); },
-                                      best.volume, size, kReach * size, evaluations, side);
+    const bool inside =
+        angle_between(wide.axes, best.axes) + kReach * size < wide.radius * (1 + 1e-12);
+    Caps caps = inside ? narrowed(wide, best.axes, kReach * size)
+                       : make_caps(points, best.axes, kReach * size);
+    const Simplex found =
+        nelder_mead([&](const Vector3d& turn) { return caps.volume(rotation(turn) * caps.axes); },
+                    best.volume, size, kReach * size, evaluations, side);
     wide = std::move(caps);
     side = -side;
     const bool moved = found.value < best.volume;
@@ -241,20 +257,22 @@ Candidate finish(const PointSet& points, const Matrix3d& axes, double reach_rad)
   const PointSet pool = points_near_sides(points, axes, pool_rad);
   Candidate found = refine(pool, axes, reach_rad, kLastRad, 120);
   // Beyond the pool's angle its points no longer tell the volume.
-  if (angle_between(found.axes, axes) > pool_rad) found = refine(points, axes, reach_rad, kLastRad, 120);
+  if (angle_between(found.axes, axes) > pool_rad)
+    found = refine(points, axes, reach_rad, kLastRad, 120);
   found.volume = box_volume(points, found.axes);
   return found;
 }
 
-/// Dense hulls have many minima within a hair of each other, and a simplex can stall on a crease: starts again from
-/// turns by `turn_rad` towards the corners of a cube, and takes the best.
+/// Dense hulls have many minima within a hair of each other, and a simplex can stall on a crease:
+/// starts again from turns by `turn_rad` towards the corners of a cube, and takes the best.
 Candidate shaken(const PointSet& points, const Candidate& first, double turn_rad) {
   const double pool_rad = 5 * turn_rad;
   const PointSet pool = points_near_sides(points, first.axes, pool_rad);
   Candidate best = first;
   for (int corner = 0; corner < 8; ++corner) {
     const Vector3d towards(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-    Candidate found = finish(pool, rotation(turn_rad * towards.normalized()) * first.axes, turn_rad);
+    Candidate found =
+        finish(pool, rotation(turn_rad * towards.normalized()) * first.axes, turn_rad);
     found.volume = box_volume(points, found.axes);
     if (found.volume < best.volume) best = found;
   }
@@ -269,7 +287,8 @@ Matrix3d polished(const PointSet& points, const Matrix3d& axes) {
 
 /// Sorts by volume and keeps the best `count` that are not the same box as a better one.
 void keep_best(std::vector<Candidate>& candidates, std::size_t count, double apart_rad) {
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.volume < b.volume; });
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Candidate& a, const Candidate& b) { return a.volume < b.volume; });
   const auto same_box = [&](const Candidate& a, const Candidate& b) {
     // Each axis of one box along some axis of the other, up to sign.
     const Matrix3d dots = (a.axes.transpose() * b.axes).cwiseAbs();
@@ -278,7 +297,8 @@ void keep_best(std::vector<Candidate>& candidates, std::size_t count, double apa
   std::vector<Candidate> kept;
   for (const Candidate& c : candidates) {
     if (kept.size() == count) break;
-    if (std::none_of(kept.begin(), kept.end(), [&](const Candidate& k) { return same_box(k, c); })) kept.push_back(c);
+    if (std::none_of(kept.begin(), kept.end(), [&](const Candidate& k) { return same_box(k, c); }))
+      kept.push_back(c);
   }
   candidates = std::move(kept);
 }
@@ -286,14 +306,16 @@ void keep_best(std::vector<Candidate>& candidates, std::size_t count, double apa
 }  // namespace
 
 double box_volume(const PointSet& points, const Matrix3d& axes) {
-  return points.extent(axes.col(0)).width() * points.extent(axes.col(1)).width() * points.extent(axes.col(2)).width();
+  return points.extent(axes.col(0)).width() * points.extent(axes.col(1)).width() *
+         points.extent(axes.col(2)).width();
 }
 
 Matrix3d search_box_axes(const PointSet& points, const Matrix3d& guess) {
   static const std::vector<Matrix3d> rotations = make_rotations();
   const PointSet few = thinned(points);
 
-  // Starts: all over the rotations, and closely about each axis of the guess (long shapes have narrow valleys there).
+  // Starts: all over the rotations, and closely about each axis of the guess (long shapes have
+  // narrow valleys there).
   std::vector<Candidate> candidates;
   for (const Matrix3d& r : rotations) candidates.push_back({guess * r, 0});
   for (int k = 0; k < 3; ++k) {

@@ -1,8 +1,7 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <numeric>
-
-#include <Eigen/Geometry>
 
 #include "sim/geometry/hull_graph.h"
 #include "sim/geometry/measure.h"
@@ -13,14 +12,17 @@ namespace {
 
 using geometry::Hull;
 
-/// Largest distance between two points: pairs in order of their distance from the middle, until none can be longer.
+/// Largest distance between two points: pairs in order of their distance from the middle, until
+/// none can be longer.
 double largest_distance(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) middle += p / static_cast<double>(points.size());
   std::vector<std::pair<double, std::size_t>> order;
   order.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) order.emplace_back((points[i] - middle).norm(), i);
-  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (std::size_t i = 0; i < points.size(); ++i)
+    order.emplace_back((points[i] - middle).norm(), i);
+  std::sort(order.begin(), order.end(),
+            [](const auto& a, const auto& b) { return a.first > b.first; });
   double best = 0;
   for (std::size_t i = 0; i < order.size() && 2 * order[i].first > best; ++i) {
     for (std::size_t j = i + 1; j < order.size() && order[i].first + order[j].first > best; ++j) {
@@ -33,7 +35,8 @@ double largest_distance(const std::vector<Eigen::Vector3d>& points) {
 /// Neighbours of each vertex along the hull's edges.
 class VertexGraph {
  public:
-  explicit VertexGraph(const Hull& hull) : points_(hull.vertices), first_(hull.vertices.size() + 1) {
+  explicit VertexGraph(const Hull& hull)
+      : points_(hull.vertices), first_(hull.vertices.size() + 1) {
     for (const auto& t : hull.triangles) {
       for (const std::uint32_t v : t) ++first_[v + 1];
     }
@@ -47,7 +50,8 @@ class VertexGraph {
   std::span<const std::uint32_t> around(std::uint32_t v) const {
     return {others_.data() + first_[v], first_[v + 1] - first_[v]};
   }
-  /// Lowest vertex along `direction`, downhill from `start`: on a convex polytope no other valley exists.
+  /// Lowest vertex along `direction`, downhill from `start`: on a convex polytope no other valley
+  /// exists.
   std::uint32_t lowest(const Eigen::Vector3d& direction, std::uint32_t start) const {
     double height = direction.dot(points_[start]);
     while (true) {
@@ -70,9 +74,10 @@ class VertexGraph {
   std::vector<std::uint32_t> others_;
 };
 
-/// Smallest width of the polytope. It is reached between a face and a vertex or between two edges [Houle & Toussaint
-/// 1988]. For each edge the direction turns from one face's normal to the other's, u(t) = (1 - t) n1 + t n2, while the
-/// lowest vertex a is followed: each change a -> b, where u . (b - a) = 0, is a pair of edges.
+/// Smallest width of the polytope. It is reached between a face and a vertex or between two edges
+/// [Houle & Toussaint 1988]. For each edge the direction turns from one face's normal to the
+/// other's, u(t) = (1 - t) n1 + t n2, while the lowest vertex a is followed: each change a -> b,
+/// where u . (b - a) = 0, is a pair of edges.
 class Width {
  public:
   explicit Width(const Hull& hull) : hull_(hull), graph_(hull) {}
@@ -144,7 +149,8 @@ CaliperDiameters caliper_diameters(std::span<const Eigen::Vector3d> points_m) {
   geometry::check_points(points_m);
   const Hull hull = geometry::build_hull(points_m);
   if (!hull.triangles.empty()) return {largest_distance(hull.vertices), Width(hull).smallest()};
-  // Flat: no width. In a plane the largest distance is between corners of the flat box's outline; all points will do.
+  // Flat: no width. In a plane the largest distance is between corners of the flat box's outline;
+  // all points will do.
   const Eigen::Vector3d origin = points_m.front();
   std::vector<Eigen::Vector3d> local;
   local.reserve(points_m.size());

@@ -1,12 +1,11 @@
 #include "sim/geometry/crease_descent.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "sim/geometry/box_search.h"
 
@@ -31,8 +30,8 @@ Matrix3d turned(const Matrix3d& axes, const Vector3d& turn_rad) {
   return Eigen::AngleAxisd(angle, turn_rad / angle).toRotationMatrix() * axes;
 }
 
-/// Creases between the point that touches a side now and the others, nearest first, within `reach_rad`.
-/// The height p . u of a point along an axis u becomes p . u + w . (u x p).
+/// Creases between the point that touches a side now and the others, nearest first, within
+/// `reach_rad`. The height p . u of a point along an axis u becomes p . u + w . (u x p).
 std::vector<Crease> creases_near(const PointSet& points, const Matrix3d& axes, double reach_rad) {
   std::vector<Crease> creases;
   for (int k = 0; k < 3; ++k) {
@@ -43,8 +42,10 @@ std::vector<Crease> creases_near(const PointSet& points, const Matrix3d& axes, d
       for (std::size_t i = 0; i < points.size(); ++i) {
         const Vector3d d = points[i] - touching;
         const Crease crease{sign * u.cross(d), -sign * u.dot(d)};
-        // Below the touching point by `offset`; a turn of reach_rad lifts it by at most that times the lever.
-        if (crease.normal.norm() * reach_rad > crease.offset && crease.normal.norm() > 1e-9) creases.push_back(crease);
+        // Below the touching point by `offset`; a turn of reach_rad lifts it by at most that times
+        // the lever.
+        if (crease.normal.norm() * reach_rad > crease.offset && crease.normal.norm() > 1e-9)
+          creases.push_back(crease);
       }
     }
   }
@@ -77,7 +78,8 @@ class Trial {
     if (turn.allFinite() && turn.norm() <= reach_rad_) at(turn);
   }
 
-  /// Along the line where two creases meet: the point nearest to no turn, and the bottom of a parabola through it.
+  /// Along the line where two creases meet: the point nearest to no turn, and the bottom of a
+  /// parabola through it.
   void line(const Crease& a, const Crease& b) {
     const Vector3d direction = a.normal.cross(b.normal);
     const double length = direction.norm();
@@ -117,7 +119,8 @@ Matrix3d descend_creases(const PointSet& points, const Matrix3d& start) {
     for (std::size_t i = 0; i < creases.size(); ++i) {
       for (std::size_t j = i + 1; j < creases.size(); ++j) {
         trial.line(creases[i], creases[j]);
-        for (std::size_t k = j + 1; k < creases.size(); ++k) trial.corner(creases[i], creases[j], creases[k]);
+        for (std::size_t k = j + 1; k < creases.size(); ++k)
+          trial.corner(creases[i], creases[j], creases[k]);
       }
     }
     axes = Eigen::Quaterniond(turned(axes, trial.best())).normalized().toRotationMatrix();

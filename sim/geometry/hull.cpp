@@ -1,8 +1,7 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <optional>
 #include <tuple>
-
-#include <Eigen/Geometry>
 
 #include "sim/geometry/hull_graph.h"
 #include "sim/geometry/measure.h"
@@ -21,27 +20,32 @@ bool join_edges(Hull& hull) {
   std::vector<HalfEdge> edges;
   edges.reserve(3 * hull.triangles.size());
   for (std::uint32_t t = 0; t < hull.triangles.size(); ++t) {
-    for (std::uint32_t k = 0; k < 3; ++k) edges.push_back({hull.triangles[t][k], hull.triangles[t][(k + 1) % 3], t, k});
+    for (std::uint32_t k = 0; k < 3; ++k)
+      edges.push_back({hull.triangles[t][k], hull.triangles[t][(k + 1) % 3], t, k});
   }
   const auto order = [](const HalfEdge& e) {
     return std::tuple(std::min(e.from, e.to), std::max(e.from, e.to), e.from);
   };
-  std::sort(edges.begin(), edges.end(), [&](const HalfEdge& a, const HalfEdge& b) { return order(a) < order(b); });
+  std::sort(edges.begin(), edges.end(),
+            [&](const HalfEdge& a, const HalfEdge& b) { return order(a) < order(b); });
   hull.beside.resize(hull.triangles.size());
   for (std::size_t i = 0; i < edges.size(); i += 2) {
     const HalfEdge& a = edges[i];
     if (i + 1 == edges.size()) return false;
     const HalfEdge& b = edges[i + 1];
     if (a.from != b.to || a.to != b.from) return false;
-    if (i + 2 < edges.size() && edges[i + 2].from == a.from && edges[i + 2].to == a.to) return false;
+    if (i + 2 < edges.size() && edges[i + 2].from == a.from && edges[i + 2].to == a.to)
+      return false;
     hull.beside[a.triangle][a.corner] = b.triangle;
     hull.beside[b.triangle][b.corner] = a.triangle;
   }
   return true;
 }
 
-std::optional<Hull> hull_by_qhull(std::span<const Eigen::Vector3d> points_m, const Flat& flat, const char* options) {
-  // About the local origin and of unit size, so that far or tiny clouds lose no digits to Qhull's tolerances.
+std::optional<Hull> hull_by_qhull(std::span<const Eigen::Vector3d> points_m, const Flat& flat,
+                                  const char* options) {
+  // About the local origin and of unit size, so that far or tiny clouds lose no digits to Qhull's
+  // tolerances.
   std::vector<double> coordinates;
   coordinates.reserve(3 * points_m.size());
   for (const Eigen::Vector3d& p : points_m) {
@@ -71,10 +75,12 @@ std::optional<Hull> hull_by_qhull(std::span<const Eigen::Vector3d> points_m, con
       triangle[corner++] = static_cast<std::uint32_t>(index_of[id]);
     }
     if (corner != 3) return std::nullopt;
-    // Qhull's top orientation is the same all over the hull; with it on, vertices run clockwise seen from outside.
+    // Qhull's top orientation is the same all over the hull; with it on, vertices run clockwise
+    // seen from outside.
     if (facet->toporient ^ qh_ORIENTclock) std::swap(triangle[1], triangle[2]);
     hull.triangles.push_back(triangle);
-    hull.normals.push_back(Eigen::Vector3d(facet->normal[0], facet->normal[1], facet->normal[2]).normalized());
+    hull.normals.push_back(
+        Eigen::Vector3d(facet->normal[0], facet->normal[1], facet->normal[2]).normalized());
   }
   if (!join_edges(hull)) return std::nullopt;
   return hull;

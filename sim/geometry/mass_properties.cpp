@@ -1,18 +1,19 @@
+#include <Eigen/Geometry>
 #include <stdexcept>
 #include <string>
-
-#include <Eigen/Geometry>
 
 #include "sim/geometry/measure.h"
 
 namespace cousin {
 
 MassProperties mass_properties(const Mesh& mesh) {
-  if (mesh.triangles.empty()) throw std::invalid_argument("mass properties of a mesh without triangles");
+  if (mesh.triangles.empty())
+    throw std::invalid_argument("mass properties of a mesh without triangles");
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < mesh.vertices_m.size(); ++i) {
     if (!mesh.vertices_m[i].allFinite()) {
-      throw std::invalid_argument("mass properties: vertex " + std::to_string(i) + " is not finite");
+      throw std::invalid_argument("mass properties: vertex " + std::to_string(i) +
+                                  " is not finite");
     }
     origin += mesh.vertices_m[i] / static_cast<double>(mesh.vertices_m.size());
   }
@@ -25,8 +26,9 @@ MassProperties mass_properties(const Mesh& mesh) {
     const auto& triangle = mesh.triangles[t];
     for (const std::uint32_t index : triangle) {
       if (index >= mesh.vertices_m.size()) {
-        throw std::invalid_argument("mass properties: triangle " + std::to_string(t) + " names vertex " +
-                                    std::to_string(index) + " of " + std::to_string(mesh.vertices_m.size()));
+        throw std::invalid_argument("mass properties: triangle " + std::to_string(t) +
+                                    " names vertex " + std::to_string(index) + " of " +
+                                    std::to_string(mesh.vertices_m.size()));
       }
     }
     const Eigen::Vector3d a = mesh.vertices_m[triangle[0]] - origin;
@@ -40,7 +42,8 @@ MassProperties mass_properties(const Mesh& mesh) {
     second += six_volumes / 120 *
               (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
   }
-  if (out.volume_m3 == 0) {  // a flat or cancelling mesh has no centroid of volume; its vertices' mean stands in
+  if (out.volume_m3 ==
+      0) {  // a flat or cancelling mesh has no centroid of volume; its vertices' mean stands in
     out.centroid_m = origin;
     return out;
   }

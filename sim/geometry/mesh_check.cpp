@@ -1,9 +1,8 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <unordered_map>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 #include "sim/geometry/measure.h"
 
@@ -17,7 +16,9 @@ struct Edge {
   auto key() const { return std::pair(low, high); }
 };
 
-std::string edge_name(const Edge& edge) { return "edge " + std::to_string(edge.low) + "-" + std::to_string(edge.high); }
+std::string edge_name(const Edge& edge) {
+  return "edge " + std::to_string(edge.low) + "-" + std::to_string(edge.high);
+}
 
 std::vector<Edge> sorted_edges(const Mesh& mesh) {
   std::vector<Edge> edges;
@@ -28,7 +29,8 @@ std::vector<Edge> sorted_edges(const Mesh& mesh) {
       edges.push_back({std::min(a, b), std::max(a, b), a < b});
     }
   }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.key() < b.key(); });
+  std::sort(edges.begin(), edges.end(),
+            [](const Edge& a, const Edge& b) { return a.key() < b.key(); });
   return edges;
 }
 
@@ -41,14 +43,16 @@ std::string check_numbers(const Mesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const std::uint32_t index : mesh.triangles[t]) {
       if (index < mesh.vertices_m.size()) continue;
-      return "triangle " + std::to_string(t) + " names vertex " + std::to_string(index) + "; there are " +
-             std::to_string(mesh.vertices_m.size());
+      return "triangle " + std::to_string(t) + " names vertex " + std::to_string(index) +
+             "; there are " + std::to_string(mesh.vertices_m.size());
     }
   }
   return "";
 }
 
-bool repeats_a_vertex(const std::array<std::uint32_t, 3>& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+bool repeats_a_vertex(const std::array<std::uint32_t, 3>& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
 
 using Bits = std::array<std::uint64_t, 3>;
 
@@ -75,7 +79,8 @@ MeshCheck check_watertight(const Mesh& mesh) {
     const Eigen::Vector3d& origin = mesh.vertices_m[a];
     const bool flat = (mesh.vertices_m[b] - origin).cross(mesh.vertices_m[c] - origin).isZero(0);
     if (flat) ++check.degenerate_triangles;
-    if (repeats_a_vertex(mesh.triangles[t])) note("triangle " + std::to_string(t) + " uses a vertex twice");
+    if (repeats_a_vertex(mesh.triangles[t]))
+      note("triangle " + std::to_string(t) + " uses a vertex twice");
   }
 
   const std::vector<Edge> edges = sorted_edges(mesh);
@@ -84,8 +89,8 @@ MeshCheck check_watertight(const Mesh& mesh) {
     const std::size_t count = end - begin;
     if (count == 1) ++check.open_edges;
     if (count != 2) {
-      note(edge_name(edges[begin]) + " belongs to " + std::to_string(count) + (count == 1 ? " triangle" : " triangles") +
-           "; a closed mesh needs 2");
+      note(edge_name(edges[begin]) + " belongs to " + std::to_string(count) +
+           (count == 1 ? " triangle" : " triangles") + "; a closed mesh needs 2");
     } else if (edges[begin].forward == edges[begin + 1].forward) {
       note("the two triangles at " + edge_name(edges[begin]) + " have opposite orientations");
     }
@@ -93,7 +98,8 @@ MeshCheck check_watertight(const Mesh& mesh) {
   if (!check.problem.empty()) return check;
 
   const double volume_m3 = mass_properties(mesh).volume_m3;
-  if (!(volume_m3 > 0)) note("the volume is " + std::to_string(volume_m3) + " m3; triangles must face outward");
+  if (!(volume_m3 > 0))
+    note("the volume is " + std::to_string(volume_m3) + " m3; triangles must face outward");
   check.ok = check.problem.empty();
   return check;
 }
@@ -106,14 +112,17 @@ Mesh weld(const Mesh& mesh) {
   seen.reserve(mesh.vertices_m.size());
   for (const Eigen::Vector3d& v : mesh.vertices_m) {
     Bits bits;
-    for (int k = 0; k < 3; ++k) bits[static_cast<std::size_t>(k)] = std::bit_cast<std::uint64_t>(v[k] + 0.0);  // -0 is 0
-    const auto [found, fresh] = seen.try_emplace(bits, static_cast<std::uint32_t>(out.vertices_m.size()));
+    for (int k = 0; k < 3; ++k)
+      bits[static_cast<std::size_t>(k)] = std::bit_cast<std::uint64_t>(v[k] + 0.0);  // -0 is 0
+    const auto [found, fresh] =
+        seen.try_emplace(bits, static_cast<std::uint32_t>(out.vertices_m.size()));
     if (fresh) out.vertices_m.push_back(v);
     new_index.push_back(found->second);
   }
   out.triangles.reserve(mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
-    const std::array<std::uint32_t, 3> welded = {new_index.at(t[0]), new_index.at(t[1]), new_index.at(t[2])};
+    const std::array<std::uint32_t, 3> welded = {new_index.at(t[0]), new_index.at(t[1]),
+                                                 new_index.at(t[2])};
     if (!repeats_a_vertex(welded)) out.triangles.push_back(welded);
   }
   return out;

@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -5,8 +7,6 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
-
-#include <unistd.h>
 
 #include "sim/geometry/mesh_formats.h"
 
@@ -31,7 +31,8 @@ std::string read_whole(const fs::path& file) {
   constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 32;
   std::error_code error;
   if (!fs::exists(file, error)) throw std::runtime_error(file.string() + ": no such file");
-  if (!fs::is_regular_file(file, error)) throw std::runtime_error(file.string() + ": not a regular file");
+  if (!fs::is_regular_file(file, error))
+    throw std::runtime_error(file.string() + ": not a regular file");
   const std::uintmax_t size = fs::file_size(file, error);
   if (error) throw std::runtime_error(file.string() + ": " + error.message());
   if (size > kLargestFile) {
@@ -49,17 +50,21 @@ std::string read_whole(const fs::path& file) {
 void write_whole(const fs::path& file, std::string_view bytes) {
   std::error_code made;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), made);
-  if (made) throw std::runtime_error("cannot make the folder of " + file.string() + ": " + made.message());
-  // Process and counter keep two writers of the same file apart; the rename decides which one stays.
+  if (made)
+    throw std::runtime_error("cannot make the folder of " + file.string() + ": " + made.message());
+  // Process and counter keep two writers of the same file apart; the rename decides which one
+  // stays.
   static std::atomic<unsigned> counter{0};
   std::string name = ".";
-  name += file.filename().string() + "." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".part";
+  name += file.filename().string() + "." + std::to_string(::getpid()) + "." +
+          std::to_string(counter++) + ".part";
   const fs::path beside = file.parent_path() / name;
   int code = write_new(beside, bytes);
   if (code == 0 && std::rename(beside.c_str(), file.c_str()) != 0) code = errno;
   if (code == 0) return;
   if (code != EEXIST) std::remove(beside.c_str());
-  throw std::runtime_error("cannot write " + file.string() + ": " + std::generic_category().message(code));
+  throw std::runtime_error("cannot write " + file.string() + ": " +
+                           std::generic_category().message(code));
 }
 
 }  // namespace cousin::geometry

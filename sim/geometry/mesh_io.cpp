@@ -17,7 +17,8 @@ Mesh read_mesh(const fs::path& file) {
   if (extension == ".ply") return geometry::mesh_of_ply(geometry::parse_ply(bytes, name), name);
   if (extension == ".obj") return geometry::parse_obj(bytes, name);
   if (extension == ".stl") return weld(geometry::parse_stl(bytes, name));
-  throw std::runtime_error(name + ": the ending \"" + extension + "\" is not one of .ply, .obj, .stl");
+  throw std::runtime_error(name + ": the ending \"" + extension +
+                           "\" is not one of .ply, .obj, .stl");
 }
 
 }  // namespace cousin

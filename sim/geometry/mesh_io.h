@@ -7,15 +7,17 @@
 
 namespace cousin {
 
-/// Reads PLY (ASCII, binary of both byte orders), OBJ or STL (ASCII, binary); polygons are fanned, STL is welded.
-/// Units are the file's. Input is hostile: counts are bounded by the file's size and by 2^26.
+/// Reads PLY (ASCII, binary of both byte orders), OBJ or STL (ASCII, binary); polygons are fanned,
+/// STL is welded. Units are the file's. Input is hostile: counts are bounded by the file's size and
+/// by 2^26.
 /// @throws std::runtime_error naming file, line or byte, and what was expected.
 Mesh read_mesh(const std::filesystem::path& file);
 
 /// Binary little-endian PLY with double vertices. Written beside, then renamed.
 void write_ply(const std::filesystem::path& file, const Mesh& mesh);
 
-/// Points with float x y z, nx ny nz, uchar red green blue, float sigma; with `instance`, an int more.
+/// Points with float x y z, nx ny nz, uchar red green blue, float sigma; with `instance`, an int
+/// more.
 void write_ply(const std::filesystem::path& file, const Cloud& cloud);
 void write_ply(const std::filesystem::path& file, const Clusters& clusters);
 /// Columns that lack keep their defaults; instance lacks: all -1 and count 0.

@@ -45,19 +45,24 @@ double number(std::string_view word, const Words& words, const std::string& name
   const char* end = word.data() + word.size();
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (word.empty() || error != std::errc() || stop != end || !(value - value == 0)) {
-    fail(name, words.where(), "expected a finite number, not \"" + std::string(word.substr(0, 40)) + "\"");
+    fail(name, words.where(),
+         "expected a finite number, not \"" + std::string(word.substr(0, 40)) + "\"");
   }
   return value;
 }
 
 /// Index of the vertex in "v", "v/vt", "v//vn" or "v/vt/vn"; negative counts from the end.
-std::uint32_t obj_index(std::string_view word, std::size_t vertices, const Words& words, const std::string& name) {
+std::uint32_t obj_index(std::string_view word, std::size_t vertices, const Words& words,
+                        const std::string& name) {
   const std::string_view text = word.substr(0, word.find('/'));
   long long index = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), index);
   const long long count = static_cast<long long>(vertices);
-  if (error != std::errc() || stop != text.data() + text.size() || index == 0 || index > count || index < -count) {
-    fail(name, words.where(), "\"" + std::string(word.substr(0, 40)) + "\" is no vertex of the " + std::to_string(vertices) + " so far");
+  if (error != std::errc() || stop != text.data() + text.size() || index == 0 || index > count ||
+      index < -count) {
+    fail(name, words.where(),
+         "\"" + std::string(word.substr(0, 40)) + "\" is no vertex of the " +
+             std::to_string(vertices) + " so far");
   }
   return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
 }
@@ -81,7 +86,8 @@ Mesh parse_binary_stl(std::string_view bytes, const std::string& name) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices_m.size());
     for (std::size_t k = 0; k < 3; ++k) {
       mesh.vertices_m.emplace_back(corner[3 * k], corner[3 * k + 1], corner[3 * k + 2]);
-      if (!mesh.vertices_m.back().allFinite()) fail(name, "triangle " + std::to_string(i), "is not finite");
+      if (!mesh.vertices_m.back().allFinite())
+        fail(name, "triangle " + std::to_string(i), "is not finite");
     }
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
@@ -90,7 +96,8 @@ Mesh parse_binary_stl(std::string_view bytes, const std::string& name) {
 
 Mesh parse_ascii_stl(std::string_view bytes, const std::string& name) {
   Words words(bytes);
-  if (words.next() != "solid") fail(name, "line 1", "neither a binary STL of its size nor \"solid\"");
+  if (words.next() != "solid")
+    fail(name, "line 1", "neither a binary STL of its size nor \"solid\"");
   Mesh mesh;
   bool closed = false;
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
@@ -102,7 +109,8 @@ Mesh parse_ascii_stl(std::string_view bytes, const std::string& name) {
     const auto count = static_cast<std::uint32_t>(mesh.vertices_m.size());
     if (count % 3 == 0) mesh.triangles.push_back({count - 3, count - 2, count - 1});
   }
-  if (!closed || mesh.vertices_m.size() % 3 != 0) fail(name, words.where(), "the file ends inside a triangle or before endsolid");
+  if (!closed || mesh.vertices_m.size() % 3 != 0)
+    fail(name, words.where(), "the file ends inside a triangle or before endsolid");
   return mesh;
 }
 
@@ -116,14 +124,16 @@ Mesh parse_obj(std::string_view bytes, const std::string& name) {
       Eigen::Vector3d v;
       for (int k = 0; k < 3; ++k) v[k] = number(words.next_on_line(), words, name);
       mesh.vertices_m.push_back(v);
-      if (mesh.vertices_m.size() > kMaxElements) fail(name, words.where(), "more than 2^26 vertices");
+      if (mesh.vertices_m.size() > kMaxElements)
+        fail(name, words.where(), "more than 2^26 vertices");
     } else if (word == "f") {
       std::vector<std::uint32_t> polygon;
       for (auto corner = words.next_on_line(); !corner.empty(); corner = words.next_on_line()) {
         polygon.push_back(obj_index(corner, mesh.vertices_m.size(), words, name));
       }
       if (polygon.size() < 3) fail(name, words.where(), "a face has fewer than 3 vertices");
-      for (std::size_t k = 2; k < polygon.size(); ++k) mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+      for (std::size_t k = 2; k < polygon.size(); ++k)
+        mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
     }
     words.skip_line();
   }
@@ -133,7 +143,8 @@ Mesh parse_obj(std::string_view bytes, const std::string& name) {
 
 Mesh parse_stl(std::string_view bytes, const std::string& name) {
   // Binary files may begin with "solid" too: the size decides.
-  const bool is_binary = bytes.size() >= kStlHeader && bytes.size() == kStlHeader + kStlTriangle * std::size_t{stl_count(bytes)};
+  const bool is_binary = bytes.size() >= kStlHeader &&
+                         bytes.size() == kStlHeader + kStlTriangle * std::size_t{stl_count(bytes)};
   return is_binary ? parse_binary_stl(bytes, name) : parse_ascii_stl(bytes, name);
 }
 

@@ -1,10 +1,9 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
 #include "sim/geometry/box_search.h"
 #include "sim/geometry/measure.h"
@@ -30,8 +29,8 @@ PointSet local_points(std::span<const Eigen::Vector3d> points_m, const Flat& fla
   return points;
 }
 
-/// The box along `axes`: sides sorted, axes right-handed with the first two pointing to their larger coordinate's
-/// positive side, so that equal boxes have equal axes.
+/// The box along `axes`: sides sorted, axes right-handed with the first two pointing to their
+/// larger coordinate's positive side, so that equal boxes have equal axes.
 OrientedBox box_along(const PointSet& points, const Eigen::Matrix3d& axes, const Flat& flat) {
   struct Side {
     double size = 0, middle = 0;
@@ -42,10 +41,11 @@ OrientedBox box_along(const PointSet& points, const Eigen::Matrix3d& axes, const
   for (int k = 0; k < 3; ++k) {
     const PointSet::Extent extent = points.extent(axes.col(k));
     const bool in_flat = k < flat.dimension;
-    sides[static_cast<std::size_t>(k)] = {in_flat ? extent.width() * scale : 0, 0.5 * (extent.low + extent.high) * scale,
-                                          axes.col(k)};
+    sides[static_cast<std::size_t>(k)] = {in_flat ? extent.width() * scale : 0,
+                                          0.5 * (extent.low + extent.high) * scale, axes.col(k)};
   }
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.size > b.size; });
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const Side& a, const Side& b) { return a.size > b.size; });
 
   OrientedBox box;
   box.centre_m = flat.origin_m;
@@ -111,16 +111,19 @@ OrientedBox minimum_volume_box(std::span<const Eigen::Vector3d> points_m) {
 OrientedBox minimum_volume_box(std::span<const Eigen::Vector3d> points_m, const OrientedBox& near) {
   const Eigen::Matrix3d& axes = near.axes;
   if (!axes.allFinite() || !(axes.transpose() * axes).isIdentity(1e-6)) {
-    throw std::invalid_argument("minimum_volume_box: the axes of the box to start from are not orthonormal");
+    throw std::invalid_argument(
+        "minimum_volume_box: the axes of the box to start from are not orthonormal");
   }
-  return smallest_box(points_m, [&](const PointSet& points) { return geometry::refine_box_axes(points, axes); });
+  return smallest_box(
+      points_m, [&](const PointSet& points) { return geometry::refine_box_axes(points, axes); });
 }
 
 OrientedBox pca_box(std::span<const Eigen::Vector3d> points_m) {
   geometry::check_points(points_m);
   const Flat flat = geometry::find_flat(points_m);
   const PointSet points = local_points(points_m, flat);
-  // In a flat the covariance is singular and its null directions arbitrary: order them by the flat's own axes.
+  // In a flat the covariance is singular and its null directions arbitrary: order them by the
+  // flat's own axes.
   if (flat.dimension < 2) return box_along(points, flat.axes, flat);
   return box_along(points, principal_axes(points), flat);
 }

@@ -35,11 +35,22 @@ Type type_of(std::string_view text, const std::string& name, std::size_t line) {
     std::string_view text;
     Type type;
   };
-  constexpr std::array<Row, 16> kTypes = {{{"char", Type::i8}, {"int8", Type::i8}, {"uchar", Type::u8}, {"uint8", Type::u8},
-                                           {"short", Type::i16}, {"int16", Type::i16}, {"ushort", Type::u16},
-                                           {"uint16", Type::u16}, {"int", Type::i32}, {"int32", Type::i32},
-                                           {"uint", Type::u32}, {"uint32", Type::u32}, {"float", Type::f32},
-                                           {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}}};
+  constexpr std::array<Row, 16> kTypes = {{{"char", Type::i8},
+                                           {"int8", Type::i8},
+                                           {"uchar", Type::u8},
+                                           {"uint8", Type::u8},
+                                           {"short", Type::i16},
+                                           {"int16", Type::i16},
+                                           {"ushort", Type::u16},
+                                           {"uint16", Type::u16},
+                                           {"int", Type::i32},
+                                           {"int32", Type::i32},
+                                           {"uint", Type::u32},
+                                           {"uint32", Type::u32},
+                                           {"float", Type::f32},
+                                           {"float32", Type::f32},
+                                           {"double", Type::f64},
+                                           {"float64", Type::f64}}};
   for (const Row& row : kTypes) {
     if (row.text == text) return row.type;
   }
@@ -64,7 +75,9 @@ class Body {
   Body(std::string_view bytes, std::size_t offset, Encoding encoding, const std::string& name)
       : bytes_(bytes), at_(offset), encoding_(encoding), name_(name) {}
 
-  double number(Type type) { return encoding_ == Encoding::ascii ? text_number() : binary_number(type); }
+  double number(Type type) {
+    return encoding_ == Encoding::ascii ? text_number() : binary_number(type);
+  }
   std::size_t left() const { return bytes_.size() - at_; }
   bool is_text() const { return encoding_ == Encoding::ascii; }
   std::string where() const { return "byte " + std::to_string(at_); }
@@ -77,7 +90,8 @@ class Body {
     const char* end = bytes_.data() + bytes_.size();
     if (begin < end && *begin == '+') ++begin;
     const auto [stop, error] = std::from_chars(begin, end, value);
-    if (error != std::errc()) fail(name_, where(), at_ == bytes_.size() ? "the file ends early" : "expected a number");
+    if (error != std::errc())
+      fail(name_, where(), at_ == bytes_.size() ? "the file ends early" : "expected a number");
     at_ = static_cast<std::size_t>(stop - bytes_.data());
     return value;
   }
@@ -87,19 +101,28 @@ class Body {
     std::array<char, sizeof(T)> raw{};
     std::memcpy(raw.data(), bytes_.data() + at_, sizeof(T));
     at_ += sizeof(T);
-    if ((encoding_ == Encoding::big) == (std::endian::native == std::endian::little)) std::reverse(raw.begin(), raw.end());
+    if ((encoding_ == Encoding::big) == (std::endian::native == std::endian::little))
+      std::reverse(raw.begin(), raw.end());
     return static_cast<double>(std::bit_cast<T>(raw));
   }
   double binary_number(Type type) {
     switch (type) {
-      case Type::i8: return take<std::int8_t>();
-      case Type::u8: return take<std::uint8_t>();
-      case Type::i16: return take<std::int16_t>();
-      case Type::u16: return take<std::uint16_t>();
-      case Type::i32: return take<std::int32_t>();
-      case Type::u32: return take<std::uint32_t>();
-      case Type::f32: return take<float>();
-      case Type::f64: break;
+      case Type::i8:
+        return take<std::int8_t>();
+      case Type::u8:
+        return take<std::uint8_t>();
+      case Type::i16:
+        return take<std::int16_t>();
+      case Type::u16:
+        return take<std::uint16_t>();
+      case Type::i32:
+        return take<std::int32_t>();
+      case Type::u32:
+        return take<std::uint32_t>();
+      case Type::f32:
+        return take<float>();
+      case Type::f64:
+        break;
     }
     return take<double>();
   }
@@ -124,31 +147,40 @@ Header parse_header(std::string_view bytes, const std::string& name) {
   for (std::size_t line_number = 1;; ++line_number) {
     const std::size_t end = bytes.find('\n', at);
     const std::string where = "line " + std::to_string(line_number);
-    if (end == std::string_view::npos || line_number > 1000) fail(name, where, "the header has no end_header");
+    if (end == std::string_view::npos || line_number > 1000)
+      fail(name, where, "the header has no end_header");
     const auto words = words_of(bytes.substr(at, end - at));
     at = end + 1;
     if (line_number == 1) {
-      if (words.size() != 1 || words[0] != "ply") fail(name, where, "a PLY file begins with \"ply\"");
+      if (words.size() != 1 || words[0] != "ply")
+        fail(name, where, "a PLY file begins with \"ply\"");
       continue;
     }
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;
     if (words[0] == "format" && words.size() == 3) {
       has_format = true;
-      if (words[1] == "ascii") header.encoding = Encoding::ascii;
-      else if (words[1] == "binary_little_endian") header.encoding = Encoding::little;
-      else if (words[1] == "binary_big_endian") header.encoding = Encoding::big;
-      else fail(name, where, "format \"" + std::string(words[1]) + "\" is unknown");
+      if (words[1] == "ascii")
+        header.encoding = Encoding::ascii;
+      else if (words[1] == "binary_little_endian")
+        header.encoding = Encoding::little;
+      else if (words[1] == "binary_big_endian")
+        header.encoding = Encoding::big;
+      else
+        fail(name, where, "format \"" + std::string(words[1]) + "\" is unknown");
     } else if (words[0] == "element" && words.size() == 3) {
       PlyElement element;
       element.name = words[1];
-      const auto [stop, error] = std::from_chars(words[2].data(), words[2].data() + words[2].size(), element.count);
-      if (error != std::errc() || stop != words[2].data() + words[2].size() || element.count > kMaxElements) {
+      const auto [stop, error] =
+          std::from_chars(words[2].data(), words[2].data() + words[2].size(), element.count);
+      if (error != std::errc() || stop != words[2].data() + words[2].size() ||
+          element.count > kMaxElements) {
         fail(name, where, "the count \"" + std::string(words[2]) + "\" is not in 0..2^26");
       }
       header.elements.push_back(std::move(element));
       header.properties.emplace_back();
-    } else if (words[0] == "property" && (words.size() == 3 || (words.size() == 5 && words[1] == "list"))) {
+    } else if (words[0] == "property" &&
+               (words.size() == 3 || (words.size() == 5 && words[1] == "list"))) {
       if (header.elements.empty()) fail(name, where, "a property comes before any element");
       Property property;
       property.name = words.back();
@@ -166,16 +198,22 @@ Header parse_header(std::string_view bytes, const std::string& name) {
 }
 
 std::uint32_t whole(double value, Body& body, const std::string& name) {
-  if (!(value >= 0) || value > 4294967295.0 || value != std::floor(value)) fail(name, body.where(), "expected a whole number of 0 or more");
+  if (!(value >= 0) || value > 4294967295.0 || value != std::floor(value))
+    fail(name, body.where(), "expected a whole number of 0 or more");
   return static_cast<std::uint32_t>(value);
 }
 
-void read_element(PlyElement& element, const std::vector<Property>& properties, Body& body, const std::string& name) {
-  // Each row takes at least this much: a count that the bytes cannot hold is refused before anything is allocated.
+void read_element(PlyElement& element, const std::vector<Property>& properties, Body& body,
+                  const std::string& name) {
+  // Each row takes at least this much: a count that the bytes cannot hold is refused before
+  // anything is allocated.
   std::size_t least = 0;
-  for (const Property& p : properties) least += body.is_text() ? 2 : size_of(p.is_list ? p.count_type : p.type);
-  if (element.count > 0 && (properties.empty() || element.count > (body.left() + 1) / std::max<std::size_t>(1, least))) {
-    fail(name, body.where(), "the file is too short for " + std::to_string(element.count) + " " + element.name);
+  for (const Property& p : properties)
+    least += body.is_text() ? 2 : size_of(p.is_list ? p.count_type : p.type);
+  if (element.count > 0 &&
+      (properties.empty() || element.count > (body.left() + 1) / std::max<std::size_t>(1, least))) {
+    fail(name, body.where(),
+         "the file is too short for " + std::to_string(element.count) + " " + element.name);
   }
   for (const Property& p : properties) {
     if (p.is_list) {
@@ -196,7 +234,8 @@ void read_element(PlyElement& element, const std::vector<Property>& properties, 
       }
       const std::uint32_t length = whole(body.number(p.count_type), body, name);
       const std::size_t item = body.is_text() ? 2 : size_of(p.type);
-      if (length > (body.left() + 1) / item) fail(name, body.where(), "the file is too short for a list of " + std::to_string(length));
+      if (length > (body.left() + 1) / item)
+        fail(name, body.where(), "the file is too short for a list of " + std::to_string(length));
       const bool kept = p.name == element.list;
       for (std::uint32_t i = 0; i < length; ++i) {
         const double value = body.number(p.type);
@@ -242,7 +281,8 @@ Mesh mesh_of_ply(const Ply& ply, const std::string& name) {
   mesh.vertices_m.reserve(vertices->count);
   for (std::size_t i = 0; i < vertices->count; ++i) {
     mesh.vertices_m.emplace_back((*x)[i], (*y)[i], (*z)[i]);
-    if (!mesh.vertices_m.back().allFinite()) fail(name, "vertex " + std::to_string(i), "is not finite");
+    if (!mesh.vertices_m.back().allFinite())
+      fail(name, "vertex " + std::to_string(i), "is not finite");
   }
   const PlyElement* faces = ply.element("face");
   if (!faces) return mesh;
@@ -250,10 +290,12 @@ Mesh mesh_of_ply(const Ply& ply, const std::string& name) {
     const auto& polygon = faces->lists[i];
     for (const std::uint32_t v : polygon) {
       if (v >= vertices->count) {
-        fail(name, "face " + std::to_string(i), "vertex " + std::to_string(v) + " is not below " + std::to_string(vertices->count));
+        fail(name, "face " + std::to_string(i),
+             "vertex " + std::to_string(v) + " is not below " + std::to_string(vertices->count));
       }
     }
-    for (std::size_t k = 2; k < polygon.size(); ++k) mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+    for (std::size_t k = 2; k < polygon.size(); ++k)
+      mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
   }
   return mesh;
 }

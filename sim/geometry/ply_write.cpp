@@ -21,11 +21,13 @@ void put(std::string& bytes, T value) {
 }
 
 std::string cloud_bytes(const Cloud& cloud, const std::vector<int>* instance) {
-  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(cloud.size()) +
-                      "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
-                      "property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
-                      "property float sigma\n" +
-                      (instance ? "property int instance\n" : "") + "end_header\n";
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(cloud.size()) +
+      "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float "
+      "ny\n"
+      "property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "property float sigma\n" +
+      (instance ? "property int instance\n" : "") + "end_header\n";
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const CloudPoint& p = cloud[i];
     for (int k = 0; k < 3; ++k) put(bytes, p.position_m[k]);
@@ -42,9 +44,11 @@ std::string cloud_bytes(const Cloud& cloud, const std::vector<int>* instance) {
 }  // namespace
 
 void write_ply(const fs::path& file, const Mesh& mesh) {
-  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices_m.size()) +
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                      std::to_string(mesh.vertices_m.size()) +
                       "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-                      std::to_string(mesh.triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
+                      std::to_string(mesh.triangles.size()) +
+                      "\nproperty list uchar uint vertex_indices\nend_header\n";
   for (const Eigen::Vector3d& v : mesh.vertices_m) {
     for (int k = 0; k < 3; ++k) put(bytes, v[k]);
   }
@@ -55,12 +59,15 @@ void write_ply(const fs::path& file, const Mesh& mesh) {
   geometry::write_whole(file, bytes);
 }
 
-void write_ply(const fs::path& file, const Cloud& cloud) { geometry::write_whole(file, cloud_bytes(cloud, nullptr)); }
+void write_ply(const fs::path& file, const Cloud& cloud) {
+  geometry::write_whole(file, cloud_bytes(cloud, nullptr));
+}
 
 void write_ply(const fs::path& file, const Clusters& clusters) {
   if (clusters.instance.size() != clusters.cloud.size()) {
-    throw std::invalid_argument(file.string() + ": clusters have " + std::to_string(clusters.instance.size()) +
-                                " instances for " + std::to_string(clusters.cloud.size()) + " points");
+    throw std::invalid_argument(file.string() + ": clusters have " +
+                                std::to_string(clusters.instance.size()) + " instances for " +
+                                std::to_string(clusters.cloud.size()) + " points");
   }
   geometry::write_whole(file, cloud_bytes(clusters.cloud, &clusters.instance));
 }
@@ -69,18 +76,23 @@ Clusters read_cloud_ply(const fs::path& file) {
   const std::string bytes = geometry::read_whole(file);
   const geometry::Ply ply = geometry::parse_ply(bytes, file.string());
   const geometry::PlyElement* vertices = ply.element("vertex");
-  const auto fail = [&](const std::string& what) { throw std::runtime_error(file.string() + ": " + what); };
+  const auto fail = [&](const std::string& what) {
+    throw std::runtime_error(file.string() + ": " + what);
+  };
   if (!vertices) fail("there is no element \"vertex\"");
   Clusters result;
   result.cloud.resize(vertices->count);
   result.instance.assign(vertices->count, -1);
   /// Calls set(point, value) for a column if the file has it; `low` and `high` bound its values.
-  const auto each = [&](const char* name, double low, double high, const std::function<void(std::size_t, double)>& set) {
+  const auto each = [&](const char* name, double low, double high,
+                        const std::function<void(std::size_t, double)>& set) {
     const std::vector<double>* column = vertices->column(name);
     if (!column) return false;
     for (std::size_t i = 0; i < column->size(); ++i) {
       const double value = (*column)[i];
-      if (!(value >= low && value <= high)) fail("vertex " + std::to_string(i) + ": " + name + " = " + std::to_string(value) + " is out of range");
+      if (!(value >= low && value <= high))
+        fail("vertex " + std::to_string(i) + ": " + name + " = " + std::to_string(value) +
+             " is out of range");
       set(i, value);
     }
     return true;
@@ -89,15 +101,22 @@ Clusters read_cloud_ply(const fs::path& file) {
   const char* const axes[3] = {"x", "y", "z"};
   const char* const normals[3] = {"nx", "ny", "nz"};
   for (int k = 0; k < 3; ++k) {
-    if (!each(axes[k], -kAny, kAny, [&](std::size_t i, double v) { result.cloud[i].position_m[k] = static_cast<float>(v); })) {
+    if (!each(axes[k], -kAny, kAny, [&](std::size_t i, double v) {
+          result.cloud[i].position_m[k] = static_cast<float>(v);
+        })) {
       fail(std::string("vertices have no ") + axes[k]);
     }
-    each(normals[k], -kAny, kAny, [&](std::size_t i, double v) { result.cloud[i].normal[k] = static_cast<float>(v); });
+    each(normals[k], -kAny, kAny,
+         [&](std::size_t i, double v) { result.cloud[i].normal[k] = static_cast<float>(v); });
   }
-  each("red", 0, 255, [&](std::size_t i, double v) { result.cloud[i].color.r = static_cast<std::uint8_t>(v); });
-  each("green", 0, 255, [&](std::size_t i, double v) { result.cloud[i].color.g = static_cast<std::uint8_t>(v); });
-  each("blue", 0, 255, [&](std::size_t i, double v) { result.cloud[i].color.b = static_cast<std::uint8_t>(v); });
-  each("sigma", 0, kAny, [&](std::size_t i, double v) { result.cloud[i].sigma_m = static_cast<float>(v); });
+  each("red", 0, 255,
+       [&](std::size_t i, double v) { result.cloud[i].color.r = static_cast<std::uint8_t>(v); });
+  each("green", 0, 255,
+       [&](std::size_t i, double v) { result.cloud[i].color.g = static_cast<std::uint8_t>(v); });
+  each("blue", 0, 255,
+       [&](std::size_t i, double v) { result.cloud[i].color.b = static_cast<std::uint8_t>(v); });
+  each("sigma", 0, kAny,
+       [&](std::size_t i, double v) { result.cloud[i].sigma_m = static_cast<float>(v); });
   each("instance", -1, 1e6, [&](std::size_t i, double v) {
     result.instance[i] = static_cast<int>(v);
     result.count = std::max(result.count, result.instance[i] + 1);

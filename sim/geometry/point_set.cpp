@@ -1,12 +1,11 @@
 #include "sim/geometry/point_set.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <stdexcept>
 #include <string>
-
-#include <Eigen/Geometry>
 
 namespace cousin::geometry {
 namespace {
@@ -15,7 +14,8 @@ constexpr std::size_t kLanes = 8;
 
 /// Direction and length of the longest of `vectors` after `project`, by a function of each point.
 template <class Residual>
-std::pair<Eigen::Vector3d, double> longest(std::span<const Eigen::Vector3d> points, const Residual& residual) {
+std::pair<Eigen::Vector3d, double> longest(std::span<const Eigen::Vector3d> points,
+                                           const Residual& residual) {
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) {
     const Eigen::Vector3d r = residual(p);
@@ -76,7 +76,8 @@ PointSet::Extremes PointSet::extremes(const Eigen::Vector3d& direction) const {
 void check_points(std::span<const Eigen::Vector3d> points_m) {
   if (points_m.empty()) throw std::invalid_argument("no points; at least one is needed");
   for (std::size_t i = 0; i < points_m.size(); ++i) {
-    if (!points_m[i].allFinite()) throw std::invalid_argument("point " + std::to_string(i) + " is not finite");
+    if (!points_m[i].allFinite())
+      throw std::invalid_argument("point " + std::to_string(i) + " is not finite");
   }
 }
 
@@ -90,24 +91,28 @@ Flat find_flat(std::span<const Eigen::Vector3d> points_m, double tolerance) {
   flat.origin_m = 0.5 * low + 0.5 * high;  // in halves: the sum of two huge numbers may overflow
   flat.extent_m = (high - low).maxCoeff();
   // Coordinates far from the origin are rounded by up to half an ulp: thinner than that is flat.
-  const double rounding = std::numeric_limits<double>::epsilon() * std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  const double rounding = std::numeric_limits<double>::epsilon() *
+                          std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
   const double limit = tolerance * flat.extent_m + 4 * rounding;
   if (!(flat.extent_m > 0)) return flat;
 
   // Grow a basis from the point that is farthest from what the basis spans so far.
   const Eigen::Vector3d start = points_m.front();
-  const auto [first, length] = longest(points_m, [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p - start; });
+  const auto [first, length] =
+      longest(points_m, [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return p - start; });
   const Eigen::Vector3d u = first / length;
-  const auto [second, breadth] = longest(points_m, [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
-    const Eigen::Vector3d d = p - start;
-    return d - d.dot(u) * u;
-  });
+  const auto [second, breadth] =
+      longest(points_m, [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+        const Eigen::Vector3d d = p - start;
+        return d - d.dot(u) * u;
+      });
   const bool line = breadth <= limit;
   Eigen::Vector3d v = line ? u.unitOrthogonal() : Eigen::Vector3d(second / breadth);
   v = (v - v.dot(u) * u).normalized();
   const Eigen::Vector3d w = u.cross(v);
   double thickness = 0;
-  for (const Eigen::Vector3d& p : points_m) thickness = std::max(thickness, std::abs(w.dot(p - start)));
+  for (const Eigen::Vector3d& p : points_m)
+    thickness = std::max(thickness, std::abs(w.dot(p - start)));
   flat.axes << u, v, w;
   flat.dimension = line ? 1 : (thickness <= limit ? 2 : 3);
   return flat;

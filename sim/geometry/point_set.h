@@ -1,15 +1,14 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
-
 namespace cousin::geometry {
 
-/// Private to sim/geometry. Points as three arrays, padded to a multiple of eight with copies of the first, so that
-/// extents along a direction are computed eight at a time.
+/// Private to sim/geometry. Points as three arrays, padded to a multiple of eight with copies of
+/// the first, so that extents along a direction are computed eight at a time.
 class PointSet {
  public:
   void reserve(std::size_t count);
@@ -37,12 +36,14 @@ class PointSet {
 /// @throws std::invalid_argument if there are none or one is not finite (NaN, infinite).
 void check_points(std::span<const Eigen::Vector3d> points_m);
 
-/// Which flat the points lie in, to a relative tolerance of their extent and the rounding of their coordinates.
+/// Which flat the points lie in, to a relative tolerance of their extent and the rounding of their
+/// coordinates.
 struct Flat {
-  int dimension = 0;                                       ///< 0 a point, 1 a line, 2 a plane, 3 space
-  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();      ///< middle of the axis-parallel bounds
-  double extent_m = 0;                                     ///< largest side of those bounds
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();      ///< columns: the flat's directions first; right-handed
+  int dimension = 0;                                   ///< 0 a point, 1 a line, 2 a plane, 3 space
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< middle of the axis-parallel bounds
+  double extent_m = 0;                                 ///< largest side of those bounds
+  Eigen::Matrix3d axes =
+      Eigen::Matrix3d::Identity();  ///< columns: the flat's directions first; right-handed
 };
 Flat find_flat(std::span<const Eigen::Vector3d> points_m, double tolerance = 1e-12);
 

@@ -1,11 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdio>
 #include <span>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
@@ -13,7 +12,8 @@ extern "C" {
 
 namespace cousin::geometry {
 
-/// Private to sim/geometry: one run of Qhull [Barber, Dobkin & Huhdanpaa 1996], reentrant, its memory freed at the end.
+/// Private to sim/geometry: one run of Qhull [Barber, Dobkin & Huhdanpaa 1996], reentrant, its
+/// memory freed at the end.
 class Qhull {
  public:
   /// @param coordinates  x y z of each point; Qhull may change them
@@ -25,8 +25,9 @@ class Qhull {
     // Qhull wants a writable option string.
     std::vector<char> text(options.begin(), options.end());
     text.push_back('\0');
-    ok_ = messages_ && qh_new_qhull(&qh_, 3, static_cast<int>(coordinates_.size() / 3), coordinates_.data(), False,
-                                    text.data(), nullptr, messages_) == 0;
+    ok_ =
+        messages_ && qh_new_qhull(&qh_, 3, static_cast<int>(coordinates_.size() / 3),
+                                  coordinates_.data(), False, text.data(), nullptr, messages_) == 0;
   }
   Qhull(const Qhull&) = delete;
   Qhull& operator=(const Qhull&) = delete;

@@ -6,7 +6,9 @@
 namespace cousin::geometry {
 namespace {
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 /// Counter-clockwise hull without collinear points [Andrew 1979].
 std::vector<Eigen::Vector2d> convex_outline(std::vector<Eigen::Vector2d>& points) {
@@ -20,7 +22,9 @@ std::vector<Eigen::Vector2d> convex_outline(std::vector<Eigen::Vector2d>& points
   const auto add_chain = [&](auto begin, auto end) {
     const std::size_t floor = hull.size() + 1;
     for (auto p = begin; p != end; ++p) {
-      while (hull.size() > floor && cross(hull.back() - hull[hull.size() - 2], *p - hull.back()) <= 0) hull.pop_back();
+      while (hull.size() > floor &&
+             cross(hull.back() - hull[hull.size() - 2], *p - hull.back()) <= 0)
+        hull.pop_back();
       hull.push_back(*p);
     }
     hull.pop_back();  // the first of the other chain
@@ -43,7 +47,9 @@ Eigen::Vector2d smallest_rectangle_side(std::vector<Eigen::Vector2d> points) {
   double best_area = std::numeric_limits<double>::infinity();
   std::size_t right = 1, top = 1, left = 1;
   const auto advance = [&](std::size_t& at, const Eigen::Vector2d& direction) {
-    for (std::size_t k = 0; k < n && direction.dot(hull[(at + 1) % n]) > direction.dot(hull[at]); ++k) at = (at + 1) % n;
+    for (std::size_t k = 0; k < n && direction.dot(hull[(at + 1) % n]) > direction.dot(hull[at]);
+         ++k)
+      at = (at + 1) % n;
   };
   for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector2d side = (hull[(i + 1) % n] - hull[i]).normalized();

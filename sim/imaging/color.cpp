@@ -20,14 +20,18 @@ const std::array<float, 256>& linear_table() {
   return table;
 }
 
-/// Codes by table instead of a power a pixel. Cell i of the table holds the code at its lower edge and the
-/// linear value where the next code starts; cells are narrower than any code's interval, so one comparison decides.
+/// Codes by table instead of a power a pixel. Cell i of the table holds the code at its lower edge
+/// and the linear value where the next code starts; cells are narrower than any code's interval, so
+/// one comparison decides.
 struct CodeTable {
-  static constexpr int kCells = 4096;  // the narrowest code interval is 1 / (255 * 12.92) = 1 / 3295
+  static constexpr int kCells =
+      4096;  // the narrowest code interval is 1 / (255 * 12.92) = 1 / 3295
   std::array<std::uint8_t, kCells + 1> code{};
   std::array<float, kCells + 1> next_at{};
 
-  static int exact(float linear) { return static_cast<int>(std::lround(srgb_from_linear(linear) * 255.0F)); }
+  static int exact(float linear) {
+    return static_cast<int>(std::lround(srgb_from_linear(linear) * 255.0F));
+  }
 
   /// Smallest linear value that rounds to `code` or above.
   static float threshold(int code) {
@@ -77,15 +81,17 @@ float linear_from_srgb8(std::uint8_t code) { return linear_table()[code]; }
 Image<Rgbf> linear_from_srgb8(const Image<Rgb8>& image) {
   const std::array<float, 256>& table = linear_table();
   Image<Rgbf> out(image.width(), image.height());
-  std::transform(image.begin(), image.end(), out.begin(),
-                 [&](const Rgb8& p) { return Rgbf{table[p.r], table[p.g], table[p.b]}; });
+  std::transform(image.begin(), image.end(), out.begin(), [&](const Rgb8& p) {
+    return Rgbf{table[p.r], table[p.g], table[p.b]};
+  });
   return out;
 }
 
 Image<float> luma(const Image<Rgb8>& image) {
   Image<float> out(image.width(), image.height());
   std::transform(image.begin(), image.end(), out.begin(), [](const Rgb8& p) {
-    return 0.299F * static_cast<float>(p.r) + 0.587F * static_cast<float>(p.g) + 0.114F * static_cast<float>(p.b);
+    return 0.299F * static_cast<float>(p.r) + 0.587F * static_cast<float>(p.g) +
+           0.114F * static_cast<float>(p.b);
   });
   return out;
 }

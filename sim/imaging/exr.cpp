@@ -1,13 +1,13 @@
-#include <algorithm>
-#include <cstring>
-#include <stdexcept>
-
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
 
 #include "sim/imaging/codecs.h"
 #include "sim/imaging/file_bytes.h"
@@ -17,9 +17,11 @@ namespace {
 
 class MemoryIn : public Imf::IStream {
  public:
-  MemoryIn(std::span<const std::uint8_t> bytes, const std::string& name) : IStream(name.c_str()), bytes_(bytes) {}
+  MemoryIn(std::span<const std::uint8_t> bytes, const std::string& name)
+      : IStream(name.c_str()), bytes_(bytes) {}
   bool read(char out[], int count) override {
-    if (count < 0 || static_cast<std::size_t>(count) > bytes_.size() - at_) throw std::runtime_error("truncated");
+    if (count < 0 || static_cast<std::size_t>(count) > bytes_.size() - at_)
+      throw std::runtime_error("truncated");
     std::memcpy(out, bytes_.data() + at_, static_cast<std::size_t>(count));
     at_ += static_cast<std::size_t>(count);
     return at_ < bytes_.size();
@@ -106,7 +108,8 @@ std::vector<std::uint8_t> encode_exr(const Image<float>& image) {
     Imf::OutputFile file(out, header);
     Imf::FrameBuffer buffer;
     // OpenEXR's interface lacks const; it only reads.
-    buffer.insert("Z", Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(image.data()), header.dataWindow()));
+    buffer.insert(
+        "Z", Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(image.data()), header.dataWindow()));
     file.setFrameBuffer(buffer);
     file.writePixels(image.height());
   }  // the destructor writes the line offsets

@@ -1,15 +1,15 @@
 #include "sim/imaging/file_bytes.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
-
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 namespace cousin::imaging {
 namespace {
@@ -55,7 +55,8 @@ int write_all(const std::filesystem::path& file, std::span<const std::uint8_t> b
 }  // namespace
 
 std::vector<std::uint8_t> read_bytes(const std::filesystem::path& file) {
-  const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe must not block
+  const Descriptor in(
+      ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe must not block
   if (in.value() < 0) fail(file, "read", errno);
   struct stat status {};
   if (::fstat(in.value(), &status) != 0) fail(file, "read", errno);
@@ -70,7 +71,8 @@ std::vector<std::uint8_t> read_bytes(const std::filesystem::path& file) {
     const ssize_t count = ::read(in.value(), bytes.data() + done, bytes.size() - done);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail(file, "read", errno);
-    if (count == 0) throw std::runtime_error(file.string() + ": ends after " + std::to_string(done) + " bytes");
+    if (count == 0)
+      throw std::runtime_error(file.string() + ": ends after " + std::to_string(done) + " bytes");
     done += static_cast<std::size_t>(count);
   }
   return bytes;
@@ -82,10 +84,12 @@ void replace_file(const std::filesystem::path& file, std::span<const std::uint8_
     std::filesystem::create_directories(file.parent_path(), error);
     if (error) fail(file, "make the folder of", error.value());
   }
-  // Process and counter keep two writers of the same file apart; the rename decides which one stays.
+  // Process and counter keep two writers of the same file apart; the rename decides which one
+  // stays.
   static std::atomic<unsigned> counter{0};
   std::string name = ".";
-  name += file.filename().string() + "." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".part";
+  name += file.filename().string() + "." + std::to_string(::getpid()) + "." +
+          std::to_string(counter++) + ".part";
   const std::filesystem::path beside = file.parent_path() / name;
   int code = write_all(beside, bytes);
   if (code == 0 && std::rename(beside.c_str(), file.c_str()) != 0) code = errno;
@@ -98,7 +102,8 @@ void replace_file(const std::filesystem::path& file, std::span<const std::uint8_
 void check_image_size(const std::string& name, std::uint64_t width, std::uint64_t height) {
   constexpr std::uint64_t kMaxSide = 65535;
   constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
-  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide || width * height > kMaxPixels) {
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide ||
+      width * height > kMaxPixels) {
     throw std::runtime_error(name + ": " + std::to_string(width) + " x " + std::to_string(height) +
                              " pixels; the limits are 1 to 65535 a side and 2^28 in all");
   }

@@ -15,8 +15,9 @@ void check_encodable(int width, int height) {
       static_cast<std::int64_t>(width) * height <= (std::int64_t{1} << 28)) {
     return;
   }
-  throw std::invalid_argument("an image of " + std::to_string(width) + " x " + std::to_string(height) +
-                              " pixels cannot be written; the limits are 1 to 65535 a side and 2^28 in all");
+  throw std::invalid_argument(
+      "an image of " + std::to_string(width) + " x " + std::to_string(height) +
+      " pixels cannot be written; the limits are 1 to 65535 a side and 2^28 in all");
 }
 
 }  // namespace imaging
@@ -56,8 +57,12 @@ void write_exr(const std::filesystem::path& file, const Image<float>& image) {
   imaging::replace_file(file, imaging::encode_exr(image));
 }
 
-Image<Rgb8> decode_jpeg(const std::vector<std::uint8_t>& bytes) { return imaging::decode_jpeg(bytes, "JPEG"); }
+Image<Rgb8> decode_jpeg(const std::vector<std::uint8_t>& bytes) {
+  return imaging::decode_jpeg(bytes, "JPEG");
+}
 
-std::vector<std::uint8_t> encode_png(const Image<Rgb8>& image) { return imaging::encode_png_pixels(image); }
+std::vector<std::uint8_t> encode_png(const Image<Rgb8>& image) {
+  return imaging::encode_png_pixels(image);
+}
 
 }  // namespace cousin

@@ -1,12 +1,12 @@
 // libjpeg reports errors by longjmp; see png.cpp for how that is kept apart from destructors.
 
+#include <jpeglib.h>
+
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
-
-#include <jpeglib.h>
 // jerror.h needs jpeglib.h before it.
 #include <jerror.h>
 
@@ -152,8 +152,9 @@ Image<Rgb8> decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& 
   }
   // A block of 8 x 8 takes a bit or more, so a small file cannot ask for a large image.
   if (width * height / 512 > bytes.size()) {
-    throw std::runtime_error(name + ": JPEG: truncated: " + std::to_string(bytes.size()) + " bytes cannot hold " +
-                             std::to_string(width) + " x " + std::to_string(height) + " pixels");
+    throw std::runtime_error(name + ": JPEG: truncated: " + std::to_string(bytes.size()) +
+                             " bytes cannot hold " + std::to_string(width) + " x " +
+                             std::to_string(height) + " pixels");
   }
   Image<Rgb8> image(static_cast<int>(width), static_cast<int>(height));
   if (!read_rows(decoder, reinterpret_cast<JSAMPLE*>(image.data()))) {
@@ -167,13 +168,16 @@ Image<Rgb8> decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& 
 std::vector<std::uint8_t> encode_jpeg(const Image<Rgb8>& image, int quality) {
   imaging::check_encodable(image.width(), image.height());
   if (image.width() > JPEG_MAX_DIMENSION || image.height() > JPEG_MAX_DIMENSION) {
-    throw std::invalid_argument("a JPEG has at most " + std::to_string(JPEG_MAX_DIMENSION) + " pixels a side");
+    throw std::invalid_argument("a JPEG has at most " + std::to_string(JPEG_MAX_DIMENSION) +
+                                " pixels a side");
   }
   if (quality < 1 || quality > 100) {
-    throw std::invalid_argument("JPEG quality " + std::to_string(quality) + ": must be in [1, 100]");
+    throw std::invalid_argument("JPEG quality " + std::to_string(quality) +
+                                ": must be in [1, 100]");
   }
   Encoder encoder;
-  if (!write_rows(encoder, image, quality)) throw std::runtime_error(std::string("JPEG: ") + encoder.errors.text);
+  if (!write_rows(encoder, image, quality))
+    throw std::runtime_error(std::string("JPEG: ") + encoder.errors.text);
   return {encoder.bytes, encoder.bytes + encoder.size};
 }
 

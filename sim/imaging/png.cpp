@@ -1,12 +1,12 @@
-// libpng reports errors by longjmp. Every function here that calls setjmp therefore has only plain locals; what owns
-// memory lives in a struct of the caller, so a jump skips no destructor.
+// libpng reports errors by longjmp. Every function here that calls setjmp therefore has only plain
+// locals; what owns memory lives in a struct of the caller, so a jump skips no destructor.
+
+#include <png.h>
 
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
-
-#include <png.h>
 
 #include "sim/imaging/codecs.h"
 #include "sim/imaging/file_bytes.h"
@@ -50,7 +50,8 @@ void read_data(png_structp png, png_bytep out, std::size_t count) {
 }
 
 bool read_header(Reader& reader, Header& header) {
-  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.message, keep_error, ignore_warning);
+  reader.png =
+      png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.message, keep_error, ignore_warning);
   if (!reader.png) return false;
   if (setjmp(png_jmpbuf(reader.png))) return false;
   reader.info = png_create_info_struct(reader.png);
@@ -60,8 +61,8 @@ bool read_header(Reader& reader, Header& header) {
   png_set_chunk_malloc_max(reader.png, 8U << 20);
   png_set_chunk_cache_max(reader.png, 64);
   png_read_info(reader.png, reader.info);
-  png_get_IHDR(reader.png, reader.info, &header.width, &header.height, &header.bit_depth, &header.color_type, nullptr,
-               nullptr, nullptr);
+  png_get_IHDR(reader.png, reader.info, &header.width, &header.height, &header.bit_depth,
+               &header.color_type, nullptr, nullptr, nullptr);
   return true;
 }
 
@@ -107,7 +108,8 @@ Image<Pixel> decode(std::span<const std::uint8_t> bytes, const std::string& name
   Reader reader;
   reader.rest = bytes;
   Header header;
-  if (!read_header(reader, header)) throw std::runtime_error(name + ": PNG: " + reader.message.text);
+  if (!read_header(reader, header))
+    throw std::runtime_error(name + ": PNG: " + reader.message.text);
   check_image_size(name, header.width, header.height);
   const bool grey = header.color_type == PNG_COLOR_TYPE_GRAY;
   if (wanted == Wanted::grey8 && !(grey && header.bit_depth <= 8)) {
@@ -117,19 +119,25 @@ Image<Pixel> decode(std::span<const std::uint8_t> bytes, const std::string& name
     throw std::runtime_error(name + ": a " + kind_of(header) + " PNG; expected 16-bit grey");
   }
   // Deflate shrinks at most 1032 times, so a small file cannot ask for a large image.
-  const std::uint64_t stored = png_get_rowbytes(reader.png, reader.info) * std::uint64_t{header.height};
+  const std::uint64_t stored =
+      png_get_rowbytes(reader.png, reader.info) * std::uint64_t{header.height};
   if (stored / 1032 > bytes.size()) {
-    throw std::runtime_error(name + ": PNG: truncated: " + std::to_string(bytes.size()) + " bytes cannot hold " +
-                             std::to_string(header.width) + " x " + std::to_string(header.height) + " pixels");
+    throw std::runtime_error(name + ": PNG: truncated: " + std::to_string(bytes.size()) +
+                             " bytes cannot hold " + std::to_string(header.width) + " x " +
+                             std::to_string(header.height) + " pixels");
   }
   std::size_t row_bytes = 0;
-  if (!prepare(reader, wanted, row_bytes)) throw std::runtime_error(name + ": PNG: " + reader.message.text);
+  if (!prepare(reader, wanted, row_bytes))
+    throw std::runtime_error(name + ": PNG: " + reader.message.text);
   Image<Pixel> image(static_cast<int>(header.width), static_cast<int>(header.height));
-  if (row_bytes != header.width * sizeof(Pixel)) throw std::runtime_error(name + ": PNG: unexpected row size");
+  if (row_bytes != header.width * sizeof(Pixel))
+    throw std::runtime_error(name + ": PNG: unexpected row size");
   std::vector<png_bytep> rows;
   rows.reserve(header.height);
-  for (int y = 0; y < image.height(); ++y) rows.push_back(reinterpret_cast<png_bytep>(image.row(y).data()));
-  if (!read_rows(reader, rows.data())) throw std::runtime_error(name + ": PNG: " + reader.message.text);
+  for (int y = 0; y < image.height(); ++y)
+    rows.push_back(reinterpret_cast<png_bytep>(image.row(y).data()));
+  if (!read_rows(reader, rows.data()))
+    throw std::runtime_error(name + ": PNG: " + reader.message.text);
   return image;
 }
 
@@ -154,23 +162,27 @@ bool append(Writer& writer, const std::uint8_t* data, std::size_t count) {
 }
 
 void write_data(png_structp png, png_bytep data, std::size_t count) {
-  if (!append(*static_cast<Writer*>(png_get_io_ptr(png)), data, count)) png_error(png, "out of memory");
+  if (!append(*static_cast<Writer*>(png_get_io_ptr(png)), data, count))
+    png_error(png, "out of memory");
 }
 
 void flush_nothing(png_structp) {}
 
 bool write_rows(Writer& writer, const Header& header, png_bytepp rows) {
-  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.message, keep_error, ignore_warning);
+  writer.png =
+      png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.message, keep_error, ignore_warning);
   if (!writer.png) return false;
   if (setjmp(png_jmpbuf(writer.png))) return false;
   writer.info = png_create_info_struct(writer.png);
   if (!writer.info) return false;
   png_set_write_fn(writer.png, &writer, write_data, flush_nothing);
-  // On noisy photographs level 2 with one filter is several times faster than the default, for files 2 % larger.
+  // On noisy photographs level 2 with one filter is several times faster than the default, for
+  // files 2 % larger.
   png_set_compression_level(writer.png, 2);
   png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
-  png_set_IHDR(writer.png, writer.info, header.width, header.height, header.bit_depth, header.color_type,
-               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(writer.png, writer.info, header.width, header.height, header.bit_depth,
+               header.color_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
   png_write_info(writer.png, writer.info);
   if (header.bit_depth == 16) png_set_swap(writer.png);
   png_write_image(writer.png, rows);
@@ -188,9 +200,10 @@ std::vector<std::uint8_t> encode(const Image<Pixel>& image, int bit_depth, int c
     // libpng's interface lacks const; it only reads.
     rows.push_back(reinterpret_cast<png_bytep>(const_cast<Pixel*>(image.row(y).data())));
   }
-  const Header header{static_cast<png_uint_32>(image.width()), static_cast<png_uint_32>(image.height()), bit_depth,
-                      color_type};
-  if (!write_rows(writer, header, rows.data())) throw std::runtime_error(std::string("PNG: ") + writer.message.text);
+  const Header header{static_cast<png_uint_32>(image.width()),
+                      static_cast<png_uint_32>(image.height()), bit_depth, color_type};
+  if (!write_rows(writer, header, rows.data()))
+    throw std::runtime_error(std::string("PNG: ") + writer.message.text);
   return std::move(writer.bytes);
 }
 
@@ -212,7 +225,9 @@ Image<std::uint16_t> decode_png16(std::span<const std::uint8_t> bytes, const std
   return decode<std::uint16_t>(bytes, name, Wanted::grey16);
 }
 
-std::vector<std::uint8_t> encode_png_pixels(const Image<Rgb8>& image) { return encode(image, 8, PNG_COLOR_TYPE_RGB); }
+std::vector<std::uint8_t> encode_png_pixels(const Image<Rgb8>& image) {
+  return encode(image, 8, PNG_COLOR_TYPE_RGB);
+}
 
 std::vector<std::uint8_t> encode_png_pixels(const Image<std::uint8_t>& image) {
   return encode(image, 8, PNG_COLOR_TYPE_GRAY);

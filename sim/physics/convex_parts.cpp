@@ -1,13 +1,12 @@
 #include "sim/physics/convex_parts.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <stdexcept>
-
-#include <Eigen/Geometry>
 
 #include "sim/geometry/measure.h"
 
@@ -24,14 +23,16 @@ struct Plane {
 /// The part of the mesh's surface in a cell of cutting planes, and its hull.
 struct Piece {
   std::vector<Triangle> surface;
-  std::vector<Eigen::Vector3d> inner;  ///< corners of the cell that lie inside the solid, where walls meet
+  std::vector<Eigen::Vector3d>
+      inner;  ///< corners of the cell that lie inside the solid, where walls meet
   std::vector<Plane> walls;
   Mesh hull;
   double hull_volume_m3 = 0;
 };
 
 /// Distinct corners of a surface, and `inner`.
-std::vector<Eigen::Vector3d> corners(const std::vector<Triangle>& surface, const std::vector<Eigen::Vector3d>& inner) {
+std::vector<Eigen::Vector3d> corners(const std::vector<Triangle>& surface,
+                                     const std::vector<Eigen::Vector3d>& inner) {
   std::vector<Eigen::Vector3d> points = inner;
   points.reserve(inner.size() + 3 * surface.size());
   for (const Triangle& t : surface) points.insert(points.end(), t.begin(), t.end());
@@ -57,10 +58,12 @@ std::vector<Triangle> clip(const std::vector<Triangle>& surface, const Plane& pl
       if (da <= 0) polygon[count++] = a;
       if ((da < 0 && db > 0) || (da > 0 && db < 0)) {
         // From the lower end always, so that both neighbours of an edge get the same point.
-        polygon[count++] = da < db ? a + (b - a) * (da / (da - db)) : b + (a - b) * (db / (db - da));
+        polygon[count++] =
+            da < db ? a + (b - a) * (da / (da - db)) : b + (a - b) * (db / (db - da));
       }
     }
-    for (std::size_t i = 2; i < count; ++i) kept.push_back({polygon[0], polygon[i - 1], polygon[i]});
+    for (std::size_t i = 2; i < count; ++i)
+      kept.push_back({polygon[0], polygon[i - 1], polygon[i]});
   }
   return kept;
 }
@@ -70,14 +73,17 @@ void measure(Piece& piece) {
   piece.hull_volume_m3 = piece.hull.triangles.empty() ? 0 : mass_properties(piece.hull).volume_m3;
 }
 
-/// The side of the piece with normal . x <= offset, not yet measured. Cut curves lie in the surface, so the hull covers the
-/// cut faces but for corners where walls meet inside the solid: those are where edges of the hull on a wall cross the plane.
+/// The side of the piece with normal . x <= offset, not yet measured. Cut curves lie in the
+/// surface, so the hull covers the cut faces but for corners where walls meet inside the solid:
+/// those are where edges of the hull on a wall cross the plane.
 Piece below(const Piece& piece, const Plane& plane, const std::vector<Triangle>& surface) {
   Piece side;
   side.surface = clip(surface, plane);
   side.walls = piece.walls;
   side.walls.push_back(plane);
-  const auto height = [&](const Eigen::Vector3d& p) { return plane.normal.dot(p) - plane.offset_m; };
+  const auto height = [&](const Eigen::Vector3d& p) {
+    return plane.normal.dot(p) - plane.offset_m;
+  };
   for (const Eigen::Vector3d& p : piece.inner) {
     if (height(p) <= 0) side.inner.push_back(p);
   }
@@ -89,9 +95,10 @@ Piece below(const Piece& piece, const Plane& plane, const std::vector<Triangle>&
       const Eigen::Vector3d& b = piece.hull.vertices_m[t[(i + 1) % 3]];
       if ((height(a) < 0) == (height(b) < 0)) continue;
       const Eigen::Vector3d p = a + (b - a) * (height(a) / (height(a) - height(b)));
-      const bool on_wall = std::any_of(piece.walls.begin(), piece.walls.end(), [&](const Plane& wall) {
-        return std::abs(wall.normal.dot(p) - wall.offset_m) < kOnWall_m;
-      });
+      const bool on_wall =
+          std::any_of(piece.walls.begin(), piece.walls.end(), [&](const Plane& wall) {
+            return std::abs(wall.normal.dot(p) - wall.offset_m) < kOnWall_m;
+          });
       if (on_wall) side.inner.push_back(p);
     }
   }
@@ -111,8 +118,8 @@ Eigen::Vector3d middle(const std::vector<Triangle>& surface) {
   return sum / area;
 }
 
-/// The plane across one of the axes that takes most off a piece's hull, judged on every eighth triangle: the choice of a
-/// cut needs no more, and hulls are what costs time.
+/// The plane across one of the axes that takes most off a piece's hull, judged on every eighth
+/// triangle: the choice of a cut needs no more, and hulls are what costs time.
 struct Choice {
   Plane plane;
   double gain_m3 = 0;
@@ -121,7 +128,8 @@ struct Choice {
 Choice choose_cut(const Piece& piece, const Eigen::Matrix3d& axes) {
   Piece rough = piece;
   rough.surface.clear();
-  for (std::size_t i = 0; i < piece.surface.size(); i += 8) rough.surface.push_back(piece.surface[i]);
+  for (std::size_t i = 0; i < piece.surface.size(); i += 8)
+    rough.surface.push_back(piece.surface[i]);
   measure(rough);
   const Eigen::Vector3d at = middle(piece.surface);
   Choice best;
@@ -138,23 +146,28 @@ Choice choose_cut(const Piece& piece, const Eigen::Matrix3d& axes) {
   return best;
 }
 
-/// For each face of a convex hull, the point farthest outside it, where that is more than `limit_m`.
-std::vector<std::uint32_t> farthest_outside(const std::vector<Eigen::Vector3d>& points, const Mesh& hull,
-                                            double limit_m) {
+/// For each face of a convex hull, the point farthest outside it, where that is more than
+/// `limit_m`.
+std::vector<std::uint32_t> farthest_outside(const std::vector<Eigen::Vector3d>& points,
+                                            const Mesh& hull, double limit_m) {
   std::vector<std::uint32_t> found;
   for (const auto& t : hull.triangles) {
     const Eigen::Vector3d& a = hull.vertices_m[t[0]];
     const Eigen::Vector3d normal = (hull.vertices_m[t[1]] - a).cross(hull.vertices_m[t[2]] - a);
     if (normal.norm() < 1e-15) continue;  // m^2: a needle has no side
     const Eigen::Vector3d n = normal.normalized();
-    const auto by_height = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) { return n.dot(p) < n.dot(q); };
+    const auto by_height = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
+      return n.dot(p) < n.dot(q);
+    };
     const auto top = std::max_element(points.begin(), points.end(), by_height);
-    if (n.dot(*top - a) > limit_m) found.push_back(static_cast<std::uint32_t>(top - points.begin()));
+    if (n.dot(*top - a) > limit_m)
+      found.push_back(static_cast<std::uint32_t>(top - points.begin()));
   }
   return found;
 }
 
-/// Keeps, of a hull's corners, those farthest in some directions, then those that still stand out, face by face.
+/// Keeps, of a hull's corners, those farthest in some directions, then those that still stand out,
+/// face by face.
 Mesh thin(const Mesh& hull, double follow_m) {
   constexpr std::size_t kFew = 100;
   constexpr int kDirections = 150;
@@ -166,8 +179,11 @@ Mesh thin(const Mesh& hull, double follow_m) {
     const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
     const double r = std::sqrt(1 - z * z);
     const Eigen::Vector3d d(r * std::cos(angle), r * std::sin(angle), z);
-    const auto by_extent = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) { return d.dot(p) < d.dot(q); };
-    kept.push_back(static_cast<std::uint32_t>(std::max_element(points.begin(), points.end(), by_extent) - points.begin()));
+    const auto by_extent = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
+      return d.dot(p) < d.dot(q);
+    };
+    kept.push_back(static_cast<std::uint32_t>(
+        std::max_element(points.begin(), points.end(), by_extent) - points.begin()));
   }
   for (;;) {
     std::sort(kept.begin(), kept.end());
@@ -204,7 +220,8 @@ ConvexParts convex_parts(const Mesh& mesh, const ConvexPartsConfig& config) {
   Eigen::Matrix3d axes;
   while (hulls_m3 > allowed_m3 && static_cast<int>(pieces.size()) < config.max_parts) {
     if (choices.empty()) axes = minimum_volume_box(pieces[0].hull.vertices_m).axes;
-    for (std::size_t i = choices.size(); i < pieces.size(); ++i) choices.push_back(choose_cut(pieces[i], axes));
+    for (std::size_t i = choices.size(); i < pieces.size(); ++i)
+      choices.push_back(choose_cut(pieces[i], axes));
     const auto better = [](const Choice& a, const Choice& b) { return a.gain_m3 < b.gain_m3; };
     const auto chosen = std::max_element(choices.begin(), choices.end(), better);
     if (chosen->gain_m3 <= 1e-4 * solid.volume_m3) break;

@@ -1,5 +1,6 @@
 #include "sim/physics/engine.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,15 +9,15 @@
 #include <stdexcept>
 #include <vector>
 
-#include <Eigen/Core>
-
 namespace cousin {
 namespace {
 
 thread_local int warning_count = 0;
 
 void count_warning(const char* /*message*/) { ++warning_count; }
-void throw_error(const char* message) { throw std::runtime_error(std::string("MuJoCo: ") + message); }
+void throw_error(const char* message) {
+  throw std::runtime_error(std::string("MuJoCo: ") + message);
+}
 
 using Matrix = Eigen::Matrix<mjtNum, 3, 3, Eigen::RowMajor>;
 
@@ -26,7 +27,8 @@ struct Corner {
 };
 
 /// mjfCollision of a plane (geom 1) and a mesh (geom 2).
-int plane_mesh(const mjModel* model, const mjData* data, mjContact* contacts, int plane, int mesh, mjtNum margin) {
+int plane_mesh(const mjModel* model, const mjData* data, mjContact* contacts, int plane, int mesh,
+               mjtNum margin) {
   const Eigen::Map<const Matrix> plane_axes(data->geom_xmat + 9 * plane);
   const Eigen::Map<const Eigen::Vector3d> plane_at(data->geom_xpos + 3 * plane);
   const Eigen::Map<const Matrix> mesh_axes(data->geom_xmat + 9 * mesh);
@@ -38,7 +40,8 @@ int plane_mesh(const mjModel* model, const mjData* data, mjContact* contacts, in
   thread_local std::vector<Corner> below;
   below.clear();
   const int shape = model->geom_dataid[mesh];
-  const float* vertex = model->mesh_vert + 3 * static_cast<std::ptrdiff_t>(model->mesh_vertadr[shape]);
+  const float* vertex =
+      model->mesh_vert + 3 * static_cast<std::ptrdiff_t>(model->mesh_vertadr[shape]);
   const Eigen::Vector3d normal_in_mesh = mesh_axes.transpose() * normal;
   for (int i = 0; i < model->mesh_vertnum[shape]; ++i, vertex += 3) {
     const Eigen::Vector3d p(vertex[0], vertex[1], vertex[2]);
@@ -50,13 +53,17 @@ int plane_mesh(const mjModel* model, const mjData* data, mjContact* contacts, in
   constexpr int kDirections = 4;
   std::array<std::size_t, kDirections + 1> chosen{};
   const auto deeper = [](const Corner& a, const Corner& b) { return a.height_m < b.height_m; };
-  chosen[0] = static_cast<std::size_t>(std::min_element(below.begin(), below.end(), deeper) - below.begin());
+  chosen[0] = static_cast<std::size_t>(std::min_element(below.begin(), below.end(), deeper) -
+                                       below.begin());
   for (int k = 0; k < kDirections; ++k) {
     const double angle = 2 * std::numbers::pi * (k + 0.5) / kDirections;
-    const Eigen::Vector3d side = std::cos(angle) * plane_axes.col(0) + std::sin(angle) * plane_axes.col(1);
-    const auto outer = [&](const Corner& a, const Corner& b) { return side.dot(a.in_world_m) < side.dot(b.in_world_m); };
-    chosen[static_cast<std::size_t>(k) + 1] =
-        static_cast<std::size_t>(std::max_element(below.begin(), below.end(), outer) - below.begin());
+    const Eigen::Vector3d side =
+        std::cos(angle) * plane_axes.col(0) + std::sin(angle) * plane_axes.col(1);
+    const auto outer = [&](const Corner& a, const Corner& b) {
+      return side.dot(a.in_world_m) < side.dot(b.in_world_m);
+    };
+    chosen[static_cast<std::size_t>(k) + 1] = static_cast<std::size_t>(
+        std::max_element(below.begin(), below.end(), outer) - below.begin());
   }
   int count = 0;
   for (std::size_t k = 0; k < chosen.size(); ++k) {
@@ -97,7 +104,8 @@ EngineModel load_model(const std::string& xml) {
   mj_defaultVFS(files.get());
   const char* name = "model.xml";
   if (mj_makeEmptyFileVFS(files.get(), name, static_cast<int>(xml.size())) != 0) {
-    throw std::runtime_error("MuJoCo: no room for a model of " + std::to_string(xml.size()) + " bytes");
+    throw std::runtime_error("MuJoCo: no room for a model of " + std::to_string(xml.size()) +
+                             " bytes");
   }
   const int slot = mj_findFileVFS(files.get(), name);
   std::copy(xml.begin(), xml.end(), static_cast<char*>(files->filedata[slot]));

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <mujoco/mujoco.h>
+
 #include <memory>
 #include <string>
 
-#include <mujoco/mujoco.h>
-
-// MuJoCo's C interface with owners and exceptions. Only .cpp files and tests of built-in physics include this.
+// MuJoCo's C interface with owners and exceptions. Only .cpp files and tests of built-in physics
+// include this.
 
 namespace cousin {
 
@@ -18,8 +19,8 @@ struct EngineDataDelete {
 using EngineModel = std::unique_ptr<mjModel, EngineModelDelete>;
 using EngineData = std::unique_ptr<mjData, EngineDataDelete>;
 
-/// Counts the engine's warnings on this thread from construction on, and turns its errors into std::runtime_error (by
-/// itself it would end the program). One alive per thread.
+/// Counts the engine's warnings on this thread from construction on, and turns its errors into
+/// std::runtime_error (by itself it would end the program). One alive per thread.
 class EngineWatch {
  public:
   EngineWatch();
@@ -31,9 +32,10 @@ class EngineWatch {
 EngineModel load_model(const std::string& xml);
 EngineData make_data(const mjModel& model);
 
-/// Makes plane-mesh contacts at up to five corners of the hull below the plane: the deepest and the outermost in four
-/// directions. The engine itself takes the deepest corner and its neighbours only, so a finely cornered body
-/// rocks on one point for ever. Changes the engine's table for the whole process; idempotent.
+/// Makes plane-mesh contacts at up to five corners of the hull below the plane: the deepest and the
+/// outermost in four directions. The engine itself takes the deepest corner and its neighbours
+/// only, so a finely cornered body rocks on one point for ever. Changes the engine's table for the
+/// whole process; idempotent.
 void install_plane_mesh_contacts();
 
 }  // namespace cousin

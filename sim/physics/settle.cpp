@@ -1,5 +1,8 @@
 #include "sim/physics/settle.h"
 
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,9 +10,6 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-
-#include <Eigen/Eigenvalues>
-#include <tbb/parallel_for.h>
 
 #include "sim/geometry/measure.h"
 #include "sim/physics/convex_parts.h"
@@ -19,7 +19,8 @@ namespace cousin {
 namespace {
 
 constexpr double kHold_s = 0.05;  // rest must last as long
-// Room for contacts, a body: the engine's memory grows with its square. Too little is a warning, which is fatal.
+// Room for contacts, a body: the engine's memory grows with its square. Too little is a warning,
+// which is fatal.
 constexpr std::size_t kContacts = 30;
 
 struct Body {
@@ -33,13 +34,15 @@ Body prepare(const SettleBody& given, std::size_t index) {
   const std::string name = "settle: body " + std::to_string(index);
   if (given.mesh == nullptr) throw std::invalid_argument(name + " has no mesh");
   if (!(given.mass_kg > 0)) {
-    throw std::invalid_argument(name + " has mass " + std::to_string(given.mass_kg) + " kg; it must be positive");
+    throw std::invalid_argument(name + " has mass " + std::to_string(given.mass_kg) +
+                                " kg; it must be positive");
   }
   Body body;
   body.given = &given;
   body.parts = given.parts != nullptr ? *given.parts : convex_parts(*given.mesh);
   const MassProperties mass = mass_properties(*given.mesh);
-  for (const Eigen::Vector3d& v : given.mesh->vertices_m) body.radius_m = std::max(body.radius_m, v.norm());
+  for (const Eigen::Vector3d& v : given.mesh->vertices_m)
+    body.radius_m = std::max(body.radius_m, v.norm());
   if (mass.centroid_m.norm() > 1e-3 * body.radius_m) {
     throw std::invalid_argument(name + " does not have its centroid at the origin");
   }
@@ -48,7 +51,8 @@ Body prepare(const SettleBody& given, std::size_t index) {
 }
 
 double lowest_m(const Mesh& mesh, const Pose& world_from_body) {
-  const Eigen::Vector3d up_in_body = world_from_body.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d up_in_body =
+      world_from_body.rotation.conjugate() * Eigen::Vector3d::UnitZ();
   double low = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& v : mesh.vertices_m) low = std::min(low, v.dot(up_in_body));
   return low + world_from_body.translation_m.z();
@@ -82,22 +86,29 @@ std::string numbers(std::initializer_list<double> values) {
   return text;
 }
 
-std::string model_xml(const std::vector<Body>& bodies, const std::vector<Pose>& poses, const SettleConfig& config) {
+std::string model_xml(const std::vector<Body>& bodies, const std::vector<Pose>& poses,
+                      const SettleConfig& config) {
   const double h = config.step_s;
-  std::string xml = "<mujoco><compiler angle=\"radian\" balanceinertia=\"false\"/><option timestep=\"" + numbers({h}) +
-                    "\" gravity=\"0 0 -9.81\" integrator=\"Euler\" cone=\"elliptic\" solver=\"Newton\" iterations=\"60\""
-                    " tolerance=\"1e-12\" impratio=\"10\" noslip_tolerance=\"1e-12\" noslip_iterations=\"" +
-                    std::to_string(config.noslip_iterations) +
-                    "\" mpr_tolerance=\"1e-9\" mpr_iterations=\"200\"><flag multiccd=\"enable\"/></option>"
-                    "<size nconmax=\"" + std::to_string(kContacts * bodies.size() + 20) + "\" njmax=\"" +
-                    std::to_string(6 * (kContacts * bodies.size() + 20)) + "\"/><default><geom condim=\"6\" solref=\"" +
-                    numbers({2 * h, 1}) + "\" solimp=\".99 .999 .0001\" friction=\"" +
-                    numbers({config.friction, config.spinning_friction_m, config.rolling_friction_m}) +
-                    "\"/></default><asset>";
+  std::string xml =
+      "<mujoco><compiler angle=\"radian\" balanceinertia=\"false\"/><option timestep=\"" +
+      numbers({h}) +
+      "\" gravity=\"0 0 -9.81\" integrator=\"Euler\" cone=\"elliptic\" solver=\"Newton\" "
+      "iterations=\"60\""
+      " tolerance=\"1e-12\" impratio=\"10\" noslip_tolerance=\"1e-12\" noslip_iterations=\"" +
+      std::to_string(config.noslip_iterations) +
+      "\" mpr_tolerance=\"1e-9\" mpr_iterations=\"200\"><flag multiccd=\"enable\"/></option>"
+      "<size nconmax=\"" +
+      std::to_string(kContacts * bodies.size() + 20) + "\" njmax=\"" +
+      std::to_string(6 * (kContacts * bodies.size() + 20)) +
+      "\"/><default><geom condim=\"6\" solref=\"" + numbers({2 * h, 1}) +
+      "\" solimp=\".99 .999 .0001\" friction=\"" +
+      numbers({config.friction, config.spinning_friction_m, config.rolling_friction_m}) +
+      "\"/></default><asset>";
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (std::size_t k = 0; k < bodies[i].parts.hulls.size(); ++k) {
       xml += "<mesh name=\"m" + std::to_string(i) + "_" + std::to_string(k) + "\" vertex=\"";
-      for (const Eigen::Vector3d& v : bodies[i].parts.hulls[k].vertices_m) xml += numbers({v.x(), v.y(), v.z()});
+      for (const Eigen::Vector3d& v : bodies[i].parts.hulls[k].vertices_m)
+        xml += numbers({v.x(), v.y(), v.z()});
       xml += "\"/>";
     }
   }
@@ -106,10 +117,12 @@ std::string model_xml(const std::vector<Body>& bodies, const std::vector<Pose>& 
     const Eigen::Vector3d& t = poses[i].translation_m;
     const Eigen::Quaterniond& q = poses[i].rotation;
     const Eigen::Matrix3d& inertia = bodies[i].inertia_kg_m2;
-    xml += "<body pos=\"" + numbers({t.x(), t.y(), t.z()}) + "\" quat=\"" + numbers({q.w(), q.x(), q.y(), q.z()}) +
+    xml += "<body pos=\"" + numbers({t.x(), t.y(), t.z()}) + "\" quat=\"" +
+           numbers({q.w(), q.x(), q.y(), q.z()}) +
            "\"><freejoint/><inertial pos=\"0 0 0\" mass=\"" + numbers({bodies[i].given->mass_kg}) +
            "\" fullinertia=\"" +
-           numbers({inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2)}) +
+           numbers({inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2),
+                    inertia(1, 2)}) +
            "\"/>";
     for (std::size_t k = 0; k < bodies[i].parts.hulls.size(); ++k) {
       xml += "<geom type=\"mesh\" mesh=\"m" + std::to_string(i) + "_" + std::to_string(k) + "\"/>";
@@ -119,10 +132,12 @@ std::string model_xml(const std::vector<Body>& bodies, const std::vector<Pose>& 
   return xml + "</worldbody></mujoco>";
 }
 
-/// Position and velocity of the free joint of body i: the bodies' frames have their centroid as origin.
+/// Position and velocity of the free joint of body i: the bodies' frames have their centroid as
+/// origin.
 Pose body_pose(const mjData& data, std::size_t i) {
   const mjtNum* q = data.qpos + 7 * i;
-  return {Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized(), Eigen::Vector3d(q[0], q[1], q[2])};
+  return {Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized(),
+          Eigen::Vector3d(q[0], q[1], q[2])};
 }
 
 double kinetic_energy_j(const std::vector<Body>& bodies, const mjData& data) {
@@ -140,8 +155,9 @@ double kinetic_energy_j(const std::vector<Body>& bodies, const mjData& data) {
 /// Linear drag on both velocities, each with the same decay rate.
 void set_drag(const std::vector<Body>& bodies, mjModel& model, double drag_per_s) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Eigen::Vector3d moments =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(bodies[i].inertia_kg_m2, Eigen::EigenvaluesOnly).eigenvalues();
+    const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(
+                                        bodies[i].inertia_kg_m2, Eigen::EigenvaluesOnly)
+                                        .eigenvalues();
     for (std::size_t k = 0; k < 3; ++k) {
       model.dof_damping[6 * i + k] = drag_per_s * bodies[i].given->mass_kg;
       model.dof_damping[6 * i + 3 + k] = drag_per_s * moments.mean();
@@ -150,7 +166,8 @@ void set_drag(const std::vector<Body>& bodies, mjModel& model, double drag_per_s
 }
 
 /// How deep the deepest vertex of `a` is inside the convex `hull` of another body; 0 if none is.
-double depth_in_hull_m(const Mesh& a, const Pose& hull_from_a, double a_radius_m, const Mesh& hull) {
+double depth_in_hull_m(const Mesh& a, const Pose& hull_from_a, double a_radius_m,
+                       const Mesh& hull) {
   std::vector<Eigen::Vector3d> normals;
   std::vector<double> offsets_m;
   for (const auto& t : hull.triangles) {
@@ -181,8 +198,9 @@ double max_penetration_m(const std::vector<Body>& bodies, const std::vector<Pose
       const double apart_m = (poses[i].translation_m - poses[j].translation_m).norm();
       if (i == j || apart_m > bodies[i].radius_m + bodies[j].radius_m) continue;
       for (const Mesh& hull : bodies[j].parts.hulls) {
-        deepest = std::max(deepest, depth_in_hull_m(*bodies[i].given->mesh, inverse(poses[j]) * poses[i],
-                                                    bodies[i].radius_m, hull));
+        deepest =
+            std::max(deepest, depth_in_hull_m(*bodies[i].given->mesh, inverse(poses[j]) * poses[i],
+                                              bodies[i].radius_m, hull));
       }
     }
   }
@@ -191,7 +209,8 @@ double max_penetration_m(const std::vector<Body>& bodies, const std::vector<Pose
 
 bool all_on_board(const std::vector<Pose>& poses, double half_m) {
   return std::all_of(poses.begin(), poses.end(), [&](const Pose& pose) {
-    return pose.translation_m.head<2>().cwiseAbs().maxCoeff() <= half_m && pose.translation_m.z() > 0;
+    return pose.translation_m.head<2>().cwiseAbs().maxCoeff() <= half_m &&
+           pose.translation_m.z() > 0;
   });
 }
 
@@ -201,7 +220,8 @@ SettleResult settle(const std::vector<SettleBody>& given, const SettleConfig& co
   validate(config);
   SettleResult result;
   std::vector<Body> bodies(given.size());
-  tbb::parallel_for(std::size_t{0}, given.size(), [&](std::size_t i) { bodies[i] = prepare(given[i], i); });
+  tbb::parallel_for(std::size_t{0}, given.size(),
+                    [&](std::size_t i) { bodies[i] = prepare(given[i], i); });
   if (bodies.empty()) {
     result.status = SettleStatus::ok;
     return result;
@@ -209,7 +229,8 @@ SettleResult settle(const std::vector<SettleBody>& given, const SettleConfig& co
 
   const EngineWatch watch;
   install_plane_mesh_contacts();
-  const EngineModel model = load_model(model_xml(bodies, release_poses(bodies, config.drop_height_m), config));
+  const EngineModel model =
+      load_model(model_xml(bodies, release_poses(bodies, config.drop_height_m), config));
   set_drag(bodies, *model, config.drag_per_s);
   const EngineData data = make_data(*model);
   const auto steps = static_cast<long>(config.max_time_s / config.step_s);
@@ -223,7 +244,8 @@ SettleResult settle(const std::vector<SettleBody>& given, const SettleConfig& co
     quiet = result.kinetic_energy_j < config.rest_energy_j && touching ? quiet + 1 : 0;
   }
 
-  for (std::size_t i = 0; i < bodies.size(); ++i) result.world_from_body.push_back(body_pose(*data, i));
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    result.world_from_body.push_back(body_pose(*data, i));
   result.time_s = data->time;
   result.warnings = watch.warnings(*data);
   result.max_penetration_m = max_penetration_m(bodies, result.world_from_body);

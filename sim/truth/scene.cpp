@@ -36,7 +36,8 @@ Pose pose_at_row(const TrueView& view, double y) {
 void validate(const Scene& scene) {
   for (const ObjectModel& model : scene.models) {
     const auto fail = [&](const char* what) {
-      throw std::invalid_argument("scene \"" + scene.name + "\", model \"" + model.name + "\": " + what);
+      throw std::invalid_argument("scene \"" + scene.name + "\", model \"" + model.name +
+                                  "\": " + what);
     };
     const std::size_t vertices = model.mesh.vertices_m.size();
     const std::size_t triangles = model.mesh.triangles.size();
@@ -61,10 +62,13 @@ void validate(const Scene& scene) {
   std::set<int> ids;
   for (const Instance& instance : scene.instances) {
     const auto fail = [&](const char* what) {
-      throw std::invalid_argument("scene \"" + scene.name + "\", instance \"" + instance.name + "\": " + what);
+      throw std::invalid_argument("scene \"" + scene.name + "\", instance \"" + instance.name +
+                                  "\": " + what);
     };
-    if (instance.id < 0 || !ids.insert(instance.id).second) fail("its id is negative or not unique");
-    if (instance.model < 0 || instance.model >= static_cast<int>(scene.models.size())) fail("no such model");
+    if (instance.id < 0 || !ids.insert(instance.id).second)
+      fail("its id is negative or not unique");
+    if (instance.model < 0 || instance.model >= static_cast<int>(scene.models.size()))
+      fail("no such model");
     if (instance.material < 0 || instance.material >= static_cast<int>(scene.materials.size())) {
       fail("no such material");
     }
@@ -73,7 +77,8 @@ void validate(const Scene& scene) {
       fail("its pose is not finite");
     }
     for (std::size_t i = 1; i < instance.motion.size(); ++i) {
-      if (!(instance.motion[i].time_s > instance.motion[i - 1].time_s)) fail("its motion is not sorted by time");
+      if (!(instance.motion[i].time_s > instance.motion[i - 1].time_s))
+        fail("its motion is not sorted by time");
     }
   }
 }

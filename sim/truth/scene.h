@@ -1,12 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "sim/types/board.h"
 #include "sim/types/image.h"
@@ -18,10 +17,12 @@ namespace cousin {
 /// How light leaves a surface: a diffuse base under a smooth-to-rough dielectric coat (GGX).
 struct Material {
   std::string name;
-  Rgbf albedo{0.5F, 0.5F, 0.5F};  ///< diffuse reflectance in [0, 1]; times the vertex albedo if the model has one
-  double ior = 1.5;               ///< of the coat; 1 = no coat, purely diffuse
-  double roughness = 0.5;         ///< GGX alpha = roughness^2, in [0.05, 1]
-  std::optional<SeedBoard> print;  ///< face z = 0 of the object carries this print
+  Rgbf albedo{
+      0.5F, 0.5F,
+      0.5F};  ///< diffuse reflectance in [0, 1]; times the vertex albedo if the model has one
+  double ior = 1.5;                      ///< of the coat; 1 = no coat, purely diffuse
+  double roughness = 0.5;                ///< GGX alpha = roughness^2, in [0.05, 1]
+  std::optional<SeedBoard> print;        ///< face z = 0 of the object carries this print
   Rgbf ink_albedo{0.03F, 0.03F, 0.03F};  ///< where the print is black
 };
 
@@ -42,8 +43,9 @@ struct TrueTrait {
 struct ObjectModel {
   std::string name;
   Mesh mesh;
-  std::vector<Rgbf> vertex_albedo;         ///< one for each vertex, or empty
-  std::vector<Eigen::Vector3f> vertex_normals;  ///< unit, for shading; empty = flat. Geometry truth never uses them
+  std::vector<Rgbf> vertex_albedo;  ///< one for each vertex, or empty
+  std::vector<Eigen::Vector3f>
+      vertex_normals;  ///< unit, for shading; empty = flat. Geometry truth never uses them
   std::vector<std::uint16_t> triangle_part;  ///< index into part_names for each triangle, or empty
   std::vector<std::string> part_names;
   std::vector<Keypoint> keypoints;
@@ -55,12 +57,12 @@ struct TimedPose {
 };
 
 struct Instance {
-  int id = 0;            ///< unique; written to instance images; background is -1
+  int id = 0;  ///< unique; written to instance images; background is -1
   std::string name;
   std::string category;  ///< cultivar for specimens; "board", "screen", "sphere" for the setting
   bool is_specimen = false;  ///< scored; its traits are filled
-  int model = 0;         ///< index into Scene::models
-  int material = 0;      ///< index into Scene::materials
+  int model = 0;             ///< index into Scene::models
+  int material = 0;          ///< index into Scene::materials
   Pose world_from_object;
   std::vector<TimedPose> motion;  ///< sorted by time; empty = static at world_from_object
   double mass_kg = 0;
@@ -73,7 +75,8 @@ struct Sun {
   double angular_radius_rad = 0.00465;
   Rgbf irradiance;  ///< on a surface facing it
 };
-/// Upper hemisphere: radiance goes from `horizon` to `zenith` with the sine of the elevation; below, `ground`.
+/// Upper hemisphere: radiance goes from `horizon` to `zenith` with the sine of the elevation;
+/// below, `ground`.
 struct Sky {
   Rgbf zenith, horizon, ground;
 };
@@ -86,7 +89,8 @@ struct Lamp {
 };
 using Light = std::variant<Sun, Sky, Lamp>;
 
-/// Where the rig is at one exposure. For a rolling shutter the rig moves from begin to end during readout.
+/// Where the rig is at one exposure. For a rolling shutter the rig moves from begin to end during
+/// readout.
 struct View {
   double time_s = 0;
   Pose rig_from_world;      ///< when the first row is read
@@ -96,7 +100,7 @@ struct View {
 /// All that is known of a scene; a plain value. World: right-handed, z up, metres.
 struct Scene {
   std::string name;
-  std::string rig;  ///< name of a sensor preset
+  std::string rig;             ///< name of a sensor preset
   std::string board = "none";  ///< markers, plain, none
   std::vector<ObjectModel> models;
   std::vector<Material> materials;
@@ -105,7 +109,8 @@ struct Scene {
   std::vector<View> views;
 };
 
-/// World pose at a time: `world_from_object` if static, else interpolated; held before the first and after the last.
+/// World pose at a time: `world_from_object` if static, else interpolated; held before the first
+/// and after the last.
 Pose world_from_object(const Instance& instance, double time_s);
 
 /// The model's mesh in the world at a time.

@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "sim/types/camera.h"
 #include "sim/types/image.h"
@@ -15,9 +14,9 @@ namespace cousin {
 struct TrueView {
   int frame = 0;
   double time_s = 0;
-  Camera camera;                 ///< the lens as it was, this image
-  Pose camera_from_world;        ///< when the first row is read
-  Pose camera_from_world_end;    ///< when the last row is read; equal for a global shutter
+  Camera camera;               ///< the lens as it was, this image
+  Pose camera_from_world;      ///< when the first row is read
+  Pose camera_from_world_end;  ///< when the last row is read; equal for a global shutter
 };
 
 /// Pose when row `y` is read (linear in the row).
@@ -34,14 +33,16 @@ struct InstanceVisibility {
 
 /// One sample through each pixel's centre. Images that were not asked for stay empty.
 struct TruthImages {
-  Image<float> depth_m;                ///< along the optical axis; NaN = no surface
-  Image<Eigen::Vector3f> normal;       ///< geometric, unit, in the camera, towards it; zero = none
-  Image<Eigen::Vector3f> position_m;   ///< in the world; NaN = none
-  Image<std::int32_t> instance;        ///< Instance::id; -1 = none
-  Image<std::uint16_t> part;           ///< part of the instance; 65535 = none
-  Image<float> specimen_coverage;      ///< share of the pixel's area that shows a specimen, from several samples
+  Image<float> depth_m;               ///< along the optical axis; NaN = no surface
+  Image<Eigen::Vector3f> normal;      ///< geometric, unit, in the camera, towards it; zero = none
+  Image<Eigen::Vector3f> position_m;  ///< in the world; NaN = none
+  Image<std::int32_t> instance;       ///< Instance::id; -1 = none
+  Image<std::uint16_t> part;          ///< part of the instance; 65535 = none
+  Image<float>
+      specimen_coverage;  ///< share of the pixel's area that shows a specimen, from several samples
   std::vector<InstanceVisibility> visibility;  ///< specimens, by id
-  std::vector<Image<std::uint8_t>> masks_full;  ///< one for each of `visibility`: 255 inside the amodal mask
+  std::vector<Image<std::uint8_t>>
+      masks_full;  ///< one for each of `visibility`: 255 inside the amodal mask
 };
 
 }  // namespace cousin

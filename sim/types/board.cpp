@@ -41,8 +41,8 @@ void validate(const SeedBoard& board) {
   }
   if (board.squares * board.square_m > board.plate_m * (1 + 1e-9)) {
     throw std::invalid_argument("board: " + std::to_string(board.squares) + " squares of " +
-                                std::to_string(board.square_m) + " m do not fit on plate_m = " +
-                                std::to_string(board.plate_m));
+                                std::to_string(board.square_m) +
+                                " m do not fit on plate_m = " + std::to_string(board.plate_m));
   }
   if (board.has_markers &&
       (!(board.marker_m > 0) || board.marker_m > kBlockSquares * board.square_m ||
@@ -70,7 +70,8 @@ bool marker_module_black(int id, int column, int row) {
   if (id < 0 || id >= static_cast<int>(kBits.size())) {
     throw std::invalid_argument("marker id " + std::to_string(id) + " is not in 0..3");
   }
-  if (column <= 0 || row <= 0 || column >= kMarkerModules - 1 || row >= kMarkerModules - 1) return true;
+  if (column <= 0 || row <= 0 || column >= kMarkerModules - 1 || row >= kMarkerModules - 1)
+    return true;
   return kBits[static_cast<std::size_t>(id)][static_cast<std::size_t>(row - 1)][column - 1] == '0';
 }
 

@@ -1,18 +1,17 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <vector>
 
-#include <Eigen/Core>
-
 namespace cousin {
 
-/// The seed board: a square plate with a checkerboard of `squares` x `squares` centred on it. World frame =
-/// board frame: origin at the plate's centre, z up out of the printed face, which is z = 0; x to the right and
-/// y up when the print is read upright.
-/// Square (column, row) counts from the lower left (-x, -y) corner and is black where column + row is
-/// even. With markers, each corner block of 3 x 3 squares is white and holds a marker of
-/// 4 x 4 bits with a black border one bit wide (OpenCV's DICT_4X4_50), centred in its block.
+/// The seed board: a square plate with a checkerboard of `squares` x `squares` centred on it. World
+/// frame = board frame: origin at the plate's centre, z up out of the printed face, which is z = 0;
+/// x to the right and y up when the print is read upright. Square (column, row) counts from the
+/// lower left (-x, -y) corner and is black where column + row is even. With markers, each corner
+/// block of 3 x 3 squares is white and holds a marker of 4 x 4 bits with a black border one bit
+/// wide (OpenCV's DICT_4X4_50), centred in its block.
 struct SeedBoard {
   double plate_m = 0.100;
   int squares = 15;
@@ -36,11 +35,12 @@ inline constexpr int kMarkerModules = 6;
 /// Whether module (column from the left, row from the top) of a marker read upright is black.
 /// @throws std::invalid_argument for an id other than 0..3.
 bool marker_module_black(int id, int column, int row);
-/// Corners of marker `index` (into marker_ids) in OpenCV's order: top-left, top-right, bottom-right,
-/// bottom-left of the upright marker; z = 0.
+/// Corners of marker `index` (into marker_ids) in OpenCV's order: top-left, top-right,
+/// bottom-right, bottom-left of the upright marker; z = 0.
 std::array<Eigen::Vector3d, 4> marker_corners_in_world_m(const SeedBoard& board, int index);
 
-/// Print reflectance class at a point of the face: true = black ink. Outside the checkerboard: white.
+/// Print reflectance class at a point of the face: true = black ink. Outside the checkerboard:
+/// white.
 bool is_black(const SeedBoard& board, double x_m, double y_m);
 
 }  // namespace cousin

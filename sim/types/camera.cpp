@@ -1,13 +1,12 @@
 #include "sim/types/camera.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
-
-#include <Eigen/LU>
 
 namespace cousin {
 namespace {
@@ -25,12 +24,10 @@ constexpr std::array<ModelName, 5> kModels = {{{LensModel::pinhole, "pinhole", 0
                                                {LensModel::opencv12, "opencv12", 12},
                                                {LensModel::kannala_brandt4, "kannala_brandt4", 4}}};
 
-const ModelName& entry(LensModel model) {
-  return kModels.at(static_cast<std::size_t>(model));
-}
+const ModelName& entry(LensModel model) { return kModels.at(static_cast<std::size_t>(model)); }
 
 struct Distorted {
-  Eigen::Vector2d point;       ///< on the plane z = 1, before the focal length
+  Eigen::Vector2d point;         ///< on the plane z = 1, before the focal length
   Eigen::Matrix2d d_normalized;  ///< of point, with respect to the undistorted (x, y)
 };
 
@@ -116,7 +113,8 @@ std::string describe(const char* field, double value) {
 /// Undistorted (x, y) of a distorted point; nothing if no root below `limit` is found.
 std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vector2d& target,
                                          double limit) {
-  // Radial start inside the bracket [0, limit], where the radial map increases: bisection, few steps.
+  // Radial start inside the bracket [0, limit], where the radial map increases: bisection, few
+  // steps.
   const double wanted = target.norm();
   if (wanted == 0 && camera.distortion[8] == 0 && camera.distortion[10] == 0) {
     return Eigen::Vector2d::Zero();
@@ -142,7 +140,8 @@ std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vect
     if (!(std::abs(determinant) > 1e-12)) break;
     const Eigen::Vector2d step = d.d_normalized.inverse() * (target - d.point);
     bool improved = false;
-    for (double scale = 1; scale > 1e-4; scale *= 0.5) {  // halve until it gets better, inside the limit
+    for (double scale = 1; scale > 1e-4;
+         scale *= 0.5) {  // halve until it gets better, inside the limit
       const Eigen::Vector2d candidate = xy + scale * step;
       if (candidate.norm() > limit) continue;
       const Distorted next = distort(camera, candidate.x(), candidate.y());
@@ -161,8 +160,8 @@ std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vect
   return xy;
 }
 
-std::optional<Eigen::Vector3d> unproject_within(const Camera& camera, const Eigen::Vector2d& pixel_px,
-                                                double limit) {
+std::optional<Eigen::Vector3d> unproject_within(const Camera& camera,
+                                                const Eigen::Vector2d& pixel_px, double limit) {
   const Eigen::Vector2d m((pixel_px.x() - camera.cx_px) / camera.fx_px,
                           (pixel_px.y() - camera.cy_px) / camera.fy_px);
   if (!m.allFinite()) return std::nullopt;
@@ -218,7 +217,8 @@ double monotone_limit(const Camera& camera) {
   return limit < kFarthest ? limit : kInfinity;
 }
 
-std::optional<Projection> project_with_jacobian(const Camera& camera, const Eigen::Vector3d& point) {
+std::optional<Projection> project_with_jacobian(const Camera& camera,
+                                                const Eigen::Vector3d& point) {
   if (!point.allFinite()) return std::nullopt;
   Projection result;
   const Eigen::Vector2d f(camera.fx_px, camera.fy_px);
@@ -242,8 +242,9 @@ std::optional<Projection> project_with_jacobian(const Camera& camera, const Eige
     d_theta << point.z() * u / norm2, -r / norm2;
     Eigen::Matrix<double, 2, 3> d_u = Eigen::Matrix<double, 2, 3>::Zero();
     d_u.leftCols<2>() = (Eigen::Matrix2d::Identity() - u * u.transpose()) / r;
-    result.d_point = f.asDiagonal() * (u * (kb_slope(camera.distortion, theta) * d_theta.transpose()) +
-                                       radius * d_u);
+    result.d_point =
+        f.asDiagonal() *
+        (u * (kb_slope(camera.distortion, theta) * d_theta.transpose()) + radius * d_u);
     return result;
   }
   if (!(point.z() > 0)) return std::nullopt;
@@ -293,8 +294,10 @@ Camera resized(const Camera& camera, int width_px, int height_px) {
 void validate(const Camera& camera) {
   const auto fail = [](const std::string& what) { throw std::invalid_argument("camera: " + what); };
   const auto size_ok = [](int size) { return size >= 1 && size <= 65535; };
-  if (!size_ok(camera.width_px)) fail(describe("width_px", camera.width_px) + " is outside 1..65535");
-  if (!size_ok(camera.height_px)) fail(describe("height_px", camera.height_px) + " is outside 1..65535");
+  if (!size_ok(camera.width_px))
+    fail(describe("width_px", camera.width_px) + " is outside 1..65535");
+  if (!size_ok(camera.height_px))
+    fail(describe("height_px", camera.height_px) + " is outside 1..65535");
   if (static_cast<double>(camera.width_px) * camera.height_px > 0x1p28) {
     fail("width_px * height_px is above 2^28 pixels");
   }
@@ -335,8 +338,8 @@ void validate(const Camera& camera) {
     if (!ok) {
       std::ostringstream text;
       text << "the " << to_string(camera.model) << " lens is not one-to-one at pixel (" << x << ", "
-           << y << "): its distortion folds inside the image (the radial map increases up to " << limit
-           << ")";
+           << y << "): its distortion folds inside the image (the radial map increases up to "
+           << limit << ")";
       fail(text.str());
     }
   };

@@ -1,11 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <optional>
 #include <string>
 #include <string_view>
-
-#include <Eigen/Core>
 
 namespace cousin {
 
@@ -34,16 +33,18 @@ struct Camera {
   bool operator==(const Camera&) const = default;
 };
 
-/// Checks numbers (finite, focal lengths > 0, size 1..65535 and at most 2^28 pixels, principal point
-/// within one image size of the image, unused coefficients zero) and that distortion is one-to-one inside the image:
-/// every border and grid pixel unprojects, projects back within 1e-6 px, and the Jacobian determinant
-/// of the distortion is positive there. @throws std::invalid_argument naming field, value and limit.
+/// Checks numbers (finite, focal lengths > 0, size 1..65535 and at most 2^28 pixels, principal
+/// point within one image size of the image, unused coefficients zero) and that distortion is
+/// one-to-one inside the image: every border and grid pixel unprojects, projects back within 1e-6
+/// px, and the Jacobian determinant of the distortion is positive there. @throws
+/// std::invalid_argument naming field, value and limit.
 void validate(const Camera& camera);
 
-/// Pixel of a point in camera coordinates, or nothing where the model is not valid (depth <= 0 for all but
-/// Kannala-Brandt; denominator of the rational model <= 0; beyond the radius where the radial
-/// polynomial folds). The pixel may lie outside the image.
-std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point_in_camera_m);
+/// Pixel of a point in camera coordinates, or nothing where the model is not valid (depth <= 0 for
+/// all but Kannala-Brandt; denominator of the rational model <= 0; beyond the radius where the
+/// radial polynomial folds). The pixel may lie outside the image.
+std::optional<Eigen::Vector2d> project(const Camera& camera,
+                                       const Eigen::Vector3d& point_in_camera_m);
 
 /// d(pixel)/d(point) where `project` gives a value.
 struct Projection {
@@ -53,8 +54,9 @@ struct Projection {
 std::optional<Projection> project_with_jacobian(const Camera& camera,
                                                 const Eigen::Vector3d& point_in_camera_m);
 
-/// Unit direction in camera coordinates of a pixel, by Newton's method safeguarded by a bracket on the radius
-/// and step halving; nothing where no direction reprojects within 1e-9 of the focal length.
+/// Unit direction in camera coordinates of a pixel, by Newton's method safeguarded by a bracket on
+/// the radius and step halving; nothing where no direction reprojects within 1e-9 of the focal
+/// length.
 std::optional<Eigen::Vector3d> unproject(const Camera& camera, const Eigen::Vector2d& pixel_px);
 
 /// Largest undistorted radius (or, for Kannala-Brandt, angle) up to which the radial map increases;

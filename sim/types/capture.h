@@ -17,18 +17,18 @@ struct SensorReport {
   std::string name = "rgb";  ///< also its folder in a dataset
   Camera camera;             ///< nominal; a frame may report its own
   Pose sensor_from_rig;
-  double exposure_s = 0;     ///< 0: unknown
+  double exposure_s = 0;  ///< 0: unknown
   Shutter shutter = Shutter::global;
-  double readout_s = 0;      ///< first to last row; 0 for a global shutter
-  bool linear_raw = false;   ///< 16-bit linear images are handed over too
+  double readout_s = 0;     ///< first to last row; 0 for a global shutter
+  bool linear_raw = false;  ///< 16-bit linear images are handed over too
 };
 
 /// What one sensor hands over at one instant. Images that a sensor does not give stay empty.
 struct SensorFrame {
-  Camera reported;                 ///< this image's calibration (autofocus changes it per image)
-  Image<Rgb8> color;               ///< 8-bit sRGB
-  Image<std::uint16_t> raw;        ///< linear, black level 0
-  Image<std::uint16_t> depth;      ///< times depth_unit_m = metres along the axis; 0 = none
+  Camera reported;             ///< this image's calibration (autofocus changes it per image)
+  Image<Rgb8> color;           ///< 8-bit sRGB
+  Image<std::uint16_t> raw;    ///< linear, black level 0
+  Image<std::uint16_t> depth;  ///< times depth_unit_m = metres along the axis; 0 = none
   double depth_unit_m = 0.001;
 };
 
@@ -42,7 +42,7 @@ struct Frame {
 /// What a rig hands over; real and simulated captures are the same type. No truth.
 struct Capture {
   std::string pipeline;  ///< name of the pipeline made for it; empty for a real capture
-  std::string board;     ///< calibration object in view: "markers", "plain", "none"; empty = unknown
+  std::string board;  ///< calibration object in view: "markers", "plain", "none"; empty = unknown
   std::vector<SensorReport> rig;
   std::vector<Frame> frames;
   std::vector<std::string> warnings;  ///< what a reader skipped and why

@@ -30,7 +30,9 @@ class Image {
 
   T& operator()(int x, int y) { return pixels_[index(x, y)]; }
   const T& operator()(int x, int y) const { return pixels_[index(x, y)]; }
-  std::span<T> row(int y) { return {pixels_.data() + index(0, y), static_cast<std::size_t>(width_)}; }
+  std::span<T> row(int y) {
+    return {pixels_.data() + index(0, y), static_cast<std::size_t>(width_)};
+  }
   std::span<const T> row(int y) const {
     return {pixels_.data() + index(0, y), static_cast<std::size_t>(width_)};
   }
@@ -45,7 +47,8 @@ class Image {
 
  private:
   std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(x);
   }
   int width_ = 0;
   int height_ = 0;

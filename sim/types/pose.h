@@ -17,7 +17,8 @@ Pose inverse(const Pose& a_from_b);
 Eigen::Matrix4d to_matrix(const Pose& a_from_b);
 
 /// The pose of a 4x4 matrix whose upper-left block is a rotation.
-/// @throws std::invalid_argument if the block is not orthonormal to 1e-6, or a number is not finite.
+/// @throws std::invalid_argument if the block is not orthonormal to 1e-6, or a number is not
+/// finite.
 Pose pose_from_matrix(const Eigen::Matrix4d& a_from_b);
 
 /// Camera at `eye` looking at `target`, image y axis as near to -`up` as it gets.
@@ -25,8 +26,8 @@ Pose pose_from_matrix(const Eigen::Matrix4d& a_from_b);
 Pose look_at(const Eigen::Vector3d& eye_in_world_m, const Eigen::Vector3d& target_in_world_m,
              const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());  ///< camera_from_world
 
-/// The moving pose at `fraction` of the way from `begin` to `end`: translation linear in the position
-/// of the origin of b, rotation by slerp. For rolling shutters and motion blur.
+/// The moving pose at `fraction` of the way from `begin` to `end`: translation linear in the
+/// position of the origin of b, rotation by slerp. For rolling shutters and motion blur.
 Pose interpolate(const Pose& begin, const Pose& end, double fraction);
 
 /// Position of the camera centre in the world for a `camera_from_world`.

@@ -23,10 +23,10 @@ class Rng {
   std::uint64_t state_;  ///< advances
 };
 
-double uniform(Rng& rng);                           ///< in [0, 1), 53 bits
-double uniform(Rng& rng, double low, double high);  ///< in [low, high)
+double uniform(Rng& rng);                                    ///< in [0, 1), 53 bits
+double uniform(Rng& rng, double low, double high);           ///< in [low, high)
 std::uint64_t uniform_index(Rng& rng, std::uint64_t count);  ///< in [0, count); count > 0
-double normal(Rng& rng);   ///< zero mean, unit variance; same on every standard library
+double normal(Rng& rng);  ///< zero mean, unit variance; same on every standard library
 /// Normal of the given mean and sigma, redrawn until within `limit_sigma` sigmas of the mean.
 double truncated_normal(Rng& rng, double mean, double sigma, double limit_sigma = 2.5);
 /// Poisson count of the given mean >= 0: inversion below 30, else a rounded normal with

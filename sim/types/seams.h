@@ -1,13 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "sim/types/camera.h"
 #include "sim/types/image.h"
@@ -16,7 +15,8 @@
 
 namespace cousin {
 
-/// Values that pass between the stages of a pipeline; each is a file of an estimate folder (design §3).
+/// Values that pass between the stages of a pipeline; each is a file of an estimate folder (design
+/// §3).
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // ---- corners.json -----------------------------------------------------------------------------
@@ -43,7 +43,8 @@ struct FramePose {
   Camera camera;           ///< refined lens of this image
   /// Of (rotation vector of the camera-side increment, translation) in rad and m; zero if unknown.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  double rms_px = kNaN;  ///< per coordinate: sqrt(sum of squared residual coordinates / their count)
+  double rms_px =
+      kNaN;  ///< per coordinate: sqrt(sum of squared residual coordinates / their count)
   int corner_count = 0;
 };
 using Poses = std::vector<FramePose>;  ///< one for each frame, same order
@@ -58,7 +59,7 @@ using Depths = std::vector<FrameDepth>;
 
 // ---- cloud.ply, clusters.ply --------------------------------------------------------------------
 struct CloudPoint {
-  Eigen::Vector3f position_m;  ///< in the world
+  Eigen::Vector3f position_m;                        ///< in the world
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, outward; zero = unknown
   Rgb8 color;
   float sigma_m = 0;  ///< standard deviation along the normal; 0 = unknown

@@ -39,7 +39,8 @@ double current_rss_mb() {
   long total_pages = 0;
   long resident_pages = 0;
   file >> total_pages >> resident_pages;
-  return static_cast<double>(resident_pages) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+  return static_cast<double>(resident_pages) * static_cast<double>(sysconf(_SC_PAGESIZE)) /
+         (1 << 20);
 }
 
 }  // namespace cousin

@@ -1,12 +1,11 @@
 #include "calibration/board_detection.h"
 
 #include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
+#include <tbb/global_control.h>
 
 #include <Eigen/Geometry>
-#include <tbb/global_control.h>
+#include <cmath>
+#include <numbers>
 
 #include "tests/calibration/synthetic_board.h"
 
@@ -24,8 +23,8 @@ Capture capture_of(const std::vector<synthetic::View>& views, const SeedBoard& b
     frame.id = static_cast<int>(capture.frames.size());
     frame.sensors.resize(1);
     frame.sensors[0].reported = view.camera;
-    frame.sensors[0].color =
-        synthetic::photograph(view, board, seeds, {}, Rng(11).fork(static_cast<std::uint64_t>(frame.id)));
+    frame.sensors[0].color = synthetic::photograph(
+        view, board, seeds, {}, Rng(11).fork(static_cast<std::uint64_t>(frame.id)));
     capture.frames.push_back(std::move(frame));
   }
   return capture;
@@ -33,8 +32,8 @@ Capture capture_of(const std::vector<synthetic::View>& views, const SeedBoard& b
 
 struct Errors {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  double rms_px = 0;       ///< per axis
-  double normalized = 0;   ///< RMS of error over predicted sigma, per axis
+  double rms_px = 0;      ///< per axis
+  double normalized = 0;  ///< RMS of error over predicted sigma, per axis
   double worst_px = 0;
 };
 
@@ -42,7 +41,8 @@ Errors errors_of(const FrameCorners& corners, const synthetic::View& view, const
   Errors e;
   const double n = static_cast<double>(corners.corners.size());
   for (const CornerObservation& c : corners.corners) {
-    const Eigen::Vector2d d = c.pixel_px - synthetic::true_pixel(view, corner_in_world_m(board, c.column, c.row));
+    const Eigen::Vector2d d =
+        c.pixel_px - synthetic::true_pixel(view, corner_in_world_m(board, c.column, c.row));
     e.mean += d / n;
     e.rms_px += d.squaredNorm() / (2 * n);
     e.normalized += d.squaredNorm() / (2 * n * c.sigma_px * c.sigma_px);
@@ -55,14 +55,17 @@ Errors errors_of(const FrameCorners& corners, const synthetic::View& view, const
 
 TEST(BoardDetection, CornersAreUnbiasedForEveryLens) {
   const SeedBoard board;
-  for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
-                                LensModel::kannala_brandt4}) {
-    const synthetic::View view = still(synthetic::phone_camera(1280, model), synthetic::orbit(0.45, 0.7, 0.4));
-    const Corners corners = detect_board(capture_of({view}, board, synthetic::seeds(Rng(3))), board);
+  for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,
+                                LensModel::opencv12, LensModel::kannala_brandt4}) {
+    const synthetic::View view =
+        still(synthetic::phone_camera(1280, model), synthetic::orbit(0.45, 0.7, 0.4));
+    const Corners corners =
+        detect_board(capture_of({view}, board, synthetic::seeds(Rng(3))), board);
     ASSERT_EQ(corners[0].status, BoardStatus::ok) << to_string(model);
     EXPECT_GT(corners[0].corners.size(), 90U);  // of 160; seeds hide about a quarter
     const Errors e = errors_of(corners[0], view, board);
-    EXPECT_LT(e.mean.norm(), 0.005);  // 0.006 px / sqrt(100) is the noise of this mean; the goal is 0.02
+    EXPECT_LT(e.mean.norm(),
+              0.005);  // 0.006 px / sqrt(100) is the noise of this mean; the goal is 0.02
     EXPECT_LT(e.rms_px, 0.02);
     EXPECT_LT(e.worst_px, 0.06);
     EXPECT_GT(e.normalized, 0.8);  // sigma is predicted
@@ -74,8 +77,10 @@ TEST(BoardDetection, LowAndHighViewsNearAndFarAreFound) {
   const SeedBoard board;
   std::vector<synthetic::View> views;
   for (const auto& [distance, elevation, azimuth] :
-       {std::array{0.30, 1.1, 0.3}, std::array{0.45, 0.26, 0.5}, std::array{0.47, 0.22, 2.6}, std::array{0.8, 0.6, 4.0}}) {
-    views.push_back(still(synthetic::phone_camera(1280), synthetic::orbit(distance, elevation, azimuth, 0.1)));
+       {std::array{0.30, 1.1, 0.3}, std::array{0.45, 0.26, 0.5}, std::array{0.47, 0.22, 2.6},
+        std::array{0.8, 0.6, 4.0}}) {
+    views.push_back(
+        still(synthetic::phone_camera(1280), synthetic::orbit(distance, elevation, azimuth, 0.1)));
   }
   const Corners corners = detect_board(capture_of(views, board, synthetic::seeds(Rng(4))), board);
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -109,7 +114,8 @@ TEST(BoardDetection, OneMarkerInFourIsEnough) {
     e.half_axes_m = {0.010, 0.010, 0.003};
     covers.push_back(e);
   }
-  const synthetic::View view = still(synthetic::phone_camera(1280), synthetic::orbit(0.45, 0.8, 2.0));
+  const synthetic::View view =
+      still(synthetic::phone_camera(1280), synthetic::orbit(0.45, 0.8, 2.0));
   const Corners corners = detect_board(capture_of({view}, board, covers), board);
   ASSERT_EQ(corners[0].status, BoardStatus::ok);
   EXPECT_LT(errors_of(corners[0], view, board).worst_px, 0.1);
@@ -117,8 +123,8 @@ TEST(BoardDetection, OneMarkerInFourIsEnough) {
 
 TEST(BoardDetection, HandMotionDoesNotBreakIt) {
   const SeedBoard board;
-  const synthetic::View view = synthetic::hand_held(synthetic::phone_camera(1280), synthetic::orbit(0.4, 0.8, 2.0),
-                                                    0.0006, 0.0006, Rng(8));
+  const synthetic::View view = synthetic::hand_held(
+      synthetic::phone_camera(1280), synthetic::orbit(0.4, 0.8, 2.0), 0.0006, 0.0006, Rng(8));
   const Corners corners = detect_board(capture_of({view}, board, synthetic::seeds(Rng(6))), board);
   ASSERT_EQ(corners[0].status, BoardStatus::ok);
   EXPECT_LT(errors_of(corners[0], view, board).rms_px, 0.03);
@@ -133,12 +139,14 @@ TEST(BoardDetection, NothingToSeeIsSaidSo) {
     frame.id = i;
     frame.sensors.resize(1);
     frame.sensors[0].reported = camera;
-    if (i > 0) frame.sensors[0].color = Image<Rgb8>(camera.width_px, camera.height_px, Rgb8{40, 160, 60});
+    if (i > 0)
+      frame.sensors[0].color = Image<Rgb8>(camera.width_px, camera.height_px, Rgb8{40, 160, 60});
     capture.frames.push_back(frame);
   }
   Rng rng(2);
   for (Rgb8& c : capture.frames[2].sensors[0].color) {  // noise has saddles, but no lattice
-    c = {static_cast<std::uint8_t>(uniform_index(rng, 256)), static_cast<std::uint8_t>(uniform_index(rng, 256)),
+    c = {static_cast<std::uint8_t>(uniform_index(rng, 256)),
+         static_cast<std::uint8_t>(uniform_index(rng, 256)),
          static_cast<std::uint8_t>(uniform_index(rng, 256))};
   }
   const Corners corners = detect_board(capture, SeedBoard{});
@@ -155,9 +163,11 @@ TEST(BoardDetection, PlainBoardIsTiedAcrossViewsByContinuity) {
   board.has_markers = false;
   std::vector<synthetic::View> views;
   for (int i = 0; i < 8; ++i) {  // 25 degrees a step: past a quarter turn, where turns would mix
-    views.push_back(still(synthetic::phone_camera(1280), synthetic::orbit(0.42, 0.9, 0.3 + 0.44 * i)));
+    views.push_back(
+        still(synthetic::phone_camera(1280), synthetic::orbit(0.42, 0.9, 0.3 + 0.44 * i)));
   }
-  views.push_back(still(synthetic::phone_camera(1280), synthetic::orbit(0.42, 0.9, 0.3 + 0.44 * 7 + 0.785)));
+  views.push_back(
+      still(synthetic::phone_camera(1280), synthetic::orbit(0.42, 0.9, 0.3 + 0.44 * 7 + 0.785)));
   const Corners corners = detect_board(capture_of(views, board, synthetic::seeds(Rng(7))), board);
   // One quarter turn, the same for all views, takes the true corners to those found.
   int found_turn = -1;
@@ -166,9 +176,12 @@ TEST(BoardDetection, PlainBoardIsTiedAcrossViewsByContinuity) {
     for (int i = 0; i < 8; ++i) {
       ASSERT_EQ(corners[static_cast<std::size_t>(i)].status, BoardStatus::ok) << i;
       for (const CornerObservation& c : corners[static_cast<std::size_t>(i)].corners) {
-        const Eigen::Vector3d p = Eigen::AngleAxisd(0.5 * std::numbers::pi * turn, Eigen::Vector3d::UnitZ()) *
-                                  corner_in_world_m(board, c.column, c.row);
-        all = all && (c.pixel_px - synthetic::true_pixel(views[static_cast<std::size_t>(i)], p)).norm() < 0.2;
+        const Eigen::Vector3d p =
+            Eigen::AngleAxisd(0.5 * std::numbers::pi * turn, Eigen::Vector3d::UnitZ()) *
+            corner_in_world_m(board, c.column, c.row);
+        all = all &&
+              (c.pixel_px - synthetic::true_pixel(views[static_cast<std::size_t>(i)], p)).norm() <
+                  0.2;
       }
     }
     if (all) found_turn = turn;

@@ -1,13 +1,12 @@
 #include "calibration/board_poses.h"
 
 #include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
+#include <tbb/global_control.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <tbb/global_control.h>
+#include <array>
+#include <cmath>
 
 #include "calibration/board_detection.h"
 #include "tests/calibration/synthetic_board.h"
@@ -16,14 +15,16 @@ namespace cousin {
 namespace {
 
 /// Corners of a shoot at their true places plus noise; about a tenth hidden by "seeds".
-Corners true_corners(const synthetic::Shoot& shoot, const SeedBoard& board, double sigma_px, Rng rng) {
+Corners true_corners(const synthetic::Shoot& shoot, const SeedBoard& board, double sigma_px,
+                     Rng rng) {
   Corners corners;
   for (std::size_t i = 0; i < shoot.views.size(); ++i) {
     FrameCorners frame{static_cast<int>(i), BoardStatus::ok, {}};
     Rng noise = rng.fork(i);
     for (int row = 0; row < board.squares - 1; ++row) {
       for (int column = 0; column < board.squares - 1; ++column) {
-        const bool hidden = row > 3 && row < 10 && column > 3 && column < 10 && (row + column) % 2 == 0;
+        const bool hidden =
+            row > 3 && row < 10 && column > 3 && column < 10 && (row + column) % 2 == 0;
         if (!corner_exists(board, column, row) || hidden) continue;
         const Eigen::Vector2d pixel =
             synthetic::true_pixel(shoot.views[i], corner_in_world_m(board, column, row));
@@ -92,14 +93,15 @@ TEST(BoardPoses, HandMotionIsWorthSolvingFor) {
   const synthetic::Shoot shoot = synthetic::plan_shoot(config, Rng(23));
   const Corners corners = true_corners(shoot, board, 0.01, Rng(24));
   const Score with = score(estimate_board_poses(shoot.capture, corners, board), shoot);
-  const Score without = score(estimate_board_poses(shoot.capture, corners, board, {.hand_speed_m_per_s = 0}), shoot);
+  const Score without =
+      score(estimate_board_poses(shoot.capture, corners, board, {.hand_speed_m_per_s = 0}), shoot);
   EXPECT_LT(with.centre_rms_m, 0.5 * without.centre_rms_m);
 }
 
 TEST(BoardPoses, AnExactCaptureGivesTheTruth) {
   const SeedBoard board;
-  for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
-                                LensModel::kannala_brandt4}) {
+  for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,
+                                LensModel::opencv12, LensModel::kannala_brandt4}) {
     synthetic::ShootConfig config;
     config.views = 9;
     config.lens = model;
@@ -107,7 +109,8 @@ TEST(BoardPoses, AnExactCaptureGivesTheTruth) {
     config.report_focal_error = config.report_centre_error_px = config.report_distortion_error = 0;
     config.focus_error = 0;
     const synthetic::Shoot shoot = synthetic::plan_shoot(config, Rng(25));
-    const Poses poses = estimate_board_poses(shoot.capture, true_corners(shoot, board, 0, Rng(26)), board);
+    const Poses poses =
+        estimate_board_poses(shoot.capture, true_corners(shoot, board, 0, Rng(26)), board);
     // Start and end are exact: what is left is the solver's tolerance.
     EXPECT_LT(score(poses, shoot).centre_rms_m, 1e-7) << to_string(model);
     for (const FramePose& pose : poses) EXPECT_LT(pose.rms_px, 1e-5);
@@ -137,7 +140,8 @@ TEST(BoardPoses, OneViewKeepsTheReportedLensAndSaysHowUnsureItIs) {
   synthetic::ShootConfig config;
   config.views = 1;
   const synthetic::Shoot shoot = synthetic::plan_shoot(config, Rng(30));
-  const Poses poses = estimate_board_poses(shoot.capture, true_corners(shoot, board, 0.01, Rng(31)), board);
+  const Poses poses =
+      estimate_board_poses(shoot.capture, true_corners(shoot, board, 0.01, Rng(31)), board);
   ASSERT_EQ(poses[0].status, PoseStatus::ok);
   EXPECT_EQ(poses[0].camera, shoot.capture.frames[0].sensors[0].reported);
   EXPECT_LT(score(poses, shoot).centre_rms_m, 0.004);  // 0.2 % of 0.45 m, and the principal point
@@ -191,8 +195,10 @@ TEST(BoardPoses, ThreadsDoNotChangeAByte) {
     const Poses poses = estimate_board_poses(shoot.capture, corners, board);
     if (reference.empty()) reference = poses;
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      EXPECT_EQ(poses[i].camera_from_world.rotation.coeffs(), reference[i].camera_from_world.rotation.coeffs());
-      EXPECT_EQ(poses[i].camera_from_world.translation_m, reference[i].camera_from_world.translation_m);
+      EXPECT_EQ(poses[i].camera_from_world.rotation.coeffs(),
+                reference[i].camera_from_world.rotation.coeffs());
+      EXPECT_EQ(poses[i].camera_from_world.translation_m,
+                reference[i].camera_from_world.translation_m);
       EXPECT_EQ(poses[i].covariance, reference[i].covariance);
       EXPECT_EQ(poses[i].camera, reference[i].camera);
     }

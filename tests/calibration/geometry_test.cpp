@@ -25,7 +25,8 @@ TEST(LensJacobian, MatchesDifferences) {
       Camera more = camera, less = camera;
       more.distortion[static_cast<std::size_t>(i)] += kStep;
       less.distortion[static_cast<std::size_t>(i)] -= kStep;
-      const Eigen::Vector2d difference = (*project(more, point) - *project(less, point)) / (2 * kStep);
+      const Eigen::Vector2d difference =
+          (*project(more, point) - *project(less, point)) / (2 * kStep);
       // Central differences: rounding 1e-13 * 1000 px / 1e-5, and the cubic term far below it.
       EXPECT_LT((jacobian.col(i) - difference).norm(), 1e-4) << to_string(model) << " " << i;
     }
@@ -55,7 +56,8 @@ TEST(Homography, IsRecoveredFromExactPointsAndKeepsAnOutlierOut) {
 
 TEST(Homography, PointsOnALineAreRefused) {
   std::vector<PlanePoint> points;
-  for (int i = 0; i < 10; ++i) points.push_back({Eigen::Vector2d(0.1 * i, 0), Eigen::Vector2d(0.2 * i, 0.1 * i), 1});
+  for (int i = 0; i < 10; ++i)
+    points.push_back({Eigen::Vector2d(0.1 * i, 0), Eigen::Vector2d(0.2 * i, 0.1 * i), 1});
   EXPECT_FALSE(fit_homography(points).ok);
 }
 
@@ -67,9 +69,11 @@ TEST(BoardPattern, AgreesWithTheBoardsOwnAnswer) {
     for (int i = 0; i < 400; ++i) {
       for (int j = 0; j < 400; ++j) {
         // Off the edges of squares and modules, where float and double may differ.
-        const double x = -0.0499 + 0.0998 * (i + 0.37) / 400, y = -0.0499 + 0.0998 * (j + 0.61) / 400;
+        const double x = -0.0499 + 0.0998 * (i + 0.37) / 400,
+                     y = -0.0499 + 0.0998 * (j + 0.61) / 400;
         const Eigen::Vector3d s = pattern.squares_from_board() * Eigen::Vector3d(x, y, 1);
-        ASSERT_EQ(pattern.is_white(static_cast<float>(s.x()), static_cast<float>(s.y())), !is_black(board, x, y))
+        ASSERT_EQ(pattern.is_white(static_cast<float>(s.x()), static_cast<float>(s.y())),
+                  !is_black(board, x, y))
             << x << " " << y;
       }
     }
@@ -91,8 +95,10 @@ TEST(PlanarPose, IsExactForEveryLensAndTilt) {
       }
       const PlanarPose pose = estimate_planar_pose(camera, points);
       ASSERT_TRUE(pose.ok);
-      // Unprojection agrees to 1e-9 of the focal length; at 11 degrees it is amplified a few hundred times.
-      EXPECT_LT((centre_in_world_m(pose.camera_from_board) - centre_in_world_m(truth)).norm(), 1e-6);
+      // Unprojection agrees to 1e-9 of the focal length; at 11 degrees it is amplified a few
+      // hundred times.
+      EXPECT_LT((centre_in_world_m(pose.camera_from_board) - centre_in_world_m(truth)).norm(),
+                1e-6);
     }
   }
 }

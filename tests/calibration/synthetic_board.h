@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "sim/types/board.h"
 #include "sim/types/camera.h"
@@ -22,14 +21,14 @@ struct Ellipsoid {
 
 /// One exposure of a board by a rolling or global shutter, without any renderer.
 struct View {
-  Camera camera;              ///< true lens
-  Pose camera_from_world;     ///< first row
-  Pose camera_from_world_end; ///< last row; equal for a global shutter
+  Camera camera;               ///< true lens
+  Pose camera_from_world;      ///< first row
+  Pose camera_from_world_end;  ///< last row; equal for a global shutter
 };
 
 struct ImageConfig {
   double blur_sigma_px = 0.5;
-  double electrons = 6000;       ///< at a linear signal of 1
+  double electrons = 6000;  ///< at a linear signal of 1
   double read_noise_e = 2;
   bool noise = true;
 };
@@ -41,16 +40,18 @@ std::vector<Ellipsoid> seeds(Rng rng);
 Pose orbit(double distance_m, double elevation_rad, double azimuth_rad, double roll_rad = 0,
            const Eigen::Vector3d& target_m = Eigen::Vector3d::Zero());
 /// Adds a hand's motion during readout (camera side).
-View hand_held(const Camera& camera, const Pose& camera_from_world, double shift_sigma_m, double turn_sigma_rad,
-               Rng rng);
+View hand_held(const Camera& camera, const Pose& camera_from_world, double shift_sigma_m,
+               double turn_sigma_rad, Rng rng);
 Pose middle_pose(const View& view);
 Pose pose_at_row(const View& view, double row);
 /// True pixel of a board point, by iterating on the row in which it is read.
 Eigen::Vector2d true_pixel(const View& view, const Eigen::Vector3d& in_world_m);
 
-/// 8-bit sRGB: plate, print, ellipsoids and a green screen, box-filtered over the pixel, blurred, with shot noise.
-Image<Rgb8> photograph(const View& view, const SeedBoard& board, const std::vector<Ellipsoid>& ellipsoids,
-                       const ImageConfig& config, Rng rng);
+/// 8-bit sRGB: plate, print, ellipsoids and a green screen, box-filtered over the pixel, blurred,
+/// with shot noise.
+Image<Rgb8> photograph(const View& view, const SeedBoard& board,
+                       const std::vector<Ellipsoid>& ellipsoids, const ImageConfig& config,
+                       Rng rng);
 
 /// A hand-held capture on three rings, with the truth beside it.
 struct Shoot {
@@ -67,9 +68,9 @@ struct ShootConfig {
   double report_focal_error = 0.002;
   double report_centre_error_px = 1;
   double report_distortion_error = 0.05;
-  double focus_error = 0.01;      ///< of the focused distance; the report follows the nominal distance
+  double focus_error = 0.01;  ///< of the focused distance; the report follows the nominal distance
   bool seeds = true;
-  double distance_scale = 1;      ///< rings at 0.45, 0.40 and 0.35 m times this
+  double distance_scale = 1;  ///< rings at 0.45, 0.40 and 0.35 m times this
 };
 /// Geometry and reported cameras; images stay empty.
 Shoot plan_shoot(const ShootConfig& config, Rng rng);

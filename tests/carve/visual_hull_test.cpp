@@ -1,14 +1,14 @@
 #include "perception/carve/visual_hull.h"
 
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
 #include <set>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "sim/dataset/import.h"
 
@@ -23,10 +23,10 @@ std::vector<CarveView> sphere_views(int count) {
   for (int i = 0; i < count; ++i) {
     const double azimuth = 2 * std::numbers::pi * i / count;
     const double elevation = (i % 3 - 1) * 0.7;
-    const Eigen::Vector3d eye(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
-                              std::sin(elevation));
-    CarveView view{Camera{LensModel::opencv5, 320, 240, 600, 600, 160, 120, {0.03, -0.01}}, look_at(eye, {0, 0, 0}),
-                   Image<std::uint8_t>(320, 240)};
+    const Eigen::Vector3d eye(std::cos(azimuth) * std::cos(elevation),
+                              std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
+    CarveView view{Camera{LensModel::opencv5, 320, 240, 600, 600, 160, 120, {0.03, -0.01}},
+                   look_at(eye, {0, 0, 0}), Image<std::uint8_t>(320, 240)};
     for (int y = 0; y < 240; ++y) {
       for (int x = 0; x < 320; ++x) {
         const auto direction = unproject(view.camera, {x, y});
@@ -53,13 +53,15 @@ TEST(VisualHull, OfASphereHoldsItAndLittleMore) {
   ASSERT_EQ(carving.status, CarveStatus::ok);
   double farthest = 0;
   for (const Eigen::Vector3d& c : carving.centres_m) farthest = std::max(farthest, c.norm());
-  // A voxel whose projected side touches the silhouette stays: half a side and half a pixel (0.8 mm) beyond, and
-  // between the 24 tangent cones the hull bulges a little (about 6 % of the radius).
+  // A voxel whose projected side touches the silhouette stays: half a side and half a pixel (0.8
+  // mm) beyond, and between the 24 tangent cones the hull bulges a little (about 6 % of the
+  // radius).
   EXPECT_LT(farthest, kRadius_m * 1.06 + 0.001 * std::sqrt(3.0) + 0.0016);
-  const double volume = static_cast<double>(carving.centres_m.size()) * std::pow(carving.voxel_m, 3);
+  const double volume =
+      static_cast<double>(carving.centres_m.size()) * std::pow(carving.voxel_m, 3);
   const double sphere = 4.0 / 3 * std::numbers::pi * std::pow(kRadius_m, 3);
-  EXPECT_GT(volume, sphere);          // a hull is never smaller
-  EXPECT_LT(volume, sphere * 1.20);   // 2 mm on 50 mm all around is 12 %, the bulges the rest
+  EXPECT_GT(volume, sphere);         // a hull is never smaller
+  EXPECT_LT(volume, sphere * 1.20);  // 2 mm on 50 mm all around is 12 %, the bulges the rest
   std::set<std::array<long, 3>> filled;
   for (const Eigen::Vector3d& c : carving.centres_m) {
     filled.insert({std::lround(c.x() * 1e4), std::lround(c.y() * 1e4), std::lround(c.z() * 1e4)});
@@ -105,8 +107,8 @@ TEST(VisualHull, OfARealMaizePlantAgreesWithThePublishedCarving) {
   const VoxelCarving published = read_phenomenal_voxels(plant / "voxels/16.npz");
   CarveConfig config;
   config.voxel_m = published.voxel_m;
-  // One view misses about a third of the published voxels; which setting made them is not on record. One miss is tolerated
-  // here too, so that the two can be compared: without it 59 % agree.
+  // One view misses about a third of the published voxels; which setting made them is not on
+  // record. One miss is tolerated here too, so that the two can be compared: without it 59 % agree.
   config.tolerated_misses = 1;
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
   for (const Eigen::Vector3d& c : published.centres_m) {
@@ -125,10 +127,14 @@ TEST(VisualHull, OfARealMaizePlantAgreesWithThePublishedCarving) {
   };
   for (const Eigen::Vector3d& c : published.centres_m) theirs.insert(cell(c));
   for (const Eigen::Vector3d& c : ours.centres_m) mine.insert(cell(c));
-  const auto common = std::count_if(mine.begin(), mine.end(), [&](const auto& c) { return theirs.contains(c); });
-  const double iou = static_cast<double>(common) / static_cast<double>(theirs.size() + mine.size() - static_cast<std::size_t>(common));
+  const auto common =
+      std::count_if(mine.begin(), mine.end(), [&](const auto& c) { return theirs.contains(c); });
+  const double iou =
+      static_cast<double>(common) /
+      static_cast<double>(theirs.size() + mine.size() - static_cast<std::size_t>(common));
   RecordProperty("iou", std::to_string(iou));
-  EXPECT_GT(iou, 0.6) << "ours " << mine.size() << ", published " << theirs.size() << ", common " << common;
+  EXPECT_GT(iou, 0.6) << "ours " << mine.size() << ", published " << theirs.size() << ", common "
+                      << common;
 }
 
 }  // namespace

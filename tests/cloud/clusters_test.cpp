@@ -1,11 +1,11 @@
 #include "perception/cloud/clusters.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
-
-#include <gtest/gtest.h>
 
 namespace cousin {
 namespace {
@@ -13,7 +13,8 @@ namespace {
 constexpr Rgb8 kSeedColor{200, 160, 90};
 
 /// Upper half of an ellipsoid that lies on the board, evenly covered.
-void add_seed(Cloud& cloud, double x_m, double y_m, const Eigen::Vector3d& radii_m, Rgb8 color = kSeedColor) {
+void add_seed(Cloud& cloud, double x_m, double y_m, const Eigen::Vector3d& radii_m,
+              Rgb8 color = kSeedColor) {
   constexpr int kPoints = 1500;
   for (int i = 0; i < kPoints; ++i) {
     const double z = (i + 0.5) / kPoints;
@@ -21,7 +22,8 @@ void add_seed(Cloud& cloud, double x_m, double y_m, const Eigen::Vector3d& radii
     const double r = std::sqrt(1 - z * z);
     const Eigen::Vector3d unit(r * std::cos(turn), r * std::sin(turn), z);
     const Eigen::Vector3d p = unit.cwiseProduct(radii_m) + Eigen::Vector3d(x_m, y_m, radii_m.z());
-    cloud.push_back({p.cast<float>(), unit.cwiseQuotient(radii_m).normalized().cast<float>(), color, 5e-5F});
+    cloud.push_back(
+        {p.cast<float>(), unit.cwiseQuotient(radii_m).normalized().cast<float>(), color, 5e-5F});
   }
 }
 
@@ -32,14 +34,17 @@ Cloud board() {
     for (int j = -60; j <= 60; ++j) {
       const double rough = 0.00004 * std::sin(12.9898 * i + 78.233 * j);
       const auto grey = static_cast<std::uint8_t>((i / 15 + j / 15) % 2 == 0 ? 40 : 220);
-      cloud.push_back({Eigen::Vector3d(0.0004 * i, 0.0004 * j, rough).cast<float>(), {0, 0, 1}, {grey, grey, grey},
+      cloud.push_back({Eigen::Vector3d(0.0004 * i, 0.0004 * j, rough).cast<float>(),
+                       {0, 0, 1},
+                       {grey, grey, grey},
                        5e-5F});
     }
   }
   return cloud;
 }
 
-const std::vector<Eigen::Vector2d> kPlaces = {{-0.014, -0.012}, {0.0, 0.0}, {0.013, 0.011}, {-0.012, 0.013}};
+const std::vector<Eigen::Vector2d> kPlaces = {
+    {-0.014, -0.012}, {0.0, 0.0}, {0.013, 0.011}, {-0.012, 0.013}};
 
 Cloud board_with_seeds() {
   Cloud cloud = board();
@@ -48,11 +53,13 @@ Cloud board_with_seeds() {
 }
 
 std::vector<Eigen::Vector3d> centres(const Clusters& clusters) {
-  std::vector<Eigen::Vector3d> sum(static_cast<std::size_t>(clusters.count), Eigen::Vector3d::Zero());
+  std::vector<Eigen::Vector3d> sum(static_cast<std::size_t>(clusters.count),
+                                   Eigen::Vector3d::Zero());
   std::vector<int> n(sum.size());
   for (std::size_t i = 0; i < clusters.cloud.size(); ++i) {
     if (clusters.instance[i] < 0) continue;
-    sum[static_cast<std::size_t>(clusters.instance[i])] += clusters.cloud[i].position_m.cast<double>();
+    sum[static_cast<std::size_t>(clusters.instance[i])] +=
+        clusters.cloud[i].position_m.cast<double>();
     ++n[static_cast<std::size_t>(clusters.instance[i])];
   }
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] /= n[i];
@@ -70,11 +77,14 @@ void expect_a_cluster_at_each_place(const Clusters& clusters) {
   EXPECT_EQ(found.size(), kPlaces.size());
 }
 
-TEST(BoardClusters, EachSeedIsOneCluster) { expect_a_cluster_at_each_place(cluster_on_board(board_with_seeds(), {})); }
+TEST(BoardClusters, EachSeedIsOneCluster) {
+  expect_a_cluster_at_each_place(cluster_on_board(board_with_seeds(), {}));
+}
 
 TEST(BoardClusters, GreySeedsAreFoundToo) {
   Cloud cloud = board();
-  for (const Eigen::Vector2d& p : kPlaces) add_seed(cloud, p.x(), p.y(), {0.004, 0.003, 0.002}, {120, 120, 120});
+  for (const Eigen::Vector2d& p : kPlaces)
+    add_seed(cloud, p.x(), p.y(), {0.004, 0.003, 0.002}, {120, 120, 120});
   expect_a_cluster_at_each_place(cluster_on_board(cloud, {}));
 }
 
@@ -100,14 +110,16 @@ TEST(BoardClusters, PointsThatAreNotFiniteAreLeftOut) {
 
 TEST(BoardClusters, FewPointsAreNoSeed) {
   Cloud cloud = board_with_seeds();
-  for (int i = 0; i < 30; ++i) cloud.push_back({{0.02F, -0.02F + 1e-4F * static_cast<float>(i), 0.003F}, {0, 0, 1}, kSeedColor, 0});
+  for (int i = 0; i < 30; ++i)
+    cloud.push_back(
+        {{0.02F, -0.02F + 1e-4F * static_cast<float>(i), 0.003F}, {0, 0, 1}, kSeedColor, 0});
   expect_a_cluster_at_each_place(cluster_on_board(cloud, {}));
 }
 
 TEST(ClusterShapes, SeedsThatTouchAreNoticed) {
   Cloud cloud;
   add_seed(cloud, 0, 0, {0.005, 0.0025, 0.002});
-  add_seed(cloud, 0.0098, 0, {0.005, 0.0025, 0.002});   // tip to tip
+  add_seed(cloud, 0.0098, 0, {0.005, 0.0025, 0.002});  // tip to tip
   add_seed(cloud, 0, 0.02, {0.005, 0.0025, 0.002});
   // Links through the tips: what stereo's smear does where two seeds touch.
   BoardClusterConfig config;
@@ -141,12 +153,14 @@ TEST(PaperClusters, EachSeedIsOneCluster) {
 
 TEST(PaperClusters, AgreeWithOursOnSeparateSeeds) {
   const Cloud cloud = board_with_seeds();
-  const auto paper = centres(cluster_as_paper(cloud, {}, Rng(1))), ours = centres(cluster_on_board(cloud, {}));
+  const auto paper = centres(cluster_as_paper(cloud, {}, Rng(1))),
+             ours = centres(cluster_on_board(cloud, {}));
   ASSERT_EQ(paper.size(), ours.size());
   for (const Eigen::Vector3d& p : paper) {
     double nearest = 1;
     for (const Eigen::Vector3d& q : ours) nearest = std::min(nearest, (p - q).norm());
-    EXPECT_LT(nearest, 0.0003);  // a voxel: the paper's thins points and cuts at its plane's own distance
+    EXPECT_LT(nearest,
+              0.0003);  // a voxel: the paper's thins points and cuts at its plane's own distance
   }
 }
 
@@ -154,7 +168,8 @@ TEST(PaperClusters, SameSeedSameBytes) {
   const Cloud cloud = board_with_seeds();
   const Clusters a = cluster_as_paper(cloud, {}, Rng(5)), b = cluster_as_paper(cloud, {}, Rng(5));
   EXPECT_EQ(a.instance, b.instance);
-  for (std::size_t i = 0; i < a.cloud.size(); ++i) EXPECT_EQ(a.cloud[i].position_m, b.cloud[i].position_m);
+  for (std::size_t i = 0; i < a.cloud.size(); ++i)
+    EXPECT_EQ(a.cloud[i].position_m, b.cloud[i].position_m);
 }
 
 TEST(PaperClusters, BoardTiltedAndTurnedOverGivesTheSameSeeds) {
@@ -165,7 +180,8 @@ TEST(PaperClusters, BoardTiltedAndTurnedOverGivesTheSameSeeds) {
 }
 
 TEST(PaperClusters, FarFromTheOriginCountsTheSame) {
-  // Floats at 30 m are 2 micrometres apart: the cloud itself survives, single-pass float sums would not.
+  // Floats at 30 m are 2 micrometres apart: the cloud itself survives, single-pass float sums would
+  // not.
   Cloud cloud = board_with_seeds();
   for (CloudPoint& p : cloud) p.position_m += Eigen::Vector3f(30, -20, 10);
   EXPECT_EQ(cluster_as_paper(cloud, {}, Rng(1)).count, static_cast<int>(kPlaces.size()));
@@ -195,7 +211,8 @@ TEST(PaperClusters, TooManyVoxelsIsAnError) {
   config.outlier_neighbours = 1;
   EXPECT_ANY_THROW({
     const Clusters clusters = cluster_as_paper(cloud, config, Rng(1));
-    if (clusters.count == static_cast<int>(kPlaces.size())) throw std::runtime_error("the far point was an outlier");
+    if (clusters.count == static_cast<int>(kPlaces.size()))
+      throw std::runtime_error("the far point was an outlier");
   });
 }
 #else

@@ -1,11 +1,11 @@
 #include "perception/cloud/fuse.h"
 
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-
-#include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "sim/types/rng.h"
 #include "tests/mvs/synthetic_seeds.h"
@@ -29,8 +29,10 @@ NoisyViews noisy_views() {
   scene.board.has_markers = false;
   scene.supersampling = 1;
   std::vector<Eigen::Vector3d> eyes;
-  for (int i = 0; i < 6; ++i) eyes.emplace_back(0.1 * std::cos(i * 1.047), 0.1 * std::sin(i * 1.047), 0.3);
-  NoisyViews result{make_views(scene, synthetic_camera(LensModel::opencv5, 160, 120, 800), eyes, 5), {}};
+  for (int i = 0; i < 6; ++i)
+    eyes.emplace_back(0.1 * std::cos(i * 1.047), 0.1 * std::sin(i * 1.047), 0.3);
+  NoisyViews result{make_views(scene, synthetic_camera(LensModel::opencv5, 160, 120, 800), eyes, 5),
+                    {}};
   Rng rng(2);
   for (std::size_t i = 0; i < result.views.depth_m.size(); ++i) {
     Image<float> depth = result.views.depth_m[i];
@@ -72,23 +74,29 @@ TEST(Fuse, AveragesTheViewsNoiseAndSaysSo) {
 TEST(Fuse, NormalsPointOutOfTheSurface) {
   const NoisyViews noisy = noisy_views();
   std::vector<double> cosines;
-  for (const CloudPoint& p : fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {})) {
+  for (const CloudPoint& p :
+       fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {})) {
     if (p.position_m.z() < 0.005F) continue;
     const Eigen::Vector3d o = p.position_m.cast<double>() - kSeed.centre_in_world_m();
     const double c = std::cos(kSeed.yaw_rad), s = std::sin(kSeed.yaw_rad);
     const Eigen::Vector3d q = Eigen::Vector3d(c * o.x() + s * o.y(), -s * o.x() + c * o.y(), o.z())
                                   .cwiseQuotient(kSeed.radii_m.cwiseAbs2());
-    const Eigen::Vector3d n = Eigen::Vector3d(c * q.x() - s * q.y(), s * q.x() + c * q.y(), q.z()).normalized();
+    const Eigen::Vector3d n =
+        Eigen::Vector3d(c * q.x() - s * q.y(), s * q.x() + c * q.y(), q.z()).normalized();
     EXPECT_NEAR(p.normal.norm(), 1, 1e-4);
     cosines.push_back(n.dot(p.normal.cast<double>()));
   }
-  std::nth_element(cosines.begin(), cosines.begin() + static_cast<std::ptrdiff_t>(cosines.size() / 2), cosines.end());
-  EXPECT_GT(cosines[cosines.size() / 2], 0.985);  // 0.1 mm over windows of 1.5 mm: ten degrees at the median
+  std::nth_element(cosines.begin(),
+                   cosines.begin() + static_cast<std::ptrdiff_t>(cosines.size() / 2),
+                   cosines.end());
+  EXPECT_GT(cosines[cosines.size() / 2],
+            0.985);  // 0.1 mm over windows of 1.5 mm: ten degrees at the median
 }
 
 TEST(Fuse, GreenIsLeftOut) {
   NoisyViews noisy = noisy_views();
-  for (Frame& frame : noisy.views.capture.frames) frame.sensors[0].color = Image<Rgb8>(160, 120, {40, 180, 60});
+  for (Frame& frame : noisy.views.capture.frames)
+    frame.sensors[0].color = Image<Rgb8>(160, 120, {40, 180, 60});
   EXPECT_TRUE(fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}).empty());
 }
 
@@ -96,7 +104,9 @@ TEST(Fuse, WhatOneViewSeesAloneIsLeftOut) {
   NoisyViews noisy = noisy_views();
   for (std::size_t i = 1; i < noisy.depths.size(); ++i) noisy.depths[i].depth_m = {};
   EXPECT_TRUE(fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}).empty());
-  EXPECT_FALSE(fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}, {.min_views = 1}).empty());
+  EXPECT_FALSE(
+      fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}, {.min_views = 1})
+          .empty());
 }
 
 TEST(Fuse, DepthsThatDisagreeMakeNoPoints) {
@@ -104,8 +114,10 @@ TEST(Fuse, DepthsThatDisagreeMakeNoPoints) {
   for (std::size_t i = 0; i < noisy.depths.size(); ++i) {
     for (float& z : noisy.depths[i].depth_m) z += 0.002F * static_cast<float>(i);  // 2 mm apart
   }
-  const std::size_t agreed = fuse_depths(noisy.views.capture, noisy.views.poses, noisy_views().depths, {}).size();
-  const std::size_t apart = fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}).size();
+  const std::size_t agreed =
+      fuse_depths(noisy.views.capture, noisy.views.poses, noisy_views().depths, {}).size();
+  const std::size_t apart =
+      fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}).size();
   EXPECT_LT(static_cast<double>(apart), 0.1 * static_cast<double>(agreed));
 }
 
@@ -132,9 +144,11 @@ TEST(Fuse, EmptyAndMismatchedInput) {
   EXPECT_TRUE(fuse_depths({}, {}, {}, {}).empty());
   NoisyViews noisy = noisy_views();
   noisy.depths[2].depth_m = Image<float>(10, 10, 0.3F);
-  EXPECT_THROW(fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}), std::invalid_argument);
+  EXPECT_THROW(fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}),
+               std::invalid_argument);
   noisy.depths.pop_back();
-  EXPECT_THROW(fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}), std::invalid_argument);
+  EXPECT_THROW(fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}),
+               std::invalid_argument);
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include "perception/cloud/measure_traits.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
-
-#include <gtest/gtest.h>
 
 #include "sim/geometry/measure.h"
 #include "sim/types/rng.h"
@@ -18,7 +18,8 @@ std::vector<Eigen::Vector3d> block_points(const Eigen::Vector3d& size_m, int ste
   for (int i = 0; i <= steps; ++i) {
     for (int j = 0; j <= steps; ++j) {
       for (int k = 0; k <= steps; ++k) {
-        const Eigen::Vector3d share = Eigen::Vector3d(i, j, k) / steps - Eigen::Vector3d::Constant(0.5);
+        const Eigen::Vector3d share =
+            Eigen::Vector3d(i, j, k) / steps - Eigen::Vector3d::Constant(0.5);
         points.push_back(turn * share.cwiseProduct(size_m) + Eigen::Vector3d(0.01, 0.02, 0.03));
       }
     }
@@ -69,7 +70,8 @@ TEST(PaperTraits, DegenerateClustersAreNotSolvedAndSayWhy) {
   Surfaces surfaces(4);
   for (int i = 0; i < 4; ++i) surfaces[static_cast<std::size_t>(i)].instance = i;
   surfaces[1].points_m.assign(3, Eigen::Vector3d::Zero());
-  for (int i = 0; i < 100; ++i) surfaces[2].points_m.emplace_back(0.001 * (i % 10), 0.001 * (i / 10), 0);  // a plane
+  for (int i = 0; i < 100; ++i)
+    surfaces[2].points_m.emplace_back(0.001 * (i % 10), 0.001 * (i / 10), 0);  // a plane
   surfaces[3].points_m.assign(10, Eigen::Vector3d(0, 0, kNaN));
   for (const SpecimenTraits& t : traits_as_paper(surfaces)) {
     EXPECT_EQ(t.status, TraitStatus::not_solved);

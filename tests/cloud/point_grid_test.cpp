@@ -11,7 +11,8 @@ std::vector<Eigen::Vector3f> random_points(int count, double side_m, std::uint64
   Rng rng(seed);
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < count; ++i) {
-    points.emplace_back(static_cast<float>(uniform(rng, 0, side_m)), static_cast<float>(uniform(rng, 0, side_m)),
+    points.emplace_back(static_cast<float>(uniform(rng, 0, side_m)),
+                        static_cast<float>(uniform(rng, 0, side_m)),
                         static_cast<float>(uniform(rng, 0, side_m)));
   }
   return points;
@@ -42,7 +43,8 @@ TEST(EuclideanGroups, ChainsLinkAndGapsDoNot) {
 }
 
 TEST(EuclideanGroups, NumbersFollowTheFirstPoints) {
-  const std::vector<Eigen::Vector3f> points = {{5, 0, 0}, {0, 0, 0}, {5.1F, 0, 0}, {9, 0, 0}, {0.1F, 0, 0}};
+  const std::vector<Eigen::Vector3f> points = {
+      {5, 0, 0}, {0, 0, 0}, {5.1F, 0, 0}, {9, 0, 0}, {0.1F, 0, 0}};
   EXPECT_EQ(euclidean_groups(points, 0.2), (std::vector<int>{0, 1, 0, 2, 1}));
 }
 

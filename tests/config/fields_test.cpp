@@ -1,5 +1,8 @@
 #include "sim/config/fields.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -7,9 +10,6 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 namespace cousin {
 namespace {
@@ -35,15 +35,17 @@ struct Outer {
 };
 
 Fields fields(Inner& config) {
-  return {{"planes", &config.planes, "depth planes", 2, 1024}, {"smoothness", &config.smoothness, "weight", 0, 10}};
+  return {{"planes", &config.planes, "depth planes", 2, 1024},
+          {"smoothness", &config.smoothness, "weight", 0, 10}};
 }
 
 Fields fields(Outer& config) {
-  const TextField colour{[&config] { return std::string(config.colour == Colour::red ? "red" : "green"); },
-                         [&config](const std::string& text) {
-                           if (text != "red" && text != "green") throw std::invalid_argument("must be red or green");
-                           config.colour = text == "red" ? Colour::red : Colour::green;
-                         }};
+  const TextField colour{
+      [&config] { return std::string(config.colour == Colour::red ? "red" : "green"); },
+      [&config](const std::string& text) {
+        if (text != "red" && text != "green") throw std::invalid_argument("must be red or green");
+        config.colour = text == "red" ? Colour::red : Colour::green;
+      }};
   return Fields{{"length_m", &config.length_m, "longest side", 1e-3, 1},
                 {"seed", &config.seed, "of all random streams"},
                 {"fast", &config.fast, "leave out the second pass"},
@@ -75,13 +77,14 @@ std::string set_error_of(const std::string& assignment) {
 }
 
 TEST(Fields, TomlRoundTripIsExact) {
-  Outer config{.length_m = 0.1 + 0.2 / 3,
-               .seed = std::numeric_limits<std::uint64_t>::max(),  // above what a TOML integer can hold
-               .fast = true,
-               .name = "a \"quoted\" \\ name\nand a second line",
-               .spread = {1e-300, 1, 1.0 / 3},
-               .colour = Colour::green,
-               .mvs = {.planes = 7, .smoothness = 5e-324}};
+  Outer config{
+      .length_m = 0.1 + 0.2 / 3,
+      .seed = std::numeric_limits<std::uint64_t>::max(),  // above what a TOML integer can hold
+      .fast = true,
+      .name = "a \"quoted\" \\ name\nand a second line",
+      .spread = {1e-300, 1, 1.0 / 3},
+      .colour = Colour::green,
+      .mvs = {.planes = 7, .smoothness = 5e-324}};
   const std::string text = to_toml(fields(config));
   Outer back;
   read_toml_text(text, "round trip", fields(back), MissingKeys::error);
@@ -100,7 +103,9 @@ TEST(Fields, PlainKeysPrecedeTablesWhateverTheirOrder) {
   Inner a, b;
   double top = 2;
   const Fields all = nested("a", fields(a)) + Fields{{"top", &top, ""}} + nested("a.b", fields(b));
-  EXPECT_EQ(to_toml(all), "top = 2.0\n\n[a]\nplanes = 64\nsmoothness = 0.1\n\n[a.b]\nplanes = 64\nsmoothness = 0.1\n");
+  EXPECT_EQ(
+      to_toml(all),
+      "top = 2.0\n\n[a]\nplanes = 64\nsmoothness = 0.1\n\n[a.b]\nplanes = 64\nsmoothness = 0.1\n");
 }
 
 TEST(Fields, TablesAndDottedKeysAreTheSame) {
@@ -116,20 +121,25 @@ TEST(Fields, AnIntegerIsANumber) {
   Outer config;
   read_toml_text("length_m = 1", "a.toml", fields(config), MissingKeys::keep_default);
   EXPECT_EQ(config.length_m, 1.0);
-  EXPECT_THAT(error_of("[mvs]\nplanes = 5.0"), HasSubstr("a.toml:2: mvs.planes = 5: must be an integer"));
+  EXPECT_THAT(error_of("[mvs]\nplanes = 5.0"),
+              HasSubstr("a.toml:2: mvs.planes = 5: must be an integer"));
 }
 
 TEST(Fields, ErrorsNameFileLineKeyValueAndLimit) {
-  EXPECT_THAT(error_of("\nlength_m = 2.5"), HasSubstr("a.toml:2: length_m = 2.5: must be in [0.001, 1]"));
+  EXPECT_THAT(error_of("\nlength_m = 2.5"),
+              HasSubstr("a.toml:2: length_m = 2.5: must be in [0.001, 1]"));
   EXPECT_THAT(error_of("length_m = nan"), HasSubstr("length_m = nan: must be in"));
   EXPECT_THAT(error_of("length_m = inf"), HasSubstr("length_m = inf: must be in"));
-  EXPECT_THAT(error_of("length_m = \"long\""), HasSubstr("a.toml:1: length_m = \"long\": must be a number"));
+  EXPECT_THAT(error_of("length_m = \"long\""),
+              HasSubstr("a.toml:1: length_m = \"long\": must be a number"));
   EXPECT_THAT(error_of("fast = 1"), HasSubstr("fast = 1: must be true or false"));
   EXPECT_THAT(error_of("name = 1"), HasSubstr("name = 1: must be text"));
   EXPECT_THAT(error_of("seed = -1"), HasSubstr("seed = -1: must be zero or a positive integer"));
-  EXPECT_THAT(error_of("spread = [0.1, 1.5]"), HasSubstr("spread = [0.1, 1.5]: must be numbers that are in [0, 1]"));
+  EXPECT_THAT(error_of("spread = [0.1, 1.5]"),
+              HasSubstr("spread = [0.1, 1.5]: must be numbers that are in [0, 1]"));
   EXPECT_THAT(error_of("spread = [0.1, \"x\"]"), HasSubstr("spread: must be a list of numbers"));
-  EXPECT_THAT(error_of("colour = \"blue\""), HasSubstr("a.toml:1: colour = \"blue\": must be red or green"));
+  EXPECT_THAT(error_of("colour = \"blue\""),
+              HasSubstr("a.toml:1: colour = \"blue\": must be red or green"));
   EXPECT_THAT(error_of("name = 1979-05-27"), HasSubstr("a.toml:1: name: dates and times"));
   EXPECT_THAT(error_of("mvs = 3"), HasSubstr("a.toml:1: unknown key 'mvs'"));
   EXPECT_THAT(error_of("[length_m]\nx = 1"), HasSubstr("length_m"));
@@ -139,14 +149,16 @@ TEST(Fields, ErrorsNameFileLineKeyValueAndLimit) {
 TEST(Fields, AnUnknownKeyNamesTheNearest) {
   EXPECT_THAT(error_of("fast = true\nlenght_m = 1"),
               AllOf(HasSubstr("a.toml:2: unknown key 'lenght_m'"), HasSubstr("'length_m'")));
-  EXPECT_THAT(error_of("[mvs]\nplane = 1"), AllOf(HasSubstr("a.toml:2: unknown key 'mvs.plane'"), HasSubstr("'mvs.planes'")));
+  EXPECT_THAT(error_of("[mvs]\nplane = 1"),
+              AllOf(HasSubstr("a.toml:2: unknown key 'mvs.plane'"), HasSubstr("'mvs.planes'")));
   EXPECT_THAT(set_error_of("planes=3"), HasSubstr("nearest key is 'mvs.planes'"));
 }
 
 TEST(Fields, MissingKeysAreNamedWhereAllAreNeeded) {
-  EXPECT_THAT(error_of("length_m = 0.1\nseed = 1\nfast = true\nname = \"n\"\nspread = []\ncolour = \"red\"",
-                       MissingKeys::error),
-              HasSubstr("a.toml: missing keys: mvs.planes, mvs.smoothness"));
+  EXPECT_THAT(
+      error_of("length_m = 0.1\nseed = 1\nfast = true\nname = \"n\"\nspread = []\ncolour = \"red\"",
+               MissingKeys::error),
+      HasSubstr("a.toml: missing keys: mvs.planes, mvs.smoothness"));
 }
 
 TEST(Fields, BrokenTextIsAnErrorWithALine) {
@@ -158,7 +170,8 @@ TEST(Fields, BrokenTextIsAnErrorWithALine) {
 
 TEST(Fields, HostileNestingIsAnErrorNotAStackOverflow) {
   EXPECT_THAT(error_of("spread = " + std::string(4000, '[')), HasSubstr("opening brackets"));
-  EXPECT_THAT(error_of("name = \"" + std::string(5000, 'x') + "\""), HasSubstr("a.toml:1: 5009 characters"));
+  EXPECT_THAT(error_of("name = \"" + std::string(5000, 'x') + "\""),
+              HasSubstr("a.toml:1: 5009 characters"));
   EXPECT_THAT(error_of(std::string(2 << 20, '\n')), HasSubstr("bytes; the limit is"));
   std::string dotted = "a";
   for (int i = 0; i < 2000; ++i) dotted += ".a";
@@ -193,14 +206,16 @@ TEST(Fields, SetErrorsNameKeyValueAndLimit) {
   EXPECT_THAT(set_error_of("length_m=7"), HasSubstr("length_m = 7: must be in [0.001, 1]"));
   EXPECT_THAT(set_error_of("length_m=7mm"), HasSubstr("length_m = \"7mm\": must be a number"));
   EXPECT_THAT(set_error_of("fast=yes"), HasSubstr("fast = \"yes\": must be true or false"));
-  EXPECT_THAT(set_error_of("seed=-1"), HasSubstr("seed = \"-1\": must be zero or a positive integer"));
+  EXPECT_THAT(set_error_of("seed=-1"),
+              HasSubstr("seed = \"-1\": must be zero or a positive integer"));
   EXPECT_THAT(set_error_of("spread=0.1,,0.2"), HasSubstr("must be a list of numbers"));
   EXPECT_THAT(set_error_of("mvs.planes=2.5"), HasSubstr("mvs.planes = 2.5: must be an integer"));
 }
 
 TEST(Fields, DescribeShowsKeyDefaultLimitsAndHelp) {
   Inner config;
-  EXPECT_EQ(describe(fields(config)), "planes      64   [2, 1024]  depth planes\nsmoothness  0.1  [0, 10]    weight\n");
+  EXPECT_EQ(describe(fields(config)),
+            "planes      64   [2, 1024]  depth planes\nsmoothness  0.1  [0, 10]    weight\n");
 }
 
 TEST(Fields, FilesAreReadAndMissingOnesNamed) {

@@ -6,7 +6,8 @@
 #include "sim/geometry/measure.h"
 #include "sim/geometry/mesh_formats.h"
 
-/// Any bytes as PLY, OBJ and STL: a mesh that the check and the weld accept, or std::runtime_error, nothing else.
+/// Any bytes as PLY, OBJ and STL: a mesh that the check and the weld accept, or std::runtime_error,
+/// nothing else.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cousin;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);

@@ -8,8 +8,8 @@
 
 #include "sim/config/fields.h"
 
-/// Any bytes as a configuration, and as an assignment of --set: read, or refused by the exceptions that are promised.
-/// What was read is written and reads back.
+/// Any bytes as a configuration, and as an assignment of --set: read, or refused by the exceptions
+/// that are promised. What was read is written and reads back.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cousin;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string name = "x";
   std::vector<double> list = {1};
   const Fields fields = {{"a", &length_m, "", 0, 1}, {"b", &count, "", -5, 5}, {"c.s", &seed, ""},
-                         {"c.f", &fast, ""},        {"c.d.n", &name, ""},     {"l", &list, ""}};
+                         {"c.f", &fast, ""},         {"c.d.n", &name, ""},     {"l", &list, ""}};
   try {
     read_toml_text(text, "fuzz", fields, MissingKeys::keep_default);
     const std::string written = to_toml(fields);

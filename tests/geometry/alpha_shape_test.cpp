@@ -1,9 +1,9 @@
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 #include "sim/geometry/measure.h"
 #include "tests/geometry/solids.h"
@@ -51,7 +51,8 @@ TEST(AlphaShape, BoundaryHoldsTheVolumeItReports) {
 }
 
 TEST(AlphaShape, AGridHasNoCracks) {
-  // All cells are cospherical and hold flat tetrahedra; sphere of a cell: half its diagonal, 0.87 steps.
+  // All cells are cospherical and hold flat tetrahedra; sphere of a cell: half its diagonal, 0.87
+  // steps.
   for (const Vector3d& offset : {Vector3d(0, 0, 0), Vector3d(1000, -500, 300)}) {
     const auto points = moved(grid(6, 1e-3), Eigen::Matrix3d::Identity(), offset);
     const AlphaShape shape = alpha_shape(points, 1e-3);
@@ -85,8 +86,10 @@ TEST(AlphaShape, DoesNotDependOnPoseOrOrder) {
   const AlphaShape here = alpha_shape(points, 0.001);
   const AlphaShape shuffled_here = alpha_shape(shuffled(points, rng.fork("order")), 0.001);
   EXPECT_EQ(shuffled_here.volume_m3, here.volume_m3);  // points are sorted first
-  const AlphaShape far = alpha_shape(moved(points, random_rotation(rng), {1000, 2000, -500}), 0.001);
-  // A sphere within rounding of alpha may fall on the other side; none does here, so only rounding is left.
+  const AlphaShape far =
+      alpha_shape(moved(points, random_rotation(rng), {1000, 2000, -500}), 0.001);
+  // A sphere within rounding of alpha may fall on the other side; none does here, so only rounding
+  // is left.
   EXPECT_EQ(far.tetrahedra, here.tetrahedra);
   EXPECT_NEAR(far.volume_m3 / here.volume_m3, 1, 1e-8);
   EXPECT_NEAR(far.area_m2 / here.area_m2, 1, 1e-8);
@@ -104,7 +107,8 @@ TEST(AlphaShape, FlatPointsHaveNoVolume) {
 TEST(AlphaShape, BadInputIsTheCallersMistake) {
   const auto points = grid(2, 1);
   EXPECT_THROW(alpha_shape(points, 0), std::invalid_argument);
-  EXPECT_THROW(alpha_shape(points, std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
+  EXPECT_THROW(alpha_shape(points, std::numeric_limits<double>::quiet_NaN()),
+               std::invalid_argument);
   auto bad = points;
   bad[3].z() = std::numeric_limits<double>::infinity();
   EXPECT_THROW(alpha_shape(bad, 1), std::invalid_argument);

@@ -1,9 +1,9 @@
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 #include "sim/geometry/measure.h"
 #include "tests/geometry/solids.h"
@@ -13,7 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Width over the normals of all point triples and all pairs of point pairs, which hold the minimum; O(n^4 n).
+/// Width over the normals of all point triples and all pairs of point pairs, which hold the
+/// minimum; O(n^4 n).
 double brute_force_width(const std::vector<Vector3d>& points) {
   std::vector<Vector3d> edges;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -37,12 +38,14 @@ double brute_force_width(const std::vector<Vector3d>& points) {
 
 TEST(Hull, IsClosedConvexAndHoldsAllPoints) {
   for (const int count : {4, 5, 20, 500}) {
-    const std::vector<Vector3d> points = random_points(count, {3, 2, 1}, Rng(2).fork(static_cast<std::uint64_t>(count)));
+    const std::vector<Vector3d> points =
+        random_points(count, {3, 2, 1}, Rng(2).fork(static_cast<std::uint64_t>(count)));
     const Mesh hull = convex_hull(points);
     ASSERT_TRUE(check_watertight(hull).ok) << count;
     for (const auto& t : hull.triangles) {
       const Vector3d& a = hull.vertices_m[t[0]];
-      const Vector3d normal = (hull.vertices_m[t[1]] - a).cross(hull.vertices_m[t[2]] - a).normalized();
+      const Vector3d normal =
+          (hull.vertices_m[t[1]] - a).cross(hull.vertices_m[t[2]] - a).normalized();
       for (const Vector3d& p : points) ASSERT_LT(normal.dot(p - a), 1e-12);
     }
   }
@@ -57,7 +60,8 @@ TEST(Hull, CoplanarFacesStayClosed) {
 }
 
 TEST(Hull, FlatPointsHaveNone) {
-  for (const FlatCase& c : flat_cases()) EXPECT_TRUE(convex_hull(c.points).triangles.empty()) << c.name;
+  for (const FlatCase& c : flat_cases())
+    EXPECT_TRUE(convex_hull(c.points).triangles.empty()) << c.name;
   EXPECT_THROW(convex_hull({}), std::invalid_argument);
 }
 
@@ -73,8 +77,8 @@ TEST(Caliper, BoxHasItsDiagonalAndItsShortestSide) {
 }
 
 TEST(Caliper, TetrahedronIsNarrowestBetweenTwoEdges) {
-  // Opposite edges of the regular tetrahedron in a cube of side 2 lie in opposite faces of the cube; a face and its
-  // opposite corner are 4 / sqrt 3 = 2.31 apart.
+  // Opposite edges of the regular tetrahedron in a cube of side 2 lie in opposite faces of the
+  // cube; a face and its opposite corner are 4 / sqrt 3 = 2.31 apart.
   const CaliperDiameters d = caliper_diameters(tetrahedron_mesh().vertices_m);
   EXPECT_NEAR(d.minimum_m, 2, 1e-12);
   EXPECT_NEAR(d.maximum_m, std::sqrt(8.0), 1e-12);
@@ -82,7 +86,8 @@ TEST(Caliper, TetrahedronIsNarrowestBetweenTwoEdges) {
 
 TEST(Caliper, EqualsBruteForceOnSmallSets) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    const auto points = random_points(4 + static_cast<int>(seed % 9), {1, 0.8, seed % 2 ? 0.3 : 1.0}, Rng(seed));
+    const auto points =
+        random_points(4 + static_cast<int>(seed % 9), {1, 0.8, seed % 2 ? 0.3 : 1.0}, Rng(seed));
     const CaliperDiameters d = caliper_diameters(points);
     EXPECT_NEAR(d.minimum_m, brute_force_width(points), 1e-12) << seed;
     double longest = 0;

@@ -1,9 +1,9 @@
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 #include "sim/geometry/measure.h"
 #include "tests/geometry/solids.h"
@@ -17,11 +17,14 @@ using std::numbers::pi;
 TEST(MassProperties, BoxHasTheTextbooksValuesAnywhere) {
   const Vector3d size(0.008, 0.005, 0.003);
   Rng rng(1);
-  for (const Vector3d& centre : {Vector3d(0, 0, 0), Vector3d(0.1, -0.2, 0.3), Vector3d(1000, -400, 70)}) {
+  for (const Vector3d& centre :
+       {Vector3d(0, 0, 0), Vector3d(0.1, -0.2, 0.3), Vector3d(1000, -400, 70)}) {
     const Eigen::Matrix3d rotation = random_rotation(rng);
     const MassProperties m = mass_properties(moved(box_mesh(size), rotation, centre));
-    // Coordinates are rounded to half an ulp of the offset; a size of 3 mm then has this relative error.
-    const double tolerance = 1e-13 + 10 * centre.norm() * std::numeric_limits<double>::epsilon() / 0.003;
+    // Coordinates are rounded to half an ulp of the offset; a size of 3 mm then has this relative
+    // error.
+    const double tolerance =
+        1e-13 + 10 * centre.norm() * std::numeric_limits<double>::epsilon() / 0.003;
     EXPECT_NEAR(m.volume_m3 / size.prod(), 1, tolerance);
     EXPECT_NEAR(m.area_m2 / (2 * (0.008 * 0.005 + 0.005 * 0.003 + 0.003 * 0.008)), 1, tolerance);
     EXPECT_LT((m.centroid_m - centre).norm(), 0.003 * tolerance + centre.norm() * 1e-15);

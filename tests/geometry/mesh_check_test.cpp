@@ -1,7 +1,7 @@
-#include <limits>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <limits>
 
 #include "sim/geometry/measure.h"
 #include "tests/geometry/solids.h"

@@ -1,14 +1,14 @@
 #include "sim/geometry/mesh_io.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <bit>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "sim/geometry/measure.h"
 #include "tests/geometry/solids.h"
@@ -85,20 +85,26 @@ TEST_F(MeshIo, PlyRoundTripsToTheBit) {
 
 TEST_F(MeshIo, PlyOfEveryEncodingSkipsWhatIsUnknown) {
   const std::string body_header =
-      "comment made by hand\nelement camera 1\nproperty list uchar short angles\nproperty double focus\n"
+      "comment made by hand\nelement camera 1\nproperty list uchar short angles\nproperty double "
+      "focus\n"
       "element vertex 4\nproperty float x\nproperty float y\nproperty uchar red\nproperty float z\n"
-      "element face 2\nproperty list uchar float texcoord\nproperty list uchar int vertex_indices\nend_header\n";
-  const Mesh expected{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}}};
-  const std::string ascii = "ply\nformat ascii 1.0\n" + body_header +
-                            "2 7 -8 0.5\n0 0 255 0\n1 0 0 0\n1 1 7 0.5\n0 1 9 0\n1 0.5 4 0 1 2 3\n0 3 0 1 3\n";
+      "element face 2\nproperty list uchar float texcoord\nproperty list uchar int "
+      "vertex_indices\nend_header\n";
+  const Mesh expected{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}},
+                      {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}}};
+  const std::string ascii =
+      "ply\nformat ascii 1.0\n" + body_header +
+      "2 7 -8 0.5\n0 0 255 0\n1 0 0 0\n1 1 7 0.5\n0 1 9 0\n1 0.5 4 0 1 2 3\n0 3 0 1 3\n";
   expect_same(read_mesh(write("a.ply", ascii)), expected);
   for (const std::endian order : {std::endian::little, std::endian::big}) {
-    std::string bytes = std::string("ply\nformat binary_") + (order == std::endian::little ? "little" : "big") +
-                        "_endian 1.0\n" + body_header;
-    bytes += raw(std::uint8_t{2}) + raw(std::int16_t{7}, order) + raw(std::int16_t{-8}, order) + raw(0.5, order);
+    std::string bytes = std::string("ply\nformat binary_") +
+                        (order == std::endian::little ? "little" : "big") + "_endian 1.0\n" +
+                        body_header;
+    bytes += raw(std::uint8_t{2}) + raw(std::int16_t{7}, order) + raw(std::int16_t{-8}, order) +
+             raw(0.5, order);
     for (const auto& v : expected.vertices_m) {
-      bytes += raw(static_cast<float>(v.x()), order) + raw(static_cast<float>(v.y()), order) + raw(std::uint8_t{9}) +
-               raw(static_cast<float>(v.z()), order);
+      bytes += raw(static_cast<float>(v.x()), order) + raw(static_cast<float>(v.y()), order) +
+               raw(std::uint8_t{9}) + raw(static_cast<float>(v.z()), order);
     }
     bytes += raw(std::uint8_t{1}) + raw(0.5F, order) + raw(std::uint8_t{4});
     for (const std::int32_t i : {0, 1, 2, 3}) bytes += raw(i, order);
@@ -109,11 +115,13 @@ TEST_F(MeshIo, PlyOfEveryEncodingSkipsWhatIsUnknown) {
 }
 
 TEST_F(MeshIo, ObjTakesSlashesNegativeIndicesAndPolygons) {
-  const Mesh mesh = read_mesh(write("a.obj",
-                                    "# comment\nmtllib x.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0 1.0\nvt 0 0\nvn 0 0 1\n"
-                                    "f 1/1/1 2/1/1 3//1 4\nf -4 -3/1 -1\r\n"));
+  const Mesh mesh = read_mesh(
+      write("a.obj",
+            "# comment\nmtllib x.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0 1.0\nvt 0 0\nvn 0 0 1\n"
+            "f 1/1/1 2/1/1 3//1 4\nf -4 -3/1 -1\r\n"));
   EXPECT_EQ(mesh.vertices_m.size(), 4U);
-  EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}, {0, 1, 3}}));
+  EXPECT_EQ(mesh.triangles,
+            (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}, {0, 1, 3}}));
 }
 
 TEST_F(MeshIo, StlIsWeldedAndTheSizeTellsBinary) {
@@ -174,10 +182,12 @@ TEST_F(MeshIo, ErrorsNameTheFileAndThePlace) {
   EXPECT_THROW(read_mesh(folder_), std::runtime_error);
   EXPECT_THAT(error_of("a.fbx", "x"), AllOf(HasSubstr("a.fbx"), HasSubstr(".ply, .obj, .stl")));
   EXPECT_THAT(error_of("a.ply", ""), HasSubstr("a.ply"));
-  EXPECT_THAT(error_of("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty floaty x\nend_header\n"),
-              AllOf(HasSubstr("line 4"), HasSubstr("floaty")));
+  EXPECT_THAT(
+      error_of("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty floaty x\nend_header\n"),
+      AllOf(HasSubstr("line 4"), HasSubstr("floaty")));
   EXPECT_THAT(error_of("a.obj", "v 0 0 0\nv 1 0\n"), HasSubstr("a.obj: line 2"));
-  EXPECT_THAT(error_of("a.obj", "v 0 0 0\nf 1 1 2\n"), AllOf(HasSubstr("line 2"), HasSubstr("\"2\" is no vertex")));
+  EXPECT_THAT(error_of("a.obj", "v 0 0 0\nf 1 1 2\n"),
+              AllOf(HasSubstr("line 2"), HasSubstr("\"2\" is no vertex")));
   EXPECT_THAT(error_of("a.obj", "v 0 0 nan\n"), HasSubstr("finite"));
   EXPECT_THAT(error_of("a.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n"), HasSubstr("fewer than 3"));
   EXPECT_THAT(error_of("a.stl", "solid x\nvertex 0 0 0\n"), HasSubstr("a.stl"));
@@ -186,15 +196,19 @@ TEST_F(MeshIo, ErrorsNameTheFileAndThePlace) {
 
 TEST_F(MeshIo, HugeCountsAreRefusedBeforeMemoryIsTaken) {
   const std::string vertex = "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-  EXPECT_THAT(error_of("a.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 60000000" + vertex + "abc"),
+  EXPECT_THAT(error_of("a.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 60000000" +
+                                    vertex + "abc"),
               HasSubstr("too short for 60000000 vertex"));
-  EXPECT_THAT(error_of("a.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999999999999" + vertex),
+  EXPECT_THAT(
+      error_of("a.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999999999999" + vertex),
+      HasSubstr("not in 0..2^26"));
+  EXPECT_THAT(error_of("a.ply", "ply\nformat ascii 1.0\nelement vertex -1" + vertex),
               HasSubstr("not in 0..2^26"));
-  EXPECT_THAT(error_of("a.ply", "ply\nformat ascii 1.0\nelement vertex -1" + vertex), HasSubstr("not in 0..2^26"));
   const std::string face = "ply\nformat binary_little_endian 1.0\nelement vertex 0" +
                            vertex.substr(0, vertex.find("end_header")) +
                            "element face 1\nproperty list uint int vertex_indices\nend_header\n";
-  EXPECT_THAT(error_of("a.ply", face + raw(std::uint32_t{0xFFFFFFFF})), HasSubstr("too short for a list"));
+  EXPECT_THAT(error_of("a.ply", face + raw(std::uint32_t{0xFFFFFFFF})),
+              HasSubstr("too short for a list"));
   std::string stl = binary_stl(box_mesh({1, 1, 1}));
   std::memset(stl.data() + 80, 0xFF, 4);
   EXPECT_NE(error_of("a.stl", stl), "");
@@ -204,8 +218,10 @@ TEST_F(MeshIo, EveryTruncationIsAnErrorOrASmallerMesh) {
   const Mesh mesh = tetrahedron_mesh();
   write_ply(folder_ / "whole.ply", mesh);
   const std::string ply = bytes_of(folder_ / "whole.ply"), stl = binary_stl(mesh);
-  for (std::size_t size = 0; size < ply.size(); ++size) EXPECT_NE(error_of("cut.ply", ply.substr(0, size)), "") << size;
-  for (std::size_t size = 0; size < stl.size(); ++size) EXPECT_NE(error_of("cut.stl", stl.substr(0, size)), "") << size;
+  for (std::size_t size = 0; size < ply.size(); ++size)
+    EXPECT_NE(error_of("cut.ply", ply.substr(0, size)), "") << size;
+  for (std::size_t size = 0; size < stl.size(); ++size)
+    EXPECT_NE(error_of("cut.stl", stl.substr(0, size)), "") << size;
 }
 
 TEST_F(MeshIo, FlippedBitsAreReadOrRefusedNeverMore) {

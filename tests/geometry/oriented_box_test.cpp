@@ -1,9 +1,9 @@
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 #include "sim/geometry/measure.h"
 #include "tests/geometry/solids.h"
@@ -27,7 +27,8 @@ void expect_box_holds(const OrientedBox& box, const std::vector<Vector3d>& point
   }
 }
 
-/// Least volume by rotations spread at random and walked downhill by ever smaller random turns: slow and independent.
+/// Least volume by rotations spread at random and walked downhill by ever smaller random turns:
+/// slow and independent.
 double brute_force_volume(const std::vector<Vector3d>& points, Rng rng) {
   const auto volume_along = [&](const Matrix3d& axes) {
     Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -47,7 +48,8 @@ double brute_force_volume(const std::vector<Vector3d>& points, Rng rng) {
     const Matrix3d axes = random_rotation(rng);
     starts.push_back({volume_along(axes), axes});
   }
-  std::sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.volume < b.volume; });
+  std::sort(starts.begin(), starts.end(),
+            [](const Start& a, const Start& b) { return a.volume < b.volume; });
   starts.resize(60);
   double best = starts.front().volume;
   for (Start& start : starts) {
@@ -95,7 +97,8 @@ TEST(MinimumVolumeBox, EllipsoidHasItsAxes) {
   const Matrix3d rotation = random_rotation(rng);
   const auto points = moved(ellipsoid_mesh(r, 5).vertices_m, rotation, {0.01, 0.02, 0.03});
   const OrientedBox box = minimum_volume_box(points);
-  // The mesh holds the ends of the axes, so no smaller box than the ellipsoid's exists to the mesh's sag of 6e-4.
+  // The mesh holds the ends of the axes, so no smaller box than the ellipsoid's exists to the
+  // mesh's sag of 6e-4.
   EXPECT_LE(volume(box), 8 * r.prod() * (1 + 1e-12));
   EXPECT_LT((box.size_m - 2 * r).cwiseQuotient(2 * r).norm(), 1e-3);
   expect_box_holds(box, points, 1e-15);
@@ -106,13 +109,15 @@ TEST(MinimumVolumeBox, NoRotationFoundByBruteForceIsBetter) {
     const Vector3d scale(1, seed % 3 == 1 ? 0.3 : 1.0, seed % 3 == 2 ? 0.1 : 0.8);
     const auto points = random_points(4 + static_cast<int>(seed), scale, Rng(seed).fork("points"));
     const OrientedBox box = minimum_volume_box(points);
-    EXPECT_LE(volume(box), brute_force_volume(points, Rng(seed).fork("search")) * (1 + 1e-9)) << seed;
+    EXPECT_LE(volume(box), brute_force_volume(points, Rng(seed).fork("search")) * (1 + 1e-9))
+        << seed;
     expect_box_holds(box, points, 1e-12);
   }
 }
 
 TEST(MinimumVolumeBox, TwoAdjacentSidesAreFlushWithEdges) {
-  // The theorem that gives the method its creases, on the result: at least two sides touch two points each.
+  // The theorem that gives the method its creases, on the result: at least two sides touch two
+  // points each.
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const auto points = random_points(12, {1, 0.7, 0.5}, Rng(seed));
     const OrientedBox box = minimum_volume_box(points);
@@ -135,7 +140,8 @@ TEST(MinimumVolumeBox, DoesNotDependOnPoseOrOrder) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const auto points = random_points(60, {4, 3, 2}, Rng(seed));
     const OrientedBox box = minimum_volume_box(points);
-    const OrientedBox other = minimum_volume_box(shuffled(moved(points, random_rotation(rng), {9, 8, 7}), rng.fork(seed)));
+    const OrientedBox other = minimum_volume_box(
+        shuffled(moved(points, random_rotation(rng), {9, 8, 7}), rng.fork(seed)));
     EXPECT_NEAR(volume(other) / volume(box), 1, 1e-9);
     EXPECT_LT((other.size_m - box.size_m).norm(), 1e-6);
   }
@@ -154,7 +160,8 @@ TEST(MinimumVolumeBox, InnerAndRepeatedPointsChangeNothing) {
 
 TEST(MinimumVolumeBox, FromANearBoxItIsTheSame) {
   Rng rng(6);
-  const auto points = moved(ellipsoid_mesh({0.0045, 0.003, 0.002}, 5).vertices_m, random_rotation(rng), {0.1, 0, 0});
+  const auto points = moved(ellipsoid_mesh({0.0045, 0.003, 0.002}, 5).vertices_m,
+                            random_rotation(rng), {0.1, 0, 0});
   const OrientedBox box = minimum_volume_box(points);
   OrientedBox near = box;
   near.axes = Eigen::AngleAxisd(0.01, Vector3d(1, 1, 1).normalized()) * near.axes;
@@ -169,7 +176,8 @@ TEST(MinimumVolumeBox, FlatPointsGiveZeroSizesNeverNan) {
   for (const FlatCase& c : flat_cases()) {
     for (const OrientedBox& box : {minimum_volume_box(c.points), pca_box(c.points)}) {
       EXPECT_EQ(box.size_m.z(), 0) << c.name;
-      EXPECT_TRUE(box.size_m.allFinite() && box.axes.allFinite() && box.centre_m.allFinite()) << c.name;
+      EXPECT_TRUE(box.size_m.allFinite() && box.axes.allFinite() && box.centre_m.allFinite())
+          << c.name;
       expect_box_holds(box, c.points, 1e-9);
     }
   }

@@ -21,12 +21,13 @@ Mesh box_mesh(const Vector3d& size_m) {
 Mesh ellipsoid_mesh(const Vector3d& semi_axes_m, int levels) {
   Mesh mesh;
   mesh.vertices_m = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
   for (int level = 0; level < levels; ++level) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [place, fresh] =
-          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices_m.size()));
+      const auto [place, fresh] = middles.try_emplace(
+          std::minmax(a, b), static_cast<std::uint32_t>(mesh.vertices_m.size()));
       if (fresh) mesh.vertices_m.push_back((mesh.vertices_m[a] + mesh.vertices_m[b]).normalized());
       return place->second;
     };
@@ -42,7 +43,8 @@ Mesh ellipsoid_mesh(const Vector3d& semi_axes_m, int levels) {
 }
 
 Mesh tetrahedron_mesh() {
-  return {{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}, {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
+  return {{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}},
+          {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
 }
 
 Eigen::Matrix3d random_rotation(Rng& rng) {
@@ -51,7 +53,8 @@ Eigen::Matrix3d random_rotation(Rng& rng) {
   return q.normalized().toRotationMatrix();
 }
 
-std::vector<Vector3d> moved(std::vector<Vector3d> points, const Eigen::Matrix3d& rotation, const Vector3d& translation) {
+std::vector<Vector3d> moved(std::vector<Vector3d> points, const Eigen::Matrix3d& rotation,
+                            const Vector3d& translation) {
   for (Vector3d& p : points) p = rotation * p + translation;
   return points;
 }
@@ -62,7 +65,8 @@ Mesh moved(Mesh mesh, const Eigen::Matrix3d& rotation, const Vector3d& translati
 }
 
 std::vector<Vector3d> shuffled(std::vector<Vector3d> points, Rng rng) {
-  for (std::size_t i = points.size(); i > 1; --i) std::swap(points[i - 1], points[uniform_index(rng, i)]);
+  for (std::size_t i = points.size(); i > 1; --i)
+    std::swap(points[i - 1], points[uniform_index(rng, i)]);
   return points;
 }
 
@@ -93,7 +97,8 @@ std::vector<FlatCase> flat_cases() {
           {"a line", line},
           {"a tilted plane", plane},
           {"a grid in a plane", square},
-          {"a plane a kilometre away", moved(plane, Eigen::Matrix3d::Identity(), Vector3d(1000, -500, 200))}};
+          {"a plane a kilometre away",
+           moved(plane, Eigen::Matrix3d::Identity(), Vector3d(1000, -500, 200))}};
 }
 
 }  // namespace cousin

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <vector>
 
 #include "sim/types/mesh.h"
 #include "sim/types/rng.h"
@@ -17,7 +16,8 @@ Mesh ellipsoid_mesh(const Eigen::Vector3d& semi_axes_m, int levels);
 Mesh tetrahedron_mesh();
 
 Eigen::Matrix3d random_rotation(Rng& rng);
-std::vector<Eigen::Vector3d> moved(std::vector<Eigen::Vector3d> points, const Eigen::Matrix3d& rotation,
+std::vector<Eigen::Vector3d> moved(std::vector<Eigen::Vector3d> points,
+                                   const Eigen::Matrix3d& rotation,
                                    const Eigen::Vector3d& translation);
 Mesh moved(Mesh mesh, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation);
 std::vector<Eigen::Vector3d> shuffled(std::vector<Eigen::Vector3d> points, Rng rng);

@@ -1,9 +1,9 @@
 #include "sim/imaging/color.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
-
-#include <gtest/gtest.h>
 
 namespace cousin {
 namespace {
@@ -15,17 +15,20 @@ TEST(Colour, CodesRoundTrip) {
 }
 
 TEST(Colour, CurveHasTheStandardsValues) {
-  // IEC 61966-2-1: 12.92 below the knee; middle grey 0.5 is 0.735357 in code; the inverse undoes it.
+  // IEC 61966-2-1: 12.92 below the knee; middle grey 0.5 is 0.735357 in code; the inverse undoes
+  // it.
   EXPECT_FLOAT_EQ(srgb_from_linear(0.002F), 0.02584F);
   EXPECT_NEAR(srgb_from_linear(0.5F), 0.7353570F, 1e-6);
-  for (float x = 0; x <= 1; x += 1.0F / 512) EXPECT_NEAR(linear_from_srgb(srgb_from_linear(x)), x, 1e-6);
+  for (float x = 0; x <= 1; x += 1.0F / 512)
+    EXPECT_NEAR(linear_from_srgb(srgb_from_linear(x)), x, 1e-6);
 }
 
 TEST(Colour, CodeIsTheRoundedCurveEverywhere) {
   // Steps finer than a float's resolution of a code edge are checked by walking across each edge.
   for (int code = 1; code < 256; ++code) {
     const double edge = (code - 0.5) / 255;
-    const auto linear = static_cast<float>(edge <= 0.04045 ? edge / 12.92 : std::pow((edge + 0.055) / 1.055, 2.4));
+    const auto linear =
+        static_cast<float>(edge <= 0.04045 ? edge / 12.92 : std::pow((edge + 0.055) / 1.055, 2.4));
     float x = linear * (1 - 1e-5F);
     for (int step = 0; step < 200; ++step, x += linear * 1e-7F) {
       ASSERT_EQ(srgb8_from_linear(x), std::lround(srgb_from_linear(x) * 255.0F)) << x;

@@ -1,5 +1,9 @@
 #include "sim/imaging/image_io.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -9,10 +13,6 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "sim/types/rng.h"
 
@@ -36,7 +36,8 @@ class ImageIo : public ::testing::Test {
   fs::path write(const std::string& name, const std::vector<std::uint8_t>& bytes) const {
     fs::remove(folder_ / name);  // ext4 flushes a file that is cut and written again
     std::ofstream(folder_ / name, std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
     return folder_ / name;
   }
   std::vector<std::uint8_t> bytes_of(const fs::path& file) const {
@@ -61,7 +62,8 @@ Image<Rgb8> noise(int width, int height) {
   Rng rng(3);
   for (Rgb8& p : image) {
     const std::uint64_t bits = rng();
-    p = {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8), static_cast<std::uint8_t>(bits >> 16)};
+    p = {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8),
+         static_cast<std::uint8_t>(bits >> 16)};
   }
   return image;
 }
@@ -71,7 +73,8 @@ Image<Rgb8> gradient(int width, int height) {
   Image<Rgb8> image(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      image(x, y) = {static_cast<std::uint8_t>(x * 255 / width), static_cast<std::uint8_t>(y * 255 / height), 90};
+      image(x, y) = {static_cast<std::uint8_t>(x * 255 / width),
+                     static_cast<std::uint8_t>(y * 255 / height), 90};
     }
   }
   return image;
@@ -121,7 +124,8 @@ TEST_F(ImageIo, JpegOfASmoothPictureIsClose) {
   const Image<Rgb8> back = decode_jpeg(bytes);
   ASSERT_EQ(back.width(), 120);
   double sum = 0;
-  for (std::size_t i = 0; i < image.size(); ++i) sum += std::abs(image.data()[i].r - back.data()[i].r);
+  for (std::size_t i = 0; i < image.size(); ++i)
+    sum += std::abs(image.data()[i].r - back.data()[i].r);
   EXPECT_LT(sum / static_cast<double>(image.size()), 2);  // codes; chroma is stored at half size
   EXPECT_EQ(read_color(write("a.jpg", bytes)), back);
 }
@@ -133,7 +137,8 @@ TEST_F(ImageIo, EncodedPngIsTheFile) {
 }
 
 TEST_F(ImageIo, MissingAndForeignFilesAreNamed) {
-  EXPECT_THAT(error_of([&] { read_color(folder_ / "none.png"); }), AllOf(HasSubstr("none.png"), HasSubstr("No such file")));
+  EXPECT_THAT(error_of([&] { read_color(folder_ / "none.png"); }),
+              AllOf(HasSubstr("none.png"), HasSubstr("No such file")));
   EXPECT_THAT(error_of([&] { read_color(folder_); }), HasSubstr("not a regular file"));
   const fs::path text = write("text.png", {'h', 'e', 'l', 'l', 'o', ' ', 'w', 'o', 'r', 'l', 'd'});
   EXPECT_THAT(error_of([&] { read_color(text); }), HasSubstr("text.png: neither a PNG nor a JPEG"));
@@ -145,39 +150,46 @@ TEST_F(ImageIo, MissingAndForeignFilesAreNamed) {
 TEST_F(ImageIo, AnotherKindOfPngIsAnError) {
   write_png(folder_ / "c.png", gradient(4, 4));
   write_png(folder_ / "d.png", Image<std::uint16_t>(4, 4, 9));
-  EXPECT_THAT(error_of([&] { read_png8(folder_ / "c.png"); }), HasSubstr("8-bit colour PNG; expected 8-bit grey"));
-  EXPECT_THAT(error_of([&] { read_png8(folder_ / "d.png"); }), HasSubstr("16-bit grey PNG; expected 8-bit grey"));
+  EXPECT_THAT(error_of([&] { read_png8(folder_ / "c.png"); }),
+              HasSubstr("8-bit colour PNG; expected 8-bit grey"));
+  EXPECT_THAT(error_of([&] { read_png8(folder_ / "d.png"); }),
+              HasSubstr("16-bit grey PNG; expected 8-bit grey"));
   EXPECT_THAT(error_of([&] { read_png16(folder_ / "c.png"); }), HasSubstr("expected 16-bit grey"));
 }
 
 TEST_F(ImageIo, EveryTruncationIsAnError) {
   write_png(folder_ / "a.png", noise(16, 16));
   write_exr(folder_ / "a.exr", Image<float>(16, 16, 0.5F));
-  const std::vector<std::uint8_t> png = bytes_of(folder_ / "a.png"), exr = bytes_of(folder_ / "a.exr");
+  const std::vector<std::uint8_t> png = bytes_of(folder_ / "a.png"),
+                                  exr = bytes_of(folder_ / "a.exr");
   const std::vector<std::uint8_t> jpeg = encode_jpeg(noise(16, 16), 90);
   const auto cut = [](const std::vector<std::uint8_t>& bytes, std::size_t size) {
-    return std::vector<std::uint8_t>(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    return std::vector<std::uint8_t>(bytes.begin(),
+                                     bytes.begin() + static_cast<std::ptrdiff_t>(size));
   };
   for (std::size_t size = 0; size < png.size(); ++size) {
-    EXPECT_NE(error_of([&] { read_color(write("cut.png", cut(png, size))); }), "") << size << " bytes of PNG";
+    EXPECT_NE(error_of([&] { read_color(write("cut.png", cut(png, size))); }), "")
+        << size << " bytes of PNG";
   }
   for (std::size_t size = 0; size < jpeg.size(); ++size) {
     EXPECT_NE(error_of([&] { decode_jpeg(cut(jpeg, size)); }), "") << size << " bytes of JPEG";
   }
   for (std::size_t size = 0; size < exr.size(); ++size) {
-    EXPECT_NE(error_of([&] { read_exr(write("cut.exr", cut(exr, size))); }), "") << size << " bytes of EXR";
+    EXPECT_NE(error_of([&] { read_exr(write("cut.exr", cut(exr, size))); }), "")
+        << size << " bytes of EXR";
   }
 }
 
 TEST_F(ImageIo, FlippedBitsAreReadOrRefusedNeverMore) {
   write_exr(folder_ / "a.exr", Image<float>(16, 16, 0.5F));
-  const std::vector<std::uint8_t> seeds[] = {encode_png(noise(12, 9)), encode_jpeg(noise(12, 9), 80),
-                                             bytes_of(folder_ / "a.exr")};
+  const std::vector<std::uint8_t> seeds[] = {
+      encode_png(noise(12, 9)), encode_jpeg(noise(12, 9), 80), bytes_of(folder_ / "a.exr")};
   Rng rng(11);
   for (const auto& good : seeds) {
     for (int trial = 0; trial < 300; ++trial) {
       std::vector<std::uint8_t> bad = good;
-      for (int flips = 0; flips < 4; ++flips) bad[uniform_index(rng, bad.size())] ^= 1U << uniform_index(rng, 8);
+      for (int flips = 0; flips < 4; ++flips)
+        bad[uniform_index(rng, bad.size())] ^= 1U << uniform_index(rng, 8);
       const fs::path file = write("bad", bad);
       error_of([&] { read_color(file); });
       error_of([&] { read_exr(file); });
@@ -246,7 +258,8 @@ TEST_F(ImageIo, AFullDiskIsAnErrorAndLeavesTheOldFile) {
 
 TEST_F(ImageIo, AFolderThatCannotBeMadeIsNamed) {
   write_png(folder_ / "a.png", gradient(4, 4));
-  EXPECT_THAT(error_of([&] { write_png(folder_ / "a.png" / "b.png", gradient(4, 4)); }), HasSubstr("b.png"));
+  EXPECT_THAT(error_of([&] { write_png(folder_ / "a.png" / "b.png", gradient(4, 4)); }),
+              HasSubstr("b.png"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
 #include <opencv2/imgproc.hpp>
 
 namespace cousin {
@@ -12,7 +13,8 @@ Image<Rgb8> plane_of_red(int red) {
   Image<Rgb8> image(256, 256);
   for (int g = 0; g < 256; ++g) {
     for (int b = 0; b < 256; ++b) {
-      image(b, g) = {static_cast<std::uint8_t>(red), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b)};
+      image(b, g) = {static_cast<std::uint8_t>(red), static_cast<std::uint8_t>(g),
+                     static_cast<std::uint8_t>(b)};
     }
   }
   return image;

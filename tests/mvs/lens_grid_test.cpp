@@ -1,8 +1,8 @@
 #include "perception/mvs/lens_grid.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "tests/mvs/synthetic_seeds.h"
 
@@ -38,9 +38,10 @@ INSTANTIATE_TEST_SUITE_P(EveryLens, LensGridOfModel,
 
 TEST(LensGrid, OutsideAndWhereTheMapHasNoValueIsNaN) {
   // Nodes 16 px apart; a cubic asks the two on each side.
-  const LensGrid grid({10, 20, 64, 32}, [](const Eigen::Vector2d& p) -> std::optional<Eigen::Vector2d> {
-    return p.x() > 45 ? std::nullopt : std::optional<Eigen::Vector2d>(2 * p);
-  });
+  const LensGrid grid({10, 20, 64, 32},
+                      [](const Eigen::Vector2d& p) -> std::optional<Eigen::Vector2d> {
+                        return p.x() > 45 ? std::nullopt : std::optional<Eigen::Vector2d>(2 * p);
+                      });
   EXPECT_FLOAT_EQ(grid(15.5F, 25.25F).x(), 31);
   EXPECT_FLOAT_EQ(grid(15.5F, 25.25F).y(), 50.5);
   EXPECT_TRUE(std::isnan(grid(9, 25).x()));

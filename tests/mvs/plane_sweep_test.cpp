@@ -1,13 +1,13 @@
 #include "perception/mvs/plane_sweep.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numeric>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "sim/types/rng.h"
 #include "tests/mvs/synthetic_seeds.h"
@@ -61,22 +61,26 @@ DepthErrors errors_on_seed(const SyntheticViews& views, const Depths& depths) {
   result.covered = n / static_cast<double>(pixels);
   result.median_m = errors_m[errors_m.size() / 2];
   result.far_share =
-      static_cast<double>(errors_m.end() - std::upper_bound(errors_m.begin(), errors_m.end(), 0.0005)) / n;
+      static_cast<double>(errors_m.end() -
+                          std::upper_bound(errors_m.begin(), errors_m.end(), 0.0005)) /
+      n;
   return result;
 }
 
 int depths_in(const Depths& depths) {
-  return static_cast<int>(std::accumulate(depths.begin(), depths.end(), std::ptrdiff_t{0}, [](auto n, const auto& d) {
-    return n + std::count_if(d.depth_m.begin(), d.depth_m.end(), [](float z) { return std::isfinite(z); });
-  }));
+  return static_cast<int>(
+      std::accumulate(depths.begin(), depths.end(), std::ptrdiff_t{0}, [](auto n, const auto& d) {
+        return n + std::count_if(d.depth_m.begin(), d.depth_m.end(),
+                                 [](float z) { return std::isfinite(z); });
+      }));
 }
 
 class PlaneSweepOfLens : public testing::TestWithParam<LensModel> {};
 
 TEST_P(PlaneSweepOfLens, RecoversATexturedEllipsoid) {
   const SyntheticViews views = few_views(GetParam());
-  const DepthErrors errors =
-      errors_on_seed(views, estimate_depths(views.capture, views.poses, small_volume(), small_config()));
+  const DepthErrors errors = errors_on_seed(
+      views, estimate_depths(views.capture, views.poses, small_volume(), small_config()));
   // A tenth of a pixel of disparity at 0.3 rad is 0.13 mm.
   EXPECT_LT(errors.median_m, 0.00013);
   EXPECT_LT(errors.far_share, 0.08);
@@ -99,8 +103,12 @@ TEST(PlaneSweep, SameBytesOnAnyNumberOfThreads) {
     const Depths other = run(threads);
     for (std::size_t i = 0; i < one.size(); ++i) {
       ASSERT_EQ(one[i].depth_m.size(), other[i].depth_m.size());
-      EXPECT_EQ(std::memcmp(one[i].depth_m.data(), other[i].depth_m.data(), 4 * one[i].depth_m.size()), 0);
-      EXPECT_EQ(std::memcmp(one[i].sigma_m.data(), other[i].sigma_m.data(), 4 * one[i].sigma_m.size()), 0);
+      EXPECT_EQ(
+          std::memcmp(one[i].depth_m.data(), other[i].depth_m.data(), 4 * one[i].depth_m.size()),
+          0);
+      EXPECT_EQ(
+          std::memcmp(one[i].sigma_m.data(), other[i].sigma_m.data(), 4 * one[i].sigma_m.size()),
+          0);
     }
   }
 }
@@ -108,7 +116,8 @@ TEST(PlaneSweep, SameBytesOnAnyNumberOfThreads) {
 TEST(PlaneSweep, OneOrTwoViewsGiveNoDepth) {
   for (const int count : {0, 1, 2}) {
     const SyntheticViews views = few_views(LensModel::pinhole, count);
-    const Depths depths = estimate_depths(views.capture, views.poses, small_volume(), small_config());
+    const Depths depths =
+        estimate_depths(views.capture, views.poses, small_volume(), small_config());
     ASSERT_EQ(depths.size(), static_cast<std::size_t>(count));
     for (const FrameDepth& depth : depths) EXPECT_TRUE(depth.depth_m.empty());
   }
@@ -143,18 +152,23 @@ TEST(PlaneSweep, NothingOutsideTheVolumeGetsADepth) {
 
 TEST(PlaneSweep, PicturesWithoutTextureGiveNoDepth) {
   SyntheticViews views = few_views(LensModel::pinhole, 6);
-  for (Frame& frame : views.capture.frames) frame.sensors[0].color = Image<Rgb8>(160, 120, {128, 128, 128});
-  EXPECT_EQ(depths_in(estimate_depths(views.capture, views.poses, small_volume(), small_config())), 0);
+  for (Frame& frame : views.capture.frames)
+    frame.sensors[0].color = Image<Rgb8>(160, 120, {128, 128, 128});
+  EXPECT_EQ(depths_in(estimate_depths(views.capture, views.poses, small_volume(), small_config())),
+            0);
 }
 
 TEST(PlaneSweep, UnrelatedNoiseGivesHardlyAnyDepth) {
   SyntheticViews views = few_views(LensModel::pinhole, 6);
   Rng rng(3);
   for (Frame& frame : views.capture.frames) {
-    for (Rgb8& c : frame.sensors[0].color) c.r = c.g = c.b = static_cast<std::uint8_t>(rng() & 255U);
+    for (Rgb8& c : frame.sensors[0].color)
+      c.r = c.g = c.b = static_cast<std::uint8_t>(rng() & 255U);
   }
-  const int found = depths_in(estimate_depths(views.capture, views.poses, small_volume(), small_config()));
-  EXPECT_LT(found, 0.002 * 6 * 160 * 120);  // two pixels in a thousand agree by chance in three views
+  const int found =
+      depths_in(estimate_depths(views.capture, views.poses, small_volume(), small_config()));
+  EXPECT_LT(found,
+            0.002 * 6 * 160 * 120);  // two pixels in a thousand agree by chance in three views
 }
 
 TEST(PlaneSweep, MaxReferencesSpreadsThem) {
@@ -187,7 +201,8 @@ TEST(PlaneSweep, WrongInputIsNamed) {
   EXPECT_THAT(message([&] { validate(even); }), testing::HasSubstr("window_px = 8"));
   SweepVolume empty;
   empty.high_m = empty.low_m;
-  EXPECT_THAT(message([&] { estimate_depths(views.capture, views.poses, empty); }), testing::HasSubstr("volume"));
+  EXPECT_THAT(message([&] { estimate_depths(views.capture, views.poses, empty); }),
+              testing::HasSubstr("volume"));
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "tests/mvs/synthetic_seeds.h"
 
+#include <tbb/parallel_for.h>
+
 #include <cmath>
 #include <numbers>
 #include <optional>
-
-#include <tbb/parallel_for.h>
 
 #include "sim/types/rng.h"
 
@@ -30,7 +30,8 @@ double noise(const Eigen::Vector3d& p) {
   double sum = 0;
   for (int i = 0; i < 8; ++i) {
     const int dx = i & 1, dy = (i >> 1) & 1, dz = i >> 2;
-    const double weight = (dx ? s.x() : 1 - s.x()) * (dy ? s.y() : 1 - s.y()) * (dz ? s.z() : 1 - s.z());
+    const double weight =
+        (dx ? s.x() : 1 - s.x()) * (dy ? s.y() : 1 - s.y()) * (dz ? s.z() : 1 - s.z());
     sum += weight * lattice(static_cast<std::int64_t>(base.x()) + dx,
                             static_cast<std::int64_t>(base.y()) + dy,
                             static_cast<std::int64_t>(base.z()) + dz);
@@ -70,10 +71,11 @@ Eigen::Vector3d linear_color(const SyntheticScene& scene, const Eigen::Vector3d&
   const Eigen::Vector3d q = in_seed(seed, local).cwiseQuotient(seed.radii_m.cwiseAbs2());
   const Eigen::Vector3d normal =
       Eigen::Vector3d(c * q.x() - s * q.y(), s * q.x() + c * q.y(), q.z()).normalized();
-  const double light = 0.55 + 0.25 * normal.z() + 0.2 * std::max(0.0, normal.dot(Eigen::Vector3d(0.5, 0.3, 0.8)));
+  const double light =
+      0.55 + 0.25 * normal.z() + 0.2 * std::max(0.0, normal.dot(Eigen::Vector3d(0.5, 0.3, 0.8)));
   const double pattern = 1 + scene.texture * (0.6 * noise(p / 0.0008) + 0.6 * noise(p / 0.0019));
-  const Eigen::Vector3d base = seed.colored ? Eigen::Vector3d(0.65, 0.42, 0.14)
-                                            : Eigen::Vector3d(0.4, 0.4, 0.4);
+  const Eigen::Vector3d base =
+      seed.colored ? Eigen::Vector3d(0.65, 0.42, 0.14) : Eigen::Vector3d(0.4, 0.4, 0.4);
   return base * (light * pattern);
 }
 
@@ -109,14 +111,16 @@ SyntheticViews make_views(const SyntheticScene& scene, const Camera& camera,
   tbb::parallel_for(0, h + 2, [&](int y) {
     for (int x = 0; x < w + 2; ++x) {
       const auto ray = unproject(camera, {x - 1.0, y - 1.0});
-      rays(x, y) = ray ? Eigen::Vector2d(ray->head<2>() / ray->z()) : Eigen::Vector2d::Constant(kNaN);
+      rays(x, y) =
+          ray ? Eigen::Vector2d(ray->head<2>() / ray->z()) : Eigen::Vector2d::Constant(kNaN);
     }
   });
   SyntheticViews views;
   views.capture.rig.push_back({"rgb", camera});
   for (std::size_t i = 0; i < eyes.size(); ++i) {
     const Pose camera_from_world = look_at(eyes[i], {0, 0, 0.002});
-    const Eigen::Matrix3d world_from_camera = camera_from_world.rotation.toRotationMatrix().transpose();
+    const Eigen::Matrix3d world_from_camera =
+        camera_from_world.rotation.toRotationMatrix().transpose();
     Image<Rgb8> color(w, h);
     Image<float> depth_m(w, h, std::numeric_limits<float>::quiet_NaN());
     Image<std::int8_t> object(w, h, -2);
@@ -139,7 +143,8 @@ SyntheticViews make_views(const SyntheticScene& scene, const Camera& camera,
         color(x, y) = {srgb_code(sum.x(), scene.noise_codes, draws),
                        srgb_code(sum.y(), scene.noise_codes, draws),
                        srgb_code(sum.z(), scene.noise_codes, draws)};
-        const SyntheticHit hit = trace(scene, eyes[i], (world_from_camera * ray.homogeneous()).normalized());
+        const SyntheticHit hit =
+            trace(scene, eyes[i], (world_from_camera * ray.homogeneous()).normalized());
         object(x, y) = static_cast<std::int8_t>(hit.object);
         if (hit.object > -2) {
           depth_m(x, y) = static_cast<float>(hit.distance_m / ray.homogeneous().norm());
@@ -171,18 +176,21 @@ std::vector<Eigen::Vector3d> three_rings(int views, double nearest_m, double far
     const double azimuth = 2 * std::numbers::pi * (i * 3.0 / views - ring + 0.1 * ring);
     const double distance = nearest_m + (farthest_m - nearest_m) * ((i * 7) % 11) / 10.0;
     eyes.emplace_back(distance * std::cos(elevation) * std::cos(azimuth),
-                      distance * std::cos(elevation) * std::sin(azimuth), distance * std::sin(elevation));
+                      distance * std::cos(elevation) * std::sin(azimuth),
+                      distance * std::sin(elevation));
   }
   return eyes;
 }
 
 SyntheticScene ten_seeds() {
   SyntheticScene scene;
-  const Eigen::Vector3d sizes[] = {{0.0055, 0.0042, 0.0024}, {0.0031, 0.0016, 0.0014}, {0.0045, 0.0013, 0.0010}};
+  const Eigen::Vector3d sizes[] = {
+      {0.0055, 0.0042, 0.0024}, {0.0031, 0.0016, 0.0014}, {0.0045, 0.0013, 0.0010}};
   for (int i = 0; i < 10; ++i) {
     const double angle = 2.4 * i;  // golden angle: even spacing
     const double radius = 0.011 * std::sqrt(i + 0.5);
-    scene.seeds.push_back({radius * std::cos(angle), radius * std::sin(angle), sizes[i % 3], 0.7 * i});
+    scene.seeds.push_back(
+        {radius * std::cos(angle), radius * std::sin(angle), sizes[i % 3], 0.7 * i});
   }
   return scene;
 }
@@ -200,8 +208,8 @@ Camera synthetic_camera(LensModel model, int width_px, int height_px, double foc
     camera.distortion = {0.02, -0.01, 0.004, -0.001};
     return camera;
   }
-  const std::array<double, 12> all = {0.08, -0.2, 0.001, -0.0008, 0.1, 0.02, -0.05, 0.01,
-                                      0.001, -0.0005, 0.0008, 0.0003};
+  const std::array<double, 12> all = {0.08,  -0.2, 0.001, -0.0008, 0.1,    0.02,
+                                      -0.05, 0.01, 0.001, -0.0005, 0.0008, 0.0003};
   for (int i = 0; i < distortion_count(model); ++i) {
     camera.distortion[static_cast<std::size_t>(i)] = all[static_cast<std::size_t>(i)];
   }

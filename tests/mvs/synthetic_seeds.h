@@ -8,7 +8,8 @@
 
 namespace cousin {
 
-/// An ellipsoid that lies on the board: radii along its own x, y and z, turned about z. Grey if not coloured.
+/// An ellipsoid that lies on the board: radii along its own x, y and z, turned about z. Grey if not
+/// coloured.
 struct SyntheticSeed {
   double x_m = 0, y_m = 0;
   Eigen::Vector3d radii_m{0.004, 0.003, 0.002};
@@ -23,7 +24,8 @@ struct SyntheticScene {
   double texture = 0.3;      ///< relative amplitude of the seeds' pattern
   double noise_codes = 1.0;  ///< standard deviation of each 8-bit value
   int supersampling = 3;     ///< samples a pixel along each axis
-  double footprint_px = 2;   ///< side of the square that a pixel averages: its own and the lens's blur
+  double footprint_px =
+      2;  ///< side of the square that a pixel averages: its own and the lens's blur
 };
 
 /// What a pixel's ray meets first: 0.. = seed, -1 = board's plane inside the plate, -2 = nothing.
@@ -36,12 +38,13 @@ SyntheticHit trace(const SyntheticScene& scene, const Eigen::Vector3d& origin_m,
 
 struct SyntheticViews {
   Capture capture;
-  Poses poses;                          ///< the true ones
-  std::vector<Image<float>> depth_m;    ///< true, at pixel centres; NaN where nothing is
+  Poses poses;                             ///< the true ones
+  std::vector<Image<float>> depth_m;       ///< true, at pixel centres; NaN where nothing is
   std::vector<Image<std::int8_t>> object;  ///< as in SyntheticHit
 };
 
-/// Pictures by analytic intersection with ellipsoids and plane, from cameras that look at the board's centre.
+/// Pictures by analytic intersection with ellipsoids and plane, from cameras that look at the
+/// board's centre.
 SyntheticViews make_views(const SyntheticScene& scene, const Camera& camera,
                           const std::vector<Eigen::Vector3d>& eyes_in_world_m, std::uint64_t seed);
 

@@ -1,10 +1,10 @@
 #include "sim/physics/convex_parts.h"
 
-#include <algorithm>
-#include <stdexcept>
+#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
+#include <algorithm>
+#include <stdexcept>
 
 #include "sim/geometry/measure.h"
 #include "tests/physics/solids.h"
@@ -60,7 +60,8 @@ TEST(ConvexParts, ADumbbellIsCutUntilTheHullsFollowIt) {
 }
 
 TEST(ConvexParts, PartsCoverTheSolidHoweverOftenItIsCut) {
-  // Cuts along all three axes: the corners where cut faces meet lie inside the solid and must not be lost.
+  // Cuts along all three axes: the corners where cut faces meet lie inside the solid and must not
+  // be lost.
   const Mesh mesh = ellipsoid_solid({0.004, 0.003, 0.0025}, 0.3);
   const double solid_m3 = mass_properties(mesh).volume_m3;
   for (const int count : {2, 4, 8, 16}) {
@@ -68,7 +69,9 @@ TEST(ConvexParts, PartsCoverTheSolidHoweverOftenItIsCut) {
     EXPECT_GE(parts.excess, -1e-9) << count << " parts";
     // Thinning takes at most follow_m off the surface of each part; twice for the cut faces.
     const ConvexPartsConfig config;
-    EXPECT_GE(volume_m3(parts.hulls), solid_m3 - 4 * config.follow_m * mass_properties(mesh).area_m2) << count;
+    EXPECT_GE(volume_m3(parts.hulls),
+              solid_m3 - 4 * config.follow_m * mass_properties(mesh).area_m2)
+        << count;
   }
 }
 

@@ -1,14 +1,14 @@
 #include "sim/physics/settle.h"
 
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <vector>
-
-#include <Eigen/Geometry>
-#include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "sim/geometry/measure.h"
 #include "tests/physics/solids.h"
@@ -40,15 +40,19 @@ TEST(Settle, ABoxComesToLieFlatOnOneOfItsFaces) {
   const SettleResult result = settle({body(mesh, tilted(0, 0, 0.3))});
   ASSERT_EQ(result.status, SettleStatus::ok);
   const double height_m = result.world_from_body[0].translation_m.z();
-  const double off_m = std::min({std::abs(height_m - 0.0012), std::abs(height_m - 0.0015), std::abs(height_m - 0.003)});
-  EXPECT_LT(off_m, 1e-6);  // rest depth of the preset is below 1e-4 mm; the rest is the noise of the solver
+  const double off_m = std::min(
+      {std::abs(height_m - 0.0012), std::abs(height_m - 0.0015), std::abs(height_m - 0.003)});
+  EXPECT_LT(
+      off_m,
+      1e-6);  // rest depth of the preset is below 1e-4 mm; the rest is the noise of the solver
 }
 
 TEST(Settle, AnEllipsoidLiesOnItsFlatSide) {
   const Mesh mesh = ellipsoid_solid({0.003, 0.0017, 0.0015});
   const SettleResult result = settle({body(mesh, tilted(0, 0, 0.6))});
   ASSERT_EQ(result.status, SettleStatus::ok);
-  // It rests on a facet of the mesh, off the lowest pose by at most the height a facet of 0.25 mm rises on this curvature.
+  // It rests on a facet of the mesh, off the lowest pose by at most the height a facet of 0.25 mm
+  // rises on this curvature.
   EXPECT_NEAR(result.world_from_body[0].translation_m.z(), 0.0015, 3e-5);
 }
 
@@ -57,7 +61,8 @@ TEST(Settle, NothingIsThroughTheBoardAndAllIsAtRest) {
   const Mesh round = ellipsoid_solid({0.003, 0.0017, 0.0015});
   std::vector<SettleBody> bodies;
   for (int i = 0; i < 6; ++i) {
-    bodies.push_back(body(i % 2 == 0 ? pinched : round, tilted(0.015 * (i % 3) - 0.015, 0.012 * (i / 3), 0.9 * i)));
+    bodies.push_back(body(i % 2 == 0 ? pinched : round,
+                          tilted(0.015 * (i % 3) - 0.015, 0.012 * (i / 3), 0.9 * i)));
   }
   const SettleConfig config;
   const SettleResult result = settle(bodies, config);
@@ -67,14 +72,16 @@ TEST(Settle, NothingIsThroughTheBoardAndAllIsAtRest) {
   EXPECT_LE(result.max_penetration_m, config.max_penetration_m);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     EXPECT_GE(lowest_m(*bodies[i].mesh, result.world_from_body[i]), -config.max_penetration_m);
-    EXPECT_LE(lowest_m(*bodies[i].mesh, result.world_from_body[i]), 1e-6) << "body " << i << " hangs in the air";
+    EXPECT_LE(lowest_m(*bodies[i].mesh, result.world_from_body[i]), 1e-6)
+        << "body " << i << " hangs in the air";
   }
 }
 
 TEST(Settle, BodiesDroppedOnEachOtherDoNotPassThrough) {
   const Mesh mesh = box_solid({0.006, 0.005, 0.002});
   const SettleConfig config{.drop_height_m = 0.001};
-  const SettleResult result = settle({body(mesh, tilted(0, 0, 0.02)), body(mesh, tilted(0.0004, 0, 0.03))}, config);
+  const SettleResult result =
+      settle({body(mesh, tilted(0, 0, 0.02)), body(mesh, tilted(0.0004, 0, 0.03))}, config);
   ASSERT_EQ(result.status, SettleStatus::ok);
   EXPECT_NEAR(result.world_from_body[0].translation_m.z(), 0.001, config.max_penetration_m);
   EXPECT_NEAR(result.world_from_body[1].translation_m.z(), 0.003, 2 * config.max_penetration_m);
@@ -82,14 +89,16 @@ TEST(Settle, BodiesDroppedOnEachOtherDoNotPassThrough) {
 
 TEST(Settle, RepeatsBitByBitOnAnyNumberOfThreads) {
   const Mesh mesh = ellipsoid_solid({0.0045, 0.0018, 0.0015}, 0.25);
-  const std::vector<SettleBody> bodies = {body(mesh, tilted(-0.01, 0, 0.5)), body(mesh, tilted(0.01, 0, 1.5))};
+  const std::vector<SettleBody> bodies = {body(mesh, tilted(-0.01, 0, 0.5)),
+                                          body(mesh, tilted(0.01, 0, 1.5))};
   const SettleResult first = settle(bodies);
   for (const std::size_t threads : {1, 2, 7}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const SettleResult again = settle(bodies);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       EXPECT_EQ(again.world_from_body[i].translation_m, first.world_from_body[i].translation_m);
-      EXPECT_EQ(again.world_from_body[i].rotation.coeffs(), first.world_from_body[i].rotation.coeffs());
+      EXPECT_EQ(again.world_from_body[i].rotation.coeffs(),
+                first.world_from_body[i].rotation.coeffs());
     }
   }
 }
@@ -112,7 +121,8 @@ TEST(Settle, BadBodiesAreRefusedByIndex) {
   const Mesh mesh = box_solid({0.006, 0.003, 0.0024});
   EXPECT_THROW(settle({{nullptr, 1e-4, {}}}), std::invalid_argument);
   EXPECT_THROW(settle({{&mesh, 0, {}}}), std::invalid_argument);
-  EXPECT_THROW(settle({{&mesh, std::numeric_limits<double>::quiet_NaN(), {}}}), std::invalid_argument);
+  EXPECT_THROW(settle({{&mesh, std::numeric_limits<double>::quiet_NaN(), {}}}),
+               std::invalid_argument);
   Mesh shifted = mesh;
   for (Eigen::Vector3d& v : shifted.vertices_m) v.x() += 0.01;
   EXPECT_THROW(settle({{&shifted, 1e-4, {}}}), std::invalid_argument);

@@ -1,6 +1,6 @@
-#include "perception/pipelines/seeds.h"
-
 #include <gtest/gtest.h>
+
+#include "perception/pipelines/seeds.h"
 
 namespace cousin {
 namespace {
@@ -21,12 +21,12 @@ Capture one_grey_view() {
 TEST(SeedsPipeline, PlanOfOursReadsOutlinesAndThePapersDoesNot) {
   SeedsPipelineConfig config;
   const PipelineNeeds ours = needs(config);
-  EXPECT_EQ(ours.stages, (std::vector<std::string>{"corners", "poses", "depth", "cloud", "clusters", "masks", "surfaces",
-                                                   "traits"}));
+  EXPECT_EQ(ours.stages, (std::vector<std::string>{"corners", "poses", "depth", "cloud", "clusters",
+                                                   "masks", "surfaces", "traits"}));
   config.method = SeedsMethod::paper;
   const PipelineNeeds paper = needs(config);
-  EXPECT_EQ(paper.stages,
-            (std::vector<std::string>{"corners", "poses", "depth", "cloud", "clusters", "surfaces", "traits"}));
+  EXPECT_EQ(paper.stages, (std::vector<std::string>{"corners", "poses", "depth", "cloud",
+                                                    "clusters", "surfaces", "traits"}));
   EXPECT_EQ(paper.left_out.front().first, "masks");
 }
 
@@ -44,12 +44,15 @@ TEST(SeedsPipeline, AViewWithoutABoardGivesAStatusAndNoSeeds) {
 TEST(SeedsPipeline, AStageThatThrowsIsNamedAndEarlierResultsWereHandedOver) {
   const SeedsPipelineConfig config;
   SeedsStages stages = seeds_stages(config, 1);
-  stages.depth = [](const Capture&, const SeedsEstimate&) -> Depths { throw std::runtime_error("no texture"); };
+  stages.depth = [](const Capture&, const SeedsEstimate&) -> Depths {
+    throw std::runtime_error("no texture");
+  };
   std::vector<std::string> finished;
   try {
-    run_seeds(one_grey_view(), config, stages, [&](const std::string& stage, bool is_finished, const SeedsEstimate&) {
-      if (is_finished) finished.push_back(stage);
-    });
+    run_seeds(one_grey_view(), config, stages,
+              [&](const std::string& stage, bool is_finished, const SeedsEstimate&) {
+                if (is_finished) finished.push_back(stage);
+              });
     FAIL() << "the failing stage was not reported";
   } catch (const StageError& error) {
     EXPECT_EQ(error.stage, "depth");

@@ -1,7 +1,7 @@
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
-
-#include <gtest/gtest.h>
 
 #include "scenes/seeds/setting.h"
 #include "sim/types/camera.h"
@@ -50,14 +50,18 @@ TEST(CameraPath, RingsShareTheViewsAndGoAllTheWayRound) {
     double widest_gap = 0;
     double before = 0;
     for (int i = 0; i < 20; ++i) {
-      const Eigen::Vector3d eye = centre_in_world_m(views[static_cast<std::size_t>(20 * ring + i)].rig_from_world);
+      const Eigen::Vector3d eye =
+          centre_in_world_m(views[static_cast<std::size_t>(20 * ring + i)].rig_from_world);
       elevation += std::asin(eye.z() / eye.norm()) / 20;
       const double azimuth = std::atan2(eye.y(), eye.x());
-      if (i > 0) widest_gap = std::max(widest_gap, std::abs(std::remainder(azimuth - before, 2 * std::numbers::pi)));
+      if (i > 0)
+        widest_gap =
+            std::max(widest_gap, std::abs(std::remainder(azimuth - before, 2 * std::numbers::pi)));
       before = azimuth;
     }
     EXPECT_NEAR(elevation, config.ring_elevations_rad[static_cast<std::size_t>(ring)], 0.05);
-    EXPECT_LT(widest_gap, 2 * std::numbers::pi / 20 + 0.25);  // the step of the ring plus hand-held wander
+    EXPECT_LT(widest_gap,
+              2 * std::numbers::pi / 20 + 0.25);  // the step of the ring plus hand-held wander
   }
 }
 

@@ -1,10 +1,10 @@
 #include "scenes/seeds/cube_sphere.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 #include "scenes/seeds/noise.h"
 #include "sim/geometry/measure.h"

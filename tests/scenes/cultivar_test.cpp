@@ -1,10 +1,10 @@
 #include "scenes/seeds/cultivar.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <set>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 namespace cousin {
 namespace {
@@ -25,7 +25,8 @@ Sample draw_many(const CultivarConfig& config, SizeSpread spread, int count) {
   Sample sample;
   sample.mean_m = sum / count;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& s : sizes) covariance += (s - sample.mean_m) * (s - sample.mean_m).transpose();
+  for (const Eigen::Vector3d& s : sizes)
+    covariance += (s - sample.mean_m) * (s - sample.mean_m).transpose();
   covariance /= count - 1;
   sample.sigma_m = covariance.diagonal().cwiseSqrt();
   sample.correlation = covariance(0, 1) / (sample.sigma_m[0] * sample.sigma_m[1]);
@@ -40,10 +41,13 @@ TEST(Cultivar, SizesHaveTheStatedMeansAndSpreads) {
     const Eigen::Vector3d sigma_m = size_sigma_m(config, SizeSpread::literature);
     const Eigen::Vector3d mean_m(config.length_m, config.width_m, config.height_m);
     for (int i = 0; i < 3; ++i) {
-      // Five standard errors of the mean; the spread within five of its own (0.9 % each for a cut normal) plus 3 % for
-      // what the joint cut of three correlated axes takes off.
-      EXPECT_NEAR(sample.mean_m[i], mean_m[i], 5 * sigma_m[i] / std::sqrt(kCount) + 0.002 * mean_m[i]) << name;
-      EXPECT_NEAR(sample.sigma_m[i], sigma_m[i], (5 * 0.009 + 0.03) * sigma_m[i]) << name << " axis " << i;
+      // Five standard errors of the mean; the spread within five of its own (0.9 % each for a cut
+      // normal) plus 3 % for what the joint cut of three correlated axes takes off.
+      EXPECT_NEAR(sample.mean_m[i], mean_m[i],
+                  5 * sigma_m[i] / std::sqrt(kCount) + 0.002 * mean_m[i])
+          << name;
+      EXPECT_NEAR(sample.sigma_m[i], sigma_m[i], (5 * 0.009 + 0.03) * sigma_m[i])
+          << name << " axis " << i;
     }
     EXPECT_NEAR(sample.correlation, config.size_share, 0.12) << name;
   }
@@ -57,7 +61,8 @@ TEST(Cultivar, PaperSpreadIsWhatRmseAndR2Imply) {
     const Eigen::Vector3d wanted_m = size_sigma_m(config, SizeSpread::paper);
     const Sample sample = draw_many(config, SizeSpread::paper, 2000);
     for (int i = 0; i < 3; ++i) {
-      // Draws that would swap the order of the axes are redrawn, which narrows the spread by up to a fifth.
+      // Draws that would swap the order of the axes are redrawn, which narrows the spread by up to
+      // a fifth.
       EXPECT_GT(sample.sigma_m[i], 0.75 * wanted_m[i]) << name << " axis " << i;
       EXPECT_LT(sample.sigma_m[i], 1.08 * wanted_m[i]) << name << " axis " << i;
     }

@@ -1,10 +1,10 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
 #include <cmath>
 #include <map>
 #include <stdexcept>
 #include <string>
-
-#include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "scenes/seeds/cultivar.h"
 #include "scenes/seeds/seeds_scene.h"
@@ -45,7 +45,9 @@ TEST(SeedModel, TraitsAreThoseOfTheMesh) {
     EXPECT_DOUBLE_EQ(trait(seed, "area"), mass.area_m2) << name;
     EXPECT_DOUBLE_EQ(trait(seed, "volume"), mass.volume_m3) << name;
     // The mass was taken before the mesh moved to its centroid: the volume rounds otherwise.
-    EXPECT_NEAR(trait(seed, "mass"), cultivar(name).density_kg_m3 * mass.volume_m3, 1e-12 * seed.mass_kg + 1e-16) << name;
+    EXPECT_NEAR(trait(seed, "mass"), cultivar(name).density_kg_m3 * mass.volume_m3,
+                1e-12 * seed.mass_kg + 1e-16)
+        << name;
   }
 }
 
@@ -57,7 +59,8 @@ TEST(SeedModel, TheExtentsAreTheSizeDrawnAndTheBoxAgreesWithThem) {
     Eigen::AlignedBox3d extents;
     for (const Eigen::Vector3d& v : seed.model.mesh.vertices_m) extents.extend(v);
     EXPECT_LT((extents.sizes() - drawn_m).norm(), 1e-12) << name;
-    // The minimum-volume box of a lopsided seed lies a few degrees off its axes: within 4 % in each size.
+    // The minimum-volume box of a lopsided seed lies a few degrees off its axes: within 4 % in each
+    // size.
     EXPECT_NEAR(trait(seed, "length"), drawn_m[0], 0.04 * drawn_m[0]) << name;
     EXPECT_NEAR(trait(seed, "width"), drawn_m[1], 0.04 * drawn_m[1]) << name;
     EXPECT_NEAR(trait(seed, "height"), drawn_m[2], 0.04 * drawn_m[2]) << name;
@@ -65,12 +68,15 @@ TEST(SeedModel, TheExtentsAreTheSizeDrawnAndTheBoxAgreesWithThem) {
 }
 
 TEST(SeedModel, MassesAreThoseOfTheCrop) {
-  // Thousand-kernel masses of the lots. Three seeds: volume varies by 10-15 %, so 25 % is three standard errors.
-  const std::map<std::string, double> mg = {{"zhengdan958", 320}, {"tianguinuo932", 280}, {"jimai22", 43},
-                                            {"aikang58", 43},     {"suijing18", 26},      {"xiangyaxiangzhan", 23}};
+  // Thousand-kernel masses of the lots. Three seeds: volume varies by 10-15 %, so 25 % is three
+  // standard errors.
+  const std::map<std::string, double> mg = {{"zhengdan958", 320}, {"tianguinuo932", 280},
+                                            {"jimai22", 43},      {"aikang58", 43},
+                                            {"suijing18", 26},    {"xiangyaxiangzhan", 23}};
   for (const auto& [name, expected] : mg) {
     double sum = 0;
-    for (std::uint64_t i = 0; i < 3; ++i) sum += 1e6 * make_seed(name, SizeSpread::literature, Rng(i)).mass_kg / 3;
+    for (std::uint64_t i = 0; i < 3; ++i)
+      sum += 1e6 * make_seed(name, SizeSpread::literature, Rng(i)).mass_kg / 3;
     EXPECT_NEAR(sum, expected, 0.25 * expected) << name;
   }
 }
@@ -83,7 +89,8 @@ TEST(SeedModel, NoEdgeIsCoarserThanTheCamerasNeed) {
     double longest_m = 0;
     for (const auto& t : mesh.triangles) {
       for (std::size_t k = 0; k < 3; ++k) {
-        longest_m = std::max(longest_m, (mesh.vertices_m[t[k]] - mesh.vertices_m[t[(k + 1) % 3]]).norm());
+        longest_m =
+            std::max(longest_m, (mesh.vertices_m[t[k]] - mesh.vertices_m[t[(k + 1) % 3]]).norm());
       }
     }
     EXPECT_LT(longest_m, name.find("xiangya") == 0 ? 0.0005 : 0.0004) << name;
@@ -112,7 +119,8 @@ TEST(SeedModel, RepeatsOnAnyNumberOfThreadsAndDiffersBySeed) {
     EXPECT_EQ(again.model.mesh.vertices_m, first.model.mesh.vertices_m);
     EXPECT_EQ(again.model.vertex_albedo, first.model.vertex_albedo);
   }
-  EXPECT_NE(make_seed("jimai22", SizeSpread::literature, Rng(2)).model.mesh.vertices_m, first.model.mesh.vertices_m);
+  EXPECT_NE(make_seed("jimai22", SizeSpread::literature, Rng(2)).model.mesh.vertices_m,
+            first.model.mesh.vertices_m);
 }
 
 TEST(Specimen, AMeshThatIsNotClosedIsRefusedWithTheReason) {

@@ -1,10 +1,10 @@
 #include "scenes/seeds/seeds_scene.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <set>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 #include "scenes/seeds/cube_sphere.h"
 #include "sim/config/fields.h"
@@ -75,8 +75,10 @@ TEST(SeedsScene, RepeatsForTheSameSeed) {
   const Scene a = build_seeds_scene(config, Rng(9));
   const Scene b = build_seeds_scene(config, Rng(9));
   for (std::size_t i = 0; i < a.instances.size(); ++i) {
-    EXPECT_EQ(a.instances[i].world_from_object.translation_m, b.instances[i].world_from_object.translation_m);
-    EXPECT_EQ(a.instances[i].world_from_object.rotation.coeffs(), b.instances[i].world_from_object.rotation.coeffs());
+    EXPECT_EQ(a.instances[i].world_from_object.translation_m,
+              b.instances[i].world_from_object.translation_m);
+    EXPECT_EQ(a.instances[i].world_from_object.rotation.coeffs(),
+              b.instances[i].world_from_object.rotation.coeffs());
   }
 }
 

@@ -1,9 +1,9 @@
 // The loop as a whole, on a small scene: few seeds, few views, small images.
-#include <filesystem>
-#include <fstream>
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+
+#include <filesystem>
+#include <fstream>
 
 #include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/perceive.h"
@@ -21,10 +21,15 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string>& small_scene() {
-  static const std::vector<std::string> sets = {
-      "seeds=2", "views=9", "rig.width_px=640", "rig.height_px=360", "ring_distances_m=[0.30, 0.30, 0.30]",
-      "render.irradiance_samples=16", "render.edge_samples=16", "pipeline.surface.subdivisions=3",
-      "pipeline.surface.samples=8"};
+  static const std::vector<std::string> sets = {"seeds=2",
+                                                "views=9",
+                                                "rig.width_px=640",
+                                                "rig.height_px=360",
+                                                "ring_distances_m=[0.30, 0.30, 0.30]",
+                                                "render.irradiance_samples=16",
+                                                "render.edge_samples=16",
+                                                "pipeline.surface.subdivisions=3",
+                                                "pipeline.surface.samples=8"};
   return sets;
 }
 
@@ -67,7 +72,8 @@ TEST(ClosedLoop, ImagesAndEstimatesAreTheSameOnOneTwoAndSevenThreads) {
   for (const std::size_t threads : {2, 7}) {
     const SimulatedRun run = simulate(threads);
     for (std::size_t i = 0; i < one.capture.frames.size(); ++i) {
-      EXPECT_EQ(run.capture.frames[i].sensors[0].color, one.capture.frames[i].sensors[0].color) << "frame " << i;
+      EXPECT_EQ(run.capture.frames[i].sensors[0].color, one.capture.frames[i].sensors[0].color)
+          << "frame " << i;
     }
     const fs::path folder = fresh_folder("t" + std::to_string(threads));
     perceive_into(run.capture, folder, threads);
@@ -137,7 +143,8 @@ TEST(ClosedLoop, TrueCornersAgreeWithWhatIsFoundInTheImages) {
     }
   }
   ASSERT_GT(compared, 300);
-  // Noise at this size moves a corner by about 0.05 px an axis; a wrong pixel convention would show as 0.5.
+  // Noise at this size moves a corner by about 0.05 px an axis; a wrong pixel convention would show
+  // as 0.5.
   EXPECT_LT(std::sqrt(squares / (2 * compared)), 0.12);
 }
 
@@ -150,16 +157,19 @@ TEST(ClosedLoop, SeedsOfFilesAndPrograms) {
   write_traits(folder, perfect.traits);
 
   // dir: the seam's file in place of the stage.
-  const auto from_files =
-      with_stage_sources(truth, {parse_stage_source("traits=dir:" + folder.parent_path().string())}, 0);
+  const auto from_files = with_stage_sources(
+      truth, {parse_stage_source("traits=dir:" + folder.parent_path().string())}, 0);
   EXPECT_EQ(from_files.traits(run.capture, perfect).size(), perfect.traits.size());
 
-  // exec: a program that copies a prepared file; it must see the capture and earlier seams, and no truth.
+  // exec: a program that copies a prepared file; it must see the capture and earlier seams, and no
+  // truth.
   const fs::path program = folder / "mine.sh";
-  std::ofstream(program) << "#!/bin/sh\n[ -f \"$1/rig.json\" ] && [ -f \"$1/poses.json\" ] && [ ! -e \"$1/truth\" ] && cp "
+  std::ofstream(program) << "#!/bin/sh\n[ -f \"$1/rig.json\" ] && [ -f \"$1/poses.json\" ] && [ ! "
+                            "-e \"$1/truth\" ] && cp "
                          << (folder / "traits.json").string() << " \"$2\"/\n";
   fs::permissions(program, fs::perms::owner_all);
-  const auto from_program = with_stage_sources(truth, {parse_stage_source("traits=exec:" + program.string())}, 0);
+  const auto from_program =
+      with_stage_sources(truth, {parse_stage_source("traits=exec:" + program.string())}, 0);
   EXPECT_EQ(from_program.traits(run.capture, perfect).size(), perfect.traits.size());
 
   std::ofstream(program) << "#!/bin/sh\nexit 3\n";

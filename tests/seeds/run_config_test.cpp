@@ -1,8 +1,8 @@
 #include "benchmarks/seeds/run_config.h"
 
-#include <stdexcept>
-
 #include <gtest/gtest.h>
+
+#include <stdexcept>
 
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/stage_files.h"
@@ -11,13 +11,15 @@ namespace cousin {
 namespace {
 
 TEST(SeedsRunConfig, TheResolvedTextReadsBackToItself) {
-  const SeedsRunConfig config = seeds_run_config({"cultivar=jimai22", "rig.read_noise_e=3", "pipeline.mvs.neighbours=4"});
+  const SeedsRunConfig config =
+      seeds_run_config({"cultivar=jimai22", "rig.read_noise_e=3", "pipeline.mvs.neighbours=4"});
   EXPECT_EQ(config.scene.cultivar, "jimai22");
   EXPECT_EQ(config.rig.read_noise_e, 3);
   SeedsRunConfig copy;
   read_toml_text(resolved_toml(config), "resolved",
                  nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
-                     nested("render", fields(copy.render)) + nested("pipeline", fields(copy.pipeline)),
+                     nested("render", fields(copy.render)) +
+                     nested("pipeline", fields(copy.pipeline)),
                  MissingKeys::error);
   EXPECT_EQ(resolved_toml(copy), resolved_toml(config));
   EXPECT_NE(config_hash(config, 1), config_hash(config, 2));
@@ -51,15 +53,17 @@ TEST(SeedsPlan, LeavesOutWhatNoScoreReads) {
   for (const PlanEntry& entry : seeds_plan(config, false)) {
     if (entry.runs) runs.push_back(entry.pass);
   }
-  EXPECT_EQ(runs, (std::vector<std::string>{"scene", "physics", "light cache", "radiance", "sensor", "perceive: corners",
-                                            "perceive: poses", "perceive: depth", "perceive: cloud", "perceive: clusters",
-                                            "perceive: masks", "perceive: surfaces", "perceive: traits", "score"}));
+  EXPECT_EQ(runs, (std::vector<std::string>{
+                      "scene", "physics", "light cache", "radiance", "sensor", "perceive: corners",
+                      "perceive: poses", "perceive: depth", "perceive: cloud", "perceive: clusters",
+                      "perceive: masks", "perceive: surfaces", "perceive: traits", "score"}));
 }
 
 TEST(SeedsPlan, AttributionAddsDepthAndInstancesAndASphereNeedsNoPhysics) {
   const SeedsRunConfig config = seeds_run_config({"sphere=true", "pipeline.method=paper"});
   for (const PlanEntry& entry : seeds_plan(config, true)) {
-    if (entry.pass == "physics" || entry.pass == "perceive: masks" || entry.pass == "truth: normal") {
+    if (entry.pass == "physics" || entry.pass == "perceive: masks" ||
+        entry.pass == "truth: normal") {
       EXPECT_FALSE(entry.runs) << entry.pass;
     }
     if (entry.pass == "truth: depth" || entry.pass == "truth: instance") {
@@ -73,7 +77,8 @@ TEST(StageSource, ReadsBothFormsAndNamesMistakes) {
   EXPECT_EQ(folder.stage, "depth");
   EXPECT_EQ(folder.kind, StageSource::Kind::directory);
   EXPECT_EQ(parse_stage_source("traits=exec:./mine").kind, StageSource::Kind::program);
-  for (const char* text : {"depth", "deep=dir:/", "depth=/tmp", "depth=dir:/no/such/folder", "depth=exec:"}) {
+  for (const char* text :
+       {"depth", "deep=dir:/", "depth=/tmp", "depth=dir:/no/such/folder", "depth=exec:"}) {
     EXPECT_THROW(parse_stage_source(text), std::invalid_argument) << text;
   }
 }

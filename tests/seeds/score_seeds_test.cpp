@@ -1,8 +1,8 @@
 #include "benchmarks/seeds/score_seeds.h"
 
-#include <numbers>
-
 #include <gtest/gtest.h>
+
+#include <numbers>
 
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/geometry/measure.h"
@@ -36,8 +36,11 @@ SceneTruth three_boxes() {
     seed.is_specimen = true;
     seed.model = i;
     seed.world_from_object.translation_m = {0.02 * i, 0, 0.002};
-    seed.traits = {{"length", "m", size.x()}, {"width", "m", size.y()}, {"height", "m", size.z()},
-                   {"volume", "m3", size.prod()}, {"mass", "kg", 1e-4}};
+    seed.traits = {{"length", "m", size.x()},
+                   {"width", "m", size.y()},
+                   {"height", "m", size.z()},
+                   {"volume", "m3", size.prod()},
+                   {"mass", "kg", 1e-4}};
     truth.scene.instances.push_back(seed);
   }
   return truth;
@@ -52,14 +55,16 @@ SeedsEstimate estimate_of(const SceneTruth& truth, double offset_m, double sigma
     traits.status = TraitStatus::ok;
     traits.centroid_in_world_m = seed->world_from_object.translation_m;
     for (const TrueTrait& t : seed->traits) {
-      traits.traits.push_back({t.name, t.unit, t.unit == "m" ? t.value + offset_m : t.value, sigma_m});
+      traits.traits.push_back(
+          {t.name, t.unit, t.unit == "m" ? t.value + offset_m : t.value, sigma_m});
     }
     estimate.traits.push_back(traits);
   }
   return estimate;
 }
 
-const ScoreRow& row_of(const std::vector<ScoreRow>& rows, const std::string& case_name, const std::string& metric) {
+const ScoreRow& row_of(const std::vector<ScoreRow>& rows, const std::string& case_name,
+                       const std::string& metric) {
   for (const ScoreRow& row : rows) {
     if (row.case_name == case_name && row.metric == metric) return row;
   }

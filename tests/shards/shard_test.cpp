@@ -1,10 +1,10 @@
 #include "benchmarks/shards/shard.h"
 
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 namespace cousin {
 namespace {
@@ -14,8 +14,9 @@ namespace fs = std::filesystem;
 class ShardFolder : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("shards_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ =
+        fs::path(testing::TempDir()) /
+        ("shards_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -79,7 +80,8 @@ TEST_F(ShardFolder, ShardsTogetherGiveWhatOneRunGives) {
   run_shards(folder_, jobs(5), {0, 2});
   const auto merged = run_shards(folder_, jobs(5), {1, 2});
   EXPECT_EQ(calls_, 5);
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(merged[static_cast<std::size_t>(i)].text, "result " + std::to_string(i));
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(merged[static_cast<std::size_t>(i)].text, "result " + std::to_string(i));
 }
 
 TEST_F(ShardFolder, AJobThatThrowsIsRecordedAndTheRestGoesOn) {

@@ -10,7 +10,8 @@
 namespace cousin {
 namespace {
 
-std::optional<double> hit(const CastEllipsoid& object, const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) {
+std::optional<double> hit(const CastEllipsoid& object, const Eigen::Vector3d& eye,
+                          const Eigen::Vector3d& ray) {
   const Eigen::Vector3d o = (eye - object.centre_m).cwiseQuotient(object.semi_axes_m);
   const Eigen::Vector3d d = ray.cwiseQuotient(object.semi_axes_m);
   const double a = d.squaredNorm(), b = o.dot(d), c = o.squaredNorm() - 1;
@@ -31,7 +32,8 @@ Eigen::Vector3d radiance(const std::vector<CastEllipsoid>& objects, const SeedBo
     }
   }
   if (first != nullptr) {
-    const Eigen::Vector3d on_unit = (eye + nearest * ray - first->centre_m).cwiseQuotient(first->semi_axes_m);
+    const Eigen::Vector3d on_unit =
+        (eye + nearest * ray - first->centre_m).cwiseQuotient(first->semi_axes_m);
     const double up = on_unit.cwiseQuotient(first->semi_axes_m).normalized().z();
     return first->albedo * (0.65 + 0.35 * up);
   }
@@ -39,8 +41,10 @@ Eigen::Vector3d radiance(const std::vector<CastEllipsoid>& objects, const SeedBo
   double light = 0.9;
   for (const CastEllipsoid& object : objects) {
     // Darkest under the object, gone two of its heights away.
-    const Eigen::Vector2d across = (ground - object.centre_m).head<2>().cwiseQuotient(object.semi_axes_m.head<2>());
-    const double outside_m = std::max(0.0, across.norm() - 1) * object.semi_axes_m.head<2>().minCoeff();
+    const Eigen::Vector2d across =
+        (ground - object.centre_m).head<2>().cwiseQuotient(object.semi_axes_m.head<2>());
+    const double outside_m =
+        std::max(0.0, across.norm() - 1) * object.semi_axes_m.head<2>().minCoeff();
     light *= 1 - 0.5 * std::exp(-outside_m / object.semi_axes_m.z());
   }
   const double albedo = is_black(board, ground.x(), ground.y()) ? 0.05 : 0.8;
@@ -51,7 +55,8 @@ Eigen::Vector3d radiance(const std::vector<CastEllipsoid>& objects, const SeedBo
 void blur(Image<Eigen::Vector3d>& image, double sigma_px) {
   std::array<double, 7> kernel{};
   double sum = 0;
-  for (int k = -3; k <= 3; ++k) sum += kernel[static_cast<std::size_t>(k + 3)] = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
+  for (int k = -3; k <= 3; ++k)
+    sum += kernel[static_cast<std::size_t>(k + 3)] = std::exp(-0.5 * k * k / (sigma_px * sigma_px));
   for (double& weight : kernel) weight /= sum;
   for (int axis = 0; axis < 2; ++axis) {
     const Image<Eigen::Vector3d> source = image;
@@ -73,7 +78,8 @@ void blur(Image<Eigen::Vector3d>& image, double sigma_px) {
 
 FramePose small_pose(int frame, double azimuth_rad, double elevation_rad, double distance_m) {
   const Eigen::Vector3d direction(std::cos(azimuth_rad) * std::cos(elevation_rad),
-                                  std::sin(azimuth_rad) * std::cos(elevation_rad), std::sin(elevation_rad));
+                                  std::sin(azimuth_rad) * std::cos(elevation_rad),
+                                  std::sin(elevation_rad));
   FramePose pose;
   pose.frame = frame;
   pose.status = PoseStatus::ok;
@@ -82,8 +88,8 @@ FramePose small_pose(int frame, double azimuth_rad, double elevation_rad, double
   return pose;
 }
 
-Image<Rgb8> photograph(const std::vector<CastEllipsoid>& objects, const SeedBoard& board, const FramePose& pose,
-                       double blur_sigma_px, Rng rng) {
+Image<Rgb8> photograph(const std::vector<CastEllipsoid>& objects, const SeedBoard& board,
+                       const FramePose& pose, double blur_sigma_px, Rng rng) {
   constexpr int kSamples = 6;
   constexpr double kElectrons = 6000;  // at radiance 1
   const Camera& camera = pose.camera;
@@ -93,9 +99,12 @@ Image<Rgb8> photograph(const std::vector<CastEllipsoid>& objects, const SeedBoar
   for (int y = 0; y < camera.height_px; ++y) {
     for (int x = 0; x < camera.width_px; ++x) {
       for (int s = 0; s < kSamples * kSamples; ++s) {
-        const double u = x - 0.5 + (s % kSamples + 0.5) / kSamples, v = y - 0.5 + (s / kSamples + 0.5) / kSamples;
-        const Eigen::Vector3d ray((u - camera.cx_px) / camera.fx_px, (v - camera.cy_px) / camera.fy_px, 1);
-        linear(x, y) += radiance(objects, board, eye, world_from_camera * ray) / (kSamples * kSamples);
+        const double u = x - 0.5 + (s % kSamples + 0.5) / kSamples,
+                     v = y - 0.5 + (s / kSamples + 0.5) / kSamples;
+        const Eigen::Vector3d ray((u - camera.cx_px) / camera.fx_px,
+                                  (v - camera.cy_px) / camera.fy_px, 1);
+        linear(x, y) +=
+            radiance(objects, board, eye, world_from_camera * ray) / (kSamples * kSamples);
       }
     }
   }

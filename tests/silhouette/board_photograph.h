@@ -18,9 +18,9 @@ struct CastEllipsoid {
 /// A small pinhole camera that looks at the origin.
 FramePose small_pose(int frame, double azimuth_rad, double elevation_rad, double distance_m);
 
-/// Ellipsoids on the board, ray cast with 36 samples a pixel, lit from above with a soft shadow about each, blurred with
-/// `blur_sigma_px`, with shot noise, in 8-bit sRGB.
-Image<Rgb8> photograph(const std::vector<CastEllipsoid>& objects, const SeedBoard& board, const FramePose& pose,
-                       double blur_sigma_px, Rng rng);
+/// Ellipsoids on the board, ray cast with 36 samples a pixel, lit from above with a soft shadow
+/// about each, blurred with `blur_sigma_px`, with shot noise, in 8-bit sRGB.
+Image<Rgb8> photograph(const std::vector<CastEllipsoid>& objects, const SeedBoard& board,
+                       const FramePose& pose, double blur_sigma_px, Rng rng);
 
 }  // namespace cousin

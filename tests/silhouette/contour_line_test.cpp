@@ -26,7 +26,8 @@ TEST(ContourLine, DiscGivesItsCircle) {
     radius += from_centre.norm() / static_cast<double>(contour.size());
     curvature += vertex.curvature_per_px / static_cast<double>(contour.size());
   }
-  // Smoothing by sigma moves a circle in by sigma^2 / (2 r): the mask's 0.7 px and 1.5 px along the line, 0.1 px in all.
+  // Smoothing by sigma moves a circle in by sigma^2 / (2 r): the mask's 0.7 px and 1.5 px along the
+  // line, 0.1 px in all.
   EXPECT_NEAR(radius, 14 - 0.1, 0.1);
   EXPECT_NEAR(curvature, 1.0 / 14, 0.01);
 }
@@ -36,7 +37,8 @@ TEST(ContourLine, LongestLineIsTaken) {
   for (int y = 30; y < 34; ++y) {
     for (int x = 50; x < 54; ++x) mask(x, y) = 255;
   }
-  for (const Eigen::Vector2d& point : trace_mask(mask)) EXPECT_LT((point - Eigen::Vector2d(20, 20)).norm(), 9);
+  for (const Eigen::Vector2d& point : trace_mask(mask))
+    EXPECT_LT((point - Eigen::Vector2d(20, 20)).norm(), 9);
 }
 
 TEST(ContourLine, EmptyMaskHasNoLine) {

@@ -20,7 +20,8 @@ Mesh make_body(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& poi
 }
 
 Mesh make_ellipsoid(const Eigen::Vector3d& semi_axes_m) {
-  return make_body([&](const Eigen::Vector3d& u) { return Eigen::Vector3d(semi_axes_m.cwiseProduct(u)); });
+  return make_body(
+      [&](const Eigen::Vector3d& u) { return Eigen::Vector3d(semi_axes_m.cwiseProduct(u)); });
 }
 
 Mesh make_wedge(const Eigen::Vector3d& semi_axes_m, double power, double taper, double tilt_rad) {
@@ -43,14 +44,21 @@ Poses make_poses(int views) {
     const double azimuth = 2 * std::numbers::pi * (i / 3 + (i % 3) / 3.0) / (views / 3.0);
     const double elevation = kElevations[i % 3] + 0.05 * uniform(rng, -1, 1);
     const double distance_m = kDistances_m[i % 3] * (1 + 0.1 * uniform(rng, -1, 1));
-    const Eigen::Vector3d eye(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
-                              std::sin(elevation));
+    const Eigen::Vector3d eye(std::cos(azimuth) * std::cos(elevation),
+                              std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
     const Eigen::Vector3d target(0.02 * uniform(rng, -1, 1), 0.02 * uniform(rng, -1, 1), 0);
     FramePose pose;
     pose.frame = i;
     pose.status = PoseStatus::ok;
     pose.camera_from_world = look_at(distance_m * eye, target);
-    pose.camera = {LensModel::opencv5, 1280, 720, 1080, 1080, 641.3, 357.9, {0.05, -0.08, 0.0004, -0.0003, 0.02}};
+    pose.camera = {LensModel::opencv5,
+                   1280,
+                   720,
+                   1080,
+                   1080,
+                   641.3,
+                   357.9,
+                   {0.05, -0.08, 0.0004, -0.0003, 0.02}};
     poses.push_back(pose);
   }
   return poses;
@@ -60,7 +68,9 @@ namespace {
 
 /// Counter-clockwise in (x, y) by Andrew's monotone chain.
 std::vector<Eigen::Vector2d> convex_polygon(std::vector<Eigen::Vector2d> points) {
-  const auto less = [](const auto& a, const auto& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); };
+  const auto less = [](const auto& a, const auto& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  };
   std::sort(points.begin(), points.end(), less);
   const auto half = [](const auto& ordered) {
     std::vector<Eigen::Vector2d> chain;
@@ -101,7 +111,8 @@ Silhouettes make_outlines(const Mesh& body, const Poses& poses, double sigma_px,
       for (; next_px < done_px + length_px; next_px += 1) {
         const Eigen::Vector2d point = polygon[i] + edge * ((next_px - done_px) / length_px) +
                                       sigma_px * normal(draw) * outward;
-        silhouette.outline.push_back({point.cast<float>(), outward.cast<float>(), static_cast<float>(sigma_px)});
+        silhouette.outline.push_back(
+            {point.cast<float>(), outward.cast<float>(), static_cast<float>(sigma_px)});
       }
       done_px += length_px;
     }
@@ -116,10 +127,12 @@ Clusters make_cloud(const Mesh& body, double sigma_m, Rng rng) {
   for (std::size_t i = 0; i < body.triangles.size(); i += 16) {
     const auto& [a, b, c] = body.triangles[i];
     const Eigen::Vector3d& origin = body.vertices_m[a];
-    const Eigen::Vector3d normal_up = (body.vertices_m[b] - origin).cross(body.vertices_m[c] - origin).normalized();
+    const Eigen::Vector3d normal_up =
+        (body.vertices_m[b] - origin).cross(body.vertices_m[c] - origin).normalized();
     if (normal_up.z() < 0.2) continue;
     const Eigen::Vector3d point = origin + sigma_m * normal(rng) * normal_up;
-    clusters.cloud.push_back({point.cast<float>(), normal_up.cast<float>(), {}, static_cast<float>(sigma_m)});
+    clusters.cloud.push_back(
+        {point.cast<float>(), normal_up.cast<float>(), {}, static_cast<float>(sigma_m)});
     clusters.instance.push_back(0);
   }
   return clusters;

@@ -1,9 +1,9 @@
 #include "perception/silhouette/outlines.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+
+#include <cmath>
 
 #include "perception/silhouette/apparent_contour.h"
 #include "perception/silhouette/icosphere.h"
@@ -48,7 +48,11 @@ Setting photographed(const std::vector<CastEllipsoid>& objects) {
     const FramePose pose = small_pose(i, 1.1 * i, kElevations[i % 3], 0.36);
     Frame frame;
     frame.id = i;
-    frame.sensors.push_back({pose.camera, photograph(objects, {}, pose, 0.5, Rng(9).fork(static_cast<std::uint64_t>(i))), {}, {}});
+    frame.sensors.push_back(
+        {pose.camera,
+         photograph(objects, {}, pose, 0.5, Rng(9).fork(static_cast<std::uint64_t>(i))),
+         {},
+         {}});
     setting.capture.frames.push_back(std::move(frame));
     setting.poses.push_back(pose);
   }
@@ -58,17 +62,19 @@ Setting photographed(const std::vector<CastEllipsoid>& objects) {
 
 TEST(Outlines, LieOnTheTrueContour) {
   const Setting setting = photographed({kSeed});
-  const Silhouettes silhouettes = find_outlines(setting.capture, setting.poses, {}, setting.clusters);
+  const Silhouettes silhouettes =
+      find_outlines(setting.capture, setting.poses, {}, setting.clusters);
   ASSERT_EQ(silhouettes.size(), setting.poses.size());
   const SampledSurface truth = sampled(kSeed);
   double sum = 0, squares = 0, count = 0, points = 0;
   for (const Silhouette& silhouette : silhouettes) {
-    const auto contour = apparent_contour(truth, truth.mesh.vertices_m,
-                                          setting.poses[static_cast<std::size_t>(silhouette.frame)]);
+    const auto contour = apparent_contour(
+        truth, truth.mesh.vertices_m, setting.poses[static_cast<std::size_t>(silhouette.frame)]);
     for (const OutlinePoint& point : silhouette.outline) {
       ++points;
       if (!point.on_object) continue;
-      const auto crossing = cross_contour(contour, point.pixel_px.cast<double>(), point.normal.cast<double>(), 4);
+      const auto crossing =
+          cross_contour(contour, point.pixel_px.cast<double>(), point.normal.cast<double>(), 4);
       ASSERT_TRUE(crossing);
       sum -= crossing->t_px;
       squares += crossing->t_px * crossing->t_px;
@@ -76,7 +82,8 @@ TEST(Outlines, LieOnTheTrueContour) {
     }
   }
   EXPECT_GT(count, 0.8 * points);
-  // 0.03 px is 0.01 mm here: a third of the bias allowed for a seed's size, on each of its two sides.
+  // 0.03 px is 0.01 mm here: a third of the bias allowed for a seed's size, on each of its two
+  // sides.
   EXPECT_NEAR(sum / count, 0, 0.03);
   EXPECT_LT(std::sqrt(squares / count), 0.15);
 }
@@ -85,7 +92,8 @@ TEST(Outlines, PointsNearAnotherSeedAreNotOnTheObject) {
   CastEllipsoid near = kSeed;
   near.centre_m.x() += 2 * kSeed.semi_axes_m.x() + 0.0004;
   const Setting setting = photographed({kSeed, near});
-  const Silhouettes silhouettes = find_outlines(setting.capture, setting.poses, {}, setting.clusters);
+  const Silhouettes silhouettes =
+      find_outlines(setting.capture, setting.poses, {}, setting.clusters);
   const SampledSurface other = sampled(near);
   for (const Silhouette& silhouette : silhouettes) {
     if (silhouette.instance != 0) continue;
@@ -106,7 +114,8 @@ TEST(Outlines, ViewsWithoutPoseOrObjectHaveNone) {
   Setting setting = photographed({kSeed});
   setting.poses[2].status = PoseStatus::no_board;
   setting.capture.frames[3].sensors.clear();
-  for (const Silhouette& silhouette : find_outlines(setting.capture, setting.poses, {}, setting.clusters)) {
+  for (const Silhouette& silhouette :
+       find_outlines(setting.capture, setting.poses, {}, setting.clusters)) {
     EXPECT_NE(silhouette.frame, 2);
     EXPECT_NE(silhouette.frame, 3);
   }
@@ -115,7 +124,8 @@ TEST(Outlines, ViewsWithoutPoseOrObjectHaveNone) {
   EXPECT_TRUE(find_outlines(setting.capture, setting.poses, {}, far).empty());
   EXPECT_TRUE(find_outlines(setting.capture, setting.poses, {}, {}).empty());
   setting.poses.pop_back();
-  EXPECT_THROW(find_outlines(setting.capture, setting.poses, {}, setting.clusters), std::invalid_argument);
+  EXPECT_THROW(find_outlines(setting.capture, setting.poses, {}, setting.clusters),
+               std::invalid_argument);
 }
 
 TEST(Outlines, SameOnAnyNumberOfThreads) {

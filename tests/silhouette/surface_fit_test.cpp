@@ -1,9 +1,9 @@
 #include "perception/silhouette/surface_fit.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+
+#include <cmath>
 
 #include "tests/silhouette/convex_bodies.h"
 
@@ -16,12 +16,14 @@ const SurfaceFitConfig kConfig{.degree = 10, .subdivisions = 4, .samples = 16};
 Surface fit(const Mesh& body, int views, double sigma_px, const SurfaceFitConfig& config, Rng rng) {
   const Poses poses = make_poses(views);
   return fit_surfaces(poses, make_cloud(body, 7e-5, rng.fork("cloud")),
-                      make_outlines(body, poses, sigma_px, rng.fork("outlines")), config, rng.fork("fit"))
+                      make_outlines(body, poses, sigma_px, rng.fork("outlines")), config,
+                      rng.fork("fit"))
       .at(0);
 }
 
 TEST(SurfaceFit, ExactOutlinesGiveTheBody) {
-  // What a polygon of this mesh cuts off an ellipsoid is 0.1 %; 5 um is a tenth of a pixel in one view.
+  // What a polygon of this mesh cuts off an ellipsoid is 0.1 %; 5 um is a tenth of a pixel in one
+  // view.
   const Mesh body = make_ellipsoid({0.0033, 0.0017, 0.0015});
   const Surface surface = fit(body, 30, 0.003, kConfig, Rng(1));
   ASSERT_EQ(surface.status, SurfaceStatus::ok);
@@ -50,8 +52,9 @@ TEST(SurfaceFit, WedgeWithFlatFacesKeepsItsVolume) {
 }
 
 TEST(SurfaceFit, PredictedSpreadCoversTheError) {
-  // Volumes of twelve noisy fits: mean square of error over sigma. Chi-squared with 12 degrees of freedom is within
-  // [0.25, 2.4] times 12 with 99.8 %; sigma also holds a bias of the outlines that is absent here, so only the top counts.
+  // Volumes of twelve noisy fits: mean square of error over sigma. Chi-squared with 12 degrees of
+  // freedom is within [0.25, 2.4] times 12 with 99.8 %; sigma also holds a bias of the outlines
+  // that is absent here, so only the top counts.
   const Mesh body = make_ellipsoid({0.0033, 0.0017, 0.0015});
   double sum = 0;
   for (std::uint64_t trial = 0; trial < 12; ++trial) {
@@ -70,13 +73,15 @@ TEST(SurfaceFit, PredictedSpreadCoversTheError) {
 }
 
 TEST(SurfaceFit, MeshIsClosedOutwardAndOnTheBoard) {
-  const Surface surface = fit(make_wedge({0.0055, 0.004, 0.0025}, 3, 0.2, 0.1), 18, 0.1, kConfig, Rng(5));
+  const Surface surface =
+      fit(make_wedge({0.0055, 0.004, 0.0025}, 3, 0.2, 0.1), 18, 0.1, kConfig, Rng(5));
   ASSERT_EQ(surface.status, SurfaceStatus::ok);
   EXPECT_EQ(surface.mesh.vertices_m.size(), 2562U);
   EXPECT_EQ(surface.mesh.triangles.size(), 5120U);
   EXPECT_GT(volume_m3(surface.mesh), 0);
   double lowest_m = 1;
-  for (const Eigen::Vector3d& vertex : surface.mesh.vertices_m) lowest_m = std::min(lowest_m, vertex.z());
+  for (const Eigen::Vector3d& vertex : surface.mesh.vertices_m)
+    lowest_m = std::min(lowest_m, vertex.z());
   EXPECT_NEAR(lowest_m, 0, 3e-5);  // three times plane_sigma_m
 }
 

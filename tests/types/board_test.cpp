@@ -17,7 +17,8 @@ TEST(SeedBoard, FourSquaresMeetInAlternatingColoursAtEveryCornerThatExists) {
       const bool b = is_black(board, c.x() + kStep, c.y() - kStep);
       const bool d = is_black(board, c.x() - kStep, c.y() + kStep);
       const bool e = is_black(board, c.x() + kStep, c.y() + kStep);
-      EXPECT_EQ(corner_exists(board, column, row), a == e && b == d && a != b) << column << ", " << row;
+      EXPECT_EQ(corner_exists(board, column, row), a == e && b == d && a != b)
+          << column << ", " << row;
       count += corner_exists(board, column, row) ? 1 : 0;
     }
   }
@@ -48,7 +49,8 @@ TEST(SeedBoard, PlainBoardHasAllCornersAndTheMarkersOfTheOtherDiffer) {
     for (int b = 0; b < a; ++b) {
       int different = 0;
       for (int i = 1; i < 5; ++i) {
-        for (int j = 1; j < 5; ++j) different += marker_module_black(a, i, j) != marker_module_black(b, i, j);
+        for (int j = 1; j < 5; ++j)
+          different += marker_module_black(a, i, j) != marker_module_black(b, i, j);
       }
       EXPECT_GE(different, 4);  // the dictionary's distance
     }

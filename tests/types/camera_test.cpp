@@ -1,10 +1,10 @@
 #include "sim/types/camera.h"
 
-#include <cmath>
-#include <limits>
+#include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <gtest/gtest.h>
+#include <cmath>
+#include <limits>
 
 #include "sim/types/rng.h"
 
@@ -14,15 +14,21 @@ namespace {
 Camera camera_of(LensModel model) {
   Camera camera{model, 1280, 720, 1083.0, 1079.0, 642.3, 357.1, {}};
   switch (model) {
-    case LensModel::pinhole: break;
-    case LensModel::opencv5: camera.distortion = {0.05, -0.08, 4e-4, -3e-4, 0.02}; break;
+    case LensModel::pinhole:
+      break;
+    case LensModel::opencv5:
+      camera.distortion = {0.05, -0.08, 4e-4, -3e-4, 0.02};
+      break;
     case LensModel::opencv8:
       camera.distortion = {0.3, 0.02, 4e-4, -3e-4, 0.001, 0.28, 0.03, 0.002};
       break;
     case LensModel::opencv12:
-      camera.distortion = {0.3, 0.02, 4e-4, -3e-4, 0.001, 0.28, 0.03, 0.002, 1e-3, -2e-4, -8e-4, 1e-4};
+      camera.distortion = {0.3,  0.02,  4e-4, -3e-4, 0.001, 0.28,
+                           0.03, 0.002, 1e-3, -2e-4, -8e-4, 1e-4};
       break;
-    case LensModel::kannala_brandt4: camera.distortion = {0.02, -0.006, 0.001, -0.0002}; break;
+    case LensModel::kannala_brandt4:
+      camera.distortion = {0.02, -0.006, 0.001, -0.0002};
+      break;
   }
   return camera;
 }
@@ -40,7 +46,8 @@ TEST_P(EveryLens, UnprojectInvertsProjectAllOverTheImage) {
     EXPECT_NEAR(direction->norm(), 1, 1e-12);
     const auto back = project(camera, *direction * uniform(rng, 0.1, 10));
     ASSERT_TRUE(back);
-    // unproject promises 1e-9 of the focal length; its last Newton step is quadratic, far below that.
+    // unproject promises 1e-9 of the focal length; its last Newton step is quadratic, far below
+    // that.
     EXPECT_LT((*back - pixel).norm(), 1e-9);
   }
 }
@@ -49,7 +56,8 @@ TEST_P(EveryLens, JacobianMatchesCentralDifferences) {
   const Camera camera = camera_of(GetParam());
   Rng rng(2);
   for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector3d point(uniform(rng, -0.2, 0.2), uniform(rng, -0.12, 0.12), uniform(rng, 0.4, 1));
+    const Eigen::Vector3d point(uniform(rng, -0.2, 0.2), uniform(rng, -0.12, 0.12),
+                                uniform(rng, 0.4, 1));
     const auto value = project_with_jacobian(camera, point);
     ASSERT_TRUE(value);
     for (int axis = 0; axis < 3; ++axis) {
@@ -72,23 +80,28 @@ INSTANTIATE_TEST_SUITE_P(Lens, EveryLens,
                          [](const auto& test) { return std::string(to_string(test.param)); });
 
 TEST(Camera, ProjectsAsTheOpenCvDocumentationSays) {
-  // Hand evaluation at x = 0.2, y = -0.1: r2 = 0.05, radial 1 + 0.05 k1, tangential and prism terms apart.
+  // Hand evaluation at x = 0.2, y = -0.1: r2 = 0.05, radial 1 + 0.05 k1, tangential and prism terms
+  // apart.
   Camera camera{LensModel::opencv12, 100, 100, 1, 1, 0, 0, {}};
   camera.distortion = {0.1, 0, 0.01, 0.02, 0, 0, 0, 0, 0.03, 0, 0.04, 0};
   const auto pixel = project(camera, {0.2, -0.1, 1});
   ASSERT_TRUE(pixel);
-  EXPECT_NEAR(pixel->x(), 0.2 * 1.005 + 2 * 0.01 * 0.2 * -0.1 + 0.02 * (0.05 + 0.08) + 0.03 * 0.05, 1e-15);
-  EXPECT_NEAR(pixel->y(), -0.1 * 1.005 + 0.01 * (0.05 + 0.02) + 2 * 0.02 * 0.2 * -0.1 + 0.04 * 0.05, 1e-15);
+  EXPECT_NEAR(pixel->x(), 0.2 * 1.005 + 2 * 0.01 * 0.2 * -0.1 + 0.02 * (0.05 + 0.08) + 0.03 * 0.05,
+              1e-15);
+  EXPECT_NEAR(pixel->y(), -0.1 * 1.005 + 0.01 * (0.05 + 0.02) + 2 * 0.02 * 0.2 * -0.1 + 0.04 * 0.05,
+              1e-15);
 }
 
 TEST(Camera, RefusesALensThatFoldsInsideTheImage) {
   Camera camera = camera_of(LensModel::opencv5);
-  camera.distortion = {-0.9, 0, 0, 0, 0};  // r (1 - 0.9 r2) turns at r = 0.61; the corner is at 0.68
+  camera.distortion = {-0.9, 0, 0, 0,
+                       0};  // r (1 - 0.9 r2) turns at r = 0.61; the corner is at 0.68
   try {
     validate(camera);
     FAIL() << "a folding lens was accepted";
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("folds inside the image"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("folds inside the image"), std::string::npos)
+        << error.what();
   }
   EXPECT_NEAR(monotone_limit(camera), std::sqrt(1 / 2.7), 1e-6);
 }

@@ -1,20 +1,22 @@
 #include "sim/types/pose.h"
 
-#include <numbers>
-
 #include <gtest/gtest.h>
+
+#include <numbers>
 
 namespace cousin {
 namespace {
 
 Pose some_pose() {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized())), {0.3, -2, 5}};
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized())),
+          {0.3, -2, 5}};
 }
 
 TEST(Pose, InverseCancels) {
   const Pose identity = some_pose() * inverse(some_pose());
   EXPECT_LT(identity.translation_m.norm(), 1e-14);
-  EXPECT_LT(angle_rad(identity.rotation), 1e-7);  // acos-like near zero: the root of the rounding error
+  EXPECT_LT(angle_rad(identity.rotation),
+            1e-7);  // acos-like near zero: the root of the rounding error
 }
 
 TEST(Pose, MatrixRoundTrip) {

@@ -1,9 +1,9 @@
 #include "sim/types/rng.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <set>
-
-#include <gtest/gtest.h>
 
 namespace cousin {
 namespace {
@@ -53,7 +53,8 @@ TEST(Rng, PoissonHasItsMeanAndVarianceOnBothBranches) {
     }
     EXPECT_NEAR(sum / kCount, mean, 5 * std::sqrt(mean / kCount) + 1e-12);
     // Rounding adds 1/12 to the variance of the normal branch: 0.3 % at its start.
-    EXPECT_NEAR(sum2 / kCount, mean, (5 * std::sqrt(2.0 / kCount) + 0.003) * mean + 5 * std::sqrt(mean / kCount));
+    EXPECT_NEAR(sum2 / kCount, mean,
+                (5 * std::sqrt(2.0 / kCount) + 0.003) * mean + 5 * std::sqrt(mean / kCount));
   }
 }
 
