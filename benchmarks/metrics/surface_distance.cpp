@@ -190,36 +190,51 @@ double share_within(const std::vector<double>& values, double limit) {
   return static_cast<double>(count) / static_cast<double>(values.size());
 }
 
-}  // namespace
-
-CloudScore score_cloud(std::span<const Eigen::Vector3d> cloud_m, const Mesh& surface,
-                       std::span<const Eigen::Vector3d> surface_samples_m,
-                       std::span<const double> tolerances_m) {
-  if (surface_samples_m.empty())
-    throw std::invalid_argument("score_cloud: no samples of the true surface");
-  const DistanceTree surface_tree(surface);
-  std::vector<double> to_surface, to_cloud;
-  if (!cloud_m.empty()) {
-    const DistanceTree cloud_tree(cloud_m);
-    to_surface = distances(cloud_m, surface_tree);
-    to_cloud = distances(surface_samples_m, cloud_tree);
-  }
-
+CloudScore score_of(const std::vector<double>& to_surface, const std::vector<double>& to_measured,
+                    std::span<const double> tolerances_m) {
   CloudScore score;
   score.accuracy_mean_m = mean(to_surface);
   score.accuracy_rms_m = rms(to_surface);
   score.accuracy_median_m = quantile(to_surface, 0.5);
   score.accuracy_p95_m = quantile(to_surface, 0.95);
-  score.completeness_mean_m = mean(to_cloud);
-  score.completeness_p95_m = quantile(to_cloud, 0.95);
+  score.completeness_mean_m = mean(to_measured);
+  score.completeness_p95_m = quantile(to_measured, 0.95);
   for (const double tolerance_m : tolerances_m) {
     CloudScore::AtTolerance at{tolerance_m, share_within(to_surface, tolerance_m),
-                               share_within(to_cloud, tolerance_m), 0};
+                               share_within(to_measured, tolerance_m), 0};
     if (at.precision + at.recall > 0)
       at.f1 = 2 * at.precision * at.recall / (at.precision + at.recall);
     score.at.push_back(at);
   }
   return score;
+}
+
+void check_samples(std::span<const Eigen::Vector3d> samples, const char* where) {
+  if (samples.empty()) {
+    throw std::invalid_argument(std::string(where) + ": no samples of the true surface");
+  }
+}
+
+}  // namespace
+
+CloudScore score_cloud(std::span<const Eigen::Vector3d> cloud_m, const Mesh& surface,
+                       std::span<const Eigen::Vector3d> surface_samples_m,
+                       std::span<const double> tolerances_m) {
+  check_samples(surface_samples_m, "score_cloud");
+  const DistanceTree surface_tree(surface);
+  if (cloud_m.empty()) return score_of({}, {}, tolerances_m);
+  return score_of(distances(cloud_m, surface_tree),
+                  distances(surface_samples_m, DistanceTree(cloud_m)), tolerances_m);
+}
+
+CloudScore score_mesh(const Mesh& measured, std::span<const Eigen::Vector3d> measured_samples_m,
+                      const Mesh& surface, std::span<const Eigen::Vector3d> surface_samples_m,
+                      std::span<const double> tolerances_m) {
+  check_samples(surface_samples_m, "score_mesh");
+  const DistanceTree surface_tree(surface);
+  if (measured_samples_m.empty()) return score_of({}, {}, tolerances_m);
+  return score_of(distances(measured_samples_m, surface_tree),
+                  distances(surface_samples_m, DistanceTree(measured)), tolerances_m);
 }
 
 }  // namespace cousin

@@ -62,14 +62,21 @@ struct CloudScore {
   };
   std::vector<AtTolerance> at;
 };
-/// @param cloud_m           measured points; a measured mesh is scored by its `sample_surface`
+/// @param cloud_m           measured points
 /// @param surface           the true mesh, in the frame of the cloud
 /// @param surface_samples_m points of the true surface that ought to be found: all of it, or what
-/// cameras can see An empty cloud scores precision and recall 0 and distances NaN. The same bytes
+/// cameras can see. An empty cloud scores precision and recall 0 and distances NaN. The same bytes
 /// on any number of threads.
 /// @throws std::invalid_argument if the surface or the samples are empty, or a point is not finite.
 CloudScore score_cloud(std::span<const Eigen::Vector3d> cloud_m, const Mesh& surface,
                        std::span<const Eigen::Vector3d> surface_samples_m,
                        std::span<const double> tolerances_m);
+
+/// A measured closed surface, the same way: `measured_samples_m` are points spread over it by
+/// `sample_surface`; the true samples' distances are to its triangles, so that they do not depend
+/// on how many points were drawn.
+CloudScore score_mesh(const Mesh& measured, std::span<const Eigen::Vector3d> measured_samples_m,
+                      const Mesh& surface, std::span<const Eigen::Vector3d> surface_samples_m,
+                      std::span<const double> tolerances_m);
 
 }  // namespace cousin

@@ -70,21 +70,17 @@ Mesh merged(const std::vector<Mesh>& meshes) {
   return all;
 }
 
-void add_cloud_rows(const std::string& what, std::span<const Eigen::Vector3d> points,
-                    const Mesh& surface, std::span<const Eigen::Vector3d> samples,
+void add_cloud_rows(const std::string& what, std::int64_t n, const CloudScore& score,
                     const ScoreRow& base, std::vector<ScoreRow>& rows) {
-  const CloudScore score = score_cloud(points, surface, samples, kTolerances_m);
-  const auto n = static_cast<std::int64_t>(points.size());
   add(rows, base, what + ".points", static_cast<double>(n), "1", n);
   add(rows, base, what + ".accuracy_rms", score.accuracy_rms_m, "m", n);
   add(rows, base, what + ".accuracy_median", score.accuracy_median_m, "m", n);
   add(rows, base, what + ".completeness_mean", score.completeness_mean_m, "m", n);
   for (const CloudScore::AtTolerance& at : score.at) {
-    const std::string tolerance =
-        std::to_string(static_cast<int>(at.tolerance_m * 1e6 + 0.5)) + "um";
-    add(rows, base, what + ".precision_" + tolerance, at.precision, "1", n);
-    add(rows, base, what + ".recall_" + tolerance, at.recall, "1", n);
-    add(rows, base, what + ".f1_" + tolerance, at.f1, "1", n);
+    const std::string tolerance = std::to_string(static_cast<int>(at.tolerance_m * 1e6 + 0.5));
+    add(rows, base, what + ".precision_" + tolerance + "um", at.precision, "1", n);
+    add(rows, base, what + ".recall_" + tolerance + "um", at.recall, "1", n);
+    add(rows, base, what + ".f1_" + tolerance + "um", at.f1, "1", n);
   }
 }
 
@@ -99,14 +95,19 @@ void score_shapes(const std::vector<Mesh>& true_meshes, const SeedsEstimate& est
     if (estimate.clusters.instance[i] >= 0)
       cloud.push_back(estimate.clusters.cloud[i].position_m.cast<double>());
   }
-  if (!cloud.empty()) add_cloud_rows("cloud", cloud, surface, samples, base, rows);
+  if (!cloud.empty()) {
+    add_cloud_rows("cloud", static_cast<std::int64_t>(cloud.size()),
+                   score_cloud(cloud, surface, samples, kTolerances_m), base, rows);
+  }
   std::vector<Mesh> measured;
   for (const Surface& s : estimate.surfaces) {
     if (s.status == SurfaceStatus::ok && !s.mesh.triangles.empty()) measured.push_back(s.mesh);
   }
   if (!measured.empty()) {
-    const auto points = sample_surface(merged(measured), kSurfaceSamples, Rng(2));
-    add_cloud_rows("mesh", points, surface, samples, base, rows);
+    const Mesh all = merged(measured);
+    const auto points = sample_surface(all, kSurfaceSamples, Rng(2));
+    add_cloud_rows("mesh", kSurfaceSamples,
+                   score_mesh(all, points, surface, samples, kTolerances_m), base, rows);
   }
 }
 

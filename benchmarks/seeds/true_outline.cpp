@@ -11,13 +11,13 @@ constexpr double kReach_px = 3;
 
 /// Where the line through an outline point along its normal leaves the object: its outermost
 /// crossing within reach.
-std::optional<double> outermost_crossing(const std::vector<ContourSegment>& contour,
+std::optional<double> outermost_crossing(const std::vector<TrueOutlineSegment>& contour,
                                          const OutlinePoint& point) {
   const Eigen::Vector2d origin = point.pixel_px.cast<double>(),
                         normal = point.normal.cast<double>();
   const Eigen::Vector2d along(-normal.y(), normal.x());
   std::optional<double> outermost;
-  for (const ContourSegment& segment : contour) {
+  for (const TrueOutlineSegment& segment : contour) {
     const Eigen::Vector2d a = segment[0] - origin, b = segment[1] - origin;
     const double ta = along.dot(a), tb = along.dot(b);
     if (ta * tb > 0 || ta == tb) continue;
@@ -45,7 +45,7 @@ std::optional<Eigen::Vector2d> project_rolling(const TrueView& view,
   return pixel;
 }
 
-std::vector<ContourSegment> true_contour(const Mesh& mesh, const TrueView& view) {
+std::vector<TrueOutlineSegment> true_contour(const Mesh& mesh, const TrueView& view) {
   const Eigen::Vector3d eye = centre_in_world_m(middle_pose(view));
   std::map<std::pair<std::uint32_t, std::uint32_t>, int>
       facing;  // edge -> sum of +1 front, -1 back
@@ -58,7 +58,7 @@ std::vector<ContourSegment> true_contour(const Mesh& mesh, const TrueView& view)
                          t[static_cast<std::size_t>((i + 1) % 3)])] += sign;
     }
   }
-  std::vector<ContourSegment> segments;
+  std::vector<TrueOutlineSegment> segments;
   for (const auto& [edge, sum] : facing) {
     if (sum != 0) continue;
     const auto a = project_rolling(view, mesh.vertices_m[edge.first]);

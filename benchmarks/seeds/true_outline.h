@@ -20,8 +20,8 @@ std::optional<Eigen::Vector2d> project_rolling(const TrueView& view,
 
 /// Edges between a triangle that faces the camera and one that does not, as pixel segments: those
 /// of the outline, and those of folds inside it.
-using ContourSegment = std::array<Eigen::Vector2d, 2>;
-std::vector<ContourSegment> true_contour(const Mesh& mesh, const TrueView& view);
+using TrueOutlineSegment = std::array<Eigen::Vector2d, 2>;
+std::vector<TrueOutlineSegment> true_contour(const Mesh& mesh, const TrueView& view);
 
 /// How far measured outlines lie from the true ones, along their normals, outwards positive.
 struct OutlineScore {

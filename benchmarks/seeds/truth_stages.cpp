@@ -124,14 +124,14 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 
 /// Outer boundary of the contour as seen from its middle: the farthest crossing along each
 /// direction.
-std::vector<Eigen::Vector2d> outer_boundary(const std::vector<ContourSegment>& segments,
+std::vector<Eigen::Vector2d> outer_boundary(const std::vector<TrueOutlineSegment>& segments,
                                             int directions) {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const ContourSegment& s : segments)
+  for (const TrueOutlineSegment& s : segments)
     middle += (s[0] + s[1]) / (2.0 * static_cast<double>(segments.size()));
   std::vector<double> radius(static_cast<std::size_t>(directions), 0);
   const double step = 2 * std::numbers::pi / directions;
-  for (const ContourSegment& s : segments) {
+  for (const TrueOutlineSegment& s : segments) {
     const Eigen::Vector2d a = s[0] - middle, b = s[1] - middle;
     double from = std::atan2(a.y(), a.x()), to = std::atan2(b.y(), b.x());
     if (from > to) std::swap(from, to);
@@ -164,7 +164,7 @@ Silhouettes true_silhouettes(const SimulatedRun& run) {
     const Mesh mesh = mesh_in_world(run.truth.scene, *objects[k]);
     for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
       const TrueView& view = run.truth.views[f];
-      const std::vector<ContourSegment> contour = true_contour(mesh, view);
+      const std::vector<TrueOutlineSegment> contour = true_contour(mesh, view);
       if (contour.size() < 3) continue;
       const std::vector<Eigen::Vector2d> boundary = outer_boundary(contour, 240);
       Silhouette silhouette{view.frame, static_cast<int>(k), {}};

@@ -23,7 +23,7 @@ struct SeedsSceneConfig {
   bool sphere = false;        ///< a 22 mm matt speckled sphere instead of the seeds
   int views = 60;             ///< spread over three rings
   std::vector<double> ring_elevations_rad = {0.26, 0.61, 1.05};
-  std::vector<double> ring_distances_m = {0.45, 0.40, 0.35};  ///< mean camera distance of each ring
+  std::vector<double> ring_distances_m = {0.75, 0.55, 0.33};  ///< mean camera distance of each ring
   double distance_min_m = 0.30;  ///< hand-held distances wander within these
   double distance_max_m = 0.80;
   double view_jitter = 0.05;     ///< relative wander of distance, radians of elevation and aim

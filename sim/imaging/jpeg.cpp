@@ -1,14 +1,15 @@
 // libjpeg reports errors by longjmp; see png.cpp for how that is kept apart from destructors.
 
-#include <jpeglib.h>
-
-#include <csetjmp>
+// clang-format off: jpeglib.h needs the first two before it, jerror.h needs jpeglib.h.
 #include <cstddef>
 #include <cstdio>
+#include <jpeglib.h>
+#include <jerror.h>
+// clang-format on
+
+#include <csetjmp>
 #include <cstdlib>
 #include <stdexcept>
-// jerror.h needs jpeglib.h before it.
-#include <jerror.h>
 
 #include "sim/imaging/codecs.h"
 #include "sim/imaging/file_bytes.h"

@@ -157,5 +157,17 @@ TEST(ScoreCloud, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(run(7), one);
 }
 
+TEST(ScoreMesh, RecallDoesNotDependOnHowManyPointsAreDrawn) {
+  const Mesh mesh = cube();
+  const std::vector<Eigen::Vector3d> few = sample_surface(mesh, 10, Rng(1));
+  const std::vector<Eigen::Vector3d> many = sample_surface(mesh, 500, Rng(2));
+  const std::vector<double> tolerances = {1e-9};
+  EXPECT_EQ(score_mesh(mesh, few, mesh, many, tolerances).at[0].recall, 1);
+  EXPECT_LT(score_cloud(few, mesh, many, tolerances).at[0].recall, 0.5);
+  Mesh open = mesh;
+  open.triangles.resize(10);  // without the side x = 1
+  EXPECT_NEAR(score_mesh(open, few, mesh, many, tolerances).at[0].recall, 5.0 / 6, 0.01);
+}
+
 }  // namespace
 }  // namespace cousin
