@@ -1,7 +1,10 @@
 #include "benchmarks/app/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <numeric>
 #include <sstream>
+#include <vector>
 
 namespace cousin {
 namespace {
@@ -20,6 +23,62 @@ void add_stages(CLI::App& verb, Options& o) {
                   "NAME=dir:PATH or NAME=exec:PROGRAM in place of a stage; repeatable")
       ->type_size(1)
       ->allow_extra_args(false);
+}
+
+/// Least number of letters put in, left out or changed between two words.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({changed, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+/// "; did you mean --out?" where an option has nearly that name or starts with it, else "".
+std::string nearest_option(const std::string& given, const std::vector<const CLI::App*>& apps) {
+  const std::string word = given.substr(given.find_first_not_of('-'));
+  std::string nearest;
+  std::size_t least = 3;
+  for (const CLI::App* app : apps) {
+    for (const CLI::Option* option : app->get_options()) {
+      for (const std::string& name : option->get_lnames()) {
+        const std::size_t distance = name.starts_with(word) ? 0 : edit_distance(word, name);
+        if (distance < std::min(least, name.size())) {
+          least = distance;
+          nearest = name;
+        }
+      }
+    }
+  }
+  return nearest.empty() ? "" : "; did you mean --" + nearest + "?";
+}
+
+/// What is wrong with the command line. A word that no verb or option takes is named first: CLI11
+/// would complain of what follows from it, such as one positional argument too many.
+std::string explain(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> verbs = app.get_subcommands();
+  const std::string command = verbs.empty() ? "cousin" : "cousin " + verbs.front()->get_name();
+  std::vector<const CLI::App*> apps = {&app};
+  apps.insert(apps.end(), verbs.begin(), verbs.end());
+  std::string what = error.what();
+  const std::vector<std::string> unused = app.remaining(true);
+  const auto option = std::find_if(unused.begin(), unused.end(), [](const std::string& word) {
+    return word.size() > 1 && word.front() == '-' && word.find_first_not_of('-') != word.npos;
+  });
+  if (option != unused.end()) {
+    const std::string name = option->substr(0, option->find('='));
+    what = "unknown option " + name + nearest_option(name, apps);
+  } else if (verbs.empty() && !unused.empty()) {
+    what = "unknown verb \"" + unused.front() + "\"";
+  }
+  return "cousin: " + what + "\nSee `" + command + " --help`.\n";
 }
 
 }  // namespace
@@ -120,11 +179,15 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    std::ostringstream out, err;
-    const int code = app.exit(error, out, err);
     result.leave = true;
-    result.text = out.str() + err.str();
-    result.code = code == 0 ? ExitCode::done : ExitCode::usage;
+    if (error.get_exit_code() == 0) {  // --help and --version
+      std::ostringstream out;
+      app.exit(error, out, out);
+      result.text = out.str();
+    } else {
+      result.text = explain(app, error);
+      result.code = ExitCode::usage;
+    }
   }
   return result;
 }
