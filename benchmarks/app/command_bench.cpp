@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
@@ -73,11 +74,12 @@ ScoreFile bench_real(const JobContext& context, const fs::path& out) {
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
+  bool takes_sets;  ///< reads --set; the others have no configuration
 };
-constexpr std::array<Suite, 4> kSuites = {{{"stability", bench_stability},
-                                           {"render", bench_render},
-                                           {"seeds", bench_seeds},
-                                           {"real", bench_real}}};
+constexpr std::array<Suite, 4> kSuites = {{{"stability", bench_stability, false},
+                                           {"render", bench_render, true},
+                                           {"seeds", bench_seeds, true},
+                                           {"real", bench_real, false}}};
 
 void print_rows(const ScoreFile& file) {
   for (const ScoreRow& row : file.scores) {
@@ -104,15 +106,28 @@ ExitCode command_bench(const JobContext& context) {
       throw std::invalid_argument("suite \"" + name +
                                   "\" is not one of stability, render, seeds, real");
     }
+    if (!o.arguments.empty() && !o.sets.empty() && !suite->takes_sets) {
+      throw std::invalid_argument("suite \"" + name + "\" takes no --set");
+    }
     wanted.push_back(&*suite);
   }
+  SeedsRunConfig config = seeds_run_config(o.sets);  // a wrong key ends here, not hours later
+  if (o.keys) {
+    std::printf("%s", describe(fields(config)).c_str());
+    return ExitCode::done;
+  }
+  parse_shard(o.shard);
+  const fs::path folder = o.out.empty() ? fs::path("out") / "bench" : fs::path(o.out);
+  for (const Suite* suite : wanted) require_writable(folder / suite->name);
   bool failed = false;
+  const bool list = o.json && wanted.size() > 1;
   for (const Suite* suite : wanted) {
-    const fs::path out =
-        (o.out.empty() ? fs::path("out") / "bench" : fs::path(o.out)) / suite->name;
+    const fs::path out = folder / suite->name;
     const ScoreFile file = suite->run(context, out);
     if (o.json) {
+      if (list) std::printf("%s", suite == wanted.front() ? "[" : ",");
       std::printf("%s", to_json(file).c_str());
+      if (list && suite == wanted.back()) std::printf("]\n");
     } else if (std::string_view(suite->name) == "seeds") {
       std::printf("%s", summary_table(file.scores).c_str());
     } else {
@@ -135,6 +150,9 @@ ExitCode command_report(const JobContext& context) {
   const fs::path file = context.options.out.empty() ? folder / "report.html"
                                                     : fs::path(context.options.out) / "report.html";
   write_report(file, report);
+  if (context.options.json) {
+    std::printf("%s\n", nlohmann::json{{"report", file.string()}}.dump(2).c_str());
+  }
   context.progress.line("report: " + file.string());
   return ExitCode::done;
 }

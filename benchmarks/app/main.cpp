@@ -2,7 +2,9 @@
 // a heavy library is in the module cousin_jobs, which is opened when a verb needs it.
 #include <dlfcn.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <string>
 
@@ -28,5 +30,13 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "cousin: %s has no %s\n", module.c_str(), cousin::kRunJobSymbol);
     return static_cast<int>(cousin::ExitCode::internal);
   }
-  return run(&parsed.options, argc, argv);
+  const int code = run(&parsed.options, argc, argv);
+  // Results that end in a full disk or a closed pipe are not results.
+  errno = 0;
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    std::fprintf(stderr, "cousin: cannot write the output: %s\n",
+                 errno != 0 ? std::strerror(errno) : "write error");
+    return static_cast<int>(cousin::ExitCode::bad_input);
+  }
+  return code;
 }

@@ -12,6 +12,13 @@
 namespace cousin {
 namespace fs = std::filesystem;
 
+void require_writable(const fs::path& folder) {
+  const fs::path file = folder / ".write_test.tmp";
+  write_file(file, std::string(std::size_t{1} << 16, ' '));
+  std::error_code ignored;
+  fs::remove(file, ignored);
+}
+
 void write_result_tables(const fs::path& folder, const ScoreFile& file) {
   write_file(folder / "scores.csv", to_csv(file.scores));
   write_file(folder / "specimens.csv", to_csv(file.specimens));

@@ -8,6 +8,11 @@
 
 namespace cousin {
 
+/// Makes the folder and writes a file there that is removed again: a folder that cannot take
+/// results is an error before minutes are spent on them. @throws std::runtime_error naming the
+/// path.
+void require_writable(const std::filesystem::path& folder);
+
 /// scores.csv, specimens.csv and scores.json of a run or benchmark, whole or not at all each.
 void write_result_tables(const std::filesystem::path& folder, const ScoreFile& file);
 
