@@ -1,7 +1,9 @@
 // run and score: from a scene, or from a dataset and estimates, to numbers and a report.
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
@@ -11,6 +13,7 @@
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/seeds_report.h"
+#include "benchmarks/shards/shard.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/seam_io.h"
@@ -66,6 +69,14 @@ std::vector<ScoreRow> timing_rows(const std::vector<StageTiming>& timings,
   return rows;
 }
 
+SeedsScoreLabels run_labels(const SeedsRunConfig& config, std::uint64_t seed) {
+  SeedsScoreLabels labels;
+  labels.seed = seed;
+  labels.suite = "run";
+  labels.method = config.pipeline.method == SeedsMethod::paper ? "paper" : "ours";
+  return labels;
+}
+
 /// What leaving the unplanned truth passes out saved: one view is measured, all views are counted.
 ScoreRow left_out_row(const SeedsRunConfig& config, std::uint64_t seed,
                       const SeedsScoreLabels& labels) {
@@ -88,6 +99,73 @@ ScoreRow left_out_row(const SeedsRunConfig& config, std::uint64_t seed,
   return row;
 }
 
+/// One scene of a run: rows and specimens. The first scene's pictures go into `report`.
+ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int scene,
+                    const std::vector<StageSource>& sources, const fs::path& out,
+                    SeedsReport& report) {
+  const Options& o = context.options;
+  SeedsScoreLabels labels = run_labels(config, o.seed);
+  labels.scene = labels.run = scene_id(scene);
+  const SimulatedRun run = simulate_seeds(config, o.seed, scene, planned_truth(o.attribution),
+                                          context.progress.function());
+  const SeedsEstimate estimate =
+      perceive_seeds(run.capture, config.pipeline, o.seed, sources, scene,
+                     out / "estimate" / scene_id(scene), context.progress.function());
+  SeedsScores scores = score_run(run.truth, estimate, labels);
+  ScoreFile file;
+  file.scores = std::move(scores.rows);
+  file.specimens = std::move(scores.specimens);
+  for (ScoreRow& row : timing_rows(run.timings, labels)) file.scores.push_back(std::move(row));
+  if (o.attribution) {
+    const auto steps = attribute_seeds(run, config.pipeline, o.seed, labels, &estimate,
+                                       context.progress.function());
+    for (ScoreRow& row : attribution_rows(steps, labels)) file.scores.push_back(std::move(row));
+  }
+  if (scene == 0) {
+    add_pictures(report, run, estimate);
+    file.scores.push_back(left_out_row(config, o.seed, labels));
+  }
+  return file;
+}
+
+/// All scenes in order. Rows of the scenes after the first are kept in `parts` until the run is
+/// whole, so that a run that was stopped goes on. The first scene comes last: its pictures are in
+/// memory only. @return whether an earlier run's parts were taken.
+bool run_scenes(const JobContext& context, const SeedsRunConfig& config,
+                const std::vector<StageSource>& sources, const fs::path& out, const fs::path& parts,
+                SeedsReport& report) {
+  const Options& o = context.options;
+  std::string key = COUSIN_VERSION + resolved_toml(config) + std::to_string(o.seed);
+  for (const std::string& stage : o.stages) key += "\n" + stage;
+  if (o.attribution) key += "\nattribution";
+  std::vector<ShardJob> jobs;
+  for (int scene = 1; scene < o.scenes; ++scene) {
+    jobs.push_back({scene_id(scene) + ".json", key + "\n" + scene_id(scene), [&, scene] {
+                      return to_json(run_scene(context, config, scene, sources, out, report));
+                    }});
+  }
+  const std::vector<ShardResult> results =
+      run_shards(parts, jobs, {}, [&](const std::string& name, int done, int) {
+        context.progress.line("scene " + name.substr(0, 6) + ", " + std::to_string(done + 1) +
+                              " of " + std::to_string(o.scenes));
+      });
+  bool resumed = false;
+  for (const ShardResult& result : results) {
+    if (result.failure) std::rethrow_exception(result.failure);
+    if (!result.reused) continue;
+    resumed = true;
+    context.progress.line("taken from the run that was stopped: " + (parts / result.name).string());
+  }
+  const auto add = [&](const ScoreFile& part) {
+    ScoreFile& all = report.scores;
+    all.scores.insert(all.scores.end(), part.scores.begin(), part.scores.end());
+    all.specimens.insert(all.specimens.end(), part.specimens.begin(), part.specimens.end());
+  };
+  add(run_scene(context, config, 0, sources, out, report));
+  for (const ShardResult& result : results) add(scores_from_json(result.text, result.name));
+  return resumed;
+}
+
 }  // namespace
 
 ExitCode command_run(const JobContext& context) {
@@ -104,14 +182,22 @@ ExitCode command_run(const JobContext& context) {
   }
   const std::vector<PlanEntry> plan = seeds_plan(config, o.attribution);
   if (o.plan) {
-    std::printf("%s", describe(plan).c_str());
+    if (o.json) {
+      nlohmann::json rows = nlohmann::json::array();
+      for (const PlanEntry& entry : plan) {
+        rows.push_back({{"pass", entry.pass}, {"runs", entry.runs}, {"why", entry.why}});
+      }
+      std::printf("%s\n", rows.dump(2).c_str());
+    } else {
+      std::printf("%s", describe(plan).c_str());
+    }
     return ExitCode::done;
   }
   for (const std::string& gate : o.gates) parse_gate(gate);
   std::vector<StageSource> sources;
   for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
   const fs::path out = o.out.empty() ? fs::path("out") / "seeds" : fs::path(o.out);
-  fs::create_directories(out);
+  require_writable(out);
 
   SeedsReport report;
   report.command_line = context.command_line;
@@ -122,31 +208,9 @@ ExitCode command_run(const JobContext& context) {
   file.header.config_hash = config_hash(config, o.seed);
   file.header.machine = machine_text();
   file.header.more["command"] = context.command_line;
-  SeedsScoreLabels labels;
-  labels.seed = o.seed;
-  labels.suite = "run";
-  labels.method = config.pipeline.method == SeedsMethod::paper ? "paper" : "ours";
-  for (int scene = 0; scene < o.scenes; ++scene) {
-    labels.scene = labels.run = scene_id(scene);
-    const SimulatedRun run = simulate_seeds(config, o.seed, scene, planned_truth(o.attribution),
-                                            context.progress.function());
-    const SeedsEstimate estimate =
-        perceive_seeds(run.capture, config.pipeline, o.seed, sources, scene,
-                       out / "estimate" / scene_id(scene), context.progress.function());
-    SeedsScores scores = score_run(run.truth, estimate, labels);
-    for (ScoreRow& row : timing_rows(run.timings, labels)) scores.rows.push_back(std::move(row));
-    if (o.attribution) {
-      const auto steps = attribute_seeds(run, config.pipeline, o.seed, labels, &estimate,
-                                         context.progress.function());
-      for (ScoreRow& row : attribution_rows(steps, labels)) scores.rows.push_back(std::move(row));
-    }
-    file.scores.insert(file.scores.end(), scores.rows.begin(), scores.rows.end());
-    file.specimens.insert(file.specimens.end(), scores.specimens.begin(), scores.specimens.end());
-    if (scene == 0) {
-      add_pictures(report, run, estimate);
-      file.scores.push_back(left_out_row(config, o.seed, labels));
-    }
-  }
+  const fs::path parts = out / "parts";
+  const bool resumed = run_scenes(context, config, sources, out, parts, report);
+  SeedsScoreLabels labels = run_labels(config, o.seed);
   labels.scene = "pooled";
   for (ScoreRow& row : pooled_rows(file.specimens, labels)) file.scores.push_back(std::move(row));
   const StageTiming whole = total.finish();
@@ -162,10 +226,11 @@ ExitCode command_run(const JobContext& context) {
   row.unit = "s";
   row.n = o.scenes;
   row.seed = o.seed;
-  file.scores.push_back(row);
+  if (!resumed) file.scores.push_back(row);  // else these are not the whole run's seconds
 
   write_result_tables(out, file);
   write_report(out / "report.html", report);
+  fs::remove_all(parts);
   print_result(o, file);
   char line[160];
   std::snprintf(line, sizeof line, "%.1f s, peak %.0f MB; report: %s", whole.wall_s,

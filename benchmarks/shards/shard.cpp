@@ -76,6 +76,7 @@ std::vector<ShardResult> run_shards(
         write_file(file, key_hash + "\n" + result.text);
       } catch (const std::exception& error) {
         result.error = error.what();
+        result.failure = std::current_exception();
       }
     }
     results.push_back(std::move(result));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -28,8 +29,9 @@ struct ShardJob {
 };
 struct ShardResult {
   std::string name;
-  std::string text;   ///< empty if the job failed or belongs to another shard and is not there yet
-  std::string error;  ///< what a failed job threw
+  std::string text;   ///< empty if the job threw or belongs to another shard and is not there yet
+  std::string error;  ///< what a failed job threw, or why its result could not be written
+  std::exception_ptr failure;  ///< the same, to be thrown on
   bool reused = false;
 };
 

@@ -93,5 +93,14 @@ TEST_F(ShardFolder, AJobThatThrowsIsRecordedAndTheRestGoesOn) {
   EXPECT_FALSE(fs::exists(folder_ / "job1.json"));
 }
 
+TEST_F(ShardFolder, AResultThatCannotBeWrittenIsReturnedAndReported) {
+  std::ofstream(folder_) << "a file where the folder would be";
+  const auto results = run_shards(folder_ / "below", jobs(2), {});
+  EXPECT_EQ(calls_, 2);
+  EXPECT_EQ(results[1].text, "result 1");
+  EXPECT_NE(results[1].error.find("below: cannot make the folder"), std::string::npos);
+  EXPECT_TRUE(results[1].failure);
+}
+
 }  // namespace
 }  // namespace cousin
