@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/simulate.h"
 #include "benchmarks/seeds/stage_files.h"
 #include "benchmarks/shards/shard.h"
@@ -25,21 +26,25 @@ namespace {
 /// does.
 constexpr const char* kPartial = "partial.json";
 
-void claim_folder(const fs::path& dataset, const std::string& hash) {
-  const fs::path marker = dataset / kPartial;
+/// @throws std::invalid_argument naming the file if the folder holds another configuration's
+/// dataset.
+void check_owner(const fs::path& dataset, const std::string& hash) {
   const auto mismatch = [&](const fs::path& file) {
     throw std::invalid_argument(file.string() +
                                 " belongs to another configuration or seed; choose another --out");
   };
+  const fs::path marker = dataset / kPartial;
   if (fs::exists(marker)) {
-    if (nlohmann::json::parse(read_file(marker)).value("config_hash", "") != hash) mismatch(marker);
-    return;
-  }
-  if (const auto manifest = read_manifest(dataset)) {
+    const auto json = nlohmann::json::parse(read_file(marker), nullptr, false);
+    if (json != nlohmann::json{{"config_hash", hash}}) mismatch(marker);
+  } else if (const auto manifest = read_manifest(dataset)) {
     if (manifest->config_hash != hash) mismatch(dataset / "manifest.json");
-    return;
   }
-  write_file(marker, nlohmann::json{{"config_hash", hash}}.dump() + "\n");
+}
+
+void claim_folder(const fs::path& dataset, const std::string& hash) {
+  if (fs::exists(dataset / kPartial) || fs::exists(dataset / "manifest.json")) return;
+  write_file(dataset / kPartial, nlohmann::json{{"config_hash", hash}}.dump() + "\n");
 }
 
 TruthNeeds dataset_truth() {
@@ -99,8 +104,8 @@ ExitCode command_render(const JobContext& context) {
   const Shard shard = parse_shard(o.shard);
   const fs::path dataset = o.out.empty() ? fs::path("out") / "seeds_dataset" : fs::path(o.out);
   const std::string hash = config_hash(config, o.seed);
-  fs::create_directories(dataset);
-  claim_folder(dataset, hash);
+  require_writable(dataset);
+  check_owner(dataset, hash);
 
   const int frames = config.scene.views;
   const auto [first, end] = shard_range(shard, o.scenes * frames);
@@ -109,6 +114,7 @@ ExitCode command_render(const JobContext& context) {
   for (int scene = first / frames; scene * frames < end; ++scene) {
     const StageClock clock("render " + scene_id(scene));
     const SeedsSimulation simulation(config, o.seed, scene);
+    claim_folder(dataset, hash);  // not before: a scene that cannot be built leaves no trace
     const fs::path scene_dir = dataset / scene_id(scene);
     render_frames(simulation, scene_dir, std::max(0, first - scene * frames),
                   std::min(frames, end - scene * frames), context.progress.function());
@@ -140,6 +146,11 @@ ExitCode command_render(const JobContext& context) {
   if (complete) fs::remove(dataset / kPartial);
   if (shard.count <= 1) write_manifest(dataset, header);
   write_timings(dataset, timings);
+  if (o.json) {
+    std::printf(
+        "%s\n",
+        nlohmann::json{{"dataset", dataset.string()}, {"complete", complete}}.dump(2).c_str());
+  }
   context.progress.line((complete ? "dataset: " : "shard of dataset: ") + dataset.string());
   return ExitCode::done;
 }
@@ -161,6 +172,13 @@ ExitCode command_import(const JobContext& context) {
   for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
   const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
   write_capture(dataset / scene_id(0), capture);
+  if (o.json) {
+    std::printf("%s\n", nlohmann::json{{"dataset", dataset.string()},
+                                       {"frames", capture.frames.size()},
+                                       {"warnings", capture.warnings}}
+                            .dump(2)
+                            .c_str());
+  }
   context.progress.line("dataset: " + dataset.string() + ", " +
                         std::to_string(capture.frames.size()) + " frames, " +
                         std::to_string(capture.warnings.size()) + " warnings");

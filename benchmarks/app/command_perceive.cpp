@@ -39,29 +39,51 @@ std::string pipeline_of(const Options& options, const Capture& capture, const fs
   return name;
 }
 
-void print_traits(const std::string& scene, const Traits& traits, bool json) {
+nlohmann::json to_rows(const std::string& scene, const Traits& traits) {
   nlohmann::json rows = nlohmann::json::array();
   for (const SpecimenTraits& specimen : traits) {
-    if (!json) {
-      std::printf("%s seed %d: %s%s", scene.c_str(), specimen.instance,
-                  std::string(to_string(specimen.status)).c_str(),
-                  specimen.reason.empty() ? "" : (" (" + specimen.reason + ")").c_str());
-    }
     nlohmann::json values;
     for (const Trait& trait : specimen.traits) {
       values[trait.name] = {{"value", trait.value}, {"sigma", trait.sigma}, {"unit", trait.unit}};
-      const double scale = trait.unit == "m" ? 1e3 : trait.unit == "m2" ? 1e6 : 1e9;
-      const char* unit = trait.unit == "m" ? "mm" : trait.unit == "m2" ? "mm2" : "mm3";
-      if (!json) std::printf("  %s %.3f %s", trait.name.c_str(), trait.value * scale, unit);
     }
-    if (!json) std::printf("\n");
     rows.push_back({{"scene", scene},
                     {"instance", specimen.instance},
                     {"status", to_string(specimen.status)},
                     {"reason", specimen.reason},
                     {"traits", values}});
   }
-  if (json) std::printf("%s\n", rows.dump(2).c_str());
+  return rows;
+}
+
+void print_traits(const std::string& scene, const Traits& traits) {
+  for (const SpecimenTraits& specimen : traits) {
+    std::printf("%s seed %d: %s%s", scene.c_str(), specimen.instance,
+                std::string(to_string(specimen.status)).c_str(),
+                specimen.reason.empty() ? "" : (" (" + specimen.reason + ")").c_str());
+    for (const Trait& trait : specimen.traits) {
+      const double scale = trait.unit == "m" ? 1e3 : trait.unit == "m2" ? 1e6 : 1e9;
+      const char* unit = trait.unit == "m" ? "mm" : trait.unit == "m2" ? "mm2" : "mm3";
+      std::printf("  %s %.3f %s", trait.name.c_str(), trait.value * scale, unit);
+    }
+    std::printf("\n");
+  }
+}
+
+/// Says which views have no pose and why; the number of those that have one.
+int count_posed(const Poses& poses, const Corners& corners, ProgressPrinter& progress) {
+  int posed = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (poses[i].status == PoseStatus::ok) {
+      ++posed;
+      continue;
+    }
+    std::string why(to_string(poses[i].status));
+    if (i < corners.size() && corners[i].status != BoardStatus::ok) {
+      why += " (" + std::string(to_string(corners[i].status)) + ")";
+    }
+    progress.line("warning: view " + std::to_string(poses[i].frame) + " has no pose: " + why);
+  }
+  return posed;
 }
 
 }  // namespace
@@ -84,7 +106,8 @@ ExitCode command_perceive(const JobContext& context) {
 
   const fs::path dataset = o.arguments.at(0);
   const fs::path out = o.out.empty() ? fs::path(dataset.string() + "_estimate") : fs::path(o.out);
-  int failed = 0;
+  std::vector<std::string> nothing_found;
+  nlohmann::json rows = nlohmann::json::array();
   for (const fs::path& scene_dir : scenes_of(dataset)) {
     const Capture capture = read_capture(scene_dir);
     pipeline_of(o, capture, dataset);
@@ -97,16 +120,22 @@ ExitCode command_perceive(const JobContext& context) {
     write_file(estimate_dir / "config.toml", to_toml(fields(config)));
     const SeedsEstimate estimate = perceive_seeds(capture, config, o.seed, sources, index,
                                                   estimate_dir, context.progress.function());
-    int posed = 0;
-    for (const FramePose& pose : estimate.poses) posed += pose.status == PoseStatus::ok;
-    context.progress.line(name + ": " + std::to_string(posed) + " of " +
-                          std::to_string(capture.frames.size()) + " views posed, " +
-                          std::to_string(estimate.traits.size()) + " specimens");
-    if (estimate.traits.empty()) ++failed;
-    print_traits(name, estimate.traits, o.json);
+    const int posed = count_posed(estimate.poses, estimate.corners, context.progress);
+    const std::string summary = std::to_string(posed) + " of " +
+                                std::to_string(capture.frames.size()) + " views posed, " +
+                                std::to_string(estimate.traits.size()) + " specimens";
+    context.progress.line(name + ": " + summary);
+    if (estimate.traits.empty()) nothing_found.push_back(scene_dir.string() + ": " + summary);
+    if (o.json) {
+      for (auto& row : to_rows(name, estimate.traits)) rows.push_back(std::move(row));
+    } else {
+      print_traits(name, estimate.traits);
+    }
   }
+  if (o.json) std::printf("%s\n", rows.dump(2).c_str());
   context.progress.line("estimates: " + out.string());
-  return failed == 0 ? ExitCode::done : ExitCode::bad_input;
+  for (const std::string& text : nothing_found) std::fprintf(stderr, "cousin: %s\n", text.c_str());
+  return nothing_found.empty() ? ExitCode::done : ExitCode::bad_input;
 }
 
 }  // namespace cousin

@@ -5,7 +5,7 @@ namespace cousin {
 SettleResult settle(const std::vector<SettleBody>& bodies, const SettleConfig& config) {
   validate(config);
   SettleResult result;
-  result.status = SettleStatus::not_built;
+  result.status = bodies.empty() ? SettleStatus::ok : SettleStatus::not_built;
   for (const SettleBody& body : bodies) result.world_from_body.push_back(body.world_from_body);
   return result;
 }
