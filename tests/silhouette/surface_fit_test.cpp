@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/silhouette/convex_bodies.h"
@@ -98,6 +99,82 @@ TEST(SurfaceFit, SaysWhatItCannotSolve) {
   SurfaceFitConfig no_data = kConfig;
   no_data.use_cloud = no_data.use_outlines = false;
   EXPECT_THROW(fit_surfaces({}, {}, {}, no_data, Rng(6)), std::invalid_argument);
+}
+
+TEST(SurfaceFit, EmptyMasksAreTooFewViews) {
+  const Mesh body = make_ellipsoid({0.0033, 0.0017, 0.0015});
+  const Poses poses = make_poses(18);
+  Silhouettes silhouettes = make_outlines(body, poses, 0.1, Rng(12));
+  for (std::size_t i = 2; i < silhouettes.size(); ++i) silhouettes[i].outline.clear();
+  const Clusters cloud = make_cloud(body, 7e-5, Rng(13));
+  const Surfaces surfaces = fit_surfaces(poses, cloud, silhouettes, kConfig, Rng(14));
+  EXPECT_EQ(surfaces.at(0).status, SurfaceStatus::too_few_views);
+}
+
+bool is_inside(const Eigen::Vector2f& point, const std::vector<OutlinePoint>& outline) {
+  bool inside = false;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2f a = outline[i].pixel_px - point;
+    const Eigen::Vector2f b = outline[(i + 1) % outline.size()].pixel_px - point;
+    if ((a.y() > 0) == (b.y() > 0)) continue;
+    if (a.x() + (b.x() - a.x()) * a.y() / (a.y() - b.y()) > 0) inside = !inside;
+  }
+  return inside;
+}
+
+/// Outline of two overlapping bodies: the points of each that the other does not hide, around the
+/// middle of those where the outlines cross.
+Silhouette joined(const Silhouette& a, const Silhouette& b, const Eigen::Vector2f& middle_px) {
+  Silhouette both = a;
+  both.outline.clear();
+  for (const auto& [own, other] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
+    for (const OutlinePoint& point : own->outline) {
+      if (!is_inside(point.pixel_px, other->outline)) both.outline.push_back(point);
+    }
+  }
+  const auto angle = [&](const OutlinePoint& point) {
+    const Eigen::Vector2f ray = point.pixel_px - middle_px;
+    return std::atan2(ray.y(), ray.x());
+  };
+  const bool turns = [&] {  // outlines keep their sense of turning
+    double area = 0;
+    for (std::size_t i = 0; i < a.outline.size(); ++i) {
+      const auto& p = a.outline[i].pixel_px;
+      const auto& q = a.outline[(i + 1) % a.outline.size()].pixel_px;
+      area += p.x() * q.y() - p.y() * q.x();
+    }
+    return area > 0;
+  }();
+  std::sort(both.outline.begin(), both.outline.end(),
+            [&](const OutlinePoint& p, const OutlinePoint& q) {
+              return turns ? angle(p) < angle(q) : angle(p) > angle(q);
+            });
+  return both;
+}
+
+TEST(SurfaceFit, TwoSeedsThatTouchAreNotOne) {
+  // Two ellipsoids tip to tip, 0.3 mm into each other, clustered as one object.
+  const Poses poses = make_poses(18);
+  std::vector<Mesh> seeds(2, make_ellipsoid({0.0033, 0.0017, 0.0015}));
+  Clusters cloud;
+  cloud.count = 1;
+  std::vector<Silhouettes> outlines;
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (Eigen::Vector3d& v : seeds[i].vertices_m) v.x() += i == 0 ? -0.00315 : 0.00315;
+    const Clusters part = make_cloud(seeds[i], 7e-5, Rng(15).fork(i));
+    cloud.cloud.insert(cloud.cloud.end(), part.cloud.begin(), part.cloud.end());
+    cloud.instance.insert(cloud.instance.end(), part.instance.begin(), part.instance.end());
+    outlines.push_back(make_outlines(seeds[i], poses, 0.1, Rng(16).fork(i)));
+  }
+  Silhouettes both;
+  for (std::size_t i = 0; i < outlines[0].size(); ++i) {
+    const FramePose& pose = poses[static_cast<std::size_t>(outlines[0][i].frame)];
+    const auto middle =
+        project(pose.camera, pose.camera_from_world * Eigen::Vector3d(0, 0, 0.0015));
+    both.push_back(joined(outlines[0][i], outlines[1][i], middle->cast<float>()));
+  }
+  const Surface surface = fit_surfaces(poses, cloud, both, kConfig, Rng(17)).at(0);
+  EXPECT_EQ(surface.status, SurfaceStatus::touching) << to_string(surface.status);
 }
 
 TEST(SurfaceFit, OutlinesOfAnotherBodyAreNotAccepted) {

@@ -1,0 +1,231 @@
+// What a user's broken input gives: an exit code, and a message that names file, key or view.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/dataset/seam_io.h"
+#include "sim/imaging/image_io.h"
+#include "tests/app/program.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr int kViews = 3;
+
+/// Three grey views in data/000000: all there but the board.
+class AppBadInput : public testing::Test {
+ protected:
+  void SetUp() override {
+    capture_.pipeline = "seeds";
+    capture_.rig.resize(1);
+    capture_.rig[0].camera = Camera{LensModel::opencv5, 64, 48, 60, 60, 32, 24, {}};
+    for (int i = 0; i < kViews; ++i) {
+      Frame frame;
+      frame.id = i;
+      frame.sensors.resize(1);
+      frame.sensors[0].reported = capture_.rig[0].camera;
+      frame.sensors[0].color = Image<Rgb8>(64, 48, {90, 90, 90});
+      capture_.frames.push_back(frame);
+    }
+    write_capture(scene_, capture_);
+  }
+  Outcome perceive(const Words& more = {}) const {
+    return program_.run(Words{"perceive", "data", "--out", "est"} + more);
+  }
+  /// The message of `perceive`, which must end as bad input; nothing is estimated then.
+  std::string refusal() const {
+    const Outcome outcome = perceive();
+    EXPECT_EQ(outcome.code, 3) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("cousin: "));
+    EXPECT_FALSE(fs::exists(program_.path("est/000000/traits.json")));
+    return outcome.err;
+  }
+  /// The same, with the first `from` of a file replaced by `to` for this call.
+  std::string refusal(const std::string& file, const std::string& from, const std::string& to) {
+    const std::string good = read_file(scene_ / file);
+    std::string bad = good;
+    const std::size_t at = bad.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    if (at != std::string::npos) bad.replace(at, from.size(), to);
+    write_file(scene_ / file, bad);
+    const std::string message = refusal();
+    write_file(scene_ / file, good);
+    return message;
+  }
+  /// Seams that stand in for the stages before the surfaces: posed views and one cluster.
+  void write_seams(const Silhouettes& silhouettes) const {
+    const fs::path seams = program_.path("seams");
+    Poses poses(kViews);
+    Clusters clusters;
+    clusters.count = 1;
+    for (int i = 0; i < kViews; ++i) {
+      FramePose& pose = poses[static_cast<std::size_t>(i)];
+      pose.frame = i;
+      pose.status = PoseStatus::ok;
+      pose.camera = capture_.rig[0].camera;
+      pose.camera_from_world.translation_m = {0, 0, 0.3};
+    }
+    for (int i = 0; i < 100; ++i) {
+      clusters.cloud.push_back({{0.0005F * (i % 10), 0.0005F * (i / 10), 0.002F}, {0, 0, 1}});
+      clusters.instance.push_back(0);
+    }
+    write_corners(seams, {});
+    write_poses(seams, poses);
+    write_depths(seams, {});
+    write_cloud(seams, clusters.cloud);
+    write_clusters(seams, clusters);
+    write_silhouettes(seams, silhouettes, 0);
+  }
+  static Words seam_stages(const Words& stages) {
+    Words words;
+    for (const std::string& stage : stages)
+      words.insert(words.end(), {"--stage", stage + "=dir:seams"});
+    return words;
+  }
+
+  Program program_;
+  fs::path scene_ = program_.path("data/000000");
+  Capture capture_;
+};
+
+TEST_F(AppBadInput, BrokenImagesNameFileAndView) {
+  const fs::path png = scene_ / "rgb/000001.png";
+  const std::string good = read_file(png);
+  const auto names = AllOf(HasSubstr("000000/rgb/000001.png"), HasSubstr("frame 1"));
+  write_file(png, good.substr(0, good.size() / 2));
+  EXPECT_THAT(refusal(), names);
+  write_png(png, Image<Rgb8>(63, 48));
+  EXPECT_THAT(refusal(), AllOf(names, HasSubstr("63 x 48"), HasSubstr("64 x 48")));
+  fs::remove(png);
+  EXPECT_THAT(refusal(), AllOf(names, HasSubstr("missing")));
+}
+
+TEST_F(AppBadInput, BrokenJsonNamesFileAndKey) {
+  EXPECT_THAT(refusal("rig.json", "\"fx_px\": 60.0", "\"fx_px\": \"60\""),
+              AllOf(HasSubstr("000000/rig.json: "), HasSubstr("/sensors/0/camera/fx_px = \"60\"")));
+  EXPECT_THAT(refusal("rig.json", "\"fx_px\": 60.0", "\"fx_px\": 0"),
+              AllOf(HasSubstr("000000/rig.json: "), HasSubstr("fx_px = 0")));
+  EXPECT_THAT(refusal("rig.json", "\"fx_px\": 60.0", "\"fx_px\": NaN"),
+              HasSubstr("000000/rig.json: not JSON"));
+  EXPECT_THAT(refusal("rig.json", "\"fx_px\": 60.0", "\"fx_px\": 60.0, \"focal\": 1"),
+              AllOf(HasSubstr("000000/rig.json: "), HasSubstr("unknown key \"focal\"")));
+  EXPECT_THAT(refusal("rig.json", "\"sensors\"", "\"sensor\""),
+              AllOf(HasSubstr("000000/rig.json: "), HasSubstr("lacks the key \"sensors\"")));
+  EXPECT_THAT(refusal("scene_camera.json", "\"cam_K\"", "\"cam_k\""),
+              AllOf(HasSubstr("000000/scene_camera.json: "),
+                    HasSubstr("/0 = an object lacks the key \"cam_K\"")));
+  EXPECT_THAT(refusal("scene_camera.json", "{", "["), HasSubstr("scene_camera.json: not JSON"));
+  fs::remove(scene_ / "rig.json");
+  EXPECT_THAT(refusal(), HasSubstr("000000/rig.json: cannot read"));
+}
+
+TEST_F(AppBadInput, ALensThatFoldsInsideTheImageNamesTheView) {
+  capture_.frames[2].sensors[0].reported.distortion[0] = -5;
+  // The writer checks lenses too: the file is made from a good one.
+  const std::string text = read_file(scene_ / "scene_camera.json");
+  auto json = nlohmann::json::parse(text);
+  auto& camera = json["2"]["cousin"]["sensors"][0]["camera"];
+  ASSERT_TRUE(camera.contains("distortion"));
+  camera["distortion"] = {-5.0, 0.0, 0.0, 0.0, 0.0};
+  write_file(scene_ / "scene_camera.json", json.dump());
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("000000/scene_camera.json: "), HasSubstr("frame 2"),
+                               HasSubstr("folds inside the image")));
+}
+
+TEST_F(AppBadInput, ABoardThatIsNotSeenIsAStatusOfEachView) {
+  const Outcome outcome = perceive();
+  EXPECT_EQ(outcome.code, 3);
+  for (const char* view : {"view 0", "view 1", "view 2"}) {
+    EXPECT_THAT(outcome.err, HasSubstr(std::string(view) + " has no pose: no_board (not_seen)"));
+  }
+  EXPECT_THAT(outcome.err, HasSubstr("cousin: data/000000: 0 of 3 views posed, 0 specimens"));
+  for (const FramePose& pose : read_poses(program_.path("est/000000"))) {
+    EXPECT_EQ(pose.status, PoseStatus::no_board);
+  }
+  EXPECT_TRUE(read_traits(program_.path("est/000000")).empty());
+  EXPECT_EQ(perceive({"--json"}).out, "[]\n");
+}
+
+TEST_F(AppBadInput, ABrokenSceneKeepsTheEstimateOfTheOneBefore) {
+  write_capture(program_.path("data/000001"), capture_);
+  write_file(program_.path("data/000001/rgb/000002.png"), "");
+  const Outcome outcome = perceive();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("000001/rgb/000002.png"));
+  EXPECT_TRUE(read_traits(program_.path("est/000000")).empty());
+  EXPECT_FALSE(fs::exists(program_.path("est/000001/traits.json")));
+}
+
+TEST_F(AppBadInput, AnEmptyMaskIsASeedThatIsNotSolved) {
+  write_seams({{.frame = 0, .instance = 0}, {.frame = 1, .instance = 0}});
+  const Outcome outcome =
+      perceive(seam_stages({"corners", "poses", "depth", "cloud", "clusters", "masks"}));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("000000 seed 0: not_solved (surface: too_few_views)"));
+}
+
+TEST_F(AppBadInput, TouchingSeedsAreNotSolved) {
+  write_seams({});
+  Surfaces surfaces(1);
+  surfaces[0].status = SurfaceStatus::touching;
+  write_surfaces(program_.path("seams"), surfaces);
+  const Outcome outcome = perceive(
+      seam_stages({"corners", "poses", "depth", "cloud", "clusters", "masks", "surfaces"}));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("000000 seed 0: not_solved (surface: touching)"));
+}
+
+TEST_F(AppBadInput, AForeignSeamNamesFileAndKey) {
+  write_file(program_.path("seams/traits.json"),
+             R"({"specimens": [{"instance": "0", "status": "ok", "traits": []}]})");
+  const Outcome wrong = perceive(seam_stages({"traits"}));
+  EXPECT_EQ(wrong.code, 4);
+  EXPECT_THAT(wrong.err,
+              AllOf(HasSubstr("cousin: stage traits: "), HasSubstr("seams/traits.json: "),
+                    HasSubstr("/specimens/0/instance")));
+  EXPECT_EQ(read_poses(program_.path("est/000000")).size(), 3U);  // earlier seams are kept
+  const Outcome absent = perceive(seam_stages({"poses"}));
+  EXPECT_EQ(absent.code, 4);
+  EXPECT_THAT(absent.err, AllOf(HasSubstr("cousin: stage poses: "),
+                                HasSubstr("seams/poses.json: cannot read")));
+}
+
+TEST_F(AppBadInput, OneViewIsPosedAndGivesNoSeed) {
+  Words one_view = tiny_scene();
+  one_view[1] = "1";
+  ASSERT_EQ(program_.run(Words{"render", "seeds", "--out", "one"} + one_view).code, 0);
+  const Outcome outcome = program_.run({"perceive", "one", "--out", "est"});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("cousin: one/000000: 1 of 1 views posed, 0 specimens"));
+}
+
+TEST_F(AppBadInput, AMeshThatIsNotClosedNamesFileAndEdge) {
+  write_file(program_.path("open.obj"),
+             "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\nv 0 0 0.01\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+  for (const char* verb : {"run", "render"}) {
+    const auto outcome = [&](const std::string& file) {
+      return program_.run({verb, "seeds", "--out", "out", "--set", "specimen=" + file});
+    };
+    const Outcome open = outcome("mesh:open.obj");
+    EXPECT_EQ(open.code, 3);
+    EXPECT_THAT(open.err, AllOf(HasSubstr("open.obj"), HasSubstr("not a closed mesh"),
+                                HasSubstr("edge 0-2")));
+    const Outcome absent = outcome("mesh:absent.ply");
+    EXPECT_EQ(absent.code, 3);
+    EXPECT_THAT(absent.err, HasSubstr("absent.ply"));
+    const Outcome nameless = outcome("open.obj");
+    EXPECT_EQ(nameless.code, 2);
+    EXPECT_THAT(nameless.err, HasSubstr("specimen = \"open.obj\" is not \"mesh:FILE\""));
+  }
+}
+
+}  // namespace
+}  // namespace cousin

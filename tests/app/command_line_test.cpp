@@ -1,0 +1,144 @@
+// The command line: what each verb takes, and what it says of mistakes. Nothing is computed here.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/app/program.h"
+
+namespace cousin {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kVerbs[] = {"scenes", "rigs", "methods", "doctor", "render", "perceive",
+                                  "score",  "run",  "bench",   "import", "verify", "report"};
+
+/// The message of a command that must be refused as wrong usage, before anything is written.
+std::string refusal(const Words& words) {
+  const Program program;
+  const Outcome outcome = program.run(words);
+  EXPECT_EQ(outcome.code, 2) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_TRUE(std::filesystem::is_empty(program.path()));
+  EXPECT_THAT(outcome.err, testing::StartsWith("cousin: "));
+  return outcome.err;
+}
+
+TEST(AppCommandLine, EveryVerbExplainsItself) {
+  const Program program;
+  const Outcome whole = program.run({"--help"});
+  EXPECT_EQ(whole.code, 0);
+  for (const char* verb : kVerbs) {
+    EXPECT_THAT(whole.out, HasSubstr(std::string("  ") + verb));
+    const Outcome outcome = program.run({verb, "--help"});
+    EXPECT_EQ(outcome.code, 0) << verb;
+    EXPECT_THAT(outcome.out, HasSubstr(std::string("cousin ") + verb));
+    EXPECT_EQ(outcome.err, "");
+  }
+  EXPECT_THAT(program.run({"run", "--help"}).out,
+              AllOf(HasSubstr("--frames"), HasSubstr("--set"), HasSubstr("--gate")));
+  EXPECT_THAT(program.run({"--version"}).out, testing::MatchesRegex("cousin [0-9.]+\n"));
+}
+
+TEST(AppCommandLine, AnUnknownOptionIsNamed) {
+  EXPECT_THAT(refusal({"run", "seeds", "-o", "x"}),
+              AllOf(HasSubstr("unknown option -o; did you mean --out?"),
+                    HasSubstr("cousin run --help"), Not(HasSubstr("SCENE"))));
+  EXPECT_THAT(refusal({"run", "seeds", "--uot", "x"}),
+              HasSubstr("unknown option --uot; did you mean --out?"));
+  EXPECT_THAT(refusal({"run", "seeds", "--frame=4"}),
+              HasSubstr("unknown option --frame; did you mean --frames?"));
+  EXPECT_THAT(refusal({"bench", "seeds", "--quik"}),
+              HasSubstr("unknown option --quik; did you mean --quick?"));
+  EXPECT_THAT(refusal({"verify", "d", "--zzzzzz"}),
+              AllOf(HasSubstr("unknown option --zzzzzz"), Not(HasSubstr("did you mean"))));
+  EXPECT_THAT(refusal({"--zzzzzz"}), HasSubstr("unknown option --zzzzzz"));
+  for (const char* verb : kVerbs) {
+    EXPECT_THAT(refusal({verb, "--zzzzzz"}), HasSubstr("unknown option --zzzzzz")) << verb;
+  }
+}
+
+TEST(AppCommandLine, MistakesNameWhatIsWrong) {
+  EXPECT_THAT(refusal({}), HasSubstr("--help"));
+  EXPECT_THAT(refusal({"grow"}), HasSubstr("unknown verb \"grow\""));
+  EXPECT_THAT(refusal({"run"}), HasSubstr("SCENE is required"));
+  EXPECT_THAT(refusal({"score", "dataset"}), HasSubstr("ESTIMATE_DIR"));
+  EXPECT_THAT(refusal({"import", "folder"}), HasSubstr("--format is required"));
+  EXPECT_THAT(refusal({"run", "seeds", "--threads", "99999"}),
+              AllOf(HasSubstr("--threads"), HasSubstr("99999")));
+  EXPECT_THAT(refusal({"run", "seeds", "--frames", "-1"}),
+              AllOf(HasSubstr("--frames"), HasSubstr("-1")));
+  EXPECT_THAT(refusal({"run", "seeds", "--frames", "four"}),
+              AllOf(HasSubstr("--frames"), HasSubstr("four")));
+  EXPECT_THAT(refusal({"run", "field"}), HasSubstr("scene \"field\" is not one of: seeds"));
+  EXPECT_THAT(refusal({"render", "field"}), HasSubstr("scene \"field\" is not one of: seeds"));
+  EXPECT_THAT(refusal({"bench", "sedes"}), HasSubstr("suite \"sedes\" is not one of"));
+  EXPECT_THAT(refusal({"bench", "seeds", "--shard", "3/3"}), HasSubstr("--shard \"3/3\""));
+  EXPECT_THAT(refusal({"run", "seeds", "--gate", "length"}), HasSubstr("--gate \"length\""));
+  EXPECT_THAT(refusal({"run", "seeds", "--stage", "poses=x"}), HasSubstr("--stage \"poses=x\""));
+  EXPECT_THAT(refusal({"run", "seeds", "--method", "magic"}), HasSubstr("\"magic\""));
+  EXPECT_THAT(refusal({"import", ".", "--format", "zip"}), HasSubstr("--format \"zip\""));
+}
+
+TEST(AppCommandLine, SetNamesKeyValueAndLimit) {
+  for (const Words& verb : {Words{"run", "seeds"}, {"render", "seeds"}, {"bench", "seeds"}}) {
+    EXPECT_THAT(refusal(verb + Words{"--set", "sedes=3"}),
+                HasSubstr("unknown key 'sedes'; the nearest key is 'seeds'"))
+        << verb[0];
+    EXPECT_THAT(refusal(verb + Words{"--set", "seeds=many"}), HasSubstr("seeds = \"many\""));
+    EXPECT_THAT(refusal(verb + Words{"--set", "rig.focal_px_per_width=nan"}),
+                HasSubstr("rig.focal_px_per_width = nan: must be in"));
+    EXPECT_THAT(refusal(verb + Words{"--set", "rig.focal_px_per_width=0"}),
+                HasSubstr("rig.focal_px_per_width = 0: must be in"));
+    EXPECT_THAT(refusal(verb + Words{"--set", "rig.distortion=[-5,0,0,0,0]"}),
+                HasSubstr("distortion folds inside the image"));
+  }
+  EXPECT_THAT(refusal({"perceive", "dataset", "--set", "green.sedes=3"}), HasSubstr("green.sedes"));
+  EXPECT_THAT(refusal({"bench", "stability", "--set", "seeds=3"}),
+              HasSubstr("suite \"stability\" takes no --set"));
+  EXPECT_THAT(refusal({"bench", "--set", "sedes=3"}), HasSubstr("unknown key 'sedes'"));
+}
+
+TEST(AppCommandLine, ListsAreJson) {
+  const Program program;
+  for (const Words& words :
+       {Words{"scenes"}, {"rigs"}, {"methods"}, {"doctor"}, {"run", "seeds", "--plan"}}) {
+    const Outcome outcome = program.run(words + Words{"--json"});
+    EXPECT_EQ(outcome.code, 0) << words[0];
+    const auto rows = nlohmann::json::parse(outcome.out, nullptr, false);
+    ASSERT_TRUE(rows.is_array()) << words[0] << ": " << outcome.out;
+    EXPECT_GT(rows.size(), 0U) << words[0];
+    EXPECT_TRUE(rows[0].contains(words[0] == "run" ? "pass" : "name")) << words[0];
+    EXPECT_EQ(program.run(words).code, 0) << words[0];
+  }
+  EXPECT_THAT(program.run({"run", "seeds", "--plan"}).out, HasSubstr("left out:"));
+}
+
+TEST(AppCommandLine, KeysAreListed) {
+  const Program program;
+  for (const Words& words : {Words{"run", "seeds"}, {"render", "seeds"}, {"bench"}}) {
+    const Outcome outcome = program.run(words + Words{"--keys", "--set", "seeds=7"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\nseeds +7 ")) << words[0];
+  }
+  EXPECT_THAT(program.run({"perceive", "dataset", "--keys"}).out, HasSubstr("mvs."));
+  EXPECT_TRUE(std::filesystem::is_empty(program.path()));
+}
+
+TEST(AppCommandLine, OutputThatCannotBeWrittenIsAnError) {
+  const Outcome outcome = Program().run({"scenes", "--json"}, [] {
+    const int full = open("/dev/full", O_WRONLY);
+    return full >= 0 && dup2(full, STDOUT_FILENO) >= 0;
+  });
+  if (outcome.code == kNotPrepared) GTEST_SKIP() << "there is no /dev/full";
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("cannot write the output: No space left on device"));
+}
+
+}  // namespace
+}  // namespace cousin

@@ -1,0 +1,213 @@
+// Runs that are killed, disks that fill and folders that take no files: what is finished stays, and
+// the same command goes on from there.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/seam_io.h"
+#include "tests/app/program.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+using Times = std::map<fs::path, fs::file_time_type>;
+
+/// When the finished files below a folder were written; temporary ones are none.
+Times times(const fs::path& folder) {
+  Times result;
+  if (!fs::exists(folder)) return result;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const fs::path& file = entry.path();
+    if (!entry.is_regular_file() || is_temporary_name(file.filename().string())) continue;
+    result[file] = entry.last_write_time();
+  }
+  return result;
+}
+
+void expect_untouched(const Times& before) {
+  for (const auto& [file, time] : before) {
+    ASSERT_TRUE(fs::exists(file)) << file;
+    EXPECT_EQ(fs::last_write_time(file), time) << file << " was made again";
+  }
+}
+
+TEST(AppInterrupted, AKilledRenderGoesOn) {
+  const Program program;
+  Words scene = tiny_scene();
+  scene[1] = "8";
+  const fs::path images = program.path("data/000000/rgb");
+  const Outcome killed = program.run_until(Words{"render", "seeds", "--out", "data"} + scene,
+                                           [&] { return fs::exists(images / "000001.png"); });
+  if (killed.signal != SIGKILL) GTEST_SKIP() << "it was finished before it could be killed";
+  EXPECT_FALSE(fs::exists(program.path("data/manifest.json")));
+  const Times finished = times(images);
+  EXPECT_GE(finished.size(), 2U);
+  const Outcome other =
+      program.run(Words{"render", "seeds", "--out", "data", "--seed", "2"} + scene);
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("data/partial.json belongs to another configuration"));
+
+  const Outcome rest = program.run(Words{"render", "seeds", "--out", "data"} + scene);
+  EXPECT_EQ(rest.code, 0) << rest.err;
+  expect_untouched(finished);
+  EXPECT_EQ(program.run({"verify", "data"}).out, "data: no problems\n");
+  ASSERT_EQ(program.run(Words{"render", "seeds", "--out", "whole"} + scene).code, 0);
+  const auto whole = contents(program.path("whole"));
+  auto resumed = contents(program.path("data"));
+  std::erase_if(resumed, [](const auto& file) {  // what a kill while writing leaves
+    return is_temporary_name(fs::path(file.first).filename().string());
+  });
+  EXPECT_EQ(resumed, whole);
+}
+
+TEST(AppInterrupted, AKilledRunGoesOnWithTheNextScene) {
+  const Program program;
+  write_traits(program.path("mine"), {});
+  // A stage that kills the program at the second scene of the first run; it notes each call.
+  const fs::path stage = program.path("mine/stage.sh");
+  write_file(stage,
+             "#!/bin/sh\necho called >> mine/calls\n"
+             "[ $(wc -l < mine/calls) -eq 2 ] && kill -9 $PPID\ncp mine/traits.json \"$2\"/\n");
+  fs::permissions(stage, fs::perms::owner_all);
+  const Words run =
+      Words{"run",   "seeds", "--scenes", "2", "--stage", "traits=exec:" + stage.string(),
+            "--out", "r"} +
+      tiny_scene();
+  const Outcome killed = program.run(run);
+  ASSERT_EQ(killed.signal, SIGKILL) << killed.code << killed.err;
+  const Times finished = times(program.path("r/parts"));
+  EXPECT_EQ(finished.size(), 1U);
+  const Times estimate = times(program.path("r/estimate/000001"));
+  EXPECT_GE(estimate.size(), 5U);
+
+  const Outcome rest = program.run(run);
+  EXPECT_EQ(rest.code, 0) << rest.err;
+  EXPECT_THAT(rest.err, HasSubstr("taken from the run that was stopped: r/parts/000001.json"));
+  expect_untouched(estimate);
+  EXPECT_EQ(read_file(program.path("mine/calls")), "called\ncalled\ncalled\n");  // not four times
+  EXPECT_FALSE(fs::exists(program.path("r/parts")));
+  const std::string scores = read_file(program.path("r/scores.csv"));
+  EXPECT_THAT(scores, HasSubstr("run,000000,run,ours,views.posed"));
+  EXPECT_THAT(scores, HasSubstr("run,000001,run,ours,views.posed"));
+  EXPECT_THAT(scores, Not(HasSubstr("seconds.run")));  // nobody measured the whole
+  EXPECT_LT(scores.find("run,000000,"), scores.find("run,000001,"));
+}
+
+TEST(AppInterrupted, AKilledBenchGoesOn) {
+  const Program program;
+  Words bench = Words{"bench", "seeds", "--quick", "--out", "b"} + tiny_scene();
+  bench.erase(bench.begin() + 5, bench.begin() + 7);  // bench sets the views by a key
+  bench.insert(bench.end(), {"--set", "views=2"});
+  const fs::path shards = program.path("b/seeds/shards");
+  const Outcome killed = program.run_until(bench, [&] { return !times(shards).empty(); });
+  if (killed.signal != SIGKILL) GTEST_SKIP() << "it was finished before it could be killed";
+  const Times finished = times(shards);
+  EXPECT_GE(finished.size(), 1U);
+  EXPECT_FALSE(fs::exists(program.path("b/seeds/scores.csv")));
+  const Outcome rest = program.run(bench);
+  EXPECT_EQ(rest.code, 0) << rest.err;
+  expect_untouched(finished);
+  EXPECT_EQ(times(shards).size(), 3U);
+  EXPECT_THAT(rest.err, Not(HasSubstr(finished.begin()->first.filename().string())));
+  EXPECT_GT(fs::file_size(program.path("b/seeds/scores.csv")), 0U);
+}
+
+/// Files of at most 72 KiB from here on: a write beyond fails, as on a full disk. An image is
+/// larger.
+bool limit_files() {
+  const rlimit limit{72 << 10, 72 << 10};
+  return std::signal(SIGXFSZ, SIG_IGN) != SIG_ERR && setrlimit(RLIMIT_FSIZE, &limit) == 0;
+}
+
+TEST(AppInterrupted, AFullDiskKeepsWhatIsFinished) {
+  const Program program;
+  const Words render = Words{"render", "seeds", "--out", "data"} + tiny_scene();
+  ASSERT_EQ(program.run(render + Words{"--shard", "0/2"}).code, 0);
+  const Times finished = times(program.path("data"));
+  const Outcome full = program.run(render + Words{"--shard", "1/2"}, limit_files);
+  EXPECT_EQ(full.code, 3);
+  EXPECT_THAT(full.err, HasSubstr("data/000000/rgb/000001.png: "));
+  EXPECT_THAT(full.err, HasSubstr("File too large"));
+  EXPECT_EQ(times(program.path("data")), finished);  // nothing new under a final name either
+  EXPECT_EQ(program.run(render + Words{"--shard", "1/2"}).code, 0);
+  expect_untouched(times(program.path("data/000000/truth")));
+  EXPECT_EQ(program.run({"verify", "data"}).out, "data: no problems\n");
+}
+
+TEST(AppInterrupted, AFullDiskIsAnErrorOfEveryVerb) {
+  // A disk that takes 4 KiB: too little for the test file that comes before any work.
+  const Program program;
+  bool mounted = false;
+  for (const Words& words : {Words{"run", "seeds"}, {"render", "seeds"}, {"bench", "stability"}}) {
+    const std::string folder = program.path("disk");
+    fs::create_directories(folder);
+    const Outcome outcome = program.run(words + Words{"--out", "disk/out"}, [&] {
+      return unshare(CLONE_NEWNS) == 0 &&
+             mount("", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+             mount("tmpfs", folder.c_str(), "tmpfs", 0, "size=4k,nr_inodes=100") == 0;
+    });
+    if (outcome.code == kNotPrepared) continue;
+    mounted = true;
+    SUCCEED();
+    EXPECT_EQ(outcome.code, 3) << words[0] << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("disk/out")) << words[0];
+  }
+  if (!mounted) GTEST_SKIP() << "this user may not mount a tmpfs";
+}
+
+/// No folder can be made below a file, by no user.
+TEST(AppInterrupted, AnOutputFolderBelowAFileIsNamedBeforeAnyWork) {
+  const Program program;
+  write_file(program.path("file"), "finished");
+  write_traits(program.path("est/000000"), {});
+  for (const Words& words : {Words{"run", "seeds"},
+                             {"render", "seeds"},
+                             {"bench", "seeds"},
+                             {"bench", "stability"},
+                             {"bench", "real"}}) {
+    const Outcome outcome = program.run(words + Words{"--out", "file/out"});
+    EXPECT_EQ(outcome.code, 3) << words[0];
+    EXPECT_THAT(outcome.err, testing::StartsWith("cousin: file/out")) << words[0];
+    EXPECT_EQ(outcome.out, "");
+  }
+  EXPECT_EQ(read_file(program.path("file")), "finished");
+}
+
+TEST(AppInterrupted, AReadOnlyFolderIsNamedBeforeAnyWork) {
+  const Program program;
+  const std::string folder = program.path("kept");
+  write_file(program.path("kept/scores.csv"), "finished");
+  fs::permissions(folder, fs::perms::owner_read | fs::perms::owner_exec);
+  const bool is_root = geteuid() == 0;  // whom permissions do not stop, but a mount does
+  const auto read_only = [&] {
+    if (!is_root) return true;
+    const auto flags = MS_BIND | MS_REMOUNT | MS_RDONLY;
+    return unshare(CLONE_NEWNS) == 0 &&
+           mount("", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+           mount(folder.c_str(), folder.c_str(), nullptr, MS_BIND, nullptr) == 0 &&
+           mount(folder.c_str(), folder.c_str(), nullptr, flags, nullptr) == 0;
+  };
+  bool skipped = false;
+  for (const Words& words : {Words{"run", "seeds"}, {"render", "seeds"}, {"bench", "seeds"}}) {
+    const Outcome outcome = program.run(words + Words{"--out", "kept"}, read_only);
+    skipped = skipped || outcome.code == kNotPrepared;
+    if (skipped) break;
+    EXPECT_EQ(outcome.code, 3) << words[0];
+    EXPECT_THAT(outcome.err, testing::StartsWith("cousin: kept")) << words[0];
+  }
+  fs::permissions(folder, fs::perms::owner_all);
+  EXPECT_EQ(read_file(program.path("kept/scores.csv")), "finished");
+  if (skipped) GTEST_SKIP() << "root may not make a read-only mount here";
+}
+
+}  // namespace
+}  // namespace cousin

@@ -1,0 +1,133 @@
+// Each verb does its work, from one to the next, as a user calls them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/dataset/atomic_file.h"
+#include "sim/imaging/image_io.h"
+#include "tests/app/program.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+/// stdout as JSON; a discarded value if it is none.
+nlohmann::json json_of(const Outcome& outcome) {
+  EXPECT_EQ(outcome.err, "");  // --json is quiet
+  const auto value = nlohmann::json::parse(outcome.out, nullptr, false);
+  EXPECT_FALSE(value.is_discarded()) << outcome.out;
+  return value;
+}
+
+TEST(AppVerbs, RenderVerifyPerceiveScoreReport) {
+  const Program program;
+  const Outcome rendered =
+      program.run(Words{"render", "seeds", "--out", "data", "--json"} + tiny_scene());
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  EXPECT_EQ(json_of(rendered).value("dataset", ""), "data");
+  EXPECT_FALSE(fs::exists(program.path("data/partial.json")));
+
+  const Outcome whole = program.run({"verify", "data"});
+  EXPECT_EQ(whole.code, 0) << whole.out;
+  EXPECT_EQ(whole.out, "data: no problems\n");
+  EXPECT_TRUE(json_of(program.run({"verify", "data", "--json"}))["problems"].empty());
+
+  // An empty board: both views are posed, no specimen is found, and that is said and scored.
+  const Outcome perceived = program.run({"perceive", "data", "--out", "est"});
+  EXPECT_EQ(perceived.code, 3);
+  EXPECT_THAT(perceived.err, HasSubstr("cousin: data/000000: 2 of 2 views posed, 0 specimens"));
+  const Outcome scored =
+      program.run({"score", "data", "est", "--json", "--gate", "views.posed>=1"});
+  EXPECT_EQ(scored.code, 0) << scored.err;
+  EXPECT_GT(json_of(scored)["scores"].size(), 0U);
+  const Outcome broken = program.run({"score", "data", "est", "--gate", "views.posed>=2"});
+  EXPECT_EQ(broken.code, 1);
+  EXPECT_THAT(broken.err, HasSubstr("gate views.posed>=2"));
+  const Outcome reported = program.run({"report", "est", "--json"});
+  EXPECT_EQ(reported.code, 0) << reported.err;
+  EXPECT_THAT(read_file(program.path(json_of(reported).value("report", ""))), HasSubstr("</html>"));
+
+  // Without truth the same bytes come out, and the dataset is valid.
+  const auto before = contents(program.path("est"));
+  fs::remove_all(program.path("data/000000/truth"));
+  EXPECT_EQ(program.run({"verify", "data"}).code, 0);
+  EXPECT_EQ(program.run({"perceive", "data", "--out", "est2"}).code, 3);
+  for (const auto& [file, bytes] : contents(program.path("est2"))) {
+    EXPECT_EQ(bytes, before.at(file)) << file;
+  }
+  const Outcome no_truth = program.run({"score", "data", "est"});
+  EXPECT_EQ(no_truth.code, 3);
+  EXPECT_THAT(no_truth.err, HasSubstr("data/000000: there is no truth/"));
+}
+
+TEST(AppVerbs, RunWritesScoresAndReport) {
+  const Program program;
+  const Outcome run = program.run(
+      Words{"run", "seeds", "--out", "r", "--json", "--gate", "views.posed>=2"} + tiny_scene());
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("gate views.posed>=2"));
+  EXPECT_EQ(nlohmann::json::parse(run.out, nullptr, false),
+            nlohmann::json::parse(read_file(program.path("r/scores.json")), nullptr, false));
+  for (const char* file : {"scores.csv", "specimens.csv", "report.html"}) {
+    EXPECT_GT(fs::file_size(program.path("r") / file), 0U) << file;
+  }
+  EXPECT_FALSE(fs::exists(program.path("r/parts")));
+}
+
+TEST(AppVerbs, VerifyNamesAnEditedFile) {
+  const Program program;
+  ASSERT_EQ(program.run(Words{"render", "seeds", "--out", "data"} + tiny_scene()).code, 0);
+  const fs::path camera = program.path("data/000000/scene_camera.json");
+  write_file(camera, read_file(camera) + " ");
+  fs::remove(program.path("data/000000/rgb/000001.png"));
+  const Outcome edited = program.run({"verify", "data"});
+  EXPECT_EQ(edited.code, 3);
+  EXPECT_THAT(edited.out,
+              AllOf(HasSubstr("000000/scene_camera.json: "), HasSubstr("000000/rgb/000001.png: "),
+                    Not(HasSubstr("rgb/000000.png"))));
+  EXPECT_EQ(json_of(program.run({"verify", "data", "--json"}))["problems"].size(), 2U);
+  EXPECT_EQ(program.run({"verify", "absent"}).code, 3);
+
+  // The folder belongs to its configuration: another one is not mixed into it.
+  const Outcome other =
+      program.run(Words{"render", "seeds", "--out", "data", "--seed", "2"} + tiny_scene());
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("data/manifest.json belongs to another configuration"));
+}
+
+TEST(AppVerbs, AFolderOfImagesIsImported) {
+  const Program program;
+  for (const char* name : {"b.png", "a.png"}) {
+    write_png(program.path("photos") / name, Image<Rgb8>(64, 48, {90, 90, 90}));
+  }
+  const Words import = {"import", "photos", "--format", "folder", "--out", "real"};
+  const Outcome imported = program.run(import + Words{"--intrinsics", "60,60,32,24", "--json"});
+  ASSERT_EQ(imported.code, 0) << imported.err;
+  EXPECT_EQ(json_of(imported).value("frames", 0), 2);
+  EXPECT_EQ(program.run({"verify", "real"}).code, 0);
+  const Outcome unnamed = program.run({"perceive", "real", "--out", "est"});
+  EXPECT_EQ(unnamed.code, 2);
+  EXPECT_THAT(unnamed.err, HasSubstr("give --pipeline seeds"));
+  const Outcome other = program.run({"perceive", "real", "--out", "est", "--pipeline", "roots"});
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("--pipeline \"roots\""));
+
+  const Outcome no_file = program.run(import + Words{"--intrinsics", "camera.yaml"});
+  EXPECT_EQ(no_file.code, 3);
+  EXPECT_THAT(no_file.err, HasSubstr("camera.yaml"));
+  const Outcome nan = program.run(import + Words{"--intrinsics", "nan,60,32,24"});
+  EXPECT_EQ(nan.code, 3);
+  EXPECT_THAT(nan.err, HasSubstr("number 1"));
+  write_png(program.path("photos/c.png"), Image<Rgb8>(48, 64));
+  const Outcome size = program.run(import + Words{"--intrinsics", "60,60,32,24"});
+  EXPECT_EQ(size.code, 3);
+  EXPECT_THAT(size.err, AllOf(HasSubstr("c.png"), HasSubstr("48 x 64")));
+}
+
+}  // namespace
+}  // namespace cousin
