@@ -199,9 +199,8 @@ TEST_F(AppBadInput, AForeignSeamNamesFileAndKey) {
 }
 
 TEST_F(AppBadInput, OneViewIsPosedAndGivesNoSeed) {
-  Words one_view = tiny_scene();
-  one_view[1] = "1";
-  ASSERT_EQ(program_.run(Words{"render", "seeds", "--out", "one"} + one_view).code, 0);
+  const Words render = {"render", "seeds", "--out", "one", "--frames", "1"};
+  ASSERT_EQ(program_.run(render + tiny_scene()).code, 0);
   const Outcome outcome = program_.run({"perceive", "one", "--out", "est"});
   EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(outcome.err, HasSubstr("cousin: one/000000: 1 of 1 views posed, 0 specimens"));

@@ -69,16 +69,16 @@ Words operator+(Words a, const Words& b) {
 }
 
 Words tiny_scene() {
-  return {"--frames", "2",
-          "--set",    "seeds=0",
-          "--set",    "rig.width_px=320",
-          "--set",    "rig.height_px=180",
-          "--set",    "distance_min_m=0.2",
-          "--set",    "ring_distances_m=[0.2,0.2,0.2]",
-          "--set",    "render.irradiance_samples=16",
-          "--set",    "render.edge_samples=16",
-          "--set",    "render.board_texel_m=0.005",
-          "--set",    "render.max_bounces=0"};
+  return {"--set", "views=2",
+          "--set", "seeds=0",
+          "--set", "rig.width_px=320",
+          "--set", "rig.height_px=180",
+          "--set", "distance_min_m=0.2",
+          "--set", "ring_distances_m=[0.2,0.2,0.2]",
+          "--set", "render.irradiance_samples=16",
+          "--set", "render.edge_samples=16",
+          "--set", "render.board_texel_m=0.005",
+          "--set", "render.max_bounces=0"};
 }
 
 std::map<std::string, std::string> contents(const fs::path& folder) {
