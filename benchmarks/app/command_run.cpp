@@ -270,6 +270,9 @@ ExitCode command_score(const JobContext& context) {
     if (fs::exists(estimate_dir / "poses.json")) estimate.poses = read_poses(estimate_dir);
     if (fs::exists(estimate_dir / "clusters.ply")) estimate.clusters = read_clusters(estimate_dir);
     if (fs::exists(estimate_dir / "surfaces.json")) estimate.surfaces = read_surfaces(estimate_dir);
+    if (fs::exists(estimate_dir / "masks.json")) {
+      estimate.silhouettes = read_silhouettes(estimate_dir);
+    }
     if (fs::exists(estimate_dir / "timings.json")) estimate.timings = read_timings(estimate_dir);
     labels.scene = labels.run = scene_dir.filename().string();
     labels.seed = truth.seed;

@@ -83,7 +83,7 @@ Values sample_sigmas(const Surface& surface, const OrientedBox& box) {
   return sigmas;
 }
 
-SpecimenTraits mesh_traits(const Surface& surface) {
+SpecimenTraits mesh_traits(const Surface& surface, const MeshTraitConfig& config) {
   if (surface.status != SurfaceStatus::ok) {
     return not_solved(surface.instance, "surface: " + std::string(to_string(surface.status)));
   }
@@ -98,7 +98,12 @@ SpecimenTraits mesh_traits(const Surface& surface) {
   if (!(values[kTraits - 1] > 0))
     return not_solved(surface.instance, "the mesh encloses no volume");
   result.status = TraitStatus::ok;
-  result.traits = traits_from(values, sample_sigmas(surface, box));
+  Values sigmas = sample_sigmas(surface, box);
+  const Values beyond_fit = {config.length_sigma_m, config.width_sigma_m, config.height_sigma_m,
+                             config.area_sigma * mass.area_m2,
+                             config.volume_sigma * mass.volume_m3};
+  for (std::size_t k = 0; k < kTraits; ++k) sigmas[k] = std::hypot(sigmas[k], beyond_fit[k]);
+  result.traits = traits_from(values, sigmas);
   return result;
 }
 
@@ -121,9 +126,23 @@ Traits traits_as_paper(const Surfaces& surfaces, const PaperTraitConfig& config)
   return traits;
 }
 
-Traits traits_of_meshes(const Surfaces& surfaces) {
+Fields fields(MeshTraitConfig& c) {
+  return {{"length_sigma_m", &c.length_sigma_m, "of lengths, beyond the fit's", 0, 1},
+          {"width_sigma_m", &c.width_sigma_m, "of widths, beyond the fit's", 0, 1},
+          {"height_sigma_m", &c.height_sigma_m, "of heights, beyond the fit's", 0, 1},
+          {"area_sigma", &c.area_sigma, "relative, beyond the fit's", 0, 1},
+          {"volume_sigma", &c.volume_sigma, "relative, beyond the fit's", 0, 1}};
+}
+
+void validate(const MeshTraitConfig& config) {
+  MeshTraitConfig copy = config;
+  require_within_limits("traits", fields(copy));
+}
+
+Traits traits_of_meshes(const Surfaces& surfaces, const MeshTraitConfig& config) {
+  validate(config);
   Traits traits(surfaces.size());
-  for (std::size_t i = 0; i < surfaces.size(); ++i) traits[i] = mesh_traits(surfaces[i]);
+  for (std::size_t i = 0; i < surfaces.size(); ++i) traits[i] = mesh_traits(surfaces[i], config);
   return traits;
 }
 

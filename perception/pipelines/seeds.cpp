@@ -81,6 +81,7 @@ Fields fields(SeedsPipelineConfig& config) {
          nested("green", fields(config.green)) + nested("mvs", fields(config.mvs)) +
          nested("fuse", fields(config.fuse)) + nested("clusters", fields(config.clusters)) +
          nested("outlines", fields(config.outlines)) + nested("surface", fields(config.surface)) +
+         nested("traits", fields(config.traits)) +
          nested("paper_clusters", fields(config.paper_clusters)) +
          nested("paper_traits", fields(config.paper_traits));
 }
@@ -94,6 +95,7 @@ void validate(const SeedsPipelineConfig& config) {
   validate(config.clusters);
   validate(config.outlines);
   validate(config.surface);
+  validate(config.traits);
   validate(config.paper_clusters);
   validate(config.paper_traits);
 }
@@ -152,8 +154,8 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     return fit_surfaces(so_far.poses, so_far.clusters, so_far.silhouettes, config.surface,
                         Rng(seed).fork("surface_samples"));
   };
-  stages.traits = [](const Capture&, const SeedsEstimate& so_far) {
-    return traits_of_meshes(so_far.surfaces);
+  stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
+    return traits_of_meshes(so_far.surfaces, config.traits);
   };
   return stages;
 }

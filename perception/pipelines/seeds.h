@@ -40,9 +40,8 @@ struct SeedsPipelineConfig {
   PaperClusterConfig paper_clusters;
   BoardClusterConfig clusters;
   OutlineConfig outlines;
-  /// Outlines alone by default: stereo sees seeds 0.2-0.3 mm too deep, on matt synthetic ones too;
-  /// the cause is not known.
-  SurfaceFitConfig surface{.use_cloud = false};
+  SurfaceFitConfig surface;
+  MeshTraitConfig traits;
   PaperTraitConfig paper_traits;
 };
 Fields fields(SeedsPipelineConfig& config);

@@ -91,6 +91,49 @@ std::vector<CloudPatch> patches_of(const std::vector<Eigen::Vector3d>& points_m,
   return patches;
 }
 
+/// Corners of the convex hull of a mesh seen from above, counter-clockwise [Andrew 1979].
+std::vector<Eigen::Vector2d> footprint_of(const Mesh& mesh) {
+  std::vector<Eigen::Vector2d> points, hull;
+  for (const Eigen::Vector3d& vertex : mesh.vertices_m) points.push_back(vertex.head<2>());
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t first = hull.size();
+    for (const Eigen::Vector2d& p : points) {
+      while (hull.size() >= first + 2) {
+        const Eigen::Vector2d a = hull.back() - hull[hull.size() - 2], b = p - hull.back();
+        if (a.x() * b.y() - a.y() * b.x() > 0) break;
+        hull.pop_back();
+      }
+      hull.push_back(p);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+/// Points in the upper half of a model, at least `rim_m` inside its footprint.
+std::vector<Eigen::Vector3d> well_inside(const std::vector<Eigen::Vector3d>& points_m,
+                                         const Mesh& model, double rim_m) {
+  const std::vector<Eigen::Vector2d> footprint = footprint_of(model);
+  double top_m = 0;
+  for (const Eigen::Vector3d& vertex : model.vertices_m) top_m = std::max(top_m, vertex.z());
+  std::vector<Eigen::Vector3d> kept;
+  for (const Eigen::Vector3d& point : points_m) {
+    double depth_m = point.z() > 0.5 * top_m ? rim_m : -1;
+    for (std::size_t i = 0; i < footprint.size() && depth_m >= rim_m; ++i) {
+      const Eigen::Vector2d& a = footprint[i];
+      const Eigen::Vector2d along = (footprint[(i + 1) % footprint.size()] - a).normalized();
+      const Eigen::Vector2d to = point.head<2>() - a;
+      depth_m = std::min(depth_m, along.x() * to.y() - along.y() * to.x());
+    }
+    if (depth_m >= rim_m) kept.push_back(point);
+  }
+  return kept;
+}
+
 /// What all objects share.
 struct FitTables {
   SurfaceBasis coarse, fine;
@@ -165,10 +208,8 @@ Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> p
     }
   }
   surface.status = SurfaceStatus::not_converged;
-  const auto patches = [&](const SurfaceFrame& frame) {
-    return config.use_cloud
-               ? patches_of(surface.points_m, frame, tables.patch_sphere, config.cloud_sigma_m)
-               : std::vector<CloudPatch>{};
+  const auto patches = [&](const SurfaceFrame& frame, const std::vector<Eigen::Vector3d>& from) {
+    return patches_of(from, frame, tables.patch_sphere, config.cloud_sigma_m);
   };
   const auto start = [&](const SurfaceFrame& frame, const SurfaceBasis& basis) {
     SurfaceState state;
@@ -179,18 +220,28 @@ Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> p
   };
 
   // Coarse shape from the cloud's box; it gives the frame of the fine one.
-  SurfaceProblem coarse{tables.coarse, config, views, patches(frame_of_points(surface.points_m))};
-  SurfaceState state = start(frame_of_points(surface.points_m), tables.coarse);
+  const SurfaceFrame first = frame_of_points(surface.points_m);
+  const std::vector<CloudPatch> first_cloud =
+      config.use_outlines ? std::vector<CloudPatch>{} : patches(first, surface.points_m);
+  SurfaceProblem coarse{tables.coarse, config, views, first_cloud};
+  SurfaceState state = start(first, tables.coarse);
   ResidualScale scale;
   for (int i = 0; i < kCoarseIterations; ++i) {
     const double change = coarse.step(state, scale, kCoarseLimit_px);
     if (!std::isfinite(change)) return surface;
     if (change < 0.01) break;
   }
-  const SurfaceFrame frame = frame_of_solid(sample_surface(tables.coarse, state).mesh);
+  const Mesh model = sample_surface(tables.coarse, state).mesh;
+  const SurfaceFrame frame = frame_of_solid(model);
   if (!frame.centre_m.allFinite() || !frame.axes_m.allFinite()) return surface;
 
-  SurfaceProblem fine{tables.fine, config, std::move(coarse.views), patches(frame)};
+  std::vector<CloudPatch> cloud;
+  if (!config.use_outlines) {
+    cloud = patches(frame, surface.points_m);
+  } else if (config.use_cloud) {
+    cloud = patches(frame, well_inside(surface.points_m, model, config.cloud_rim_m));
+  }
+  SurfaceProblem fine{tables.fine, config, std::move(coarse.views), std::move(cloud)};
   state = start(frame, tables.fine);
   double change = 1;
   for (int i = 0; i < config.max_iterations && change > kConverged; ++i) {
@@ -225,6 +276,8 @@ Fields fields(SurfaceFitConfig& config) {
       {"cloud_sigma_m", &config.cloud_sigma_m, "of the cloud's mean in a patch", 1e-7, 1e-2},
       {"cloud_bias_sigma_m", &config.cloud_bias_sigma_m, "of an offset of the whole cloud", 1e-9,
        1e-2},
+      {"cloud_rim_m", &config.cloud_rim_m,
+       "cloud points nearer to the footprint's edge are left out", 0, 1},
       {"outline_bias_sigma_px", &config.outline_bias_sigma_px, "of an offset of all outlines", 1e-6,
        10},
       {"view_shift_sigma_px", &config.view_shift_sigma_px, "of a view's shift in the image", 1e-6,

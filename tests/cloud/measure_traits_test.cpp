@@ -104,12 +104,25 @@ TEST(MeshTraits, SigmaIsTheSpreadOfTheSamples) {
     for (Eigen::Vector3d& p : sample) p = middle + scale * (p - middle);
     surface.samples_m.push_back(std::move(sample));
   }
-  const SpecimenTraits traits = traits_of_meshes({surface}).front();
+  const SpecimenTraits traits = traits_of_meshes({surface}, {0, 0, 0, 0, 0}).front();
   // The relative standard error of a sigma of 200 samples is 5 %; allow four.
   EXPECT_NEAR(sigma_of(traits, "length") / 0.010, kScaleSigma, 0.2 * kScaleSigma);
   EXPECT_NEAR(sigma_of(traits, "height") / 0.004, kScaleSigma, 0.2 * kScaleSigma);
   EXPECT_NEAR(sigma_of(traits, "area") / 2.48e-4, 2 * kScaleSigma, 0.4 * kScaleSigma);
   EXPECT_NEAR(sigma_of(traits, "volume") / 2.4e-7, 3 * kScaleSigma, 0.6 * kScaleSigma);
+
+  const MeshTraitConfig beyond{1e-4, 2e-4, 3e-4, 0.03, 0.04};
+  const SpecimenTraits wider = traits_of_meshes({surface}, beyond).front();
+  const auto expect_quadrature = [&](const char* trait, double added) {
+    EXPECT_NEAR(sigma_of(wider, trait), std::hypot(sigma_of(traits, trait), added), 1e-6 * added)
+        << trait;
+  };
+  expect_quadrature("length", 1e-4);
+  expect_quadrature("width", 2e-4);
+  expect_quadrature("height", 3e-4);
+  expect_quadrature("area", 0.03 * 2.48e-4);
+  expect_quadrature("volume", 0.04 * 2.4e-7);
+  EXPECT_THROW(traits_of_meshes({surface}, {-1, 0, 0, 0, 0}), std::invalid_argument);
 }
 
 TEST(MeshTraits, WhatIsNotASurfaceIsNotSolved) {
