@@ -56,6 +56,10 @@ Fields fields(BoardPosesConfig& config) {
        "with fewer views the lens stays as reported", 2, 1e6},
       {"focal_prior", &config.focal_prior, "relative sigma of the focal lengths' common factor",
        1e-8, 1},
+      {"focus_law", &config.focus_law,
+       "images' focal lengths follow the thin lens law, if they do"},
+      {"focus_law_jitter", &config.focus_law_jitter,
+       "relative sigma of one image's focal length about that law", 1e-8, 1},
       {"focal_jitter", &config.focal_jitter, "relative sigma of one image's focal length", 1e-8, 1},
       {"centre_prior_px_per_width", &config.centre_prior_px_per_width,
        "sigma of the principal point, over the width", 1e-8, 1},
@@ -76,6 +80,58 @@ void validate(const BoardPosesConfig& config) {
   BoardPosesConfig copy = config;
   check_limits(fields(copy));
 }
+
+namespace {
+
+/// Replaces the reported focal lengths by a thin lens' at the distances found [image distance over
+/// focal length = 1 + f / (d - f)]: one line through all views' focal lengths over 1 / (d - f).
+/// False, and nothing changed, where they do not follow such a law.
+bool follow_focus_law(const BundleResult& found, std::vector<BundleView>& views) {
+  constexpr std::size_t kLeastViews = 8;
+  constexpr double kLeastSpread = 0.15;     // of 1 / d, largest over smallest less one
+  constexpr double kLargestMisfit = 0.002;  // relative, root mean square
+  constexpr double kLongestFocal_m = 0.03;
+  if (views.size() < kLeastViews) return false;
+  std::vector<double> distances_m;
+  for (const BundleResult::View& view : found.views) {
+    distances_m.push_back(view.camera_from_board.translation_m.norm());
+  }
+  const auto [nearest, farthest] = std::minmax_element(distances_m.begin(), distances_m.end());
+  if (!(*nearest > 2 * kLongestFocal_m) || !(*farthest > (1 + kLeastSpread) * *nearest))
+    return false;
+  const auto n = static_cast<double>(views.size());
+  double focal_m = 0, at_infinity_px = 0;
+  for (int round = 0; round < 3; ++round) {
+    double sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const double x = 1 / (distances_m[i] - focal_m), y = views[i].reported.fx_px;
+      sx += x;
+      sy += y;
+      sxx += x * x;
+      sxy += x * y;
+    }
+    const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+    at_infinity_px = (sy - slope * sx) / n;
+    focal_m = slope / at_infinity_px;
+    if (!(at_infinity_px > 0) || !(focal_m > 0) || focal_m > kLongestFocal_m) return false;
+  }
+  std::vector<double> factors;
+  double squares = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double law_px = at_infinity_px * (1 + focal_m / (distances_m[i] - focal_m));
+    factors.push_back(law_px / views[i].reported.fx_px);
+    squares += (factors.back() - 1) * (factors.back() - 1) / n;
+  }
+  if (!(squares < kLargestMisfit * kLargestMisfit)) return false;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i].reported.fx_px *= factors[i];
+    views[i].reported.fy_px *= factors[i];
+    views[i].camera_from_board = found.views[i].camera_from_board;
+  }
+  return true;
+}
+
+}  // namespace
 
 Poses estimate_board_poses(const Capture& capture, const Corners& corners, const SeedBoard& board,
                            const BoardPosesConfig& config) {
@@ -109,7 +165,13 @@ Poses estimate_board_poses(const Capture& capture, const Corners& corners, const
     used.push_back(i);
     solved.push_back(std::move(views[i]));
   }
-  const BundleResult result = bundle_adjust(solved, config);
+  BundleResult result = bundle_adjust(solved, config);
+  if (config.focus_law && config.refine_lens && result.converged &&
+      follow_focus_law(result, solved)) {
+    BoardPosesConfig held = config;
+    held.focal_jitter = config.focus_law_jitter;
+    result = bundle_adjust(solved, held);
+  }
   for (std::size_t k = 0; k < used.size(); ++k) {
     FramePose& pose = poses[used[k]];
     const BundleResult::View& view = result.views[k];
