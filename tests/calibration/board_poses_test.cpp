@@ -98,6 +98,37 @@ TEST(BoardPoses, HandMotionIsWorthSolvingFor) {
   EXPECT_LT(with.centre_rms_m, 0.5 * without.centre_rms_m);
 }
 
+TEST(BoardPoses, TheLawOfFocusIsWorthMoreThanAPhonesFocusScale) {
+  const SeedBoard board;
+  synthetic::ShootConfig config;
+  config.distance_scale = 1.6;
+  config.report_focus_error = 0.1;
+  const synthetic::Shoot shoot = synthetic::plan_shoot(config, Rng(31));
+  const Corners corners = true_corners(shoot, board, 0.01, Rng(32));
+  const Score law = score(estimate_board_poses(shoot.capture, corners, board), shoot);
+  const Score scale =
+      score(estimate_board_poses(shoot.capture, corners, board, {.focus_law = false}), shoot);
+  EXPECT_LT(law.centre_rms_m, 0.9 * scale.centre_rms_m);
+}
+
+TEST(BoardPoses, AFixedFocusIsLeftAsReported) {
+  const SeedBoard board;
+  synthetic::ShootConfig config;
+  config.views = 24;
+  synthetic::Shoot shoot = synthetic::plan_shoot(config, Rng(33));
+  for (std::size_t i = 0; i < shoot.views.size(); ++i) {
+    Camera& reported = shoot.capture.frames[i].sensors[0].reported;
+    reported.fx_px = reported.fy_px = shoot.views[i].camera.fx_px = shoot.views[i].camera.fy_px =
+        1080;
+  }
+  const Corners corners = true_corners(shoot, board, 0.01, Rng(34));
+  const Poses with = estimate_board_poses(shoot.capture, corners, board);
+  const Poses without = estimate_board_poses(shoot.capture, corners, board, {.focus_law = false});
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    EXPECT_EQ(with[i].camera.fx_px, without[i].camera.fx_px);
+  }
+}
+
 TEST(BoardPoses, AnExactCaptureGivesTheTruth) {
   const SeedBoard board;
   for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,

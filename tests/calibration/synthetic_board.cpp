@@ -308,7 +308,9 @@ Shoot plan_shoot(const ShootConfig& config, Rng rng) {
     const Eigen::Vector3d aim(uniform(r, -0.01, 0.01), uniform(r, -0.01, 0.01), 0);
     const Pose pose = orbit(distance, elevation, azimuth, 0.05 * truncated_normal(r, 0, 1), aim);
     Camera camera = truth, said = reported;
-    const double breathing = 1 + kFocal / (distance - kFocal);
+    Rng scale = r.fork("focus scale");
+    const double told = distance * (1 + config.report_focus_error * truncated_normal(scale, 0, 1));
+    const double breathing = 1 + kFocal / (told - kFocal);
     const double focused = distance * (1 + config.focus_error * truncated_normal(r, 0, 1));
     camera.fx_px *= 1 + kFocal / (focused - kFocal), camera.fy_px = camera.fx_px;
     said.fx_px *= factor * breathing, said.fy_px = said.fx_px;

@@ -69,6 +69,7 @@ struct ShootConfig {
   double report_centre_error_px = 1;
   double report_distortion_error = 0.05;
   double focus_error = 0.01;  ///< of the focused distance; the report follows the nominal distance
+  double report_focus_error = 0;  ///< of the focused distance that an image's report is made for
   bool seeds = true;
   double distance_scale = 1;  ///< rings at 0.45, 0.40 and 0.35 m times this
 };
