@@ -300,6 +300,7 @@ void add_covariances(const Bundle& bundle, BundleResult& result) {
 
 BundleResult bundle_adjust(const std::vector<BundleView>& views, const BoardPosesConfig& config) {
   BundleResult result;
+  result.adjusted = true;
   if (views.empty()) {
     result.converged = true;
     return result;

@@ -23,6 +23,7 @@ struct BundleResult {
     double rms_px = kNaN;
   };
   bool converged = false;
+  bool adjusted = false;    ///< false: built without Ceres, the views are as they came
   std::vector<View> views;  ///< same order
 };
 

@@ -166,7 +166,7 @@ Poses estimate_board_poses(const Capture& capture, const Corners& corners, const
     solved.push_back(std::move(views[i]));
   }
   BundleResult result = bundle_adjust(solved, config);
-  if (config.focus_law && config.refine_lens && result.converged &&
+  if (config.focus_law && config.refine_lens && result.converged && result.adjusted &&
       follow_focus_law(result, solved)) {
     BoardPosesConfig held = config;
     held.focal_jitter = config.focus_law_jitter;
