@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "sim/dataset/atomic_file.h"
@@ -181,6 +182,28 @@ TEST_F(AppBadInput, TouchingSeedsAreNotSolved) {
       seam_stages({"corners", "poses", "depth", "cloud", "clusters", "masks", "surfaces"}));
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("000000 seed 0: not_solved (surface: touching)"));
+}
+
+// In the program, not in a test's executable: there PCL's libraries are neighbours of all others.
+TEST_F(AppBadInput, ThePapersStepsMeasureACloudOfFiles) {
+  write_seams({});
+  Cloud cloud;
+  for (int i = 0; i < 480 * 480; ++i) {
+    const float x = 0.000125F * static_cast<float>(i % 480 - 240);
+    const float y = 0.000125F * static_cast<float>(i / 480 - 240);
+    // A half ball small enough that the alpha shape's balls of 1.5 mm fill it.
+    const float rest = 0.00145F * 0.00145F - x * x - y * y;
+    cloud.push_back({{x, y, rest > 0 ? std::sqrt(rest) : 0.0F}, {0, 0, 1}});
+  }
+  write_cloud(program_.path("seams"), cloud);
+  // The even spacing of the grid would make all of the half ball an outlier.
+  const Outcome methods = program_.run({"methods"});
+  const Outcome outcome =
+      perceive(Words{"--method", "paper", "--set", "paper_clusters.outlier_sigma=100"} +
+               seam_stages({"corners", "poses", "depth", "cloud"}));
+  if (methods.out.find("not built") != std::string::npos) GTEST_SKIP() << "built without PCL";
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("000000 seed 0: ok"));
 }
 
 TEST_F(AppBadInput, AForeignSeamNamesFileAndKey) {
