@@ -13,10 +13,10 @@
 
 #include "calibration/board_template.h"
 #include "calibration/corner_refinement.h"
-#include "calibration/field_limits.h"
 #include "calibration/grid_growth.h"
 #include "calibration/homography.h"
 #include "calibration/plate_outline.h"
+#include "sim/config/limits.h"
 #include "sim/imaging/color.h"
 #include "sim/types/pose.h"
 

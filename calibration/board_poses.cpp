@@ -8,8 +8,8 @@
 #include <string>
 
 #include "calibration/board_bundle.h"
-#include "calibration/field_limits.h"
 #include "calibration/planar_pose.h"
+#include "sim/config/limits.h"
 
 namespace cousin {
 namespace {

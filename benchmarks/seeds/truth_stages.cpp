@@ -234,16 +234,6 @@ TruthNeeds truth_stage_needs() {
   return needs;
 }
 
-std::vector<const Instance*> specimens_of(const Scene& scene) {
-  std::vector<const Instance*> result;
-  for (const Instance& instance : scene.instances) {
-    if (instance.is_specimen) result.push_back(&instance);
-  }
-  std::sort(result.begin(), result.end(),
-            [](const Instance* a, const Instance* b) { return a->id < b->id; });
-  return result;
-}
-
 SeedsStages truth_stages(const SimulatedRun& run, const SeedBoard& board) {
   if (run.truth.images.size() != run.truth.views.size()) {
     throw std::invalid_argument("true seams need truth images of every view");

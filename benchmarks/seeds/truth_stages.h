@@ -5,6 +5,7 @@
 
 #include "benchmarks/seeds/simulate.h"
 #include "perception/pipelines/seeds.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 
@@ -24,9 +25,5 @@ SeedsStages truth_stages(const SimulatedRun& run, const SeedBoard& board);
 /// unknown name.
 SeedsStages replace_stages(SeedsStages base, const SeedsStages& replacement,
                            const std::vector<std::string>& names);
-
-/// The instances that are scored, in the order of their ids; estimates of true seams number them
-/// so.
-std::vector<const Instance*> specimens_of(const Scene& scene);
 
 }  // namespace cousin

@@ -1,5 +1,5 @@
 #include "perception/cloud/clusters.h"
-#include "perception/segment/config_limits.h"
+#include "sim/config/limits.h"
 
 namespace cousin {
 
@@ -16,7 +16,7 @@ Fields fields(PaperClusterConfig& c) {
 
 void validate(const PaperClusterConfig& config) {
   PaperClusterConfig copy = config;
-  require_within_limits("paper_clusters", fields(copy));
+  check_limits(fields(copy), "paper_clusters");
 }
 
 Fields fields(BoardClusterConfig& c) {
@@ -35,7 +35,7 @@ Fields fields(BoardClusterConfig& c) {
 
 void validate(const BoardClusterConfig& config) {
   BoardClusterConfig copy = config;
-  require_within_limits("clusters", fields(copy));
+  check_limits(fields(copy), "clusters");
 }
 
 Surfaces surfaces_of_clusters(const Clusters& clusters) {

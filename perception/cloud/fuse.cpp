@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "perception/segment/config_limits.h"
+#include "sim/config/limits.h"
 
 namespace cousin {
 namespace {
@@ -261,7 +261,7 @@ Fields fields(FuseConfig& c) {
 
 void validate(const FuseConfig& config) {
   FuseConfig copy = config;
-  require_within_limits("fuse", fields(copy));
+  check_limits(fields(copy), "fuse");
 }
 
 Cloud fuse_depths(const Capture& capture, const Poses& poses, const Depths& depths,

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "perception/segment/config_limits.h"
+#include "sim/config/limits.h"
 #include "sim/geometry/measure.h"
 
 namespace cousin {
@@ -115,7 +115,7 @@ Fields fields(PaperTraitConfig& c) {
 
 void validate(const PaperTraitConfig& config) {
   PaperTraitConfig copy = config;
-  require_within_limits("paper_traits", fields(copy));
+  check_limits(fields(copy), "paper_traits");
 }
 
 Traits traits_as_paper(const Surfaces& surfaces, const PaperTraitConfig& config) {
@@ -136,7 +136,7 @@ Fields fields(MeshTraitConfig& c) {
 
 void validate(const MeshTraitConfig& config) {
   MeshTraitConfig copy = config;
-  require_within_limits("traits", fields(copy));
+  check_limits(fields(copy), "traits");
 }
 
 Traits traits_of_meshes(const Surfaces& surfaces, const MeshTraitConfig& config) {

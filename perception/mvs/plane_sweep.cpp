@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "perception/mvs/reference_depth.h"
-#include "perception/segment/config_limits.h"
+#include "sim/config/limits.h"
 
 namespace cousin {
 namespace {
@@ -75,7 +75,7 @@ Fields fields(MvsConfig& c) {
 
 void validate(const MvsConfig& config) {
   MvsConfig copy = config;
-  require_within_limits("mvs", fields(copy));
+  check_limits(fields(copy), "mvs");
   if (config.window_px % 2 == 0) {
     throw std::invalid_argument("mvs.window_px = " + std::to_string(config.window_px) +
                                 " is not odd");

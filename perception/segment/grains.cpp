@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "perception/segment/config_limits.h"
+#include "sim/config/limits.h"
 #include "sim/imaging/color.h"
 
 namespace cousin {
@@ -275,7 +275,7 @@ Fields fields(GrainConfig& c) {
 
 void validate(const GrainConfig& config) {
   GrainConfig copy = config;
-  require_within_limits("grains", fields(copy));
+  check_limits(fields(copy), "grains");
 }
 
 GrainPhoto measure_grains(const Image<Rgb8>& image, const GrainConfig& config) {

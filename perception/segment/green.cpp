@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "perception/segment/config_limits.h"
+#include "sim/config/limits.h"
 
 namespace cousin {
 namespace {
@@ -48,7 +48,7 @@ Fields fields(GreenConfig& c) {
 
 void validate(const GreenConfig& config) {
   GreenConfig copy = config;
-  require_within_limits("green", fields(copy));
+  check_limits(fields(copy), "green");
 }
 
 Hsv8 hsv8(Rgb8 color) {

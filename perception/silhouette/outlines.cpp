@@ -6,10 +6,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "calibration/field_limits.h"
 #include "perception/silhouette/contour_line.h"
 #include "perception/silhouette/edge_fit.h"
 #include "perception/silhouette/object_window.h"
+#include "sim/config/limits.h"
 
 namespace cousin {
 namespace {

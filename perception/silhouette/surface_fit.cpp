@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "calibration/field_limits.h"
 #include "perception/silhouette/icosphere.h"
 #include "perception/silhouette/surface_problem.h"
+#include "sim/config/limits.h"
 #include "sim/geometry/measure.h"
 
 namespace cousin {
@@ -91,45 +92,23 @@ std::vector<CloudPatch> patches_of(const std::vector<Eigen::Vector3d>& points_m,
   return patches;
 }
 
-/// Corners of the convex hull of a mesh seen from above, counter-clockwise [Andrew 1979].
-std::vector<Eigen::Vector2d> footprint_of(const Mesh& mesh) {
-  std::vector<Eigen::Vector2d> points, hull;
-  for (const Eigen::Vector3d& vertex : mesh.vertices_m) points.push_back(vertex.head<2>());
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t first = hull.size();
-    for (const Eigen::Vector2d& p : points) {
-      while (hull.size() >= first + 2) {
-        const Eigen::Vector2d a = hull.back() - hull[hull.size() - 2], b = p - hull.back();
-        if (a.x() * b.y() - a.y() * b.x() > 0) break;
-        hull.pop_back();
-      }
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
-}
-
 /// Points in the upper half of a model, at least `rim_m` inside its footprint.
 std::vector<Eigen::Vector3d> well_inside(const std::vector<Eigen::Vector3d>& points_m,
                                          const Mesh& model, double rim_m) {
-  const std::vector<Eigen::Vector2d> footprint = footprint_of(model);
+  const auto from_above = [](const Eigen::Vector3d& p) {
+    return cv::Point2f(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  };
+  std::vector<cv::Point2f> vertices, footprint;
   double top_m = 0;
-  for (const Eigen::Vector3d& vertex : model.vertices_m) top_m = std::max(top_m, vertex.z());
+  for (const Eigen::Vector3d& vertex : model.vertices_m) {
+    vertices.push_back(from_above(vertex));
+    top_m = std::max(top_m, vertex.z());
+  }
+  cv::convexHull(vertices, footprint);
   std::vector<Eigen::Vector3d> kept;
   for (const Eigen::Vector3d& point : points_m) {
-    double depth_m = point.z() > 0.5 * top_m ? rim_m : -1;
-    for (std::size_t i = 0; i < footprint.size() && depth_m >= rim_m; ++i) {
-      const Eigen::Vector2d& a = footprint[i];
-      const Eigen::Vector2d along = (footprint[(i + 1) % footprint.size()] - a).normalized();
-      const Eigen::Vector2d to = point.head<2>() - a;
-      depth_m = std::min(depth_m, along.x() * to.y() - along.y() * to.x());
-    }
-    if (depth_m >= rim_m) kept.push_back(point);
+    if (point.z() <= 0.5 * top_m) continue;
+    if (cv::pointPolygonTest(footprint, from_above(point), true) >= rim_m) kept.push_back(point);
   }
   return kept;
 }

@@ -33,6 +33,7 @@
 #include "sim/dataset/truth_json.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/image_io.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
@@ -171,7 +172,7 @@ std::uint64_t read_seed(const fs::path& file) {
 
 void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
   validate(truth.scene);
-  const std::vector<const Instance*> order = specimens(truth.scene);
+  const std::vector<const Instance*> order = specimens_of(truth.scene);
   check_images(truth, order);
   const fs::path dir = scene_dir / "truth";
   fs::create_directories(dir / "models");

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/json_interop.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
@@ -326,18 +327,8 @@ void true_traits_from_json(std::string_view text, const std::string& name, Scene
 
 // ---- scene_gt.json, scene_gt_info.json ----------------------------------------------------------
 
-std::vector<const Instance*> specimens(const Scene& scene) {
-  std::vector<const Instance*> result;
-  for (const Instance& instance : scene.instances) {
-    if (instance.is_specimen) result.push_back(&instance);
-  }
-  std::sort(result.begin(), result.end(),
-            [](const Instance* a, const Instance* b) { return a->id < b->id; });
-  return result;
-}
-
 std::string scene_gt_to_json(const Scene& scene, const std::vector<TrueView>& views) {
-  const std::vector<const Instance*> order = specimens(scene);
+  const std::vector<const Instance*> order = specimens_of(scene);
   Json root = Json::object();
   for (const TrueView& view : views) {
     Json entries = Json::array();

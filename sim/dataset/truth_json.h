@@ -26,8 +26,6 @@ void keypoints_from_json(std::string_view text, const std::string& name, Scene& 
 std::string true_traits_to_json(const Scene& scene);
 void true_traits_from_json(std::string_view text, const std::string& name, Scene& scene);
 
-/// Specimens by id: the order of BOP's lists and mask files.
-std::vector<const Instance*> specimens(const Scene& scene);
 std::string scene_gt_to_json(const Scene& scene, const std::vector<TrueView>& views);
 std::string scene_gt_info_to_json(const std::vector<TrueView>& views,
                                   const std::vector<TruthImages>& images);

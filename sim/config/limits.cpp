@@ -1,4 +1,4 @@
-#include "calibration/field_limits.h"
+#include "sim/config/limits.h"
 
 #include <cmath>
 #include <sstream>
@@ -6,7 +6,7 @@
 
 namespace cousin {
 
-void check_limits(const Fields& fields) {
+void check_limits(const Fields& fields, std::string_view name) {
   for (const Field& field : fields) {
     double value = 0;
     if (const auto* number = std::get_if<double*>(&field.value)) {
@@ -18,6 +18,7 @@ void check_limits(const Fields& fields) {
     }
     if (std::isfinite(value) && value >= field.min && value <= field.max) continue;
     std::ostringstream text;
+    if (!name.empty()) text << name << ".";
     text << field.key << " = " << value << " is not within [" << field.min << ", " << field.max
          << "]";
     throw std::invalid_argument(text.str());
