@@ -1,11 +1,11 @@
 // libjpeg reports errors by longjmp; see png.cpp for how that is kept apart from destructors.
 
-// clang-format off: jpeglib.h needs the first two before it, jerror.h needs jpeglib.h.
-#include <jerror.h>
-#include <jpeglib.h>
-
+// jpeglib.h needs the first two before it, jerror.h needs jpeglib.h.
+// clang-format off
 #include <cstddef>
 #include <cstdio>
+#include <jpeglib.h>
+#include <jerror.h>
 // clang-format on
 
 #include <csetjmp>
