@@ -16,6 +16,7 @@
 #include "calibration/grid_growth.h"
 #include "calibration/homography.h"
 #include "calibration/plate_outline.h"
+#include "calibration/print_match.h"
 #include "sim/config/limits.h"
 #include "sim/imaging/color.h"
 #include "sim/types/pose.h"
@@ -24,8 +25,8 @@ namespace cousin {
 namespace {
 
 constexpr double kStartBlurPx = 0.6;
-// Saddles of the plate turned upright, whose squares are ten pixels wide and blurred along one
-// axis.
+constexpr double kPlateBlurPx = 1.5;  ///< of the first comparison with the plate's outline
+// Saddles of the plate turned upright: squares ten pixels wide, blurred along one axis.
 constexpr double kUprightSmoothingPx = 2.0, kUprightContrast = 0.001;
 
 /// Linear luma (Rec. 709 weights) and the perceptual luma that saddles are sought in, both in [0,
@@ -140,48 +141,6 @@ std::vector<Placement> placements(const SeedBoard& board,
     }
   }
   return result;
-}
-
-/// Correlation of the image with the print over the plate.
-double correlation(const Image<float>& linear, const BoardPattern& pattern,
-                   const BoardTemplate& t) {
-  constexpr float kInset = 0.2F;  // squares; keeps the green screen out
-  double n = 0, sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
-  for (int y = 0; y < t.box.height; ++y) {
-    for (int x = 0; x < t.box.width; ++x) {
-      const Eigen::Vector2f p = t.in_squares(x, y);
-      if (!pattern.on_plate(p.x(), p.y(), kInset)) continue;
-      const double a = t.white(x, y), b = linear(t.box.x + x, t.box.y + y);
-      n += 1, sa += a, sb += b, saa += a * a, sbb += b * b, sab += a * b;
-    }
-  }
-  const double va = saa - sa * sa / n, vb = sbb - sb * sb / n;
-  if (n < 50 || !(va > 0) || !(vb > 0)) return -1;
-  return (sab - sa * sb / n) / std::sqrt(va * vb);
-}
-
-/// How clearly the image prefers one print over another: its correlation with their difference.
-/// About 0.8 with all markers in view, a quarter of that with one, zero where the difference is
-/// hidden.
-double preference(const Image<float>& linear, const BoardPattern& pattern, const BoardTemplate& a,
-                  const BoardTemplate& b) {
-  constexpr float kInset = 0.2F;
-  double n = 0, sd = 0, si = 0, sdd = 0, sii = 0, sdi = 0;
-  for (int y = 0; y < a.box.height; ++y) {
-    for (int x = 0; x < a.box.width; ++x) {
-      const int u = x + a.box.x - b.box.x, v = y + a.box.y - b.box.y;
-      if (!b.white.contains(u, v)) continue;
-      const Eigen::Vector2f p = a.in_squares(x, y), q = b.in_squares(u, v);
-      if (!pattern.on_plate(p.x(), p.y(), kInset) || !pattern.on_plate(q.x(), q.y(), kInset))
-        continue;
-      const double d = a.white(x, y) - b.white(u, v), i = linear(a.box.x + x, a.box.y + y);
-      if (std::abs(d) < 0.2) continue;
-      n += 1, sd += d, si += i, sdd += d * d, sii += i * i, sdi += d * i;
-    }
-  }
-  const double vd = sdd - sd * sd / n, vi = sii - si * si / n;
-  if (n < 20 || !(vd > 0) || !(vi > 0)) return 0;
-  return (sdi - sd * si / n) / std::sqrt(vd * vi);
 }
 
 struct Choice {
@@ -370,6 +329,40 @@ BoardView measure(const Planes& planes, LensMap& lens, const SeedBoard& board,
   return view;
 }
 
+/// The board from the plate's outline: its four turns, moved onto the image as a whole.
+BoardView measure_plate(const Planes& planes, const Image<Rgb8>& color, LensMap& lens,
+                        const SeedBoard& board, const BoardPattern& pattern,
+                        const BoardDetectionConfig& config) {
+  constexpr std::size_t kAligned = 4;  // of the starts, the best
+  BoardView view;
+  std::vector<PrintMatch> matches;
+  for (const Eigen::Matrix3d& start : boards_in_outline(color, lens.camera(), board)) {
+    matches.push_back(match_print(planes.linear, pattern, lens, board, start, kPlateBlurPx));
+  }
+  const auto better = [](const PrintMatch& a, const PrintMatch& b) { return a.score > b.score; };
+  std::stable_sort(matches.begin(), matches.end(), better);
+  matches.resize(std::min(matches.size(), kAligned));
+  for (PrintMatch& match : matches) {
+    const Eigen::Matrix3d moved =
+        aligned_print(planes.linear, pattern, lens, board, match.normalized_from_board);
+    match = match_print(planes.linear, pattern, lens, board, moved, kStartBlurPx);
+  }
+  std::stable_sort(matches.begin(), matches.end(), better);
+  if (matches.empty() || matches.front().score < config.min_correlation) return view;
+  // Starts that went to the same place are one.
+  const PrintMatch& best = matches.front();
+  for (const PrintMatch& other : matches) {
+    if (&other == &best || !board.has_markers || same_place(best, other, board)) continue;
+    if (preference(planes.linear, pattern, best.print, other.print) < config.min_preference) {
+      view.status = BoardStatus::ambiguous;
+      return view;
+    }
+  }
+  view.normalized_from_board = best.normalized_from_board;
+  refine(planes, lens, board, pattern, config, view);
+  return view;
+}
+
 BoardView detect_in_frame(const SensorFrame& frame, const SeedBoard& board,
                           const BoardPattern& pattern, const BoardDetectionConfig& config) {
   BoardView view;
@@ -384,10 +377,18 @@ BoardView detect_in_frame(const SensorFrame& frame, const SeedBoard& board,
   view = measure(planes, lens, board, pattern, config,
                  grow_lattice(planes.perceptual, saddles, board.squares - 1));
   if (view.status == BoardStatus::ok) return view;
-  const BoardView second = measure(planes, lens, board, pattern, config,
-                                   lattice_of_upright_plate(frame.color, planes.perceptual, board,
-                                                            kUprightSmoothingPx, kUprightContrast));
-  return second.status == BoardStatus::ok || view.status == BoardStatus::not_seen ? second : view;
+  const auto keep = [&view](BoardView other) {
+    if (other.status == BoardStatus::ok || view.status == BoardStatus::not_seen)
+      view = std::move(other);
+    return view.status == BoardStatus::ok;
+  };
+  if (keep(measure(planes, lens, board, pattern, config,
+                   lattice_of_upright_plate(frame.color, planes.perceptual, board,
+                                            kUprightSmoothingPx, kUprightContrast)))) {
+    return view;
+  }
+  keep(measure_plate(planes, frame.color, lens, board, pattern, config));
+  return view;
 }
 
 /// Rotation camera from board nearest to a homography.

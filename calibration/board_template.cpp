@@ -164,7 +164,9 @@ PixelBox plate_box(const SeedBoard& board, const Camera& camera,
   const double half = 0.5 * board.plate_m;
   double x0 = camera.width_px, y0 = camera.height_px, x1 = -1, y1 = -1;
   for (int i = 0; i <= kSamples; ++i) {
-    for (int j = 0; j <= kSamples; ++j) {
+    // The plate's edge only: a lens that does not fold keeps the inside inside.
+    const int step = i == 0 || i == kSamples ? 1 : kSamples;
+    for (int j = 0; j <= kSamples; j += step) {
       const Eigen::Vector3d p =
           normalized_from_board *
           Eigen::Vector3d(half * (2.0 * i / kSamples - 1), half * (2.0 * j / kSamples - 1), 1);

@@ -1,9 +1,14 @@
 #include "calibration/plate_outline.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
+
+#include "calibration/homography.h"
 
 namespace cousin {
 namespace {
@@ -42,7 +47,56 @@ std::vector<cv::Point2f> plate_quad(const cv::Mat& mask) {
     if (quad.size() <= 4) break;
   }
   if (quad.size() != 4) return {};
+  // The signed area says which way round; a print that is laid round the same way is not mirrored.
+  double area = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const cv::Point2f a = quad[i], b = quad[(i + 1) % 4];
+    area += a.x * b.y - a.y * b.x;
+  }
+  if (area < 0) std::reverse(quad.begin(), quad.end());
   return {quad.begin(), quad.end()};
+}
+
+/// Homography from the plate's four corners, `turn` quarters on; no fit where they do not span a
+/// plane.
+HomographyFit fit_corners_of_plate(const std::vector<Eigen::Vector2d>& normalized, std::size_t turn,
+                                   double half_m) {
+  // Clockwise as seen from above.
+  const std::array<Eigen::Vector2d, 4> corners = {
+      Eigen::Vector2d(-half_m, half_m), Eigen::Vector2d(half_m, half_m),
+      Eigen::Vector2d(half_m, -half_m), Eigen::Vector2d(-half_m, -half_m)};
+  std::vector<PlanePoint> points;
+  for (std::size_t i = 0; i < 4; ++i) {
+    points.push_back({corners[(i + turn) % 4], normalized[i], 1e-3});
+  }
+  return fit_homography(points);
+}
+
+/// The outline's corners without the plate's side: a corner whose lower end sticks out of the upper
+/// face is seen too low by what the side measures there.
+std::vector<Eigen::Vector2d> upper_face(const std::vector<Eigen::Vector2d>& outline, double half_m,
+                                        double thickness_m) {
+  const HomographyFit fit = fit_corners_of_plate(outline, 0, half_m);
+  if (!fit.ok) return {};
+  const Eigen::Matrix3d& h = fit.normalized_from_plane;
+  const double scale = std::sqrt(h.col(0).norm() * h.col(1).norm());
+  const Eigen::Vector3d up = h.col(0).cross(h.col(1)) / (scale * scale);
+  std::vector<cv::Point2f> face;
+  for (const Eigen::Vector2d& p : outline)
+    face.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  std::vector<Eigen::Vector2d> corners;
+  for (const Eigen::Vector2d& corner : outline) {
+    const Eigen::Vector3d in_plane = h.inverse() * corner.homogeneous();
+    const Eigen::Vector3d top = h * (in_plane / in_plane.z()) / scale;
+    const Eigen::Vector2d side = (top - thickness_m * up).hnormalized() - top.hnormalized();
+    const Eigen::Vector2d low = corner + side;
+    const double inside = cv::pointPolygonTest(
+        face, {static_cast<float>(low.x()), static_cast<float>(low.y())}, true);
+    const double length = side.norm();
+    const double out = length > 0 ? std::clamp(-inside / length, 0.0, 1.0) : 0.0;
+    corners.push_back(corner - out * side);
+  }
+  return corners;
 }
 
 }  // namespace
@@ -51,16 +105,8 @@ std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color,
                                                     const Image<float>& perceptual,
                                                     const SeedBoard& board, double smoothing_px,
                                                     double contrast) {
-  std::vector<cv::Point2f> quad = plate_quad(not_green(color));
+  const std::vector<cv::Point2f> quad = plate_quad(not_green(color));
   if (quad.empty()) return {};
-  // Clockwise on both sides, so that the warp does not mirror the print. The signed area says which
-  // way round.
-  double area = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const cv::Point2f a = quad[i], b = quad[(i + 1) % 4];
-    area += a.x * b.y - a.y * b.x;
-  }
-  if (area < 0) std::reverse(quad.begin(), quad.end());
   const int side = static_cast<int>(std::lround(kPixelsPerSquare * board.plate_m / board.square_m));
   const float low = -0.5F, high = static_cast<float>(side) - 0.5F;
   const std::vector<cv::Point2f> upright = {{low, low}, {high, low}, {high, high}, {low, high}};
@@ -79,6 +125,29 @@ std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color,
     c.pixel_px = {image[0].x, image[0].y};
   }
   return lattice;
+}
+
+std::vector<Eigen::Matrix3d> boards_in_outline(const Image<Rgb8>& color, const Camera& camera,
+                                               const SeedBoard& board) {
+  constexpr std::array<double, 5> kThicknesses_m = {0, 0.001, 0.002, 0.003, 0.004};
+  std::vector<Eigen::Vector2d> outline;
+  for (const cv::Point2f& corner : plate_quad(not_green(color))) {
+    const auto ray = unproject(camera, {corner.x, corner.y});
+    if (!ray || ray->z() < 1e-3) return {};
+    outline.push_back(ray->head<2>() / ray->z());
+  }
+  if (outline.empty()) return {};
+  std::vector<Eigen::Matrix3d> boards;
+  for (const double thickness_m : kThicknesses_m) {
+    const std::vector<Eigen::Vector2d> corners =
+        upper_face(outline, 0.5 * board.plate_m, thickness_m);
+    if (corners.empty()) continue;
+    for (std::size_t turn = 0; turn < (board.has_markers ? 4 : 1); ++turn) {
+      const HomographyFit fit = fit_corners_of_plate(corners, turn, 0.5 * board.plate_m);
+      if (fit.ok) boards.push_back(fit.normalized_from_plane);
+    }
+  }
+  return boards;
 }
 
 }  // namespace cousin

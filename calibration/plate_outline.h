@@ -1,9 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "calibration/grid_growth.h"
 #include "sim/types/board.h"
+#include "sim/types/camera.h"
 #include "sim/types/image.h"
 
 namespace cousin {
@@ -18,5 +20,12 @@ std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color,
                                                     const Image<float>& perceptual,
                                                     const SeedBoard& board, double smoothing_px,
                                                     double contrast);
+
+/// Where the board would be if the outline on the green screen is the plate's: homographies from
+/// the board (m) to x/z, y/z of the camera, for each turn of the print (one for a plain board) and
+/// for several thicknesses of the plate, whose side belongs to the outline too. Right to about a
+/// pixel. Empty where no four-sided plate stands on green.
+std::vector<Eigen::Matrix3d> boards_in_outline(const Image<Rgb8>& color, const Camera& camera,
+                                               const SeedBoard& board);
 
 }  // namespace cousin
