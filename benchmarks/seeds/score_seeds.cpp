@@ -111,6 +111,24 @@ void score_shapes(const std::vector<Mesh>& true_meshes, const SeedsEstimate& est
   }
 }
 
+/// By how much the objects' convex hulls differ from them: what creases and grooves amount to, and
+/// the error of a perfect estimator to which hollows do not show.
+void score_hollows(const std::vector<Mesh>& true_meshes, const ScoreRow& base,
+                   std::vector<ScoreRow>& rows) {
+  if (true_meshes.empty()) return;
+  const auto n = static_cast<double>(true_meshes.size());
+  double volume = 0, area = 0;
+  for (const Mesh& mesh : true_meshes) {
+    const MassProperties own = mass_properties(mesh);
+    const MassProperties hull = mass_properties(convex_hull(mesh.vertices_m));
+    volume += (hull.volume_m3 / own.volume_m3 - 1) / n;
+    area += (hull.area_m2 / own.area_m2 - 1) / n;
+  }
+  const auto count = static_cast<std::int64_t>(true_meshes.size());
+  add(rows, base, "true_hull.volume.excess", volume, "1", count);
+  add(rows, base, "true_hull.area.excess", area, "1", count);
+}
+
 /// Measured outlines against the true apparent contours.
 void score_outlines_of(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
                        const SpecimenMatching& matching, const SeedsEstimate& estimate,
@@ -246,6 +264,7 @@ SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate,
   score_poses_of(truth, estimate, base, scores.rows);
   score_outlines_of(truth, meshes, matching, estimate, base, scores.rows);
   score_shapes(meshes, estimate, base, scores.rows);
+  score_hollows(meshes, base, scores.rows);
   score_timings(estimate, base, scores.rows);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     append_specimen_rows(*objects[i], measured[i], labels, scores.specimens);

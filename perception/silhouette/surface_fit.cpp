@@ -230,13 +230,14 @@ Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> p
     change = fine.step(state, scale, i < 3 ? kCoarseLimit_px : kFineLimit_px, relaxation);
     if (!std::isfinite(change)) return surface;
   }
-  if (change > kLooselyConverged) return surface;
   if ((tables.fine.values * state.radius).minCoeff() < -0.8) return surface;
-  if (config.use_outlines && (scale.matched < 0.7 || scale.inliers < 0.7)) return surface;
-
+  const bool poor = change > kLooselyConverged ||
+                    (config.use_outlines && (scale.matched < 0.7 || scale.inliers < 0.7));
+  // Far from convex says more than that the fit is poor.
+  const bool touching = solidity(sample_surface(tables.fine, state).mesh) < config.min_solidity;
+  if (poor && !touching) return surface;
   fill_surface(fine, state, scale, tables.final_sphere, rng, surface);
-  surface.status =
-      solidity(surface.mesh) < config.min_solidity ? SurfaceStatus::touching : SurfaceStatus::ok;
+  surface.status = touching ? SurfaceStatus::touching : SurfaceStatus::ok;
   return surface;
 }
 
@@ -261,6 +262,10 @@ Fields fields(SurfaceFitConfig& config) {
        10},
       {"view_shift_sigma_px", &config.view_shift_sigma_px, "of a view's shift in the image", 1e-6,
        10},
+      {"contact_sigma_px", &config.contact_sigma_px, "of outlines at the board, beside their own",
+       0, 10},
+      {"contact_height_m", &config.contact_height_m, "over which that falls by a factor e", 1e-6,
+       1},
       {"min_solidity", &config.min_solidity, "least volume over the convex hull's", 0, 1},
   };
 }

@@ -79,14 +79,17 @@ std::vector<Match> match_views(const SurfaceProblem& problem, const SurfaceState
       Eigen::VectorXd y(problem.basis.harmonics.count());
       problem.basis.harmonics.evaluate(u, y);
       const double radius = std::max(kLeastRadius, 1 + y.dot(state.radius));
-      const auto projection = project_with_jacobian(
-          view.pose.camera, camera_from_world * state.frame.point_m(u, radius));
+      const Eigen::Vector3d surface_m = state.frame.point_m(u, radius);
+      const auto projection =
+          project_with_jacobian(view.pose.camera, camera_from_world * surface_m);
       if (!projection) continue;
       Match match{v, p, u, normal};
       match.residual_px = normal.dot(pixel - projection->pixel_px);
       match.gain_px =
           normal.dot(projection->d_point * (camera_from_world.rotation * (state.frame.axes_m * u)));
-      match.sigma_px = point.sigma_px;
+      match.sigma_px = std::hypot(point.sigma_px, problem.config.contact_sigma_px *
+                                                      std::exp(-std::max(0.0, surface_m.z()) /
+                                                               problem.config.contact_height_m));
       match.normalized =
           (match.residual_px - state.outline_bias_px - normal.dot(state.view_shifts_px[v])) /
           match.sigma_px;

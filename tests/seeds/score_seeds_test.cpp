@@ -71,6 +71,23 @@ const ScoreRow& row_of(const std::vector<ScoreRow>& rows, const std::string& cas
   throw std::runtime_error("no row " + case_name + " " + metric);
 }
 
+TEST(ScoreSeeds, HollowsAreWhatTheHullAddsToTheTruth) {
+  SceneTruth truth = three_boxes();
+  auto none = score_run(truth, estimate_of(truth, 0, 1e-5), {});
+  EXPECT_NEAR(row_of(none.rows, "run", "true_hull.volume.excess").value, 0, 1e-12);
+  // The top of one box goes down to its middle: a pyramid of a sixth of the volume is missing.
+  Mesh& mesh = truth.scene.models[0].mesh;
+  mesh.vertices_m.emplace_back(Eigen::Vector3d::Zero());
+  mesh.triangles[2] = {4, 5, 8};
+  mesh.triangles[3] = {5, 7, 8};
+  mesh.triangles.push_back({7, 6, 8});
+  mesh.triangles.push_back({6, 4, 8});
+  const auto hollow = score_run(truth, estimate_of(truth, 0, 1e-5), {});
+  EXPECT_NEAR(row_of(hollow.rows, "run", "true_hull.volume.excess").value, (6.0 / 5 - 1) / 3,
+              1e-12);
+  EXPECT_LT(row_of(hollow.rows, "run", "true_hull.area.excess").value, 0);
+}
+
 TEST(ScoreSeeds, TruthScoresPerfectly) {
   const SceneTruth truth = three_boxes();
   const SeedsScores scores = score_run(truth, estimate_of(truth, 0, 1e-5), {});
