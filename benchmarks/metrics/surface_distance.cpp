@@ -116,7 +116,7 @@ double DistanceTree::box_distance2(const Node& node, const Eigen::Vector3d& poin
   return (node.low - point).cwiseMax(point - node.high).cwiseMax(0.0).squaredNorm();
 }
 
-double DistanceTree::distance_m(const Eigen::Vector3d& point_m) const {
+DistanceTree::Nearest DistanceTree::nearest(const Eigen::Vector3d& point_m) const {
   struct Entry {
     std::uint32_t node;
     double distance2;
@@ -125,17 +125,26 @@ double DistanceTree::distance_m(const Eigen::Vector3d& point_m) const {
       stack;  // depth of a median split of 2^32 triangles is 32, two entries a level
   std::size_t size = 0;
   stack[size++] = {0, box_distance2(nodes_[0], point_m)};
-  double best2 = std::numeric_limits<double>::infinity();
+  Nearest best{std::numeric_limits<double>::infinity()};
   while (size > 0) {
     const Entry entry = stack[--size];
-    if (entry.distance2 >= best2) continue;
+    if (entry.distance2 > best.distance2) continue;
     const Node& node = nodes_[entry.node];
     if (node.count > 0) {
       for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
         const auto& [a, b, c] = triangles_[t];
-        best2 = std::min(
-            best2, a == b ? (point_m - vertices_[a]).squaredNorm()
-                          : triangle_distance2(point_m, vertices_[a], vertices_[b], vertices_[c]));
+        const double distance2 =
+            a == b ? (point_m - vertices_[a]).squaredNorm()
+                   : triangle_distance2(point_m, vertices_[a], vertices_[b], vertices_[c]);
+        if (distance2 > best.distance2 * (1 + 1e-12)) continue;
+        const Eigen::Vector3d normal =
+            (vertices_[b] - vertices_[a]).cross(vertices_[c] - vertices_[a]);
+        const double twice_area = normal.norm();
+        const double along = twice_area > 0 ? normal.dot(point_m - vertices_[a]) / twice_area : 0;
+        // Triangles that share the nearest edge or corner are all at its distance.
+        const bool tie = distance2 >= best.distance2 * (1 - 1e-12);
+        best = {std::min(distance2, best.distance2),
+                tie && std::abs(best.facing) >= std::abs(along) ? best.facing : along};
       }
       continue;
     }
@@ -145,7 +154,16 @@ double DistanceTree::distance_m(const Eigen::Vector3d& point_m) const {
     stack[size++] = left_first ? right : left;
     stack[size++] = left_first ? left : right;
   }
-  return std::sqrt(best2);
+  return best;
+}
+
+double DistanceTree::distance_m(const Eigen::Vector3d& point_m) const {
+  return std::sqrt(nearest(point_m).distance2);
+}
+
+double DistanceTree::signed_distance_m(const Eigen::Vector3d& point_m) const {
+  const Nearest found = nearest(point_m);
+  return std::copysign(std::sqrt(found.distance2), found.facing);
 }
 
 std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int count, Rng rng) {
@@ -190,9 +208,21 @@ double share_within(const std::vector<double>& values, double limit) {
   return static_cast<double>(count) / static_cast<double>(values.size());
 }
 
-CloudScore score_of(const std::vector<double>& to_surface, const std::vector<double>& to_measured,
-                    std::span<const double> tolerances_m) {
+std::vector<double> signed_distances(std::span<const Eigen::Vector3d> points,
+                                     const DistanceTree& tree) {
+  std::vector<double> result(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { result[i] = tree.signed_distance_m(points[i]); });
+  return result;
+}
+
+/// @param signed_to_surface  of the measured points
+CloudScore score_of(const std::vector<double>& signed_to_surface,
+                    const std::vector<double>& to_measured, std::span<const double> tolerances_m) {
+  std::vector<double> to_surface = signed_to_surface;
+  for (double& distance_m : to_surface) distance_m = std::abs(distance_m);
   CloudScore score;
+  score.bias_m = mean(signed_to_surface);
   score.accuracy_mean_m = mean(to_surface);
   score.accuracy_rms_m = rms(to_surface);
   score.accuracy_median_m = quantile(to_surface, 0.5);
@@ -223,7 +253,7 @@ CloudScore score_cloud(std::span<const Eigen::Vector3d> cloud_m, const Mesh& sur
   check_samples(surface_samples_m, "score_cloud");
   const DistanceTree surface_tree(surface);
   if (cloud_m.empty()) return score_of({}, {}, tolerances_m);
-  return score_of(distances(cloud_m, surface_tree),
+  return score_of(signed_distances(cloud_m, surface_tree),
                   distances(surface_samples_m, DistanceTree(cloud_m)), tolerances_m);
 }
 
@@ -233,7 +263,7 @@ CloudScore score_mesh(const Mesh& measured, std::span<const Eigen::Vector3d> mea
   check_samples(surface_samples_m, "score_mesh");
   const DistanceTree surface_tree(surface);
   if (measured_samples_m.empty()) return score_of({}, {}, tolerances_m);
-  return score_of(distances(measured_samples_m, surface_tree),
+  return score_of(signed_distances(measured_samples_m, surface_tree),
                   distances(surface_samples_m, DistanceTree(measured)), tolerances_m);
 }
 

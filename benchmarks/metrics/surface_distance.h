@@ -21,6 +21,10 @@ class DistanceTree {
   explicit DistanceTree(std::span<const Eigen::Vector3d> points_m);
 
   double distance_m(const Eigen::Vector3d& point_m) const;
+  /// The same with a sign: positive on the side that the nearest triangle faces (outside of a
+  /// closed mesh with outward triangles). Where several triangles are nearest, at an edge, the one
+  /// that faces the point most decides; without sign for points and flat triangles.
+  double signed_distance_m(const Eigen::Vector3d& point_m) const;
 
  private:
   struct Node {
@@ -30,6 +34,11 @@ class DistanceTree {
         0;  ///< of its triangles, or its left child; the right one follows the left
     std::uint32_t count = 0;  ///< of triangles; 0 = inner node
   };
+  struct Nearest {
+    double distance2 = 0;
+    double facing = 0;  ///< height over the nearest triangle's plane, metres
+  };
+  Nearest nearest(const Eigen::Vector3d& point) const;
   void build();
   double box_distance2(const Node& node, const Eigen::Vector3d& point) const;
 
@@ -49,6 +58,7 @@ std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int count, Rng rng
 /// A measured cloud against a true surface [terms of Knapitsch et al., "Tanks and Temples", 2017].
 struct CloudScore {
   double accuracy_mean_m = 0;  ///< cloud to surface
+  double bias_m = 0;           ///< mean signed distance, outside the surface positive
   double accuracy_rms_m = 0;
   double accuracy_median_m = 0;
   double accuracy_p95_m = 0;

@@ -75,6 +75,7 @@ void add_cloud_rows(const std::string& what, std::int64_t n, const CloudScore& s
   add(rows, base, what + ".points", static_cast<double>(n), "1", n);
   add(rows, base, what + ".accuracy_rms", score.accuracy_rms_m, "m", n);
   add(rows, base, what + ".accuracy_median", score.accuracy_median_m, "m", n);
+  add(rows, base, what + ".bias", score.bias_m, "m", n);
   add(rows, base, what + ".completeness_mean", score.completeness_mean_m, "m", n);
   for (const CloudScore::AtTolerance& at : score.at) {
     const std::string tolerance = std::to_string(static_cast<int>(at.tolerance_m * 1e6 + 0.5));

@@ -69,6 +69,7 @@ std::vector<Specimen> make_specimens(const SeedsSceneConfig& config, const Setti
   std::vector<Specimen> specimens(config.sphere ? 1 : static_cast<std::size_t>(config.seeds));
   tbb::parallel_for(std::size_t{0}, specimens.size(), [&](std::size_t i) {
     specimens[i] = make(i);
+    if (!config.gloss) specimens[i].material.ior = 1;  // nothing is mirrored
     specimens[i].radius_m = radius_m(specimens[i].seed.model.mesh);
     specimens[i].parts = convex_parts(specimens[i].seed.model.mesh);
   });
@@ -247,6 +248,7 @@ Fields fields(SeedsSceneConfig& c) {
       {"specimen", &c.specimen, "\"\" = grown; mesh:FILE = a closed mesh (PLY, OBJ, STL)"},
       {"specimen_scale", &c.specimen_scale, "metres per unit of that mesh", 1e-9, 1e6},
       {"markers", &c.markers, "false: the paper's plain board"},
+      {"gloss", &c.gloss, "false: seeds without a coat, that mirror nothing"},
       {"sphere", &c.sphere, "a 22 mm matt speckled sphere instead of the seeds"},
       {"views", &c.views, "photographs, spread over the rings", 1, 10000},
       {"ring_elevations_rad", &c.ring_elevations_rad, "one a ring", 0.1, 1.5},

@@ -20,6 +20,7 @@ struct SeedsSceneConfig {
   std::string specimen;  ///< "" = grown by us; "mesh:FILE" = a user's watertight mesh in metres
   double specimen_scale = 1;  ///< metres per unit of that mesh
   bool markers = true;        ///< false: the paper's plain board
+  bool gloss = true;          ///< false: seeds without their coat, to see what its mirrors cost
   bool sphere = false;        ///< a 22 mm matt speckled sphere instead of the seeds
   int views = 60;             ///< spread over three rings
   std::vector<double> ring_elevations_rad = {0.26, 0.61, 1.05};

@@ -99,6 +99,7 @@ TEST(ScoreCloud, TruthScoresPerfectlyAndAnOffsetScoresItself) {
   const std::vector<double> tolerances = {0.01, 0.05, 0.11};
   const CloudScore perfect = score_cloud(samples, mesh, samples, tolerances);
   EXPECT_LT(perfect.accuracy_rms_m, 1e-15);
+  EXPECT_LT(std::abs(perfect.bias_m), 1e-15);
   EXPECT_EQ(perfect.completeness_mean_m, 0);
   for (const auto& at : perfect.at) EXPECT_EQ(at.f1, 1);
 
@@ -114,10 +115,25 @@ TEST(ScoreCloud, TruthScoresPerfectlyAndAnOffsetScoresItself) {
   }
   const CloudScore offset = score_cloud(grown, mesh, samples, tolerances);
   EXPECT_NEAR(offset.accuracy_mean_m, 0.1, 1e-12);
+  EXPECT_NEAR(offset.bias_m, 0.1, 1e-12);
   EXPECT_NEAR(offset.accuracy_median_m, 0.1, 1e-12);
   EXPECT_NEAR(offset.accuracy_p95_m, 0.1, 1e-12);
   EXPECT_EQ(offset.at[1].precision, 0);
   EXPECT_EQ(offset.at[2].precision, 1);
+}
+
+TEST(DistanceTree, TheSignSaysWhichSideEvenBesideSharpEdges) {
+  const Mesh mesh = cube();  // from 0 to 1
+  const DistanceTree tree(mesh);
+  Rng rng(5);
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector3d p(uniform(rng, -0.5, 1.5), uniform(rng, -0.5, 1.5),
+                            uniform(rng, -0.5, 1.5));
+    const bool inside = (p.array() > 0).all() && (p.array() < 1).all();
+    const double distance = tree.signed_distance_m(p);
+    EXPECT_EQ(distance < 0, inside) << p.transpose();
+    EXPECT_EQ(std::abs(distance), tree.distance_m(p));
+  }
 }
 
 TEST(ScoreCloud, HalfACloudIsHalfComplete) {

@@ -82,6 +82,25 @@ TEST(SeedsScene, RepeatsForTheSameSeed) {
   }
 }
 
+TEST(SeedsScene, MattSeedsDifferInNothingButTheirCoat) {
+  SeedsSceneConfig config;
+  const Scene glossy = build_seeds_scene(config, Rng(3));
+  config.gloss = false;
+  const Scene matt = build_seeds_scene(config, Rng(3));
+  ASSERT_EQ(matt.instances.size(), glossy.instances.size());
+  int seeds = 0;
+  for (std::size_t i = 0; i < matt.instances.size(); ++i) {
+    const Instance &a = matt.instances[i], &b = glossy.instances[i];
+    EXPECT_EQ(a.world_from_object.translation_m, b.world_from_object.translation_m);
+    const Material& own = matt.materials[static_cast<std::size_t>(a.material)];
+    const Material& coated = glossy.materials[static_cast<std::size_t>(b.material)];
+    EXPECT_EQ(own.albedo, coated.albedo);
+    seeds += a.is_specimen ? 1 : 0;
+    EXPECT_EQ(own.ior == coated.ior, !a.is_specimen) << a.name;
+  }
+  EXPECT_EQ(seeds, 10);
+}
+
 TEST(SeedsScene, TheSphereRestsOnTheBoard) {
   SeedsSceneConfig config;
   config.sphere = true;
