@@ -178,9 +178,8 @@ void add_pictures(SeedsReport& report, const SimulatedRun& run, const SeedsEstim
   const std::size_t count = frames.size();
   for (const std::size_t i : {count / 6, count / 2, 5 * count / 6}) {
     if (i >= count) continue;
-    report.pictures.push_back(
-        {"View " + std::to_string(frames[i].id) + " as the phone hands it over",
-         frames[i].sensors[0].color});
+    report.pictures.push_back({"View " + std::to_string(frames[i].id), "as the phone hands it over",
+                               frames[i].sensors[0].color});
   }
   std::map<int, std::vector<const Silhouette*>> by_frame;
   for (const Silhouette& s : estimate.silhouettes) {
@@ -188,10 +187,9 @@ void add_pictures(SeedsReport& report, const SimulatedRun& run, const SeedsEstim
   }
   for (const std::size_t i : {count / 6, 5 * count / 6}) {
     if (i >= count || !by_frame.contains(frames[i].id)) continue;
-    report.pictures.push_back(
-        {"Outlines found in view " + std::to_string(frames[i].id) +
-             " (magenta; blue where something else cuts them), 3 times enlarged",
-         with_outlines(frames[i].sensors[0].color, by_frame[frames[i].id])});
+    report.pictures.push_back({"Outlines found in view " + std::to_string(frames[i].id),
+                               "magenta; blue where something else cuts them; 3 times enlarged",
+                               with_outlines(frames[i].sensors[0].color, by_frame[frames[i].id])});
   }
   report.cloud = estimate.cloud;
   for (const Surface& surface : estimate.surfaces) {
@@ -216,7 +214,7 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   input.scores = report.scores;
   input.headlines = headlines_of(report.scores.scores);
   for (const ReportPicture& picture : report.pictures) {
-    input.images.push_back({picture.caption, picture.caption, encode_png(picture.image)});
+    input.images.push_back({picture.name, picture.caption, encode_png(picture.image)});
   }
   if (!report.cloud.empty()) {
     ReportShape shape;

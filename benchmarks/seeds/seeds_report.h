@@ -12,6 +12,7 @@ namespace cousin {
 
 /// A picture for the report.
 struct ReportPicture {
+  std::string name;
   std::string caption;
   Image<Rgb8> image;
 };
