@@ -17,7 +17,7 @@ struct SurfaceFitConfig {
   bool use_outlines = true;
   double plane_sigma_m = 1e-5;  ///< the object may not go below z = 0 and touches it
   double cloud_sigma_m = 2e-5;  ///< of the mean of the cloud's points in a patch of the surface
-  double cloud_bias_sigma_m = 1e-5;     ///< all points too far out or in
+  double cloud_bias_sigma_m = 2e-5;     ///< all points too far out or in
   double cloud_rim_m = 0.0025;          ///< points nearer to the footprint's edge are left out
   double outline_bias_sigma_px = 0.03;  ///< all outlines too wide or too narrow
   double view_shift_sigma_px = 0.05;    ///< of a view's outline in the image, from its pose
@@ -33,11 +33,11 @@ void validate(const SurfaceFitConfig& config);
 /// its cloud points and to the board it lies on; what no view sees is completed by least bending.
 /// No shape prior of any species or sphere.
 ///
-/// Outlines fix the flanks, but no camera above sees a flat top's outline. Stereo sees tops, and is
-/// wrong near rims (0.2-0.3 mm too deep within a window's reach, measured): with outlines, only
-/// points well inside the footprint, in the upper half of the object, are used. The cloud's sigmas
-/// are weights against the outlines, set on rendered maize (seed 1): stereo's own error there is
-/// larger, 0.05 mm too deep even in the middle.
+/// Outlines fix the flanks, but no camera above sees a flat top's outline. Stereo sees tops, but
+/// what a coat mirrors pulls its depth down, most near rims (rendered maize: 0.05 mm in the middle,
+/// 0.3 mm within a window's reach of the rim; without gloss 0.03 and 0.14 mm). So with outlines
+/// only points well inside the footprint, in the upper half of the object, are used, and their
+/// sigmas are weights, set on rendered maize (seed 1), rather than what stereo errs by.
 ///
 /// Where an outline runs low over the board, what is next to it is the gap under the object: dark,
 /// and lit from the object itself. Outlines there lie 0.2 to 0.4 px too far out, with a scatter of
