@@ -24,8 +24,6 @@
 namespace cousin {
 namespace {
 
-constexpr double kStartBlurPx = 0.6;
-constexpr double kPlateBlurPx = 1.5;  ///< of the first comparison with the plate's outline
 // Saddles of the plate turned upright: squares ten pixels wide, blurred along one axis.
 constexpr double kUprightSmoothingPx = 2.0, kUprightContrast = 0.001;
 
@@ -329,36 +327,38 @@ BoardView measure(const Planes& planes, LensMap& lens, const SeedBoard& board,
   return view;
 }
 
-/// The board from the plate's outline: its four turns, moved onto the image as a whole.
+/// The board from the plate's outline: each turn of the print is moved onto the image as a whole.
 BoardView measure_plate(const Planes& planes, const Image<Rgb8>& color, LensMap& lens,
                         const SeedBoard& board, const BoardPattern& pattern,
                         const BoardDetectionConfig& config) {
-  constexpr std::size_t kAligned = 4;  // of the starts, the best
   BoardView view;
-  std::vector<PrintMatch> matches;
-  for (const Eigen::Matrix3d& start : boards_in_outline(color, lens.camera(), board)) {
-    matches.push_back(match_print(planes.linear, pattern, lens, board, start, kPlateBlurPx));
+  std::vector<PrintMatch> turns;
+  for (const auto& starts : boards_in_outline(color, lens.camera(), board)) {
+    turns.push_back(best_print(planes.linear, pattern, lens, board, starts));
   }
-  const auto better = [](const PrintMatch& a, const PrintMatch& b) { return a.score > b.score; };
-  std::stable_sort(matches.begin(), matches.end(), better);
-  matches.resize(std::min(matches.size(), kAligned));
-  for (PrintMatch& match : matches) {
-    const Eigen::Matrix3d moved =
-        aligned_print(planes.linear, pattern, lens, board, match.normalized_from_board);
-    match = match_print(planes.linear, pattern, lens, board, moved, kStartBlurPx);
+  const auto best =
+      std::max_element(turns.begin(), turns.end(),
+                       [](const PrintMatch& a, const PrintMatch& b) { return a.score < b.score; });
+  if (best == turns.end() || best->score < config.min_correlation) return view;
+  const auto clear = [&](const PrintMatch& other) {
+    return other.score < 0 ||
+           preference(planes.linear, pattern, best->print, other.print) >= config.min_preference;
+  };
+  for (auto other = turns.begin(); other != turns.end(); ++other) {
+    if (other != best && !clear(*other)) view.status = BoardStatus::ambiguous;
   }
-  std::stable_sort(matches.begin(), matches.end(), better);
-  if (matches.empty() || matches.front().score < config.min_correlation) return view;
-  // Starts that went to the same place are one.
-  const PrintMatch& best = matches.front();
-  for (const PrintMatch& other : matches) {
-    if (&other == &best || !board.has_markers || same_place(best, other, board)) continue;
-    if (preference(planes.linear, pattern, best.print, other.print) < config.min_preference) {
+  // Shifts that keep squares on their colour.
+  for (const auto& [columns, rows] :
+       {std::array{1, 1}, {1, -1}, {-1, 1}, {-1, -1}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}}) {
+    Eigen::Matrix3d shift = Eigen::Matrix3d::Identity();
+    shift.col(2) << columns * board.square_m, rows * board.square_m, 1;
+    if (!clear(match_print(planes.linear, pattern, lens, board, best->normalized_from_board * shift,
+                           kStartBlurPx))) {
       view.status = BoardStatus::ambiguous;
-      return view;
     }
   }
-  view.normalized_from_board = best.normalized_from_board;
+  if (view.status == BoardStatus::ambiguous) return view;
+  view.normalized_from_board = best->normalized_from_board;
   refine(planes, lens, board, pattern, config, view);
   return view;
 }

@@ -33,6 +33,8 @@ void validate(const BoardDetectionConfig& config);
 /// 3. the print's template is moved onto the image in a window about each corner (least squares in
 /// linear light),
 ///    outward until no corner is added; seeds and shadows fail the fit's residual.
+/// Where 1 finds nothing, it is tried again in the plate turned upright by its outline on the green
+/// screen; where that finds nothing, the print as a whole is moved onto the plate's outline.
 /// A plain board looks the same after a quarter turn: its first view defines the frame and later
 /// views take the turn nearest to the view before; a view too far from it for that is `ambiguous`.
 /// One entry for each frame; sigma_px is predicted from each fit's own residual.

@@ -163,18 +163,25 @@ PixelBox plate_box(const SeedBoard& board, const Camera& camera,
   constexpr int kSamples = 144;
   const double half = 0.5 * board.plate_m;
   double x0 = camera.width_px, y0 = camera.height_px, x1 = -1, y1 = -1;
-  for (int i = 0; i <= kSamples; ++i) {
-    // The plate's edge only: a lens that does not fold keeps the inside inside.
-    const int step = i == 0 || i == kSamples ? 1 : kSamples;
-    for (int j = 0; j <= kSamples; j += step) {
-      const Eigen::Vector3d p =
-          normalized_from_board *
-          Eigen::Vector3d(half * (2.0 * i / kSamples - 1), half * (2.0 * j / kSamples - 1), 1);
-      const std::optional<Eigen::Vector2d> pixel = project(camera, p);
-      if (!pixel) continue;
-      x0 = std::min(x0, pixel->x()), x1 = std::max(x1, pixel->x());
-      y0 = std::min(y0, pixel->y()), y1 = std::max(y1, pixel->y());
+  const auto visit = [&](int i, int j) {
+    const Eigen::Vector3d p =
+        normalized_from_board *
+        Eigen::Vector3d(half * (2.0 * i / kSamples - 1), half * (2.0 * j / kSamples - 1), 1);
+    const std::optional<Eigen::Vector2d> pixel = project(camera, p);
+    if (!pixel) return false;
+    x0 = std::min(x0, pixel->x()), x1 = std::max(x1, pixel->x());
+    y0 = std::min(y0, pixel->y()), y1 = std::max(y1, pixel->y());
+    return true;
+  };
+  // The inside of the plate is seen within its edge, if the whole edge is where the lens maps.
+  bool whole = true;
+  for (int k = 0; k <= kSamples; ++k) {
+    for (const auto& [i, j] : {std::array{k, 0}, {k, kSamples}, {0, k}, {kSamples, k}}) {
+      whole = visit(i, j) && whole;
     }
+  }
+  for (int i = 1; i < kSamples && !whole; ++i) {
+    for (int j = 1; j < kSamples; ++j) visit(i, j);
   }
   const auto clamp = [](double v, int size) {
     return static_cast<int>(std::clamp(v, 0.0, size - 1.0));

@@ -74,11 +74,9 @@ HomographyFit fit_corners_of_plate(const std::vector<Eigen::Vector2d>& normalize
 
 /// The outline's corners without the plate's side: a corner whose lower end sticks out of the upper
 /// face is seen too low by what the side measures there.
-std::vector<Eigen::Vector2d> upper_face(const std::vector<Eigen::Vector2d>& outline, double half_m,
-                                        double thickness_m) {
-  const HomographyFit fit = fit_corners_of_plate(outline, 0, half_m);
-  if (!fit.ok) return {};
-  const Eigen::Matrix3d& h = fit.normalized_from_plane;
+/// @param h  normalized from plate, of the whole outline
+std::vector<Eigen::Vector2d> upper_face(const std::vector<Eigen::Vector2d>& outline,
+                                        const Eigen::Matrix3d& h, double thickness_m) {
   const double scale = std::sqrt(h.col(0).norm() * h.col(1).norm());
   const Eigen::Vector3d up = h.col(0).cross(h.col(1)) / (scale * scale);
   std::vector<cv::Point2f> face;
@@ -127,27 +125,33 @@ std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color,
   return lattice;
 }
 
-std::vector<Eigen::Matrix3d> boards_in_outline(const Image<Rgb8>& color, const Camera& camera,
-                                               const SeedBoard& board) {
+std::vector<std::vector<Eigen::Matrix3d>> boards_in_outline(const Image<Rgb8>& color,
+                                                            const Camera& camera,
+                                                            const SeedBoard& board) {
   constexpr std::array<double, 5> kThicknesses_m = {0, 0.001, 0.002, 0.003, 0.004};
+  constexpr float kBorder_px = 2;  // a corner nearer to it may be where the image cuts the plate
+  const double half_m = 0.5 * board.plate_m;
   std::vector<Eigen::Vector2d> outline;
   for (const cv::Point2f& corner : plate_quad(not_green(color))) {
+    const bool whole = corner.x >= kBorder_px && corner.y >= kBorder_px &&
+                       corner.x <= static_cast<float>(color.width() - 1) - kBorder_px &&
+                       corner.y <= static_cast<float>(color.height() - 1) - kBorder_px;
     const auto ray = unproject(camera, {corner.x, corner.y});
-    if (!ray || ray->z() < 1e-3) return {};
+    if (!whole || !ray || ray->z() < 1e-3) return {};
     outline.push_back(ray->head<2>() / ray->z());
   }
   if (outline.empty()) return {};
-  std::vector<Eigen::Matrix3d> boards;
+  const HomographyFit fit = fit_corners_of_plate(outline, 0, half_m);
+  if (!fit.ok) return {};
+  std::vector<std::vector<Eigen::Matrix3d>> turns(board.has_markers ? 4 : 1);
   for (const double thickness_m : kThicknesses_m) {
-    const std::vector<Eigen::Vector2d> corners =
-        upper_face(outline, 0.5 * board.plate_m, thickness_m);
-    if (corners.empty()) continue;
-    for (std::size_t turn = 0; turn < (board.has_markers ? 4 : 1); ++turn) {
-      const HomographyFit fit = fit_corners_of_plate(corners, turn, 0.5 * board.plate_m);
-      if (fit.ok) boards.push_back(fit.normalized_from_plane);
+    const auto corners = upper_face(outline, fit.normalized_from_plane, thickness_m);
+    for (std::size_t turn = 0; turn < turns.size(); ++turn) {
+      const HomographyFit face = fit_corners_of_plate(corners, turn, half_m);
+      if (face.ok) turns[turn].push_back(face.normalized_from_plane);
     }
   }
-  return boards;
+  return turns;
 }
 
 }  // namespace cousin

@@ -22,10 +22,12 @@ std::vector<LatticeCorner> lattice_of_upright_plate(const Image<Rgb8>& color,
                                                     double contrast);
 
 /// Where the board would be if the outline on the green screen is the plate's: homographies from
-/// the board (m) to x/z, y/z of the camera, for each turn of the print (one for a plain board) and
-/// for several thicknesses of the plate, whose side belongs to the outline too. Right to about a
-/// pixel. Empty where no four-sided plate stands on green.
-std::vector<Eigen::Matrix3d> boards_in_outline(const Image<Rgb8>& color, const Camera& camera,
-                                               const SeedBoard& board);
+/// the board (m) to x/z, y/z of the camera. For each turn of the print (one for a plain board)
+/// there is one for each of several thicknesses of the plate, whose side belongs to the outline
+/// too; one of them is right to about a pixel. Empty where no four-sided plate stands whole on
+/// green.
+std::vector<std::vector<Eigen::Matrix3d>> boards_in_outline(const Image<Rgb8>& color,
+                                                            const Camera& camera,
+                                                            const SeedBoard& board);
 
 }  // namespace cousin

@@ -8,12 +8,57 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "calibration/homography.h"
-
 namespace cousin {
 namespace {
 
 constexpr float kInset = 0.2F;  ///< squares; keeps the green screen out
+
+constexpr double kTukey = 4.685;  ///< seeds and shadows are outliers
+constexpr int kUnknowns = 10;     ///< offset, contrast, contrast times the homography's change
+constexpr std::size_t kFewPixels = 200;
+
+Image<float> blurred(const Image<float>& image, double sigma_px) {
+  Image<float> result(image.width(), image.height());
+  const cv::Mat from(image.height(), image.width(), CV_32F, const_cast<float*>(image.data()));
+  cv::Mat to(image.height(), image.width(), CV_32F, result.data());
+  cv::GaussianBlur(from, to, {0, 0}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
+  return result;
+}
+
+/// A pixel's row: signal = offset + contrast white - contrast slope . motion, where the motion of a
+/// point of the plate is linear in eight changes of the homography.
+struct Row {
+  std::array<double, kUnknowns> terms;
+  double signal;
+};
+
+std::vector<Row> rows_of(const Image<float>& linear, const BoardPattern& pattern,
+                         const BoardTemplate& t) {
+  const float half = 0.5F * static_cast<float>(pattern.squares());
+  constexpr double kMostPixels = 50000;  // of a box; more are visited sparsely
+  const int stride =
+      std::max(1, static_cast<int>(std::sqrt(1.0 * t.box.width * t.box.height / kMostPixels)));
+  std::vector<Row> rows;
+  for (int y = 1; y + 1 < t.box.height; y += stride) {
+    for (int x = 1; x + 1 < t.box.width; x += stride) {
+      const Eigen::Vector2f p = t.in_squares(x, y);
+      if (!pattern.on_plate(p.x(), p.y(), kInset)) continue;
+      Eigen::Matrix2f squares_per_pixel;
+      squares_per_pixel << 0.5F * (t.in_squares(x + 1, y) - t.in_squares(x - 1, y)),
+          0.5F * (t.in_squares(x, y + 1) - t.in_squares(x, y - 1));
+      // d(white)/d(plate), the plate in units of half the checkerboard.
+      const Eigen::Vector2f slope =
+          half * squares_per_pixel.inverse().transpose() * gradient(t, x, y);
+      if (!slope.allFinite()) continue;
+      const double u = p.x() / half - 1, v = p.y() / half - 1;
+      const double gu = slope.x(), gv = slope.y(), radial = -(gu * u + gv * v);
+      rows.push_back({{1, t.white(x, y), -gu, -gu * u, -gu * v, -gv, -gv * u, -gv * v, -radial * u,
+                       -radial * v},
+                      linear(t.box.x + x, t.box.y + y)});
+    }
+  }
+  return rows;
+}
 
 }  // namespace
 
@@ -53,59 +98,10 @@ double preference(const Image<float>& linear, const BoardPattern& pattern, const
   return (sdi - sd * si / n) / std::sqrt(vd * vi);
 }
 
-namespace {
-
-constexpr double kTukey = 4.685;  ///< seeds and shadows are outliers
-constexpr int kUnknowns = 10;     ///< offset, contrast, contrast times the homography's change
-constexpr std::size_t kFewPixels = 200;
-
-Image<float> blurred(const Image<float>& image, double sigma_px) {
-  if (sigma_px <= 0) return image;
-  Image<float> result(image.width(), image.height());
-  const cv::Mat from(image.height(), image.width(), CV_32F, const_cast<float*>(image.data()));
-  cv::Mat to(image.height(), image.width(), CV_32F, result.data());
-  cv::GaussianBlur(from, to, {0, 0}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
-  return result;
-}
-
-/// A pixel's row: signal = a + b white - f . motion.
-struct Row {
-  std::array<double, kUnknowns> terms;
-  double signal;
-};
-
-std::vector<Row> rows_of(const Image<float>& linear, const BoardPattern& pattern,
-                         const BoardTemplate& t) {
-  const float half = 0.5F * static_cast<float>(pattern.squares());
-  std::vector<Row> rows;
-  for (int y = 1; y + 1 < t.box.height; ++y) {
-    for (int x = 1; x + 1 < t.box.width; ++x) {
-      const Eigen::Vector2f p = t.in_squares(x, y);
-      if (!pattern.on_plate(p.x(), p.y(), kInset)) continue;
-      Eigen::Matrix2f squares_per_pixel;
-      squares_per_pixel << 0.5F * (t.in_squares(x + 1, y) - t.in_squares(x - 1, y)),
-          0.5F * (t.in_squares(x, y + 1) - t.in_squares(x, y - 1));
-      // d(white)/d(plate), the plate in units of half the checkerboard.
-      const Eigen::Vector2f slope =
-          half * squares_per_pixel.inverse().transpose() * gradient(t, x, y);
-      if (!slope.allFinite()) continue;
-      const double u = p.x() / half - 1, v = p.y() / half - 1;
-      const double gu = slope.x(), gv = slope.y(), radial = -(gu * u + gv * v);
-      rows.push_back({{1, t.white(x, y), -gu, -gu * u, -gu * v, -gv, -gv * u, -gv * v, -radial * u,
-                       -radial * v},
-                      linear(t.box.x + x, t.box.y + y)});
-    }
-  }
-  return rows;
-}
-
-}  // namespace
-
 Eigen::Matrix3d aligned_print(const Image<float>& linear, const BoardPattern& pattern,
                               LensMap& lens, const SeedBoard& board, const Eigen::Matrix3d& start) {
   constexpr std::array<double, 3> kBlursPx = {2, 1, 0};
   constexpr int kSteps = 5;
-  constexpr double kSensorBlurPx = 0.6;
   constexpr double kLargest = 0.2;  // of half the board, in one step
   using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
   using Vector = Eigen::Matrix<double, kUnknowns, 1>;
@@ -113,14 +109,15 @@ Eigen::Matrix3d aligned_print(const Image<float>& linear, const BoardPattern& pa
   const Eigen::Vector3d scale(half_m, half_m, 1);
   Eigen::Matrix3d h = start * scale.asDiagonal();
   for (const double blur_px : kBlursPx) {
-    const Image<float> image = blurred(linear, blur_px);
+    const Image<float> softer = blur_px > 0 ? blurred(linear, blur_px) : Image<float>();
+    const Image<float>& image = blur_px > 0 ? softer : linear;
     for (int step = 0; step < kSteps; ++step) {
       const Eigen::Matrix3d from_board = h * scale.cwiseInverse().asDiagonal();
       const PixelBox box = plate_box(board, lens.camera(), from_board);
       if (box.empty()) return start;
       const std::vector<Row> rows =
           rows_of(image, pattern,
-                  render_board(pattern, lens, box, from_board, std::hypot(blur_px, kSensorBlurPx),
+                  render_board(pattern, lens, box, from_board, std::hypot(blur_px, kStartBlurPx),
                                TemplateQuality::coarse));
       if (rows.size() < kFewPixels) return start;
       Vector x = Vector::Zero();
@@ -175,14 +172,20 @@ PrintMatch match_print(const Image<float>& linear, const BoardPattern& pattern, 
   return match;
 }
 
-bool same_place(const PrintMatch& a, const PrintMatch& b, const SeedBoard& board) {
-  const Eigen::Vector2d corner = Eigen::Vector2d::Constant(0.5 * board.plate_m);
-  const Eigen::Vector2d opposite = -corner;
-  const double across =
-      (transfer(a.normalized_from_board, corner) - transfer(a.normalized_from_board, opposite))
-          .norm();
-  return (transfer(a.normalized_from_board, corner) - transfer(b.normalized_from_board, corner))
-             .norm() < 0.25 * across;
+PrintMatch best_print(const Image<float>& linear, const BoardPattern& pattern, LensMap& lens,
+                      const SeedBoard& board, const std::vector<Eigen::Matrix3d>& starts) {
+  constexpr double kFirstBlurPx = 1.5;  // a start is off by a pixel or so
+  double score = -1;
+  Eigen::Matrix3d start = Eigen::Matrix3d::Identity();
+  for (const Eigen::Matrix3d& candidate : starts) {
+    const double here = match_print(linear, pattern, lens, board, candidate, kFirstBlurPx).score;
+    if (here > score) score = here, start = candidate;
+  }
+  if (score <= -1) return {};
+  PrintMatch as_started = match_print(linear, pattern, lens, board, start, kStartBlurPx);
+  PrintMatch moved = match_print(linear, pattern, lens, board,
+                                 aligned_print(linear, pattern, lens, board, start), kStartBlurPx);
+  return moved.score >= as_started.score ? moved : as_started;
 }
 
 }  // namespace cousin

@@ -1,8 +1,13 @@
 #pragma once
 
+#include <vector>
+
 #include "calibration/board_template.h"
 
 namespace cousin {
+
+/// Of lens and pixel response, where nothing is known yet.
+inline constexpr double kStartBlurPx = 0.6;
 
 /// Correlation of the image with the print over the plate, -1..1; -1 where too little is seen.
 double correlation(const Image<float>& linear, const BoardPattern& pattern, const BoardTemplate& t);
@@ -23,14 +28,16 @@ PrintMatch match_print(const Image<float>& linear, const BoardPattern& pattern, 
                        const SeedBoard& board, const Eigen::Matrix3d& normalized_from_board,
                        double blur_px);
 
-/// Whether two placements differ by less than a quarter of the plate: not by a turn.
-bool same_place(const PrintMatch& a, const PrintMatch& b, const SeedBoard& board);
-
 /// Moves the whole print onto the image: Gauss-Newton on the homography, offset and contrast, on
 /// images blurred by 2, 1 and 0 px in turn, with Tukey's weights against what lies on the board.
-/// Right to about a square's half at the start: from there markers and margins lead, then squares.
+/// Right to about half a square at the start: from there markers and margins lead, then squares.
 /// @return the homography reached, or `start` where the print does not appear in the image
 Eigen::Matrix3d aligned_print(const Image<float>& linear, const BoardPattern& pattern,
                               LensMap& lens, const SeedBoard& board, const Eigen::Matrix3d& start);
+
+/// The best of several starts, moved onto the image; as it started where moving made it worse.
+/// Score -1 without starts.
+PrintMatch best_print(const Image<float>& linear, const BoardPattern& pattern, LensMap& lens,
+                      const SeedBoard& board, const std::vector<Eigen::Matrix3d>& starts);
 
 }  // namespace cousin

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -15,6 +16,7 @@ namespace cousin {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 4;
+constexpr double kTie = 1 + 1e-12;  ///< squared distances nearer than this are the same
 
 double segment_distance2(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                          const Eigen::Vector3d& b) {
@@ -38,6 +40,39 @@ double triangle_distance2(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
   if (!inside) return edges;
   const double height = (p - a).dot(normal);
   return std::min(edges, height * height / area2);
+}
+
+/// Height of a point over a triangle's plane, times the angle that the triangle takes up about the
+/// point of it that is nearest: summed over all nearest triangles this has the sign of the side
+/// [Baerentzen and Aanaes, "Signed distance computation using the angle weighted pseudonormal",
+/// TVCG 2005].
+double weighted_height(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                       const Eigen::Vector3d& c) {
+  const Eigen::Vector3d normal = (b - a).cross(c - a);
+  const double size = normal.norm();
+  if (!(size > 0)) return 0;
+  const double height = normal.dot(p - a) / size;
+  const std::array<Eigen::Vector3d, 3> corner = {a, b, c};
+  double nearest2 = std::numeric_limits<double>::infinity();
+  double angle = 2 * std::numbers::pi;
+  bool inside = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Eigen::Vector3d& from = corner[i];
+    const Eigen::Vector3d& to = corner[(i + 1) % 3];
+    const Eigen::Vector3d& third = corner[(i + 2) % 3];
+    inside = inside && (to - from).cross(p - from).dot(normal) > 0;
+    const double t = (p - from).dot(to - from) / (to - from).squaredNorm();
+    const double distance2 = segment_distance2(p, from, to);
+    if (distance2 >= nearest2) continue;
+    nearest2 = distance2;
+    const auto angle_between = [](const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
+      return std::atan2(u.cross(v).norm(), u.dot(v));
+    };
+    angle = t <= 0   ? angle_between(to - from, third - from)
+            : t >= 1 ? angle_between(from - to, third - to)
+                     : std::numbers::pi;
+  }
+  return height * (inside ? 2 * std::numbers::pi : angle);
 }
 
 }  // namespace
@@ -128,7 +163,7 @@ DistanceTree::Nearest DistanceTree::nearest(const Eigen::Vector3d& point_m) cons
   Nearest best{std::numeric_limits<double>::infinity()};
   while (size > 0) {
     const Entry entry = stack[--size];
-    if (entry.distance2 > best.distance2) continue;
+    if (entry.distance2 > best.distance2 * kTie) continue;
     const Node& node = nodes_[entry.node];
     if (node.count > 0) {
       for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
@@ -136,15 +171,12 @@ DistanceTree::Nearest DistanceTree::nearest(const Eigen::Vector3d& point_m) cons
         const double distance2 =
             a == b ? (point_m - vertices_[a]).squaredNorm()
                    : triangle_distance2(point_m, vertices_[a], vertices_[b], vertices_[c]);
-        if (distance2 > best.distance2 * (1 + 1e-12)) continue;
-        const Eigen::Vector3d normal =
-            (vertices_[b] - vertices_[a]).cross(vertices_[c] - vertices_[a]);
-        const double twice_area = normal.norm();
-        const double along = twice_area > 0 ? normal.dot(point_m - vertices_[a]) / twice_area : 0;
+        if (distance2 > best.distance2 * kTie) continue;
+        const double facing =
+            a == b ? 0 : weighted_height(point_m, vertices_[a], vertices_[b], vertices_[c]);
         // Triangles that share the nearest edge or corner are all at its distance.
-        const bool tie = distance2 >= best.distance2 * (1 - 1e-12);
-        best = {std::min(distance2, best.distance2),
-                tie && std::abs(best.facing) >= std::abs(along) ? best.facing : along};
+        const bool tie = distance2 * kTie >= best.distance2;
+        best = {std::min(distance2, best.distance2), facing + (tie ? best.facing : 0)};
       }
       continue;
     }

@@ -22,8 +22,9 @@ class DistanceTree {
 
   double distance_m(const Eigen::Vector3d& point_m) const;
   /// The same with a sign: positive on the side that the nearest triangle faces (outside of a
-  /// closed mesh with outward triangles). Where several triangles are nearest, at an edge, the one
-  /// that faces the point most decides; without sign for points and flat triangles.
+  /// closed mesh with outward triangles). Where several triangles are nearest, at
+  /// an edge or a corner, their normals are weighted by angle; points and flat triangles have no
+  /// sides: positive.
   double signed_distance_m(const Eigen::Vector3d& point_m) const;
 
  private:
@@ -36,7 +37,7 @@ class DistanceTree {
   };
   struct Nearest {
     double distance2 = 0;
-    double facing = 0;  ///< height over the nearest triangle's plane, metres
+    double facing = 0;  ///< its sign is that of the side
   };
   Nearest nearest(const Eigen::Vector3d& point) const;
   void build();
@@ -58,7 +59,7 @@ std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int count, Rng rng
 /// A measured cloud against a true surface [terms of Knapitsch et al., "Tanks and Temples", 2017].
 struct CloudScore {
   double accuracy_mean_m = 0;  ///< cloud to surface
-  double bias_m = 0;           ///< mean signed distance, outside the surface positive
+  double bias_m = 0;           ///< mean signed distance, outside of a closed surface positive
   double accuracy_rms_m = 0;
   double accuracy_median_m = 0;
   double accuracy_p95_m = 0;

@@ -204,7 +204,10 @@ void append_specimen_rows(const Instance& object, const SpecimenTraits* measured
   }
 }
 
-/// Groups that statistics are made for: each cultivar, each species, and all.
+/// The reference sphere is no seed: its size, twice a seed's, would make every pooled slope right.
+constexpr const char* kSphere = "sphere";
+
+/// Groups that statistics are made for: each cultivar, each species, and all seeds.
 std::vector<std::string> groups_of(std::span<const SpecimenRow> specimens) {
   std::set<std::string> cultivars, species;
   for (const SpecimenRow& row : specimens) {
@@ -215,12 +218,13 @@ std::vector<std::string> groups_of(std::span<const SpecimenRow> specimens) {
   for (const std::string& s : species) {
     if (!cultivars.contains(s)) groups.push_back(s);
   }
-  if (species.size() > 1) groups.push_back("all");
+  if (species.size() > (species.contains(kSphere) ? 2U : 1U)) groups.push_back("all");
   return groups;
 }
 
 bool in_group(const SpecimenRow& row, const std::string& group) {
-  return group == "all" || row.cultivar == group || species_of(row.cultivar) == group;
+  if (group == "all") return row.cultivar != kSphere;
+  return row.cultivar == group || species_of(row.cultivar) == group;
 }
 
 std::map<std::string, std::string> traits_in(std::span<const SpecimenRow> specimens) {

@@ -233,9 +233,10 @@ Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> p
   if ((tables.fine.values * state.radius).minCoeff() < -0.8) return surface;
   const bool poor = change > kLooselyConverged ||
                     (config.use_outlines && (scale.matched < 0.7 || scale.inliers < 0.7));
-  // Far from convex says more than that the fit is poor.
+  // Far from convex says more than that the fit is poor, if it has a hold of the outlines at all.
+  const bool astray = change > 0.2 || (config.use_outlines && scale.matched < 0.4);
   const bool touching = solidity(sample_surface(tables.fine, state).mesh) < config.min_solidity;
-  if (poor && !touching) return surface;
+  if (poor && (astray || !touching)) return surface;
   fill_surface(fine, state, scale, tables.final_sphere, rng, surface);
   surface.status = touching ? SurfaceStatus::touching : SurfaceStatus::ok;
   return surface;

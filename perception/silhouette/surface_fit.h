@@ -41,7 +41,8 @@ void validate(const SurfaceFitConfig& config);
 ///
 /// Where an outline runs low over the board, what is next to it is the gap under the object: dark,
 /// and lit from the object itself. Outlines there lie 0.2 to 0.4 px too far out, with a scatter of
-/// 0.5 to 0.7 px in views from 15 and 35 degrees (rendered wheat, seed 1), so they count less.
+/// 0.5 to 0.7 px in views from 15 and 35 degrees (rendered wheat, seed 1), so they are left out in
+/// effect: their sigma is above half a pixel up to 0.6 mm over the board.
 ///
 /// x(u) = centre + axes u r(u), r(u) = 1 + sum b_lm Y_lm(u): spherical harmonics about an
 /// ellipsoid. The prior on b_lm has the variance tau^2 / (l (l + 1))^2 (that is least bending); tau

@@ -6,7 +6,8 @@
 
 namespace cousin {
 
-/// Holds every number of a configuration against the limits that its field states.
+/// Holds every single number of a configuration (not lists, not seeds) against the limits that its
+/// field states.
 /// @param name  put before the key in the message: "mvs", "fuse", ...; empty = the key alone
 /// @throws std::invalid_argument naming key, value and limits for a number that is outside its
 /// limits or not finite.

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/config/limits.h"
 #include "sim/sensors/fast_normal.h"
 #include "sim/sensors/phone_presets.h"
 
@@ -113,16 +114,7 @@ Fields fields(PhoneConfig& config) {
 
 void validate(const PhoneConfig& config) {
   PhoneConfig copy = config;
-  for (const Field& field : fields(copy)) {
-    const auto* number = std::get_if<double*>(&field.value);
-    const auto* count = std::get_if<int*>(&field.value);
-    if (number == nullptr && count == nullptr) continue;
-    const double value = number != nullptr ? **number : **count;
-    if (!(value >= field.min && value <= field.max)) {
-      reject(field.key + " = " + std::to_string(value) + " is not within [" +
-             std::to_string(field.min) + ", " + std::to_string(field.max) + "]");
-    }
-  }
+  check_limits(fields(copy), "phone");
   const int allowed = distortion_count(config.lens);
   if (static_cast<int>(config.distortion.size()) > allowed) {
     reject("distortion has " + std::to_string(config.distortion.size()) + " coefficients; lens " +

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "calibration/plate_outline.h"
+#include "calibration/print_match.h"
+#include "sim/imaging/color.h"
 #include "tests/calibration/synthetic_board.h"
 
 namespace cousin {
@@ -107,6 +110,77 @@ TEST(BoardDetection, SquaresTwoPixelsHighAreFoundByThePlatesOutline) {
     EXPECT_LT(e.rms_px, 0.3) << i;
     EXPECT_LT(e.normalized, 2) << i;
   }
+}
+
+TEST(BoardDetection, LowViewsWithoutAMarkerInSightAreNotGuessed) {
+  // The same low view with a pebble on every marker: nothing tells the turns apart.
+  const SeedBoard board;
+  std::vector<synthetic::Ellipsoid> pebbles;
+  for (int index = 0; index < 4; ++index) {
+    synthetic::Ellipsoid pebble;
+    const auto corners = marker_corners_in_world_m(board, index);
+    pebble.centre_m = 0.5 * (corners[0] + corners[2]);
+    pebble.half_axes_m = {0.012, 0.012, 0.003};
+    pebbles.push_back(pebble);
+  }
+  const synthetic::View view =
+      still(synthetic::phone_camera(1280), synthetic::orbit(0.8, 0.21, 0.8));
+  const Corners corners = detect_board(capture_of({view}, board, pebbles), board);
+  EXPECT_NE(corners[0].status, BoardStatus::ok);
+}
+
+TEST(PrintMatch, APlateThatTheImageCutsHasNoOutline) {
+  const SeedBoard board;
+  const Camera camera = synthetic::phone_camera(1280);
+  const auto outlines_at = [&](const Pose& pose) {
+    const Capture capture = capture_of({still(camera, pose)}, board, {});
+    return boards_in_outline(capture.frames[0].sensors[0].color, camera, board);
+  };
+  EXPECT_EQ(outlines_at(synthetic::orbit(0.5, 0.8, 0.3)).size(), 4U);
+  EXPECT_TRUE(outlines_at(synthetic::orbit(0.3, 1.1, 0.3, 0, {0.08, 0, 0})).empty());
+}
+
+TEST(PrintMatch, AStartAPixelOffIsMovedOntoThePrint) {
+  const SeedBoard board;
+  const BoardPattern pattern(board);
+  const Camera camera = synthetic::phone_camera(1280);
+  const Pose pose = synthetic::orbit(0.8, 0.22, 0.8);
+  const Capture capture = capture_of({still(camera, pose)}, board, synthetic::seeds(Rng(4)));
+  const Image<Rgb8>& color = capture.frames[0].sensors[0].color;
+  Image<float> linear(color.width(), color.height());
+  for (std::size_t i = 0; i < color.size(); ++i)
+    linear.data()[i] = linear_from_srgb8(color.data()[i].g);
+  Eigen::Matrix3d exact = pose.rotation.toRotationMatrix();
+  exact.col(2) = pose.translation_m;
+  LensMap lens(camera);
+  const auto error_px = [&](const Eigen::Matrix3d& h) {
+    double worst = 0;
+    for (const auto& [x, y] : {std::array{0.04, 0.04}, {-0.04, 0.04}, {0.04, -0.04}, {0.0, 0.0}}) {
+      const Eigen::Vector3d p(x, y, 1);
+      worst = std::max(worst, (*project(camera, h * p) - *project(camera, exact * p)).norm());
+    }
+    return worst;
+  };
+  Eigen::Matrix3d start = exact;
+  start.row(1) += 0.9 / camera.fy_px * exact.row(2);  // 0.9 px down: half a square
+  ASSERT_GT(error_px(start), 0.85);
+  EXPECT_LT(error_px(aligned_print(linear, pattern, lens, board, start)), 0.25);
+  EXPECT_LT(
+      error_px(best_print(linear, pattern, lens, board, {start, exact}).normalized_from_board),
+      0.25);
+  EXPECT_EQ(best_print(linear, pattern, lens, board, {}).score, -1);
+}
+
+TEST(PlateBox, ReachesAsFarAsAFoldingLensMapsThePlate) {
+  // Close up: the plate's edge lies beyond the angle at which this lens folds.
+  const SeedBoard board;
+  Camera camera = synthetic::phone_camera(1280);
+  camera.distortion = {-0.35, 0, 0, 0, 0};
+  Eigen::Matrix3d above = Eigen::Matrix3d::Identity();
+  above.col(2) = Eigen::Vector3d(0, 0, 0.03);
+  const PixelBox box = plate_box(board, camera, above);
+  EXPECT_GT(box.width, camera.width_px / 2);
+  EXPECT_GT(box.height, camera.height_px / 2);
 }
 
 TEST(BoardDetection, AnyTurnOfTheCameraGivesTheSameCorners) {

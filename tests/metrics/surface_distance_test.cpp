@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -122,18 +123,35 @@ TEST(ScoreCloud, TruthScoresPerfectlyAndAnOffsetScoresItself) {
   EXPECT_EQ(offset.at[2].precision, 1);
 }
 
-TEST(DistanceTree, TheSignSaysWhichSideEvenBesideSharpEdges) {
-  const Mesh mesh = cube();  // from 0 to 1
+TEST(DistanceTree, TheSignSaysWhichSideBesideSharpEdges) {
+  // A flat wedge, off the axes: beside its thin edge a point is in front of one face and behind the
+  // other, both equally near.
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  Mesh mesh;
+  for (const Eigen::Vector3d& corner :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0.5, 0.1),
+        Eigen::Vector3d(1, 0.5, -0.1)})
+    mesh.vertices_m.push_back(turn * corner);
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   const DistanceTree tree(mesh);
   Rng rng(5);
-  for (int i = 0; i < 2000; ++i) {
-    const Eigen::Vector3d p(uniform(rng, -0.5, 1.5), uniform(rng, -0.5, 1.5),
-                            uniform(rng, -0.5, 1.5));
-    const bool inside = (p.array() > 0).all() && (p.array() < 1).all();
-    const double distance = tree.signed_distance_m(p);
-    EXPECT_EQ(distance < 0, inside) << p.transpose();
-    EXPECT_EQ(std::abs(distance), tree.distance_m(p));
+  int inside = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Eigen::Vector3d p(uniform(rng, -0.2, 1.2), uniform(rng, -0.2, 1.2),
+                            uniform(rng, -0.2, 0.2));
+    const double distance_m = tree.signed_distance_m(turn * p);
+    bool within = true;
+    for (const auto& t : mesh.triangles) {
+      const Eigen::Vector3d a = mesh.vertices_m[t[0]];
+      const Eigen::Vector3d normal = (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a);
+      within = within && normal.dot(turn * p - a) < 0;
+    }
+    inside += within ? 1 : 0;
+    EXPECT_EQ(distance_m < 0, within) << p.transpose();
+    EXPECT_EQ(std::abs(distance_m), tree.distance_m(turn * p));
   }
+  EXPECT_GT(inside, 50);
 }
 
 TEST(ScoreCloud, HalfACloudIsHalfComplete) {

@@ -121,6 +121,22 @@ TEST(ScoreSeeds, AMissedSeedIsNotSolvedAndAStrangerIsSpurious) {
   EXPECT_NEAR(row_of(rows, "zhengdan958", "length.solved").value, 2.0 / 3, 1e-12);
 }
 
+TEST(ScoreSeeds, TheSphereIsNotPooledWithSeeds) {
+  const SceneTruth truth = three_boxes();
+  const auto seeds = score_run(truth, estimate_of(truth, 1e-5, 1e-5), {}).specimens;
+  auto specimens = seeds;
+  for (SpecimenRow row : seeds) {
+    row.cultivar = "jimai22";
+    specimens.push_back(row);
+    row.cultivar = "sphere";
+    row.measured += 1;
+    specimens.push_back(row);
+  }
+  const auto rows = pooled_rows(specimens, {});
+  EXPECT_NEAR(row_of(rows, "all", "length.rmse").value, 1e-5, 1e-12);
+  EXPECT_GT(row_of(rows, "sphere", "length.rmse").value, 0.5);
+}
+
 TEST(ScoreSeeds, RatioOfTwoMethodsIsTheirOffsetsRatio) {
   const SceneTruth truth = three_boxes();
   SeedsScoreLabels labels;
