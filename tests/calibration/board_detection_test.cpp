@@ -56,6 +56,20 @@ Errors errors_of(const FrameCorners& corners, const synthetic::View& view, const
   return e;
 }
 
+/// Pebbles that lie on the first markers.
+std::vector<synthetic::Ellipsoid> pebbles_on_markers(const SeedBoard& board, int count,
+                                                     const Eigen::Vector3d& half_axes_m) {
+  std::vector<synthetic::Ellipsoid> pebbles;
+  for (int index = 0; index < count; ++index) {
+    synthetic::Ellipsoid pebble;
+    const auto corners = marker_corners_in_world_m(board, index);
+    pebble.centre_m = 0.5 * (corners[0] + corners[2]);
+    pebble.half_axes_m = half_axes_m;
+    pebbles.push_back(pebble);
+  }
+  return pebbles;
+}
+
 TEST(BoardDetection, CornersAreUnbiasedForEveryLens) {
   const SeedBoard board;
   for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,
@@ -115,18 +129,11 @@ TEST(BoardDetection, SquaresTwoPixelsHighAreFoundByThePlatesOutline) {
 TEST(BoardDetection, LowViewsWithoutAMarkerInSightAreNotGuessed) {
   // The same low view with a pebble on every marker: nothing tells the turns apart.
   const SeedBoard board;
-  std::vector<synthetic::Ellipsoid> pebbles;
-  for (int index = 0; index < 4; ++index) {
-    synthetic::Ellipsoid pebble;
-    const auto corners = marker_corners_in_world_m(board, index);
-    pebble.centre_m = 0.5 * (corners[0] + corners[2]);
-    pebble.half_axes_m = {0.012, 0.012, 0.003};
-    pebbles.push_back(pebble);
-  }
+  const auto pebbles = pebbles_on_markers(board, 4, {0.011, 0.011, 0.001});
   const synthetic::View view =
       still(synthetic::phone_camera(1280), synthetic::orbit(0.8, 0.21, 0.8));
   const Corners corners = detect_board(capture_of({view}, board, pebbles), board);
-  EXPECT_NE(corners[0].status, BoardStatus::ok);
+  EXPECT_EQ(corners[0].status, BoardStatus::ambiguous) << to_string(corners[0].status);
 }
 
 TEST(PrintMatch, APlateThatTheImageCutsHasNoOutline) {
@@ -199,13 +206,8 @@ TEST(BoardDetection, AnyTurnOfTheCameraGivesTheSameCorners) {
 TEST(BoardDetection, OneMarkerInFourIsEnough) {
   const SeedBoard board;
   std::vector<synthetic::Ellipsoid> covers = synthetic::seeds(Rng(5));
-  for (int index = 0; index < 3; ++index) {  // pebbles on three of the markers
-    synthetic::Ellipsoid e;
-    const auto corners = marker_corners_in_world_m(board, index);
-    e.centre_m = 0.5 * (corners[0] + corners[2]);
-    e.half_axes_m = {0.010, 0.010, 0.003};
-    covers.push_back(e);
-  }
+  for (const auto& pebble : pebbles_on_markers(board, 3, {0.010, 0.010, 0.003}))
+    covers.push_back(pebble);
   const synthetic::View view =
       still(synthetic::phone_camera(1280), synthetic::orbit(0.45, 0.8, 2.0));
   const Corners corners = detect_board(capture_of({view}, board, covers), board);
