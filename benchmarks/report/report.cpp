@@ -312,9 +312,11 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
     page.html += "<p class=\"note\">" + html_escaped(note) + "</p>\n";
   add_images(page, input.images);
   add_shapes(page, input.shapes, config.max_points);
-  add_plots(page, "traits", "Measured against true", scatter_plots(input.scores.specimens), false);
-  add_plots(page, "errors", "Distribution of errors", error_histograms(input.scores.specimens),
-            false);
+  std::vector<SpecimenRow> plotted = input.scores.specimens;
+  std::erase_if(plotted,
+                [&](const SpecimenRow& row) { return input.not_plotted.contains(row.cultivar); });
+  add_plots(page, "traits", "Measured against true", scatter_plots(plotted), false);
+  add_plots(page, "errors", "Distribution of errors", error_histograms(plotted), false);
   std::vector<Plot> plots;
   for (const Attribution& attribution : input.attributions) {
     if (can_draw(attribution)) plots.push_back(waterfall_plot(attribution));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -71,6 +72,7 @@ struct ReportInput {
   std::vector<std::string> commands;  ///< that made what is shown
   std::string config_toml;
   ScoreFile scores;
+  std::set<std::string> not_plotted;  ///< cultivars only in the tables, not among measured and true
   std::vector<Headline> headlines;
   std::vector<ReportImage> images;
   std::vector<ReportShape> shapes;

@@ -204,9 +204,6 @@ void append_specimen_rows(const Instance& object, const SpecimenTraits* measured
   }
 }
 
-/// The reference sphere is no seed: its size, twice a seed's, would make every pooled slope right.
-constexpr const char* kSphere = "sphere";
-
 /// Groups that statistics are made for: each cultivar, each species, and all seeds.
 std::vector<std::string> groups_of(std::span<const SpecimenRow> specimens) {
   std::set<std::string> cultivars, species;

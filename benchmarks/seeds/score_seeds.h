@@ -43,6 +43,10 @@ std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens,
                                   const std::string& method_a, const std::string& method_b,
                                   const SeedsScoreLabels& labels);
 
+/// The reference sphere is no seed: its size, twice a seed's, would make every pooled slope right
+/// and leave the seeds a corner of every plot.
+inline constexpr const char* kSphere = "sphere";
+
 /// maize, wheat, rice; other names stand for themselves.
 std::string species_of(const std::string& cultivar);
 

@@ -212,6 +212,9 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   if (!report.command_line.empty()) input.commands = {report.command_line};
   input.config_toml = report.config_toml;
   input.scores = report.scores;
+  for (const SpecimenRow& row : report.scores.specimens) {
+    if (row.cultivar != kSphere) input.not_plotted = {kSphere};
+  }
   input.headlines = headlines_of(report.scores.scores);
   for (const ReportPicture& picture : report.pictures) {
     input.images.push_back({picture.name, picture.caption, encode_png(picture.image)});

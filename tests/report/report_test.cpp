@@ -48,6 +48,16 @@ TEST(Report, TextNeverBecomesMarkup) {
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);
 }
 
+TEST(Report, WhatIsNotPlottedIsInTheFilesOnly) {
+  ReportInput input = example_report();
+  const std::string point = "\"cultivar\":\"tianguinuo932\"";  // of a plot's data
+  ASSERT_NE(make_report(input).find(point), std::string::npos);
+  input.not_plotted = {"tianguinuo932"};
+  const std::string html = make_report(input);
+  EXPECT_EQ(html.find(point), std::string::npos);
+  EXPECT_NE(html.find("specimens.csv"), std::string::npos);
+}
+
 TEST(Report, IsTheSameBytesEachTime) {
   EXPECT_TRUE(make_report(example_report()) == make_report(example_report()));
 }
