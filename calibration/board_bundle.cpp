@@ -51,13 +51,13 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& v) {
   return Eigen::Matrix3d::Identity() + 0.5 * c + c * c / 6;
 }
 
-/// Residual of one corner over its sigma, with analytic derivatives.
+/// Residual of one corner, whitened by its covariance, with analytic derivatives.
 class CornerCost final : public ceres::CostFunction {
  public:
-  CornerCost(const BundleView& view, const BoardPoint& point, double sigma_px)
+  CornerCost(const BundleView& view, const BoardPoint& point, const Eigen::Matrix2d& white)
       : view_(view),
         point_(point),
-        sigma_px_(sigma_px),
+        white_(white),
         fraction_((point.pixel_px.y() - 0.5 * (view.reported.height_px - 1)) /
                   std::max(1, view.reported.height_px - 1)) {
     set_num_residuals(2);
@@ -84,7 +84,7 @@ class CornerCost final : public ceres::CostFunction {
     const Eigen::Vector3d p = turn * still + shift;
     const std::optional<Projection> seen = project_with_jacobian(camera, p);
     if (!seen) return false;
-    const Eigen::Vector2d residual = (seen->pixel_px - point_.pixel_px) / sigma_px_;
+    const Eigen::Vector2d residual = white_ * (seen->pixel_px - point_.pixel_px);
     std::copy_n(residual.data(), 2, residuals);
     if (jacobians == nullptr) return true;
     const Eigen::Vector2d from_centre(seen->pixel_px.x() - camera.cx_px,
@@ -100,14 +100,14 @@ class CornerCost final : public ceres::CostFunction {
         j.middleCols<3>(kMotion) = -fraction_ * seen->d_point * cross_matrix(turn * still);
         j.middleCols<3>(kMotion + 3) = fraction_ * seen->d_point;
       }
-      j /= sigma_px_;
+      j = white_ * j;
     }
     if (jacobians[1] != nullptr) {
       Eigen::Map<RowMatrix> j(jacobians[1], 2, parameter_block_sizes()[1]);
       j.col(kScale) = from_centre / (1 + parameters[1][kScale]);
       j.middleCols<2>(kCentre).setIdentity();
       j.rightCols(j.cols() - kDistortion) = d_pixel_d_distortion(camera, p);
-      j /= sigma_px_;
+      j = white_ * j;
     }
     return true;
   }
@@ -115,7 +115,7 @@ class CornerCost final : public ceres::CostFunction {
  private:
   const BundleView& view_;
   const BoardPoint& point_;
-  double sigma_px_;
+  Eigen::Matrix2d white_;
   double fraction_;  ///< of the readout, from the middle row
 };
 
@@ -192,8 +192,8 @@ struct Bundle {
     return parameters.data() + parameters.size() - static_cast<std::size_t>(shared_size);
   }
 
-  double sigma_px(const BoardPoint& p) const {
-    return std::hypot(p.sigma_px, config.corner_floor_px);
+  Eigen::Matrix2d white(const BoardPoint& p) const {
+    return whitening(p.covariance_px2 + isotropic_px2(config.corner_floor_px));
   }
 };
 
@@ -213,7 +213,7 @@ bool solve(Bundle& bundle) {
     ordering->AddElementToGroup(parameters, 0);
     problem.AddResidualBlock(new Prior(view_prior(view, bundle.config)), nullptr, parameters);
     for (const BoardPoint& p : view.points) {
-      problem.AddResidualBlock(new CornerCost(view, p, bundle.sigma_px(p)),
+      problem.AddResidualBlock(new CornerCost(view, p, bundle.white(p)),
                                new ceres::CauchyLoss(kLossSigmas), parameters, bundle.shared());
     }
     if (bundle.lens_fixed)
@@ -247,8 +247,8 @@ ViewSystem linearize(const Bundle& bundle, std::size_t i) {
                Eigen::MatrixXd::Zero(all, all)};
   RowMatrix jv(2, own), js(2, all);
   for (const BoardPoint& p : view.points) {
-    const double sigma = bundle.sigma_px(p);
-    const CornerCost cost(view, p, sigma);
+    const Eigen::Matrix2d white = bundle.white(p);
+    const CornerCost cost(view, p, white);
     const std::array<const double*, 2> parameters{bundle.own(i), bundle.shared()};
     std::array<double*, 2> jacobians{jv.data(), js.data()};
     Eigen::Vector2d r;
@@ -259,7 +259,7 @@ ViewSystem linearize(const Bundle& bundle, std::size_t i) {
     s.mixed += weight * jv.transpose() * js;
     s.shared += weight * js.transpose() * js;
     s.weighted_squares += weight * r.squaredNorm();
-    s.squares_px2 += r.squaredNorm() * sigma * sigma;
+    s.squares_px2 += (white.inverse() * r).squaredNorm();
   }
   const Eigen::VectorXd prior = view_prior(view, bundle.config).cwiseInverse();
   s.own += Eigen::MatrixXd(prior.cwiseAbs2().asDiagonal());

@@ -240,9 +240,9 @@ bool fit_plane(const Camera& camera, const SeedBoard& board, std::vector<CornerF
   for (const CornerFit& f : fits) {
     const std::optional<Eigen::Vector2d> n = normalized(camera, f.pixel_px);
     if (!n) return false;
-    const double sigma_px = std::max(0.01, f.sigma_px * f.noise);
+    const double sigma = std::max(0.01, f.noise * sigma_px(f.covariance_px2));
     points.push_back(
-        {corner_in_world_m(board, f.column, f.row).head<2>(), *n, sigma_px / camera.fx_px});
+        {corner_in_world_m(board, f.column, f.row).head<2>(), *n, sigma / camera.fx_px});
   }
   for (int round = 0; round < 3; ++round) {
     const HomographyFit fit = fit_homography(points);
@@ -294,12 +294,12 @@ void refine(const Planes& planes, LensMap& lens, const SeedBoard& board,
   const double typical = median(noises);
   for (const CornerFit& f : fits) {
     // A window of few pixels knows its own noise badly: it is pooled with the view's.
-    constexpr double kPooledPixels = 30;
+    constexpr double kPooledPixels = 30, kFloorPx = 1e-3;
     const double variance = (f.pixels * f.noise * f.noise + kPooledPixels * typical * typical) /
                             (f.pixels + kPooledPixels);
-    const double sigma_px = f.sigma_px * std::sqrt(variance);
-    if (sigma_px <= config.max_sigma_px) {
-      view.corners.push_back({f.column, f.row, f.pixel_px, std::max(sigma_px, 1e-3)});
+    const Eigen::Matrix2d covariance_px2 = variance * f.covariance_px2 + isotropic_px2(kFloorPx);
+    if (sigma_px(covariance_px2) <= config.max_sigma_px) {
+      view.corners.push_back({f.column, f.row, f.pixel_px, covariance_px2});
     }
   }
   view.status = static_cast<int>(view.corners.size()) >= config.min_corners

@@ -37,7 +37,7 @@ void validate(const BoardDetectionConfig& config);
 /// screen; where that finds nothing, the print as a whole is moved onto the plate's outline.
 /// A plain board looks the same after a quarter turn: its first view defines the frame and later
 /// views take the turn nearest to the view before; a view too far from it for that is `ambiguous`.
-/// One entry for each frame; sigma_px is predicted from each fit's own residual.
+/// One entry for each frame; covariance_px2 is predicted from each fit's own residual.
 Corners detect_board(const Capture& capture, const SeedBoard& board,
                      const BoardDetectionConfig& config = {});
 

@@ -29,11 +29,12 @@ void check_input(const Capture& capture, const Corners& corners, const SeedBoard
     if (capture.frames[i].sensors.empty()) throw std::invalid_argument(frame + " has no sensor");
     validate(capture.frames[i].sensors.front().reported);
     for (const CornerObservation& c : corners[i].corners) {
-      if (!corner_exists(board, c.column, c.row) || !c.pixel_px.allFinite() || !(c.sigma_px > 0) ||
-          !std::isfinite(c.sigma_px)) {
+      if (!corner_exists(board, c.column, c.row) || !c.pixel_px.allFinite() ||
+          !c.covariance_px2.allFinite() || !(c.covariance_px2(0, 0) > 0) ||
+          !(c.covariance_px2.determinant() > 0)) {
         throw std::invalid_argument(frame + ": corner (" + std::to_string(c.column) + ", " +
                                     std::to_string(c.row) +
-                                    ") is not on the board, or its pixel or sigma is not a number");
+                                    ") is not on the board, or its pixel or covariance is not one");
       }
     }
   }
@@ -42,7 +43,7 @@ void check_input(const Capture& capture, const Corners& corners, const SeedBoard
 std::vector<BoardPoint> points_of(const FrameCorners& frame, const SeedBoard& board) {
   std::vector<BoardPoint> points;
   for (const CornerObservation& c : frame.corners) {
-    points.push_back({corner_in_world_m(board, c.column, c.row), c.pixel_px, c.sigma_px});
+    points.push_back({corner_in_world_m(board, c.column, c.row), c.pixel_px, c.covariance_px2});
   }
   return points;
 }

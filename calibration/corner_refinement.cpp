@@ -42,8 +42,11 @@ std::optional<CornerFit> fit_window(const Image<float>& linear, const BoardTempl
   fit.shift_px = solution.tail<2>() / fit.contrast;
   const double squares = std::max(0.0, bb - solution.dot(atb));
   fit.noise = std::sqrt(squares / (fit.pixels - 4)) / fit.contrast;
-  fit.sigma_px = std::sqrt(std::max(0.0, 0.5 * (inverse(2, 2) + inverse(3, 3))));
-  if (!std::isfinite(fit.sigma_px)) return std::nullopt;
+  fit.covariance_px2 =
+      0.5 * (inverse.bottomRightCorner<2, 2>() + inverse.bottomRightCorner<2, 2>().transpose());
+  const bool known = fit.covariance_px2.allFinite() && fit.covariance_px2(0, 0) > 0 &&
+                     fit.covariance_px2.determinant() > 0;
+  if (!known) return std::nullopt;
   return fit;
 }
 

@@ -17,7 +17,8 @@ struct CornerFit {
   double offset = 0;    ///< linear signal of black
   double contrast = 0;  ///< linear signal of white minus black
   double noise = 0;     ///< RMS of what the fit leaves, over the contrast
-  double sigma_px = 0;  ///< predicted, per axis, for noise of 1 (times `noise` gives pixels)
+  /// Predicted, of the shift, for noise of 1 (times `noise` squared gives square pixels).
+  Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Zero();
   int pixels = 0;
   PixelBox window;  ///< within the template's box
 };

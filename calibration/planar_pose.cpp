@@ -1,12 +1,14 @@
 #include "calibration/planar_pose.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "calibration/homography.h"
+#include "sim/types/seams.h"
 
 namespace cousin {
 namespace {
@@ -32,10 +34,11 @@ System linearize(const Camera& camera, const std::vector<BoardPoint>& points, co
       system.cost = kHopeless;
       return system;
     }
-    const Eigen::Vector2d r = (p.pixel_px - seen->pixel_px) / p.sigma_px;
+    const Eigen::Matrix2d white = whitening(p.covariance_px2);
+    const Eigen::Vector2d r = white * (p.pixel_px - seen->pixel_px);
     Eigen::Matrix<double, 2, 6> j;
     j << -seen->d_point * cross_matrix(turned), seen->d_point;
-    j /= p.sigma_px;
+    j = white * j;
     const double norm = r.norm();
     const double weight = norm > kHuberSigmas ? kHuberSigmas / norm : 1;
     system.cost += norm > kHuberSigmas ? kHuberSigmas * (2 * norm - kHuberSigmas) : norm * norm;
@@ -107,6 +110,10 @@ Pose mirrored(const Pose& pose) {
 
 }  // namespace
 
+Eigen::Matrix2d whitening(const Eigen::Matrix2d& covariance) {
+  return covariance.inverse().llt().matrixU();
+}
+
 Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& v) {
   const double angle = v.norm();
   const double s = angle > 1e-8 ? std::sin(0.5 * angle) / angle : 0.5;
@@ -125,7 +132,8 @@ PlanarPose estimate_planar_pose(const Camera& camera, const std::vector<BoardPoi
   for (const BoardPoint& p : points) {
     const std::optional<Eigen::Vector3d> ray = unproject(camera, p.pixel_px);
     if (!ray || ray->z() < 1e-3) return result;
-    plane.push_back({p.in_board_m.head<2>(), ray->head<2>() / ray->z(), p.sigma_px / camera.fx_px});
+    plane.push_back({p.in_board_m.head<2>(), ray->head<2>() / ray->z(),
+                     sigma_px(p.covariance_px2) / camera.fx_px});
   }
   const HomographyFit fit = fit_homography(plane);
   if (!fit.ok) return result;

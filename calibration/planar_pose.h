@@ -12,7 +12,7 @@ namespace cousin {
 struct BoardPoint {
   Eigen::Vector3d in_board_m;
   Eigen::Vector2d pixel_px;
-  double sigma_px = 0.1;
+  Eigen::Matrix2d covariance_px2 = 0.01 * Eigen::Matrix2d::Identity();
 };
 
 struct PlanarPose {
@@ -20,6 +20,9 @@ struct PlanarPose {
   Pose camera_from_board;
   double rms_px = 0;  ///< per coordinate, all points
 };
+
+/// W with W' W = covariance^-1 (upper triangular): W times a residual has unit covariance.
+Eigen::Matrix2d whitening(const Eigen::Matrix2d& covariance);
 
 /// Rotation by a rotation vector, and the cross-product matrix.
 Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& rotation_vector);

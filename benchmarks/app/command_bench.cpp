@@ -42,6 +42,7 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   config.quick = o.quick;
   config.attribution = o.attribution;
   config.sets = o.sets;
+  config.captures = o.captures;
   const auto results =
       run_shards(out / "shards", seeds_suite_jobs(config, context.progress.function()),
                  parse_shard(o.shard), [&](const std::string& name, int done, int total) {
@@ -119,6 +120,7 @@ ExitCode command_bench(const JobContext& context) {
   parse_shard(o.shard);
   const fs::path folder = o.out.empty() ? fs::path("out") / "bench" : fs::path(o.out);
   for (const Suite* suite : wanted) require_writable(folder / suite->name);
+  if (!o.captures.empty()) require_writable(o.captures);
   bool failed = false;
   const bool list = o.json && wanted.size() > 1;
   for (const Suite* suite : wanted) {

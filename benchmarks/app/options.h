@@ -20,8 +20,9 @@ struct Options {
   bool json = false;
   bool quiet = false;
   int scenes = 1;
-  int frames = 0;     ///< views of each scene; 0 = the scene's own number
-  std::string shard;  ///< "i/n"
+  int frames = 0;        ///< views of each scene; 0 = the scene's own number
+  std::string shard;     ///< "i/n"
+  std::string captures;  ///< where `bench seeds` keeps what it renders; empty = nowhere
   std::string method;
   std::string pipeline;
   std::vector<std::string> stages;  ///< NAME=dir:…|exec:…

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "benchmarks/seeds/attribution.h"
+#include "benchmarks/seeds/capture_store.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/score_seeds.h"
@@ -99,9 +100,10 @@ void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
   }
 }
 
-std::string run_job(const SuiteJob& job, const Progress& progress) {
-  const SimulatedRun run =
-      simulate_seeds(job.config, job.seed, job.run, planned_truth(job.attribution), progress);
+std::string run_job(const SuiteJob& job, const std::filesystem::path& captures,
+                    const Progress& progress) {
+  const SimulatedRun run = stored_seeds(captures, job.config, job.seed, job.run,
+                                        planned_truth(job.attribution), progress);
   ScoreFile file;
   file.header.program_version = COUSIN_VERSION;
   file.header.config_hash = config_hash(job.config, job.seed);
@@ -216,7 +218,9 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
                       (job.attribution ? "/attribution" : "");
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
-    jobs.push_back({job.name, key, [job, progress] { return run_job(job, progress); }});
+    jobs.push_back({job.name, key, [job, captures = config.captures, progress] {
+                      return run_job(job, captures, progress);
+                    }});
   }
   return jobs;
 }

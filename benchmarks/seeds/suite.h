@@ -13,10 +13,11 @@ namespace cousin {
 
 struct SeedsSuiteConfig {
   std::uint64_t seed = 1;
-  int runs = 5;                   ///< of each cultivar at 60 views
-  bool quick = false;             ///< one cultivar a species, few views, small images: minutes
-  bool attribution = false;       ///< truth in each seam for run 0 of each cultivar
-  std::vector<std::string> sets;  ///< key=value for every job
+  int runs = 5;                    ///< of each cultivar at 60 views
+  bool quick = false;              ///< one cultivar a species, few views, small images: minutes
+  bool attribution = false;        ///< truth in each seam for run 0 of each cultivar
+  std::vector<std::string> sets;   ///< key=value for every job
+  std::filesystem::path captures;  ///< keeps what is rendered for later runs; empty = nowhere
 };
 
 /// The Seeds experiment: for each cultivar runs of ten seeds at the paper's imaging (1920 x 1080,

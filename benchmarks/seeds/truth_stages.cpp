@@ -39,7 +39,7 @@ Corners true_corners(const SimulatedRun& run, const SeedBoard& board) {
         if (!corner_exists(board, column, row)) continue;
         const auto pixel = project_rolling(view, corner_in_world_m(board, column, row));
         if (!pixel || instance_at(run.truth.images[f], *pixel) != id) continue;
-        frame.corners.push_back({column, row, *pixel, 0.01});
+        frame.corners.push_back({column, row, *pixel, isotropic_px2(0.01)});
       }
     }
     frame.status = frame.corners.size() >= 12 ? BoardStatus::ok : BoardStatus::too_few_corners;

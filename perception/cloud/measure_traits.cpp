@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <stdexcept>
 
 #include "sim/config/limits.h"
 #include "sim/geometry/measure.h"
@@ -83,7 +84,7 @@ Values sample_sigmas(const Surface& surface, const OrientedBox& box) {
   return sigmas;
 }
 
-SpecimenTraits mesh_traits(const Surface& surface, const MeshTraitConfig& config) {
+SpecimenTraits mesh_traits(const Surface& surface, double pixel_m, const MeshTraitConfig& config) {
   if (surface.status != SurfaceStatus::ok) {
     return not_solved(surface.instance, "surface: " + std::string(to_string(surface.status)));
   }
@@ -99,8 +100,8 @@ SpecimenTraits mesh_traits(const Surface& surface, const MeshTraitConfig& config
     return not_solved(surface.instance, "the mesh encloses no volume");
   result.status = TraitStatus::ok;
   Values sigmas = sample_sigmas(surface, box);
-  const Values beyond_fit = {config.length_sigma_m, config.width_sigma_m, config.height_sigma_m,
-                             config.area_sigma * mass.area_m2,
+  const Values beyond_fit = {config.length_sigma_px * pixel_m, config.width_sigma_px * pixel_m,
+                             config.height_sigma_px * pixel_m, config.area_sigma * mass.area_m2,
                              config.volume_sigma * mass.volume_m3};
   for (std::size_t k = 0; k < kTraits; ++k) sigmas[k] = std::hypot(sigmas[k], beyond_fit[k]);
   result.traits = traits_from(values, sigmas);
@@ -127,9 +128,9 @@ Traits traits_as_paper(const Surfaces& surfaces, const PaperTraitConfig& config)
 }
 
 Fields fields(MeshTraitConfig& c) {
-  return {{"length_sigma_m", &c.length_sigma_m, "of lengths, beyond the fit's", 0, 1},
-          {"width_sigma_m", &c.width_sigma_m, "of widths, beyond the fit's", 0, 1},
-          {"height_sigma_m", &c.height_sigma_m, "of heights, beyond the fit's", 0, 1},
+  return {{"length_sigma_px", &c.length_sigma_px, "of lengths, beyond the fit's", 0, 100},
+          {"width_sigma_px", &c.width_sigma_px, "of widths, beyond the fit's", 0, 100},
+          {"height_sigma_px", &c.height_sigma_px, "of heights, beyond the fit's", 0, 100},
           {"area_sigma", &c.area_sigma, "relative, beyond the fit's", 0, 1},
           {"volume_sigma", &c.volume_sigma, "relative, beyond the fit's", 0, 1}};
 }
@@ -139,10 +140,15 @@ void validate(const MeshTraitConfig& config) {
   check_limits(fields(copy), "traits");
 }
 
-Traits traits_of_meshes(const Surfaces& surfaces, const MeshTraitConfig& config) {
+Traits traits_of_meshes(const Surfaces& surfaces, double pixel_m, const MeshTraitConfig& config) {
   validate(config);
+  if (std::isinf(pixel_m) || pixel_m < 0) {
+    throw std::invalid_argument("traits: pixel_m = " + std::to_string(pixel_m) +
+                                " is not a length");
+  }
   Traits traits(surfaces.size());
-  for (std::size_t i = 0; i < surfaces.size(); ++i) traits[i] = mesh_traits(surfaces[i], config);
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    traits[i] = mesh_traits(surfaces[i], pixel_m, config);
   return traits;
 }
 

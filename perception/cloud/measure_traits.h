@@ -16,14 +16,15 @@ void validate(const PaperTraitConfig& config);
 /// plane, or an alpha shape without a tetrahedron: not_solved, with the reason.
 Traits traits_as_paper(const Surfaces& surfaces, const PaperTraitConfig& config = {});
 
-/// What a closed, smooth surface cannot say about itself: creases, ridges, brushes and the shape of
-/// what no view sees. Standard deviations, added in quadrature to those of the fit. The defaults
-/// are the scatter that rendered seeds of three species showed beyond it at 1920 x 1080 (seeds 1
-/// and 7; scored on others).
+/// What a closed, smooth surface cannot say about itself: creases, ridges, brushes, the shape of
+/// what no view sees, and outlines that are off by the same share of a pixel in every view.
+/// Standard deviations, added in quadrature to those of the fit. The defaults are the scatter that
+/// rendered seeds of three species showed beyond it at 1920 x 1080, where a pixel spans 0.33 mm
+/// (seeds 1 and 7; scored on others).
 struct MeshTraitConfig {
-  double length_sigma_m = 3.5e-5;
-  double width_sigma_m = 5e-5;  ///< the box turns about the length with ease
-  double height_sigma_m = 6e-5;
+  double length_sigma_px = 0.105;
+  double width_sigma_px = 0.15;  ///< the box turns about the length with ease
+  double height_sigma_px = 0.18;
   double area_sigma = 0.045;    ///< relative
   double volume_sigma = 0.045;  ///< relative
 };
@@ -32,6 +33,9 @@ void validate(const MeshTraitConfig& config);
 /// Ours: minimum-volume box, area and volume of the closed mesh; sigma is the standard deviation
 /// over the surface's samples (NaN with fewer than two) together with the configured ones. Surfaces
 /// without a mesh, or whose status is not ok: not_solved, with the reason.
-Traits traits_of_meshes(const Surfaces& surfaces, const MeshTraitConfig& config = {});
+/// @param pixel_m  what a pixel of the views spans at the specimens; NaN: unknown, and then so are
+///                 the sigmas of the three lengths
+Traits traits_of_meshes(const Surfaces& surfaces, double pixel_m,
+                        const MeshTraitConfig& config = {});
 
 }  // namespace cousin

@@ -1,7 +1,9 @@
 #include "perception/pipelines/seeds.h"
 
+#include <algorithm>
 #include <exception>
 #include <stdexcept>
+#include <vector>
 
 #include "sim/types/stage_clock.h"
 
@@ -33,6 +35,19 @@ BoardKind board_kind_of(const std::string& text) {
   if (text == "markers") return BoardKind::markers;
   if (text == "plain") return BoardKind::plain;
   throw std::invalid_argument("board \"" + text + "\" is not one of as_reported, markers, plain");
+}
+
+/// What a pixel spans at the board's middle: the median over the views that have a pose, else NaN.
+double pixel_at_board_m(const Poses& poses) {
+  std::vector<double> spans_m;
+  for (const FramePose& pose : poses) {
+    if (pose.status != PoseStatus::ok || !(pose.camera.fx_px > 0)) continue;
+    spans_m.push_back(pose.camera_from_world.translation_m.norm() / pose.camera.fx_px);
+  }
+  if (spans_m.empty()) return kNaN;
+  const auto middle = spans_m.begin() + static_cast<std::ptrdiff_t>(spans_m.size() / 2);
+  std::nth_element(spans_m.begin(), middle, spans_m.end());
+  return *middle;
 }
 
 SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
@@ -155,7 +170,7 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
                         Rng(seed).fork("surface_samples"));
   };
   stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
-    return traits_of_meshes(so_far.surfaces, config.traits);
+    return traits_of_meshes(so_far.surfaces, pixel_at_board_m(so_far.poses), config.traits);
   };
   return stages;
 }

@@ -1,6 +1,8 @@
 // corners.json
 //   {"frames": [{"frame": 0, "status": "ok",
-//                "corners": [{"column", "row", "pixel_px": [x, y], "sigma_px"}]}]}
+//                "corners": [{"column", "row", "pixel_px": [x, y], "covariance_px2": [xx, xy,
+//                yy]}]}]}
+//                 ("sigma_px" instead where both axes have the same sigma and no correlation)
 // poses.json
 //   {"frames": [{"frame": 0, "status": "ok", "camera_from_world": POSE, "camera": CAMERA,
 //                "covariance": [36, row-major], "rms_px": number or null, "corner_count"}]}
@@ -29,6 +31,7 @@ constexpr std::size_t kMaxCorners = 100'000;  ///< of one frame
 constexpr std::size_t kMaxSpecimens = 10'000'000;
 constexpr std::size_t kMaxTraits = 1000;  ///< of one specimen
 constexpr int kMaxInstance = 1'000'000'000;
+constexpr double kMaxVariance = 1e12;  ///< px^2
 
 int read_frame_number(const JsonNode& node, std::set<int>& seen) {
   const int frame = static_cast<int>(node.integer(0, 999'999));
@@ -51,14 +54,24 @@ FrameCorners read_frame_corners(const JsonNode& node, std::set<int>& seen) {
                              BoardStatus::ambiguous, BoardStatus::no_image});
   std::set<std::pair<int, int>> places;
   for (const JsonNode& entry : node["corners"].elements(kMaxCorners)) {
-    entry.expect_keys({"column", "row", "pixel_px"}, {"sigma_px"});
+    entry.expect_keys({"column", "row", "pixel_px"}, {"covariance_px2", "sigma_px"});
     CornerObservation corner;
     corner.column = static_cast<int>(entry["column"].integer(0, 9999));
     corner.row = static_cast<int>(entry["row"].integer(0, 9999));
     if (!places.emplace(corner.column, corner.row).second)
       entry.fail("has a (column, row) that occurs twice");
     corner.pixel_px = entry["pixel_px"].vector<2>();
-    if (entry.has("sigma_px")) corner.sigma_px = entry["sigma_px"].number(0, 1e6);
+    if (entry.has("covariance_px2")) {
+      const Eigen::Vector3d c = entry["covariance_px2"].vector<3>();
+      corner.covariance_px2 << c[0], c[1], c[1], c[2];
+      if (!(c[0] >= 0 && c[2] >= 0 && c[0] <= kMaxVariance && c[2] <= kMaxVariance &&
+            c[1] * c[1] <= c[0] * c[2])) {
+        entry["covariance_px2"].fail("is not a covariance [xx, xy, yy] up to 1e12 px^2");
+      }
+      if (entry.has("sigma_px")) entry["sigma_px"].fail("comes beside covariance_px2");
+    } else if (entry.has("sigma_px")) {
+      corner.covariance_px2 = isotropic_px2(entry["sigma_px"].number(0, 1e6));
+    }
     frame.corners.push_back(corner);
   }
   return frame;
@@ -121,7 +134,9 @@ std::string corners_to_json(const Corners& corners) {
       entries.push_back({{"column", corner.column},
                          {"row", corner.row},
                          {"pixel_px", to_json(corner.pixel_px)},
-                         {"sigma_px", corner.sigma_px}});
+                         {"covariance_px2",
+                          {corner.covariance_px2(0, 0), corner.covariance_px2(0, 1),
+                           corner.covariance_px2(1, 1)}}});
     }
     frames.push_back(
         {{"frame", frame.frame}, {"status", to_string(frame.status)}, {"corners", entries}});

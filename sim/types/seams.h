@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -24,8 +25,18 @@ struct CornerObservation {
   int column = 0;  ///< of the board's inner corners
   int row = 0;
   Eigen::Vector2d pixel_px = Eigen::Vector2d::Zero();
-  double sigma_px = 0.1;  ///< predicted standard deviation per axis
+  /// Predicted, of (x, y). At grazing views squares are lozenges, and their corners are known well
+  /// across the long diagonal and badly along it.
+  Eigen::Matrix2d covariance_px2 = 0.01 * Eigen::Matrix2d::Identity();
 };
+/// Covariance of two coordinates of the same standard deviation, and the standard deviation per
+/// axis (root mean square of both) of a covariance.
+inline Eigen::Matrix2d isotropic_px2(double sigma_px) {
+  return sigma_px * sigma_px * Eigen::Matrix2d::Identity();
+}
+inline double sigma_px(const Eigen::Matrix2d& covariance_px2) {
+  return std::sqrt(0.5 * covariance_px2.trace());
+}
 enum class BoardStatus { ok, not_seen, too_few_corners, ambiguous, no_image };
 struct FrameCorners {
   int frame = 0;

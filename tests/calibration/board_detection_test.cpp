@@ -48,7 +48,7 @@ Errors errors_of(const FrameCorners& corners, const synthetic::View& view, const
         c.pixel_px - synthetic::true_pixel(view, corner_in_world_m(board, c.column, c.row));
     e.mean += d / n;
     e.rms_px += d.squaredNorm() / (2 * n);
-    e.normalized += d.squaredNorm() / (2 * n * c.sigma_px * c.sigma_px);
+    e.normalized += d.dot(c.covariance_px2.ldlt().solve(d)) / (2 * n);
     e.worst_px = std::max(e.worst_px, d.norm());
   }
   e.rms_px = std::sqrt(e.rms_px);
@@ -300,7 +300,7 @@ TEST(BoardDetection, ThreadsDoNotChangeAByte) {
       ASSERT_EQ(corners[i].corners.size(), reference[i].corners.size());
       for (std::size_t k = 0; k < corners[i].corners.size(); ++k) {
         EXPECT_EQ(corners[i].corners[k].pixel_px, reference[i].corners[k].pixel_px);
-        EXPECT_EQ(corners[i].corners[k].sigma_px, reference[i].corners[k].sigma_px);
+        EXPECT_EQ(corners[i].corners[k].covariance_px2, reference[i].corners[k].covariance_px2);
       }
     }
   }

@@ -30,7 +30,7 @@ Corners true_corners(const synthetic::Shoot& shoot, const SeedBoard& board, doub
             synthetic::true_pixel(shoot.views[i], corner_in_world_m(board, column, row));
         frame.corners.push_back({column, row,
                                  pixel + sigma_px * Eigen::Vector2d(normal(noise), normal(noise)),
-                                 std::max(sigma_px, 1e-3)});
+                                 isotropic_px2(std::max(sigma_px, 1e-3))});
       }
     }
     corners.push_back(frame);

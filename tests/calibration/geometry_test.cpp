@@ -90,7 +90,7 @@ TEST(PlanarPose, IsExactForEveryLensAndTilt) {
       for (int row = 0; row < 14; row += 3) {
         for (int column = 0; column < 14; column += 3) {
           const Eigen::Vector3d p = corner_in_world_m(board, column, row);
-          points.push_back({p, project(camera, truth * p).value(), 0.1});
+          points.push_back({p, project(camera, truth * p).value()});
         }
       }
       const PlanarPose pose = estimate_planar_pose(camera, points);
@@ -109,7 +109,7 @@ TEST(PlanarPose, FewOrCollinearPointsAreRefused) {
   std::vector<BoardPoint> points;
   for (int i = 0; i < 8; ++i) {
     const Eigen::Vector3d p(0.01 * i - 0.04, 0.01, 0);
-    points.push_back({p, project(camera, truth * p).value(), 0.1});
+    points.push_back({p, project(camera, truth * p).value()});
   }
   EXPECT_FALSE(estimate_planar_pose(camera, points).ok);
   points.resize(3);

@@ -80,8 +80,10 @@ TEST(PaperTraits, DegenerateClustersAreNotSolvedAndSayWhy) {
   }
 }
 
+constexpr double kPixel_m = 1e-3;
+
 TEST(MeshTraits, OfABlockAreExact) {
-  const SpecimenTraits traits = traits_of_meshes({block_surface(kSize)}).front();
+  const SpecimenTraits traits = traits_of_meshes({block_surface(kSize)}, kPixel_m).front();
   ASSERT_EQ(traits.status, TraitStatus::ok) << traits.reason;
   EXPECT_EQ(traits.instance, 3);
   EXPECT_NEAR(value_of(traits, "length"), 0.010, 1e-9);
@@ -104,15 +106,15 @@ TEST(MeshTraits, SigmaIsTheSpreadOfTheSamples) {
     for (Eigen::Vector3d& p : sample) p = middle + scale * (p - middle);
     surface.samples_m.push_back(std::move(sample));
   }
-  const SpecimenTraits traits = traits_of_meshes({surface}, {0, 0, 0, 0, 0}).front();
+  const SpecimenTraits traits = traits_of_meshes({surface}, kPixel_m, {0, 0, 0, 0, 0}).front();
   // The relative standard error of a sigma of 200 samples is 5 %; allow four.
   EXPECT_NEAR(sigma_of(traits, "length") / 0.010, kScaleSigma, 0.2 * kScaleSigma);
   EXPECT_NEAR(sigma_of(traits, "height") / 0.004, kScaleSigma, 0.2 * kScaleSigma);
   EXPECT_NEAR(sigma_of(traits, "area") / 2.48e-4, 2 * kScaleSigma, 0.4 * kScaleSigma);
   EXPECT_NEAR(sigma_of(traits, "volume") / 2.4e-7, 3 * kScaleSigma, 0.6 * kScaleSigma);
 
-  const MeshTraitConfig beyond{1e-4, 2e-4, 3e-4, 0.03, 0.04};
-  const SpecimenTraits wider = traits_of_meshes({surface}, beyond).front();
+  const MeshTraitConfig beyond{0.1, 0.2, 0.3, 0.03, 0.04};
+  const SpecimenTraits wider = traits_of_meshes({surface}, kPixel_m, beyond).front();
   const auto expect_quadrature = [&](const char* trait, double added) {
     EXPECT_NEAR(sigma_of(wider, trait), std::hypot(sigma_of(traits, trait), added), 1e-6 * added)
         << trait;
@@ -122,7 +124,12 @@ TEST(MeshTraits, SigmaIsTheSpreadOfTheSamples) {
   expect_quadrature("height", 3e-4);
   expect_quadrature("area", 0.03 * 2.48e-4);
   expect_quadrature("volume", 0.04 * 2.4e-7);
-  EXPECT_THROW(traits_of_meshes({surface}, {-1, 0, 0, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(traits_of_meshes({surface}, kPixel_m, {-1, 0, 0, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(traits_of_meshes({surface}, -kPixel_m, beyond), std::invalid_argument);
+  // A pixel of unknown span leaves the lengths without a sigma, not with one that is too small.
+  const SpecimenTraits unposed = traits_of_meshes({surface}, kNaN, beyond).front();
+  EXPECT_TRUE(std::isnan(sigma_of(unposed, "length")));
+  EXPECT_FALSE(std::isnan(sigma_of(unposed, "area")));
 }
 
 TEST(MeshTraits, WhatIsNotASurfaceIsNotSolved) {
@@ -132,11 +139,11 @@ TEST(MeshTraits, WhatIsNotASurfaceIsNotSolved) {
   bare.status = SurfaceStatus::ok;
   Surface inside_out = block_surface(kSize);
   for (auto& t : inside_out.mesh.triangles) std::swap(t[0], t[1]);
-  for (const SpecimenTraits& t : traits_of_meshes({touching, bare, inside_out})) {
+  for (const SpecimenTraits& t : traits_of_meshes({touching, bare, inside_out}, kPixel_m)) {
     EXPECT_EQ(t.status, TraitStatus::not_solved);
     EXPECT_FALSE(t.reason.empty());
   }
-  EXPECT_TRUE(traits_of_meshes({}).empty());
+  EXPECT_TRUE(traits_of_meshes({}, kPixel_m).empty());
 }
 
 }  // namespace

@@ -213,6 +213,22 @@ TEST(HostileJson, TraitsAndCornersNameWhatIsWrong) {
                   R"({"frames": [{"frame": 0, "status": "ok", "corners": []}, 
              {"frame": 0, "status": "ok", "corners": []}]})"),
               HasSubstr("occurs twice"));
+  const auto spread = [&](const std::string& keys) {
+    return corners(R"({"frames": [{"frame": 0, "status": "ok", "corners": [
+             {"column": 0, "row": 0, "pixel_px": [1, 2], )" +
+                   keys + "}]}]}");
+  };
+  EXPECT_EQ(spread(R"("covariance_px2": [4, -2, 1])"), "");
+  EXPECT_EQ(spread(R"("sigma_px": 0.1)"), "");
+  for (const char* wrong : {"[4, 2.1, 1]", "[-4, 0, 1]", "[1, 0, 2e12]"}) {
+    EXPECT_THAT(spread(std::string(R"("covariance_px2": )") + wrong),
+                HasSubstr("is not a covariance [xx, xy, yy]"))
+        << wrong;
+  }
+  EXPECT_THAT(spread(R"("covariance_px2": [1, 0])"),
+              HasSubstr("/frames/0/corners/0/covariance_px2"));
+  EXPECT_THAT(spread(R"("covariance_px2": [1, 0, 1], "sigma_px": 1)"),
+              HasSubstr("comes beside covariance_px2"));
   EXPECT_THAT(error_of([] { timings_from_json(R"({"stages": 3})", "timings.json"); }),
               HasSubstr("/stages = 3 is not an array"));
 }

@@ -25,7 +25,10 @@ TEST(SeamIo, CornersComeBackBitByBit) {
   for (int i = 0; i < 5; ++i) {
     corners[static_cast<std::size_t>(i)] = {.frame = 3 * i, .status = static_cast<BoardStatus>(i)};
   }
-  corners[0].corners = {{2, 3, {1 / 3.0, 1e-17}, 0.1 / 7}, {0, 13, {-0.0, 1e300}, 0}};
+  corners[0].corners = {{2, 3, {1 / 3.0, 1e-17}, isotropic_px2(0.1 / 7)},
+                        {0, 13, {-0.0, 1e300}, Eigen::Matrix2d::Zero()}};
+  corners[0].corners[0].covariance_px2(0, 1) = corners[0].corners[0].covariance_px2(1, 0) =
+      -1e-5 / 3;
   write_corners(folder.path(), corners);
   const Corners read = read_corners(folder.path());
   ASSERT_EQ(read.size(), 5U);
@@ -37,7 +40,7 @@ TEST(SeamIo, CornersComeBackBitByBit) {
       EXPECT_EQ(read[i].corners[k].column, corners[i].corners[k].column);
       EXPECT_EQ(read[i].corners[k].row, corners[i].corners[k].row);
       EXPECT_TRUE(same_bits(read[i].corners[k].pixel_px, corners[i].corners[k].pixel_px));
-      EXPECT_TRUE(same_bits(read[i].corners[k].sigma_px, corners[i].corners[k].sigma_px));
+      EXPECT_TRUE(read[i].corners[k].covariance_px2 == corners[i].corners[k].covariance_px2);
     }
   }
 }
@@ -266,7 +269,7 @@ TEST(SeamIo, AMissingSeamIsNamed) {
 TEST(SeamIo, NumbersThatAreNotFiniteAreNotWritten) {
   const TemporaryFolder folder;
   Corners corners(1);
-  corners[0].corners = {{0, 0, {kNaN, 0}, 0.1}};
+  corners[0].corners = {{0, 0, {kNaN, 0}}};
   EXPECT_THROW(write_corners(folder.path(), corners), std::invalid_argument);
   EXPECT_FALSE(fs::exists(folder.path() / "corners.json"));
 }
