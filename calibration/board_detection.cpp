@@ -240,7 +240,7 @@ bool fit_plane(const Camera& camera, const SeedBoard& board, std::vector<CornerF
   for (const CornerFit& f : fits) {
     const std::optional<Eigen::Vector2d> n = normalized(camera, f.pixel_px);
     if (!n) return false;
-    const double sigma = std::max(0.01, f.noise * sigma_px(f.covariance_px2));
+    const double sigma = std::max(0.01, f.noise * rms_sigma_px(f.covariance_px2));
     points.push_back(
         {corner_in_world_m(board, f.column, f.row).head<2>(), *n, sigma / camera.fx_px});
   }
@@ -297,9 +297,10 @@ void refine(const Planes& planes, LensMap& lens, const SeedBoard& board,
     constexpr double kPooledPixels = 30, kFloorPx = 1e-3;
     const double variance = (f.pixels * f.noise * f.noise + kPooledPixels * typical * typical) /
                             (f.pixels + kPooledPixels);
-    const Eigen::Matrix2d covariance_px2 = variance * f.covariance_px2 + isotropic_px2(kFloorPx);
-    if (sigma_px(covariance_px2) <= config.max_sigma_px) {
-      view.corners.push_back({f.column, f.row, f.pixel_px, covariance_px2});
+    const Eigen::Matrix2d covariance_px2 = variance * f.covariance_px2;
+    if (rms_sigma_px(covariance_px2) <= config.max_sigma_px) {
+      view.corners.push_back(
+          {f.column, f.row, f.pixel_px, covariance_px2 + isotropic_px2(kFloorPx)});
     }
   }
   view.status = static_cast<int>(view.corners.size()) >= config.min_corners

@@ -31,10 +31,12 @@ void check_input(const Capture& capture, const Corners& corners, const SeedBoard
     for (const CornerObservation& c : corners[i].corners) {
       if (!corner_exists(board, c.column, c.row) || !c.pixel_px.allFinite() ||
           !c.covariance_px2.allFinite() || !(c.covariance_px2(0, 0) > 0) ||
-          !(c.covariance_px2.determinant() > 0)) {
+          !(c.covariance_px2.determinant() >
+            1e-12 * c.covariance_px2(0, 0) * c.covariance_px2(1, 1))) {
         throw std::invalid_argument(frame + ": corner (" + std::to_string(c.column) + ", " +
                                     std::to_string(c.row) +
-                                    ") is not on the board, or its pixel or covariance is not one");
+                                    ") is not on the board, or its pixel is not finite or its "
+                                    "covariance not positive definite");
       }
     }
   }

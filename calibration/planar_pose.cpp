@@ -1,7 +1,6 @@
 #include "calibration/planar_pose.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -111,7 +110,7 @@ Pose mirrored(const Pose& pose) {
 }  // namespace
 
 Eigen::Matrix2d whitening(const Eigen::Matrix2d& covariance) {
-  return covariance.inverse().llt().matrixU();
+  return covariance.llt().matrixL().solve(Eigen::Matrix2d::Identity());
 }
 
 Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& v) {
@@ -133,7 +132,7 @@ PlanarPose estimate_planar_pose(const Camera& camera, const std::vector<BoardPoi
     const std::optional<Eigen::Vector3d> ray = unproject(camera, p.pixel_px);
     if (!ray || ray->z() < 1e-3) return result;
     plane.push_back({p.in_board_m.head<2>(), ray->head<2>() / ray->z(),
-                     sigma_px(p.covariance_px2) / camera.fx_px});
+                     rms_sigma_px(p.covariance_px2) / camera.fx_px});
   }
   const HomographyFit fit = fit_homography(plane);
   if (!fit.ok) return result;

@@ -21,7 +21,8 @@ struct PlanarPose {
   double rms_px = 0;  ///< per coordinate, all points
 };
 
-/// W with W' W = covariance^-1 (upper triangular): W times a residual has unit covariance.
+/// W with W' W = covariance^-1, lower triangular: W times a residual has unit covariance. The
+/// covariance must be positive definite.
 Eigen::Matrix2d whitening(const Eigen::Matrix2d& covariance);
 
 /// Rotation by a rotation vector, and the cross-product matrix.

@@ -49,6 +49,13 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
                    context.progress.line("job " + std::to_string(done + 1) + " of " +
                                          std::to_string(total) + ": " + name);
                  });
+  const auto reused =
+      std::count_if(results.begin(), results.end(), [](const ShardResult& r) { return r.reused; });
+  if (reused > 0) {
+    context.progress.line(std::to_string(reused) + " of " + std::to_string(results.size()) +
+                          " jobs taken from " + (out / "shards").string() +
+                          "; another --out measures them again");
+  }
   for (const ShardResult& result : results) {
     if (!result.error.empty()) context.progress.line(result.name + " failed: " + result.error);
   }
@@ -109,6 +116,9 @@ ExitCode command_bench(const JobContext& context) {
     }
     if (!o.arguments.empty() && !o.sets.empty() && !suite->takes_sets) {
       throw std::invalid_argument("suite \"" + name + "\" takes no --set");
+    }
+    if (!o.arguments.empty() && !o.captures.empty() && name != "seeds") {
+      throw std::invalid_argument("suite \"" + name + "\" takes no --captures");
     }
     wanted.push_back(&*suite);
   }

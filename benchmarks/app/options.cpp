@@ -164,9 +164,11 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
                   "Smaller samples: each suite ends within ten minutes, same columns");
   bench->add_flag("--attribution", o.attribution, "Put truth in place of each seam in turn");
   bench->add_option("--shard", o.shard, "i/n: only part i (from 0) of n of the suite's jobs");
-  bench->add_option("--captures", o.captures,
-                    "Folder that keeps what `seeds` renders (15 GB in full), to be measured again "
-                    "by a later run");
+  bench->add_option(
+      "--captures", o.captures,
+      "Folder that keeps what `seeds` renders (15 GB in full): a later run with another "
+      "--out measures the same images again. Remove it when the simulator's code "
+      "changes. --attribution needs more truth and renders its own");
   add_set(*bench, o);
 
   CLI::App* import = verb("import", "Make a dataset of another program's capture");

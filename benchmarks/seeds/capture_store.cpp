@@ -1,10 +1,15 @@
 #include "benchmarks/seeds/capture_store.h"
 
+#include <unistd.h>
+
+#include <atomic>
+#include <stdexcept>
 #include <string>
 
+#include "scenes/seeds/toml_text.h"
+#include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
-#include "sim/dataset/seam_io.h"
 #include "sim/dataset/truth_io.h"
 
 namespace cousin {
@@ -16,7 +21,10 @@ std::string capture_name(const SeedsRunConfig& config, std::uint64_t seed, int s
   SeedsRunConfig seen = config;
   seen.pipeline = SeedsPipelineConfig{};
   std::string key = std::string(COUSIN_VERSION) + "\n" + config_hash(seen, seed) + "\n" +
-                    std::to_string(scene_index) + "\n";
+                    std::to_string(scene_index) + "\n" + sha256_hex(cultivars_toml()) + "\n" +
+                    sha256_hex(setting_toml()) + "\n";
+  const std::string mesh = specimen_file(config.scene);
+  if (!mesh.empty()) key += sha256_hex_of_file(mesh) + "\n";
   for (const bool need : {needs.depth, needs.normal, needs.position, needs.instance, needs.part,
                           needs.coverage, needs.visibility}) {
     key += need ? '1' : '0';
@@ -24,6 +32,64 @@ std::string capture_name(const SeedsRunConfig& config, std::uint64_t seed, int s
   constexpr std::size_t kDigits = 16;
   return (config.scene.sphere ? "sphere" : config.scene.cultivar) + "_" +
          sha256_hex(key).substr(0, kDigits);
+}
+
+/// @throws std::runtime_error naming the folder if it does not hold what its name says.
+void check_whole(const fs::path& stored, const SimulatedRun& run, const SeedsRunConfig& config,
+                 std::uint64_t seed, const TruthNeeds& needs) {
+  const auto require = [&](bool good, const char* what) {
+    if (!good) {
+      throw std::runtime_error(stored.string() + ": " + what +
+                               "; remove the folder to have it rendered again");
+    }
+  };
+  const auto views = static_cast<std::size_t>(config.scene.views);
+  require(run.capture.frames.size() == views && run.truth.views.size() == views,
+          "has not as many views as the scene");
+  require(run.truth.seed == seed, "is of another seed");
+  const bool any = needs.depth || needs.normal || needs.position || needs.instance || needs.part ||
+                   needs.coverage || needs.visibility;
+  require(!any || run.truth.images.size() == views, "lacks truth images");
+  for (const TruthImages& images : run.truth.images) {
+    require(!(needs.depth && images.depth_m.empty()) && !(needs.normal && images.normal.empty()) &&
+                !(needs.position && images.position_m.empty()) &&
+                !(needs.instance && images.instance.empty()) &&
+                !(needs.part && images.part.empty()) &&
+                !(needs.coverage && images.specimen_coverage.empty()) &&
+                !(needs.visibility && images.visibility.empty()),
+            "lacks a truth image");
+  }
+}
+
+SimulatedRun read_stored(const fs::path& stored, const SeedsRunConfig& config, std::uint64_t seed,
+                         const TruthNeeds& needs) {
+  SimulatedRun run;
+  run.capture = read_capture(stored);
+  run.truth = read_truth(stored);
+  check_whole(stored, run, config, seed, needs);
+  return run;
+}
+
+/// Writes beside the final name and renames. Whoever renders the same capture at the same time
+/// writes elsewhere; the first to be done wins, and both are the same bytes.
+void store(const fs::path& stored, const SimulatedRun& run) {
+  static std::atomic<int> counter{0};
+  const fs::path part = stored.string() + "." + std::to_string(::getpid()) + "_" +
+                        std::to_string(counter++) + ".part";
+  try {
+    write_capture(part, run.capture);
+    write_truth(part, run.truth);
+    std::error_code failed;
+    fs::rename(part, stored, failed);
+    if (failed && !fs::exists(stored)) {
+      throw std::runtime_error(stored.string() + ": " + failed.message());
+    }
+    if (failed) fs::remove_all(part);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove_all(part, ignored);
+    throw;
+  }
 }
 
 }  // namespace
@@ -34,19 +100,10 @@ SimulatedRun stored_seeds(const fs::path& folder, const SeedsRunConfig& config, 
   const fs::path stored = folder / capture_name(config, seed, scene_index, needs);
   if (fs::exists(stored)) {
     if (progress) progress("read " + stored.filename().string(), 0, 1);
-    SimulatedRun run;
-    run.capture = read_capture(stored);
-    run.truth = read_truth(stored);
-    run.timings = read_timings(stored);
-    return run;
+    return read_stored(stored, config, seed, needs);
   }
   SimulatedRun run = simulate_seeds(config, seed, scene_index, needs, progress);
-  const fs::path part = stored.string() + ".part";
-  fs::remove_all(part);
-  write_capture(part, run.capture);
-  write_truth(part, run.truth);
-  write_timings(part, run.timings);
-  fs::rename(part, stored);
+  store(stored, run);
   return run;
 }
 

@@ -12,17 +12,23 @@ namespace cousin {
 namespace {
 
 std::optional<Mesh> user_specimen(const SeedsSceneConfig& config) {
-  constexpr std::string_view kMesh = "mesh:";
-  if (config.specimen.empty()) return std::nullopt;
-  if (!config.specimen.starts_with(kMesh)) {
-    throw std::invalid_argument("specimen = \"" + config.specimen + "\" is not \"mesh:FILE\"");
-  }
-  Mesh mesh = read_mesh(config.specimen.substr(kMesh.size()));
+  const std::string file = specimen_file(config);
+  if (file.empty()) return std::nullopt;
+  Mesh mesh = read_mesh(file);
   for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex *= config.specimen_scale;
   return mesh;
 }
 
 }  // namespace
+
+std::string specimen_file(const SeedsSceneConfig& config) {
+  constexpr std::string_view kMesh = "mesh:";
+  if (config.specimen.empty()) return {};
+  if (!config.specimen.starts_with(kMesh)) {
+    throw std::invalid_argument("specimen = \"" + config.specimen + "\" is not \"mesh:FILE\"");
+  }
+  return config.specimen.substr(kMesh.size());
+}
 
 struct SeedsSimulation::Impl {
   SeedsRunConfig config;

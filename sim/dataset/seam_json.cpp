@@ -1,8 +1,8 @@
 // corners.json
 //   {"frames": [{"frame": 0, "status": "ok",
-//                "corners": [{"column", "row", "pixel_px": [x, y], "covariance_px2": [xx, xy,
-//                yy]}]}]}
-//                 ("sigma_px" instead where both axes have the same sigma and no correlation)
+//                "corners": [{"column", "row", "pixel_px": [x, y],
+//                             "covariance_px2": [xx, xy, yy]}]}]}
+//   "sigma_px" instead where both axes have one sigma; neither: 0.1 px.
 // poses.json
 //   {"frames": [{"frame": 0, "status": "ok", "camera_from_world": POSE, "camera": CAMERA,
 //                "covariance": [36, row-major], "rms_px": number or null, "corner_count"}]}
@@ -31,7 +31,8 @@ constexpr std::size_t kMaxCorners = 100'000;  ///< of one frame
 constexpr std::size_t kMaxSpecimens = 10'000'000;
 constexpr std::size_t kMaxTraits = 1000;  ///< of one specimen
 constexpr int kMaxInstance = 1'000'000'000;
-constexpr double kMaxVariance = 1e12;  ///< px^2
+constexpr double kMaxVariance = 1e12;        ///< px^2
+constexpr double kLeastDeterminant = 1e-12;  ///< of a covariance, over the variances' product
 
 int read_frame_number(const JsonNode& node, std::set<int>& seen) {
   const int frame = static_cast<int>(node.integer(0, 999'999));
@@ -64,13 +65,16 @@ FrameCorners read_frame_corners(const JsonNode& node, std::set<int>& seen) {
     if (entry.has("covariance_px2")) {
       const Eigen::Vector3d c = entry["covariance_px2"].vector<3>();
       corner.covariance_px2 << c[0], c[1], c[1], c[2];
-      if (!(c[0] >= 0 && c[2] >= 0 && c[0] <= kMaxVariance && c[2] <= kMaxVariance &&
-            c[1] * c[1] <= c[0] * c[2])) {
-        entry["covariance_px2"].fail("is not a covariance [xx, xy, yy] up to 1e12 px^2");
+      if (!(c[0] > 0 && c[2] > 0 && c[0] <= kMaxVariance && c[2] <= kMaxVariance &&
+            c[0] * c[2] - c[1] * c[1] > kLeastDeterminant * c[0] * c[2])) {
+        entry["covariance_px2"].fail(
+            "is not a positive definite covariance [xx, xy, yy] up to 1e12 px^2");
       }
       if (entry.has("sigma_px")) entry["sigma_px"].fail("comes beside covariance_px2");
     } else if (entry.has("sigma_px")) {
-      corner.covariance_px2 = isotropic_px2(entry["sigma_px"].number(0, 1e6));
+      const double sigma_px = entry["sigma_px"].number(0, 1e6);
+      if (!(sigma_px > 0)) entry["sigma_px"].fail("is not positive");
+      corner.covariance_px2 = isotropic_px2(sigma_px);
     }
     frame.corners.push_back(corner);
   }

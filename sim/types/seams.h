@@ -29,12 +29,12 @@ struct CornerObservation {
   /// across the long diagonal and badly along it.
   Eigen::Matrix2d covariance_px2 = 0.01 * Eigen::Matrix2d::Identity();
 };
-/// Covariance of two coordinates of the same standard deviation, and the standard deviation per
-/// axis (root mean square of both) of a covariance.
+/// Covariance of two independent coordinates of one standard deviation.
 inline Eigen::Matrix2d isotropic_px2(double sigma_px) {
   return sigma_px * sigma_px * Eigen::Matrix2d::Identity();
 }
-inline double sigma_px(const Eigen::Matrix2d& covariance_px2) {
+/// Standard deviation per axis: the root mean square of both.
+inline double rms_sigma_px(const Eigen::Matrix2d& covariance_px2) {
   return std::sqrt(0.5 * covariance_px2.trace());
 }
 enum class BoardStatus { ok, not_seen, too_few_corners, ambiguous, no_image };

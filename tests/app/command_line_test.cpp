@@ -79,6 +79,7 @@ TEST(AppCommandLine, MistakesNameWhatIsWrong) {
   EXPECT_THAT(refusal({"render", "field"}), HasSubstr("scene \"field\" is not one of: seeds"));
   EXPECT_THAT(refusal({"bench", "sedes"}), HasSubstr("suite \"sedes\" is not one of"));
   EXPECT_THAT(refusal({"bench", "seeds", "--shard", "3/3"}), HasSubstr("--shard \"3/3\""));
+  EXPECT_THAT(refusal({"bench", "stability", "--captures", "c"}), HasSubstr("takes no --captures"));
   EXPECT_THAT(refusal({"run", "seeds", "--gate", "length"}), HasSubstr("--gate \"length\""));
   EXPECT_THAT(refusal({"run", "seeds", "--stage", "poses=x"}), HasSubstr("--stage \"poses=x\""));
   EXPECT_THAT(refusal({"run", "seeds", "--method", "magic"}), HasSubstr("\"magic\""));

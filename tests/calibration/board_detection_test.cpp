@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -37,6 +38,8 @@ struct Errors {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   double rms_px = 0;      ///< per axis
   double normalized = 0;  ///< RMS of error over predicted sigma, per axis
+  /// The same along the better and the worse known axis of each corner.
+  Eigen::Vector2d normalized_along = Eigen::Vector2d::Zero();
   double worst_px = 0;
 };
 
@@ -49,10 +52,14 @@ Errors errors_of(const FrameCorners& corners, const synthetic::View& view, const
     e.mean += d / n;
     e.rms_px += d.squaredNorm() / (2 * n);
     e.normalized += d.dot(c.covariance_px2.ldlt().solve(d)) / (2 * n);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(c.covariance_px2);
+    e.normalized_along +=
+        (axes.eigenvectors().transpose() * d).cwiseAbs2().cwiseQuotient(axes.eigenvalues()) / n;
     e.worst_px = std::max(e.worst_px, d.norm());
   }
   e.rms_px = std::sqrt(e.rms_px);
   e.normalized = std::sqrt(e.normalized);
+  e.normalized_along = e.normalized_along.cwiseSqrt();
   return e;
 }
 
@@ -117,12 +124,19 @@ TEST(BoardDetection, SquaresTwoPixelsHighAreFoundByThePlatesOutline) {
                           synthetic::orbit(0.8, 0.21 + 0.005 * i, 0.8 * i, 0.05 * (i - 4))));
   }
   const Corners corners = detect_board(capture_of(views, board, synthetic::seeds(Rng(4))), board);
+  Eigen::Vector2d along = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < views.size(); ++i) {
     ASSERT_EQ(corners[i].status, BoardStatus::ok) << i;
     const Errors e = errors_of(corners[i], views[i], board);
     EXPECT_LT(e.mean.norm(), 0.12) << i;
     EXPECT_LT(e.rms_px, 0.3) << i;
     EXPECT_LT(e.normalized, 2) << i;
+    along += e.normalized_along / static_cast<double>(views.size());
+  }
+  // Each axis has a sigma of its own: with one for both, the better axis would stay far below 1.
+  for (int axis = 0; axis < 2; ++axis) {
+    EXPECT_GT(along[axis], 0.6) << axis;
+    EXPECT_LT(along[axis], 1.7) << axis;
   }
 }
 

@@ -86,6 +86,35 @@ TEST(BoardPoses, CamerasAreWithinAThirdOfAMillimetreAndTheirCovarianceIsHonest) 
   }
 }
 
+TEST(BoardPoses, CornersKnownBetterAlongOneLineAreUsedAsSuch) {
+  // A tenfold sigma along a line that turns from view to view, as at grazing views.
+  const SeedBoard board;
+  synthetic::ShootConfig config;
+  config.views = 24;
+  const synthetic::Shoot shoot = synthetic::plan_shoot(config, Rng(25));
+  Corners lozenges = true_corners(shoot, board, 0, Rng(26));
+  Corners circles = lozenges;
+  Rng noise(27);
+  for (std::size_t i = 0; i < lozenges.size(); ++i) {
+    const Eigen::Rotation2Dd turn(0.7 * static_cast<double>(i) + 0.4);
+    const Eigen::Matrix2d axes = turn.toRotationMatrix();
+    const Eigen::Vector2d sigma_px(0.3, 0.03);
+    for (std::size_t k = 0; k < lozenges[i].corners.size(); ++k) {
+      CornerObservation& c = lozenges[i].corners[k];
+      const Eigen::Vector2d draw(normal(noise), normal(noise));
+      c.pixel_px += axes * sigma_px.cwiseProduct(draw);
+      c.covariance_px2 = axes * sigma_px.cwiseAbs2().asDiagonal() * axes.transpose();
+      circles[i].corners[k].pixel_px = c.pixel_px;
+      circles[i].corners[k].covariance_px2 = isotropic_px2(rms_sigma_px(c.covariance_px2));
+    }
+  }
+  const Score with = score(estimate_board_poses(shoot.capture, lozenges, board), shoot);
+  const Score without = score(estimate_board_poses(shoot.capture, circles, board), shoot);
+  EXPECT_GT(with.normalized, 0.7);
+  EXPECT_LT(with.normalized, 1.35);
+  EXPECT_LT(with.centre_rms_m, 0.8 * without.centre_rms_m);
+}
+
 TEST(BoardPoses, HandMotionIsWorthSolvingFor) {
   const SeedBoard board;
   synthetic::ShootConfig config;

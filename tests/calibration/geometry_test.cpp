@@ -80,6 +80,13 @@ TEST(BoardPattern, AgreesWithTheBoardsOwnAnswer) {
   }
 }
 
+TEST(Whitening, MakesTheCovarianceUnit) {
+  Eigen::Matrix2d covariance;
+  covariance << 4, -1.9, -1.9, 1;
+  const Eigen::Matrix2d white = whitening(covariance);
+  EXPECT_LT((white * covariance * white.transpose() - Eigen::Matrix2d::Identity()).norm(), 1e-12);
+}
+
 TEST(PlanarPose, IsExactForEveryLensAndTilt) {
   const SeedBoard board;
   for (const LensModel model : kLenses) {

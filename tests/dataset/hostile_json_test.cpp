@@ -218,13 +218,15 @@ TEST(HostileJson, TraitsAndCornersNameWhatIsWrong) {
              {"column": 0, "row": 0, "pixel_px": [1, 2], )" +
                    keys + "}]}]}");
   };
-  EXPECT_EQ(spread(R"("covariance_px2": [4, -2, 1])"), "");
+  EXPECT_EQ(spread(R"("covariance_px2": [4, -1.9, 1])"), "");
   EXPECT_EQ(spread(R"("sigma_px": 0.1)"), "");
-  for (const char* wrong : {"[4, 2.1, 1]", "[-4, 0, 1]", "[1, 0, 2e12]"}) {
+  for (const char* wrong :
+       {"[4, 2, 1]", "[4, 2.1, 1]", "[-4, 0, 1]", "[0, 0, 0]", "[1, 0, 2e12]"}) {
     EXPECT_THAT(spread(std::string(R"("covariance_px2": )") + wrong),
-                HasSubstr("is not a covariance [xx, xy, yy]"))
+                HasSubstr("is not a positive definite covariance [xx, xy, yy]"))
         << wrong;
   }
+  EXPECT_THAT(spread(R"("sigma_px": 0)"), HasSubstr("sigma_px = 0 is not positive"));
   EXPECT_THAT(spread(R"("covariance_px2": [1, 0])"),
               HasSubstr("/frames/0/corners/0/covariance_px2"));
   EXPECT_THAT(spread(R"("covariance_px2": [1, 0, 1], "sigma_px": 1)"),

@@ -26,7 +26,7 @@ TEST(SeamIo, CornersComeBackBitByBit) {
     corners[static_cast<std::size_t>(i)] = {.frame = 3 * i, .status = static_cast<BoardStatus>(i)};
   }
   corners[0].corners = {{2, 3, {1 / 3.0, 1e-17}, isotropic_px2(0.1 / 7)},
-                        {0, 13, {-0.0, 1e300}, Eigen::Matrix2d::Zero()}};
+                        {0, 13, {-0.0, 1e300}, isotropic_px2(1e-7)}};
   corners[0].corners[0].covariance_px2(0, 1) = corners[0].corners[0].covariance_px2(1, 0) =
       -1e-5 / 3;
   write_corners(folder.path(), corners);

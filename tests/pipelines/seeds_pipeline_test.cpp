@@ -61,6 +61,30 @@ TEST(SeedsPipeline, AStageThatThrowsIsNamedAndEarlierResultsWereHandedOver) {
   EXPECT_EQ(finished, (std::vector<std::string>{"corners", "poses"}));
 }
 
+TEST(SeedsPipeline, SigmasOfLengthsFollowTheMedianViewsPixel) {
+  const SeedsPipelineConfig config;
+  SeedsEstimate estimate;
+  for (const double distance_m : {0.3, 0.5, 0.8, 90.0}) {
+    FramePose pose;
+    pose.status = distance_m > 1 ? PoseStatus::not_converged : PoseStatus::ok;
+    pose.camera = Camera{LensModel::pinhole, 320, 240, 1000, 1000, 160, 120, {}};
+    pose.camera_from_world.translation_m = distance_m * Eigen::Vector3d(0.6, 0, 0.8);
+    estimate.poses.push_back(pose);
+  }
+  Surface surface;
+  surface.status = SurfaceStatus::ok;
+  surface.mesh = {{{0, 0, 0}, {0.01, 0, 0}, {0, 0.008, 0}, {0, 0, 0.006}},
+                  {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  surface.samples_m = {surface.mesh.vertices_m, surface.mesh.vertices_m};  // the fit is certain
+  estimate.surfaces = {surface};
+  const Traits traits = seeds_stages(config, 1).traits({}, estimate);
+  ASSERT_EQ(traits.at(0).status, TraitStatus::ok) << traits[0].reason;
+  EXPECT_EQ(traits[0].traits.at(0).name, "length");
+  EXPECT_NEAR(traits[0].traits[0].sigma, config.traits.length_sigma_px * 0.5e-3, 1e-9);
+  estimate.poses.clear();
+  EXPECT_TRUE(std::isnan(seeds_stages(config, 1).traits({}, estimate)[0].traits[0].sigma));
+}
+
 TEST(SeedsPipeline, NoFramesAndAForeignBoardAreTheCallersMistakes) {
   const SeedsPipelineConfig config;
   EXPECT_THROW(run_seeds(Capture{}, config, seeds_stages(config, 1)), std::invalid_argument);
