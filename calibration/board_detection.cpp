@@ -144,6 +144,7 @@ std::vector<Placement> placements(const SeedBoard& board,
 struct Choice {
   Placement placement;
   BoardStatus status = BoardStatus::not_seen;
+  double correlation = -1;
 };
 
 /// The placement that correlates best. A plain board's turns tie, so only shifts compete there.
@@ -177,6 +178,7 @@ Choice choose_placement(const Planes& planes, LensMap& lens, const SeedBoard& bo
     }
   }
   Choice choice{best.placement};
+  choice.correlation = best.score;
   if (best.score < config.min_correlation) return choice;
   const bool clear = next.score < 0 || preference(planes.linear, pattern, best.print, next.print) >=
                                            config.min_preference;
@@ -308,11 +310,38 @@ void refine(const Planes& planes, LensMap& lens, const SeedBoard& board,
                     : BoardStatus::too_few_corners;
 }
 
+/// Chooses again among all placements of the corners found, through the homography they gave. A
+/// lattice that grew askew fits the print badly wherever it is placed, and the best of bad fits may
+/// be refined onto the squares a turn and two squares from the truth.
+void confirm_placement(const Planes& planes, LensMap& lens, const SeedBoard& board,
+                       const BoardPattern& pattern, const BoardDetectionConfig& config,
+                       BoardView& view) {
+  std::vector<LatticeCorner> found;
+  for (const CornerObservation& c : view.corners) {
+    found.push_back({.column = c.column,
+                     .row = c.row,
+                     .pixel_px = c.pixel_px,
+                     .dark_ahead = (c.column + c.row) % 2 == 0});
+  }
+  const Eigen::Matrix3d from_lattice =
+      view.normalized_from_board * lattice_from_board(board, {}).inverse();
+  const Choice choice = choose_placement(planes, lens, board, pattern, found, from_lattice, config);
+  const Placement& p = choice.placement;
+  if (choice.status == BoardStatus::ok && p.turn == 0 && p.column == 0 && p.row == 0) return;
+  view.corners.clear();
+  view.status = choice.status;
+  if (choice.status != BoardStatus::ok) return;
+  view.normalized_from_board = from_lattice * lattice_from_board(board, p);
+  view.status = BoardStatus::not_seen;
+  refine(planes, lens, board, pattern, config, view);
+}
+
 /// Places a lattice on the board and measures the corners.
 BoardView measure(const Planes& planes, LensMap& lens, const SeedBoard& board,
                   const BoardPattern& pattern, const BoardDetectionConfig& config,
                   std::vector<LatticeCorner> lattice) {
   constexpr int kLeastLattice = 8;
+  constexpr double kClearCorrelation = 0.8;  // a lattice that fits reaches 0.9 in sharp views
   BoardView view;
   if (static_cast<int>(lattice.size()) < kLeastLattice) return view;
   const HomographyFit fit = fit_lattice(lens.camera(), lattice);
@@ -325,6 +354,9 @@ BoardView measure(const Planes& planes, LensMap& lens, const SeedBoard& board,
       fit.normalized_from_plane * lattice_from_board(board, choice.placement);
   view.status = BoardStatus::not_seen;
   refine(planes, lens, board, pattern, config, view);
+  if (view.status == BoardStatus::ok && choice.correlation < kClearCorrelation) {
+    confirm_placement(planes, lens, board, pattern, config, view);
+  }
   return view;
 }
 

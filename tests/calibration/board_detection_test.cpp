@@ -11,6 +11,7 @@
 #include "calibration/plate_outline.h"
 #include "calibration/print_match.h"
 #include "sim/imaging/color.h"
+#include "sim/imaging/image_io.h"
 #include "tests/calibration/synthetic_board.h"
 
 namespace cousin {
@@ -137,6 +138,46 @@ TEST(BoardDetection, SquaresTwoPixelsHighAreFoundByThePlatesOutline) {
   for (int axis = 0; axis < 2; ++axis) {
     EXPECT_GT(along[axis], 0.6) << axis;
     EXPECT_LT(along[axis], 1.7) << axis;
+  }
+}
+
+TEST(BoardDetection, ALatticeThatGrewAskewIsPlacedAgain) {
+  // Part of frame 16 of `cousin render seeds --seed 10 --scenes 3 --set cultivar=xiangyaxiangzhan
+  // --set rig=phone_video_1080p` (scene 000002): 15 degrees above the board, 65 cm away. A third of
+  // the saddles grow into a lattice that leaps a row; where it fits best, the print lies half a
+  // turn and two squares off, and all corners are found there too.
+  constexpr double kLeft = 752, kTop = 480;  // of the part in the image
+  Camera reported{LensModel::opencv5,
+                  384,
+                  136,
+                  1630.300887557842,
+                  1630.300887557842,
+                  947.4624231018337 - kLeft,
+                  544.7490145911806 - kTop,
+                  {0.04726930426480583, -0.07372601235433471, 0.00040349193189140103,
+                   -0.00027845028582032966, 0.022101294294742252}};
+  Capture capture;
+  capture.rig.resize(1);
+  capture.frames.resize(1);
+  capture.frames[0].sensors.resize(1);
+  capture.frames[0].sensors[0].reported = reported;
+  capture.frames[0].sensors[0].color =
+      read_color(std::string(COUSIN_SOURCE_DIR) + "/tests/calibration/data/low_view_1080p.png");
+  const SeedBoard board;
+  const Corners corners = detect_board(capture, board);
+  ASSERT_EQ(corners[0].status, BoardStatus::ok);
+  EXPECT_GT(corners[0].corners.size(), 120U);
+  // The true lens and the pose of the middle row, to within the readout's motion.
+  Camera lens = reported;
+  lens.fx_px = lens.fy_px = 1630.5770381798332;
+  lens.cx_px = 948.6522704816789 - kLeft;
+  lens.cy_px = 544.3092270364436 - kTop;
+  const Pose truth{Eigen::Quaterniond(0.604031, 0.782972, 0.127544, -0.076377).normalized(),
+                   {0.00091, -0.00221, 0.65100}};
+  for (const CornerObservation& c : corners[0].corners) {
+    const auto seen = project(lens, truth * corner_in_world_m(board, c.column, c.row));
+    ASSERT_TRUE(seen);
+    EXPECT_LT((*seen - c.pixel_px).norm(), 2) << c.column << ", " << c.row;
   }
 }
 
