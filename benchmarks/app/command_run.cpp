@@ -117,8 +117,9 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
   file.specimens = std::move(scores.specimens);
   for (ScoreRow& row : timing_rows(run.timings, labels)) file.scores.push_back(std::move(row));
   if (o.attribution) {
-    const auto steps = attribute_seeds(run, config.pipeline, o.seed, labels, &estimate,
-                                       context.progress.function());
+    const auto steps =
+        attribute_seeds(run, config.pipeline, stages_of(config.pipeline, o.seed, sources, scene),
+                        labels, &estimate, context.progress.function());
     for (ScoreRow& row : attribution_rows(steps, labels)) file.scores.push_back(std::move(row));
   }
   if (scene == 0) {
@@ -180,6 +181,9 @@ ExitCode command_run(const JobContext& context) {
     std::printf("%s", describe(fields(copy)).c_str());
     return ExitCode::done;
   }
+  for (const std::string& gate : o.gates) parse_gate(gate);
+  std::vector<StageSource> sources;
+  for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
   const std::vector<PlanEntry> plan = seeds_plan(config, o.attribution);
   if (o.plan) {
     if (o.json) {
@@ -193,9 +197,6 @@ ExitCode command_run(const JobContext& context) {
     }
     return ExitCode::done;
   }
-  for (const std::string& gate : o.gates) parse_gate(gate);
-  std::vector<StageSource> sources;
-  for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
   const fs::path out = o.out.empty() ? fs::path("out") / "seeds" : fs::path(o.out);
   require_writable(out);
 

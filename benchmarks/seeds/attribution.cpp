@@ -18,9 +18,8 @@ double wall_s(const SeedsEstimate& estimate) {
 }  // namespace
 
 std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipelineConfig& config,
-                                      std::uint64_t seed, const SeedsScoreLabels& labels,
+                                      const SeedsStages& own, const SeedsScoreLabels& labels,
                                       const SeedsEstimate* estimate, const Progress& progress) {
-  const SeedsStages own = seeds_stages(config, seed);
   const SeedsStages truth = truth_stages(run, board_of(run.capture, config));
   std::vector<std::string> replaced;
   std::vector<SeamStep> steps;

@@ -19,10 +19,11 @@ struct SeamStep {
 
 /// Runs the pipeline once as it is and once more for each seam with truth up to there.
 /// `run.truth.images` must hold truth_stage_needs().
+/// @param own       the stages that are explained, ours or a user's (see stages_of)
 /// @param estimate  the pipeline's own result on run.capture if it is known already; its stages are
 /// not run again
 std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipelineConfig& config,
-                                      std::uint64_t seed, const SeedsScoreLabels& labels,
+                                      const SeedsStages& own, const SeedsScoreLabels& labels,
                                       const SeedsEstimate* estimate = nullptr,
                                       const Progress& progress = {});
 

@@ -7,13 +7,17 @@
 
 namespace cousin {
 
+SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
+                      const std::vector<StageSource>& sources, int scene_index) {
+  const std::uint64_t own_seed = Rng(seed).fork(static_cast<std::uint64_t>(scene_index))();
+  return with_stage_sources(seeds_stages(config, own_seed), sources, scene_index);
+}
+
 SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
                              std::uint64_t seed, const std::vector<StageSource>& sources,
                              int scene_index, const std::filesystem::path& estimate_dir,
                              const Progress& progress) {
-  const SeedsStages stages = with_stage_sources(
-      seeds_stages(config, Rng(seed).fork(static_cast<std::uint64_t>(scene_index))()), sources,
-      scene_index);
+  const SeedsStages stages = stages_of(config, seed, sources, scene_index);
   const auto& names = seeds_stage_names();
   const auto observe = [&](const std::string& stage, bool finished, const SeedsEstimate& so_far) {
     const auto place = std::find(names.begin(), names.end(), stage) - names.begin();

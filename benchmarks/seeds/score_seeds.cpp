@@ -11,6 +11,7 @@
 #include "benchmarks/metrics/specimens.h"
 #include "benchmarks/metrics/surface_distance.h"
 #include "benchmarks/metrics/trait_statistics.h"
+#include "benchmarks/seeds/board_turn.h"
 #include "benchmarks/seeds/true_outline.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/geometry/measure.h"
@@ -240,8 +241,9 @@ std::string species_of(const std::string& cultivar) {
   return found == kSpecies.end() ? cultivar : found->second;
 }
 
-SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate,
+SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& as_perceived,
                       const SeedsScoreLabels& labels) {
+  const SeedsEstimate estimate = turned_to_truth(as_perceived, truth);
   SeedsScores scores;
   const ScoreRow base = base_row(labels);
   const auto objects = specimens_of(truth.scene);
@@ -295,6 +297,11 @@ std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens,
         if (asked == 0) continue;
         add(rows, base, trait + ".solved",
             static_cast<double>(pairs.size()) / static_cast<double>(asked), "1", asked);
+        if (pairs.size() == 1) {  // one object, the sphere: its error, without statistics
+          add(rows, base, trait + ".bias", pairs[0].measured - pairs[0].truth, unit, 1);
+          add(rows, base, trait + ".mape", std::abs(pairs[0].measured / pairs[0].truth - 1), "1",
+              1);
+        }
         if (pairs.size() < 2) continue;
         const Rng rng = Rng(labels.seed).fork("bootstrap").fork(method + "/" + group + "/" + trait);
         for (ScoreRow& row : score_rows(base, trait, unit, trait_statistics(pairs, rng)))

@@ -28,7 +28,8 @@ struct SeedsScores {
 
 /// Scores one capture: specimens found, missed and spurious, poses, cloud and meshes against the
 /// true surfaces, seconds and memory; and one specimen row for each true specimen and trait (status
-/// not_solved where it was not measured). Whatever the estimate does not hold is not scored.
+/// not_solved where it was not measured). Whatever the estimate does not hold is not scored. On a
+/// plain board the estimate is turned first, see board_turn.h.
 SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate,
                       const SeedsScoreLabels& labels);
 

@@ -135,8 +135,9 @@ std::string run_job(const SuiteJob& job, const std::filesystem::path& captures,
     }
     if (all && job.attribution) {
       labels.method = "ours";
-      const auto steps =
-          attribute_seeds(run, job.config.pipeline, stage_seed, labels, &ours, progress);
+      const auto steps = attribute_seeds(run, job.config.pipeline,
+                                         stages_of(job.config.pipeline, stage_seed, {}, 0), labels,
+                                         &ours, progress);
       for (ScoreRow& row : attribution_rows(steps, labels)) {
         row.scene = labels.scene;
         file.scores.push_back(std::move(row));

@@ -46,6 +46,7 @@ TEST(AppCommandLine, EveryVerbExplainsItself) {
 }
 
 TEST(AppCommandLine, AnUnknownOptionIsNamed) {
+  EXPECT_THAT(refusal({"run", "seeds", "--plan", "--stage", "bogus=dir:/"}), HasSubstr("bogus"));
   EXPECT_THAT(refusal({"run", "seeds", "-o", "x"}),
               AllOf(HasSubstr("unknown option -o; did you mean --out?"),
                     HasSubstr("cousin run --help"), Not(HasSubstr("SCENE"))));

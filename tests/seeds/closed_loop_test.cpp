@@ -33,6 +33,14 @@ const std::vector<std::string>& small_scene() {
   return sets;
 }
 
+/// The least views and pixels that measure both seeds.
+SeedsRunConfig measured_scene(const std::vector<std::string>& more = {}) {
+  std::vector<std::string> sets = small_scene();
+  sets.insert(sets.end(), {"views=18", "rig.width_px=960", "rig.height_px=540"});
+  sets.insert(sets.end(), more.begin(), more.end());
+  return seeds_run_config(sets);
+}
+
 SimulatedRun simulate(std::size_t threads, const TruthNeeds& needs = {}) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   return simulate_seeds(seeds_run_config(small_scene()), 3, 0, needs);
@@ -123,6 +131,83 @@ TEST(ClosedLoop, TruthInEverySeamScoresPerfectly) {
       EXPECT_LT(row.value, 1e-8);  // float points 0.1 m from the origin
     }
   }
+}
+
+/// Largest error of a length, m; every specimen must have been measured.
+double worst_length_m(const SeedsScores& scores) {
+  double worst = 0;
+  for (const SpecimenRow& row : scores.specimens) {
+    EXPECT_EQ(row.status, ScoreStatus::ok) << row.instance << " " << row.trait;
+    if (row.trait == "length") worst = std::max(worst, std::abs(row.measured - row.truth));
+  }
+  return worst;
+}
+
+TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
+  const SeedsRunConfig config = measured_scene();
+  const SimulatedRun run = simulate_seeds(config, 3, 0, {});
+  SeedsPipelineConfig pipeline = config.pipeline;
+  const SeedsScores ours =
+      score_run(run.truth, perceive_seeds(run.capture, pipeline, 3, {}, 0, {}), {});
+  ASSERT_EQ(ours.specimens.size(), 10U);
+  EXPECT_LT(worst_length_m(ours), 3e-4);  // a pixel spans 0.37 mm
+  for (const ScoreRow& row : ours.rows) {
+    if (row.metric == "camera.centre_rms") {
+      EXPECT_LT(row.value, 2e-3);
+    }
+  }
+  pipeline.method = SeedsMethod::paper;
+  const SeedsScores paper = score_run(
+      run.truth, perceive_seeds(run.capture, pipeline, 3, {}, 0, {}), {.method = "paper"});
+  EXPECT_LT(worst_length_m(paper), 3e-3);
+}
+
+TEST(ClosedLoop, APlainBoardsFrameIsTurnedToTheTruths) {
+  std::vector<std::string> sets = small_scene();
+  sets.insert(sets.end(), {"markers=false", "views=3"});
+  const SeedsRunConfig config = seeds_run_config(sets);
+  const SimulatedRun run = simulate_seeds(config, 3, 0, truth_stage_needs());
+  const SeedsEstimate exact = run_seeds(run.capture, config.pipeline,
+                                        truth_stages(run, board_of(run.capture, config.pipeline)));
+  for (int count = 0; count < 4; ++count) {
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5 * M_PI * count, Eigen::Vector3d::UnitZ()));
+    for (const bool with_poses : {true, false}) {
+      SeedsEstimate turned = exact;
+      for (FramePose& pose : turned.poses) {
+        pose.camera_from_world = pose.camera_from_world * inverse(Pose{turn, {0, 0, 0}});
+      }
+      for (Surface& surface : turned.surfaces) {
+        for (Eigen::Vector3d& p : surface.mesh.vertices_m) p = turn * p;
+      }
+      for (SpecimenTraits& s : turned.traits) s.centroid_in_world_m = turn * s.centroid_in_world_m;
+      if (!with_poses) turned.poses.clear();
+      const SeedsScores scores = score_run(run.truth, turned, {});
+      EXPECT_LT(worst_length_m(scores), 1e-12) << count;
+      for (const ScoreRow& row : scores.rows) {
+        if (row.metric == "camera.centre_rms" || row.metric == "mesh.accuracy_rms") {
+          EXPECT_LT(row.value, 1e-9) << row.metric << " " << count;
+        }
+      }
+    }
+  }
+}
+
+TEST(ClosedLoop, AttributionExplainsTheStagesThatRan) {
+  const SimulatedRun run = simulate(2, truth_stage_needs());
+  const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
+  // A user's masks that see nothing: only the truth in their place (and later) measures a seed.
+  SeedsStages own = stages_of(pipeline, 3, {}, 0);
+  own.masks = [](const Capture&, const SeedsEstimate&) { return Silhouettes{}; };
+  const SeedsEstimate estimate = run_seeds(run.capture, pipeline, own);
+  const std::vector<SeamStep> steps = attribute_seeds(run, pipeline, own, {}, &estimate);
+  ASSERT_EQ(steps.size(), 9U);
+  for (const SeamStep& step : steps) {
+    const bool after = step.stage == "masks" || step.stage == "surfaces" || step.stage == "traits";
+    for (const SpecimenRow& row : step.scores.specimens) {
+      EXPECT_EQ(row.status == ScoreStatus::ok, after) << step.stage;
+    }
+  }
+  EXPECT_EQ(worst_length_m(steps.back().scores), 0);
 }
 
 TEST(ClosedLoop, TrueCornersAgreeWithWhatIsFoundInTheImages) {
