@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "calibration/board_template.h"
+#include "calibration/board_turns.h"
 #include "calibration/corner_refinement.h"
 #include "calibration/grid_growth.h"
 #include "calibration/homography.h"
@@ -432,39 +433,99 @@ Eigen::Quaterniond rotation_of(const Eigen::Matrix3d& h) {
   return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose()));
 }
 
-/// Plain board: turns each view by quarters to be nearest to the view before.
-void resolve_turns(const SeedBoard& board, const BoardDetectionConfig& config,
-                   std::vector<BoardView>& views) {
-  std::optional<Eigen::Quaterniond> last;
+/// Turns a view's axes by quarters: rotation of its camera, and the corners' places on the board.
+void turn_axes(const SeedBoard& board, int turn, BoardView& view) {
   const int end = board.squares - 2;
-  for (BoardView& view : views) {
-    if (view.status != BoardStatus::ok) continue;
-    const Eigen::Quaterniond rotation = rotation_of(view.normalized_from_board);
-    int turn = 0;
-    double angle = 0;
-    if (last) {
-      angle = 10;
-      for (int k = 0; k < 4; ++k) {
-        const Eigen::Quaterniond about_z(
-            Eigen::AngleAxisd(0.5 * M_PI * k, Eigen::Vector3d::UnitZ()));
-        const double a = angle_rad(rotation * about_z * last->conjugate());
-        if (a < angle) angle = a, turn = k;
-      }
+  const Eigen::AngleAxisd about_z(0.5 * M_PI * turn, Eigen::Vector3d::UnitZ());
+  view.normalized_from_board = view.normalized_from_board * about_z.toRotationMatrix();
+  // The axes turn by +k quarters, so a corner's place on the board turns by -k about the middle.
+  for (CornerObservation& c : view.corners) {
+    const auto p = turned(4 - turn, 2 * c.column - end, 2 * c.row - end);
+    c.column = (p[0] + end) / 2;
+    c.row = (p[1] + end) / 2;
+  }
+}
+
+/// Views whose board was found, the steepest first.
+std::vector<std::size_t> steepest_first(const std::vector<BoardView>& views) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (views[i].status != BoardStatus::ok) continue;
+    const Eigen::Matrix3d& h = views[i].normalized_from_board;
+    const Eigen::Vector3d normal = rotation_of(h) * Eigen::Vector3d::UnitZ();
+    order.emplace_back(-std::abs(h.col(2).normalized().dot(normal)), i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::size_t> result;
+  for (const auto& [steepness, i] : order) result.push_back(i);
+  return result;
+}
+
+/// For each view and quarter turn, how little it shows what the others show: kWeight (1 -
+/// correlation). Specimens in plain sight outweigh a leap.
+std::vector<TurnCosts> costs_of_specimens(const Capture& capture, const SeedBoard& board,
+                                          const std::vector<BoardView>& views,
+                                          const std::vector<std::size_t>& order) {
+  constexpr double kWeight = 2;
+  TopView all;
+  std::vector<TopView> tops(views.size());
+  for (const std::size_t i : order) {
+    const SensorFrame& frame = capture.frames[i].sensors.front();
+    tops[i] = TopView(frame.color, board, frame.reported, views[i].normalized_from_board);
+    const std::optional<int> turn =
+        i == order.front() ? std::optional<int>(0) : turn_of_specimens(all, tops[i]);
+    if (turn) all.add(tops[i].turned(*turn));
+  }
+  std::vector<TurnCosts> costs(views.size());
+  for (const std::size_t i : order) {
+    for (int k = 0; k < 4; ++k) {
+      // Axes turn against what they measure.
+      costs[i][static_cast<std::size_t>(k)] =
+          kWeight * (1 - all.correlation(tops[i].turned(4 - k)));
     }
-    if (angle > config.max_turn_rad) {
+  }
+  return costs;
+}
+
+/// Plain board: the quarter turns of all views together that cost least. A view costs what its
+/// specimens differ from those of all views; two that follow each other cost (angle / largest
+/// turn)^2, at most 1. A view for which another turn costs nearly the same is ambiguous.
+void resolve_turns(const Capture& capture, const SeedBoard& board,
+                   const BoardDetectionConfig& config, std::vector<BoardView>& views) {
+  constexpr double kClear = 0.1;
+  std::vector<std::size_t> order = steepest_first(views);
+  if (order.empty()) return;
+  const std::size_t first = order.front();
+  std::vector<TurnCosts> own = costs_of_specimens(capture, board, views, order);
+  own[first] = {0, 1e6, 1e6, 1e6};  // it defines the frame
+  std::sort(order.begin(), order.end());
+  const std::size_t n = order.size();
+  std::vector<TurnCosts> costs;
+  std::vector<TurnCosts> leaps;  // between a view and the next, by the difference of their turns
+  for (std::size_t v = 0; v < n; ++v) {
+    costs.push_back(own[order[v]]);
+    if (v + 1 == n) break;
+    const Eigen::Quaterniond here = rotation_of(views[order[v]].normalized_from_board);
+    const Eigen::Quaterniond next = rotation_of(views[order[v + 1]].normalized_from_board);
+    TurnCosts leap{};
+    for (int k = 0; k < 4; ++k) {
+      const Eigen::Quaterniond about_z(Eigen::AngleAxisd(0.5 * M_PI * k, Eigen::Vector3d::UnitZ()));
+      const double ratio = angle_rad(next * about_z * here.conjugate()) / config.max_turn_rad;
+      leap[static_cast<std::size_t>(k)] = std::min(1.0, ratio * ratio);
+    }
+    leaps.push_back(leap);
+  }
+  const std::vector<TurnCosts> totals = least_totals(costs, leaps);
+  for (std::size_t v = 0; v < n; ++v) {
+    BoardView& view = views[order[v]];
+    TurnCosts sorted = totals[v];
+    const auto best = std::min_element(totals[v].begin(), totals[v].end());
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted[1] - sorted[0] < kClear) {
       view.status = BoardStatus::ambiguous;
       view.corners.clear();
-      continue;
-    }
-    const Eigen::Quaterniond about_z(
-        Eigen::AngleAxisd(0.5 * M_PI * turn, Eigen::Vector3d::UnitZ()));
-    last = rotation * about_z;
-    // The board's axes turn by +k quarters, so a corner's place on the board turns by -k about the
-    // middle.
-    for (CornerObservation& c : view.corners) {
-      const auto p = turned(4 - turn, 2 * c.column - end, 2 * c.row - end);
-      c.column = (p[0] + end) / 2;
-      c.row = (p[1] + end) / 2;
+    } else {
+      turn_axes(board, static_cast<int>(best - totals[v].begin()), view);
     }
   }
 }
@@ -519,7 +580,7 @@ Corners detect_board(const Capture& capture, const SeedBoard& board,
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
     views[i] = detect_in_frame(capture.frames[i].sensors.front(), board, pattern, config);
   });
-  if (!board.has_markers) resolve_turns(board, config, views);
+  if (!board.has_markers) resolve_turns(capture, board, config, views);
 
   Corners corners;
   for (std::size_t i = 0; i < views.size(); ++i) {

@@ -35,8 +35,10 @@ void validate(const BoardDetectionConfig& config);
 ///    outward until no corner is added; seeds and shadows fail the fit's residual.
 /// Where 1 finds nothing, it is tried again in the plate turned upright by its outline on the green
 /// screen; where that finds nothing, the print as a whole is moved onto the plate's outline.
-/// A plain board looks the same after a quarter turn: its first view defines the frame and later
-/// views take the turn nearest to the view before; a view too far from it for that is `ambiguous`.
+/// A plain board looks the same after a quarter turn: the steepest view defines the frame, and the
+/// turns of the others are chosen together, so that the specimens lie where all views see them and
+/// neighbours in time turn little. A view for which two turns do nearly as well is `ambiguous`. On
+/// an empty board, a path that leaps by more than an eighth of a turn goes wrong unnoticed.
 /// One entry for each frame; covariance_px2 is predicted from each fit's own residual.
 Corners detect_board(const Capture& capture, const SeedBoard& board,
                      const BoardDetectionConfig& config = {});

@@ -29,9 +29,15 @@ SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments) {
   return config;
 }
 
-std::string resolved_toml(const SeedsRunConfig& config) {
+std::string simulator_toml(const SeedsRunConfig& config) {
   SeedsRunConfig copy = config;  // fields point into what they describe
   // Scene keys under a table of their own: top-level "rig" is a name there and a table here.
+  return to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
+                 nested("render", fields(copy.render)));
+}
+
+std::string resolved_toml(const SeedsRunConfig& config) {
+  SeedsRunConfig copy = config;
   return to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
                  nested("render", fields(copy.render)) + nested("pipeline", fields(copy.pipeline)));
 }

@@ -31,6 +31,8 @@ SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments);
 
 /// The resolved configuration as TOML, and its SHA-256.
 std::string resolved_toml(const SeedsRunConfig& config);
+/// The part of it that decides the images: scene, rig and renderer.
+std::string simulator_toml(const SeedsRunConfig& config);
 std::string config_hash(const SeedsRunConfig& config, std::uint64_t seed);
 
 }  // namespace cousin
