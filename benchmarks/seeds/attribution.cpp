@@ -75,6 +75,11 @@ std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps,
       rows.push_back(with_interval(base, name + ".bias", unit, s.bias, s.n));
       rows.push_back(with_interval(base, name + ".mape", "1", s.mape, s.n));
     }
+    for (ScoreRow row : step.scores.rows) {
+      if (row.metric != "camera.centre_rms") continue;
+      row.case_name = "truth up to " + step.stage;
+      rows.push_back(std::move(row));
+    }
   }
   return rows;
 }

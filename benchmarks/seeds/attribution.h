@@ -27,7 +27,8 @@ std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipeli
                                       const SeedsEstimate* estimate = nullptr,
                                       const Progress& progress = {});
 
-/// Rows "length.rmse", "length.bias", ... with case "truth up to STAGE" for each step.
+/// Rows "length.rmse", "length.bias", ... and "camera.centre_rms" with case "truth up to STAGE" for
+/// each step.
 std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps,
                                        const SeedsScoreLabels& labels);
 
