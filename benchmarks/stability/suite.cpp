@@ -66,11 +66,14 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       char limit[64];
       std::snprintf(limit, sizeof limit, " (%s %.3g)", row.upper ? "at most" : "at least",
                     row.limit);
-      score.metric = row.quantity + limit;
+      const bool built = row.limit == row.limit;  // a case that is not built in has no limit
+      score.metric = built ? row.quantity + limit : row.quantity;
       score.value = row.value;
       score.unit = row.unit.empty() ? "1" : row.unit;
       score.n = 1;
-      score.status = row.pass ? ScoreStatus::pass : ScoreStatus::fail;
+      score.status = !built     ? ScoreStatus::not_built
+                     : row.pass ? ScoreStatus::pass
+                                : ScoreStatus::fail;
       file.scores.push_back(std::move(score));
     }
     ScoreRow seconds = base;
