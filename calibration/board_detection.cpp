@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -425,14 +424,6 @@ BoardView detect_in_frame(const SensorFrame& frame, const SeedBoard& board,
   return view;
 }
 
-/// Rotation camera from board nearest to a homography.
-Eigen::Quaterniond rotation_of(const Eigen::Matrix3d& h) {
-  Eigen::Matrix3d m = h / std::sqrt(h.col(0).norm() * h.col(1).norm());
-  m.col(2) = m.col(0).cross(m.col(1));
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose()));
-}
-
 /// Turns a view's axes by quarters: rotation of its camera, and the corners' places on the board.
 void turn_axes(const SeedBoard& board, int turn, BoardView& view) {
   const int end = board.squares - 2;
@@ -446,86 +437,24 @@ void turn_axes(const SeedBoard& board, int turn, BoardView& view) {
   }
 }
 
-/// Views whose board was found, the steepest first.
-std::vector<std::size_t> steepest_first(const std::vector<BoardView>& views) {
-  std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (views[i].status != BoardStatus::ok) continue;
-    const Eigen::Matrix3d& h = views[i].normalized_from_board;
-    const Eigen::Vector3d normal = rotation_of(h) * Eigen::Vector3d::UnitZ();
-    order.emplace_back(-std::abs(h.col(2).normalized().dot(normal)), i);
-  }
-  std::sort(order.begin(), order.end());
-  std::vector<std::size_t> result;
-  for (const auto& [steepness, i] : order) result.push_back(i);
-  return result;
-}
-
-/// For each view and quarter turn, how little it shows what the others show: kWeight (1 -
-/// correlation). Specimens in plain sight outweigh a leap.
-std::vector<TurnCosts> costs_of_specimens(const Capture& capture, const SeedBoard& board,
-                                          const std::vector<BoardView>& views,
-                                          const std::vector<std::size_t>& order) {
-  constexpr double kWeight = 2;
-  TopView all;
-  std::vector<TopView> tops(views.size());
-  for (const std::size_t i : order) {
-    const SensorFrame& frame = capture.frames[i].sensors.front();
-    tops[i] = TopView(frame.color, board, frame.reported, views[i].normalized_from_board);
-    const std::optional<int> turn =
-        i == order.front() ? std::optional<int>(0) : turn_of_specimens(all, tops[i]);
-    if (turn) all.add(tops[i].turned(*turn));
-  }
-  std::vector<TurnCosts> costs(views.size());
-  for (const std::size_t i : order) {
-    for (int k = 0; k < 4; ++k) {
-      // Axes turn against what they measure.
-      costs[i][static_cast<std::size_t>(k)] =
-          kWeight * (1 - all.correlation(tops[i].turned(4 - k)));
-    }
-  }
-  return costs;
-}
-
-/// Plain board: the quarter turns of all views together that cost least. A view costs what its
-/// specimens differ from those of all views; two that follow each other cost (angle / largest
-/// turn)^2, at most 1. A view for which another turn costs nearly the same is ambiguous.
+/// A plain board looks the same after a quarter turn: chooses the turns of all views together.
 void resolve_turns(const Capture& capture, const SeedBoard& board,
                    const BoardDetectionConfig& config, std::vector<BoardView>& views) {
-  constexpr double kClear = 0.1;
-  std::vector<std::size_t> order = steepest_first(views);
-  if (order.empty()) return;
-  const std::size_t first = order.front();
-  std::vector<TurnCosts> own = costs_of_specimens(capture, board, views, order);
-  own[first] = {0, 1e6, 1e6, 1e6};  // it defines the frame
-  std::sort(order.begin(), order.end());
-  const std::size_t n = order.size();
-  std::vector<TurnCosts> costs;
-  std::vector<TurnCosts> leaps;  // between a view and the next, by the difference of their turns
-  for (std::size_t v = 0; v < n; ++v) {
-    costs.push_back(own[order[v]]);
-    if (v + 1 == n) break;
-    const Eigen::Quaterniond here = rotation_of(views[order[v]].normalized_from_board);
-    const Eigen::Quaterniond next = rotation_of(views[order[v + 1]].normalized_from_board);
-    TurnCosts leap{};
-    for (int k = 0; k < 4; ++k) {
-      const Eigen::Quaterniond about_z(Eigen::AngleAxisd(0.5 * M_PI * k, Eigen::Vector3d::UnitZ()));
-      const double ratio = angle_rad(next * about_z * here.conjugate()) / config.max_turn_rad;
-      leap[static_cast<std::size_t>(k)] = std::min(1.0, ratio * ratio);
-    }
-    leaps.push_back(leap);
+  std::vector<BoardView*> found;
+  std::vector<PlacedBoard> placed;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (views[i].status != BoardStatus::ok) continue;
+    const SensorFrame& frame = capture.frames[i].sensors.front();
+    found.push_back(&views[i]);
+    placed.push_back({&frame.color, frame.reported, views[i].normalized_from_board});
   }
-  const std::vector<TurnCosts> totals = least_totals(costs, leaps);
-  for (std::size_t v = 0; v < n; ++v) {
-    BoardView& view = views[order[v]];
-    TurnCosts sorted = totals[v];
-    const auto best = std::min_element(totals[v].begin(), totals[v].end());
-    std::sort(sorted.begin(), sorted.end());
-    if (sorted[1] - sorted[0] < kClear) {
-      view.status = BoardStatus::ambiguous;
-      view.corners.clear();
+  const auto turns = quarter_turns(placed, board, config.max_turn_rad);
+  for (std::size_t v = 0; v < found.size(); ++v) {
+    if (turns[v]) {
+      turn_axes(board, *turns[v], *found[v]);
     } else {
-      turn_axes(board, static_cast<int>(best - totals[v].begin()), view);
+      found[v]->status = BoardStatus::ambiguous;
+      found[v]->corners.clear();
     }
   }
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -11,34 +10,19 @@
 
 namespace cousin {
 
-/// What lies on a board, seen from above: warm colour (red less blue, linear, over the brightest)
-/// on a grid over the plate, without what is the same after each quarter turn.
-class TopView {
- public:
-  TopView() = default;
-  TopView(const Image<Rgb8>& color, const SeedBoard& board, const Camera& camera,
-          const Eigen::Matrix3d& normalized_from_board);
-  /// Turned counter-clockwise about the board's normal by quarters.
-  TopView turned(int quarters) const;
-  void add(const TopView& other);
-  /// Of two views, -1..1; 0 where one shows nothing that a quarter turn would change.
-  double correlation(const TopView& other) const;
-
- private:
-  std::vector<double> cells_;
+/// A board found in one view, in a frame that may be a quarter turn or more off.
+struct PlacedBoard {
+  const Image<Rgb8>* color = nullptr;
+  Camera camera;
+  Eigen::Matrix3d normalized_from_board;  ///< plane z = 0 (m) to x/z, y/z of the camera
 };
 
-/// The quarter turns by which a view must be turned to show what `all` shows. Nothing if no turn
-/// stands out clearly.
-std::optional<int> turn_of_specimens(const TopView& all, const TopView& view);
-
-/// A cost for each quarter turn.
-using TurnCosts = std::array<double, 4>;
-
-/// For each view of a sequence and each turn of it, the least total cost of all views' turns.
-/// @param costs  of each view's turn
-/// @param leaps  between each view and the next, by (turn of the next less turn of this) modulo 4
-std::vector<TurnCosts> least_totals(const std::vector<TurnCosts>& costs,
-                                    const std::vector<TurnCosts>& leaps);
+/// Plain boards look the same after a quarter turn. The turns (0..3, of each view's axes,
+/// counter-clockwise) of all views together that cost least: a view costs what its specimens, seen
+/// from above, differ from those of all views; two that follow each other cost (angle /
+/// max_turn_rad)^2, at most 1. The steepest view defines the frame. Nothing for a view for which
+/// another turn costs nearly the same.
+std::vector<std::optional<int>> quarter_turns(const std::vector<PlacedBoard>& views,
+                                              const SeedBoard& board, double max_turn_rad);
 
 }  // namespace cousin
