@@ -19,20 +19,25 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-ScoreFile finish(ScoreFile file, const JobContext& context, const fs::path& out,
-                 const std::string& title) {
-  file.header.program_version = COUSIN_VERSION;
-  file.header.machine = machine_text();
-  file.header.more["command"] = context.command_line;
-  write_result_tables(out, file);
-  SeedsReport report;
-  report.title = title;
-  report.command_line = context.command_line;
-  report.scores = file;
-  write_report(out / "report.html", report);
+/// Heads the tables, writes them and the page.
+ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& out) {
+  ScoreHeader& header = report.scores.header;
+  header.program_version = COUSIN_VERSION;
+  header.machine = machine_text();
+  header.more["command"] = report.command_line = context.command_line;
+  header.more["title"] = report.title;
+  report.scenes = read_report_scenes(report_scenes_folder(out));
+  write_report_folder(out, report);
   context.progress.line("scores: " + (out / "scores.csv").string() +
                         ", report: " + (out / "report.html").string());
-  return file;
+  return report.scores;
+}
+
+SeedsReport titled(const char* title, ScoreFile scores) {
+  SeedsReport report;
+  report.title = title;
+  report.scores = std::move(scores);
+  return report;
 }
 
 ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
@@ -43,6 +48,7 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   config.attribution = o.attribution;
   config.sets = o.sets;
   config.captures = o.captures;
+  config.report = report_scenes_folder(out);
   const auto results =
       run_shards(out / "shards", seeds_suite_jobs(config, context.progress.function()),
                  parse_shard(o.shard), [&](const std::string& name, int done, int total) {
@@ -59,24 +65,30 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   for (const ShardResult& result : results) {
     if (!result.error.empty()) context.progress.line(result.name + " failed: " + result.error);
   }
-  return finish(pool_seeds_suite(results, config), context, out, "Cousin: bench seeds");
+  SeedsReport report = titled("Cousin: bench seeds", pool_seeds_suite(results, config));
+  report.config_toml = suite_toml(config);
+  return finish(std::move(report), context, out);
 }
 
 ScoreFile bench_stability(const JobContext& context, const fs::path& out) {
-  return finish(stability_suite(context.options.quick, context.progress.function()), context, out,
-                "Cousin: bench stability");
+  return finish(titled("Cousin: bench stability",
+                       stability_suite(context.options.quick, context.progress.function())),
+                context, out);
 }
 
 ScoreFile bench_render(const JobContext& context, const fs::path& out) {
-  return finish(render_suite(context.options.seed, context.options.sets, context.options.quick,
-                             context.progress.function()),
-                context, out, "Cousin: bench render");
+  const Options& o = context.options;
+  SeedsReport report = titled("Cousin: bench render",
+                              render_suite(o.seed, o.sets, o.quick, context.progress.function()));
+  report.config_toml = resolved_toml(seeds_run_config(o.sets));
+  return finish(std::move(report), context, out);
 }
 
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
   return finish(
-      real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function()),
-      context, out, "Cousin: bench real");
+      titled("Cousin: bench real",
+             real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function())),
+      context, out);
 }
 
 struct Suite {
@@ -154,11 +166,7 @@ ExitCode command_bench(const JobContext& context) {
 
 ExitCode command_report(const JobContext& context) {
   const fs::path folder = context.options.arguments.at(0);
-  SeedsReport report;
-  report.scores = read_result_tables(folder);
-  report.title = "Cousin: " + folder.filename().string();
-  const auto command = report.scores.header.more.find("command");
-  if (command != report.scores.header.more.end()) report.command_line = command->second;
+  const SeedsReport report = read_report_folder(folder);
   const fs::path file = context.options.out.empty() ? folder / "report.html"
                                                     : fs::path(context.options.out) / "report.html";
   write_report(file, report);

@@ -123,7 +123,7 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
     for (ScoreRow& row : attribution_rows(steps, labels)) file.scores.push_back(std::move(row));
   }
   if (scene == 0) {
-    add_pictures(report, run, estimate);
+    report.scenes = {report_scene(labels.scene, run, estimate)};
     file.scores.push_back(left_out_row(config, o.seed, labels));
   }
   return file;
@@ -209,6 +209,7 @@ ExitCode command_run(const JobContext& context) {
   file.header.config_hash = config_hash(config, o.seed);
   file.header.machine = machine_text();
   file.header.more["command"] = context.command_line;
+  file.header.more["title"] = report.title;
   const fs::path parts = out / "parts";
   const bool resumed = run_scenes(context, config, sources, out, parts, report);
   SeedsScoreLabels labels = run_labels(config, o.seed);
@@ -229,8 +230,7 @@ ExitCode command_run(const JobContext& context) {
   row.seed = o.seed;
   if (!resumed) file.scores.push_back(row);  // else these are not the whole run's seconds
 
-  write_result_tables(out, file);
-  write_report(out / "report.html", report);
+  write_report_folder(out, report);
   fs::remove_all(parts);
   print_result(o, file);
   char line[160];

@@ -63,6 +63,11 @@ void add_plots(Page& page, const std::string& id, const std::string& title,
   page.html += "</div>\n";
 }
 
+std::string number_cell(const std::string& text) {
+  return "<td class=\"number\">" + text + "</td>";
+}
+std::string text_cell(std::string_view text) { return "<td>" + html_escaped(text) + "</td>"; }
+
 void add_headlines(Page& page, const std::vector<Headline>& headlines) {
   if (headlines.empty()) return;
   page.html += "<div class=\"tiles\">\n";
@@ -84,6 +89,47 @@ void add_headlines(Page& page, const std::vector<Headline>& headlines) {
     page.html += "</div>\n";
   }
   page.html += "</div>\n";
+}
+
+/// A line a label, a column a group, both in the order of first appearance.
+void add_limits(Page& page, const std::vector<Headline>& limits) {
+  if (limits.empty()) return;
+  std::vector<std::string> labels, groups;
+  const auto note = [](std::vector<std::string>& names, const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  int passed = 0;
+  for (const Headline& h : limits) {
+    note(labels, h.label);
+    note(groups, h.group);
+    passed += h.status == ScoreStatus::pass ? 1 : 0;
+  }
+  open_section(page, "limits", "Held against limits");
+  page.html += "<p>" + std::to_string(passed) + " of " + std::to_string(limits.size()) +
+               " numbers keep their limit.</p>\n<div class=\"scroll whole\"><table "
+               "id=\"limit-table\"><thead><tr><th></th>";
+  for (const std::string& group : groups)
+    page.html += "<th class=\"number\">" + html_escaped(group) + "</th>";
+  page.html += "</tr></thead><tbody>\n";
+  for (const std::string& label : labels) {
+    page.html += "<tr>" + text_cell(label);
+    for (const std::string& group : groups) {
+      const auto h = std::find_if(limits.begin(), limits.end(), [&](const Headline& l) {
+        return l.label == label && l.group == group;
+      });
+      if (h == limits.end()) {
+        page.html += "<td></td>";
+        continue;
+      }
+      const ShownUnit unit = shown_unit(h->unit, h->label);
+      const std::string status(to_string(h->status));
+      page.html += "<td class=\"number\">" + shown_number(unit.factor * h->value.value) + " " +
+                   unit.name + "<br><span class=\"muted\">" + html_escaped(h->limit) +
+                   "</span> <span class=\"status " + status + "\">" + status + "</span></td>";
+    }
+    page.html += "</tr>\n";
+  }
+  page.html += "</tbody></table></div>\n";
 }
 
 void add_images(Page& page, const std::vector<ReportImage>& images) {
@@ -181,11 +227,6 @@ void add_shapes(Page& page, const std::vector<ReportShape>& shapes, int max_poin
   }
   page.html += "</div>\n";
 }
-
-std::string number_cell(const std::string& text) {
-  return "<td class=\"number\">" + text + "</td>";
-}
-std::string text_cell(std::string_view text) { return "<td>" + html_escaped(text) + "</td>"; }
 
 void add_score_table(Page& page, const std::vector<ScoreRow>& rows) {
   if (rows.empty()) return;
@@ -310,13 +351,11 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   }
   for (const std::string& note : notes)
     page.html += "<p class=\"note\">" + html_escaped(note) + "</p>\n";
+  add_limits(page, input.limits);
   add_images(page, input.images);
   add_shapes(page, input.shapes, config.max_points);
-  std::vector<SpecimenRow> plotted = input.scores.specimens;
-  std::erase_if(plotted,
-                [&](const SpecimenRow& row) { return input.not_plotted.contains(row.cultivar); });
-  add_plots(page, "traits", "Measured against true", scatter_plots(plotted), false);
-  add_plots(page, "errors", "Distribution of errors", error_histograms(plotted), false);
+  add_plots(page, "traits", "Measured against true", scatter_plots(input.plotted), false);
+  add_plots(page, "errors", "Distribution of errors", error_histograms(input.plotted), false);
   std::vector<Plot> plots;
   for (const Attribution& attribution : input.attributions) {
     if (can_draw(attribution)) plots.push_back(waterfall_plot(attribution));

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +20,7 @@ struct Headline {
   std::string unit;    ///< as in ScoreRow; "%" shows a ratio in per cent
   std::string limit;   ///< as text, "at most 0.15 mm"; empty if there is none
   ScoreStatus status = ScoreStatus::ok;
+  std::string group;  ///< column of the table of limits: "maize"
 };
 
 struct ReportImage {
@@ -72,8 +72,9 @@ struct ReportInput {
   std::vector<std::string> commands;  ///< that made what is shown
   std::string config_toml;
   ScoreFile scores;
-  std::set<std::string> not_plotted;  ///< cultivars only in the tables, not among measured and true
+  std::vector<SpecimenRow> plotted;  ///< of the specimens, those among measured and true
   std::vector<Headline> headlines;
+  std::vector<Headline> limits;  ///< all that is held against a limit: a line a label
   std::vector<ReportImage> images;
   std::vector<ReportShape> shapes;
   std::vector<ErrorTimeCurve> curves;

@@ -205,7 +205,19 @@ void append_specimen_rows(const Instance& object, const SpecimenTraits* measured
   }
 }
 
-/// Groups that statistics are made for: each cultivar, each species, and all seeds.
+bool in_group(const SpecimenRow& row, const std::string& group) {
+  if (group == "all") return row.cultivar != kSphere;
+  return row.cultivar == group || species_of(row.cultivar) == group;
+}
+
+std::map<std::string, std::string> traits_in(std::span<const SpecimenRow> specimens) {
+  std::map<std::string, std::string> units;
+  for (const SpecimenRow& row : specimens) units[row.trait] = row.unit;
+  return units;
+}
+
+}  // namespace
+
 std::vector<std::string> groups_of(std::span<const SpecimenRow> specimens) {
   std::set<std::string> cultivars, species;
   for (const SpecimenRow& row : specimens) {
@@ -219,19 +231,6 @@ std::vector<std::string> groups_of(std::span<const SpecimenRow> specimens) {
   if (species.size() > (species.contains(kSphere) ? 2U : 1U)) groups.push_back("all");
   return groups;
 }
-
-bool in_group(const SpecimenRow& row, const std::string& group) {
-  if (group == "all") return row.cultivar != kSphere;
-  return row.cultivar == group || species_of(row.cultivar) == group;
-}
-
-std::map<std::string, std::string> traits_in(std::span<const SpecimenRow> specimens) {
-  std::map<std::string, std::string> units;
-  for (const SpecimenRow& row : specimens) units[row.trait] = row.unit;
-  return units;
-}
-
-}  // namespace
 
 std::string species_of(const std::string& cultivar) {
   static const std::map<std::string, std::string> kSpecies = {

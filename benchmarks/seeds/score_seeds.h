@@ -33,6 +33,9 @@ struct SeedsScores {
 SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate,
                       const SeedsScoreLabels& labels);
 
+/// Groups that statistics are made for: each cultivar, each species, and all seeds ("all").
+std::vector<std::string> groups_of(std::span<const SpecimenRow> specimens);
+
 /// Trait statistics over all runs: per cultivar, per species and over all, for each method and
 /// trait in the rows.
 std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens,
@@ -47,6 +50,10 @@ std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens,
 /// The reference sphere is no seed: its size, twice a seed's, would make every pooled slope right
 /// and leave the seeds a corner of every plot.
 inline constexpr const char* kSphere = "sphere";
+
+/// Suite and dataset of the runs whose seeds vary as much as the paper's R^2 and RMSE imply. They
+/// are pooled on their own.
+inline constexpr const char* kPaperSpread = "seeds_paper_spread";
 
 /// maize, wheat, rice; other names stand for themselves.
 std::string species_of(const std::string& cultivar);

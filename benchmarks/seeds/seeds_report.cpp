@@ -5,84 +5,38 @@
 #include <map>
 
 #include "benchmarks/report/report.h"
+#include "benchmarks/seeds/limits.h"
+#include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
-#include "benchmarks/seeds/truth_stages.h"
 #include "sim/dataset/atomic_file.h"
-#include "sim/imaging/image_io.h"
 
 namespace cousin {
 namespace {
 
 const std::vector<std::string> kTraits = {"length", "width", "height", "area", "volume"};
 
-Image<Rgb8> crop(const Image<Rgb8>& image, int x0, int y0, int x1, int y1) {
-  x0 = std::clamp(x0, 0, image.width() - 1);
-  y0 = std::clamp(y0, 0, image.height() - 1);
-  x1 = std::clamp(x1, x0 + 1, image.width());
-  y1 = std::clamp(y1, y0 + 1, image.height());
-  Image<Rgb8> result(x1 - x0, y1 - y0);
-  for (int y = y0; y < y1; ++y) {
-    for (int x = x0; x < x1; ++x) result(x - x0, y - y0) = image(x, y);
-  }
-  return result;
-}
-
-Image<Rgb8> enlarged(const Image<Rgb8>& image, int factor) {
-  Image<Rgb8> result(image.width() * factor, image.height() * factor);
-  for (int y = 0; y < result.height(); ++y) {
-    for (int x = 0; x < result.width(); ++x) result(x, y) = image(x / factor, y / factor);
-  }
-  return result;
-}
-
-/// The view's image about its outlines, enlarged, with the outlines drawn in.
-Image<Rgb8> with_outlines(const Image<Rgb8>& image,
-                          const std::vector<const Silhouette*>& silhouettes) {
-  float left = 1e9F, top = 1e9F, right = -1e9F, bottom = -1e9F;
-  for (const Silhouette* s : silhouettes) {
-    for (const OutlinePoint& p : s->outline) {
-      left = std::min(left, p.pixel_px.x());
-      right = std::max(right, p.pixel_px.x());
-      top = std::min(top, p.pixel_px.y());
-      bottom = std::max(bottom, p.pixel_px.y());
-    }
-  }
-  constexpr int kMargin = 12, kZoom = 3;
-  const int x0 = std::max(0, static_cast<int>(left) - kMargin),
-            y0 = std::max(0, static_cast<int>(top) - kMargin);
-  Image<Rgb8> picture = enlarged(
-      crop(image, x0, y0, static_cast<int>(right) + kMargin, static_cast<int>(bottom) + kMargin),
-      kZoom);
-  for (const Silhouette* s : silhouettes) {
-    for (std::size_t i = 0; i < s->outline.size(); ++i) {
-      const Eigen::Vector2f a = s->outline[i].pixel_px,
-                            b = s->outline[(i + 1) % s->outline.size()].pixel_px;
-      const Rgb8 color = s->outline[i].on_object ? Rgb8{255, 0, 160} : Rgb8{0, 200, 255};
-      for (int k = 0; k < 12; ++k) {
-        const Eigen::Vector2f p = a + (b - a) * (static_cast<float>(k) / 12);
-        const int x =
-            static_cast<int>(std::lround((p.x() - static_cast<float>(x0) + 0.5F) * kZoom - 0.5F));
-        const int y =
-            static_cast<int>(std::lround((p.y() - static_cast<float>(y0) + 0.5F) * kZoom - 0.5F));
-        if (picture.contains(x, y)) picture(x, y) = color;
-      }
-    }
-  }
-  return picture;
-}
-
-ReportShape shape_of(const std::vector<Mesh>& meshes, const std::string& name,
-                     const std::string& caption, Rgb8 color) {
+ReportShape shape_of(const Mesh& mesh, const std::string& name, const std::string& caption,
+                     Rgb8 color) {
   ReportShape shape;
   shape.name = name;
   shape.caption = caption;
-  for (const Mesh& mesh : meshes) {
-    const auto offset = static_cast<std::uint32_t>(shape.positions_m.size());
-    for (const Eigen::Vector3d& v : mesh.vertices_m) shape.positions_m.push_back(v.cast<float>());
-    for (const auto& t : mesh.triangles)
-      shape.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  for (const Eigen::Vector3d& v : mesh.vertices_m) shape.positions_m.push_back(v.cast<float>());
+  for (const auto& t : mesh.triangles) {
+    shape.triangles.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
+                               static_cast<std::uint32_t>(t[2])});
   }
   shape.colors.assign(shape.positions_m.size(), color);
+  return shape;
+}
+
+ReportShape shape_of(const Cloud& cloud, const std::string& name) {
+  ReportShape shape;
+  shape.name = name;
+  shape.caption = "Points of the multi-view stereo, " + std::to_string(cloud.size());
+  for (const CloudPoint& p : cloud) {
+    shape.positions_m.push_back(p.position_m);
+    shape.colors.push_back(p.color);
+  }
   return shape;
 }
 
@@ -90,41 +44,79 @@ std::string unit_of(const std::string& trait) {
   return trait == "area" ? "m2" : trait == "volume" ? "m3" : "m";
 }
 
-/// The limits that the project holds itself to.
-std::string limit_text(const std::string& trait, const std::string& group) {
-  if (trait == "area") return "at most 4 %";
-  if (trait == "volume") return "at most 5 %";
-  return group == "maize" || group == "zhengdan958" || group == "tianguinuo932" ? "at most 0.15 mm"
-                                                                                : "at most 0.08 mm";
+/// maize, wheat and rice first, then what is not a species: the order of a table's columns.
+int rank_of(const std::string& group) {
+  static const std::vector<std::string> kOrder = {"maize", "wheat", "rice", "all", kSphere};
+  return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), group) - kOrder.begin());
 }
 
-double limit_value(const std::string& trait, const std::string& group) {
-  if (trait == "area") return 0.04;
-  if (trait == "volume") return 0.05;
-  return limit_text(trait, group) == "at most 0.15 mm" ? 0.00015 : 0.00008;
-}
-
+/// RMSE and MAPE of our method, a species a line; where no species was pooled, a cultivar a line.
 std::vector<Headline> headlines_of(const std::vector<ScoreRow>& rows) {
-  std::vector<Headline> result;
+  std::vector<std::pair<int, Headline>> found;
+  const bool many = std::any_of(rows.begin(), rows.end(), [](const ScoreRow& row) {
+    return row.scene == "pooled" && row.case_name == "all";
+  });
   for (const ScoreRow& row : rows) {
-    if (row.scene != "pooled" || row.method != "ours") continue;
-    for (const std::string& trait : kTraits) {
+    if (row.scene != "pooled" || row.suite == kPaperSpread ||
+        row.method.find('/') != row.method.npos)
+      continue;
+    const bool is_species = rank_of(row.case_name) < 3;
+    if (many ? !is_species : is_species || row.method == "simulator") continue;
+    for (std::size_t i = 0; i < kTraits.size(); ++i) {
+      const std::string& trait = kTraits[i];
       const bool by_size = trait == "area" || trait == "volume";
       if (row.metric != trait + (by_size ? ".mape" : ".rmse")) continue;
-      if (species_of(row.case_name) == row.case_name && row.case_name != "maize" &&
-          row.case_name != "wheat" && row.case_name != "rice") {
-        continue;  // one line a cultivar or species is enough; "all" mixes limits
-      }
+      if (many && row.method != "ours") continue;
       Headline headline;
       headline.label = (by_size ? "MAPE of " : "RMSE of ") + trait + ", " + row.case_name;
+      if (row.method == "paper") headline.label += ", the paper's steps";
       headline.value = {row.value, row.ci_low, row.ci_high};
       headline.unit = by_size ? "%" : "m";
-      headline.limit = limit_text(trait, row.case_name);
-      headline.status =
-          row.value <= limit_value(trait, row.case_name) ? ScoreStatus::pass : ScoreStatus::fail;
-      result.push_back(std::move(headline));
+      headline.status = row.status;
+      if (const auto limit = seeds_limit(row); limit && row.status != ScoreStatus::ok)
+        headline.limit = limit->text;
+      found.emplace_back(static_cast<int>(i) * 10 + rank_of(row.case_name), std::move(headline));
     }
   }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Headline> result;
+  for (auto& [rank, headline] : found) result.push_back(std::move(headline));
+  return result;
+}
+
+/// Every number that has a limit, ordered by what it is, then by group.
+std::vector<Headline> limits_of(const std::vector<ScoreRow>& rows) {
+  std::vector<Headline> result;
+  for (const ScoreRow& row : rows) {
+    const auto limit = seeds_limit(row);
+    if (!limit || row.status == ScoreStatus::ok) continue;
+    Headline headline;
+    headline.label = row.metric;
+    headline.group = row.case_name;
+    if (row.scene != "pooled") {  // a capture of its own
+      headline.label = row.metric.substr(row.metric.find('.') + 1) + ", 270 views";
+      headline.group = row.scene;
+    }
+    if (row.method.find('/') != row.method.npos)
+      headline.label += " to " + row.method.substr(row.method.find('/') + 1);
+    headline.value = {row.value, row.ci_low, row.ci_high};
+    const bool share = row.metric.ends_with("mape") || row.metric.ends_with("coverage_95") ||
+                       row.metric == "views.posed";
+    headline.unit = share ? "%" : row.unit;
+    headline.limit = limit->text;
+    headline.status = row.status;
+    result.push_back(std::move(headline));
+  }
+  // Lengths before area and volume, then what is no trait: the order of a table's lines.
+  const auto rank = [](const Headline& h) {
+    const auto trait = std::find_if(kTraits.begin(), kTraits.end(), [&](const std::string& name) {
+      return h.label.starts_with(name + ".");
+    });
+    return std::pair(static_cast<int>(trait - kTraits.begin()), rank_of(h.group));
+  };
+  std::stable_sort(result.begin(), result.end(),
+                   [&](const Headline& a, const Headline& b) { return rank(a) < rank(b); });
   return result;
 }
 
@@ -173,33 +165,6 @@ std::vector<Attribution> attributions_of(const std::vector<ScoreRow>& rows) {
 
 }  // namespace
 
-void add_pictures(SeedsReport& report, const SimulatedRun& run, const SeedsEstimate& estimate) {
-  const auto& frames = run.capture.frames;
-  const std::size_t count = frames.size();
-  for (const std::size_t i : {count / 6, count / 2, 5 * count / 6}) {
-    if (i >= count) continue;
-    report.pictures.push_back({"View " + std::to_string(frames[i].id), "as the phone hands it over",
-                               frames[i].sensors[0].color});
-  }
-  std::map<int, std::vector<const Silhouette*>> by_frame;
-  for (const Silhouette& s : estimate.silhouettes) {
-    if (!s.outline.empty()) by_frame[s.frame].push_back(&s);
-  }
-  for (const std::size_t i : {count / 6, 5 * count / 6}) {
-    if (i >= count || !by_frame.contains(frames[i].id)) continue;
-    report.pictures.push_back({"Outlines found in view " + std::to_string(frames[i].id),
-                               "magenta; blue where something else cuts them; 3 times enlarged",
-                               with_outlines(frames[i].sensors[0].color, by_frame[frames[i].id])});
-  }
-  report.cloud = estimate.cloud;
-  for (const Surface& surface : estimate.surfaces) {
-    if (!surface.mesh.triangles.empty()) report.measured.push_back(surface.mesh);
-  }
-  for (const Instance* object : specimens_of(run.truth.scene)) {
-    report.truth.push_back(mesh_in_world(run.truth.scene, *object));
-  }
-}
-
 void write_report(const std::filesystem::path& file, const SeedsReport& report) {
   ReportInput input;
   input.title = report.title;
@@ -212,30 +177,34 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   if (!report.command_line.empty()) input.commands = {report.command_line};
   input.config_toml = report.config_toml;
   input.scores = report.scores;
-  for (const SpecimenRow& row : report.scores.specimens) {
-    if (row.cultivar != kSphere) input.not_plotted = {kSphere};
+  const auto& specimens = report.scores.specimens;
+  const bool only_spheres = std::all_of(specimens.begin(), specimens.end(),
+                                        [](const auto& row) { return row.cultivar == kSphere; });
+  for (const SpecimenRow& row : specimens) {
+    if ((only_spheres || row.cultivar != kSphere) && row.dataset != kPaperSpread)
+      input.plotted.push_back(row);
   }
   input.headlines = headlines_of(report.scores.scores);
-  for (const ReportPicture& picture : report.pictures) {
-    input.images.push_back({picture.name, picture.caption, encode_png(picture.image)});
+  for (const ScoreRow& row : report.scores.scores) {
+    if (row.metric != "seconds.run" || row.method != "whole") continue;
+    input.headlines.push_back({"Run time of all stages", {row.wall_s}, "s"});
+    input.headlines.push_back({"Peak memory", {row.peak_rss_mb}, "MB"});
   }
-  if (!report.cloud.empty()) {
-    ReportShape shape;
-    shape.name = "Cloud";
-    shape.caption = "Points of the multi-view stereo, " + std::to_string(report.cloud.size());
-    for (const CloudPoint& p : report.cloud) {
-      shape.positions_m.push_back(p.position_m);
-      shape.colors.push_back(p.color);
+  input.limits = limits_of(report.scores.scores);
+  for (const ReportScene& scene : report.scenes) {
+    const std::string prefix = report.scenes.size() > 1 ? scene.name + ": " : "";
+    for (const ReportPicture& picture : scene.pictures) {
+      input.images.push_back({prefix + picture.name, picture.caption, picture.file});
     }
-    input.shapes.push_back(std::move(shape));
-  }
-  if (!report.measured.empty()) {
-    input.shapes.push_back(shape_of(report.measured, "Measured surfaces",
-                                    "Closed surfaces fitted by our method", {214, 140, 60}));
-  }
-  if (!report.truth.empty()) {
-    input.shapes.push_back(
-        shape_of(report.truth, "True surfaces", "The specimens as they are", {90, 140, 200}));
+    if (!scene.cloud.empty()) input.shapes.push_back(shape_of(scene.cloud, prefix + "Cloud"));
+    if (!scene.measured.triangles.empty()) {
+      input.shapes.push_back(shape_of(scene.measured, prefix + "Measured surfaces",
+                                      "Closed surfaces fitted by our method", {214, 140, 60}));
+    }
+    if (!scene.truth.triangles.empty()) {
+      input.shapes.push_back(shape_of(scene.truth, prefix + "True surfaces",
+                                      "The specimens as they are", {90, 140, 200}));
+    }
   }
   input.curves = curves_of(report.scores.scores);
   input.attributions = attributions_of(report.scores.scores);
@@ -248,6 +217,46 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   }
   if (!report.plan.empty()) input.notes.push_back("Plan:\n" + report.plan);
   write_file(file, make_report(input));
+}
+
+namespace {
+constexpr const char* kConfigFile = "config.toml";
+constexpr const char* kPlanFile = "plan.txt";
+constexpr const char* kScenesFolder = "report";
+}  // namespace
+
+std::filesystem::path report_scenes_folder(const std::filesystem::path& folder) {
+  return folder / kScenesFolder;
+}
+
+void write_report_folder(const std::filesystem::path& folder, const SeedsReport& report) {
+  write_result_tables(folder, report.scores);
+  if (!report.config_toml.empty()) write_file(folder / kConfigFile, report.config_toml);
+  if (!report.plan.empty()) write_file(folder / kPlanFile, report.plan);
+  for (const ReportScene& scene : report.scenes) {
+    write_report_scene(report_scenes_folder(folder), scene);
+  }
+  write_report(folder / "report.html", report);
+}
+
+SeedsReport read_report_folder(const std::filesystem::path& folder) {
+  SeedsReport report;
+  report.scores = read_result_tables(folder);
+  const auto& more = report.scores.header.more;
+  if (const auto title = more.find("title"); title != more.end()) {
+    report.title = title->second;
+  } else {
+    report.title = "Cousin: " + folder.filename().string();
+  }
+  if (const auto command = more.find("command"); command != more.end())
+    report.command_line = command->second;
+  const auto text = [&](const char* name) {
+    return std::filesystem::exists(folder / name) ? read_file(folder / name) : std::string();
+  };
+  report.config_toml = text(kConfigFile);
+  report.plan = text(kPlanFile);
+  report.scenes = read_report_scenes(report_scenes_folder(folder));
+  return report;
 }
 
 }  // namespace cousin

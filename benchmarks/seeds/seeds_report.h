@@ -5,17 +5,9 @@
 #include <vector>
 
 #include "benchmarks/metrics/scores.h"
-#include "benchmarks/seeds/simulate.h"
-#include "perception/pipelines/seeds.h"
+#include "benchmarks/seeds/report_scene.h"
 
 namespace cousin {
-
-/// A picture for the report.
-struct ReportPicture {
-  std::string name;
-  std::string caption;
-  Image<Rgb8> image;
-};
 
 /// What a report of runs of the seeds scene is made of.
 struct SeedsReport {
@@ -24,17 +16,20 @@ struct SeedsReport {
   std::string config_toml;
   std::string plan;
   ScoreFile scores;
-  std::vector<ReportPicture> pictures;
-  Cloud cloud;                 ///< of the scene that is shown in 3D
-  std::vector<Mesh> measured;  ///< fitted surfaces, in the world
-  std::vector<Mesh> truth;     ///< true surfaces, in the world
+  std::vector<ReportScene> scenes;  ///< shown in pictures and in 3D
 };
-
-/// Adds the scene's images, with the measured outlines drawn on one of them, and the shapes for the
-/// 3D view.
-void add_pictures(SeedsReport& report, const SimulatedRun& run, const SeedsEstimate& estimate);
 
 /// One self-contained HTML file, written whole or not at all.
 void write_report(const std::filesystem::path& file, const SeedsReport& report);
+
+/// Where a result folder keeps what its page shows of scenes.
+std::filesystem::path report_scenes_folder(const std::filesystem::path& folder);
+
+/// The tables, config.toml, plan.txt, report/SCENE/ and report.html made of all of them.
+void write_report_folder(const std::filesystem::path& folder, const SeedsReport& report);
+
+/// All that write_report_folder wrote but the page; only scores.json must be there.
+/// @throws std::runtime_error naming the file and what is wrong.
+SeedsReport read_report_folder(const std::filesystem::path& folder);
 
 }  // namespace cousin

@@ -1,12 +1,16 @@
 #include "benchmarks/seeds/suite.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <set>
 
 #include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/capture_store.h"
+#include "benchmarks/seeds/limits.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/plan.h"
+#include "benchmarks/seeds/report_scene.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/truth_stages.h"
 
@@ -16,13 +20,15 @@ namespace {
 /// One capture and what is measured on it.
 struct SuiteJob {
   std::string name;
+  std::vector<std::string> sets;  ///< its own, before the user's
   SeedsRunConfig config;
   std::uint64_t seed = 0;
   int run = 0;
   std::vector<int>
       view_counts;      ///< evenly spread subsets of the views; the last one is all of them
-  bool pooled = false;  ///< its specimens (all views) enter the main table
+  bool pooled = false;  ///< its specimens (all views) enter a table of many runs
   bool attribution = false;
+  bool shown = false;  ///< the page has pictures of it
 };
 
 Capture subset(const Capture& capture, int views) {
@@ -100,14 +106,14 @@ void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
   }
 }
 
-std::string run_job(const SuiteJob& job, const std::filesystem::path& captures,
-                    const Progress& progress) {
-  const SimulatedRun run = stored_seeds(captures, job.config, job.seed, job.run,
+std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Progress& progress) {
+  const SimulatedRun run = stored_seeds(suite.captures, job.config, job.seed, job.run,
                                         planned_truth(job.attribution), progress);
   ScoreFile file;
   file.header.program_version = COUSIN_VERSION;
   file.header.config_hash = config_hash(job.config, job.seed);
   SeedsScoreLabels labels;
+  if (job.config.scene.spread == SizeSpread::paper) labels.suite = kPaperSpread;
   labels.scene = job.config.scene.sphere ? "sphere" : job.config.scene.cultivar;
   labels.run = std::to_string(job.run);
   labels.seed = job.seed;
@@ -133,6 +139,8 @@ std::string run_job(const SuiteJob& job, const std::filesystem::path& captures,
                               scores.specimens.end());
       }
     }
+    if (all && job.shown && !suite.report.empty())
+      write_report_scene(suite.report, report_scene(labels.scene, run, ours));
     if (all && job.attribution) {
       labels.method = "ours";
       const auto steps = attribute_seeds(run, job.config.pipeline,
@@ -163,6 +171,90 @@ std::string run_job(const SuiteJob& job, const std::filesystem::path& captures,
   return to_json(file);
 }
 
+/// Cultivars whose specimens a group of the pooled table holds, as `groups_of` names it.
+std::set<std::string> cultivars_of(std::span<const SpecimenRow> specimens,
+                                   const std::string& group) {
+  std::set<std::string> result;
+  for (const SpecimenRow& row : specimens) {
+    if (row.cultivar == group || species_of(row.cultivar) == group ||
+        (group == "all" && row.cultivar != kSphere)) {
+      result.insert(row.cultivar);
+    }
+  }
+  return result;
+}
+
+/// Rows of single runs of `cultivars` at the paper's imaging, whose specimens are pooled.
+std::vector<const ScoreRow*> rows_of_runs(const std::vector<ScoreRow>& of_runs,
+                                          const std::set<std::string>& cultivars,
+                                          const std::string& suite, const std::string& method,
+                                          const std::string& metric) {
+  std::vector<const ScoreRow*> result;
+  for (const ScoreRow& row : of_runs) {
+    if (row.suite == suite && row.method == method && row.metric == metric &&
+        cultivars.contains(row.scene) && row.case_name.ends_with(" 60 views 1920x1080")) {
+      result.push_back(&row);
+    }
+  }
+  return result;
+}
+
+/// Share of the views that have a pose, and the camera centres' RMS, over all runs of a group.
+std::vector<ScoreRow> pooled_pose_rows(const std::vector<ScoreRow>& of_runs,
+                                       std::span<const SpecimenRow> specimens,
+                                       const SeedsScoreLabels& labels) {
+  std::vector<ScoreRow> rows;
+  for (const std::string& group : groups_of(specimens)) {
+    const std::set<std::string> cultivars = cultivars_of(specimens, group);
+    ScoreRow row;
+    row.suite = labels.suite;
+    row.scene = labels.scene;
+    row.case_name = group;
+    row.method = "ours";
+    row.seed = labels.seed;
+    double posed = 0, views = 0, square = 0, centres = 0;
+    for (const ScoreRow* run :
+         rows_of_runs(of_runs, cultivars, labels.suite, "ours", "views.posed")) {
+      views += static_cast<double>(run->n);
+      posed += run->value * static_cast<double>(run->n);
+    }
+    for (const ScoreRow* run :
+         rows_of_runs(of_runs, cultivars, labels.suite, "ours", "camera.centre_rms")) {
+      centres += static_cast<double>(run->n);
+      square += run->value * run->value * static_cast<double>(run->n);
+    }
+    if (views == 0 || centres == 0) continue;
+    row.metric = "views.posed";
+    row.value = posed / views;
+    row.unit = "1";
+    row.n = static_cast<std::int64_t>(views);
+    rows.push_back(row);
+    row.metric = "camera.centre_rms";
+    row.value = std::sqrt(square / centres);
+    row.unit = "m";
+    row.n = static_cast<std::int64_t>(centres);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// Puts beside pooled numbers what a capture of the group took: mean seconds of the method's
+/// stages, largest memory.
+void add_run_times(const std::vector<ScoreRow>& of_runs, std::span<const SpecimenRow> specimens,
+                   std::vector<ScoreRow>& rows) {
+  for (ScoreRow& row : rows) {
+    const auto runs = rows_of_runs(of_runs, cultivars_of(specimens, row.case_name), row.suite,
+                                   row.method, "seconds.perceive");
+    if (runs.empty()) continue;
+    row.wall_s = row.cpu_s = row.peak_rss_mb = 0;
+    for (const ScoreRow* run : runs) {
+      row.wall_s += run->wall_s / static_cast<double>(runs.size());
+      row.cpu_s += run->cpu_s / static_cast<double>(runs.size());
+      row.peak_rss_mb = std::max(row.peak_rss_mb, run->peak_rss_mb);
+    }
+  }
+}
+
 SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::string>& own) {
   std::vector<std::string> sets = own;
   sets.insert(sets.end(), suite.sets.begin(), suite.sets.end());
@@ -178,7 +270,14 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     std::sort(view_counts.begin(), view_counts.end());
     view_counts.erase(std::unique(view_counts.begin(), view_counts.end()), view_counts.end());
     std::erase_if(view_counts, [&](int v) { return v > config.scene.views; });
-    jobs.push_back({name + ".json", config, suite.seed, run, view_counts, pooled, attribution});
+    // One cultivar a species has pictures, so that the page stays small.
+    const std::string& cultivar = config.scene.cultivar;
+    const bool shown =
+        pooled && run == 0 && !config.scene.sphere &&
+        (cultivar == "zhengdan958" || cultivar == "jimai22" || cultivar == "suijing18") &&
+        config.scene.spread == SizeSpread::literature;
+    jobs.push_back(
+        {name + ".json", sets, config, suite.seed, run, view_counts, pooled, attribution, shown});
   };
   if (suite.quick) {
     for (const char* cultivar : {"zhengdan958", "jimai22", "suijing18"}) {
@@ -207,6 +306,11 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"},
         {120}, false, false);
   }
+  for (const std::string& cultivar : cultivars) {
+    add(cultivar + "_paper_spread", 0,
+        {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=60", "spread=paper"}, {}, true,
+        false);
+  }
   return jobs;
 }
 
@@ -219,9 +323,8 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
                       (job.attribution ? "/attribution" : "");
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
-    jobs.push_back({job.name, key, [job, captures = config.captures, progress] {
-                      return run_job(job, captures, progress);
-                    }});
+    jobs.push_back(
+        {job.name, key, [job, config, progress] { return run_job(job, config, progress); }});
   }
   return jobs;
 }
@@ -247,11 +350,36 @@ ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
     }
   }
   labels.scene = "pooled";
-  for (ScoreRow& row : pooled_rows(pooled.specimens, labels))
-    pooled.scores.push_back(std::move(row));
-  for (ScoreRow& row : paired_rows(pooled.specimens, "ours", "paper", labels))
-    pooled.scores.push_back(std::move(row));
+  const std::vector<ScoreRow> of_runs = pooled.scores;
+  for (const char* dataset : {"seeds", kPaperSpread}) {
+    labels.suite = dataset;
+    std::vector<SpecimenRow> specimens;
+    for (const SpecimenRow& row : pooled.specimens) {
+      if (row.dataset == dataset) specimens.push_back(row);
+    }
+    std::vector<ScoreRow> rows = pooled_rows(specimens, labels);
+    for (ScoreRow& row : paired_rows(specimens, "ours", "paper", labels))
+      rows.push_back(std::move(row));
+    for (ScoreRow& row : pooled_pose_rows(of_runs, specimens, labels))
+      rows.push_back(std::move(row));
+    add_run_times(of_runs, specimens, rows);
+    pooled.scores.insert(pooled.scores.end(), rows.begin(), rows.end());
+  }
+  if (!config.quick && config.sets.empty()) hold_to_limits(pooled.scores);
   return pooled;
+}
+
+std::string suite_toml(const SeedsSuiteConfig& config) {
+  const std::vector<SuiteJob> jobs = list_jobs(config);
+  std::string text = "# " + jobs.front().name + "\n" + resolved_toml(jobs.front().config) +
+                     "\n# All jobs: --seed " + std::to_string(config.seed) + "\n";
+  for (const SuiteJob& job : jobs) {
+    text += "# " + job.name + ", run " + std::to_string(job.run) + ":";
+    for (const std::string& set : job.sets) text += " --set " + set;
+    for (const std::string& set : config.sets) text += " --set " + set;
+    text += "\n";
+  }
+  return text;
 }
 
 }  // namespace cousin

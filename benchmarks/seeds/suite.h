@@ -18,17 +18,22 @@ struct SeedsSuiteConfig {
   bool attribution = false;        ///< truth in each seam for run 0 of each cultivar
   std::vector<std::string> sets;   ///< key=value for every job
   std::filesystem::path captures;  ///< keeps what is rendered for later runs; empty = nowhere
+  std::filesystem::path report;  ///< where jobs leave what the page shows of them; empty = nowhere
 };
 
 /// The Seeds experiment: for each cultivar runs of ten seeds at the paper's imaging (1920 x 1080,
 /// 60 views; 270 for one run), on the same captures the paper's measuring steps and ours; the
-/// error-against-time curves over views and image size; the 22 mm sphere. Each job is one capture,
-/// minutes long, and resumes.
+/// error-against-time curves over views and image size; a run at the spread of sizes that the
+/// paper's R^2 implies; the 22 mm sphere. Each job is one capture, minutes long, and resumes.
 std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config,
                                        const Progress& progress = {});
 
-/// Rows of all finished jobs with the statistics over runs. Jobs that failed become rows with
-/// status error.
+/// Rows of all finished jobs with the statistics over runs, and in full, without `sets`, held to
+/// their limits. Jobs that failed become rows with status error.
 ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results, const SeedsSuiteConfig& config);
+
+/// What the page says of the suite's configuration: the first job's in full as TOML, and how each
+/// job differs from it.
+std::string suite_toml(const SeedsSuiteConfig& config);
 
 }  // namespace cousin

@@ -111,11 +111,22 @@ ReportInput example_report() {
   input.config_toml = "[scene]\ncultivar = \"zhengdan958\"\nviews = 60\n";
   input.scores.header = {"0.1.0", "3f1c", "99ab", "2 cores", {{"compiler", "gcc 12.2"}}};
   add_specimens(input, Rng(4));
+  input.plotted = input.scores.specimens;
   input.headlines = {
       {"RMSE of length", {0.000081, 0.000069, 0.000094}, "m", "at most 0.15 mm", ScoreStatus::pass},
       {"RMSE of height", {0.00017, 0.00014, 0.00021}, "m", "at most 0.15 mm", ScoreStatus::fail},
       {"volume, MAPE", {0.021, 0.017, 0.026}, "%", "at most 5 %", ScoreStatus::pass},
       {"wall time", {.value = 141.2}, "s", "at most 240 s", ScoreStatus::pass}};
+  const auto limit = [&](const std::string& label, const std::string& group, double value,
+                         const std::string& text, ScoreStatus status) {
+    Headline h{label, {value}, "m", text, status};
+    h.group = group;
+    input.limits.push_back(h);
+  };
+  limit("length.rmse", "maize", 0.00008, "at most 0.15 mm", ScoreStatus::pass);
+  limit("length.bias", "maize", -0.00001, "within 0.03 mm", ScoreStatus::pass);
+  limit("length.rmse", "wheat", 0.00006, "at most 0.08 mm", ScoreStatus::pass);
+  limit("length.bias", "wheat", 0.00005, "within 0.03 mm", ScoreStatus::fail);
   input.images = {{"view 0", "The first view.", tiny_png()}};
   input.shapes = {ellipsoid(false), ellipsoid(true)};
   ErrorTimeCurve curve{"Views and image size", "RMSE of length", "m", {}};

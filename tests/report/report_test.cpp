@@ -43,7 +43,7 @@ TEST(Report, TextNeverBecomesMarkup) {
   row.trait = "</script><script>alert(2)</script>";
   row.unit = "m";
   row.truth = row.measured = 1;
-  hostile.scores.specimens = {row};
+  hostile.scores.specimens = hostile.plotted = {row};
   const std::string page = make_report(hostile);
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);
 }
@@ -52,10 +52,21 @@ TEST(Report, WhatIsNotPlottedIsInTheFilesOnly) {
   ReportInput input = example_report();
   const std::string point = "\"cultivar\":\"tianguinuo932\"";  // of a plot's data
   ASSERT_NE(make_report(input).find(point), std::string::npos);
-  input.not_plotted = {"tianguinuo932"};
+  std::erase_if(input.plotted, [](const SpecimenRow& r) { return r.cultivar == "tianguinuo932"; });
   const std::string html = make_report(input);
   EXPECT_EQ(html.find(point), std::string::npos);
   EXPECT_NE(html.find("specimens.csv"), std::string::npos);
+}
+
+TEST(Report, LimitsAreATableOfGroupsWithTheCountOfThoseKept) {
+  const std::string html = make_report(example_report());
+  EXPECT_NE(html.find("3 of 4 numbers keep their limit"), std::string::npos);
+  EXPECT_NE(html.find("within 0.03 mm</span> <span class=\"status fail\">"), std::string::npos);
+  // One line for both species.
+  const std::string line = "<tr><td>length.rmse</td>";
+  const std::size_t first = html.find(line);
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(html.find(line, first + 1), std::string::npos);
 }
 
 TEST(Report, IsTheSameBytesEachTime) {

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "benchmarks/metrics/scores.h"
+
+namespace cousin {
+
+/// What a number is held to: low <= value <= high.
+struct ScoreLimit {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  std::string text;  ///< for people: "at most 0.15 mm"
+};
+
+/// The limit of a row of `bench seeds` at the paper's imaging (1920 x 1080, 60 or 270 views): of
+/// our method's pooled rows, of its ratio to the paper's, and of the runs with 270 views. Other
+/// rows have none.
+std::optional<ScoreLimit> seeds_limit(const ScoreRow& row);
+
+/// Gives each row that has a limit the status pass or fail; a number that is missing fails.
+void hold_to_limits(std::vector<ScoreRow>& rows);
+
+}  // namespace cousin

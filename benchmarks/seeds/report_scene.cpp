@@ -1,0 +1,194 @@
+#include "benchmarks/seeds/report_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "benchmarks/seeds/truth_stages.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/geometry/mesh_io.h"
+#include "sim/imaging/image_io.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kJpegQuality = 92;  ///< of photographs; drawings are PNG
+constexpr std::size_t kMaxPictures = 64;
+constexpr const char* kIndex = "scene.json";
+
+Image<Rgb8> crop(const Image<Rgb8>& image, int x0, int y0, int x1, int y1) {
+  x0 = std::clamp(x0, 0, image.width() - 1);
+  y0 = std::clamp(y0, 0, image.height() - 1);
+  x1 = std::clamp(x1, x0 + 1, image.width());
+  y1 = std::clamp(y1, y0 + 1, image.height());
+  Image<Rgb8> result(x1 - x0, y1 - y0);
+  for (int y = y0; y < y1; ++y) {
+    for (int x = x0; x < x1; ++x) result(x - x0, y - y0) = image(x, y);
+  }
+  return result;
+}
+
+Image<Rgb8> enlarged(const Image<Rgb8>& image, int factor) {
+  Image<Rgb8> result(image.width() * factor, image.height() * factor);
+  for (int y = 0; y < result.height(); ++y) {
+    for (int x = 0; x < result.width(); ++x) result(x, y) = image(x / factor, y / factor);
+  }
+  return result;
+}
+
+/// The view's image about its outlines, enlarged, with the outlines drawn in.
+Image<Rgb8> with_outlines(const Image<Rgb8>& image,
+                          const std::vector<const Silhouette*>& silhouettes) {
+  float left = 1e9F, top = 1e9F, right = -1e9F, bottom = -1e9F;
+  for (const Silhouette* s : silhouettes) {
+    for (const OutlinePoint& p : s->outline) {
+      left = std::min(left, p.pixel_px.x());
+      right = std::max(right, p.pixel_px.x());
+      top = std::min(top, p.pixel_px.y());
+      bottom = std::max(bottom, p.pixel_px.y());
+    }
+  }
+  constexpr int kMargin = 12, kZoom = 3;
+  const int x0 = std::max(0, static_cast<int>(left) - kMargin),
+            y0 = std::max(0, static_cast<int>(top) - kMargin);
+  Image<Rgb8> picture = enlarged(
+      crop(image, x0, y0, static_cast<int>(right) + kMargin, static_cast<int>(bottom) + kMargin),
+      kZoom);
+  for (const Silhouette* s : silhouettes) {
+    for (std::size_t i = 0; i < s->outline.size(); ++i) {
+      const Eigen::Vector2f a = s->outline[i].pixel_px,
+                            b = s->outline[(i + 1) % s->outline.size()].pixel_px;
+      const Rgb8 color = s->outline[i].on_object ? Rgb8{255, 0, 160} : Rgb8{0, 200, 255};
+      for (int k = 0; k < 12; ++k) {
+        const Eigen::Vector2f p = a + (b - a) * (static_cast<float>(k) / 12);
+        const int x =
+            static_cast<int>(std::lround((p.x() - static_cast<float>(x0) + 0.5F) * kZoom - 0.5F));
+        const int y =
+            static_cast<int>(std::lround((p.y() - static_cast<float>(y0) + 0.5F) * kZoom - 0.5F));
+        if (picture.contains(x, y)) picture(x, y) = color;
+      }
+    }
+  }
+  return picture;
+}
+
+Mesh merged(const std::vector<Mesh>& meshes) {
+  Mesh all;
+  for (const Mesh& mesh : meshes) {
+    const auto offset = static_cast<std::uint32_t>(all.vertices_m.size());
+    all.vertices_m.insert(all.vertices_m.end(), mesh.vertices_m.begin(), mesh.vertices_m.end());
+    for (const auto& t : mesh.triangles)
+      all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  }
+  return all;
+}
+
+std::string text_at(const nlohmann::json& json, const char* key, const fs::path& file) {
+  if (!json.is_object() || !json.contains(key) || !json.at(key).is_string()) {
+    throw std::runtime_error(file.string() + ": \"" + key + "\" must be text");
+  }
+  return json.at(key).get<std::string>();
+}
+
+ReportScene read_report_scene(const fs::path& folder) {
+  const fs::path index = folder / kIndex;
+  const auto json = nlohmann::json::parse(read_file(index), nullptr, false);
+  if (json.is_discarded()) throw std::runtime_error(index.string() + ": is not JSON");
+  ReportScene scene;
+  scene.name = text_at(json, "name", index);
+  if (!json.contains("pictures") || !json.at("pictures").is_array() ||
+      json.at("pictures").size() > kMaxPictures) {
+    throw std::runtime_error(index.string() + ": \"pictures\" must be a list of at most " +
+                             std::to_string(kMaxPictures));
+  }
+  for (const auto& entry : json.at("pictures")) {
+    const fs::path file = text_at(entry, "file", index);
+    if (file != file.filename()) {
+      throw std::runtime_error(index.string() + ": \"file\": \"" + file.string() +
+                               "\" leads out of the folder");
+    }
+    read_color(folder / file);  // a picture that cannot be decoded would leave a hole in the page
+    const std::string bytes = read_file(folder / file);
+    scene.pictures.push_back({text_at(entry, "name", index), text_at(entry, "caption", index),
+                              std::vector<std::uint8_t>(bytes.begin(), bytes.end())});
+  }
+  if (fs::exists(folder / "cloud.ply")) scene.cloud = read_cloud_ply(folder / "cloud.ply").cloud;
+  if (fs::exists(folder / "measured.ply")) scene.measured = read_mesh(folder / "measured.ply");
+  if (fs::exists(folder / "truth.ply")) scene.truth = read_mesh(folder / "truth.ply");
+  return scene;
+}
+
+}  // namespace
+
+ReportScene report_scene(const std::string& name, const SimulatedRun& run,
+                         const SeedsEstimate& estimate) {
+  ReportScene scene;
+  scene.name = name;
+  const auto& frames = run.capture.frames;
+  const std::size_t count = frames.size();
+  for (const std::size_t i : {count / 6, count / 2, 5 * count / 6}) {
+    if (i >= count) continue;
+    scene.pictures.push_back({"View " + std::to_string(frames[i].id),
+                              "as the phone hands it over",
+                              encode_jpeg(frames[i].sensors[0].color, kJpegQuality)});
+  }
+  std::map<int, std::vector<const Silhouette*>> by_frame;
+  for (const Silhouette& s : estimate.silhouettes) {
+    if (!s.outline.empty()) by_frame[s.frame].push_back(&s);
+  }
+  for (const std::size_t i : {count / 6, 5 * count / 6}) {
+    if (i >= count || !by_frame.contains(frames[i].id)) continue;
+    scene.pictures.push_back(
+        {"Outlines found in view " + std::to_string(frames[i].id),
+         "magenta; blue where something else cuts them; 3 times enlarged",
+         encode_png(with_outlines(frames[i].sensors[0].color, by_frame[frames[i].id]))});
+  }
+  scene.cloud = estimate.cloud;
+  std::vector<Mesh> measured, truth;
+  for (const Surface& surface : estimate.surfaces) {
+    if (!surface.mesh.triangles.empty()) measured.push_back(surface.mesh);
+  }
+  for (const Instance* object : specimens_of(run.truth.scene)) {
+    truth.push_back(mesh_in_world(run.truth.scene, *object));
+  }
+  scene.measured = merged(measured);
+  scene.truth = merged(truth);
+  return scene;
+}
+
+void write_report_scene(const fs::path& folder, const ReportScene& scene) {
+  const fs::path own = folder / scene.name;
+  fs::remove(own / kIndex);
+  nlohmann::ordered_json pictures = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < scene.pictures.size(); ++i) {
+    const ReportPicture& picture = scene.pictures[i];
+    const bool is_jpeg = picture.file.size() > 1 && picture.file[1] == 0xd8;
+    const std::string name = "picture_" + std::to_string(i) + (is_jpeg ? ".jpg" : ".png");
+    write_file(own / name, std::string(picture.file.begin(), picture.file.end()));
+    pictures.push_back({{"file", name}, {"name", picture.name}, {"caption", picture.caption}});
+  }
+  if (!scene.cloud.empty()) write_ply(own / "cloud.ply", scene.cloud);
+  if (!scene.measured.triangles.empty()) write_ply(own / "measured.ply", scene.measured);
+  if (!scene.truth.triangles.empty()) write_ply(own / "truth.ply", scene.truth);
+  write_file(own / kIndex,
+             nlohmann::ordered_json{{"name", scene.name}, {"pictures", pictures}}.dump(2) + "\n");
+}
+
+std::vector<ReportScene> read_report_scenes(const fs::path& folder) {
+  std::vector<fs::path> whole;
+  if (fs::is_directory(folder)) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (fs::exists(entry.path() / kIndex)) whole.push_back(entry.path());
+    }
+  }
+  std::sort(whole.begin(), whole.end());
+  std::vector<ReportScene> scenes;
+  scenes.reserve(whole.size());
+  for (const fs::path& own : whole) scenes.push_back(read_report_scene(own));
+  return scenes;
+}
+
+}  // namespace cousin

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "benchmarks/seeds/simulate.h"
+#include "perception/pipelines/seeds.h"
+#include "sim/types/mesh.h"
+
+namespace cousin {
+
+/// A picture for the report.
+struct ReportPicture {
+  std::string name;
+  std::string caption;
+  std::vector<std::uint8_t> file;  ///< the bytes of a PNG or JPEG file
+};
+
+/// What a report shows of one scene.
+struct ReportScene {
+  std::string name;  ///< letters, digits, . _ -
+  std::vector<ReportPicture> pictures;
+  Cloud cloud;
+  Mesh measured;  ///< all fitted surfaces, in the world
+  Mesh truth;     ///< all true surfaces, in the world
+};
+
+/// Three of the scene's images, two of them again with the measured outlines drawn in, and the
+/// shapes for the 3D view.
+ReportScene report_scene(const std::string& name, const SimulatedRun& run,
+                         const SeedsEstimate& estimate);
+
+/// FOLDER/NAME/: scene.json, the pictures, cloud.ply, measured.ply, truth.ply. scene.json comes
+/// last: a folder without it is not whole and is not read.
+void write_report_scene(const std::filesystem::path& folder, const ReportScene& scene);
+
+/// The whole scenes below a folder, by name; a folder that does not exist has none.
+/// @throws std::runtime_error naming the file and what is wrong.
+std::vector<ReportScene> read_report_scenes(const std::filesystem::path& folder);
+
+}  // namespace cousin
