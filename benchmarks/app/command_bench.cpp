@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/program/program_suite.h"
 #include "benchmarks/real/real_suite.h"
 #include "benchmarks/render/render_suite.h"
 #include "benchmarks/seeds/result_folder.h"
@@ -91,15 +92,22 @@ ScoreFile bench_real(const JobContext& context, const fs::path& out) {
       context, out);
 }
 
+ScoreFile bench_program(const JobContext& context, const fs::path& out) {
+  return finish(titled("Cousin: bench program", program_suite(fs::read_symlink("/proc/self/exe"),
+                                                              out, context.progress.function())),
+                context, out);
+}
+
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
   bool takes_sets;  ///< reads --set; the others have no configuration
 };
-constexpr std::array<Suite, 4> kSuites = {{{"stability", bench_stability, false},
+constexpr std::array<Suite, 5> kSuites = {{{"stability", bench_stability, false},
                                            {"render", bench_render, true},
                                            {"seeds", bench_seeds, true},
-                                           {"real", bench_real, false}}};
+                                           {"real", bench_real, false},
+                                           {"program", bench_program, false}}};
 
 void print_rows(const ScoreFile& file) {
   for (const ScoreRow& row : file.scores) {
@@ -124,7 +132,7 @@ ExitCode command_bench(const JobContext& context) {
                                     [&](const Suite& s) { return name == s.name; });
     if (suite == kSuites.end()) {
       throw std::invalid_argument("suite \"" + name +
-                                  "\" is not one of stability, render, seeds, real");
+                                  "\" is not one of stability, render, seeds, real, program");
     }
     if (!o.arguments.empty() && !o.sets.empty() && !suite->takes_sets) {
       throw std::invalid_argument("suite \"" + name + "\" takes no --set");

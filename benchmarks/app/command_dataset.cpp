@@ -95,7 +95,7 @@ ExitCode command_render(const JobContext& context) {
   }
   std::vector<std::string> sets = o.sets;
   if (o.frames > 0) sets.push_back("views=" + std::to_string(o.frames));
-  const SeedsRunConfig config = seeds_run_config(sets);
+  const SeedsRunConfig config = seeds_run_config(sets, o.config);
   if (o.keys) {
     SeedsRunConfig copy = config;
     std::printf("%s", describe(fields(copy)).c_str());

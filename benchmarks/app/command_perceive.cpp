@@ -91,6 +91,7 @@ int count_posed(const Poses& poses, const Corners& corners, ProgressPrinter& pro
 ExitCode command_perceive(const JobContext& context) {
   const Options& o = context.options;
   SeedsPipelineConfig config;
+  if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
   if (!o.method.empty()) set_field(fields(config), "method=" + o.method);
   for (const std::string& assignment : o.sets) {
     constexpr std::string_view kPrefix = "pipeline.";

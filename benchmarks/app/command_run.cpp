@@ -175,7 +175,7 @@ ExitCode command_run(const JobContext& context) {
     throw std::invalid_argument("scene \"" + o.arguments[0] + "\" is not one of: seeds");
   }
   const StageClock total("run");
-  const SeedsRunConfig config = seeds_run_config(assignments(o));
+  const SeedsRunConfig config = seeds_run_config(assignments(o), o.config);
   if (o.keys) {
     SeedsRunConfig copy = config;
     std::printf("%s", describe(fields(copy)).c_str());
@@ -184,7 +184,7 @@ ExitCode command_run(const JobContext& context) {
   for (const std::string& gate : o.gates) parse_gate(gate);
   std::vector<StageSource> sources;
   for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
-  const std::vector<PlanEntry> plan = seeds_plan(config, o.attribution);
+  const std::vector<PlanEntry> plan = seeds_plan(config, o.attribution, sources);
   if (o.plan) {
     if (o.json) {
       nlohmann::json rows = nlohmann::json::array();

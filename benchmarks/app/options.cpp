@@ -17,6 +17,11 @@ void add_set(CLI::App& verb, Options& o) {
                 "List the configuration keys with defaults and limits, and leave");
 }
 
+void add_config(CLI::App& verb, Options& o) {
+  verb.add_option("--config", o.config,
+                  "TOML file as a result's config.toml; --set comes after it");
+}
+
 void add_stages(CLI::App& verb, Options& o) {
   verb.add_option("--method", o.method, "ours (default) or paper; `cousin methods` lists them");
   verb.add_option("--stage", o.stages,
@@ -125,6 +130,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       ->check(CLI::Range(0, 100000));
   render->add_option("--shard", o.shard,
                      "i/n: part i (from 0) of n of the list of scenes and frames");
+  add_config(*render, o);
   add_set(*render, o);
 
   CLI::App* perceive =
@@ -132,6 +138,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   takes(perceive, "DATASET", "Dataset folder", 1, 1);
   perceive->add_option("--pipeline", o.pipeline, "Pipeline; needed for a real capture");
   add_stages(*perceive, o);
+  add_config(*perceive, o);
   add_set(*perceive, o);
 
   CLI::App* score = verb("score", "Score estimates, ours or anybody's, against a dataset's truth");
@@ -156,10 +163,11 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       ->type_size(1)
       ->allow_extra_args(false);
   add_stages(*run, o);
+  add_config(*run, o);
   add_set(*run, o);
 
   CLI::App* bench = verb("bench", "The papers' tables, error against time, stability cases");
-  takes(bench, "SUITE", "seeds, stability, render, real; none = all", 0, -1);
+  takes(bench, "SUITE", "seeds, stability, render, real, program; none = all", 0, -1);
   bench->add_flag("--quick", o.quick,
                   "Smaller samples: each suite ends within ten minutes, same columns");
   bench->add_flag("--attribution", o.attribution, "Put truth in place of each seam in turn");

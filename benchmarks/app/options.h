@@ -16,6 +16,7 @@ struct Options {
   std::uint64_t seed = 1;
   int threads = 0;                ///< 0 = all cores
   std::string out;                ///< empty = the verb's default
+  std::string config;             ///< TOML file read before `sets`; empty = none
   std::vector<std::string> sets;  ///< key=value
   bool json = false;
   bool quiet = false;

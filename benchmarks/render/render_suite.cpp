@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "benchmarks/render/corner_position.h"
 #include "benchmarks/seeds/render_noise.h"
 #include "benchmarks/stability/truth_throughput.h"
 #include "sim/types/stage_clock.h"
@@ -40,13 +41,13 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   };
   ScoreFile file;
   const SeedsRunConfig config = seeds_run_config(sets);
-  say("scene", 0, 4);
+  say("scene", 0, 5);
   const StageClock scene_clock("scene");
   const SeedsSimulation simulation(config, seed, 0);
   const StageTiming scene = scene_clock.finish();
   file.scores.push_back(row_of("seeds scene", "seconds.scene", scene.wall_s, "s", 1, seed));
 
-  say("truth throughput", 1, 4);
+  say("truth throughput", 1, 5);
   // A view of each ring: the share of rays that hit the board changes with elevation.
   const int views = static_cast<int>(simulation.views().size());
   std::vector<double> shares;
@@ -63,7 +64,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
         limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), t.share >= 0.6));
   }
 
-  say("radiance", 2, 4);
+  say("radiance", 2, 5);
   const StageClock first_clock("first");
   simulation.radiance(0);
   const double first_s = first_clock.finish().wall_s;
@@ -80,7 +81,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   file.scores.push_back(row_of("radiance pass", "seconds.light_cache",
                                std::max(0.0, first_s - median_s), "s", 1, seed));
 
-  say("noise", 3, 4);
+  say("noise", 3, 5);
   for (const int view : quick ? std::vector<int>{views / 2}
                               : std::vector<int>{views / 6, views / 2, 5 * views / 6}) {
     const RenderNoise noise = measure_render_noise(simulation, config.rig, view);
@@ -90,6 +91,17 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
                                   noise.mean_ratio <= 0.25));
     file.scores.push_back(row_of(name, "median_variance_over_sensor_variance", noise.median_ratio,
                                  "1", noise.pixels, seed));
+  }
+
+  say("corners", 4, 5);
+  for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,
+                                LensModel::opencv12, LensModel::kannala_brandt4}) {
+    const CornerPositions found = measure_corner_positions(model);
+    const std::string name = "board corners, " + std::string(to_string(model));
+    file.scores.push_back(
+        limited(row_of(name, "corner.bias", found.bias_px.norm(), "px", found.corners, seed),
+                found.bias_px.norm() <= 0.02));
+    file.scores.push_back(row_of(name, "corner.rms", found.rms_px, "px", found.corners, seed));
   }
   return file;
 }

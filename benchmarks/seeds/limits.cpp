@@ -88,8 +88,8 @@ void hold_to_limits(std::vector<ScoreRow>& rows) {
   for (ScoreRow& row : rows) {
     const std::optional<ScoreLimit> limit = seeds_limit(row);
     if (!limit) continue;
-    row.status = row.value >= limit->low && row.value <= limit->high ? ScoreStatus::pass
-                                                                     : ScoreStatus::fail;
+    row.status =
+        row.value >= limit->low && row.value <= limit->high ? ScoreStatus::pass : ScoreStatus::fail;
   }
 }
 

@@ -10,7 +10,8 @@ TruthNeeds planned_truth(bool attribution) {
   return attribution ? truth_stage_needs() : TruthNeeds{};
 }
 
-std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution) {
+std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution,
+                                  const std::vector<StageSource>& sources) {
   std::vector<PlanEntry> plan;
   const auto add = [&](const char* pass, bool runs, const std::string& why) {
     plan.push_back({pass, runs, why});
@@ -49,6 +50,9 @@ std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution
     std::string why = "needed for the traits";
     for (const auto& [name, reason] : pipeline.left_out) {
       if (name == stage) why = reason;
+    }
+    for (const StageSource& source : sources) {
+      if (source.stage == stage) why = "yours: " + to_text(source);
     }
     plan.push_back({"perceive: " + stage, runs, why});
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "benchmarks/seeds/run_config.h"
+#include "benchmarks/seeds/stage_files.h"
 
 namespace cousin {
 
@@ -17,7 +18,9 @@ struct PlanEntry {
 /// What `run seeds` does with a configuration: the union of what the pipeline needs and what is
 /// scored.
 /// @param attribution  truth is put into each seam too, which reads true depth and instances
-std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution);
+/// @param sources  stages that the user gives
+std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution,
+                                  const std::vector<StageSource>& sources = {});
 
 /// The truth images that the plan renders.
 TruthNeeds planned_truth(bool attribution);

@@ -131,8 +131,7 @@ ReportScene report_scene(const std::string& name, const SimulatedRun& run,
   const std::size_t count = frames.size();
   for (const std::size_t i : {count / 6, count / 2, 5 * count / 6}) {
     if (i >= count) continue;
-    scene.pictures.push_back({"View " + std::to_string(frames[i].id),
-                              "as the phone hands it over",
+    scene.pictures.push_back({"View " + std::to_string(frames[i].id), "as the phone hands it over",
                               encode_jpeg(frames[i].sensors[0].color, kJpegQuality)});
   }
   std::map<int, std::vector<const Silhouette*>> by_frame;

@@ -3,6 +3,16 @@
 #include "sim/dataset/manifest.h"
 
 namespace cousin {
+namespace {
+
+/// As `fields`, but scene keys under a table of their own: top-level "rig" is a name there and a
+/// table here.
+Fields file_fields(SeedsRunConfig& config) {
+  return nested("scene", fields(config.scene)) + nested("rig", fields(config.rig)) +
+         nested("render", fields(config.render)) + nested("pipeline", fields(config.pipeline));
+}
+
+}  // namespace
 
 Fields fields(SeedsRunConfig& config) {
   return fields(config.scene) + nested("rig", fields(config.rig)) +
@@ -16,13 +26,22 @@ void validate(const SeedsRunConfig& config) {
   validate(config.pipeline);
 }
 
-SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments) {
+SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
+                                const std::filesystem::path& file) {
   SeedsRunConfig config;
+  const auto read_file = [&] {
+    if (!file.empty()) read_toml(file, file_fields(config), MissingKeys::keep_default);
+  };
+  read_file();  // for the name of the rig
   constexpr std::string_view kRig = "rig=";
+  bool rig_is_given = false;
   for (const std::string& assignment : assignments) {
-    if (assignment.starts_with(kRig)) config.scene.rig = assignment.substr(kRig.size());
+    if (!assignment.starts_with(kRig)) continue;
+    config.scene.rig = assignment.substr(kRig.size());
+    rig_is_given = true;
   }
   config.rig = phone_preset(config.scene.rig);
+  if (!rig_is_given) read_file();
   const Fields all = fields(config);
   for (const std::string& assignment : assignments) set_field(all, assignment);
   validate(config);
@@ -31,15 +50,13 @@ SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments) {
 
 std::string simulator_toml(const SeedsRunConfig& config) {
   SeedsRunConfig copy = config;  // fields point into what they describe
-  // Scene keys under a table of their own: top-level "rig" is a name there and a table here.
   return to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
                  nested("render", fields(copy.render)));
 }
 
 std::string resolved_toml(const SeedsRunConfig& config) {
   SeedsRunConfig copy = config;
-  return to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
-                 nested("render", fields(copy.render)) + nested("pipeline", fields(copy.pipeline)));
+  return to_toml(file_fields(copy));
 }
 
 std::string config_hash(const SeedsRunConfig& config, std::uint64_t seed) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -24,10 +25,12 @@ struct SeedsRunConfig {
 Fields fields(SeedsRunConfig& config);
 void validate(const SeedsRunConfig& config);
 
-/// Defaults, then the rig's preset, then the user's `key=value`s in order. `rig=NAME` picks the
-/// preset first.
-/// @throws std::invalid_argument naming key, value and limit.
-SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments);
+/// Defaults, then the rig's preset, then `file` (as resolved_toml writes it; keys may be missing;
+/// empty = none), then the user's `key=value`s in order. `rig=NAME` picks the preset first, in
+/// place of the file's rig.
+/// @throws std::invalid_argument naming key, value and limit; std::runtime_error naming the file.
+SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
+                                const std::filesystem::path& file = {});
 
 /// The resolved configuration as TOML, and its SHA-256.
 std::string resolved_toml(const SeedsRunConfig& config);

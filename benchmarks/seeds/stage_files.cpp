@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <sstream>
 #include <stdexcept>
 
 #include "benchmarks/seeds/truth_stages.h"
@@ -91,12 +93,30 @@ std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSo
   };
 }
 
+/// A path with a slash is the file itself; a bare name is looked up in PATH, as a shell would.
+bool can_be_started(const fs::path& program) {
+  const auto executable = [](const fs::path& file) {
+    return fs::is_regular_file(file) && access(file.c_str(), X_OK) == 0;
+  };
+  if (program.has_parent_path()) return executable(program);
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (executable(fs::path(folder) / program)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::string scene_id(int scene_index) {
   char text[16];
   std::snprintf(text, sizeof text, "%06d", scene_index);
   return text;
+}
+
+std::string to_text(const StageSource& source) {
+  return (source.kind == StageSource::Kind::program ? "exec:" : "dir:") + source.path.string();
 }
 
 StageSource parse_stage_source(const std::string& text) {
@@ -124,6 +144,9 @@ StageSource parse_stage_source(const std::string& text) {
     source.kind = StageSource::Kind::program;
     source.path = rest.substr(5);
     if (source.path.empty()) fail("no program is named");
+    if (!can_be_started(source.path)) {
+      fail("program \"" + source.path.string() + "\" does not exist or may not be executed");
+    }
   } else {
     fail("the source is neither dir: nor exec:");
   }

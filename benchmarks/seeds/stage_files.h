@@ -15,8 +15,11 @@ struct StageSource {
   Kind kind = Kind::directory;
   std::filesystem::path path;
 };
-/// @throws std::invalid_argument naming the text, the forms and the stages that exist.
+/// @throws std::invalid_argument naming the text, the forms and the stages that exist, or the
+/// folder or program that does not.
 StageSource parse_stage_source(const std::string& text);
+
+std::string to_text(const StageSource& source);  ///< "exec:./mine"
 
 /// `base` with each named stage read from files or made by a program. `dir:PATH` reads the seam's
 /// file of PATH/SCENE_ID or PATH. `exec:PROGRAM` is called as PROGRAM INPUT_DIR OUTPUT_DIR;

@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include "benchmarks/seeds/seeds_report.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/image_io.h"
-#include "benchmarks/seeds/seeds_report.h"
 #include "tests/dataset/temporary_folder.h"
 
 namespace cousin {

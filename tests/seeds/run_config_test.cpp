@@ -6,6 +6,8 @@
 
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/stage_files.h"
+#include "sim/dataset/atomic_file.h"
+#include "tests/dataset/temporary_folder.h"
 
 namespace cousin {
 namespace {
@@ -72,13 +74,40 @@ TEST(SeedsPlan, AttributionAddsDepthAndInstancesAndASphereNeedsNoPhysics) {
   }
 }
 
+TEST(SeedsPlan, NamesTheUsersStages) {
+  for (const PlanEntry& entry :
+       seeds_plan(seeds_run_config({}), false, {parse_stage_source("depth=exec:/bin/sh")})) {
+    EXPECT_EQ(entry.why == "yours: exec:/bin/sh", entry.pass == "perceive: depth") << entry.pass;
+  }
+}
+
+TEST(SeedsRunConfig, ASavedConfigurationCanBeGivenBack) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "config.toml";
+  const SeedsRunConfig saved = seeds_run_config(
+      {"cultivar=jimai22", "rig=phone_video_1080p", "rig.prnu=0.002", "pipeline.mvs.neighbours=4"});
+  write_file(file, resolved_toml(saved));
+  EXPECT_EQ(resolved_toml(seeds_run_config({}, file)), resolved_toml(saved));
+  // Keys of the command line come after the file's, and a rig's preset in place of the file's rig.
+  EXPECT_EQ(seeds_run_config({"cultivar=suijing18"}, file).scene.cultivar, "suijing18");
+  EXPECT_EQ(seeds_run_config({"rig=phone_video_720p"}, file).rig.width_px, 1280);
+  // A file may say little; the preset that it names fills the rest.
+  write_file(file, "[scene]\nrig = \"phone_video_1080p\"\n[rig]\nprnu = 0.003\n");
+  EXPECT_EQ(seeds_run_config({}, file).rig.width_px, 1920);
+  EXPECT_EQ(seeds_run_config({}, file).rig.prnu, 0.003);
+  write_file(file, "[scene]\nveiws = 3\n");
+  EXPECT_THROW(seeds_run_config({}, file), std::runtime_error);
+}
+
 TEST(StageSource, ReadsBothFormsAndNamesMistakes) {
   const StageSource folder = parse_stage_source("depth=dir:/");
   EXPECT_EQ(folder.stage, "depth");
   EXPECT_EQ(folder.kind, StageSource::Kind::directory);
-  EXPECT_EQ(parse_stage_source("traits=exec:./mine").kind, StageSource::Kind::program);
+  EXPECT_EQ(parse_stage_source("traits=exec:sh").kind, StageSource::Kind::program);
+  EXPECT_EQ(parse_stage_source("traits=exec:/bin/sh").kind, StageSource::Kind::program);
   for (const char* text :
-       {"depth", "deep=dir:/", "depth=/tmp", "depth=dir:/no/such/folder", "depth=exec:"}) {
+       {"depth", "deep=dir:/", "depth=/tmp", "depth=dir:/no/such/folder",
+        "depth=exec:", "depth=exec:./no_such_program", "depth=exec:no_such_program"}) {
     EXPECT_THROW(parse_stage_source(text), std::invalid_argument) << text;
   }
 }

@@ -1,0 +1,115 @@
+#include "benchmarks/program/program_suite.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+extern char** environ;
+
+namespace cousin {
+namespace {
+
+constexpr int kStarts = 21;
+constexpr double kStartLimit_s = 0.1, kRunLimit_s = 240, kRunLimit_bytes = 2e9;
+
+struct ProcessCost {
+  int exit_code = -1;
+  double wall_s = 0;
+  double cpu_s = 0;
+  double peak_rss_bytes = 0;
+};
+
+/// Runs a program with its output thrown away.
+ProcessCost run_process(std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  const auto start = std::chrono::steady_clock::now();
+  pid_t child = 0;
+  const int error =
+      posix_spawn(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) {
+    throw std::runtime_error(words[0] + ": cannot be started: " + std::strerror(error));
+  }
+  int status = 0;
+  rusage usage{};
+  if (wait4(child, &status, 0, &usage) != child) {
+    throw std::runtime_error(words[0] + ": was lost: " + std::strerror(errno));
+  }
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  ProcessCost cost;
+  cost.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  cost.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  cost.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  cost.peak_rss_bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
+  return cost;
+}
+
+ScoreRow row_of(const std::string& case_name, const std::string& metric, double value,
+                const std::string& unit, std::int64_t n, bool passes, const ProcessCost& cost) {
+  ScoreRow row;
+  row.suite = "program";
+  row.scene = "seeds";
+  row.case_name = case_name;
+  row.method = "whole";
+  row.metric = metric;
+  row.value = value;
+  row.unit = unit;
+  row.n = n;
+  row.wall_s = cost.wall_s;
+  row.cpu_s = cost.cpu_s;
+  row.peak_rss_mb = cost.peak_rss_bytes / (1 << 20);
+  row.status = cost.exit_code != 0 ? ScoreStatus::error
+               : passes            ? ScoreStatus::pass
+                                   : ScoreStatus::fail;
+  return row;
+}
+
+}  // namespace
+
+ScoreFile program_suite(const std::filesystem::path& program, const std::filesystem::path& out,
+                        const std::function<void(const std::string&, int, int)>& progress) {
+  const auto say = [&](const std::string& what, int done) {
+    if (progress) progress(what, done, 2);
+  };
+  ScoreFile file;
+  say("start", 0);
+  std::vector<ProcessCost> starts;
+  for (int i = 0; i < kStarts; ++i) starts.push_back(run_process({program.string(), "--help"}));
+  std::sort(starts.begin(), starts.end(), [](const ProcessCost& a, const ProcessCost& b) {
+    return std::pair(a.exit_code, a.wall_s) < std::pair(b.exit_code, b.wall_s);
+  });
+  ProcessCost median = starts[starts.size() / 2];
+  median.exit_code = starts.back().exit_code;
+  file.scores.push_back(row_of("cousin --help", "seconds.start", median.wall_s, "s", kStarts,
+                               median.wall_s <= kStartLimit_s, median));
+  say("run seeds", 1);
+  const std::filesystem::path folder = out / "run";
+  std::filesystem::remove_all(folder);
+  const ProcessCost run =
+      run_process({program.string(), "run", "seeds", "--quiet", "--out", folder.string()});
+  file.scores.push_back(row_of("cousin run seeds", "seconds.wall", run.wall_s, "s", 1,
+                               run.wall_s <= kRunLimit_s, run));
+  file.scores.push_back(row_of("cousin run seeds", "peak_rss", run.peak_rss_bytes, "B", 1,
+                               run.peak_rss_bytes <= kRunLimit_bytes, run));
+  return file;
+}
+
+}  // namespace cousin
