@@ -6,7 +6,6 @@
 
 #include "benchmarks/metrics/scores.h"
 
-
 namespace cousin {
 
 /// The program as a user meets it, each row held to its limit: the median start of

@@ -69,8 +69,10 @@ Scene board_scene() {
   Scene scene;
   ObjectModel paper;
   paper.name = "paper";
-  paper.mesh.vertices_m = {
-      {-kHalf_m, -kHalf_m, 0}, {kHalf_m, -kHalf_m, 0}, {kHalf_m, kHalf_m, 0}, {-kHalf_m, kHalf_m, 0}};
+  paper.mesh.vertices_m = {{-kHalf_m, -kHalf_m, 0},
+                           {kHalf_m, -kHalf_m, 0},
+                           {kHalf_m, kHalf_m, 0},
+                           {-kHalf_m, kHalf_m, 0}};
   paper.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   Material material;
   material.albedo = {0.8F, 0.8F, 0.8F};
