@@ -214,7 +214,7 @@ std::vector<Pose> drop(const std::vector<Specimen>& specimens, const SettingConf
     }
     if (rest.status == SettleStatus::engine_warning) {
       throw std::runtime_error("seeds: the physics engine gave " + std::to_string(rest.warnings) +
-                               " warnings");
+                               " warnings; the first: " + rest.first_warning);
     }
     if (rest.status == SettleStatus::ok) {
       const Rng slide = rng.fork("slide").fork(static_cast<std::uint64_t>(attempt));
