@@ -222,7 +222,7 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   if (!report.cloud.empty()) {
     ReportShape shape;
     shape.name = "Cloud";
-    shape.caption = "Points of the multi-view stereo, " + std::to_string(report.cloud.size());
+    shape.caption = "Points of the multi-view stereo: " + std::to_string(report.cloud.size()) + ".";
     for (const CloudPoint& p : report.cloud) {
       shape.positions_m.push_back(p.position_m);
       shape.colors.push_back(p.color);
