@@ -224,6 +224,12 @@ std::vector<Pose> drop(const std::vector<Specimen>& specimens, const SettingConf
       problem = "they did not settle: " + std::string(to_string(rest.status));
     }
   }
+  double largest_m = 0;
+  for (const Specimen& specimen : specimens) largest_m = std::max(largest_m, specimen.radius_m);
+  if (largest_m > setting.reach_m) {
+    problem += "; a specimen is " + std::to_string(2 * largest_m) + " m across and " +
+               std::to_string(2 * setting.reach_m) + " m have room (see specimen_scale)";
+  }
   throw std::runtime_error("seeds: " + std::to_string(setting.attempts) +
                            " attempts to drop the specimens failed; the last: " + problem);
 }
