@@ -10,7 +10,6 @@
 #include "sim/dataset/seam_io.h"
 #include "sim/imaging/image_io.h"
 #include "tests/app/program.h"
-#include "tests/app/specimen_files.h"
 
 namespace cousin {
 namespace {
@@ -222,52 +221,6 @@ TEST_F(AppBadInput, AForeignSeamNamesFileAndKey) {
   EXPECT_EQ(absent.code, 4);
   EXPECT_THAT(absent.err, AllOf(HasSubstr("cousin: stage poses: "),
                                 HasSubstr("seams/poses.json: cannot read")));
-}
-
-TEST_F(AppBadInput, OneViewOfASeedIsPosedAndSaysWhyItIsNotMeasured) {
-  Words one = measured_scene() + Words{"--set", "seeds=1", "--set", "views=1"};
-  ASSERT_EQ(program_.run(Words{"render", "seeds", "--out", "one"} + one).code, 0);
-  for (const char* method : {"ours", "paper"}) {
-    const Outcome outcome = program_.run({"perceive", "one", "--out", "est", "--method", method});
-    EXPECT_EQ(outcome.code, 3) << method;
-    EXPECT_THAT(outcome.err, HasSubstr("cousin: one/000000: 1 of 1 views posed, 0 specimens: no "
-                                       "view has depth, which takes more views beside it"))
-        << method;
-    EXPECT_EQ(read_poses(program_.path("est/000000")).at(0).status, PoseStatus::ok);
-  }
-  // The whole loop counts the seed as missed.
-  const Outcome run = program_.run(Words{"run", "seeds", "--out", "r"} + one);
-  EXPECT_EQ(run.code, 0) << run.err;
-  EXPECT_THAT(read_file(program_.path("r/specimens.csv")), HasSubstr(",length,m,"));
-  EXPECT_THAT(read_file(program_.path("r/specimens.csv")), Not(HasSubstr(",ok\n")));
-}
-
-TEST_F(AppBadInput, AMeshInMillimetresNamesItsSizeAndTheKeyThatScalesIt) {
-  write_box_obj(program_.path("box.obj"), {10, 8, 5});
-  const Words render = Words{"render", "seeds", "--out", "out", "--set", "specimen=mesh:box.obj"} +
-                       tiny_scene() + Words{"--set", "seeds=1"};
-  const Outcome metres = program_.run(render);
-  EXPECT_EQ(metres.code, 3);
-  EXPECT_THAT(metres.err, AllOf(HasSubstr("a specimen is 13.74"), HasSubstr("m across"),
-                                HasSubstr("specimen_scale")));
-  const Outcome none = program_.run(render + Words{"--set", "specimen_scale=0"});
-  EXPECT_EQ(none.code, 2);
-  EXPECT_THAT(none.err, HasSubstr("specimen_scale = 0: must be in"));
-  // In millimetres it is the box that was drawn.
-  const Outcome millimetres = program_.run(render + Words{"--set", "specimen_scale=0.001"});
-  ASSERT_EQ(millimetres.code, 0) << millimetres.err;
-  const auto truth =
-      nlohmann::json::parse(read_file(program_.path("out/000000/truth/traits.json")));
-  const std::map<std::string, double> expected = {
-      {"length", 0.01}, {"width", 0.008}, {"height", 0.005}, {"area", 3.4e-4}, {"volume", 4e-7}};
-  std::size_t compared = 0;
-  for (const auto& trait : truth["instances"][0]["traits"]) {
-    const auto value = expected.find(trait["name"]);
-    if (value == expected.end()) continue;
-    EXPECT_NEAR(trait["value"], value->second, 1e-9 * value->second) << trait["name"];
-    ++compared;
-  }
-  EXPECT_EQ(compared, expected.size());
 }
 
 TEST_F(AppBadInput, AMeshThatIsNotClosedNamesFileAndEdge) {

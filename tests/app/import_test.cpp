@@ -2,14 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/imaging/image_io.h"
 #include "tests/app/program.h"
-#include "tests/app/specimen_files.h"
 
 namespace cousin {
 namespace {
@@ -96,56 +94,6 @@ TEST(AppImport, PhenomenalGivesSilhouettesOnATurntable) {
   const Outcome not_seen = program.run(perceive + Words{"--set", "board_kind=markers"});
   EXPECT_EQ(not_seen.code, 3);
   EXPECT_THAT(not_seen.err, HasSubstr("view 0 has no pose: no_board (not_seen)"));
-}
-
-/// Three grains of 10 x 8 x 5 mm on the plane, in millimetres: two side by side, one apart.
-std::vector<Mesh> two_that_touch_and_one_apart() {
-  std::vector<Mesh> grains;
-  for (const Eigen::Vector3d& centre :
-       {Eigen::Vector3d(0, -4.01, 0), Eigen::Vector3d(0, 4.01, 0), Eigen::Vector3d(20, 0, 0)}) {
-    grains.push_back(ellipsoid_solid({5, 4, 2.5}));
-    for (Eigen::Vector3d& v : grains.back().vertices_m) v += centre;
-  }
-  return grains;
-}
-
-TEST(AppImport, PhotographsInAFolderAreMeasuredAndGrainsThatTouchAreSaidToTouch) {
-  const Program program;
-  write_obj(program.path("grains.obj"), two_that_touch_and_one_apart());
-  const Outcome rendered =
-      program.run(Words{"render", "seeds", "--out", "data", "--set", "seeds=1", "--set",
-                        "specimen=mesh:grains.obj", "--set", "specimen_scale=0.001"} +
-                  measured_scene());
-  ASSERT_EQ(rendered.code, 0) << rendered.err;
-  // What a person with a camera has: images, and one calibration for all of them.
-  const Camera lens = read_capture(program.path("data/000000")).rig[0].camera;
-  fs::rename(program.path("data/000000/rgb"), program.path("photos"));
-  std::string intrinsics;
-  for (const double number :
-       {lens.fx_px, lens.fy_px, lens.cx_px, lens.cy_px, lens.distortion[0], lens.distortion[1],
-        lens.distortion[2], lens.distortion[3], lens.distortion[4]}) {
-    intrinsics += (intrinsics.empty() ? "" : ",") + std::to_string(number);
-  }
-  fs::remove_all(program.path("data"));
-  const Outcome imported = program.run(
-      {"import", "photos", "--format", "folder", "--intrinsics", intrinsics, "--out", "real"});
-  ASSERT_EQ(imported.code, 0) << imported.err;
-
-  const Outcome perceived =
-      program.run(Words{"perceive", "real", "--pipeline", "seeds", "--out", "est", "--json"} +
-                  quick_pipeline());
-  ASSERT_EQ(perceived.code, 0) << perceived.err;
-  auto rows = nlohmann::json::parse(perceived.out);
-  ASSERT_EQ(rows.size(), 2U) << perceived.out;
-  std::sort(rows.begin(), rows.end(),
-            [](const auto& a, const auto& b) { return a["status"] > b["status"]; });
-  EXPECT_EQ(rows[0]["status"], "ok");
-  // A pixel spans 0.37 mm.
-  EXPECT_NEAR(rows[0]["traits"]["length"]["value"], 0.010, 3e-4);
-  EXPECT_NEAR(rows[0]["traits"]["width"]["value"], 0.008, 3e-4);
-  EXPECT_NEAR(rows[0]["traits"]["height"]["value"], 0.005, 3e-4);
-  EXPECT_EQ(rows[1]["status"], "not_solved");
-  EXPECT_EQ(rows[1]["reason"], "surface: touching");
 }
 
 }  // namespace
