@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -69,6 +71,20 @@ void print_traits(const std::string& scene, const Traits& traits) {
   }
 }
 
+/// Which stage found nothing first, if there is no specimen.
+std::string why_nothing(const SeedsEstimate& estimate, int posed) {
+  if (!estimate.cloud.empty() || !estimate.clusters.cloud.empty())
+    return "nothing stands on the board";
+  if (posed == 0) return "no view shows the board";
+  const bool some_depth =
+      std::any_of(estimate.depths.begin(), estimate.depths.end(), [](const FrameDepth& frame) {
+        return std::any_of(frame.depth_m.begin(), frame.depth_m.end(),
+                           [](float depth_m) { return !std::isnan(depth_m); });
+      });
+  return some_depth ? "the views agree on no depth"
+                    : "no view has depth, which takes more views beside it";
+}
+
 /// Says which views have no pose and why; the number of those that have one.
 int count_posed(const Poses& poses, const Corners& corners, ProgressPrinter& progress) {
   int posed = 0;
@@ -112,6 +128,7 @@ ExitCode command_perceive(const JobContext& context) {
   for (const fs::path& scene_dir : scenes_of(dataset)) {
     const Capture capture = read_capture(scene_dir);
     pipeline_of(o, capture, dataset);
+    board_of(capture, config);  // throws here, before any work, if there is none
     for (const std::string& warning : capture.warnings)
       context.progress.line("warning: " + warning);
     const std::string name = scene_dir.filename().string();
@@ -122,9 +139,9 @@ ExitCode command_perceive(const JobContext& context) {
     const SeedsEstimate estimate = perceive_seeds(capture, config, o.seed, sources, index,
                                                   estimate_dir, context.progress.function());
     const int posed = count_posed(estimate.poses, estimate.corners, context.progress);
-    const std::string summary = std::to_string(posed) + " of " +
-                                std::to_string(capture.frames.size()) + " views posed, " +
-                                std::to_string(estimate.traits.size()) + " specimens";
+    std::string summary = std::to_string(posed) + " of " + std::to_string(capture.frames.size()) +
+                          " views posed, " + std::to_string(estimate.traits.size()) + " specimens";
+    if (estimate.traits.empty()) summary += ": " + why_nothing(estimate, posed);
     context.progress.line(name + ": " + summary);
     if (estimate.traits.empty()) nothing_found.push_back(scene_dir.string() + ": " + summary);
     if (o.json) {

@@ -32,7 +32,7 @@ ReportShape shape_of(const Mesh& mesh, const std::string& name, const std::strin
 ReportShape shape_of(const Cloud& cloud, const std::string& name) {
   ReportShape shape;
   shape.name = name;
-  shape.caption = "Points of the multi-view stereo, " + std::to_string(cloud.size());
+  shape.caption = "Points of the multi-view stereo: " + std::to_string(cloud.size()) + ".";
   for (const CloudPoint& p : cloud) {
     shape.positions_m.push_back(p.position_m);
     shape.colors.push_back(p.color);

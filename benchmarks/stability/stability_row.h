@@ -11,7 +11,7 @@ struct StabilityRow {
   std::string case_name;
   std::string quantity;
   std::string unit;  ///< empty for counts and ratios
-  double limit = 0;  ///< NaN: the case is not built in
+  double limit = 0;  ///< NaN: the value is shown only; if that is NaN too, it is not built in
   double value = 0;
   bool upper = true;  ///< the limit is an upper one: value <= limit passes; else value >= limit
   bool pass = false;  ///< NaN never passes

@@ -119,8 +119,9 @@ SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config) {
   SeedBoard board;
   if (config.board_kind == BoardKind::as_reported) {
     if (!capture.board.empty() && capture.board != "markers" && capture.board != "plain") {
-      throw std::invalid_argument("the capture's board is \"" + capture.board +
-                                  "\"; the seeds pipeline needs markers or plain");
+      throw std::invalid_argument(
+          "the capture's board is \"" + capture.board +
+          "\"; the seeds pipeline needs markers or plain (--set board_kind=...)");
     }
     board.has_markers = capture.board != "plain";
   } else {

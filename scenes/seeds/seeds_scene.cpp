@@ -214,7 +214,7 @@ std::vector<Pose> drop(const std::vector<Specimen>& specimens, const SettingConf
     }
     if (rest.status == SettleStatus::engine_warning) {
       throw std::runtime_error("seeds: the physics engine gave " + std::to_string(rest.warnings) +
-                               " warnings");
+                               " warnings; the first: " + rest.first_warning);
     }
     if (rest.status == SettleStatus::ok) {
       const Rng slide = rng.fork("slide").fork(static_cast<std::uint64_t>(attempt));
@@ -223,6 +223,12 @@ std::vector<Pose> drop(const std::vector<Specimen>& specimens, const SettingConf
     } else {
       problem = "they did not settle: " + std::string(to_string(rest.status));
     }
+  }
+  double largest_m = 0;
+  for (const Specimen& specimen : specimens) largest_m = std::max(largest_m, specimen.radius_m);
+  if (largest_m > setting.reach_m) {
+    problem += "; a specimen is " + std::to_string(2 * largest_m) + " m across and " +
+               std::to_string(2 * setting.reach_m) + " m have room (see specimen_scale)";
   }
   throw std::runtime_error("seeds: " + std::to_string(setting.attempts) +
                            " attempts to drop the specimens failed; the last: " + problem);

@@ -13,8 +13,11 @@ namespace cousin {
 namespace {
 
 thread_local int warning_count = 0;
+thread_local std::string first_message;
 
-void count_warning(const char* /*message*/) { ++warning_count; }
+void count_warning(const char* message) {
+  if (warning_count++ == 0) first_message = message;
+}
 void throw_error(const char* message) {
   throw std::runtime_error(std::string("MuJoCo: ") + message);
 }
@@ -91,6 +94,7 @@ EngineWatch::EngineWatch() {
     mju_user_error = throw_error;
   });
   warning_count = 0;
+  first_message.clear();
 }
 
 int EngineWatch::warnings(const mjData& data) const {
@@ -98,6 +102,8 @@ int EngineWatch::warnings(const mjData& data) const {
   for (const mjWarningStat& warning : data.warning) counted += warning.number;
   return std::max(counted, warning_count);
 }
+
+const std::string& EngineWatch::first_warning() const { return first_message; }
 
 EngineModel load_model(const std::string& xml) {
   const auto files = std::make_unique<mjVFS>();  // 2 MB: not for the stack

@@ -26,6 +26,8 @@ class EngineWatch {
   EngineWatch();
   /// Messages since construction, or the counts that `data` holds if they are more.
   int warnings(const mjData& data) const;
+  /// Text of the first of them; empty if there was none.
+  const std::string& first_warning() const;
 };
 
 /// @throws std::runtime_error with the engine's message.

@@ -248,6 +248,7 @@ SettleResult settle(const std::vector<SettleBody>& given, const SettleConfig& co
     result.world_from_body.push_back(body_pose(*data, i));
   result.time_s = data->time;
   result.warnings = watch.warnings(*data);
+  result.first_warning = watch.first_warning();
   result.max_penetration_m = max_penetration_m(bodies, result.world_from_body);
   if (result.warnings > 0) {
     result.status = SettleStatus::engine_warning;

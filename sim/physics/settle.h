@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -50,8 +51,9 @@ struct SettleResult {
   double kinetic_energy_j = 0;        ///< at the end
   double max_penetration_m =
       0;  ///< of the true meshes' vertices into the board and into other bodies' convex parts
-  double time_s = 0;  ///< simulated
-  int warnings = 0;   ///< of the engine, all kinds
+  double time_s = 0;          ///< simulated
+  int warnings = 0;           ///< of the engine, all kinds
+  std::string first_warning;  ///< its text
 };
 
 /// Drops closed bodies on the plane z = 0 until they rest. Non-convex bodies collide as convex

@@ -81,6 +81,23 @@ Words tiny_scene() {
           "--set", "render.max_bounces=0"};
 }
 
+Words measured_scene() {
+  return {"--set", "views=18",
+          "--set", "rig.width_px=480",
+          "--set", "rig.height_px=360",
+          "--set", "rig.focal_px_per_width=1.7",
+          "--set", "ring_distances_m=[0.3,0.3,0.3]",
+          "--set", "render.irradiance_samples=16",
+          "--set", "render.edge_samples=16",
+          "--set", "render.board_texel_m=0.002",
+          "--set", "render.max_bounces=0"};
+}
+
+Words quick_pipeline() {
+  return {"--set", "pipeline.mvs.step_px=1.5",        "--set", "pipeline.tallest_m=0.008",
+          "--set", "pipeline.surface.subdivisions=3", "--set", "pipeline.surface.samples=8"};
+}
+
 std::map<std::string, std::string> contents(const fs::path& folder) {
   std::map<std::string, std::string> result;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {

@@ -48,6 +48,11 @@ Words operator+(Words a, const Words& b);
 /// Two views of an empty board, 320 x 180, near and in poor light: half a second.
 Words tiny_scene();
 
+/// The least views and pixels that measure seeds, near and in poor light: a few seconds.
+Words measured_scene();
+/// For `run` and `perceive`: a coarser search for depth and coarser surfaces.
+Words quick_pipeline();
+
 /// Every file below a folder, but seconds and what lists them, as path -> bytes.
 std::map<std::string, std::string> contents(const std::filesystem::path& folder);
 

@@ -40,7 +40,7 @@ TEST(AppVerbs, RenderVerifyPerceiveScoreReport) {
   // An empty board: both views are posed, no specimen is found, and that is said and scored.
   const Outcome perceived = program.run({"perceive", "data", "--out", "est"});
   EXPECT_EQ(perceived.code, 3);
-  EXPECT_THAT(perceived.err, HasSubstr("cousin: data/000000: 2 of 2 views posed, 0 specimens"));
+  EXPECT_THAT(perceived.err, HasSubstr("cousin: data/000000: 2 of 2 views posed, 0 specimens: "));
   const Outcome scored =
       program.run({"score", "data", "est", "--json", "--gate", "views.posed>=1"});
   EXPECT_EQ(scored.code, 0) << scored.err;

@@ -1,5 +1,6 @@
 #include "sim/physics/settle.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -113,6 +114,37 @@ TEST(Settle, TooShortATimeIsNotRest) {
   const Mesh mesh = box_solid({0.006, 0.003, 0.0024});
   const SettleResult result = settle({body(mesh, tilted(0, 0, 0.3))}, {.max_time_s = 0.06});
   EXPECT_EQ(result.status, SettleStatus::not_at_rest);
+}
+
+TEST(Settle, TheKineticEnergyOfAFallIsThatOfTheory) {
+  const Mesh mesh = box_solid({0.006, 0.003, 0.0024});
+  const double mass_kg = 2e-4;
+  const SettleConfig fall{.drag_per_s = 0, .drop_height_m = 0.1, .max_time_s = 0.1};
+  const SettleResult result = settle({{&mesh, mass_kg, {}}}, fall);  // it lands after 0.14 s
+  EXPECT_EQ(result.status, SettleStatus::not_at_rest);
+  const double speed_m_s = 9.81 * result.time_s;  // semi-implicit Euler steps it exactly
+  EXPECT_NEAR(result.kinetic_energy_j, 0.5 * mass_kg * speed_m_s * speed_m_s, 1e-12);
+}
+
+TEST(Settle, AWarningOfTheEngineIsCountedNamedAndNeverAResult) {
+  const Mesh mesh = box_solid({0.006, 0.003, 0.0024});
+  // The engine takes coordinates beyond 1e10 for a diverged state, warns, and starts anew.
+  const SettleResult far = settle({{&mesh, 1e-4, {}}}, {.drop_height_m = 1e11});
+  EXPECT_EQ(far.status, SettleStatus::engine_warning);
+  EXPECT_GE(far.warnings, 1);
+  EXPECT_THAT(far.first_warning, testing::HasSubstr("huge value in QPOS at DOF 2"));
+  // Twenty equal parts touch the board at more points than there is room for.
+  ConvexParts parts = convex_parts(mesh);
+  parts.hulls.resize(20, parts.hulls[0]);
+  const SettleResult full = settle({{&mesh, 1e-4, {}, &parts}});
+  EXPECT_EQ(full.status, SettleStatus::engine_warning);
+  EXPECT_GT(full.warnings, 1);  // one a step, though the engine says it once
+  EXPECT_THAT(full.first_warning, testing::HasSubstr("contact buffer is full"));
+  // Nothing of it is left for the next one.
+  const SettleResult next = settle({{&mesh, 1e-4, {}}});
+  EXPECT_EQ(next.status, SettleStatus::ok);
+  EXPECT_EQ(next.warnings, 0);
+  EXPECT_EQ(next.first_warning, "");
 }
 
 TEST(Settle, NoBodiesAreAtRest) { EXPECT_EQ(settle({}).status, SettleStatus::ok); }

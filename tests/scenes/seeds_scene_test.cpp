@@ -145,6 +145,25 @@ TEST(SeedsScene, TooManySeedsSaySo) {
   EXPECT_THROW(build_seeds_scene(config, Rng(1), ball), std::runtime_error);
 }
 
+TEST(SeedsScene, AWarningOfTheEngineEndsTheSceneAndIsNamed) {
+  SeedsSceneConfig config;
+  config.seeds = 1;
+  config.specimen = "mesh:planet";
+  Mesh planet =
+      cube_sphere(4);  // its centre rests beyond 1e10, which the engine takes for diverged
+  for (Eigen::Vector3d& v : planet.vertices_m) v *= 1e11;
+  try {
+    build_seeds_scene(config, Rng(1), planet);
+    FAIL() << "the warning was not fatal";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("physics engine gave 1 warnings; the first: Nan, Inf or "
+                        "huge value in QPOS at DOF 2"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(SeedsScene, BadConfigurationsNameKeyAndValue) {
   const auto message = [](const SeedsSceneConfig& config) -> std::string {
     try {

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
+#include "benchmarks/stability/ray_cases.h"
 #include "benchmarks/stability/suite.h"
+#include "scenes/seeds/seeds_scene.h"
 
 namespace cousin {
 namespace {
@@ -17,6 +20,26 @@ TEST(StabilitySuite, EveryCaseHoldsItsLimit) {
     EXPECT_NE(row.status, ScoreStatus::error) << row.case_name << ": " << row.metric;
   }
   EXPECT_GT(count[ScoreStatus::pass], 40);
+}
+
+TEST(StabilitySuite, RaysEscapeFromASeedThatLacksATriangle) {
+  Mesh mesh = make_seed("suijing18", SizeSpread::literature, Rng(1)).model.mesh;
+  const StabilityRow whole = watertight_case("whole", mesh, 200'000, Rng(2));
+  EXPECT_TRUE(whole.pass) << whole.value;
+  // One of 23 000 triangles: about nine rays in 200 000 meet it.
+  mesh.triangles.erase(mesh.triangles.begin() + 5000);
+  const StabilityRow open = watertight_case("open", mesh, 200'000, Rng(2));
+  EXPECT_FALSE(open.pass);
+  EXPECT_GT(open.value, 0);
+}
+
+TEST(StabilitySuite, ARowFailsBeyondItsLimitOnEitherSideAndForNoNumber) {
+  EXPECT_TRUE(make_row("", "", "", 2, 2).pass);
+  EXPECT_FALSE(make_row("", "", "", 2, 2.1).pass);
+  EXPECT_TRUE(make_row("", "", "", 2, 2, false).pass);
+  EXPECT_FALSE(make_row("", "", "", 2, 1.9, false).pass);
+  EXPECT_FALSE(make_row("", "", "", 2, std::nan("")).pass);
+  EXPECT_FALSE(make_row("", "", "", 2, std::nan(""), false).pass);
 }
 
 }  // namespace
