@@ -138,7 +138,7 @@ Eigen::Vector3d rice_details(const CultivarConfig& c, const Individual& seed,
   const double angle =
       std::atan2(std::abs(p.z()), p.y());  // 0 at the keel of the lemma, pi at the palea's
   const double body = smoothstep(0.03, 0.2, s.along) * smoothstep(0.02, 0.22, 1 - s.along);
-  const double seam_at = 2.12 + 0.12 * std::sin(std::numbers::pi * s.along);
+  const double seam_at = rice_seam_rad(s.along);
   constexpr std::array<double, 4> kNerves = {0.0, 0.82, 1.55, 2.72};
   double nerve = 0;
   for (const double at : kNerves) nerve = std::max(nerve, bump(angle - at, 0.13));
@@ -184,6 +184,8 @@ Eigen::Vector3d individualise(const CultivarConfig& c, const Individual& seed,
 }
 
 }  // namespace
+
+double rice_seam_rad(double along) { return 2.12 + 0.12 * std::sin(std::numbers::pi * along); }
 
 SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& size_m, Rng rng) {
   const Individual seed = draw_individual(config, rng);
