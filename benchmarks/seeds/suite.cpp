@@ -157,6 +157,7 @@ std::string run_job(const SuiteJob& job, const std::filesystem::path& captures,
     row.wall_s = timing.wall_s;
     row.cpu_s = timing.cpu_s;
     row.peak_rss_mb = timing.peak_rss_mb;
+    row.peak_above_start_mb = timing.peak_above_start_mb;
     row.seed = job.seed;
     file.scores.push_back(std::move(row));
   }

@@ -77,6 +77,16 @@ TEST(AppVerbs, RunWritesScoresAndReport) {
   for (const char* file : {"scores.csv", "specimens.csv", "report.html"}) {
     EXPECT_GT(fs::file_size(program.path("r") / file), 0U) << file;
   }
+  // Every time comes with its memory: in all, and above what the program takes before its work.
+  int timed = 0;
+  const nlohmann::json file = nlohmann::json::parse(run.out);
+  for (const nlohmann::json& row : file["scores"]) {
+    if (!row.value("metric", "").starts_with("seconds.")) continue;
+    ++timed;
+    EXPECT_GT(row.at("peak_above_start_mb").get<double>(), 0) << row;
+    EXPECT_LT(row.at("peak_above_start_mb").get<double>(), row.at("peak_rss_mb").get<double>());
+  }
+  EXPECT_GT(timed, 5);
   EXPECT_FALSE(fs::exists(program.path("r/parts")));
 }
 
