@@ -24,6 +24,8 @@ struct Individual {
   std::uint64_t key = 0;
 };
 
+/// The spreads are free: chosen so that seeds of a lot look as unlike each other as on photographs
+/// of lots. No publication gives them; sizes, which are scored, have their own (cultivars.toml).
 Individual draw_individual(const CultivarConfig& c, Rng& rng) {
   Individual seed;
   seed.dent = truncated_normal(rng, 1, 0.25, 2);
@@ -91,6 +93,9 @@ Eigen::Vector3d body_point(const CultivarConfig& c, const Eigen::Vector3d& direc
 
 double bump(double x, double width) { return std::exp(-(x / width) * (x / width)); }
 double plateau(double x, double width) { return std::exp(-std::pow(x / width, 4)); }
+
+// Places and widths of the details below, in shares of the half-sizes, are free: drawn after
+// photographs of kernels. Their heights in metres are the cultivar's.
 
 /// Dent of the crown and hollow over the embryo; p in half-sizes, displacement in metres.
 Eigen::Vector3d maize_details(const CultivarConfig& c, const Individual& seed,
