@@ -9,9 +9,11 @@
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/simulate.h"
 #include "benchmarks/seeds/stage_files.h"
+#include "benchmarks/seeds/truth_choice.h"
 #include "benchmarks/shards/shard.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/import.h"
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/seam_io.h"
@@ -31,7 +33,8 @@ constexpr const char* kPartial = "partial.json";
 void check_owner(const fs::path& dataset, const std::string& hash) {
   const auto mismatch = [&](const fs::path& file) {
     throw std::invalid_argument(file.string() +
-                                " belongs to another configuration or seed; choose another --out");
+                                " belongs to another configuration, seed or choice of truth; "
+                                "choose another --out");
   };
   const fs::path marker = dataset / kPartial;
   if (fs::exists(marker)) {
@@ -47,10 +50,11 @@ void claim_folder(const fs::path& dataset, const std::string& hash) {
   write_file(dataset / kPartial, nlohmann::json{{"config_hash", hash}}.dump() + "\n");
 }
 
-TruthNeeds dataset_truth() {
-  TruthNeeds needs;
-  needs.visibility = true;
-  return needs;
+/// What the folder belongs to: configuration and seed, and the truth where it is not the default.
+std::string owner_hash(const SeedsRunConfig& config, std::uint64_t seed, const TruthNeeds& truth) {
+  const std::string hash = config_hash(config, seed);
+  const std::string names = to_string(truth);
+  return names == Options{}.truth ? hash : sha256_hex(hash + "\ntruth = " + names + "\n");
 }
 
 /// Images of the frames of one scene that are not there yet; the files are final or absent.
@@ -69,7 +73,8 @@ void render_frames(const SeedsSimulation& simulation, const fs::path& scene_dir,
 
 /// Index and truth of a scene: both are pure functions of configuration and seed, whichever shard
 /// rendered the images.
-void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir) {
+void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir,
+                 const TruthNeeds& needs) {
   Capture capture = simulation.capture_header();
   SceneTruth truth = simulation.scene_truth();
   for (const TrueView& view : simulation.views()) {
@@ -80,7 +85,16 @@ void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir) {
     sensor.reported = simulation.reported(view.frame);
     frame.sensors.push_back(std::move(sensor));
     capture.frames.push_back(std::move(frame));
-    truth.images.push_back(simulation.truth(view.frame, dataset_truth()));
+  }
+  if (to_string(needs) != "none") {
+    // The images of all views together need gigabytes: each is written as it is made.
+    truth.images.resize(truth.views.size());
+    for_each_frame(truth.views.size(), [&](std::size_t i) {
+      const int frame = truth.views[i].frame;
+      TruthImages images = simulation.truth(frame, needs);
+      write_truth_images(scene_dir, truth.scene, frame, images);
+      truth.images[i].visibility = std::move(images.visibility);
+    });
   }
   write_capture_index(scene_dir, capture);
   write_truth(scene_dir, truth);
@@ -103,7 +117,8 @@ ExitCode command_render(const JobContext& context) {
   }
   const Shard shard = parse_shard(o.shard);
   const fs::path dataset = o.out.empty() ? fs::path("out") / "seeds_dataset" : fs::path(o.out);
-  const std::string hash = config_hash(config, o.seed);
+  const TruthNeeds truth = truth_needs_from_string(o.truth);
+  const std::string hash = owner_hash(config, o.seed, truth);
   require_writable(dataset);
   check_owner(dataset, hash);
 
@@ -119,7 +134,7 @@ ExitCode command_render(const JobContext& context) {
     render_frames(simulation, scene_dir, std::max(0, first - scene * frames),
                   std::min(frames, end - scene * frames), context.progress.function());
     // The shard that renders a scene's first frame writes its index and truth.
-    if (first <= scene * frames) write_index(simulation, scene_dir);
+    if (first <= scene * frames) write_index(simulation, scene_dir, truth);
     timings.push_back(clock.finish());
   }
   Manifest header;

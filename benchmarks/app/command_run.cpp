@@ -63,6 +63,7 @@ std::vector<ScoreRow> timing_rows(const std::vector<StageTiming>& timings,
     row.wall_s = timing.wall_s;
     row.cpu_s = timing.cpu_s;
     row.peak_rss_mb = timing.peak_rss_mb;
+    row.peak_above_start_mb = timing.peak_above_start_mb;
     row.seed = labels.seed;
     rows.push_back(std::move(row));
   }
@@ -225,6 +226,7 @@ ExitCode command_run(const JobContext& context) {
   row.value = row.wall_s = whole.wall_s;
   row.cpu_s = whole.cpu_s;
   row.peak_rss_mb = whole.peak_rss_mb;
+  row.peak_above_start_mb = whole.peak_above_start_mb;
   row.unit = "s";
   row.n = o.scenes;
   row.seed = o.seed;

@@ -13,6 +13,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "perception/pipelines/seeds.h"
+#include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
@@ -40,6 +41,7 @@ int fail(ExitCode code, const std::string& what) {
 }
 
 int run_job(const Options& options, int argc, const char* const* argv) {
+  start_rss_mb();  // what the work takes is counted from here
   const int threads = options.threads > 0
                           ? options.threads
                           : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));

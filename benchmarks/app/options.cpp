@@ -131,6 +131,11 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   render->add_option("--shard", o.shard,
                      "i/n: part i (from 0) of n of the list of scenes and frames");
   add_config(*render, o);
+  render
+      ->add_option("--truth", o.truth,
+                   "Truth images: all, none, or of depth,normal,instance,part,position,coverage,"
+                   "visibility those listed")
+      ->capture_default_str();
   add_set(*render, o);
 
   CLI::App* perceive =

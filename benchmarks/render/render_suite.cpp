@@ -24,6 +24,7 @@ ScoreRow row_of(const std::string& case_name, const std::string& metric, double 
   row.n = n;
   row.seed = seed;
   row.peak_rss_mb = peak_rss_mb();
+  row.peak_above_start_mb = row.peak_rss_mb - start_rss_mb();
   return row;
 }
 

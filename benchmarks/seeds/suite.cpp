@@ -165,6 +165,7 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Pr
     row.wall_s = timing.wall_s;
     row.cpu_s = timing.cpu_s;
     row.peak_rss_mb = timing.peak_rss_mb;
+    row.peak_above_start_mb = timing.peak_above_start_mb;
     row.seed = job.seed;
     file.scores.push_back(std::move(row));
   }

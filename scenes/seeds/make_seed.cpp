@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "scenes/seeds/seed_color.h"
+#include "scenes/seeds/seed_parts.h"
 #include "scenes/seeds/seed_shape.h"
 #include "scenes/seeds/specimen.h"
 #include "sim/geometry/measure.h"
@@ -112,6 +113,8 @@ SeedModel make_seed(const std::string& name, SizeSpread spread, Rng rng) {
   seed.model.vertex_albedo = color_seed(config, shape, rng.fork("color"));
   seed.model.vertex_normals = smooth_normals(shape.mesh);
   seed.model.keypoints = seed_keypoints(shape, config.species);
+  seed.model.part_names = seed_part_names(config.species);
+  seed.model.triangle_part = seed_parts(shape, config.species);
   seed.model.mesh = std::move(shape.mesh);
   seed.mass_kg = config.density_kg_m3 * mass.volume_m3;
   seed.traits = measure_traits(seed.model.mesh, seed.mass_kg);

@@ -24,6 +24,8 @@ struct Individual {
   std::uint64_t key = 0;
 };
 
+/// The spreads are free: chosen so that seeds of a lot look as unlike each other as on photographs
+/// of lots. No publication gives them; sizes, which are scored, have their own (cultivars.toml).
 Individual draw_individual(const CultivarConfig& c, Rng& rng) {
   Individual seed;
   seed.dent = truncated_normal(rng, 1, 0.25, 2);
@@ -92,6 +94,9 @@ Eigen::Vector3d body_point(const CultivarConfig& c, const Eigen::Vector3d& direc
 double bump(double x, double width) { return std::exp(-(x / width) * (x / width)); }
 double plateau(double x, double width) { return std::exp(-std::pow(x / width, 4)); }
 
+// Places and widths of the details below, in shares of the half-sizes, are free: drawn after
+// photographs of kernels. Their heights in metres are the cultivar's.
+
 /// Dent of the crown and hollow over the embryo; p in half-sizes, displacement in metres.
 Eigen::Vector3d maize_details(const CultivarConfig& c, const Individual& seed,
                               const Eigen::Vector3d& p, SurfacePoint& s) {
@@ -138,7 +143,7 @@ Eigen::Vector3d rice_details(const CultivarConfig& c, const Individual& seed,
   const double angle =
       std::atan2(std::abs(p.z()), p.y());  // 0 at the keel of the lemma, pi at the palea's
   const double body = smoothstep(0.03, 0.2, s.along) * smoothstep(0.02, 0.22, 1 - s.along);
-  const double seam_at = 2.12 + 0.12 * std::sin(std::numbers::pi * s.along);
+  const double seam_at = rice_seam_rad(s.along);
   constexpr std::array<double, 4> kNerves = {0.0, 0.82, 1.55, 2.72};
   double nerve = 0;
   for (const double at : kNerves) nerve = std::max(nerve, bump(angle - at, 0.13));
@@ -184,6 +189,8 @@ Eigen::Vector3d individualise(const CultivarConfig& c, const Individual& seed,
 }
 
 }  // namespace
+
+double rice_seam_rad(double along) { return 2.12 + 0.12 * std::sin(std::numbers::pi * along); }
 
 SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& size_m, Rng rng) {
   const Individual seed = draw_individual(config, rng);

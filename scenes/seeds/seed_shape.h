@@ -25,6 +25,9 @@ struct SeedShape {
   std::vector<SurfacePoint> surface;  ///< one for each vertex
 };
 
+/// Angle about the axis of rice from the lemma's keel at which lemma clasps palea.
+double rice_seam_rad(double along);
+
 /// A seed of about `size_m` (length, width, height along x, y, z): a body of superellipse sections
 /// along the cultivar's profiles, star-shaped about its middle, then the species' details as smooth
 /// displacements.

@@ -43,6 +43,7 @@ Specimen grown(const std::string& name, SizeSpread spread, Rng rng) {
 
 Specimen reference_sphere(const SettingConfig& setting, Rng rng) {
   Specimen sphere{make_sphere(setting, rng), {}, "sphere"};
+  // Free: painted matt, so that nothing is mirrored and the estimator alone is tested.
   sphere.material = {.name = "matt sphere", .albedo = {1, 1, 1}, .ior = 1, .roughness = 1};
   return sphere;
 }
@@ -52,6 +53,7 @@ Specimen users(const SettingConfig& setting, const std::string& name, const Mesh
   specimen.seed.model.vertex_albedo =
       mottle(specimen.seed.model.mesh, setting.specimen_albedo, setting.specimen_mottle,
              setting.specimen_mottle_scale_m, rng);
+  // Free: as waxy as the grains of cultivars.toml, since nothing is known of a user's specimen.
   specimen.material = {.name = "specimen", .albedo = {1, 1, 1}, .ior = 1.47, .roughness = 0.5};
   return specimen;
 }

@@ -187,20 +187,29 @@ void add_screen(Scene& scene, const SettingConfig& setting) {
 }
 
 void add_lights(Scene& scene, const std::string& light) {
+  // All radiances are free: no room or sky was measured. They are chosen for plausible contrasts
+  // and tints, and on a scale where the board's paper (reflectance 0.80) comes out between 0.45 and
+  // 0.6 and nothing but mirrored lights above 1; the phone sets its own exposure, so that only
+  // ratios matter. E is the irradiance that each puts on the board, by its solid angle and cosine.
   const Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   if (light == "window") {
-    // A room: bright walls and ceiling, a window to one side, a weak reflection from the other.
+    // A room: bright walls and ceiling (E = 1.1), a window of 1.0 m x 1.2 m to one side, bluish as
+    // daylight is (0.6), a weak warm reflection from the other (0.13).
     scene.lights.emplace_back(
         Sky{{0.36F, 0.36F, 0.35F}, {0.30F, 0.30F, 0.30F}, {0.05F, 0.08F, 0.05F}});
     scene.lights.emplace_back(
         make_lamp({-0.95, 0.75, 1.15}, centre, 0.50, 0.60, {2.0F, 2.1F, 2.25F}));
     scene.lights.emplace_back(make_lamp({1.0, -0.6, 1.2}, centre, 0.50, 0.40, {0.7F, 0.66F, 0.6F}));
   } else if (light == "lamps") {
+    // Two square lamps of half a metre on either side, warm white (E = 0.9 and 0.6), in a dim room
+    // (0.3): shadows are softer than a bulb's and harder than the window's.
     scene.lights.emplace_back(
         Sky{{0.10F, 0.10F, 0.10F}, {0.08F, 0.08F, 0.08F}, {0.02F, 0.03F, 0.02F}});
     scene.lights.emplace_back(make_lamp({-0.7, -0.6, 1.0}, centre, 0.25, 0.25, {9.0F, 8.9F, 8.6F}));
     scene.lights.emplace_back(make_lamp({0.75, 0.55, 1.0}, centre, 0.25, 0.25, {6.5F, 6.4F, 6.2F}));
   } else if (light == "sun") {
+    // Sun 55 degrees high (E = 1.7) and a bluish sky (0.7). Real clear skies give the sky a smaller
+    // share; this one is hazy, with a bright horizon.
     Sun sun;
     sun.to_sun = Eigen::Vector3d(-0.45, 0.35, 0.82).normalized();
     sun.irradiance = {2.10F, 2.02F, 1.86F};

@@ -14,7 +14,8 @@
 //                   "traits": [{"name": "length", "unit": "m", "value": number or null,
 //                               "sigma": number or null}]}]}
 // timings.json
-//   {"stages": [{"stage": "poses", "wall_s", "cpu_s", "peak_rss_mb"}]}
+//   {"stages": [{"stage": "poses", "wall_s", "cpu_s", "peak_rss_mb",
+//                "peak_above_start_mb"}]}, the last may be absent or null
 
 #include "sim/dataset/seam_json.h"
 
@@ -228,7 +229,8 @@ std::string timings_to_json(const std::vector<StageTiming>& timings) {
     stages.push_back({{"stage", timing.stage},
                       {"wall_s", timing.wall_s},
                       {"cpu_s", timing.cpu_s},
-                      {"peak_rss_mb", timing.peak_rss_mb}});
+                      {"peak_rss_mb", timing.peak_rss_mb},
+                      {"peak_above_start_mb", nan_to_null(timing.peak_above_start_mb)}});
   }
   return to_text(one_key("stages", stages));
 }
@@ -239,11 +241,13 @@ std::vector<StageTiming> timings_from_json(std::string_view text, const std::str
   root.expect_keys({"stages"});
   std::vector<StageTiming> timings;
   for (const JsonNode& node : root["stages"].elements(10'000)) {
-    node.expect_keys({"stage", "wall_s", "cpu_s", "peak_rss_mb"});
+    node.expect_keys({"stage", "wall_s", "cpu_s", "peak_rss_mb"}, {"peak_above_start_mb"});
     timings.push_back({.stage = node["stage"].text(256),
                        .wall_s = node["wall_s"].number(),
                        .cpu_s = node["cpu_s"].number(),
                        .peak_rss_mb = node["peak_rss_mb"].number()});
+    if (node.has("peak_above_start_mb"))
+      timings.back().peak_above_start_mb = node["peak_above_start_mb"].number_or_nan();
   }
   return timings;
 }

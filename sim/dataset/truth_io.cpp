@@ -17,8 +17,8 @@
 // Images, each only if it was planned:
 //   depth/000000.exr   metres; likewise normal/ and position/ (three channels), coverage/
 //   instance/          16-bit PNG, id + 1; 0 = none
-//   part/              16-bit PNG; 65535 = none
-//   mask/              000000_000003.png: amodal, 255 inside, of frame 0's fourth specimen
+//   part/              16-bit PNG, place in the model's part_names (0 where it has none); 65535 =
+//   none mask/              000000_000003.png: amodal, 255 inside, of frame 0's fourth specimen
 //   mask_visib/        the same of what is seen; derived from instance/, never read
 
 #include "sim/dataset/truth_io.h"
@@ -45,22 +45,24 @@ std::string mask_name(int frame, std::size_t specimen) {
   return six_digits(frame) + "_" + six_digits(static_cast<std::int64_t>(specimen)) + ".png";
 }
 
+void check_images(const TruthImages& images, int frame, const std::vector<const Instance*>& order) {
+  const std::string where = "truth: frame " + std::to_string(frame);
+  if (!images.masks_full.empty() && images.masks_full.size() != images.visibility.size()) {
+    throw std::invalid_argument(where + ": not one mask for each visibility");
+  }
+  if (images.visibility.empty()) return;
+  bool same = images.visibility.size() == order.size();
+  for (std::size_t k = 0; same && k < order.size(); ++k)
+    same = images.visibility[k].instance == order[k]->id;
+  if (!same) throw std::invalid_argument(where + ": visibility is not of the specimens by id");
+}
+
 void check_images(const SceneTruth& truth, const std::vector<const Instance*>& order) {
   if (truth.images.empty()) return;
   if (truth.images.size() != truth.views.size())
     throw std::invalid_argument("truth: not one image set for each view");
-  for (std::size_t i = 0; i < truth.images.size(); ++i) {
-    const TruthImages& images = truth.images[i];
-    const std::string where = "truth: frame " + std::to_string(truth.views[i].frame);
-    if (!images.masks_full.empty() && images.masks_full.size() != images.visibility.size()) {
-      throw std::invalid_argument(where + ": not one mask for each visibility");
-    }
-    if (images.visibility.empty()) continue;
-    bool same = images.visibility.size() == order.size();
-    for (std::size_t k = 0; same && k < order.size(); ++k)
-      same = images.visibility[k].instance == order[k]->id;
-    if (!same) throw std::invalid_argument(where + ": visibility is not of the specimens by id");
-  }
+  for (std::size_t i = 0; i < truth.images.size(); ++i)
+    check_images(truth.images[i], truth.views[i].frame, order);
 }
 
 Image<std::uint16_t> instance_codes(const Image<std::int32_t>& instance, int frame) {
@@ -190,6 +192,13 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
   write_file(dir / "keypoints.json", keypoints_to_json(truth.scene));
   if (!truth.images.empty())
     write_file(dir / "scene_gt_info.json", scene_gt_info_to_json(truth.views, truth.images));
+}
+
+void write_truth_images(const fs::path& scene_dir, const Scene& scene, int frame,
+                        const TruthImages& images) {
+  const std::vector<const Instance*> order = specimens_of(scene);
+  check_images(images, frame, order);
+  write_images(scene_dir / "truth", images, frame, order);
 }
 
 SceneTruth read_truth(const fs::path& scene_dir) {

@@ -26,6 +26,11 @@ struct SceneTruth {
 /// @throws std::invalid_argument otherwise or if the scene is not valid, std::runtime_error if a
 /// file cannot be written.
 void write_truth(const std::filesystem::path& scene_dir, const SceneTruth& truth);
+/// The image files of one frame alone, so that a long scene need not be in memory at once:
+/// write_truth with what is then left of each frame, its `visibility`, makes the same folder.
+/// @throws as write_truth.
+void write_truth_images(const std::filesystem::path& scene_dir, const Scene& scene, int frame,
+                        const TruthImages& images);
 /// Everything that scoring needs: specimens with meshes, poses, traits, views, visibility; images
 /// if they exist. All that was written comes back bit by bit but for the models' vertex albedo and
 /// vertex normals, which no score uses.

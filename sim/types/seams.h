@@ -138,6 +138,8 @@ struct StageTiming {
   double wall_s = 0;
   double cpu_s = 0;
   double peak_rss_mb = 0;
+  double peak_above_start_mb =
+      std::numeric_limits<double>::quiet_NaN();  ///< above the program's start; NaN = not known
 };
 
 }  // namespace cousin

@@ -21,11 +21,14 @@ double clock_s(clockid_t clock) {
 StageClock::StageClock(std::string stage)
     : stage_(std::move(stage)),
       wall_start_s_(clock_s(CLOCK_MONOTONIC)),
-      cpu_start_s_(clock_s(CLOCK_PROCESS_CPUTIME_ID)) {}
+      cpu_start_s_(clock_s(CLOCK_PROCESS_CPUTIME_ID)) {
+  start_rss_mb();
+}
 
 StageTiming StageClock::finish() const {
   return {stage_, clock_s(CLOCK_MONOTONIC) - wall_start_s_,
-          clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_, peak_rss_mb()};
+          clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_s_, peak_rss_mb(),
+          peak_rss_mb() - start_rss_mb()};
 }
 
 double peak_rss_mb() {
@@ -41,6 +44,11 @@ double current_rss_mb() {
   file >> total_pages >> resident_pages;
   return static_cast<double>(resident_pages) * static_cast<double>(sysconf(_SC_PAGESIZE)) /
          (1 << 20);
+}
+
+double start_rss_mb() {
+  static const double start_mb = current_rss_mb();
+  return start_mb;
 }
 
 }  // namespace cousin

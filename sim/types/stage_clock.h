@@ -21,5 +21,8 @@ class StageClock {
 
 double peak_rss_mb();     ///< largest resident set of this process so far, MiB
 double current_rss_mb();  ///< resident now, MiB
+/// Resident at the first call, MiB: the program makes it before any work, with its libraries
+/// loaded.
+double start_rss_mb();
 
 }  // namespace cousin

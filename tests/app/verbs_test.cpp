@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/image_io.h"
@@ -76,7 +77,66 @@ TEST(AppVerbs, RunWritesScoresAndReport) {
   for (const char* file : {"scores.csv", "specimens.csv", "report.html"}) {
     EXPECT_GT(fs::file_size(program.path("r") / file), 0U) << file;
   }
+  // Every time comes with its memory: in all, and above what the program takes before its work.
+  int timed = 0;
+  const nlohmann::json file = nlohmann::json::parse(run.out);
+  for (const nlohmann::json& row : file["scores"]) {
+    if (!row.value("metric", "").starts_with("seconds.")) continue;
+    ++timed;
+    EXPECT_GT(row.at("peak_above_start_mb").get<double>(), 0) << row;
+    EXPECT_LT(row.at("peak_above_start_mb").get<double>(), row.at("peak_rss_mb").get<double>());
+  }
+  EXPECT_GT(timed, 5);
   EXPECT_FALSE(fs::exists(program.path("r/parts")));
+}
+
+TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
+  const Program program;
+  const Words render = Words{"render", "seeds", "--out"};
+  const auto folders = [&](const std::string& dataset) {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(program.path(dataset + "/000000/truth"))) {
+      if (entry.is_directory()) names.insert(entry.path().filename().string());
+    }
+    return names;
+  };
+  ASSERT_EQ(program.run(render + Words{"default"} + tiny_scene()).code, 0);
+  ASSERT_EQ(program.run(render + Words{"all", "--truth", "all"} + tiny_scene()).code, 0);
+  ASSERT_EQ(program.run(render + Words{"two", "--truth", "part,depth"} + tiny_scene()).code, 0);
+  ASSERT_EQ(program.run(render + Words{"none", "--truth", "none"} + tiny_scene()).code, 0);
+  // An empty board: there is no specimen to have a mask.
+  EXPECT_EQ(folders("default"), std::set<std::string>({"models"}));
+  EXPECT_EQ(folders("all"), std::set<std::string>({"coverage", "depth", "instance", "models",
+                                                   "normal", "part", "position"}));
+  EXPECT_EQ(folders("two"), std::set<std::string>({"depth", "models", "part"}));
+  EXPECT_EQ(folders("none"), std::set<std::string>({"models"}));
+  for (const char* dataset : {"all", "two", "none"}) {
+    EXPECT_EQ(program.run({"verify", dataset}).code, 0) << dataset;
+    // What is written beside the photographs does not change them.
+    for (const char* image : {"000000/rgb/000000.png", "000000/rgb/000001.png"}) {
+      EXPECT_EQ(read_file(program.path(dataset) / image),
+                read_file(program.path("default") / image));
+    }
+  }
+  const Image<float> depth_m = read_exr(program.path("two/000000/truth/depth/000001.exr"));
+  EXPECT_EQ(depth_m.width(), 320);
+  EXPECT_GT(depth_m(160, 90), 0.1F);
+  EXPECT_EQ(read_png16(program.path("two/000000/truth/part/000001.png"))(160, 90), 0);
+
+  // One choice a folder; the same in other words is the same.
+  const Outcome again =
+      program.run(render + Words{"two", "--truth", "depth,part", "--quiet"} + tiny_scene());
+  EXPECT_EQ(again.code, 0) << again.err;
+  const Outcome other = program.run(render + Words{"two", "--truth", "depth"} + tiny_scene());
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("two/manifest.json belongs to another configuration, seed or "
+                                   "choice of truth"));
+  const Outcome unknown = program.run(render + Words{"new", "--truth", "depth,colour"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err,
+              HasSubstr("\"colour\" is not one of depth, normal, instance, part, position, "
+                        "coverage, visibility, all, none"));
+  EXPECT_FALSE(fs::exists(program.path("new")));
 }
 
 TEST(AppVerbs, VerifyNamesAnEditedFile) {

@@ -244,11 +244,18 @@ TEST(SeamIo, TraitsAndTimingsComeBackBitByBit) {
   EXPECT_EQ(read[1].status, TraitStatus::not_solved);
   EXPECT_TRUE(read[1].centroid_in_world_m.array().isNaN().all());
 
-  write_timings(folder.path(), {{"poses", 1 / 3.0, 2 / 3.0, 100.1}});
+  write_timings(folder.path(),
+                {{"poses", 1 / 3.0, 2 / 3.0, 100.1, 100 / 7.0}, {"depth", 1, 2, 100.1}});
   const std::vector<StageTiming> timings = read_timings(folder.path());
-  ASSERT_EQ(timings.size(), 1U);
+  ASSERT_EQ(timings.size(), 2U);
   EXPECT_EQ(timings[0].stage, "poses");
   EXPECT_EQ(timings[0].cpu_s, 2 / 3.0);
+  EXPECT_EQ(timings[0].peak_above_start_mb, 100 / 7.0);
+  EXPECT_TRUE(std::isnan(timings[1].peak_above_start_mb));
+  // Another program may not know it.
+  write_file(folder.path() / "timings.json",
+             R"({"stages": [{"stage": "x", "wall_s": 1, "cpu_s": 1, "peak_rss_mb": 9}]})");
+  EXPECT_TRUE(std::isnan(read_timings(folder.path()).at(0).peak_above_start_mb));
 }
 
 TEST(SeamIo, AMissingSeamIsNamed) {

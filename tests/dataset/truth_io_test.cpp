@@ -202,6 +202,31 @@ TEST(TruthIo, WhatWasNotPlannedIsNotThere) {
   EXPECT_TRUE(read_truth(second.path()).images.empty());
 }
 
+TEST(TruthIo, FramesWrittenOneByOneMakeTheSameFolder) {
+  const TemporaryFolder whole, parts;
+  SceneTruth truth = sample_truth();
+  write_truth(whole.path(), truth);
+  for (std::size_t i = 0; i < truth.images.size(); ++i) {
+    write_truth_images(parts.path(), truth.scene, truth.views[i].frame, truth.images[i]);
+    truth.images[i] = {.visibility = truth.images[i].visibility};
+  }
+  write_truth(parts.path(), truth);
+  std::size_t files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(whole.path())) {
+    if (!entry.is_regular_file()) continue;
+    const fs::path file = fs::relative(entry.path(), whole.path());
+    EXPECT_EQ(read_file(parts.path() / file), read_file(entry.path())) << file;
+    ++files;
+  }
+  std::size_t parts_files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(parts.path()))
+    parts_files += entry.is_regular_file() ? 1 : 0;
+  EXPECT_EQ(parts_files, files);
+  std::swap(truth.images[0].visibility[0], truth.images[0].visibility[1]);
+  EXPECT_THROW(write_truth_images(parts.path(), truth.scene, 0, truth.images[0]),
+               std::invalid_argument);
+}
+
 TEST(TruthIo, BopMasksFollowTheSpecimensById) {
   const TemporaryFolder folder;
   write_truth(folder.path(), sample_truth());

@@ -81,6 +81,27 @@ TEST(TruthPass, PixelWithoutRayOrSurfaceIsNone) {
   EXPECT_EQ(truth.part(32, 24), 0);
 }
 
+TEST(TruthPass, ThePartIsThatOfTheTriangleSeen) {
+  Scene scene;
+  ObjectModel halves = square(0.1);  // two triangles, parts 2 and 5
+  halves.part_names = {"a", "b", "c", "d", "e", "f"};
+  halves.triangle_part = {2, 5};
+  const Mesh mesh = halves.mesh;
+  add(scene, halves, matt(0.5F));
+  const RayScene rays(scene);
+  const TrueView view = view_from(lens(LensModel::pinhole, 64, 48, 100), {0, -0.1, 0.5}, {0, 0, 0});
+  const TruthImages truth = render_truth(rays, scene, view, {.part = true});
+  for (std::size_t t = 0; t < 2; ++t) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const std::uint32_t i : mesh.triangles[t]) middle += mesh.vertices_m[i] / 3;
+    const auto pixel = project(view.camera, view.camera_from_world * middle);
+    ASSERT_TRUE(pixel);
+    EXPECT_EQ(truth.part(static_cast<int>(std::lround(pixel->x())),
+                         static_cast<int>(std::lround(pixel->y()))),
+              t == 0 ? 2 : 5);
+  }
+}
+
 TEST(TruthPass, OccludedSphereKeepsItsFullMask) {
   // Two spheres in a row: the back one is seen as a disk less the front one's disk.
   Scene scene;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -107,6 +108,54 @@ TEST(SeedModel, KeypointsLieOnTheSurface) {
         nearest_m = std::min(nearest_m, (v - keypoint.in_object_m).norm());
       }
       EXPECT_LT(nearest_m, 1e-12) << name << " " << keypoint.name;
+    }
+  }
+}
+
+TEST(SeedModel, EveryTriangleHasAPartAndEveryPartIsThere) {
+  for (const std::string& name : cultivar_names()) {
+    const ObjectModel model = make_seed(name, SizeSpread::literature, Rng(3)).model;
+    ASSERT_EQ(model.triangle_part.size(), model.mesh.triangles.size()) << name;
+    std::vector<double> area_m2(model.part_names.size(), 0);
+    double whole_m2 = 0;
+    for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t) {
+      const auto& corner = model.mesh.triangles[t];
+      const Eigen::Vector3d& a = model.mesh.vertices_m[corner[0]];
+      const double triangle_m2 = (model.mesh.vertices_m[corner[1]] - a)
+                                     .cross(model.mesh.vertices_m[corner[2]] - a)
+                                     .norm() /
+                                 2;
+      area_m2.at(model.triangle_part[t]) += triangle_m2;
+      whole_m2 += triangle_m2;
+    }
+    for (std::size_t part = 0; part < area_m2.size(); ++part) {
+      // The rest of the stalk is the least, a thousandth; the body (for rice, the lemma) the most.
+      EXPECT_GT(area_m2[part], 5e-4 * whole_m2) << name << " " << model.part_names[part];
+      if (part > 0) {
+        EXPECT_LT(area_m2[part], area_m2[0]) << name << " " << model.part_names[part];
+      }
+    }
+  }
+}
+
+TEST(SeedModel, KeypointsLieOnTheirParts) {
+  const std::map<std::string, std::map<std::string, std::string>> expected = {
+      {"zhengdan958", {{"tip", "tip_cap"}, {"embryo", "embryo"}}},
+      {"jimai22", {{"crown", "brush"}, {"embryo", "embryo"}}},
+      {"suijing18", {{"tip", "pedicel"}, {"crown", "apiculus"}}}};
+  for (const auto& [name, parts] : expected) {
+    const ObjectModel model = make_seed(name, SizeSpread::literature, Rng(3)).model;
+    for (const Keypoint& keypoint : model.keypoints) {
+      const auto part = parts.find(keypoint.name);
+      if (part == parts.end()) continue;
+      std::set<std::string> around;  // of the triangles that meet there
+      for (std::size_t t = 0; t < model.mesh.triangles.size(); ++t) {
+        for (const std::uint32_t i : model.mesh.triangles[t]) {
+          if (model.mesh.vertices_m[i] == keypoint.in_object_m)
+            around.insert(model.part_names.at(model.triangle_part[t]));
+        }
+      }
+      EXPECT_TRUE(around.contains(part->second)) << name << " " << keypoint.name;
     }
   }
 }

@@ -8,6 +8,7 @@
 #include "benchmarks/seeds/stage_files.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/dataset/temporary_folder.h"
+#include "benchmarks/seeds/truth_choice.h"
 
 namespace cousin {
 namespace {
@@ -25,6 +26,21 @@ TEST(SeedsRunConfig, TheResolvedTextReadsBackToItself) {
                  MissingKeys::error);
   EXPECT_EQ(resolved_toml(copy), resolved_toml(config));
   EXPECT_NE(config_hash(config, 1), config_hash(config, 2));
+}
+
+TEST(TruthChoice, ReadsListsInAnyOrderAndWritesOneText) {
+  const TruthNeeds needs = truth_needs_from_string("visibility,depth");
+  EXPECT_TRUE(needs.depth && needs.visibility);
+  EXPECT_FALSE(needs.normal || needs.position || needs.instance || needs.part || needs.coverage);
+  EXPECT_EQ(to_string(needs), "depth,visibility");
+  EXPECT_EQ(to_string(truth_needs_from_string("depth,depth")), "depth");
+  const std::string all = to_string(truth_needs_from_string("all"));
+  EXPECT_EQ(all, "depth,normal,instance,part,position,coverage,visibility");
+  EXPECT_EQ(to_string(truth_needs_from_string(all)), all);
+  EXPECT_EQ(to_string(truth_needs_from_string("none")), "none");
+  for (const char* wrong :
+       {"", "depth,", ",depth", "depth, part", "Depth", "all,depth", "none,all"})
+    EXPECT_THROW(truth_needs_from_string(wrong), std::invalid_argument) << wrong;
 }
 
 TEST(SeedsRunConfig, TheRigsPresetComesBeforeTheUsersKeysWhateverTheirOrder) {

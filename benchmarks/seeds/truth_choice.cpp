@@ -1,0 +1,61 @@
+#include "benchmarks/seeds/truth_choice.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+namespace cousin {
+namespace {
+
+struct Choice {
+  std::string_view name;
+  bool TruthNeeds::*need;
+};
+constexpr std::array<Choice, 7> kChoices = {{{"depth", &TruthNeeds::depth},
+                                             {"normal", &TruthNeeds::normal},
+                                             {"instance", &TruthNeeds::instance},
+                                             {"part", &TruthNeeds::part},
+                                             {"position", &TruthNeeds::position},
+                                             {"coverage", &TruthNeeds::coverage},
+                                             {"visibility", &TruthNeeds::visibility}}};
+
+std::string names() {
+  std::string text;
+  for (const Choice& choice : kChoices) text += std::string(choice.name) + ", ";
+  return text + "all, none";
+}
+
+}  // namespace
+
+TruthNeeds truth_needs_from_string(std::string_view text) {
+  TruthNeeds needs;
+  if (text == "none") return needs;
+  if (text == "all") {
+    for (const Choice& choice : kChoices) needs.*choice.need = true;
+    return needs;
+  }
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    const std::string_view word = text.substr(from, comma - from);
+    const auto choice = std::find_if(kChoices.begin(), kChoices.end(),
+                                     [&](const Choice& c) { return c.name == word; });
+    if (choice == kChoices.end()) {
+      const bool alone = word == "all" || word == "none";
+      throw std::invalid_argument("--truth \"" + std::string(text) + "\": \"" + std::string(word) +
+                                  (alone ? "\" stands alone" : "\" is not one of " + names()));
+    }
+    needs.*(choice->need) = true;
+    from = comma + 1;
+  }
+  return needs;
+}
+
+std::string to_string(const TruthNeeds& needs) {
+  std::string text;
+  for (const Choice& choice : kChoices) {
+    if (needs.*choice.need) text += (text.empty() ? "" : ",") + std::string(choice.name);
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace cousin
