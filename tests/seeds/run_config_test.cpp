@@ -6,9 +6,9 @@
 
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/stage_files.h"
+#include "benchmarks/seeds/truth_choice.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/dataset/temporary_folder.h"
-#include "benchmarks/seeds/truth_choice.h"
 
 namespace cousin {
 namespace {
