@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/real/real_report.h"
 #include "benchmarks/real/real_suite.h"
 #include "benchmarks/render/render_suite.h"
 #include "benchmarks/seeds/result_folder.h"
@@ -74,9 +75,11 @@ ScoreFile bench_render(const JobContext& context, const fs::path& out) {
 }
 
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
-  return finish(
-      real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function()),
-      context, out, "Cousin: bench real");
+  RealResult result =
+      real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function());
+  result.file = finish(std::move(result.file), context, out, "Cousin: bench real");
+  write_real_report(out / "report.html", result, context.command_line);  // with its pictures
+  return result.file;
 }
 
 struct Suite {
