@@ -9,6 +9,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/program/program_suite.h"
+#include "benchmarks/real/real_report.h"
 #include "benchmarks/real/real_suite.h"
 #include "benchmarks/render/render_suite.h"
 #include "benchmarks/seeds/result_folder.h"
@@ -86,10 +87,11 @@ ScoreFile bench_render(const JobContext& context, const fs::path& out) {
 }
 
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
-  return finish(
-      titled("Cousin: bench real",
-             real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function())),
-      context, out);
+  RealResult result =
+      real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function());
+  result.file = finish(titled("Cousin: bench real", std::move(result.file)), context, out);
+  write_real_report(out / "report.html", result, context.command_line);  // with its pictures
+  return result.file;
 }
 
 ScoreFile bench_program(const JobContext& context, const fs::path& out) {

@@ -1,18 +1,18 @@
 #include "benchmarks/real/fox_stereo.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "benchmarks/metrics/order_statistics.h"
-#include "benchmarks/real/real_rows.h"
+#include "benchmarks/real/pictures.h"
 #include "perception/cloud/fuse.h"
 #include "sim/dataset/import.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/image_io.h"
+#include "sim/imaging/undistort.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -25,37 +25,6 @@ constexpr const char* kCase = "instant-ngp fox, no truth";
 constexpr double kSameSurface =
     0.01;  ///< relative depth difference of views that see the same surface
 
-Image<Rgb8> scaled_image(const Image<Rgb8>& image, int width, int height) {
-  Image<Rgb8> scaled(width, height);
-  const double sx = static_cast<double>(image.width()) / width,
-               sy = static_cast<double>(image.height()) / height;
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      double sum[3] = {0, 0, 0}, weight = 0;
-      const int first_x = static_cast<int>(x * sx),
-                last_x = std::min(image.width() - 1, static_cast<int>((x + 1) * sx));
-      const int first_y = static_cast<int>(y * sy),
-                last_y = std::min(image.height() - 1, static_cast<int>((y + 1) * sy));
-      for (int v = first_y; v <= last_y; ++v) {
-        const double wy = std::min(v + 1.0, (y + 1) * sy) - std::max<double>(v, y * sy);
-        for (int u = first_x; u <= last_x; ++u) {
-          const double w = wy * (std::min(u + 1.0, (x + 1) * sx) - std::max<double>(u, x * sx));
-          const Rgb8 c = image(u, v);
-          sum[0] += w * c.r;
-          sum[1] += w * c.g;
-          sum[2] += w * c.b;
-          weight += w;
-        }
-      }
-      const auto code = [&](int i) {
-        return static_cast<std::uint8_t>(std::lround(sum[i] / weight));
-      };
-      scaled(x, y) = {code(0), code(1), code(2)};
-    }
-  });
-  return scaled;
-}
-
 /// How one reference's depths compare with another's at the pixel they fall on.
 struct Agreement {
   std::vector<double> relative;  ///< |difference| / depth, over all pairs of views
@@ -63,6 +32,7 @@ struct Agreement {
   std::int64_t with_depth = 0;
   std::int64_t compared = 0;   ///< depths that fall on another view's depth
   std::int64_t confirmed = 0;  ///< of those, on the same surface in at least one view
+  Depths confirmed_depths;     ///< the others are NaN
 };
 
 Agreement compare_depths(const Poses& poses, const Depths& depths) {
@@ -71,6 +41,7 @@ Agreement compare_depths(const Poses& poses, const Depths& depths) {
     if (!depths[i].depth_m.empty()) used.push_back(i);
   }
   Agreement sum;
+  sum.confirmed_depths = depths;
   for (const std::size_t i : used) {
     const Image<float>& mine = depths[i].depth_m;
     sum.pixels += static_cast<std::int64_t>(mine.size());
@@ -100,35 +71,70 @@ Agreement compare_depths(const Poses& poses, const Depths& depths) {
         }
         sum.compared += seen ? 1 : 0;
         sum.confirmed += same ? 1 : 0;
+        if (!same) sum.confirmed_depths[i].depth_m(x, y) = std::numeric_limits<float>::quiet_NaN();
       }
     }
   }
   return sum;
 }
 
-/// Near = white, far = dark, none = black; between the 2 % and 98 % points.
-Image<std::uint8_t> depth_picture(const Image<float>& depth_m) {
-  std::vector<double> inverse;
-  for (const float z : depth_m) {
-    if (std::isfinite(z)) inverse.push_back(1.0 / z);
+/// The cloud turned so that the page shows it as one photograph does: z up, y away from the camera.
+Cloud as_seen_from(const FramePose& pose, Cloud cloud) {
+  for (CloudPoint& point : cloud) {
+    const Eigen::Vector3d p = pose.camera_from_world * point.position_m.cast<double>();
+    point.position_m = Eigen::Vector3d(p.x(), p.z(), -p.y()).cast<float>();
   }
-  Image<std::uint8_t> picture(depth_m.width(), depth_m.height());
-  if (inverse.empty()) return picture;
-  const double low = quantile(inverse, 0.02), high = quantile(inverse, 0.98);
-  std::transform(depth_m.begin(), depth_m.end(), picture.begin(), [&](float z) {
-    if (!std::isfinite(z)) return std::uint8_t{0};
-    const double t = std::clamp((1.0 / z - low) / std::max(high - low, 1e-12), 0.0, 1.0);
-    return static_cast<std::uint8_t>(std::lround(30 + 225 * t));
-  });
-  return picture;
+  return cloud;
 }
 
-void write_pictures(const fs::path& out, const Capture& capture, const Depths& depths) {
+/// How far the lens bends the rays of its own image, and how much of that a pinhole keeps.
+struct Bending {
+  double largest_shift_px = 0;
+  double valid_share = 0;
+};
+Bending bending(const Undistorted<Rgb8>& flat, const Camera& lens) {
+  Bending result;
+  std::int64_t valid = 0;
+  for (int y = 0; y < flat.camera.height_px; ++y) {
+    for (int x = 0; x < flat.camera.width_px; ++x) {
+      if (flat.valid(x, y) == 0) continue;
+      ++valid;
+      const auto ray = unproject(flat.camera, {x, y});
+      const auto pixel = ray ? project(lens, *ray) : std::nullopt;
+      if (!pixel) continue;
+      result.largest_shift_px =
+          std::max(result.largest_shift_px, (*pixel - Eigen::Vector2d(x, y)).norm());
+    }
+  }
+  result.valid_share = static_cast<double>(valid) / static_cast<double>(flat.valid.size());
+  return result;
+}
+
+/// Photograph, the same without distortion, and depth of each view that has one; two of them on
+/// the page.
+void write_pictures(const fs::path& out, const Capture& capture, const Depths& depths,
+                    RealPart& part) {
+  std::vector<std::size_t> used;
   for (std::size_t i = 0; i < depths.size(); ++i) {
-    if (depths[i].depth_m.empty()) continue;
-    const std::string name = "fox_" + std::to_string(depths[i].frame);
-    write_png(out / (name + "_depth.png"), depth_picture(depths[i].depth_m));
-    write_png(out / (name + "_photo.png"), capture.frames[i].sensors[0].color);
+    if (!depths[i].depth_m.empty()) used.push_back(i);
+  }
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    const FrameDepth& depth = depths[used[k]];
+    const SensorFrame& sensor = capture.frames[used[k]].sensors[0];
+    const Undistorted<Rgb8> flat =
+        undistort(sensor.color, sensor.reported,
+                  {.interpolation = UndistortConfig::Interpolation::cubic}, {255, 255, 255});
+    const Image<Rgb8> colored = depth_in_color(depth.depth_m);
+    const std::string name = "fox_" + std::to_string(depth.frame);
+    write_png(out / (name + "_photo.png"), sensor.color);
+    write_png(out / (name + "_undistorted.png"), flat.image);
+    write_png(out / (name + "_depth.png"), colored);
+    if (k != 0 && k != used.size() / 4) continue;  // its side and its face
+    part.images.push_back(
+        {"Fox, photograph " + std::to_string(depth.frame),
+         "As taken; as a pinhole camera would have taken it; depth by plane sweep where another "
+         "view agrees within 1 %, near red, far blue, none grey. Nobody measured the fox.",
+         encode_png(side_by_side({sensor.color, flat.image, colored}))});
   }
 }
 
@@ -194,14 +200,20 @@ Capture scaled_capture(Capture capture, double factor) {
   return capture;
 }
 
-std::vector<ScoreRow> fox_stereo_rows(const fs::path& real_data, const fs::path& out, bool quick) {
+RealPart fox_stereo(const fs::path& real_data, const fs::path& out, bool quick) {
   const fs::path file = real_data / "multiview/instantngp_fox/transforms.json";
-  if (!fs::exists(file)) return {not_solved_row(kScene, kCase, "transforms.json is absent")};
+  RealPart part;
+  if (!fs::exists(file)) {
+    part.rows.push_back(not_solved_row(kScene, kCase, "transforms.json is absent"));
+    return part;
+  }
   const Capture whole = import_nerfstudio(file);
   for (const Frame& frame : whole.frames) validate(frame.sensors.at(0).reported);
   const Capture capture = scaled_capture(whole, quick ? 0.25 : 0.4);
   const Poses poses = poses_of(capture);
-  const SweepVolume volume = volume_looked_at(poses, 0.3);
+  // Wide enough for all that the photographs show, so that only what no view confirms is without
+  // depth.
+  const SweepVolume volume = volume_looked_at(poses, 0.7);
 
   MvsConfig mvs;
   mvs.max_references = quick ? 8 : 12;
@@ -218,12 +230,16 @@ std::vector<ScoreRow> fox_stereo_rows(const fs::path& real_data, const fs::path&
   GreenConfig nothing;
   nothing.value_low = 255;  // an empty box: no pixel is green
   nothing.value_high = 0;
-  const StageClock fuse_clock("fuse");
-  const Cloud cloud = fuse_depths(capture, poses, depths, nothing, fuse);
-  const double fuse_s = fuse_clock.finish().wall_s;
   const Agreement agreement = compare_depths(poses, depths);
-  write_pictures(out, capture, depths);
+  const StageClock fuse_clock("fuse");
+  const Cloud cloud = fuse_depths(capture, poses, agreement.confirmed_depths, nothing, fuse);
+  const double fuse_s = fuse_clock.finish().wall_s;
+  write_pictures(out, capture, agreement.confirmed_depths, part);
   write_ply(out / "fox.ply", cloud);
+  part.shapes.push_back(cloud_shape("Fox", "Points fused from the confirmed depths.",
+                                    as_seen_from(poses[capture.frames.size() / 4], cloud)));
+  const SensorFrame& first = capture.frames.front().sensors[0];
+  const Bending bent = bending(undistort(first.color, first.reported), first.reported);
 
   const auto row = [&](const std::string& metric, double value, const std::string& unit,
                        std::int64_t n) {
@@ -239,21 +255,26 @@ std::vector<ScoreRow> fox_stereo_rows(const fs::path& real_data, const fs::path&
   const auto frames = static_cast<std::int64_t>(capture.frames.size());
   const auto references = std::count_if(depths.begin(), depths.end(),
                                         [](const FrameDepth& d) { return !d.depth_m.empty(); });
-  return {row("frames", static_cast<double>(frames), "1", frames),
-          row("reader_warnings", static_cast<double>(whole.warnings.size()), "1", frames),
-          row("views_with_depth", static_cast<double>(references), "1", frames),
-          row("pixels_with_depth", share(agreement.with_depth, agreement.pixels), "1",
-              agreement.pixels),
-          row("depths_seen_by_another_view", share(agreement.compared, agreement.with_depth), "1",
-              agreement.with_depth),
-          row("seen_depths_within_1_percent", share(agreement.confirmed, agreement.compared), "1",
-              agreement.compared),
-          row("depth_difference.median_relative", at(0.5), "1", pairs),
-          row("depth_difference.p90_relative", at(0.9), "1", pairs),
-          row("points", static_cast<double>(cloud.size()), "1",
-              static_cast<std::int64_t>(cloud.size())),
-          row("seconds.stereo", stereo_s, "s", references),
-          row("seconds.fuse", fuse_s, "s", references)};
+  part.rows = {row("frames", static_cast<double>(frames), "1", frames),
+               row("reader_warnings", static_cast<double>(whole.warnings.size()), "1", frames),
+               row("undistortion.largest_shift", bent.largest_shift_px, "px", 1),
+               row("undistortion.valid_pixels", bent.valid_share, "1", 1),
+               row("views_with_depth", static_cast<double>(references), "1", frames),
+               row("pixels_with_depth", share(agreement.with_depth, agreement.pixels), "1",
+                   agreement.pixels),
+               row("pixels_with_confirmed_depth", share(agreement.confirmed, agreement.pixels), "1",
+                   agreement.pixels),
+               row("depths_seen_by_another_view", share(agreement.compared, agreement.with_depth),
+                   "1", agreement.with_depth),
+               row("seen_depths_within_1_percent", share(agreement.confirmed, agreement.compared),
+                   "1", agreement.compared),
+               row("depth_difference.median_relative", at(0.5), "1", pairs),
+               row("depth_difference.p90_relative", at(0.9), "1", pairs),
+               row("points", static_cast<double>(cloud.size()), "1",
+                   static_cast<std::int64_t>(cloud.size())),
+               row("seconds.stereo", stereo_s, "s", references),
+               row("seconds.fuse", fuse_s, "s", references)};
+  return part;
 }
 
 }  // namespace cousin

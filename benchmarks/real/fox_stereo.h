@@ -1,9 +1,8 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 
-#include "benchmarks/metrics/scores.h"
+#include "benchmarks/real/real_rows.h"
 #include "perception/mvs/plane_sweep.h"
 
 namespace cousin {
@@ -22,9 +21,10 @@ Capture scaled_capture(Capture capture, double factor);
 /// The fox of instant-ngp: 50 telephone photographs, lens and poses by COLMAP, through the reader,
 /// the lens model and multi-view stereo. There is no true shape: rows say how much depth there is
 /// and how well the depths of different views agree. Lengths are the file's own unit, not metres.
-/// Writes out/fox.ply and, for each view with depth, out/fox_<frame>_depth.png (near is light) and
-/// out/fox_<frame>_photo.png.
-std::vector<ScoreRow> fox_stereo_rows(const std::filesystem::path& real_data,
-                                      const std::filesystem::path& out, bool quick);
+/// Writes out/fox.ply and, for each view with depth, out/fox_<frame>_photo.png, _undistorted.png
+/// (through the lens model to a pinhole) and _depth.png (near is red, far is blue). Cloud and
+/// pictures hold the depths that another view confirms within 1 %; the rows count all.
+RealPart fox_stereo(const std::filesystem::path& real_data, const std::filesystem::path& out,
+                    bool quick);
 
 }  // namespace cousin

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 
-#include "benchmarks/metrics/scores.h"
+#include "benchmarks/real/real_rows.h"
 
 namespace cousin {
 
@@ -12,8 +11,9 @@ namespace cousin {
 /// measured the plants. Ours runs on the published grid. It is run with every view needed ("hull,
 /// no miss") and with one view allowed to miss a voxel ("hull, one miss"), since many of the
 /// published voxels lie outside one silhouette. Clouds of voxel centres:
-/// out/plant_2_8mm_no_miss.ply and so on.
-std::vector<ScoreRow> maize_carving_rows(const std::filesystem::path& real_data,
-                                         const std::filesystem::path& out, bool quick);
+/// out/plant_2_8mm_no_miss.ply and so on; silhouettes with the voxels on them:
+/// out/plant_2_no_miss.png and out/plant_2_one_miss.png.
+RealPart maize_carving(const std::filesystem::path& real_data, const std::filesystem::path& out,
+                       bool quick);
 
 }  // namespace cousin

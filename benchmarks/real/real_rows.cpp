@@ -24,4 +24,13 @@ ScoreRow not_solved_row(const std::string& scene, const std::string& case_name,
   return row;
 }
 
+ReportShape cloud_shape(const std::string& name, const std::string& caption, const Cloud& cloud) {
+  ReportShape shape{name, caption, {}, {}, {}};
+  for (const CloudPoint& point : cloud) {
+    shape.positions_m.push_back(point.position_m);
+    shape.colors.push_back(point.color);
+  }
+  return shape;
+}
+
 }  // namespace cousin

@@ -1,7 +1,9 @@
 #include "benchmarks/real/real_suite.h"
 
+#include <algorithm>
 #include <array>
 #include <exception>
+#include <iterator>
 
 #include "benchmarks/real/fox_stereo.h"
 #include "benchmarks/real/maize_carving.h"
@@ -13,29 +15,38 @@ namespace {
 
 struct Part {
   const char* name;
-  std::vector<ScoreRow> (*run)(const std::filesystem::path& real_data,
-                               const std::filesystem::path& out, bool quick);
+  RealPart (*run)(const std::filesystem::path& real_data, const std::filesystem::path& out,
+                  bool quick);
 };
 constexpr std::array<Part, 3> kParts = {
-    {{"maize", maize_carving_rows}, {"rice", rice_grain_rows}, {"fox", fox_stereo_rows}}};
+    {{"maize", maize_carving}, {"rice", rice_grains}, {"fox", fox_stereo}}};
+
+template <class T>
+void append(std::vector<T>& all, std::vector<T>& some) {
+  std::move(some.begin(), some.end(), std::back_inserter(all));
+}
 
 }  // namespace
 
-ScoreFile real_suite(const std::filesystem::path& real_data, const std::filesystem::path& out,
-                     bool quick, const Progress& progress) {
-  ScoreFile file;
+RealResult real_suite(const std::filesystem::path& real_data, const std::filesystem::path& out,
+                      bool quick, const Progress& progress) {
+  RealResult result;
   int done = 0;
   for (const Part& part : kParts) {
     if (progress) progress(part.name, done++, static_cast<int>(kParts.size()));
     try {
-      for (ScoreRow& row : part.run(real_data, out, quick)) file.scores.push_back(std::move(row));
+      RealPart made = part.run(real_data, out, quick);
+      append(result.file.scores, made.rows);
+      append(result.page.images, made.images);
+      append(result.page.shapes, made.shapes);
+      append(result.page.distributions, made.distributions);
     } catch (const std::exception& error) {
       ScoreRow row = not_solved_row(part.name, part.name, error.what());
       row.status = ScoreStatus::error;
-      file.scores.push_back(row);
+      result.file.scores.push_back(row);
     }
   }
-  return file;
+  return result;
 }
 
 }  // namespace cousin

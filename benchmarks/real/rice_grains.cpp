@@ -1,12 +1,13 @@
 #include "benchmarks/real/rice_grains.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
 
 #include "benchmarks/metrics/order_statistics.h"
-#include "benchmarks/real/real_rows.h"
+#include "benchmarks/real/pictures.h"
 #include "perception/segment/grains.h"
 #include "scenes/seeds/cultivar.h"
 #include "sim/imaging/image_io.h"
@@ -79,19 +80,70 @@ Image<Rgb8> overlay(Image<Rgb8> image, const GrainPhoto& photo) {
   return image;
 }
 
-std::vector<ScoreRow> photo_rows(const fs::path& file, const fs::path& out) {
+/// The part of a photograph that holds grains and strips, and a little around them.
+Image<Rgb8> about_marks(const Image<Rgb8>& marked, const GrainPhoto& photo) {
+  constexpr double kMargin_px = 120;
+  Eigen::AlignedBox2d box;
+  for (const Grain& grain : photo.grains) box.extend(grain.centre_px);
+  for (const Strip& strip : photo.strips) {
+    const Eigen::Vector2d half =
+        0.5 * strip.length_px *
+        Eigen::Vector2d(std::cos(strip.angle_rad), std::sin(strip.angle_rad));
+    box.extend(strip.centre_px + half);
+    box.extend(strip.centre_px - half);
+  }
+  const Eigen::Vector2d low = box.min().array() - kMargin_px;
+  const Eigen::Vector2d size = box.sizes().array() + 2 * kMargin_px;
+  return cropped(marked, static_cast<int>(low.x()), static_cast<int>(low.y()),
+                 static_cast<int>(size.x()), static_cast<int>(size.y()));
+}
+
+/// The photograph made small, and a part of it as it is.
+void add_pictures(RealPart& part, const std::string& name, const Image<Rgb8>& marked,
+                  const GrainPhoto& photo) {
+  constexpr int kWhole_px = 1100, kPart_px = 700, kQuality = 88;
+  const std::string legend =
+      "Green: measured, by the rectangle of least area about the outline. Red: grains that touch, "
+      "left out. Magenta: too large or cut by the border. Blue: paper strips of 100 mm.";
+  part.images.push_back({"Rice, " + name, legend,
+                         encode_jpeg(shrunk(about_marks(marked, photo), kWhole_px), kQuality)});
+  if (photo.grains.empty()) return;
+  const Eigen::Vector2d centre = photo.grains[photo.grains.size() / 2].centre_px;
+  part.images.push_back(
+      {"Rice, " + name + ", part of it", "The same photograph, pixel by pixel.",
+       encode_jpeg(cropped(marked, static_cast<int>(centre.x()) - kPart_px / 2,
+                           static_cast<int>(centre.y()) - kPart_px / 2, kPart_px, kPart_px),
+                   kQuality)});
+}
+
+/// Lengths and widths of a group, for the page.
+void add_sizes(RealPart& part, const std::string& name, const std::string& kind,
+               const std::vector<double>& lengths_m, const std::vector<double>& widths_m) {
+  if (part.distributions.empty()) {
+    part.distributions = {{"Length of rice in the husk, real and of the scene", "length", "m", {}},
+                          {"Width of rice in the husk, real and of the scene", "width", "m", {}}};
+  }
+  part.distributions[0].groups.push_back({name, kind, lengths_m});
+  part.distributions[1].groups.push_back({name, kind, widths_m});
+}
+
+void measure_photo(const fs::path& file, const fs::path& out, RealPart& part) {
   const std::string name = file.stem().string();
   const Image<Rgb8> image = read_color(file);
   const StageClock clock("grains");
   const GrainPhoto photo = measure_grains(image);
   const double seconds = clock.finish().wall_s;
-  write_png(out / ("rice_" + name + ".png"), overlay(image, photo));
+  const Image<Rgb8> marked = overlay(image, photo);
+  write_png(out / ("rice_" + name + ".png"), marked);
+  std::vector<ScoreRow>& rows = part.rows;
   if (photo.status != GrainStatus::ok) {
-    return {not_solved_row(kScene, name,
-                           photo.status == GrainStatus::no_strip ? "no paper strip is seen"
-                                                                 : "no single grain is seen")};
+    rows.push_back(not_solved_row(kScene, name,
+                                  photo.status == GrainStatus::no_strip
+                                      ? "no paper strip is seen"
+                                      : "no single grain is seen"));
+    return;
   }
-  std::vector<ScoreRow> rows;
+  add_pictures(part, name, marked, photo);
   const auto add = [&](const std::string& metric, double value, const std::string& unit,
                        std::size_t n) {
     rows.push_back(
@@ -113,11 +165,11 @@ std::vector<ScoreRow> photo_rows(const fs::path& file, const fs::path& out) {
   append_distribution(rows, name, "photograph", "length", lengths_m);
   append_distribution(rows, name, "photograph", "width", widths_m);
   add("seconds.measure", seconds, "s", grains);
-  return rows;
+  add_sizes(part, name, "photographed", lengths_m, widths_m);
 }
 
 /// Sizes as make_seed draws them; its bodies are fitted to them within 0.1 %.
-std::vector<ScoreRow> scene_rows(const std::string& cultivar_name, int seeds) {
+void draw_scene_sizes(const std::string& cultivar_name, int seeds, RealPart& part) {
   std::vector<double> lengths_m, widths_m;
   for (int i = 0; i < seeds; ++i) {
     Rng rng = Rng(1).fork(cultivar_name).fork(static_cast<std::uint64_t>(i));
@@ -126,10 +178,9 @@ std::vector<ScoreRow> scene_rows(const std::string& cultivar_name, int seeds) {
     lengths_m.push_back(size_m.x());
     widths_m.push_back(size_m.y());
   }
-  std::vector<ScoreRow> rows;
-  append_distribution(rows, cultivar_name, "scene", "length", lengths_m);
-  append_distribution(rows, cultivar_name, "scene", "width", widths_m);
-  return rows;
+  append_distribution(part.rows, cultivar_name, "scene", "length", lengths_m);
+  append_distribution(part.rows, cultivar_name, "scene", "width", widths_m);
+  add_sizes(part, cultivar_name, "scene", lengths_m, widths_m);
 }
 
 }  // namespace
@@ -148,22 +199,21 @@ double stated_m_per_px(const fs::path& jpeg) {
   return (head[13] == 1 ? 0.0254 : 0.01) / density;
 }
 
-std::vector<ScoreRow> rice_grain_rows(const fs::path& real_data, const fs::path& out, bool quick) {
-  std::vector<ScoreRow> rows;
+RealPart rice_grains(const fs::path& real_data, const fs::path& out, bool quick) {
+  RealPart part;
   for (const char* name :
        {"Test1_100mm_ruler.jpg", "Test3_100mm_ruler.jpg", "Test5_100mm_ruler.jpg"}) {
     const fs::path file = real_data / kFolder / name;
     if (!fs::exists(file)) {
-      rows.push_back(
+      part.rows.push_back(
           not_solved_row(kScene, fs::path(name).stem().string(), "the photograph is absent"));
       continue;
     }
-    for (ScoreRow& row : photo_rows(file, out)) rows.push_back(std::move(row));
+    measure_photo(file, out, part);
   }
-  for (const char* name : {"suijing18", "xiangyaxiangzhan"}) {
-    for (ScoreRow& row : scene_rows(name, quick ? 300 : 3000)) rows.push_back(std::move(row));
-  }
-  return rows;
+  for (const char* name : {"suijing18", "xiangyaxiangzhan"})
+    draw_scene_sizes(name, quick ? 300 : 3000, part);
+  return part;
 }
 
 }  // namespace cousin

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
 
-#include "benchmarks/metrics/scores.h"
+#include "benchmarks/real/real_rows.h"
 
 namespace cousin {
 
@@ -14,7 +13,7 @@ double stated_m_per_px(const std::filesystem::path& jpeg);
 /// single grain by its rectangle of least area, beside the same of the rice cultivars of the scene.
 /// The real varieties are unknown, so only kind and spread of the distributions can be compared.
 /// Writes out/rice_Test1_100mm_ruler.png and so on: green = measured, red = touching, blue = strip.
-std::vector<ScoreRow> rice_grain_rows(const std::filesystem::path& real_data,
-                                      const std::filesystem::path& out, bool quick);
+RealPart rice_grains(const std::filesystem::path& real_data, const std::filesystem::path& out,
+                     bool quick);
 
 }  // namespace cousin

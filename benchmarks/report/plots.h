@@ -21,6 +21,8 @@ struct Plot {
 std::vector<Plot> scatter_plots(const std::vector<SpecimenRow>& rows);
 /// Histogram of measured - true, one plot a trait.
 std::vector<Plot> error_histograms(const std::vector<SpecimenRow>& rows);
+/// Histograms of groups, one below the other over the same axis.
+Plot distribution_plot(const Distribution& distribution);
 /// Error over seconds, both logarithmic, with intervals and the Pareto front.
 Plot error_time_plot(const ErrorTimeCurve& curve);
 /// Error left after each seam, as bars that hang between successive levels.

@@ -307,6 +307,15 @@ void validate(const ReportInput& input) {
                                   " s; it must be positive");
     }
   }
+  for (const Distribution& distribution : input.distributions) {
+    for (const DistributionGroup& group : distribution.groups) {
+      if (std::all_of(group.values.begin(), group.values.end(),
+                      [](double v) { return std::isfinite(v); }))
+        continue;
+      throw std::invalid_argument("report: distribution \"" + distribution.title +
+                                  "\": a value of \"" + group.name + "\" is not finite");
+    }
+  }
 }
 
 /// A curve or waterfall can be drawn if one of its errors is a number (and, on a logarithmic axis,
@@ -314,6 +323,10 @@ void validate(const ReportInput& input) {
 bool can_draw(const ErrorTimeCurve& curve) {
   return std::any_of(curve.points.begin(), curve.points.end(),
                      [](const auto& p) { return p.error.value > 0; });
+}
+bool can_draw(const Distribution& distribution) {
+  return std::any_of(distribution.groups.begin(), distribution.groups.end(),
+                     [](const DistributionGroup& g) { return !g.values.empty(); });
 }
 bool can_draw(const Attribution& attribution) {
   return !attribution.steps.empty() &&
@@ -357,6 +370,11 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   add_plots(page, "traits", "Measured against true", scatter_plots(input.plotted), false);
   add_plots(page, "errors", "Distribution of errors", error_histograms(input.plotted), false);
   std::vector<Plot> plots;
+  for (const Distribution& distribution : input.distributions) {
+    if (can_draw(distribution)) plots.push_back(distribution_plot(distribution));
+  }
+  add_plots(page, "distributions", "Distributions", plots, true);
+  plots.clear();
   for (const Attribution& attribution : input.attributions) {
     if (can_draw(attribution)) plots.push_back(waterfall_plot(attribution));
   }

@@ -66,6 +66,19 @@ struct Attribution {
   std::vector<AttributionStep> steps;
 };
 
+/// How a quantity is spread over the specimens of each group: a histogram a group over one axis.
+struct DistributionGroup {
+  std::string name;            ///< "photograph 1"
+  std::string kind;            ///< groups of a kind have one colour: "real", "scene"
+  std::vector<double> values;  ///< SI, finite
+};
+struct Distribution {
+  std::string title;
+  std::string quantity;  ///< "length"
+  std::string unit;      ///< as in ScoreRow
+  std::vector<DistributionGroup> groups;
+};
+
 struct ReportInput {
   std::string title;
   std::string summary;                ///< a paragraph of plain text
@@ -77,6 +90,7 @@ struct ReportInput {
   std::vector<Headline> limits;  ///< all that is held against a limit: a line a label
   std::vector<ReportImage> images;
   std::vector<ReportShape> shapes;
+  std::vector<Distribution> distributions;
   std::vector<ErrorTimeCurve> curves;
   std::vector<Attribution> attributions;
   std::vector<StageTiming> timings;  ///< of one run

@@ -26,7 +26,7 @@ double value_of(const std::vector<ScoreRow>& rows, const std::string& case_name,
 
 TEST(RealSuite, AbsentFoldersAreRowsThatSaySo) {
   const fs::path out = fs::path(::testing::TempDir()) / "real_suite_absent";
-  const ScoreFile file = real_suite("/nonexistent", out, true);
+  const ScoreFile file = real_suite("/nonexistent", out, true).file;
   const auto absent =
       std::count_if(file.scores.begin(), file.scores.end(), [](const ScoreRow& row) {
         EXPECT_EQ(row.suite, "real");
@@ -99,8 +99,10 @@ TEST(MaizeCarving, OfRealPlantsFindsMostOfThePublishedVoxels) {
   const fs::path data = COUSIN_REAL_DATA;
   if (!fs::exists(data / "multiview/phenomenal_maize_silhouettes"))
     GTEST_SKIP() << "real captures are absent: " << data;
-  const std::vector<ScoreRow> rows =
-      maize_carving_rows(data, fs::path(::testing::TempDir()) / "maize_carving", true);
+  const RealPart part = maize_carving(data, fs::path(::testing::TempDir()) / "maize_carving", true);
+  const std::vector<ScoreRow>& rows = part.rows;
+  EXPECT_EQ(part.images.size(), 2U);  // without and with a miss
+  EXPECT_EQ(part.shapes.size(), 3U);  // and the published one
   for (const char* plant : {"plant_2, 16 mm", "plant_2, 8 mm", "plant_4, 16 mm", "plant_4, 8 mm"}) {
     // Two programs that treat a voxel's edge differently: thin leaves are one or two voxels thick.
     EXPECT_GT(value_of(rows, plant, "hull, no miss", "iou_with_published"), 0.5) << plant;

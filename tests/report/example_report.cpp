@@ -142,6 +142,14 @@ ReportInput example_report() {
                             {2.4 * error, 2 * error, 3 * error}});
   }
   input.curves = {curve};
+  Distribution lengths{"Lengths", "length", "m", {}};
+  Rng spread(5);
+  for (const char* name : {"photograph 1", "photograph 2", "suijing18"}) {
+    DistributionGroup group{name, std::string(name) == "suijing18" ? "scene" : "real", {}};
+    for (int i = 0; i < 150; ++i) group.values.push_back(0.0075 + 0.0003 * normal(spread));
+    lengths.groups.push_back(std::move(group));
+  }
+  input.distributions = {lengths};
   input.attributions = {{"Length",
                          "RMSE of length",
                          "m",

@@ -103,6 +103,23 @@ TEST(Report, RejectsShapesAndTimesThatCannotBeDrawn) {
   EXPECT_THROW(make_report(input), std::invalid_argument);
 }
 
+TEST(Report, DistributionsSayMeanAndSpreadOfEachGroup) {
+  ReportInput input;
+  input.distributions = {
+      {"Lengths", "length", "m", {{"lot", "real", {0.006, 0.008}}, {"none", "real", {}}}}};
+  const std::string html = make_report(input);
+  // 7 mm, and sqrt(2) of a millimetre between two grains that are 2 mm apart.
+  EXPECT_NE(html.find("7.00 ± 1.41 mm (20.2 %)"), std::string::npos);
+  EXPECT_NE(html.find("lot, n = 2"), std::string::npos);
+  EXPECT_EQ(html.find("none, n"), std::string::npos);
+  input.distributions[0].groups = {{"alike", "real", {0.006, 0.006}}};
+  EXPECT_NE(make_report(input).find("6.00 ± 0 mm (0 %)"), std::string::npos);
+  input.distributions[0].groups[0].values = {NAN};
+  EXPECT_THROW(make_report(input), std::invalid_argument);
+  input.distributions[0].groups[0].values.clear();
+  EXPECT_EQ(make_report(input).find("id=\"distributions\""), std::string::npos);
+}
+
 TEST(Report, AnEmptyReportIsAPage) {
   const std::string html = make_report({});
   EXPECT_NE(html.find("How this was made"), std::string::npos);
