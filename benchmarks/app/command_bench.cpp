@@ -35,6 +35,8 @@ ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& 
   return report.scores;
 }
 
+constexpr const char* kRealTitle = "Cousin: bench real";
+
 SeedsReport titled(const char* title, ScoreFile scores) {
   SeedsReport report;
   report.title = title;
@@ -89,7 +91,7 @@ ScoreFile bench_render(const JobContext& context, const fs::path& out) {
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
   RealResult result =
       real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function());
-  result.file = finish(titled("Cousin: bench real", std::move(result.file)), context, out);
+  result.file = finish(titled(kRealTitle, std::move(result.file)), context, out);
   write_real_report(out / "report.html", result, context.command_line);  // with its pictures
   return result.file;
 }
@@ -177,6 +179,11 @@ ExitCode command_bench(const JobContext& context) {
 ExitCode command_report(const JobContext& context) {
   const fs::path folder = context.options.arguments.at(0);
   const SeedsReport report = read_report_folder(folder);
+  if (context.options.out.empty() && report.title == kRealTitle) {
+    throw std::invalid_argument(folder.string() +
+                                ": the page of `bench real` shows pictures that only that command "
+                                "makes; give --out to have its tables alone on another page");
+  }
   const fs::path file = context.options.out.empty() ? folder / "report.html"
                                                     : fs::path(context.options.out) / "report.html";
   write_report(file, report);
