@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "sim/config/limits.h"
@@ -84,6 +85,48 @@ Values sample_sigmas(const Surface& surface, const OrientedBox& box) {
   return sigmas;
 }
 
+double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
+
+/// Mean and standard deviation of a box's sizes over which of its local minima is the object's
+/// own least.
+struct BoxSizes {
+  Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();
+};
+
+/// Two boxes whose volumes differ by d, known to s, are in the other order with probability
+/// Phi(-d / s); the odds of each against the least weigh it. s is that of the sizes along axes that
+/// the two boxes do not share, as errors along a shared axis change both alike.
+BoxSizes sizes_of(const std::vector<OrientedBox>& boxes, const Eigen::Vector3d& sigma_m) {
+  const double shared = std::cos(15 * std::numbers::pi / 180);
+  const OrientedBox& least = boxes.front();
+  std::vector<double> weights;
+  double sum = 0;
+  for (const OrientedBox& box : boxes) {
+    double variance = 0;  // of the relative difference of volumes
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d dots = (box.axes.transpose() * least.axes.col(k)).cwiseAbs();
+      if (dots.maxCoeff() > shared) continue;
+      const double relative = sigma_m[k] / least.size_m[k];
+      variance += 2 * relative * relative;
+    }
+    const double difference = box.size_m.prod() / least.size_m.prod() - 1;
+    const double x = variance > 0 ? std::max(0.0, difference) / std::sqrt(variance) : 0;
+    const bool is_least = &box == &least;
+    const double odds = is_least ? 1 : variance > 0 ? normal_cdf(-x) / normal_cdf(x) : 0;
+    weights.push_back(odds);
+    sum += odds;
+  }
+  BoxSizes result;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    result.mean_m += weights[i] / sum * boxes[i].size_m;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    result.sigma_m += weights[i] / sum * (boxes[i].size_m - result.mean_m).cwiseAbs2();
+  }
+  result.sigma_m = result.sigma_m.cwiseSqrt();
+  return result;
+}
+
 SpecimenTraits mesh_traits(const Surface& surface, double pixel_m, const MeshTraitConfig& config) {
   if (surface.status != SurfaceStatus::ok) {
     return not_solved(surface.instance, "surface: " + std::string(to_string(surface.status)));
@@ -95,7 +138,7 @@ SpecimenTraits mesh_traits(const Surface& surface, double pixel_m, const MeshTra
   const MassProperties mass = mass_properties(surface.mesh);
   const OrientedBox box = minimum_volume_box(surface.mesh.vertices_m);
   result.centroid_in_world_m = mass.centroid_m;
-  const Values values = values_of(box, mass);
+  Values values = values_of(box, mass);
   if (!(values[kTraits - 1] > 0))
     return not_solved(surface.instance, "the mesh encloses no volume");
   result.status = TraitStatus::ok;
@@ -104,6 +147,15 @@ SpecimenTraits mesh_traits(const Surface& surface, double pixel_m, const MeshTra
                              config.height_sigma_px * pixel_m, config.area_sigma * mass.area_m2,
                              config.volume_sigma * mass.volume_m3};
   for (std::size_t k = 0; k < kTraits; ++k) sigmas[k] = std::hypot(sigmas[k], beyond_fit[k]);
+  const Eigen::Vector3d length_sigmas(sigmas[0], sigmas[1], sigmas[2]);
+  if (length_sigmas.allFinite() && box.size_m.z() > 0) {
+    const BoxSizes sizes = sizes_of(rival_boxes(surface.mesh.vertices_m, box), length_sigmas);
+    for (int k = 0; k < 3; ++k) {
+      const auto trait = static_cast<std::size_t>(k);
+      values[trait] = sizes.mean_m[k];
+      sigmas[trait] = std::hypot(sigmas[trait], sizes.sigma_m[k]);
+    }
+  }
   result.traits = traits_from(values, sigmas);
   return result;
 }

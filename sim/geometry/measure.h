@@ -56,6 +56,12 @@ OrientedBox minimum_volume_box(std::span<const Eigen::Vector3d> points_m);
 /// little different from those that `near` was found for. @throws std::invalid_argument also if its
 /// axes are not orthonormal.
 OrientedBox minimum_volume_box(std::span<const Eigen::Vector3d> points_m, const OrientedBox& near);
+/// Boxes that are local minima of the volume, the least first: `least` and those that a search
+/// reaches from its axes turned by steps of 15 degrees about each of them. Boxes whose axes all lie
+/// within 10 degrees of a better one's are that one. Where volumes are nearly equal, as for a
+/// nearly square outline, which one is the least is a matter of noise. @throws as above.
+std::vector<OrientedBox> rival_boxes(std::span<const Eigen::Vector3d> points_m,
+                                     const OrientedBox& least);
 /// The paper's box: axes from the covariance of the points [Seeds 2.3.4].
 OrientedBox pca_box(std::span<const Eigen::Vector3d> points_m);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "sim/geometry/box_search.h"
@@ -116,6 +117,38 @@ OrientedBox minimum_volume_box(std::span<const Eigen::Vector3d> points_m, const 
   }
   return smallest_box(
       points_m, [&](const PointSet& points) { return geometry::refine_box_axes(points, axes); });
+}
+
+std::vector<OrientedBox> rival_boxes(std::span<const Eigen::Vector3d> points_m,
+                                     const OrientedBox& least) {
+  constexpr int kStep_deg = 15;
+  const double apart = std::cos(10 * std::numbers::pi / 180);
+  const Mesh hull = convex_hull(points_m);
+  const std::span<const Eigen::Vector3d> outer =
+      hull.vertices_m.empty() ? points_m : std::span<const Eigen::Vector3d>(hull.vertices_m);
+  std::vector<OrientedBox> found = {least};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int degree = kStep_deg; degree < 90; degree += kStep_deg) {
+      OrientedBox start = least;
+      start.axes = least.axes *
+                   Eigen::AngleAxisd(degree * std::numbers::pi / 180, Eigen::Vector3d::Unit(axis))
+                       .toRotationMatrix();
+      found.push_back(minimum_volume_box(outer, start));
+    }
+  }
+  // `least` stays first, whatever a search finds a hair below it.
+  std::stable_sort(found.begin() + 1, found.end(), [](const OrientedBox& a, const OrientedBox& b) {
+    return a.size_m.prod() < b.size_m.prod();
+  });
+  std::vector<OrientedBox> kept;
+  for (const OrientedBox& box : found) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const OrientedBox& k) {
+      const Eigen::Matrix3d dots = (k.axes.transpose() * box.axes).cwiseAbs();
+      return dots.rowwise().maxCoeff().minCoeff() > apart;
+    });
+    if (!known) kept.push_back(box);
+  }
+  return kept;
 }
 
 OrientedBox pca_box(std::span<const Eigen::Vector3d> points_m) {

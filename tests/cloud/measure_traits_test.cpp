@@ -132,6 +132,42 @@ TEST(MeshTraits, SigmaIsTheSpreadOfTheSamples) {
   EXPECT_FALSE(std::isnan(sigma_of(unposed, "area")));
 }
 
+/// A plate of 2 mm whose outline is flush with a rectangle of 10 x 8 mm and with one of
+/// 9.4 x 8.52 mm turned by 45 degrees: boxes of nearly the same volume.
+Surface eight_sided_plate() {
+  Surface surface;
+  surface.status = SurfaceStatus::ok;
+  std::vector<Eigen::Vector3d> points;
+  const double plus = 4.7e-3 * std::numbers::sqrt2, minus = 4.26e-3 * std::numbers::sqrt2;
+  for (const double sign : {-1.0, 1.0}) {
+    for (const double z : {0.0, 0.002}) {
+      points.emplace_back(sign * 0.005, sign * (plus - 0.005), z);
+      points.emplace_back(sign * (plus - 0.004), sign * 0.004, z);
+      points.emplace_back(sign * 0.005, sign * (0.005 - minus), z);
+      points.emplace_back(sign * (minus - 0.004), -sign * 0.004, z);
+    }
+  }
+  surface.mesh = convex_hull(points);
+  surface.samples_m.assign(2, surface.mesh.vertices_m);
+  return surface;
+}
+
+TEST(MeshTraits, BoxesThatAreNearlyTheLeastShareInSizeAndSigma) {
+  // Lengths known far better than the boxes differ: the least box alone.
+  const MeshTraitConfig exact{1e-4, 1e-4, 1e-4, 0, 0};
+  const SpecimenTraits sure = traits_of_meshes({eight_sided_plate()}, kPixel_m, exact).front();
+  EXPECT_NEAR(value_of(sure, "length"), 0.010, 1e-9);
+  EXPECT_NEAR(value_of(sure, "width"), 0.008, 1e-9);
+  EXPECT_LT(sigma_of(sure, "length"), 1e-6);
+  // Known to a few hundredths of a millimetre, either may be the least of the object itself.
+  const SpecimenTraits unsure = traits_of_meshes({eight_sided_plate()}, kPixel_m).front();
+  EXPECT_NEAR(value_of(unsure, "length"), 0.0097, 0.00005);
+  EXPECT_NEAR(value_of(unsure, "width"), 0.00826, 0.00005);
+  EXPECT_NEAR(value_of(unsure, "height"), 0.002, 1e-9);
+  EXPECT_NEAR(sigma_of(unsure, "length"), 0.0003, 0.00005);
+  EXPECT_LT(sigma_of(unsure, "height"), 0.0002);
+}
+
 TEST(MeshTraits, WhatIsNotASurfaceIsNotSolved) {
   Surface touching = block_surface(kSize);
   touching.status = SurfaceStatus::touching;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "sim/geometry/measure.h"
@@ -170,6 +171,30 @@ TEST(MinimumVolumeBox, FromANearBoxItIsTheSame) {
   EXPECT_NEAR(volume(minimum_volume_box(points, box)) / volume(box), 1, 1e-12);
   near.axes *= 2;
   EXPECT_THROW(minimum_volume_box(points, near), std::invalid_argument);
+}
+
+TEST(RivalBoxes, OfABlockAreMuchLarger) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 8; ++i)
+    points.emplace_back(i & 1 ? 3.0 : 0.0, i & 2 ? 2.0 : 0.0, i & 4 ? 1.0 : 0.0);
+  const OrientedBox least = minimum_volume_box(points);
+  const std::vector<OrientedBox> boxes = rival_boxes(points, least);
+  ASSERT_FALSE(boxes.empty());
+  EXPECT_EQ(boxes.front().size_m, least.size_m);
+  for (std::size_t i = 1; i < boxes.size(); ++i) EXPECT_GT(boxes[i].size_m.prod(), 6.5);
+}
+
+TEST(RivalBoxes, ARegularOctagonHasTwo) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 8; ++i) {
+    const double angle = (i + 0.5) * std::numbers::pi / 4;
+    for (const double z : {0.0, 0.4}) points.emplace_back(std::cos(angle), std::sin(angle), z);
+  }
+  const std::vector<OrientedBox> boxes = rival_boxes(points, minimum_volume_box(points));
+  ASSERT_EQ(boxes.size(), 2U);
+  EXPECT_NEAR(boxes[1].size_m.prod(), boxes[0].size_m.prod(), 1e-9);
+  const double between = std::acos(std::abs(boxes[0].axes.col(0).dot(boxes[1].axes.col(0))));
+  EXPECT_NEAR(between, std::numbers::pi / 4, 1e-6);
 }
 
 TEST(MinimumVolumeBox, FlatPointsGiveZeroSizesNeverNan) {
