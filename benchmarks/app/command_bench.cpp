@@ -28,6 +28,7 @@ ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& 
   header.machine = machine_text();
   header.more["command"] = report.command_line = context.command_line;
   header.more["title"] = report.title;
+  header.more["summary"] = report.summary;
   report.scenes = read_report_scenes(report_scenes_folder(out));
   write_report_folder(out, report);
   context.progress.line("scores: " + (out / "scores.csv").string() +
@@ -36,10 +37,13 @@ ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& 
 }
 
 constexpr const char* kRealTitle = "Cousin: bench real";
+constexpr const char* kAgreementOnly =
+    "Real captures: nobody measured the specimens, so this is agreement, not accuracy.";
 
-SeedsReport titled(const char* title, ScoreFile scores) {
+SeedsReport titled(const char* title, const char* summary, ScoreFile scores) {
   SeedsReport report;
   report.title = title;
+  report.summary = summary;
   report.scores = std::move(scores);
   return report;
 }
@@ -69,21 +73,26 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   for (const ShardResult& result : results) {
     if (!result.error.empty()) context.progress.line(result.name + " failed: " + result.error);
   }
-  SeedsReport report = titled("Cousin: bench seeds", pool_seeds_suite(results, config));
+  SeedsReport report =
+      titled("Cousin: bench seeds", kMeasuredAgainstTruth, pool_seeds_suite(results, config));
   report.config_toml = suite_toml(config);
   return finish(std::move(report), context, out);
 }
 
 ScoreFile bench_stability(const JobContext& context, const fs::path& out) {
   return finish(titled("Cousin: bench stability",
+                       "Stiff and extreme cases, each held to theory or to a measured value.",
                        stability_suite(context.options.quick, context.progress.function())),
                 context, out);
 }
 
 ScoreFile bench_render(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  SeedsReport report = titled("Cousin: bench render",
-                              render_suite(o.seed, o.sets, o.quick, context.progress.function()));
+  SeedsReport report =
+      titled("Cousin: bench render",
+             "The renderer beside Embree alone, its noise beside the sensor's, its corners beside "
+             "where they project.",
+             render_suite(o.seed, o.sets, o.quick, context.progress.function()));
   report.config_toml = resolved_toml(seeds_run_config(o.sets));
   return finish(std::move(report), context, out);
 }
@@ -91,15 +100,16 @@ ScoreFile bench_render(const JobContext& context, const fs::path& out) {
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
   RealResult result =
       real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function());
-  result.file = finish(titled(kRealTitle, std::move(result.file)), context, out);
+  result.file = finish(titled(kRealTitle, kAgreementOnly, std::move(result.file)), context, out);
   write_real_report(out / "report.html", result, context.command_line);  // with its pictures
   return result.file;
 }
 
 ScoreFile bench_program(const JobContext& context, const fs::path& out) {
-  return finish(titled("Cousin: bench program", program_suite(fs::read_symlink("/proc/self/exe"),
-                                                              out, context.progress.function())),
-                context, out);
+  return finish(
+      titled("Cousin: bench program", "The program as a user meets it, in a process of its own.",
+             program_suite(fs::read_symlink("/proc/self/exe"), out, context.progress.function())),
+      context, out);
 }
 
 struct Suite {

@@ -80,13 +80,18 @@ SeedsScoreLabels run_labels(const SeedsRunConfig& config, std::uint64_t seed) {
 
 /// What leaving the unplanned truth passes out saved: one view is measured, all views are counted.
 ScoreRow left_out_row(const SeedsRunConfig& config, std::uint64_t seed,
-                      const SeedsScoreLabels& labels) {
+                      const SeedsScoreLabels& labels, const TruthNeeds& planned) {
   const SeedsSimulation simulation(config, seed, 0);
-  TruthNeeds all;
-  all.depth = all.normal = all.position = all.instance = all.part = all.coverage = all.visibility =
-      true;
+  TruthNeeds others;
+  others.depth = !planned.depth;
+  others.normal = !planned.normal;
+  others.position = !planned.position;
+  others.instance = !planned.instance;
+  others.part = !planned.part;
+  others.coverage = !planned.coverage;
+  others.visibility = !planned.visibility;
   const StageClock clock("left out");
-  simulation.truth(0, all);
+  simulation.truth(0, others);
   ScoreRow row;
   row.suite = labels.suite;
   row.scene = labels.scene;
@@ -125,7 +130,7 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
   }
   if (scene == 0) {
     report.scenes = {report_scene(labels.scene, run, estimate)};
-    file.scores.push_back(left_out_row(config, o.seed, labels));
+    file.scores.push_back(left_out_row(config, o.seed, labels, planned_truth(o.attribution)));
   }
   return file;
 }
@@ -211,6 +216,7 @@ ExitCode command_run(const JobContext& context) {
   file.header.machine = machine_text();
   file.header.more["command"] = context.command_line;
   file.header.more["title"] = report.title;
+  file.header.more["summary"] = report.summary;
   const fs::path parts = out / "parts";
   const bool resumed = run_scenes(context, config, sources, out, parts, report);
   SeedsScoreLabels labels = run_labels(config, o.seed);

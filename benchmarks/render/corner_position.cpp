@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 
 #include "sim/render/radiance_pass.h"
 #include "sim/types/board.h"
@@ -125,7 +126,11 @@ CornerPositions measure_corner_positions(LensModel model) {
       ++result.corners;
     }
   }
-  if (result.corners == 0) return result;
+  if (result.corners == 0) {  // no number, rather than no error
+    result.bias_px.setConstant(std::numeric_limits<double>::quiet_NaN());
+    result.rms_px = std::numeric_limits<double>::quiet_NaN();
+    return result;
+  }
   result.bias_px /= result.corners;
   result.rms_px = std::sqrt(square / (2 * result.corners));
   return result;

@@ -6,7 +6,8 @@
 
 namespace cousin {
 
-/// Where the corners of the seed board appear in a rendered image against where they project.
+/// Where the corners of the seed board appear in a rendered image against where they project; NaN
+/// if none was seen.
 struct CornerPositions {
   int corners = 0;
   Eigen::Vector2d bias_px = Eigen::Vector2d::Zero();  ///< mean of (rendered - projected)

@@ -333,7 +333,7 @@ std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens,
         const std::string key = row.cultivar + "/" + row.run + "/" + std::to_string(row.instance);
         PairedMeasurement& pair = pairs[key];
         pair.truth = row.truth;
-        pair.run = row.cultivar + "/" + row.run;
+        pair.run = row.run;  // all cultivars of a run share one phone
         (row.method == method_a ? pair.measured_a : pair.measured_b) = row.measured;
         ++methods_there[key];
       }

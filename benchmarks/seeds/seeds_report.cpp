@@ -102,7 +102,7 @@ std::vector<Headline> limits_of(const std::vector<ScoreRow>& rows) {
       headline.label += " to " + row.method.substr(row.method.find('/') + 1);
     headline.value = {row.value, row.ci_low, row.ci_high};
     const bool share = row.metric.ends_with("mape") || row.metric.ends_with("coverage_95") ||
-                       row.metric == "views.posed";
+                       row.metric.ends_with(".solved") || row.metric == "views.posed";
     headline.unit = share ? "%" : row.unit;
     headline.limit = limit->text;
     headline.status = row.status;
@@ -125,6 +125,8 @@ std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
   for (const ScoreRow& row : rows) {
     for (const std::string& trait : kTraits) {
       if (row.metric != "curve." + trait + ".rmse" || !(row.wall_s > 0)) continue;
+      // One point a setting: further runs, and other spreads of sizes, are other seeds.
+      if (row.suite == kPaperSpread || row.case_name.find(" run 0 ") == std::string::npos) continue;
       ErrorTimeCurve& curve = curves[trait + "/" + row.scene];
       curve.title = "Error against time: " + trait + ", " + row.scene;
       curve.metric = "RMSE of " + trait;
@@ -168,12 +170,7 @@ std::vector<Attribution> attributions_of(const std::vector<ScoreRow>& rows) {
 void write_report(const std::filesystem::path& file, const SeedsReport& report) {
   ReportInput input;
   input.title = report.title;
-  input.summary =
-      "Every number here is measured against the exact shape of the specimens. Intervals are 95 % "
-      "bootstrap intervals, "
-      "drawn by run where there are several runs. The scene and the sensor are verified against "
-      "theory only; no real "
-      "device has been compared with them.";
+  input.summary = report.summary;
   if (!report.command_line.empty()) input.commands = {report.command_line};
   input.config_toml = report.config_toml;
   input.scores = report.scores;
@@ -250,6 +247,8 @@ SeedsReport read_report_folder(const std::filesystem::path& folder) {
   }
   if (const auto command = more.find("command"); command != more.end())
     report.command_line = command->second;
+  if (const auto summary = more.find("summary"); summary != more.end())
+    report.summary = summary->second;
   const auto text = [&](const char* name) {
     return std::filesystem::exists(folder / name) ? read_file(folder / name) : std::string();
   };

@@ -262,6 +262,14 @@ SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::
   return seeds_run_config(sets);
 }
 
+/// The user's keys can make jobs equal; the same seeds must not count twice.
+void drop_repeated(std::vector<SuiteJob>& jobs) {
+  std::set<std::string> seen;
+  std::erase_if(jobs, [&](const SuiteJob& job) {
+    return !seen.insert(resolved_toml(job.config) + std::to_string(job.run)).second;
+  });
+}
+
 std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   std::vector<SuiteJob> jobs;
   const auto add = [&](const std::string& name, int run, const std::vector<std::string>& sets,
@@ -286,6 +294,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
           {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=30"}, {10, 20}, true,
           suite.attribution);
     }
+    drop_repeated(jobs);
     return jobs;
   }
   const std::vector<std::string> cultivars = cultivar_names();
@@ -312,6 +321,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
         {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=60", "spread=paper"}, {}, true,
         false);
   }
+  drop_repeated(jobs);
   return jobs;
 }
 

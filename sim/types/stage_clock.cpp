@@ -32,6 +32,12 @@ StageTiming StageClock::finish() const {
 }
 
 double peak_rss_mb() {
+  // Not ru_maxrss where this can be read: it begins with the peak of the process that started us.
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    double kib = 0;
+    if (word == "VmHWM:" && status >> kib) return kib / 1024;
+  }
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;

@@ -45,6 +45,11 @@ TEST(SeedsLimits, ANumberThatIsMissingFails) {
   EXPECT_EQ(held(pooled("wheat", "camera.centre_rms", ScoreRow::kNone)), ScoreStatus::fail);
 }
 
+TEST(SeedsLimits, SeedsThatAreNotMeasuredFail) {
+  EXPECT_EQ(held(pooled("rice", "length.solved", 0)), ScoreStatus::fail);
+  EXPECT_EQ(held(pooled("rice", "length.solved", 0.95)), ScoreStatus::pass);
+}
+
 TEST(SeedsLimits, RunsOfManyViewsAreHeldToTheirSpeciesLimit) {
   ScoreRow row = pooled("jimai22 run 0 270 views 1920x1080", "curve.width.rmse", 0.00009);
   row.scene = "jimai22";
