@@ -47,8 +47,16 @@ void call_program(const fs::path& program, const fs::path& input, const fs::path
   const std::string name = program.string(), in = input.string(), out = output.string();
   char* const arguments[] = {const_cast<char*>(name.c_str()), const_cast<char*>(in.c_str()),
                              const_cast<char*>(out.c_str()), nullptr};
+  // Our stdout is for results (--json): what the program prints there goes to stderr.
+  posix_spawn_file_actions_t actions;
+  int error = posix_spawn_file_actions_init(&actions);
+  if (error != 0) throw std::runtime_error("posix_spawn: " + std::string(std::strerror(error)));
+  error = posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
   pid_t child = 0;
-  const int error = posix_spawnp(&child, name.c_str(), nullptr, nullptr, arguments, environ);
+  if (error == 0) {
+    error = posix_spawnp(&child, name.c_str(), &actions, nullptr, arguments, environ);
+  }
+  posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
     throw std::runtime_error("cannot start \"" + name + "\": " + std::strerror(error));
   }
