@@ -75,7 +75,13 @@ void print_traits(const std::string& scene, const Traits& traits) {
 std::string why_nothing(const SeedsEstimate& estimate, int posed) {
   if (!estimate.cloud.empty() || !estimate.clusters.cloud.empty())
     return "nothing stands on the board";
-  if (posed == 0) return "no view shows the board";
+  if (posed == 0) {
+    const auto seen = std::count_if(
+        estimate.corners.begin(), estimate.corners.end(),
+        [](const FrameCorners& corners) { return corners.status == BoardStatus::ok; });
+    return seen == 0 ? "no view shows the board"
+                     : std::to_string(seen) + " views show the board, but none could be posed";
+  }
   const bool some_depth =
       std::any_of(estimate.depths.begin(), estimate.depths.end(), [](const FrameDepth& frame) {
         return std::any_of(frame.depth_m.begin(), frame.depth_m.end(),

@@ -157,6 +157,24 @@ TEST_F(AppBadInput, ABoardThatIsNotSeenIsAStatusOfEachView) {
   EXPECT_EQ(perceive({"--json"}).out, "[]\n");
 }
 
+TEST_F(AppBadInput, ABoardThatIsSeenWithoutAPoseIsNotSaidToBeUnseen) {
+  write_seams({});
+  Poses poses(kViews);
+  Corners corners(kViews);
+  for (int i = 0; i < kViews; ++i) {
+    const auto view = static_cast<std::size_t>(i);
+    poses[view].frame = corners[view].frame = i;
+    poses[view].status = PoseStatus::degenerate;
+    corners[view].status = i > 0 ? BoardStatus::ok : BoardStatus::not_seen;
+  }
+  write_poses(program_.path("seams"), poses);
+  write_corners(program_.path("seams"), corners);
+  const Outcome outcome = perceive(seam_stages({"corners", "poses"}));
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("0 of 3 views posed, 0 specimens: 2 views show the board, but "
+                                     "none could be posed"));
+}
+
 TEST_F(AppBadInput, ABrokenSceneKeepsTheEstimateOfTheOneBefore) {
   write_capture(program_.path("data/000001"), capture_);
   write_file(program_.path("data/000001/rgb/000002.png"), "");
@@ -221,6 +239,16 @@ TEST_F(AppBadInput, AForeignSeamNamesFileAndKey) {
   EXPECT_EQ(absent.code, 4);
   EXPECT_THAT(absent.err, AllOf(HasSubstr("cousin: stage poses: "),
                                 HasSubstr("seams/poses.json: cannot read")));
+}
+
+TEST_F(AppBadInput, WhatAStagesProgramPrintsIsNotAmongTheResults) {
+  const fs::path stage = program_.path("stage.sh");
+  write_traits(program_.path("seams"), {});
+  write_file(stage, "#!/bin/sh\necho hello\ncp seams/traits.json \"$2\"/\n");
+  fs::permissions(stage, fs::perms::owner_all);
+  const Outcome outcome = perceive({"--json", "--stage", "traits=exec:" + stage.string()});
+  EXPECT_EQ(outcome.out, "[]\n");
+  EXPECT_THAT(outcome.err, HasSubstr("hello\n"));
 }
 
 TEST_F(AppBadInput, AMeshThatIsNotClosedNamesFileAndEdge) {
