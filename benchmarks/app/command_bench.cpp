@@ -69,7 +69,14 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   for (const ShardResult& result : results) {
     if (!result.error.empty()) context.progress.line(result.name + " failed: " + result.error);
   }
+  const auto missing = std::count_if(results.begin(), results.end(), is_missing);
   SeedsReport report = titled("Cousin: bench seeds", pool_seeds_suite(results, config));
+  if (missing > 0) {
+    const std::string note = std::to_string(missing) + " of " + std::to_string(results.size()) +
+                             " jobs are not there yet";
+    context.progress.line(note + ": other shards' work; no number is held to its limit");
+    report.scores.header.more["note"] = note;
+  }
   report.config_toml = suite_toml(config);
   return finish(std::move(report), context, out);
 }

@@ -215,6 +215,8 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
     if (of_one_run)
       input.timings.push_back({row.metric.substr(8), row.wall_s, row.cpu_s, row.peak_rss_mb});
   }
+  const auto& more = report.scores.header.more;
+  if (const auto note = more.find("note"); note != more.end()) input.notes.push_back(note->second);
   if (!report.plan.empty()) input.notes.push_back("Plan:\n" + report.plan);
   write_file(file, make_report(input));
 }

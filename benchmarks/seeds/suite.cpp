@@ -366,7 +366,8 @@ ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
     add_run_times(of_runs, specimens, rows);
     pooled.scores.insert(pooled.scores.end(), rows.begin(), rows.end());
   }
-  if (!config.quick && config.sets.empty()) hold_to_limits(pooled.scores);
+  const bool whole = std::none_of(results.begin(), results.end(), is_missing);
+  if (whole && !config.quick && config.sets.empty()) hold_to_limits(pooled.scores);
   return pooled;
 }
 

@@ -29,7 +29,7 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config,
                                        const Progress& progress = {});
 
 /// Rows of all finished jobs with the statistics over runs, and in full, without `sets`, held to
-/// their limits. Jobs that failed become rows with status error.
+/// their limits unless jobs are missing. Jobs that failed become rows with status error.
 ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results, const SeedsSuiteConfig& config);
 
 /// What the page says of the suite's configuration: the first job's in full as TOML, and how each

@@ -139,6 +139,20 @@ TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
   EXPECT_FALSE(fs::exists(program.path("new")));
 }
 
+TEST(AppVerbs, AShardOfABenchSaysHowManyJobsAreNotThereYet) {
+  const Program program;
+  const Words bench = Words{"bench", "seeds", "--quick", "--out", "b"} + tiny_scene();
+  const Outcome first = program.run(bench + Words{"--shard", "0/2"});
+  EXPECT_EQ(first.code, 0) << first.err;
+  EXPECT_THAT(first.err, HasSubstr("2 of 3 jobs are not there yet"));
+  const fs::path page = program.path("b/seeds/report.html");
+  EXPECT_THAT(read_file(page), HasSubstr("2 of 3 jobs are not there yet"));
+  const Outcome second = program.run(bench + Words{"--shard", "1/2"});
+  EXPECT_EQ(second.code, 0) << second.err;
+  EXPECT_THAT(second.err, Not(HasSubstr("not there yet")));
+  EXPECT_THAT(read_file(page), Not(HasSubstr("not there yet")));
+}
+
 TEST(AppVerbs, VerifyNamesAnEditedFile) {
   const Program program;
   ASSERT_EQ(program.run(Words{"render", "seeds", "--out", "data"} + tiny_scene()).code, 0);
