@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
@@ -28,7 +29,6 @@ ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& 
   header.machine = machine_text();
   header.more["command"] = report.command_line = context.command_line;
   header.more["title"] = report.title;
-  report.scenes = read_report_scenes(report_scenes_folder(out));
   write_report_folder(out, report);
   context.progress.line("scores: " + (out / "scores.csv").string() +
                         ", report: " + (out / "report.html").string());
@@ -78,6 +78,15 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
     report.scores.header.more["note"] = note;
   }
   report.config_toml = suite_toml(config);
+  // The pictures of the jobs on this page: a --quick run and a full one share the folder.
+  std::set<std::string> shown;
+  for (const ShardResult& result : results) {
+    if (!result.text.empty()) shown.insert(fs::path(result.name).stem());
+  }
+  report.scenes = read_report_scenes(
+      config.report, [&](const std::string& name) { return shown.contains(name); });
+  std::string& names = report.scores.header.more["scenes"];
+  for (const ReportScene& scene : report.scenes) names += (names.empty() ? "" : " ") + scene.name;
   return finish(std::move(report), context, out);
 }
 

@@ -232,6 +232,9 @@ ExitCode command_run(const JobContext& context) {
   row.seed = o.seed;
   if (!resumed) file.scores.push_back(row);  // else these are not the whole run's seconds
 
+  for (const ReportScene& scene : report.scenes) {
+    write_report_scene(report_scenes_folder(out), scene);
+  }
   write_report_folder(out, report);
   fs::remove_all(parts);
   print_result(o, file);

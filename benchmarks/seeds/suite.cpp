@@ -140,7 +140,8 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Pr
       }
     }
     if (all && job.shown && !suite.report.empty())
-      write_report_scene(suite.report, report_scene(labels.scene, run, ours));
+      write_report_scene(suite.report,
+                         report_scene(std::filesystem::path(job.name).stem(), run, ours));
     if (all && job.attribution) {
       labels.method = "ours";
       const auto steps = attribute_seeds(run, job.config.pipeline,
