@@ -33,8 +33,8 @@ constexpr const char* kPartial = "partial.json";
 void check_owner(const fs::path& dataset, const std::string& hash) {
   const auto mismatch = [&](const fs::path& file) {
     throw std::invalid_argument(file.string() +
-                                " belongs to another configuration, seed or choice of truth; "
-                                "choose another --out");
+                                " belongs to another configuration, seed or choice of truth, or "
+                                "to another version of the program; choose another --out");
   };
   const fs::path marker = dataset / kPartial;
   if (fs::exists(marker)) {
@@ -50,11 +50,12 @@ void claim_folder(const fs::path& dataset, const std::string& hash) {
   write_file(dataset / kPartial, nlohmann::json{{"config_hash", hash}}.dump() + "\n");
 }
 
-/// What the folder belongs to: configuration and seed, and the truth where it is not the default.
+/// What the folder belongs to: the program's version, configuration and seed, and the truth where
+/// it is not the default.
 std::string owner_hash(const SeedsRunConfig& config, std::uint64_t seed, const TruthNeeds& truth) {
-  const std::string hash = config_hash(config, seed);
   const std::string names = to_string(truth);
-  return names == Options{}.truth ? hash : sha256_hex(hash + "\ntruth = " + names + "\n");
+  return sha256_hex(std::string(COUSIN_VERSION) + "\n" + config_hash(config, seed) +
+                    (names == Options{}.truth ? "" : "\ntruth = " + names) + "\n");
 }
 
 /// Images of the frames of one scene that are not there yet; the files are final or absent.

@@ -137,7 +137,7 @@ bool run_scenes(const JobContext& context, const SeedsRunConfig& config,
                 const std::vector<StageSource>& sources, const fs::path& out, const fs::path& parts,
                 SeedsReport& report) {
   const Options& o = context.options;
-  std::string key = COUSIN_VERSION + resolved_toml(config) + std::to_string(o.seed);
+  std::string key = COUSIN_VERSION + config_hash(config, o.seed);
   for (const std::string& stage : o.stages) key += "\n" + stage;
   if (o.attribution) key += "\nattribution";
   std::vector<ShardJob> jobs;

@@ -269,6 +269,14 @@ TEST_F(AppBadInput, AMeshThatIsNotClosedNamesFileAndEdge) {
     EXPECT_EQ(nameless.code, 2);
     EXPECT_THAT(nameless.err, HasSubstr("specimen = \"open.obj\" is not \"mesh:FILE\""));
   }
+  // Before any work, not hours later.
+  for (const Words& words : {Words{"run", "seeds", "--plan"}, {"bench"}}) {
+    const Outcome absent =
+        program_.run(words + Words{"--out", "new", "--set", "specimen=mesh:absent.ply"});
+    EXPECT_EQ(absent.code, 3) << words[0];
+    EXPECT_THAT(absent.err, HasSubstr("there is no file absent.ply"));
+    EXPECT_FALSE(fs::exists(program_.path("new")));
+  }
 }
 
 }  // namespace

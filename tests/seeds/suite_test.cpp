@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/dataset/atomic_file.h"
+#include "tests/dataset/temporary_folder.h"
+
 namespace cousin {
 namespace {
 
@@ -27,6 +30,18 @@ TEST(SeedsSuite, NumbersAreHeldToLimitsOnlyWhenAllJobsAreThere) {
   other.error = "no light";
   EXPECT_EQ(pool_seeds_suite({beyond_its_limit(), other}, {}).scores.at(0).status,
             ScoreStatus::fail);
+}
+
+TEST(SeedsSuite, AnotherMeshInTheSameFileIsMeasuredAnew) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "mine.obj";
+  SeedsSuiteConfig config;
+  config.quick = true;
+  config.sets = {"specimen=mesh:" + file.string()};
+  write_file(file, "v 0 0 0\n");
+  const std::string key = seeds_suite_jobs(config).at(0).key;
+  write_file(file, "v 0 0 1\n");
+  EXPECT_NE(seeds_suite_jobs(config).at(0).key, key);
 }
 
 }  // namespace
