@@ -68,6 +68,7 @@ TEST(AppVerbs, RenderVerifyPerceiveScoreReport) {
 
 TEST(AppVerbs, RunWritesScoresAndReport) {
   const Program program;
+  write_file(program.path("mine/parts/of_a_flower.txt"), "petals");
   const Outcome run = program.run(
       Words{"run", "seeds", "--out", "r", "--json", "--gate", "views.posed>=2"} + tiny_scene());
   EXPECT_EQ(run.code, 1);
@@ -88,6 +89,23 @@ TEST(AppVerbs, RunWritesScoresAndReport) {
   }
   EXPECT_GT(timed, 5);
   EXPECT_FALSE(fs::exists(program.path("r/parts")));
+  // A folder of that name that was there before loses nothing but the run's own files.
+  EXPECT_EQ(program.run(Words{"run", "seeds", "--out", "mine", "--scenes", "2"} + tiny_scene()).code,
+            0);
+  EXPECT_EQ(contents(program.path("mine/parts")),
+            (std::map<std::string, std::string>{{"of_a_flower.txt", "petals"}}));
+}
+
+TEST(AppVerbs, ShardsOfARenderMakeTheDatasetOfOneRun) {
+  const Program program;
+  const Words render = Words{"render", "seeds"} + tiny_scene();
+  ASSERT_EQ(program.run(render + Words{"--out", "whole"}).code, 0);
+  // In this order the index is written before the second view is there.
+  ASSERT_EQ(program.run(render + Words{"--out", "data", "--shard", "0/2"}).code, 0);
+  ASSERT_EQ(program.run(render + Words{"--out", "data", "--shard", "1/2"}).code, 0);
+  auto files = contents(program.path("data"));
+  EXPECT_EQ(files.erase("manifest.0-of-2.json") + files.erase("manifest.1-of-2.json"), 2U);
+  EXPECT_EQ(files, contents(program.path("whole")));
 }
 
 TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
