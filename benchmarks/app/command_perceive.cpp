@@ -138,8 +138,9 @@ ExitCode command_perceive(const JobContext& context) {
     for (const std::string& warning : capture.warnings)
       context.progress.line("warning: " + warning);
     const std::string name = scene_dir.filename().string();
-    const int index =
-        name.find_first_not_of("0123456789") == std::string::npos ? std::stoi(name) : 0;
+    const bool is_scene_id =
+        name.size() == 6 && name.find_first_not_of("0123456789") == std::string::npos;
+    const int index = is_scene_id ? std::stoi(name) : 0;
     const fs::path estimate_dir = out / scene_id(index);
     write_file(estimate_dir / "config.toml", to_toml(fields(config)));
     const SeedsEstimate estimate = perceive_seeds(capture, config, o.seed, sources, index,

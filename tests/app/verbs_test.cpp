@@ -178,6 +178,33 @@ TEST(AppVerbs, AShardOfABenchSaysHowManyJobsAreNotThereYet) {
   EXPECT_EQ(fs::last_write_time(scenes / "quick_zhengdan958/scene.json"), written);
 }
 
+TEST(AppVerbs, ASlashOrADotAtTheEndOfAPathChangesNothing) {
+  const Program program;
+  write_png(program.path("photos/a.png"), Image<Rgb8>(64, 48, {90, 90, 90}));
+  const auto import = [&](const std::string& path) {
+    return program.run({"import", path, "--format", "folder", "--intrinsics", "60,60,32,24"});
+  };
+  EXPECT_EQ(import("photos/").code, 0);
+  EXPECT_TRUE(fs::exists(program.path("out/photos/000000/rig.json")));
+  fs::remove_all(program.path("out"));
+  EXPECT_EQ(import("photos/.").code, 0);
+  EXPECT_TRUE(fs::exists(program.path("out/photos/000000/rig.json")));
+
+  ASSERT_EQ(program.run(Words{"render", "seeds", "--out", "data/"} + tiny_scene()).code, 0);
+  EXPECT_THAT(program.run({"perceive", "data/"}).err, HasSubstr("estimates: data_estimate\n"));
+  EXPECT_THAT(program.run({"perceive", "data/000000/", "--pipeline", "seeds", "--out", "est/"}).err,
+              HasSubstr("000000: 2 of 2 views posed"));
+  EXPECT_TRUE(fs::exists(program.path("est/000000/traits.json")));
+  EXPECT_EQ(program.run({"score", "data/", "data_estimate//"}).code, 0);
+  EXPECT_THAT(read_file(program.path("data_estimate/scores.csv")), HasSubstr("\ndata,000000,"));
+
+  // Only six digits are a scene's number.
+  fs::rename(program.path("data/000000"), program.path("20260101123456"));
+  EXPECT_THAT(program.run({"perceive", "20260101123456", "--pipeline", "seeds", "--out", "day"}).err,
+              HasSubstr("20260101123456: 2 of 2 views posed"));
+  EXPECT_TRUE(fs::exists(program.path("day/000000/traits.json")));
+}
+
 TEST(AppVerbs, VerifyNamesAnEditedFile) {
   const Program program;
   ASSERT_EQ(program.run(Words{"render", "seeds", "--out", "data"} + tiny_scene()).code, 0);
