@@ -121,13 +121,29 @@ ScoreFile bench_program(const JobContext& context, const fs::path& out) {
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
-  bool takes_sets;  ///< reads --set; the others have no configuration
+  std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 5> kSuites = {{{"stability", bench_stability, false},
-                                           {"render", bench_render, true},
-                                           {"seeds", bench_seeds, true},
-                                           {"real", bench_real, false},
-                                           {"program", bench_program, false}}};
+constexpr std::array<Suite, 5> kSuites = {
+    {{"stability", bench_stability, {"--quick"}},
+     {"render", bench_render, {"--quick", "--set"}},
+     {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution"}},
+     {"real", bench_real, {"--quick"}},
+     {"program", bench_program, {}}}};
+
+/// @throws std::invalid_argument naming an option that is given and that the suite does not read.
+void check_takes(const Suite& suite, const Options& o) {
+  const std::pair<std::string_view, bool> given[] = {{"--quick", o.quick},
+                                                     {"--set", !o.sets.empty()},
+                                                     {"--captures", !o.captures.empty()},
+                                                     {"--shard", !o.shard.empty()},
+                                                     {"--attribution", o.attribution}};
+  for (const auto& [option, is_given] : given) {
+    if (!is_given || std::find(suite.takes.begin(), suite.takes.end(), option) != suite.takes.end())
+      continue;
+    throw std::invalid_argument("suite \"" + std::string(suite.name) + "\" takes no " +
+                                std::string(option));
+  }
+}
 
 void print_rows(const ScoreFile& file) {
   for (const ScoreRow& row : file.scores) {
@@ -154,12 +170,7 @@ ExitCode command_bench(const JobContext& context) {
       throw std::invalid_argument("suite \"" + name +
                                   "\" is not one of stability, render, seeds, real, program");
     }
-    if (!o.arguments.empty() && !o.sets.empty() && !suite->takes_sets) {
-      throw std::invalid_argument("suite \"" + name + "\" takes no --set");
-    }
-    if (!o.arguments.empty() && !o.captures.empty() && name != "seeds") {
-      throw std::invalid_argument("suite \"" + name + "\" takes no --captures");
-    }
+    if (!o.arguments.empty()) check_takes(*suite, o);
     wanted.push_back(&*suite);
   }
   SeedsRunConfig config = seeds_run_config(o.sets);  // a wrong key ends here, not hours later
