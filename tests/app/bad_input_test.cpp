@@ -226,6 +226,34 @@ TEST_F(AppBadInput, ThePapersStepsMeasureACloudOfFiles) {
   EXPECT_THAT(outcome.out, HasSubstr("000000 seed 0: ok"));
 }
 
+// The paper's steps make no outlines and fewer meshes: `score` would rate the other method's.
+TEST_F(AppBadInput, AnEarlierMethodsSeamsDoNotStay) {
+  write_seams({{.frame = 0, .instance = 0}, {.frame = 1, .instance = 0}});
+  const Words given = seam_stages({"corners", "poses", "depth", "cloud", "clusters"});
+  const fs::path est = program_.path("est/000000");
+  ASSERT_EQ(perceive(given + seam_stages({"masks"})).code, 0);
+  EXPECT_TRUE(fs::exists(est / "masks.json"));
+  EXPECT_TRUE(fs::exists(est / "surfaces.json"));
+  write_file(est / "meshes/000007_samples.ply", "of the earlier method");
+  write_file(est / "meshes/notes.txt", "mine");
+  perceive(Words{"--method", "paper", "--stage", "traits=dir:seams"} + given);
+  EXPECT_TRUE(fs::exists(est / "clusters.ply"));
+  EXPECT_FALSE(fs::exists(est / "masks.json"));
+  EXPECT_FALSE(fs::exists(est / "meshes/000007_samples.ply"));
+  EXPECT_EQ(read_file(est / "meshes/notes.txt"), "mine");
+}
+
+TEST_F(AppBadInput, AStageMayBeReadFromTheFolderThatIsWritten) {
+  write_seams({});
+  ASSERT_EQ(perceive(seam_stages({"corners", "poses", "depth", "cloud", "clusters"})).code, 0);
+  const auto before = contents(program_.path("est"));
+  const Outcome again =
+      perceive({"--stage", "corners=dir:est", "--stage", "poses=dir:est", "--stage",
+                "depth=dir:est", "--stage", "cloud=dir:est", "--stage", "clusters=dir:est"});
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(contents(program_.path("est")), before);
+}
+
 TEST_F(AppBadInput, AForeignSeamNamesFileAndKey) {
   write_file(program_.path("seams/traits.json"),
              R"({"specimens": [{"instance": "0", "status": "ok", "traits": []}]})");
