@@ -83,8 +83,8 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   for (const ShardResult& result : results) {
     if (!result.text.empty()) shown.insert(fs::path(result.name).stem());
   }
-  report.scenes = read_report_scenes(
-      config.report, [&](const std::string& name) { return shown.contains(name); });
+  report.scenes = read_report_scenes(config.report,
+                                     [&](const std::string& name) { return shown.contains(name); });
   std::string& names = report.scores.header.more["scenes"];
   for (const ReportScene& scene : report.scenes) names += (names.empty() ? "" : " ") + scene.name;
   return finish(std::move(report), context, out);

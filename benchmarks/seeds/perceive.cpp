@@ -30,8 +30,8 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
   };
   if (!estimate_dir.empty()) {
     for (const std::string& stage : names) {
-      const bool is_read = std::any_of(
-          sources.begin(), sources.end(), [&](const StageSource& source) {
+      const bool is_read =
+          std::any_of(sources.begin(), sources.end(), [&](const StageSource& source) {
             return source.stage == stage && source.kind == StageSource::Kind::directory;
           });
       if (!is_read) remove_seam(estimate_dir, stage);  // else it may be read from here

@@ -99,7 +99,8 @@ std::string text_at(const nlohmann::json& json, const char* key, const fs::path&
 /// It becomes a folder's name; a dot at the front is for what is not whole yet.
 bool is_scene_name(const std::string& name) {
   return !name.empty() && name.front() != '.' &&
-         name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-") ==
+         name.find_first_not_of(
+             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-") ==
              std::string::npos;
 }
 
@@ -200,8 +201,7 @@ void write_report_scene(const fs::path& folder, const ReportScene& scene) {
   fs::remove_all(earlier);
 }
 
-std::vector<ReportScene> read_report_scenes(const fs::path& folder,
-                                            const WantedScene& wanted) {
+std::vector<ReportScene> read_report_scenes(const fs::path& folder, const WantedScene& wanted) {
   std::set<std::string> names;
   if (fs::is_directory(folder)) {
     for (const auto& entry : fs::directory_iterator(folder)) {

@@ -90,8 +90,8 @@ TEST(AppVerbs, RunWritesScoresAndReport) {
   EXPECT_GT(timed, 5);
   EXPECT_FALSE(fs::exists(program.path("r/parts")));
   // A folder of that name that was there before loses nothing but the run's own files.
-  EXPECT_EQ(program.run(Words{"run", "seeds", "--out", "mine", "--scenes", "2"} + tiny_scene()).code,
-            0);
+  EXPECT_EQ(
+      program.run(Words{"run", "seeds", "--out", "mine", "--scenes", "2"} + tiny_scene()).code, 0);
   EXPECT_EQ(contents(program.path("mine/parts")),
             (std::map<std::string, std::string>{{"of_a_flower.txt", "petals"}}));
 }
@@ -173,8 +173,9 @@ TEST(AppVerbs, AShardOfABenchSaysHowManyJobsAreNotThereYet) {
   const Outcome second = program.run(bench + Words{"--shard", "1/2"});
   EXPECT_EQ(second.code, 0) << second.err;
   EXPECT_THAT(second.err, Not(HasSubstr("not there yet")));
-  EXPECT_THAT(read_file(page), AllOf(Not(HasSubstr("not there yet")), HasSubstr("quick_suijing18: "),
-                                     HasSubstr("quick_zhengdan958: ")));
+  EXPECT_THAT(read_file(page),
+              AllOf(Not(HasSubstr("not there yet")), HasSubstr("quick_suijing18: "),
+                    HasSubstr("quick_zhengdan958: ")));
   EXPECT_EQ(fs::last_write_time(scenes / "quick_zhengdan958/scene.json"), written);
 }
 
@@ -200,8 +201,9 @@ TEST(AppVerbs, ASlashOrADotAtTheEndOfAPathChangesNothing) {
 
   // Only six digits are a scene's number.
   fs::rename(program.path("data/000000"), program.path("20260101123456"));
-  EXPECT_THAT(program.run({"perceive", "20260101123456", "--pipeline", "seeds", "--out", "day"}).err,
-              HasSubstr("20260101123456: 2 of 2 views posed"));
+  EXPECT_THAT(
+      program.run({"perceive", "20260101123456", "--pipeline", "seeds", "--out", "day"}).err,
+      HasSubstr("20260101123456: 2 of 2 views posed"));
   EXPECT_TRUE(fs::exists(program.path("day/000000/traits.json")));
 }
 
