@@ -35,7 +35,9 @@ TRUTH = "sim/truth"
 NEVER_TRUTH = ("calibration", "perception")
 TRUTH_TARGETS = {"truth", "dataset_truth", "render", "sensors", "physics", "scene_seeds"}
 ROOTS = ("sim", "scenes", "calibration", "perception", "benchmarks")
-INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+SUFFIXES = (".h", ".hh", ".hpp", ".hxx", ".inl", ".ipp", ".tpp", ".c", ".cc", ".cpp", ".cxx", ".cu")
+# Between brackets only what starts with a folder of ours: the rest is a library's.
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<((?:' + "|".join(ROOTS) + r')/[^>]+)>)', re.MULTILINE)
 
 
 def folder_of(path: str) -> str:
@@ -63,12 +65,13 @@ def check(root: pathlib.Path) -> list:
     problems = []
     for top in ROOTS:
         for file in sorted((root / top).rglob("*")):
-            if file.suffix not in (".h", ".cpp"):
+            if file.suffix not in SUFFIXES:
                 continue
             name = file.relative_to(root).as_posix()
             folder = folder_of(name)
             allowed = reach(folder)
-            for include in INCLUDE.findall(file.read_text()):
+            for quoted, bracketed in INCLUDE.findall(file.read_text()):
+                include = quoted or bracketed
                 target = folder_of(include)
                 if not target:
                     if not (root / include).exists():

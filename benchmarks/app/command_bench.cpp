@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
@@ -29,7 +30,6 @@ ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& 
   header.more["command"] = report.command_line = context.command_line;
   header.more["title"] = report.title;
   header.more["summary"] = report.summary;
-  report.scenes = read_report_scenes(report_scenes_folder(out));
   write_report_folder(out, report);
   context.progress.line("scores: " + (out / "scores.csv").string() +
                         ", report: " + (out / "report.html").string());
@@ -73,9 +73,25 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   for (const ShardResult& result : results) {
     if (!result.error.empty()) context.progress.line(result.name + " failed: " + result.error);
   }
+  const auto missing = std::count_if(results.begin(), results.end(), is_missing);
   SeedsReport report =
       titled("Cousin: bench seeds", kMeasuredAgainstTruth, pool_seeds_suite(results, config));
+  if (missing > 0) {
+    const std::string note = std::to_string(missing) + " of " + std::to_string(results.size()) +
+                             " jobs are not there yet";
+    context.progress.line(note);
+    report.scores.header.more["note"] = note;
+  }
   report.config_toml = suite_toml(config);
+  // The pictures of the jobs on this page: a --quick run and a full one share the folder.
+  std::set<std::string> shown;
+  for (const ShardResult& result : results) {
+    if (!result.text.empty()) shown.insert(fs::path(result.name).stem());
+  }
+  report.scenes = read_report_scenes(config.report,
+                                     [&](const std::string& name) { return shown.contains(name); });
+  std::string& names = report.scores.header.more["scenes"];
+  for (const ReportScene& scene : report.scenes) names += (names.empty() ? "" : " ") + scene.name;
   return finish(std::move(report), context, out);
 }
 
@@ -115,13 +131,29 @@ ScoreFile bench_program(const JobContext& context, const fs::path& out) {
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
-  bool takes_sets;  ///< reads --set; the others have no configuration
+  std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 5> kSuites = {{{"stability", bench_stability, false},
-                                           {"render", bench_render, true},
-                                           {"seeds", bench_seeds, true},
-                                           {"real", bench_real, false},
-                                           {"program", bench_program, false}}};
+constexpr std::array<Suite, 5> kSuites = {
+    {{"stability", bench_stability, {"--quick"}},
+     {"render", bench_render, {"--quick", "--set"}},
+     {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution"}},
+     {"real", bench_real, {"--quick"}},
+     {"program", bench_program, {}}}};
+
+/// @throws std::invalid_argument naming an option that is given and that the suite does not read.
+void check_takes(const Suite& suite, const Options& o) {
+  const std::pair<std::string_view, bool> given[] = {{"--quick", o.quick},
+                                                     {"--set", !o.sets.empty()},
+                                                     {"--captures", !o.captures.empty()},
+                                                     {"--shard", !o.shard.empty()},
+                                                     {"--attribution", o.attribution}};
+  for (const auto& [option, is_given] : given) {
+    if (!is_given || std::find(suite.takes.begin(), suite.takes.end(), option) != suite.takes.end())
+      continue;
+    throw std::invalid_argument("suite \"" + std::string(suite.name) + "\" takes no " +
+                                std::string(option));
+  }
+}
 
 void print_rows(const ScoreFile& file) {
   for (const ScoreRow& row : file.scores) {
@@ -148,12 +180,7 @@ ExitCode command_bench(const JobContext& context) {
       throw std::invalid_argument("suite \"" + name +
                                   "\" is not one of stability, render, seeds, real, program");
     }
-    if (!o.arguments.empty() && !o.sets.empty() && !suite->takes_sets) {
-      throw std::invalid_argument("suite \"" + name + "\" takes no --set");
-    }
-    if (!o.arguments.empty() && !o.captures.empty() && name != "seeds") {
-      throw std::invalid_argument("suite \"" + name + "\" takes no --captures");
-    }
+    if (!o.arguments.empty()) check_takes(*suite, o);
     wanted.push_back(&*suite);
   }
   SeedsRunConfig config = seeds_run_config(o.sets);  // a wrong key ends here, not hours later

@@ -24,37 +24,40 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-/// The dataset's folder belongs to one configuration: a marker file says which until the manifest
+/// The dataset's folder belongs to one configuration: kPartialFile says which until the manifest
 /// does.
-constexpr const char* kPartial = "partial.json";
-
 /// @throws std::invalid_argument naming the file if the folder holds another configuration's
-/// dataset.
+/// dataset, or the folder if nothing says whose its scenes are.
 void check_owner(const fs::path& dataset, const std::string& hash) {
   const auto mismatch = [&](const fs::path& file) {
     throw std::invalid_argument(file.string() +
-                                " belongs to another configuration, seed or choice of truth; "
-                                "choose another --out");
+                                " belongs to another configuration, seed or choice of truth, or "
+                                "to another version of the program; choose another --out");
   };
-  const fs::path marker = dataset / kPartial;
+  const fs::path marker = dataset / kPartialFile;
   if (fs::exists(marker)) {
     const auto json = nlohmann::json::parse(read_file(marker), nullptr, false);
     if (json != nlohmann::json{{"config_hash", hash}}) mismatch(marker);
   } else if (const auto manifest = read_manifest(dataset)) {
     if (manifest->config_hash != hash) mismatch(dataset / "manifest.json");
+  } else if (const auto scenes = scene_folders(dataset); !scenes.empty()) {
+    throw std::invalid_argument(scenes.front().string() +
+                                " is a scene of a dataset without manifest.json; choose another "
+                                "--out");
   }
 }
 
 void claim_folder(const fs::path& dataset, const std::string& hash) {
-  if (fs::exists(dataset / kPartial) || fs::exists(dataset / "manifest.json")) return;
-  write_file(dataset / kPartial, nlohmann::json{{"config_hash", hash}}.dump() + "\n");
+  if (fs::exists(dataset / kPartialFile) || fs::exists(dataset / "manifest.json")) return;
+  write_file(dataset / kPartialFile, nlohmann::json{{"config_hash", hash}}.dump() + "\n");
 }
 
-/// What the folder belongs to: configuration and seed, and the truth where it is not the default.
+/// What the folder belongs to: the program's version, configuration and seed, and the truth where
+/// it is not the default.
 std::string owner_hash(const SeedsRunConfig& config, std::uint64_t seed, const TruthNeeds& truth) {
-  const std::string hash = config_hash(config, seed);
   const std::string names = to_string(truth);
-  return names == Options{}.truth ? hash : sha256_hex(hash + "\ntruth = " + names + "\n");
+  return sha256_hex(std::string(COUSIN_VERSION) + "\n" + config_hash(config, seed) +
+                    (names == Options{}.truth ? "" : "\ntruth = " + names) + "\n");
 }
 
 /// Images of the frames of one scene that are not there yet; the files are final or absent.
@@ -83,6 +86,8 @@ void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir,
     frame.time_s = view.time_s;
     SensorFrame sensor;
     sensor.reported = simulation.reported(view.frame);
+    // Stands for the photograph: the index names it, whichever shard writes it and when.
+    sensor.color = Image<Rgb8>(1, 1);
     frame.sensors.push_back(std::move(sensor));
     capture.frames.push_back(std::move(frame));
   }
@@ -158,8 +163,8 @@ ExitCode command_render(const JobContext& context) {
     write_shard_manifest(dataset, header, shard.index, shard.count, written);
   }
   const bool complete = shard.count <= 1 || fs::exists(dataset / "manifest.json");
-  if (complete) fs::remove(dataset / kPartial);
   if (shard.count <= 1) write_manifest(dataset, header);
+  if (complete) fs::remove(dataset / kPartialFile);  // last: the folder is never without an owner
   write_timings(dataset, timings);
   if (o.json) {
     std::printf(

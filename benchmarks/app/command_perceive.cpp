@@ -75,7 +75,13 @@ void print_traits(const std::string& scene, const Traits& traits) {
 std::string why_nothing(const SeedsEstimate& estimate, int posed) {
   if (!estimate.cloud.empty() || !estimate.clusters.cloud.empty())
     return "nothing stands on the board";
-  if (posed == 0) return "no view shows the board";
+  if (posed == 0) {
+    const auto seen = std::count_if(
+        estimate.corners.begin(), estimate.corners.end(),
+        [](const FrameCorners& corners) { return corners.status == BoardStatus::ok; });
+    return seen == 0 ? "no view shows the board"
+                     : std::to_string(seen) + " views show the board, but none could be posed";
+  }
   const bool some_depth =
       std::any_of(estimate.depths.begin(), estimate.depths.end(), [](const FrameDepth& frame) {
         return std::any_of(frame.depth_m.begin(), frame.depth_m.end(),
@@ -132,8 +138,9 @@ ExitCode command_perceive(const JobContext& context) {
     for (const std::string& warning : capture.warnings)
       context.progress.line("warning: " + warning);
     const std::string name = scene_dir.filename().string();
-    const int index =
-        name.find_first_not_of("0123456789") == std::string::npos ? std::stoi(name) : 0;
+    const bool is_scene_id =
+        name.size() == 6 && name.find_first_not_of("0123456789") == std::string::npos;
+    const int index = is_scene_id ? std::stoi(name) : 0;
     const fs::path estimate_dir = out / scene_id(index);
     write_file(estimate_dir / "config.toml", to_toml(fields(config)));
     const SeedsEstimate estimate = perceive_seeds(capture, config, o.seed, sources, index,

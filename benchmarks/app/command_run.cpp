@@ -135,6 +135,8 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
   return file;
 }
 
+fs::path part_file(const fs::path& parts, int scene) { return parts / (scene_id(scene) + ".json"); }
+
 /// All scenes in order. Rows of the scenes after the first are kept in `parts` until the run is
 /// whole, so that a run that was stopped goes on. The first scene comes last: its pictures are in
 /// memory only. @return whether an earlier run's parts were taken.
@@ -142,12 +144,13 @@ bool run_scenes(const JobContext& context, const SeedsRunConfig& config,
                 const std::vector<StageSource>& sources, const fs::path& out, const fs::path& parts,
                 SeedsReport& report) {
   const Options& o = context.options;
-  std::string key = COUSIN_VERSION + resolved_toml(config) + std::to_string(o.seed);
+  std::string key = COUSIN_VERSION + config_hash(config, o.seed);
   for (const std::string& stage : o.stages) key += "\n" + stage;
   if (o.attribution) key += "\nattribution";
   std::vector<ShardJob> jobs;
   for (int scene = 1; scene < o.scenes; ++scene) {
-    jobs.push_back({scene_id(scene) + ".json", key + "\n" + scene_id(scene), [&, scene] {
+    const std::string name = part_file(parts, scene).filename();
+    jobs.push_back({name, key + "\n" + scene_id(scene), [&, scene] {
                       return to_json(run_scene(context, config, scene, sources, out, report));
                     }});
   }
@@ -238,8 +241,13 @@ ExitCode command_run(const JobContext& context) {
   row.seed = o.seed;
   if (!resumed) file.scores.push_back(row);  // else these are not the whole run's seconds
 
+  for (const ReportScene& scene : report.scenes) {
+    write_report_scene(report_scenes_folder(out), scene);
+  }
   write_report_folder(out, report);
-  fs::remove_all(parts);
+  for (int scene = 1; scene < o.scenes; ++scene) fs::remove(part_file(parts, scene));
+  std::error_code not_empty;  // then it holds what this run has not written
+  fs::remove(parts, not_empty);
   print_result(o, file);
   char line[160];
   std::snprintf(line, sizeof line, "%.1f s, peak %.0f MB; report: %s", whole.wall_s,

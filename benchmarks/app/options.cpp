@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 #include <sstream>
 #include <vector>
@@ -84,6 +85,13 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
     what = "unknown verb \"" + unused.front() + "\"";
   }
   return "cousin: " + what + "\nSee `" + command + " --help`.\n";
+}
+
+/// Verbs name results by the last part of a path, which "data/" and "." do not have.
+std::string with_last_name(std::string path) {
+  while (path.size() > 1 && path.back() == '/') path.pop_back();
+  const std::filesystem::path last = std::filesystem::path(path).filename();
+  return last == "." || last == ".." ? std::filesystem::weakly_canonical(path).string() : path;
 }
 
 }  // namespace
@@ -207,6 +215,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       result.code = ExitCode::usage;
     }
   }
+  for (std::string& argument : o.arguments) argument = with_last_name(argument);
   return result;
 }
 

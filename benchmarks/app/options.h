@@ -12,7 +12,7 @@ enum class ExitCode { done = 0, gate_failed = 1, usage = 2, bad_input = 3, inter
 /// What the command line says; one struct for all verbs, each reads what concerns it.
 struct Options {
   std::string verb;
-  std::vector<std::string> arguments;  ///< positional, after the verb
+  std::vector<std::string> arguments;  ///< positional, after the verb; a path ends with a name
   std::uint64_t seed = 1;
   int threads = 0;                ///< 0 = all cores
   std::string out;                ///< empty = the verb's default

@@ -28,6 +28,16 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
       write_seam(estimate_dir, stage, so_far, scene_index);
     }
   };
+  if (!estimate_dir.empty()) {
+    for (const std::string& stage : names) {
+      const bool is_read =
+          std::any_of(sources.begin(), sources.end(), [&](const StageSource& source) {
+            return source.stage == stage && source.kind == StageSource::Kind::directory;
+          });
+      if (!is_read) remove_seam(estimate_dir, stage);  // else it may be read from here
+    }
+    std::filesystem::remove(estimate_dir / "timings.json");
+  }
   SeedsEstimate estimate = run_seeds(capture, config, stages, observe);
   if (!estimate_dir.empty()) write_timings(estimate_dir, estimate.timings);
   return estimate;

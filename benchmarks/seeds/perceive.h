@@ -16,7 +16,8 @@ SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
 
 /// Runs the seeds pipeline on one capture with the given stages in place of ours, and writes every
 /// seam into `estimate_dir` as soon as its stage is finished (nothing if the path is empty): what
-/// is done survives a later failure.
+/// is done survives a later failure. Seams of an earlier method are removed there first, but for
+/// stages that are read from folders.
 SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
                              std::uint64_t seed, const std::vector<StageSource>& sources,
                              int scene_index, const std::filesystem::path& estimate_dir,

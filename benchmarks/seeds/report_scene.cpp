@@ -1,9 +1,12 @@
 #include "benchmarks/seeds/report_scene.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "benchmarks/seeds/truth_stages.h"
@@ -93,12 +96,24 @@ std::string text_at(const nlohmann::json& json, const char* key, const fs::path&
   return json.at(key).get<std::string>();
 }
 
+/// It becomes a folder's name; a dot at the front is for what is not whole yet.
+bool is_scene_name(const std::string& name) {
+  return !name.empty() && name.front() != '.' &&
+         name.find_first_not_of(
+             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-") ==
+             std::string::npos;
+}
+
 ReportScene read_report_scene(const fs::path& folder) {
   const fs::path index = folder / kIndex;
   const auto json = nlohmann::json::parse(read_file(index), nullptr, false);
   if (json.is_discarded()) throw std::runtime_error(index.string() + ": is not JSON");
   ReportScene scene;
   scene.name = text_at(json, "name", index);
+  if (!is_scene_name(scene.name)) {
+    throw std::runtime_error(index.string() + ": \"name\": \"" + scene.name +
+                             "\" must be of letters, digits, . _ - and not start with a dot");
+  }
   if (!json.contains("pictures") || !json.at("pictures").is_array() ||
       json.at("pictures").size() > kMaxPictures) {
     throw std::runtime_error(index.string() + ": \"pictures\" must be a list of at most " +
@@ -129,7 +144,7 @@ ReportScene report_scene(const std::string& name, const SimulatedRun& run,
   scene.name = name;
   const auto& frames = run.capture.frames;
   const std::size_t count = frames.size();
-  for (const std::size_t i : {count / 6, count / 2, 5 * count / 6}) {
+  for (const std::size_t i : std::set{count / 6, count / 2, 5 * count / 6}) {
     if (i >= count) continue;
     scene.pictures.push_back({"View " + std::to_string(frames[i].id), "as the phone hands it over",
                               encode_jpeg(frames[i].sensors[0].color, kJpegQuality)});
@@ -138,7 +153,7 @@ ReportScene report_scene(const std::string& name, const SimulatedRun& run,
   for (const Silhouette& s : estimate.silhouettes) {
     if (!s.outline.empty()) by_frame[s.frame].push_back(&s);
   }
-  for (const std::size_t i : {count / 6, 5 * count / 6}) {
+  for (const std::size_t i : std::set{count / 6, 5 * count / 6}) {
     if (i >= count || !by_frame.contains(frames[i].id)) continue;
     scene.pictures.push_back(
         {"Outlines found in view " + std::to_string(frames[i].id),
@@ -159,8 +174,13 @@ ReportScene report_scene(const std::string& name, const SimulatedRun& run,
 }
 
 void write_report_scene(const fs::path& folder, const ReportScene& scene) {
-  const fs::path own = folder / scene.name;
-  fs::remove(own / kIndex);
+  if (!is_scene_name(scene.name)) {
+    throw std::invalid_argument("the report's scene \"" + scene.name +
+                                "\" must be named by letters, digits, . _ - and no dot first");
+  }
+  const fs::path whole = folder / scene.name;
+  const fs::path own = folder / ("." + scene.name + "." + std::to_string(::getpid()) + ".part");
+  fs::remove_all(own);
   nlohmann::ordered_json pictures = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < scene.pictures.size(); ++i) {
     const ReportPicture& picture = scene.pictures[i];
@@ -174,19 +194,26 @@ void write_report_scene(const fs::path& folder, const ReportScene& scene) {
   if (!scene.truth.triangles.empty()) write_ply(own / "truth.ply", scene.truth);
   write_file(own / kIndex,
              nlohmann::ordered_json{{"name", scene.name}, {"pictures", pictures}}.dump(2) + "\n");
+  const fs::path earlier = own.string() + ".earlier.part";  // nothing of it may stay
+  fs::remove_all(earlier);
+  if (fs::exists(whole)) fs::rename(whole, earlier);
+  fs::rename(own, whole);
+  fs::remove_all(earlier);
 }
 
-std::vector<ReportScene> read_report_scenes(const fs::path& folder) {
-  std::vector<fs::path> whole;
+std::vector<ReportScene> read_report_scenes(const fs::path& folder, const WantedScene& wanted) {
+  std::set<std::string> names;
   if (fs::is_directory(folder)) {
     for (const auto& entry : fs::directory_iterator(folder)) {
-      if (fs::exists(entry.path() / kIndex)) whole.push_back(entry.path());
+      const std::string name = entry.path().filename().string();
+      if (is_scene_name(name) && (!wanted || wanted(name))) names.insert(name);
     }
   }
-  std::sort(whole.begin(), whole.end());
   std::vector<ReportScene> scenes;
-  scenes.reserve(whole.size());
-  for (const fs::path& own : whole) scenes.push_back(read_report_scene(own));
+  for (const std::string& name : names) {
+    // Another process may be replacing the scene since it was listed.
+    if (fs::exists(folder / name / kIndex)) scenes.push_back(read_report_scene(folder / name));
+  }
   return scenes;
 }
 

@@ -1,5 +1,7 @@
 #include "benchmarks/seeds/run_config.h"
 
+#include <stdexcept>
+
 #include "sim/dataset/manifest.h"
 
 namespace cousin {
@@ -45,7 +47,26 @@ SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
   const Fields all = fields(config);
   for (const std::string& assignment : assignments) set_field(all, assignment);
   validate(config);
+  const std::string mesh = specimen_file(config.scene);
+  if (!mesh.empty() && !std::filesystem::is_regular_file(mesh)) {
+    throw std::runtime_error("specimen = \"" + config.scene.specimen + "\": there is no file " +
+                             mesh);
+  }
   return config;
+}
+
+std::string specimen_file(const SeedsSceneConfig& config) {
+  constexpr std::string_view kMesh = "mesh:";
+  if (config.specimen.empty()) return {};
+  if (!config.specimen.starts_with(kMesh) || config.specimen == kMesh) {
+    throw std::invalid_argument("specimen = \"" + config.specimen + "\" is not \"mesh:FILE\"");
+  }
+  return config.specimen.substr(kMesh.size());
+}
+
+std::string specimen_hash(const SeedsSceneConfig& config) {
+  const std::string file = specimen_file(config);
+  return file.empty() ? "" : sha256_hex_of_file(file);
 }
 
 std::string simulator_toml(const SeedsRunConfig& config) {
@@ -60,7 +81,8 @@ std::string resolved_toml(const SeedsRunConfig& config) {
 }
 
 std::string config_hash(const SeedsRunConfig& config, std::uint64_t seed) {
-  return sha256_hex(resolved_toml(config) + "\nseed = " + std::to_string(seed) + "\n");
+  return sha256_hex(resolved_toml(config) + "\nseed = " + std::to_string(seed) + "\n" +
+                    specimen_hash(config.scene));
 }
 
 }  // namespace cousin

@@ -212,6 +212,8 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
     if (of_one_run)
       input.timings.push_back({row.metric.substr(8), row.wall_s, row.cpu_s, row.peak_rss_mb});
   }
+  const auto& more = report.scores.header.more;
+  if (const auto note = more.find("note"); note != more.end()) input.notes.push_back(note->second);
   if (!report.plan.empty()) input.notes.push_back("Plan:\n" + report.plan);
   write_file(file, make_report(input));
 }
@@ -230,9 +232,6 @@ void write_report_folder(const std::filesystem::path& folder, const SeedsReport&
   write_result_tables(folder, report.scores);
   if (!report.config_toml.empty()) write_file(folder / kConfigFile, report.config_toml);
   if (!report.plan.empty()) write_file(folder / kPlanFile, report.plan);
-  for (const ReportScene& scene : report.scenes) {
-    write_report_scene(report_scenes_folder(folder), scene);
-  }
   write_report(folder / "report.html", report);
 }
 
@@ -254,7 +253,13 @@ SeedsReport read_report_folder(const std::filesystem::path& folder) {
   };
   report.config_toml = text(kConfigFile);
   report.plan = text(kPlanFile);
-  report.scenes = read_report_scenes(report_scenes_folder(folder));
+  WantedScene wanted;
+  if (const auto scenes = more.find("scenes"); scenes != more.end()) {
+    wanted = [names = " " + scenes->second + " "](const std::string& name) {
+      return names.find(" " + name + " ") != std::string::npos;
+    };
+  }
+  report.scenes = read_report_scenes(report_scenes_folder(folder), wanted);
   return report;
 }
 

@@ -31,7 +31,9 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report);
 /// Where a result folder keeps what its page shows of scenes.
 std::filesystem::path report_scenes_folder(const std::filesystem::path& folder);
 
-/// The tables, config.toml, plan.txt, report/SCENE/ and report.html made of all of them.
+/// The tables, config.toml, plan.txt and report.html made of them and of the scenes, which
+/// write_report_scene keeps in report/SCENE/. Where header.more["scenes"] names scenes, with a
+/// space between them, the page is made of those again.
 void write_report_folder(const std::filesystem::path& folder, const SeedsReport& report);
 
 /// All that write_report_folder wrote but the page; only scores.json must be there.

@@ -21,15 +21,6 @@ std::optional<Mesh> user_specimen(const SeedsSceneConfig& config) {
 
 }  // namespace
 
-std::string specimen_file(const SeedsSceneConfig& config) {
-  constexpr std::string_view kMesh = "mesh:";
-  if (config.specimen.empty()) return {};
-  if (!config.specimen.starts_with(kMesh)) {
-    throw std::invalid_argument("specimen = \"" + config.specimen + "\" is not \"mesh:FILE\"");
-  }
-  return config.specimen.substr(kMesh.size());
-}
-
 struct SeedsSimulation::Impl {
   SeedsRunConfig config;
   std::uint64_t seed;

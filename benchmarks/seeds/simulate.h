@@ -16,10 +16,6 @@ namespace cousin {
 /// Called as work goes on: what is being done, steps finished, steps in all.
 using Progress = std::function<void(const std::string& what, int done, int total)>;
 
-/// The file of the user's own mesh; "" if the scene grows its specimens. @throws
-/// std::invalid_argument if `specimen` is something else than "mesh:FILE".
-std::string specimen_file(const SeedsSceneConfig& config);
-
 /// One scene of the virtual world, ready to be photographed. A frame is a pure function of
 /// (configuration, seed, scene index, frame index): any subset may be rendered, in any order.
 class SeedsSimulation {

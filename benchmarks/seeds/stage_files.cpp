@@ -47,8 +47,16 @@ void call_program(const fs::path& program, const fs::path& input, const fs::path
   const std::string name = program.string(), in = input.string(), out = output.string();
   char* const arguments[] = {const_cast<char*>(name.c_str()), const_cast<char*>(in.c_str()),
                              const_cast<char*>(out.c_str()), nullptr};
+  // Our stdout is for results (--json): what the program prints there goes to stderr.
+  posix_spawn_file_actions_t actions;
+  int error = posix_spawn_file_actions_init(&actions);
+  if (error != 0) throw std::runtime_error("posix_spawn: " + std::string(std::strerror(error)));
+  error = posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
   pid_t child = 0;
-  const int error = posix_spawnp(&child, name.c_str(), nullptr, nullptr, arguments, environ);
+  if (error == 0) {
+    error = posix_spawnp(&child, name.c_str(), &actions, nullptr, arguments, environ);
+  }
+  posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
     throw std::runtime_error("cannot start \"" + name + "\": " + std::strerror(error));
   }
@@ -105,6 +113,21 @@ bool can_be_started(const fs::path& program) {
     if (executable(fs::path(folder) / program)) return true;
   }
   return false;
+}
+
+/// Removes a folder's files that are named by six digits and `ending`, and the folder if that was
+/// all: it may be somebody's own.
+void remove_numbered(const fs::path& folder, const std::string& ending) {
+  if (!fs::is_directory(folder)) return;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_numbered = name.find_first_not_of("0123456789") == 6;
+    if (is_numbered && name.ends_with(ending)) files.push_back(entry.path());
+  }
+  for (const fs::path& file : files) fs::remove(file);
+  std::error_code not_empty;
+  fs::remove(folder, not_empty);
 }
 
 }  // namespace
@@ -166,6 +189,24 @@ SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>&
     if (source.stage == "traits") base.traits = sourced(source, scene_index, read_traits);
   }
   return base;
+}
+
+void remove_seam(const fs::path& dir, const std::string& stage) {
+  if (stage == "corners") fs::remove(dir / "corners.json");
+  if (stage == "poses") fs::remove(dir / "poses.json");
+  if (stage == "depth") {
+    fs::remove(dir / "depth" / "frames.json");
+    remove_numbered(dir / "depth", ".exr");
+    remove_numbered(dir / "depth_sigma", ".exr");
+  }
+  if (stage == "cloud") fs::remove(dir / "cloud.ply");
+  if (stage == "clusters") fs::remove(dir / "clusters.ply");
+  if (stage == "masks") fs::remove(dir / "masks.json");
+  if (stage == "surfaces") {
+    fs::remove(dir / "surfaces.json");
+    remove_numbered(dir / "meshes", ".ply");
+  }
+  if (stage == "traits") fs::remove(dir / "traits.json");
 }
 
 void write_seam(const fs::path& dir, const std::string& stage, const SeedsEstimate& estimate,

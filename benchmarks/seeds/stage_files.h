@@ -33,6 +33,9 @@ SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>&
 void write_seam(const std::filesystem::path& dir, const std::string& stage,
                 const SeedsEstimate& estimate, int scene_index);
 
+/// Removes the files of a stage's seam from `dir`; there may be none.
+void remove_seam(const std::filesystem::path& dir, const std::string& stage);
+
 /// "000003" for 3.
 std::string scene_id(int scene_index);
 

@@ -140,7 +140,8 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Pr
       }
     }
     if (all && job.shown && !suite.report.empty())
-      write_report_scene(suite.report, report_scene(labels.scene, run, ours));
+      write_report_scene(suite.report,
+                         report_scene(std::filesystem::path(job.name).stem(), run, ours));
     if (all && job.attribution) {
       labels.method = "ours";
       const auto steps = attribute_seeds(run, job.config.pipeline,
@@ -332,7 +333,7 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
   for (const SuiteJob& job : list_jobs(config)) {
     std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
-                      (job.attribution ? "/attribution" : "");
+                      (job.attribution ? "/attribution" : "") + specimen_hash(job.config.scene);
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back(
         {job.name, key, [job, config, progress] { return run_job(job, config, progress); }});

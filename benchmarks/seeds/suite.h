@@ -18,7 +18,8 @@ struct SeedsSuiteConfig {
   bool attribution = false;        ///< truth in each seam for run 0 of each cultivar
   std::vector<std::string> sets;   ///< key=value for every job
   std::filesystem::path captures;  ///< keeps what is rendered for later runs; empty = nowhere
-  std::filesystem::path report;  ///< where jobs leave what the page shows of them; empty = nowhere
+  /// Where jobs leave what the page shows of them, as scenes of their names; empty = nowhere.
+  std::filesystem::path report;
 };
 
 /// The Seeds experiment: for each cultivar runs of ten seeds at the paper's imaging (1920 x 1080,

@@ -54,6 +54,8 @@ std::pair<int, int> shard_range(const Shard& shard, int size) {
   return {cut(shard.index), cut(shard.index + 1)};
 }
 
+bool is_missing(const ShardResult& result) { return result.text.empty() && result.error.empty(); }
+
 std::vector<ShardResult> run_shards(
     const fs::path& folder, const std::vector<ShardJob>& jobs, const Shard& shard,
     const std::function<void(const std::string&, int, int)>& progress) {
@@ -80,6 +82,14 @@ std::vector<ShardResult> run_shards(
       }
     }
     results.push_back(std::move(result));
+  }
+  // Other shards went on while this one worked.
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (!is_missing(results[i])) continue;
+    if (auto stored = stored_result(folder / jobs[i].name, sha256_hex(jobs[i].key))) {
+      results[i].text = std::move(*stored);
+      results[i].reused = true;
+    }
   }
   return results;
 }

@@ -34,10 +34,13 @@ struct ShardResult {
   std::exception_ptr failure;  ///< the same, to be thrown on
   bool reused = false;
 };
+/// Whether the job belongs to another shard that has not written its result yet.
+bool is_missing(const ShardResult& result);
 
 /// Runs the jobs of `shard` that `folder` holds no result for, in order, and writes each result at
 /// once, under its final name only when whole: a run that was stopped goes on where it was. Jobs of
-/// other shards are read if they are there. A job that throws is recorded and the rest goes on.
+/// other shards are read if they are there when this shard's are done. A job that throws is
+/// recorded and the rest goes on.
 std::vector<ShardResult> run_shards(
     const std::filesystem::path& folder, const std::vector<ShardJob>& jobs, const Shard& shard,
     const std::function<void(const std::string& name, int done, int total)>& progress = {});

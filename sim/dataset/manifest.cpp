@@ -26,7 +26,8 @@ bool is_hashed(const fs::path& relative) {
   const std::string name = relative.filename().string();
   if (is_temporary_name(name) || name == "timings.json") return false;
   const bool at_top = !relative.has_parent_path();
-  return !(at_top && name.starts_with("manifest.") && name.ends_with(".json"));
+  return !(at_top &&
+           (name == kPartialFile || (name.starts_with("manifest.") && name.ends_with(".json"))));
 }
 
 /// Hashed files below `dataset`, sorted; links are not followed into folders.

@@ -13,13 +13,18 @@ std::string sha256_hex_of_file(const std::filesystem::path& file);
 struct Manifest {
   int schema = 1;
   std::string program_version;
-  std::string config_hash;  ///< SHA-256 of the resolved configuration
+  std::string config_hash;  ///< SHA-256 of what decided the dataset, such as its configuration
   std::string pipeline;
   std::vector<std::pair<std::string, std::string>>
       files;  ///< path below the dataset, SHA-256; sorted by path
 };
 
-/// Hashes everything below `dataset` except manifests and timings.json, and writes manifest.json.
+/// Marks the folder of a dataset that is being written, until it has a manifest: its JSON is for
+/// the writer alone.
+inline constexpr const char* kPartialFile = "partial.json";
+
+/// Hashes everything below `dataset` except manifests, partial.json and timings.json, and writes
+/// manifest.json.
 void write_manifest(const std::filesystem::path& dataset, Manifest header);
 /// For shard i of n: hashes `files` only and writes manifest.i-of-n.json; the shard that completes
 /// the set merges all into manifest.json, equal byte for byte to that of one run.

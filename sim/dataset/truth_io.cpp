@@ -17,8 +17,9 @@
 // Images, each only if it was planned:
 //   depth/000000.exr   metres; likewise normal/ and position/ (three channels), coverage/
 //   instance/          16-bit PNG, id + 1; 0 = none
-//   part/              16-bit PNG, place in the model's part_names (0 where it has none); 65535 =
-//   none mask/              000000_000003.png: amodal, 255 inside, of frame 0's fourth specimen
+//   part/              16-bit PNG, place in the model's part_names (0 where it has none);
+//                      65535 = none
+//   mask/              000000_000003.png: amodal, 255 inside, of frame 0's fourth specimen
 //   mask_visib/        the same of what is seen; derived from instance/, never read
 
 #include "sim/dataset/truth_io.h"

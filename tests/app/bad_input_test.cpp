@@ -157,6 +157,24 @@ TEST_F(AppBadInput, ABoardThatIsNotSeenIsAStatusOfEachView) {
   EXPECT_EQ(perceive({"--json"}).out, "[]\n");
 }
 
+TEST_F(AppBadInput, ABoardThatIsSeenWithoutAPoseIsNotSaidToBeUnseen) {
+  write_seams({});
+  Poses poses(kViews);
+  Corners corners(kViews);
+  for (int i = 0; i < kViews; ++i) {
+    const auto view = static_cast<std::size_t>(i);
+    poses[view].frame = corners[view].frame = i;
+    poses[view].status = PoseStatus::degenerate;
+    corners[view].status = i > 0 ? BoardStatus::ok : BoardStatus::not_seen;
+  }
+  write_poses(program_.path("seams"), poses);
+  write_corners(program_.path("seams"), corners);
+  const Outcome outcome = perceive(seam_stages({"corners", "poses"}));
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("0 of 3 views posed, 0 specimens: 2 views show the board, but "
+                                     "none could be posed"));
+}
+
 TEST_F(AppBadInput, ABrokenSceneKeepsTheEstimateOfTheOneBefore) {
   write_capture(program_.path("data/000001"), capture_);
   write_file(program_.path("data/000001/rgb/000002.png"), "");
@@ -208,6 +226,34 @@ TEST_F(AppBadInput, ThePapersStepsMeasureACloudOfFiles) {
   EXPECT_THAT(outcome.out, HasSubstr("000000 seed 0: ok"));
 }
 
+// The paper's steps make no outlines and fewer meshes: `score` would rate the other method's.
+TEST_F(AppBadInput, AnEarlierMethodsSeamsDoNotStay) {
+  write_seams({{.frame = 0, .instance = 0}, {.frame = 1, .instance = 0}});
+  const Words given = seam_stages({"corners", "poses", "depth", "cloud", "clusters"});
+  const fs::path est = program_.path("est/000000");
+  ASSERT_EQ(perceive(given + seam_stages({"masks"})).code, 0);
+  EXPECT_TRUE(fs::exists(est / "masks.json"));
+  EXPECT_TRUE(fs::exists(est / "surfaces.json"));
+  write_file(est / "meshes/000007_samples.ply", "of the earlier method");
+  write_file(est / "meshes/notes.txt", "mine");
+  perceive(Words{"--method", "paper", "--stage", "traits=dir:seams"} + given);
+  EXPECT_TRUE(fs::exists(est / "clusters.ply"));
+  EXPECT_FALSE(fs::exists(est / "masks.json"));
+  EXPECT_FALSE(fs::exists(est / "meshes/000007_samples.ply"));
+  EXPECT_EQ(read_file(est / "meshes/notes.txt"), "mine");
+}
+
+TEST_F(AppBadInput, AStageMayBeReadFromTheFolderThatIsWritten) {
+  write_seams({});
+  ASSERT_EQ(perceive(seam_stages({"corners", "poses", "depth", "cloud", "clusters"})).code, 0);
+  const auto before = contents(program_.path("est"));
+  const Outcome again =
+      perceive({"--stage", "corners=dir:est", "--stage", "poses=dir:est", "--stage",
+                "depth=dir:est", "--stage", "cloud=dir:est", "--stage", "clusters=dir:est"});
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(contents(program_.path("est")), before);
+}
+
 TEST_F(AppBadInput, AForeignSeamNamesFileAndKey) {
   write_file(program_.path("seams/traits.json"),
              R"({"specimens": [{"instance": "0", "status": "ok", "traits": []}]})");
@@ -221,6 +267,16 @@ TEST_F(AppBadInput, AForeignSeamNamesFileAndKey) {
   EXPECT_EQ(absent.code, 4);
   EXPECT_THAT(absent.err, AllOf(HasSubstr("cousin: stage poses: "),
                                 HasSubstr("seams/poses.json: cannot read")));
+}
+
+TEST_F(AppBadInput, WhatAStagesProgramPrintsIsNotAmongTheResults) {
+  const fs::path stage = program_.path("stage.sh");
+  write_traits(program_.path("seams"), {});
+  write_file(stage, "#!/bin/sh\necho hello\ncp seams/traits.json \"$2\"/\n");
+  fs::permissions(stage, fs::perms::owner_all);
+  const Outcome outcome = perceive({"--json", "--stage", "traits=exec:" + stage.string()});
+  EXPECT_EQ(outcome.out, "[]\n");
+  EXPECT_THAT(outcome.err, HasSubstr("hello\n"));
 }
 
 TEST_F(AppBadInput, AMeshThatIsNotClosedNamesFileAndEdge) {
@@ -240,6 +296,14 @@ TEST_F(AppBadInput, AMeshThatIsNotClosedNamesFileAndEdge) {
     const Outcome nameless = outcome("open.obj");
     EXPECT_EQ(nameless.code, 2);
     EXPECT_THAT(nameless.err, HasSubstr("specimen = \"open.obj\" is not \"mesh:FILE\""));
+  }
+  // Before any work, not hours later.
+  for (const Words& words : {Words{"run", "seeds", "--plan"}, {"bench"}}) {
+    const Outcome absent =
+        program_.run(words + Words{"--out", "new", "--set", "specimen=mesh:absent.ply"});
+    EXPECT_EQ(absent.code, 3) << words[0];
+    EXPECT_THAT(absent.err, HasSubstr("there is no file absent.ply"));
+    EXPECT_FALSE(fs::exists(program_.path("new")));
   }
 }
 

@@ -81,6 +81,10 @@ TEST(AppCommandLine, MistakesNameWhatIsWrong) {
   EXPECT_THAT(refusal({"bench", "sedes"}), HasSubstr("suite \"sedes\" is not one of"));
   EXPECT_THAT(refusal({"bench", "seeds", "--shard", "3/3"}), HasSubstr("--shard \"3/3\""));
   EXPECT_THAT(refusal({"bench", "stability", "--captures", "c"}), HasSubstr("takes no --captures"));
+  EXPECT_THAT(refusal({"bench", "stability", "--shard", "0/2"}), HasSubstr("takes no --shard"));
+  EXPECT_THAT(refusal({"bench", "render", "--attribution"}), HasSubstr("takes no --attribution"));
+  EXPECT_THAT(refusal({"bench", "seeds", "program", "--quick"}),
+              HasSubstr("suite \"program\" takes no --quick"));
   EXPECT_THAT(refusal({"run", "seeds", "--gate", "length"}), HasSubstr("--gate \"length\""));
   EXPECT_THAT(refusal({"run", "seeds", "--stage", "poses=x"}), HasSubstr("--stage \"poses=x\""));
   EXPECT_THAT(refusal({"run", "seeds", "--method", "magic"}), HasSubstr("\"magic\""));

@@ -71,6 +71,30 @@ TEST(AppInterrupted, AKilledRenderGoesOn) {
   EXPECT_EQ(resumed, whole);
 }
 
+/// A folder always says whose it is: a kill at any place leaves none that another seed would take.
+TEST(AppInterrupted, ARenderKilledAroundItsManifestKeepsItsFolder) {
+  const Program program;
+  const Words render = Words{"render", "seeds", "--out", "data"} + tiny_scene();
+  const fs::path marker = program.path("data/partial.json");
+  const fs::path manifest = program.path("data/manifest.json");
+  ASSERT_EQ(program.run(render + Words{"--shard", "0/2"}).code, 0);
+  const std::string owner = read_file(marker);
+  ASSERT_EQ(program.run(render + Words{"--shard", "1/2"}).code, 0);
+  const std::string whole = read_file(manifest);
+
+  write_file(marker, owner);  // as if killed with the manifest just written
+  EXPECT_EQ(program.run({"verify", "data"}).out, "data: no problems\n");
+  EXPECT_EQ(program.run(render + Words{"--seed", "2"}).code, 2);
+  EXPECT_EQ(program.run(render).code, 0);
+  EXPECT_FALSE(fs::exists(marker));
+  EXPECT_EQ(read_file(manifest), whole);
+
+  fs::remove(manifest);  // images without an owner, as of an import
+  const Outcome unowned = program.run(render + Words{"--seed", "2"});
+  EXPECT_EQ(unowned.code, 2);
+  EXPECT_THAT(unowned.err, HasSubstr("data/000000 is a scene of a dataset without manifest.json"));
+}
+
 TEST(AppInterrupted, AKilledRunGoesOnWithTheNextScene) {
   const Program program;
   write_traits(program.path("mine"), {});

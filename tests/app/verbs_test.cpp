@@ -68,6 +68,7 @@ TEST(AppVerbs, RenderVerifyPerceiveScoreReport) {
 
 TEST(AppVerbs, RunWritesScoresAndReport) {
   const Program program;
+  write_file(program.path("mine/parts/of_a_flower.txt"), "petals");
   const Outcome run = program.run(
       Words{"run", "seeds", "--out", "r", "--json", "--gate", "views.posed>=2"} + tiny_scene());
   EXPECT_EQ(run.code, 1);
@@ -88,6 +89,23 @@ TEST(AppVerbs, RunWritesScoresAndReport) {
   }
   EXPECT_GT(timed, 5);
   EXPECT_FALSE(fs::exists(program.path("r/parts")));
+  // A folder of that name that was there before loses nothing but the run's own files.
+  EXPECT_EQ(
+      program.run(Words{"run", "seeds", "--out", "mine", "--scenes", "2"} + tiny_scene()).code, 0);
+  EXPECT_EQ(contents(program.path("mine/parts")),
+            (std::map<std::string, std::string>{{"of_a_flower.txt", "petals"}}));
+}
+
+TEST(AppVerbs, ShardsOfARenderMakeTheDatasetOfOneRun) {
+  const Program program;
+  const Words render = Words{"render", "seeds"} + tiny_scene();
+  ASSERT_EQ(program.run(render + Words{"--out", "whole"}).code, 0);
+  // In this order the index is written before the second view is there.
+  ASSERT_EQ(program.run(render + Words{"--out", "data", "--shard", "0/2"}).code, 0);
+  ASSERT_EQ(program.run(render + Words{"--out", "data", "--shard", "1/2"}).code, 0);
+  auto files = contents(program.path("data"));
+  EXPECT_EQ(files.erase("manifest.0-of-2.json") + files.erase("manifest.1-of-2.json"), 2U);
+  EXPECT_EQ(files, contents(program.path("whole")));
 }
 
 TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
@@ -137,6 +155,56 @@ TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
               HasSubstr("\"colour\" is not one of depth, normal, instance, part, position, "
                         "coverage, visibility, all, none"));
   EXPECT_FALSE(fs::exists(program.path("new")));
+}
+
+TEST(AppVerbs, AShardOfABenchSaysHowManyJobsAreNotThereYet) {
+  const Program program;
+  const Words bench = Words{"bench", "seeds", "--quick", "--out", "b"} + tiny_scene();
+  const Outcome first = program.run(bench + Words{"--shard", "0/2"});
+  EXPECT_EQ(first.code, 0) << first.err;
+  EXPECT_THAT(first.err, HasSubstr("2 of 3 jobs are not there yet"));
+  const fs::path page = program.path("b/seeds/report.html");
+  EXPECT_THAT(read_file(page), HasSubstr("2 of 3 jobs are not there yet"));
+  // What the first shard left is read for the page, not written again.
+  const fs::path scenes = program.path("b/seeds/report");
+  EXPECT_TRUE(fs::exists(scenes / "quick_zhengdan958/scene.json"));
+  const auto written = fs::last_write_time(scenes / "quick_zhengdan958/scene.json");
+  write_file(scenes / "zhengdan958_run0/scene.json", R"({"name": "x", "pictures": 3})");  // full
+  const Outcome second = program.run(bench + Words{"--shard", "1/2"});
+  EXPECT_EQ(second.code, 0) << second.err;
+  EXPECT_THAT(second.err, Not(HasSubstr("not there yet")));
+  EXPECT_THAT(read_file(page),
+              AllOf(Not(HasSubstr("not there yet")), HasSubstr("quick_suijing18: "),
+                    HasSubstr("quick_zhengdan958: ")));
+  EXPECT_EQ(fs::last_write_time(scenes / "quick_zhengdan958/scene.json"), written);
+}
+
+TEST(AppVerbs, ASlashOrADotAtTheEndOfAPathChangesNothing) {
+  const Program program;
+  write_png(program.path("photos/a.png"), Image<Rgb8>(64, 48, {90, 90, 90}));
+  const auto import = [&](const std::string& path) {
+    return program.run({"import", path, "--format", "folder", "--intrinsics", "60,60,32,24"});
+  };
+  EXPECT_EQ(import("photos/").code, 0);
+  EXPECT_TRUE(fs::exists(program.path("out/photos/000000/rig.json")));
+  fs::remove_all(program.path("out"));
+  EXPECT_EQ(import("photos/.").code, 0);
+  EXPECT_TRUE(fs::exists(program.path("out/photos/000000/rig.json")));
+
+  ASSERT_EQ(program.run(Words{"render", "seeds", "--out", "data/"} + tiny_scene()).code, 0);
+  EXPECT_THAT(program.run({"perceive", "data/"}).err, HasSubstr("estimates: data_estimate\n"));
+  EXPECT_THAT(program.run({"perceive", "data/000000/", "--pipeline", "seeds", "--out", "est/"}).err,
+              HasSubstr("000000: 2 of 2 views posed"));
+  EXPECT_TRUE(fs::exists(program.path("est/000000/traits.json")));
+  EXPECT_EQ(program.run({"score", "data/", "data_estimate//"}).code, 0);
+  EXPECT_THAT(read_file(program.path("data_estimate/scores.csv")), HasSubstr("\ndata,000000,"));
+
+  // Only six digits are a scene's number.
+  fs::rename(program.path("data/000000"), program.path("20260101123456"));
+  EXPECT_THAT(
+      program.run({"perceive", "20260101123456", "--pipeline", "seeds", "--out", "day"}).err,
+      HasSubstr("20260101123456: 2 of 2 views posed"));
+  EXPECT_TRUE(fs::exists(program.path("day/000000/traits.json")));
 }
 
 TEST(AppVerbs, VerifyNamesAnEditedFile) {

@@ -57,6 +57,14 @@ class CheckIncludes(unittest.TestCase):
                         f"{folder}/deep/er/file.cpp: {folder} must never see the truth ({truth})",
                     )
 
+    def test_brackets_and_other_endings_do_not_hide_the_truth(self):
+        for name in ("sweep.cpp", "sweep.hpp", "sweep.cc", "sweep.inl"):
+            with self.subTest(name=name):
+                self.assert_refused(
+                    {f"perception/mvs/{name}": "#include <vector>\n#include <sim/truth/scene.h>\n"},
+                    f"perception/mvs/{name}: perception must never see the truth (sim/truth/scene.h)",
+                )
+
     def test_perception_does_not_include_what_includes_the_truth(self):
         for header in ("sim/render/ray_scene.h", "sim/physics/settle.h", "scenes/seeds/seeds_scene.h"):
             with self.subTest(header=header):

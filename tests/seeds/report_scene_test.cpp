@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "benchmarks/seeds/seeds_report.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/image_io.h"
@@ -63,6 +65,69 @@ TEST(ReportScene, ComesBackAsItWas) {
   EXPECT_EQ(scenes[0].truth.triangles.size(), 1U);
 }
 
+TEST(ReportScene, NothingOfAnEarlierSceneStays) {
+  const TemporaryFolder folder;
+  write_report_scene(folder.path(), small_scene());
+  ReportScene later = small_scene();
+  later.pictures.pop_back();
+  later.cloud.clear();
+  later.truth = {};
+  write_report_scene(folder.path(), later);
+  const std::vector<ReportScene> scenes = read_report_scenes(folder.path());
+  ASSERT_EQ(scenes.size(), 1U);
+  EXPECT_TRUE(scenes[0].cloud.empty());
+  EXPECT_TRUE(scenes[0].truth.triangles.empty());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "jimai22" / "picture_1.png"));
+  const std::filesystem::directory_iterator entries(folder.path());
+  EXPECT_EQ(std::distance(begin(entries), end(entries)), 1);  // and nothing lies beside it
+}
+
+TEST(ReportScene, ANameThatCannotBeAFoldersIsRefused) {
+  const TemporaryFolder folder;
+  for (const char* name : {"", ".", "..", ".hidden", "../up", "a/b", "a b"}) {
+    ReportScene scene = small_scene();
+    scene.name = name;
+    EXPECT_THROW(write_report_scene(folder.path() / "report", scene), std::invalid_argument)
+        << name;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  write_file(folder.path() / "jimai22" / "scene.json", R"({"name": "../up", "pictures": []})");
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("jimai22/scene.json: \"name\": \"../up\""));
+}
+
+TEST(ReportScene, OnlyThoseThatAreWantedAreRead) {
+  const TemporaryFolder folder;
+  for (const char* name : {"quick_jimai22", "jimai22_run0"}) {
+    ReportScene scene = small_scene();
+    scene.name = name;
+    write_report_scene(folder.path(), scene);
+  }
+  write_file(folder.path() / ".jimai22.1.part" / "scene.json", "{");  // of a killed run
+  EXPECT_EQ(read_report_scenes(folder.path()).size(), 2U);
+  const auto scenes = read_report_scenes(
+      folder.path(), [](const std::string& name) { return name == "jimai22_run0"; });
+  ASSERT_EQ(scenes.size(), 1U);
+  EXPECT_EQ(scenes[0].name, "jimai22_run0");
+}
+
+TEST(ReportScene, NoViewIsShownTwice) {
+  for (const int views : {1, 2, 3, 60}) {
+    SimulatedRun run;
+    run.capture.frames.resize(static_cast<std::size_t>(views));
+    for (int i = 0; i < views; ++i) {
+      Frame& frame = run.capture.frames[static_cast<std::size_t>(i)];
+      frame.id = i;
+      frame.sensors.resize(1);
+      frame.sensors[0].color = Image<Rgb8>(8, 4);
+    }
+    std::set<std::string> names;
+    const ReportScene scene = report_scene("a", run, {});
+    for (const ReportPicture& picture : scene.pictures) names.insert(picture.name);
+    EXPECT_EQ(names.size(), scene.pictures.size()) << views;
+    EXPECT_EQ(names.size(), std::min<std::size_t>(3, run.capture.frames.size()));
+  }
+}
+
 TEST(ReportScene, AFolderThatIsNotWholeIsNotRead) {
   const TemporaryFolder folder;
   write_report_scene(folder.path(), small_scene());
@@ -89,12 +154,27 @@ TEST(ReportScene, BadFilesAreNamed) {
 // `cousin report` once replaced a run's page by one without pictures and configuration.
 TEST(ReportFolder, MakesTheSamePageAgain) {
   const TemporaryFolder folder;
+  write_report_scene(report_scenes_folder(folder.path()), small_scene());
   write_report_folder(folder.path(), small_report());
   const std::string page = read_file(folder.path() / "report.html");
   EXPECT_THAT(page, HasSubstr("data:image/jpeg"));
   EXPECT_THAT(page, HasSubstr("views = 60"));
   write_report(folder.path() / "report.html", read_report_folder(folder.path()));
   EXPECT_TRUE(read_file(folder.path() / "report.html") == page);
+}
+
+TEST(ReportFolder, ShowsTheScenesThatItsTablesName) {
+  const TemporaryFolder folder;
+  ReportScene quick = small_scene();
+  quick.name = "quick_jimai22";
+  write_report_scene(report_scenes_folder(folder.path()), quick);
+  write_report_scene(report_scenes_folder(folder.path()), small_scene());
+  SeedsReport report = small_report();
+  report.scores.header.more["scenes"] = "other jimai22";
+  write_report_folder(folder.path(), report);
+  const SeedsReport again = read_report_folder(folder.path());
+  ASSERT_EQ(again.scenes.size(), 1U);
+  EXPECT_EQ(again.scenes[0].name, "jimai22");
 }
 
 }  // namespace

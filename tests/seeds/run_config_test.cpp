@@ -28,6 +28,28 @@ TEST(SeedsRunConfig, TheResolvedTextReadsBackToItself) {
   EXPECT_NE(config_hash(config, 1), config_hash(config, 2));
 }
 
+TEST(SeedsRunConfig, AUsersMeshMustBeThere) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(seeds_run_config({"specimen=foo"}), std::invalid_argument);
+  EXPECT_THROW(seeds_run_config({"specimen=mesh:"}), std::invalid_argument);
+  const std::string absent = (folder.path() / "absent.stl").string();
+  EXPECT_NE(error_of([&] { seeds_run_config({"specimen=mesh:" + absent}); }).find(absent),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { seeds_run_config({"specimen=mesh:" + folder.path().string()}); }), "");
+}
+
+TEST(SeedsRunConfig, AnotherMeshInTheSameFileIsAnotherHash) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "mine.obj";
+  const auto hash = [&](const std::string& bytes) {
+    write_file(file, bytes);
+    return config_hash(seeds_run_config({"specimen=mesh:" + file.string()}), 1);
+  };
+  const std::string first = hash("v 0 0 0\n");
+  EXPECT_NE(hash("v 0 0 1\n"), first);
+  EXPECT_EQ(hash("v 0 0 0\n"), first);
+}
+
 TEST(TruthChoice, ReadsListsInAnyOrderAndWritesOneText) {
   const TruthNeeds needs = truth_needs_from_string("visibility,depth");
   EXPECT_TRUE(needs.depth && needs.visibility);

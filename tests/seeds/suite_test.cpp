@@ -2,9 +2,11 @@
 
 #include <gmock/gmock.h>
 
-#include <set>
+#include <cmath>
 
 #include "benchmarks/seeds/score_seeds.h"
+#include "sim/dataset/atomic_file.h"
+#include "tests/dataset/temporary_folder.h"
 
 namespace cousin {
 namespace {
@@ -65,10 +67,10 @@ const ScoreRow* find(const ScoreFile& file, const std::string& suite, const std:
 }
 
 TEST(SeedsSuite, PoolsSpecimensPosesAndSecondsOfASpecies) {
-  const ScoreFile pooled = pool_seeds_suite({finished("suijing18", 0, 3e-5, 3e-4),
-                                             finished("suijing18", 1, 3e-5, 6e-4),
-                                             finished("zhengdan958", 0, 2e-4, 1e-4)},
-                                            {});
+  const ScoreFile pooled =
+      pool_seeds_suite({finished("suijing18", 0, 3e-5, 3e-4), finished("suijing18", 1, 3e-5, 6e-4),
+                        finished("zhengdan958", 0, 2e-4, 1e-4)},
+                       {});
   const ScoreRow* rmse = find(pooled, "seeds", "rice", "ours", "length.rmse");
   ASSERT_TRUE(rmse);
   EXPECT_NEAR(rmse->value, 3e-5, 1e-12);
@@ -106,8 +108,9 @@ TEST(SeedsSuite, OnlyTheWholeExperimentIsHeldToItsLimits) {
   SeedsSuiteConfig quick;
   quick.quick = true;
   for (const SeedsSuiteConfig& config : {changed, quick}) {
-    EXPECT_EQ(find(pool_seeds_suite(results, config), "seeds", "rice", "ours", "length.rmse")->status,
-              ScoreStatus::ok);
+    EXPECT_EQ(
+        find(pool_seeds_suite(results, config), "seeds", "rice", "ours", "length.rmse")->status,
+        ScoreStatus::ok);
   }
 }
 
@@ -122,8 +125,21 @@ TEST(SeedsSuite, TheSameSeedsAreNotCountedTwice) {
 TEST(SeedsSuite, ItsConfigurationNamesEveryJob) {
   const SeedsSuiteConfig config;
   const std::string text = suite_toml(config);
-  for (const ShardJob& job : seeds_suite_jobs(config)) EXPECT_THAT(text, HasSubstr("# " + job.name));
+  for (const ShardJob& job : seeds_suite_jobs(config))
+    EXPECT_THAT(text, HasSubstr("# " + job.name));
   EXPECT_THAT(text, HasSubstr("cultivar = \"zhengdan958\""));
+}
+
+TEST(SeedsSuite, AnotherMeshInTheSameFileIsMeasuredAnew) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "mine.obj";
+  SeedsSuiteConfig config;
+  config.quick = true;
+  config.sets = {"specimen=mesh:" + file.string()};
+  write_file(file, "v 0 0 0\n");
+  const std::string key = seeds_suite_jobs(config).at(0).key;
+  write_file(file, "v 0 0 1\n");
+  EXPECT_NE(seeds_suite_jobs(config).at(0).key, key);
 }
 
 }  // namespace

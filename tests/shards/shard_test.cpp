@@ -84,6 +84,31 @@ TEST_F(ShardFolder, ShardsTogetherGiveWhatOneRunGives) {
     EXPECT_EQ(merged[static_cast<std::size_t>(i)].text, "result " + std::to_string(i));
 }
 
+TEST_F(ShardFolder, WhatAnotherShardFinishesMeanwhileIsThereAtTheEnd) {
+  auto list = jobs(4);
+  list[3].run = [this] {  // the other shard ends its first job during this shard's last one
+    auto others = jobs(4);
+    others[1].run = []() -> std::string { throw std::runtime_error("stopped"); };
+    run_shards(folder_, others, {0, 2});
+    return std::string("result 3");
+  };
+  const auto results = run_shards(folder_, list, {1, 2});
+  EXPECT_EQ(results[0].text, "result 0");
+  EXPECT_TRUE(results[0].reused);
+  EXPECT_FALSE(is_missing(results[0]));
+  EXPECT_TRUE(is_missing(results[1]));
+  EXPECT_EQ(results[3].text, "result 3");
+  EXPECT_FALSE(results[3].reused);
+}
+
+TEST_F(ShardFolder, AFailedJobIsNotMissing) {
+  auto list = jobs(2);
+  list[0].run = []() -> std::string { throw std::runtime_error("no light"); };
+  const auto results = run_shards(folder_, list, {0, 2});
+  EXPECT_FALSE(is_missing(results[0]));
+  EXPECT_TRUE(is_missing(results[1]));
+}
+
 TEST_F(ShardFolder, AJobThatThrowsIsRecordedAndTheRestGoesOn) {
   auto list = jobs(3);
   list[1].run = []() -> std::string { throw std::runtime_error("no light"); };
