@@ -73,8 +73,13 @@ TEST(SeedsPipeline, SigmasOfLengthsFollowTheMedianViewsPixel) {
   }
   Surface surface;
   surface.status = SurfaceStatus::ok;
-  surface.mesh = {{{0, 0, 0}, {0.01, 0, 0}, {0, 0.008, 0}, {0, 0, 0.006}},
-                  {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  // A block: no other box comes near its own.
+  for (int i = 0; i < 8; ++i) {
+    surface.mesh.vertices_m.emplace_back(i & 1 ? 0.01 : 0.0, i & 2 ? 0.008 : 0.0,
+                                         i & 4 ? 0.006 : 0.0);
+  }
+  surface.mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                            {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   surface.samples_m = {surface.mesh.vertices_m, surface.mesh.vertices_m};  // the fit is certain
   estimate.surfaces = {surface};
   const Traits traits = seeds_stages(config, 1).traits({}, estimate);
