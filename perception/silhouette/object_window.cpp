@@ -179,7 +179,10 @@ bool shows_object(const ObjectWindow& window, int x, int y) {
   const float a = (ca * ww - cw * aw) / determinant, w = (cw * aa - ca * aw) / determinant;
   const float from_object = std::max(0.0F, a) * object.norm(),
               from_board = std::max(0.0F, w) * board.norm();
-  return a > 0.12F && from_object > 0.7F * from_board;
+  // Shaded paper that a pale object throws its light on lies between both. Outside the cluster, the
+  // more it is outside, the surer the object must be.
+  const float least = std::min(1.5F, 0.7F + 0.3F * window.to_object_px(x, y));
+  return a > 0.12F && from_object > least * from_board;
 }
 
 }  // namespace

@@ -163,5 +163,27 @@ TEST(AppDroppedSeeds, ThePageOfTheirRunShowsPicturesCloudScatterPlotsCommandsAnd
   EXPECT_THAT(page, HasSubstr("\nstep_px = 1.5"));
 }
 
+TEST(AppDroppedSeeds, AShardOfABenchSaysHowManyJobsAreNotThereYet) {
+  const Program program;
+  const Words bench = Words{"bench", "seeds", "--quick", "--out", "b"} + tiny_scene();
+  const Outcome first = program.run(bench + Words{"--shard", "0/2"});
+  EXPECT_EQ(first.code, 0) << first.err;
+  EXPECT_THAT(first.err, HasSubstr("2 of 3 jobs are not there yet"));
+  const fs::path page = program.path("b/seeds/report.html");
+  EXPECT_THAT(read_file(page), HasSubstr("2 of 3 jobs are not there yet"));
+  // What the first shard left is read for the page, not written again.
+  const fs::path scenes = program.path("b/seeds/report");
+  EXPECT_TRUE(fs::exists(scenes / "quick_zhengdan958/scene.json"));
+  const auto written = fs::last_write_time(scenes / "quick_zhengdan958/scene.json");
+  write_file(scenes / "zhengdan958_run0/scene.json", R"({"name": "x", "pictures": 3})");  // full
+  const Outcome second = program.run(bench + Words{"--shard", "1/2"});
+  EXPECT_EQ(second.code, 0) << second.err;
+  EXPECT_THAT(second.err, Not(HasSubstr("not there yet")));
+  EXPECT_THAT(read_file(page),
+              AllOf(Not(HasSubstr("not there yet")), HasSubstr("quick_suijing18: "),
+                    HasSubstr("quick_zhengdan958: ")));
+  EXPECT_EQ(fs::last_write_time(scenes / "quick_zhengdan958/scene.json"), written);
+}
+
 }  // namespace
 }  // namespace cousin
