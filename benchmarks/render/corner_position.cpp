@@ -35,35 +35,6 @@ Eigen::Vector2d saddle(const Image<Rgbf>& image, Eigen::Vector2d q) {
   return q;
 }
 
-Camera strong_lens(LensModel model) {
-  Camera camera;
-  camera.model = model;
-  camera.width_px = 240;
-  camera.height_px = 200;
-  camera.fx_px = 230;
-  camera.fy_px = 1.01 * camera.fx_px;
-  camera.cx_px = 0.5 * (camera.width_px - 1) + 3.3;
-  camera.cy_px = 0.5 * (camera.height_px - 1) - 2.7;
-  switch (model) {
-    case LensModel::pinhole:
-      break;
-    case LensModel::opencv5:
-      camera.distortion = {-0.25, 0.08, 0.002, -0.0015, -0.01};
-      break;
-    case LensModel::opencv8:
-      camera.distortion = {0.4, 0.1, 0.001, -0.001, 0.01, 0.6, 0.15, 0.02};
-      break;
-    case LensModel::opencv12:
-      camera.distortion = {0.4,  0.1,  0.001, -0.001, 0.01,   0.6,
-                           0.15, 0.02, 0.004, -0.002, -0.003, 0.001};
-      break;
-    case LensModel::kannala_brandt4:
-      camera.distortion = {-0.03, 0.004, -0.002, 0.0003};
-      break;
-  }
-  return camera;
-}
-
 /// The printed square of paper, under an even sky.
 Scene board_scene() {
   constexpr double kHalf_m = 0.05;
@@ -91,6 +62,35 @@ Scene board_scene() {
 
 }  // namespace
 
+Camera strong_lens(LensModel model, int width_px, int height_px, double focal_px) {
+  Camera camera;
+  camera.model = model;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  camera.fx_px = focal_px;
+  camera.fy_px = 1.01 * focal_px;
+  camera.cx_px = 0.5 * (width_px - 1) + 3.3;
+  camera.cy_px = 0.5 * (height_px - 1) - 2.7;
+  switch (model) {
+    case LensModel::pinhole:
+      break;
+    case LensModel::opencv5:
+      camera.distortion = {-0.25, 0.08, 0.002, -0.0015, -0.01};
+      break;
+    case LensModel::opencv8:
+      camera.distortion = {0.4, 0.1, 0.001, -0.001, 0.01, 0.6, 0.15, 0.02};
+      break;
+    case LensModel::opencv12:
+      camera.distortion = {0.4,  0.1,  0.001, -0.001, 0.01,   0.6,
+                           0.15, 0.02, 0.004, -0.002, -0.003, 0.001};
+      break;
+    case LensModel::kannala_brandt4:
+      camera.distortion = {-0.03, 0.004, -0.002, 0.0003};
+      break;
+  }
+  return camera;
+}
+
 CornerPositions measure_corner_positions(LensModel model) {
   const Scene scene = board_scene();
   const RayScene rays(scene);
@@ -99,7 +99,7 @@ CornerPositions measure_corner_positions(LensModel model) {
       .edge_samples = 144, .irradiance_samples = 16, .max_bounces = 0, .board_texel_m = 0.01};
   const IrradianceCache cache(rays, scene, config, Rng(1));
   TrueView view;
-  view.camera = strong_lens(model);
+  view.camera = strong_lens(model, 240, 200, 230);
   view.camera_from_world =
       look_at({0.012, -0.02, 0.105}, {0.002, 0.003, 0}, Eigen::Vector3d::UnitY());
   Pose roll;

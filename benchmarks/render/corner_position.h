@@ -6,6 +6,10 @@
 
 namespace cousin {
 
+/// A plausible camera of each lens model with strong distortion; fy is 1 % larger than fx, and the
+/// principal point a few pixels off the middle.
+Camera strong_lens(LensModel model, int width_px, int height_px, double focal_px);
+
 /// Where the corners of the seed board appear in a rendered image against where they project; NaN
 /// if none was seen.
 struct CornerPositions {

@@ -11,6 +11,7 @@
 
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/dataset/atomic_file.h"
+#include "sim/geometry/measure.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/image_io.h"
 
@@ -76,17 +77,6 @@ Image<Rgb8> with_outlines(const Image<Rgb8>& image,
     }
   }
   return picture;
-}
-
-Mesh merged(const std::vector<Mesh>& meshes) {
-  Mesh all;
-  for (const Mesh& mesh : meshes) {
-    const auto offset = static_cast<std::uint32_t>(all.vertices_m.size());
-    all.vertices_m.insert(all.vertices_m.end(), mesh.vertices_m.begin(), mesh.vertices_m.end());
-    for (const auto& t : mesh.triangles)
-      all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-  }
-  return all;
 }
 
 std::string text_at(const nlohmann::json& json, const char* key, const fs::path& file) {

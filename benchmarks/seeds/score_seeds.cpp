@@ -61,17 +61,6 @@ void score_poses_of(const SceneTruth& truth, const SeedsEstimate& estimate, cons
   add(rows, base, "camera.focal_rms", score.focal_rms, "1", score.posed);
 }
 
-Mesh merged(const std::vector<Mesh>& meshes) {
-  Mesh all;
-  for (const Mesh& mesh : meshes) {
-    const auto offset = static_cast<std::uint32_t>(all.vertices_m.size());
-    all.vertices_m.insert(all.vertices_m.end(), mesh.vertices_m.begin(), mesh.vertices_m.end());
-    for (const auto& t : mesh.triangles)
-      all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-  }
-  return all;
-}
-
 void add_cloud_rows(const std::string& what, std::int64_t n, const CloudScore& score,
                     const ScoreRow& base, std::vector<ScoreRow>& rows) {
   add(rows, base, what + ".points", static_cast<double>(n), "1", n);

@@ -36,6 +36,9 @@ MeshCheck check_watertight(const Mesh& mesh);
 /// degenerate.
 Mesh weld(const Mesh& mesh);
 
+/// All triangles of several meshes as one; nothing is welded.
+Mesh merged(std::span<const Mesh> meshes);
+
 /// Convex hull of points as a closed mesh (Qhull). Fewer than four points, or all in one plane or
 /// line to 1e-12 of their extent: an empty mesh.
 Mesh convex_hull(std::span<const Eigen::Vector3d> points_m);

@@ -104,6 +104,17 @@ MeshCheck check_watertight(const Mesh& mesh) {
   return check;
 }
 
+Mesh merged(std::span<const Mesh> meshes) {
+  Mesh all;
+  for (const Mesh& mesh : meshes) {
+    const auto offset = static_cast<std::uint32_t>(all.vertices_m.size());
+    all.vertices_m.insert(all.vertices_m.end(), mesh.vertices_m.begin(), mesh.vertices_m.end());
+    for (const auto& t : mesh.triangles)
+      all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  }
+  return all;
+}
+
 Mesh weld(const Mesh& mesh) {
   Mesh out;
   std::vector<std::uint32_t> new_index;

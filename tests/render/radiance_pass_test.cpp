@@ -14,7 +14,7 @@ namespace cousin::test {
 namespace {
 
 Camera small_camera(int width, int height, double focal) {
-  return lens(LensModel::pinhole, width, height, focal);
+  return strong_lens(LensModel::pinhole, width, height, focal);
 }
 
 double mean_green(const Image<Rgbf>& image) {
@@ -106,7 +106,7 @@ TEST(RadiancePass, SameBytesOnAnyNumberOfThreads) {
   const RadianceConfig config{
       .edge_samples = 16, .irradiance_samples = 16, .max_bounces = 1, .board_texel_m = 0.004};
   const TrueView view =
-      view_from(lens(LensModel::opencv5, 80, 60, 90), {0.1, -0.1, 0.15}, {0, 0, 0});
+      view_from(strong_lens(LensModel::opencv5, 80, 60, 90), {0.1, -0.1, 0.15}, {0, 0, 0});
   std::vector<Image<Rgbf>> images;
   for (const std::size_t threads : {1U, 2U, 7U}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -127,7 +127,7 @@ TEST(RadiancePass, IndependentRendersDifferByLessThanAQuarterOfTheSensorsVarianc
   const RayScene rays(scene);
   // Squares of 14 px, as at 46 cm in an image 1280 px wide.
   const TrueView view =
-      view_from(lens(LensModel::opencv5, 240, 180, 700), {0.1, -0.16, 0.24}, {0, 0, 0});
+      view_from(strong_lens(LensModel::opencv5, 240, 180, 700), {0.1, -0.16, 0.24}, {0, 0, 0});
   std::vector<Image<Rgbf>> images;
   for (const std::uint64_t seed : {1U, 2U}) {
     const IrradianceCache cache(rays, scene, config, Rng(seed));

@@ -42,7 +42,8 @@ TEST(RayQuery, PacketsCountEveryRayThatMeetsAWall) {
   Scene scene;
   add(scene, square(10), matt(0.5F));
   const RayScene rays(scene);
-  const TrueView view = view_from(lens(LensModel::opencv5, 37, 21, 60), {0.1, 0.2, 1}, {0, 0, 0});
+  const TrueView view =
+      view_from(strong_lens(LensModel::opencv5, 37, 21, 60), {0.1, 0.2, 1}, {0, 0, 0});
   EXPECT_EQ(cast_packets(rays, prepare_rays(rays, view)), 37 * 21);
 }
 

@@ -107,35 +107,6 @@ TrueView view_from(const Camera& camera, const Eigen::Vector3d& eye_m,
   return view;
 }
 
-Camera lens(LensModel model, int width_px, int height_px, double focal_px) {
-  Camera camera;
-  camera.model = model;
-  camera.width_px = width_px;
-  camera.height_px = height_px;
-  camera.fx_px = focal_px;
-  camera.fy_px = 1.01 * focal_px;
-  camera.cx_px = 0.5 * (width_px - 1) + 3.3;
-  camera.cy_px = 0.5 * (height_px - 1) - 2.7;
-  switch (model) {
-    case LensModel::pinhole:
-      break;
-    case LensModel::opencv5:
-      camera.distortion = {-0.25, 0.08, 0.002, -0.0015, -0.01};
-      break;
-    case LensModel::opencv8:
-      camera.distortion = {0.4, 0.1, 0.001, -0.001, 0.01, 0.6, 0.15, 0.02};
-      break;
-    case LensModel::opencv12:
-      camera.distortion = {0.4,  0.1,  0.001, -0.001, 0.01,   0.6,
-                           0.15, 0.02, 0.004, -0.002, -0.003, 0.001};
-      break;
-    case LensModel::kannala_brandt4:
-      camera.distortion = {-0.03, 0.004, -0.002, 0.0003};
-      break;
-  }
-  return camera;
-}
-
 Scene table_top(int seeds, int cells) {
   Scene scene;
   scene.name = "table_top";

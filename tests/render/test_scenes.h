@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "benchmarks/render/corner_position.h"
 #include "sim/truth/scene.h"
 #include "sim/truth/truth_images.h"
 
@@ -28,9 +29,6 @@ Material matt(float albedo);
 TrueView view_from(const Camera& camera, const Eigen::Vector3d& eye_m,
                    const Eigen::Vector3d& target_m,
                    const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
-
-/// A plausible camera of each lens model with strong distortion.
-Camera lens(LensModel model, int width_px, int height_px, double focal_px);
 
 /// Board of 100 mm, green screen, `seeds` ellipsoids, sky and two lamps.
 Scene table_top(int seeds, int cells);

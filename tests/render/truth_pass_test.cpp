@@ -23,7 +23,8 @@ TEST(TruthPass, PlaneHasClosedFormDepthThroughEveryLens) {
     Scene scene;
     add(scene, square(5), matt(0.5F));
     const RayScene rays(scene);
-    const TrueView view = view_from(lens(model, 200, 150, 180), {0.4, -0.3, 0.5}, {0.1, 0.1, 0});
+    const TrueView view =
+        view_from(strong_lens(model, 200, 150, 180), {0.4, -0.3, 0.5}, {0.1, 0.1, 0});
     const TruthImages truth =
         render_truth(rays, scene, view, {.depth = true, .normal = true, .position = true});
     const Eigen::Matrix3d r = view.camera_from_world.rotation.toRotationMatrix();
@@ -51,7 +52,7 @@ TEST(TruthPass, SphereIsFoundWithinItsFacetsOnly) {
   add(scene, ellipsoid({1, 1, 1}, 64), matt(0.5F), {}, true);
   const RayScene rays(scene);
   const TrueView view =
-      view_from(lens(LensModel::kannala_brandt4, 120, 100, 80), {0.5, -2.5, 1}, {0, 0, 0});
+      view_from(strong_lens(LensModel::kannala_brandt4, 120, 100, 80), {0.5, -2.5, 1}, {0, 0, 0});
   const TruthImages truth = render_truth(rays, scene, view, {.position = true, .instance = true});
   for (int y = 0; y < 100; ++y) {
     for (int x = 0; x < 120; ++x) {
@@ -69,7 +70,8 @@ TEST(TruthPass, PixelWithoutRayOrSurfaceIsNone) {
   Scene scene;
   add(scene, square(0.1), matt(0.5F));
   const RayScene rays(scene);
-  const TrueView view = view_from(lens(LensModel::pinhole, 64, 48, 50), {0, -0.4, 0.5}, {0, 0, 0});
+  const TrueView view =
+      view_from(strong_lens(LensModel::pinhole, 64, 48, 50), {0, -0.4, 0.5}, {0, 0, 0});
   const TruthImages truth = render_truth(
       rays, scene, view,
       {.depth = true, .normal = true, .position = true, .instance = true, .part = true});
@@ -89,7 +91,8 @@ TEST(TruthPass, ThePartIsThatOfTheTriangleSeen) {
   const Mesh mesh = halves.mesh;
   add(scene, halves, matt(0.5F));
   const RayScene rays(scene);
-  const TrueView view = view_from(lens(LensModel::pinhole, 64, 48, 100), {0, -0.1, 0.5}, {0, 0, 0});
+  const TrueView view =
+      view_from(strong_lens(LensModel::pinhole, 64, 48, 100), {0, -0.1, 0.5}, {0, 0, 0});
   const TruthImages truth = render_truth(rays, scene, view, {.part = true});
   for (std::size_t t = 0; t < 2; ++t) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -110,7 +113,8 @@ TEST(TruthPass, OccludedSphereKeepsItsFullMask) {
   const int front_id = add(scene, ellipsoid({0.5, 0.5, 0.5}, 48), matt(0.5F), {}, true);
   const int back_id = add(scene, ellipsoid({0.8, 0.8, 0.8}, 48), matt(0.5F), back, true);
   const RayScene rays(scene);
-  const TrueView view = view_from(lens(LensModel::opencv5, 400, 300, 400), {0, -3, 0}, {0, 0, 0});
+  const TrueView view =
+      view_from(strong_lens(LensModel::opencv5, 400, 300, 400), {0, -3, 0}, {0, 0, 0});
   const TruthImages truth = render_truth(rays, scene, view, {.visibility = true});
   ASSERT_EQ(truth.visibility.size(), 2U);
   std::array<std::int64_t, 2> full{};
@@ -152,7 +156,7 @@ TEST(TruthPass, CoverageIsTheAreaInsideAStraightEdge) {
   turned.rotation = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ());
   add(scene, square(0.5), matt(0.5F), turned, true);
   const RayScene rays(scene);
-  Camera camera = lens(LensModel::pinhole, 101, 101, 100);
+  Camera camera = strong_lens(LensModel::pinhole, 101, 101, 100);
   camera.fy_px = 100;
   const TrueView view = view_from(camera, {0, 0, 2}, {0, 0, 0}, Eigen::Vector3d::UnitY());
   const TruthImages truth =
@@ -166,7 +170,7 @@ TEST(TruthPass, RollingShutterShiftsRowsByTheMotionUntilTheyAreRead) {
   Scene scene;
   add(scene, box({-0.5, -5, -0.01}, {0.5, 5, 0}), matt(0.5F));
   const RayScene rays(scene);
-  Camera camera = lens(LensModel::pinhole, 160, 121, 100);
+  Camera camera = strong_lens(LensModel::pinhole, 160, 121, 100);
   camera.cx_px = 80;
   camera.cy_px = 60;
   TrueView view = view_from(camera, {0, 0, 2}, {0, 0, 0}, Eigen::Vector3d::UnitY());
@@ -185,7 +189,7 @@ TEST(TruthPass, RollingShutterShiftsRowsByTheMotionUntilTheyAreRead) {
 TEST(TruthPass, SameBytesOnAnyNumberOfThreads) {
   const Scene scene = table_top(4, 8);
   const TrueView view =
-      view_from(lens(LensModel::opencv5, 160, 120, 180), {0.07, -0.1, 0.12}, {0, 0, 0});
+      view_from(strong_lens(LensModel::opencv5, 160, 120, 180), {0.07, -0.1, 0.12}, {0, 0, 0});
   std::vector<TruthImages> truths;
   for (const std::size_t threads : {1U, 2U, 7U}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -209,9 +213,9 @@ TEST(TruthPass, RefusesAnotherViewsRaysAndOddSampleCounts) {
   const Scene scene = table_top(1, 3);
   const RayScene rays(scene);
   const TrueView view =
-      view_from(lens(LensModel::pinhole, 32, 24, 30), {0.1, -0.1, 0.1}, {0, 0, 0});
+      view_from(strong_lens(LensModel::pinhole, 32, 24, 30), {0.1, -0.1, 0.1}, {0, 0, 0});
   const TrueView other =
-      view_from(lens(LensModel::pinhole, 30, 24, 30), {0.1, -0.1, 0.1}, {0, 0, 0});
+      view_from(strong_lens(LensModel::pinhole, 30, 24, 30), {0.1, -0.1, 0.1}, {0, 0, 0});
   EXPECT_THROW(render_truth(rays, scene, other, prepare_rays(rays, view), {.depth = true}),
                std::invalid_argument);
   EXPECT_THROW(render_truth(rays, scene, view, {.coverage = true}, {.coverage_samples = 15}),
