@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/json_interop.h"
+#include "sim/dataset/scene_look_json.h"
 #include "sim/truth/specimens.h"
 
 namespace cousin {
@@ -16,38 +17,7 @@ constexpr std::size_t kMaxInstances = 1'000'000;
 constexpr std::size_t kMaxTriangles = std::size_t{1} << 26;
 constexpr int kMaxId = 1'000'000'000;
 
-Json array_of(const Rgbf& color) {
-  return {static_cast<double>(color.r), static_cast<double>(color.g), static_cast<double>(color.b)};
-}
-
-Rgbf read_color(const JsonNode& node) {
-  const Eigen::Vector3d v = node.vector<3>();
-  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
-}
-
 // ---- parts of a scene ---------------------------------------------------------------------------
-
-Json json_of(const Material& material) {
-  Json json = {{"name", material.name},
-               {"albedo", array_of(material.albedo)},
-               {"ior", material.ior},
-               {"roughness", material.roughness},
-               {"ink_albedo", array_of(material.ink_albedo)}};
-  if (material.print) json["print"] = to_json(*material.print);
-  return json;
-}
-
-Material read_material(const JsonNode& node) {
-  node.expect_keys({"name", "albedo", "ior", "roughness", "ink_albedo"}, {"print"});
-  Material material;
-  material.name = node["name"].text();
-  material.albedo = read_color(node["albedo"]);
-  material.ior = node["ior"].number(1, 10);
-  material.roughness = node["roughness"].number(0, 1);
-  material.ink_albedo = read_color(node["ink_albedo"]);
-  if (node.has("print")) material.print = read_board(node["print"]);
-  return material;
-}
 
 Json json_of(const Instance& instance) {
   Json motion = Json::array();
@@ -83,46 +53,6 @@ Instance read_instance(const JsonNode& node) {
     instance.motion.push_back({step["time_s"].number(), read_pose(step["world_from_object"])});
   }
   return instance;
-}
-
-Json json_of(const Light& light) {
-  if (const auto* sun = std::get_if<Sun>(&light)) {
-    return {{"kind", "sun"},
-            {"to_sun", to_json(sun->to_sun)},
-            {"angular_radius_rad", sun->angular_radius_rad},
-            {"irradiance", array_of(sun->irradiance)}};
-  }
-  if (const auto* sky = std::get_if<Sky>(&light)) {
-    return {{"kind", "sky"},
-            {"zenith", array_of(sky->zenith)},
-            {"horizon", array_of(sky->horizon)},
-            {"ground", array_of(sky->ground)}};
-  }
-  const Lamp& lamp = std::get<Lamp>(light);
-  return {{"kind", "lamp"},
-          {"centre_in_world_m", to_json(lamp.centre_in_world_m)},
-          {"axis_u_m", to_json(lamp.axis_u_m)},
-          {"axis_v_m", to_json(lamp.axis_v_m)},
-          {"radiance", array_of(lamp.radiance)}};
-}
-
-Light read_light(const JsonNode& node) {
-  const std::string kind = node["kind"].text(16);
-  if (kind == "sun") {
-    node.expect_keys({"kind", "to_sun", "angular_radius_rad", "irradiance"});
-    return Sun{node["to_sun"].vector<3>(), node["angular_radius_rad"].number(0, 1),
-               read_color(node["irradiance"])};
-  }
-  if (kind == "sky") {
-    node.expect_keys({"kind", "zenith", "horizon", "ground"});
-    return Sky{read_color(node["zenith"]), read_color(node["horizon"]), read_color(node["ground"])};
-  }
-  if (kind == "lamp") {
-    node.expect_keys({"kind", "centre_in_world_m", "axis_u_m", "axis_v_m", "radiance"});
-    return Lamp{node["centre_in_world_m"].vector<3>(), node["axis_u_m"].vector<3>(),
-                node["axis_v_m"].vector<3>(), read_color(node["radiance"])};
-  }
-  node["kind"].fail("is not one of sun, sky, lamp");
 }
 
 Json json_of(const ObjectModel& model, std::size_t index) {
@@ -213,9 +143,9 @@ std::string scene_to_json(const Scene& scene) {
   Json views = Json::array();
   for (std::size_t i = 0; i < scene.models.size(); ++i)
     models.push_back(json_of(scene.models[i], i));
-  for (const Material& material : scene.materials) materials.push_back(json_of(material));
+  for (const Material& material : scene.materials) materials.push_back(to_json(material));
   for (const Instance& instance : scene.instances) instances.push_back(json_of(instance));
-  for (const Light& light : scene.lights) lights.push_back(json_of(light));
+  for (const Light& light : scene.lights) lights.push_back(to_json(light));
   for (const View& view : scene.views) {
     views.push_back({{"time_s", view.time_s},
                      {"rig_from_world", to_json(view.rig_from_world)},

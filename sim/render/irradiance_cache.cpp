@@ -31,6 +31,10 @@ LitSurface make_surface(const Scene& scene, const RayScene::Impl& rays, const Ra
   const Instance& instance = scene.instances[static_cast<std::size_t>(geometry.instance_index)];
   const ObjectModel& model = scene.models[static_cast<std::size_t>(instance.model)];
   const Material& material = scene.materials[static_cast<std::size_t>(instance.material)];
+  if (material.kind != SurfaceKind::coated || material.noise) {
+    throw std::invalid_argument("irradiance cache: material \"" + material.name +
+                                "\" is not a plain coated one and needs the path tracer");
+  }
   LitSurface s;
   s.geometry = &geometry;
   s.coat = Coat(material.ior, material.roughness);

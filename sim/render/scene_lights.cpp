@@ -57,6 +57,14 @@ struct LightReader {
     face.radiance = colour(lamp.radiance, "lamp: radiance");
     lights.lamps.push_back(face);
   }
+  void operator()(const ClearSky&) const { refuse("clear sky"); }
+  void operator()(const Projector&) const { refuse("projector"); }
+  void operator()(const Environment&) const { refuse("environment"); }
+
+  [[noreturn]] static void refuse(const char* what) {
+    throw std::invalid_argument(std::string("irradiance cache: knows suns, skies and lamps; a ") +
+                                what + " needs the path tracer");
+  }
 };
 
 }  // namespace

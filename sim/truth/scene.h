@@ -8,22 +8,46 @@
 #include <vector>
 
 #include "sim/types/board.h"
+#include "sim/types/camera.h"
 #include "sim/types/image.h"
 #include "sim/types/mesh.h"
 #include "sim/types/pose.h"
 
 namespace cousin {
 
-/// How light leaves a surface: a diffuse base under a smooth-to-rough dielectric coat (GGX).
+/// What happens to light at a surface.
+enum class SurfaceKind {
+  coated,     ///< opaque diffuse base under a dielectric coat: fruit skin, soil, paper, plastic
+  leaf,       ///< thin sheet of no thickness: both sides reflect and transmit diffusely under a wax
+  conductor,  ///< rough metal; `albedo` is its reflectance at normal incidence [Schlick 1994]
+  glass,      ///< rough dielectric with another medium inside: closed surfaces only
+};
+
+/// Fractal value noise in object coordinates: albedo goes from `albedo` to `other_albedo` with it.
+struct NoiseTexture {
+  Rgbf other_albedo;
+  double scale_m = 0.01;  ///< size of the largest features
+  int octaves = 4;        ///< 1..12, each half the size and half the strength
+};
+
+/// How light leaves a surface. Colours are reflectances in [0, 1], linear sRGB; microfacets are GGX
+/// with alpha = roughness^2.
 struct Material {
   std::string name;
+  SurfaceKind kind = SurfaceKind::coated;
   Rgbf albedo{
       0.5F, 0.5F,
-      0.5F};  ///< diffuse reflectance in [0, 1]; times the vertex albedo if the model has one
-  double ior = 1.5;                      ///< of the coat; 1 = no coat, purely diffuse
-  double roughness = 0.5;                ///< GGX alpha = roughness^2, in [0.05, 1]
+      0.5F};  ///< diffuse reflectance of the base; times the vertex albedo if the model has one
+  Rgbf transmittance{0, 0, 0};           ///< leaf: diffuse share let through; albedo + this <= 1
+  std::optional<Rgbf> back_albedo;       ///< leaf: of the clockwise side; as the front if absent
+  double ior = 1.5;                      ///< of coat, wax or glass; 1 = no coat, purely diffuse
+  double roughness = 0.5;                ///< in [0.05, 1]
   std::optional<SeedBoard> print;        ///< face z = 0 of the object carries this print
   Rgbf ink_albedo{0.03F, 0.03F, 0.03F};  ///< where the print is black
+  std::optional<NoiseTexture> noise;
+  // At 850 nm, for infrared imagers; leaves are bright there [Jacquemoud & Baret 1990].
+  float infrared_albedo = 0.5F;
+  float infrared_transmittance = 0;
 };
 
 /// A point with a meaning on an object, for keypoint truth.
@@ -87,7 +111,29 @@ struct Lamp {
   Eigen::Vector3d axis_v_m;
   Rgbf radiance;
 };
-using Light = std::variant<Sun, Sky, Lamp>;
+/// Cloudless sky and, if asked, the sun's disk in it, as a function of turbidity [Preetham, Shirley
+/// & Smits 1999]. The lower hemisphere reflects `ground_albedo` of the horizontal irradiance.
+struct ClearSky {
+  Eigen::Vector3d to_sun = Eigen::Vector3d::UnitZ();  ///< unit, z >= 0
+  double turbidity = 3;                               ///< 1.7 (clean) .. 10 (hazy)
+  bool has_sun = true;
+  double angular_radius_rad = 0.00465;
+  double scale = 1;  ///< radiance per kcd/m2 of luminance
+  Rgbf ground_albedo{0.2F, 0.2F, 0.2F};
+};
+/// Point source that throws a picture: a spot light, or a depth camera's dot projector. Axes as a
+/// camera's; a direction outside the picture gets nothing.
+struct Projector {
+  Pose world_from_projector;
+  Camera lens;            ///< its picture's; pixels as for a camera
+  Image<Rgbf> intensity;  ///< radiant intensity of each pixel, per steradian; bilinear between
+};
+/// A picture all around: equirectangular, row 0 at the zenith, column 0 at azimuth -pi about +z,
+/// azimuth growing towards +y.
+struct Environment {
+  Image<Rgbf> radiance;
+};
+using Light = std::variant<Sun, Sky, Lamp, ClearSky, Projector, Environment>;
 
 /// Where the rig is at one exposure. For a rolling shutter the rig moves from begin to end during
 /// readout.

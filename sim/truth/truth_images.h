@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "sim/types/camera.h"
@@ -14,9 +15,13 @@ namespace cousin {
 struct TrueView {
   int frame = 0;
   double time_s = 0;
-  Camera camera;               ///< the lens as it was, this image
-  Pose camera_from_world;      ///< when the first row is read
-  Pose camera_from_world_end;  ///< when the last row is read; equal for a global shutter
+  Camera camera;                 ///< the lens as it was, this image
+  Pose camera_from_world;        ///< when the first row is read
+  Pose camera_from_world_end;    ///< when the last row is read; equal for a global shutter
+  double exposure_s = 0;         ///< each row's, centred on its time; 0 = an instant
+  double readout_s = 0;          ///< from the first row's time to the last's; time_s is the first's
+  double aperture_radius_m = 0;  ///< of a thin lens; 0 = pinhole
+  double focus_m = std::numeric_limits<double>::infinity();  ///< depth that is sharp
 };
 
 /// Pose when row `y` is read (linear in the row).
