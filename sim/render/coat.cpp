@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim/render/sample_points.h"
 
@@ -13,7 +12,7 @@ constexpr float kSmallestCosine = 1e-4F;
 }
 
 Coat::Coat(double ior, double roughness)
-    : ior_(static_cast<float>(ior)), alpha_(static_cast<float>(roughness * roughness)) {
+    : ior_(static_cast<float>(ior)), facets_{static_cast<float>(roughness * roughness)} {
   if (!exists()) return;
   // E by its definition: the mean weight of drawn directions.
   constexpr std::uint32_t kDraws = 1024;
@@ -53,37 +52,16 @@ float Coat::fresnel(float cosine) const {
   return 0.5F * a * a * (1 + b * b);
 }
 
-float Coat::smith_lambda(float cosine) const {
-  const float c2 = std::max(cosine * cosine, 1e-12F);
-  return 0.5F * (std::sqrt(1 + alpha_ * alpha_ * (1 - c2) / c2) - 1);
-}
-
 Coat::Draw Coat::draw(const Eigen::Vector3f& out, const Eigen::Vector2f& u) const {
-  // Visible normals by the stretched hemisphere [Heitz 2018, listing 1].
-  const Eigen::Vector3f v =
-      Eigen::Vector3f(alpha_ * out.x(), alpha_ * out.y(), out.z()).normalized();
-  const float length2 = v.x() * v.x() + v.y() * v.y();
-  const Eigen::Vector3f t1 =
-      length2 > 0 ? Eigen::Vector3f(Eigen::Vector3f(-v.y(), v.x(), 0) / std::sqrt(length2))
-                  : Eigen::Vector3f::UnitX();
-  const Eigen::Vector3f t2 = v.cross(t1);
-  const float r = std::sqrt(u.x());
-  const float phi = 2 * std::numbers::pi_v<float> * u.y();
-  const float p1 = r * std::cos(phi);
-  const float s = 0.5F * (1 + v.z());
-  const float p2 = (1 - s) * std::sqrt(std::max(0.0F, 1 - p1 * p1)) + s * r * std::sin(phi);
-  const Eigen::Vector3f n =
-      p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0F, 1 - p1 * p1 - p2 * p2)) * v;
-  const Eigen::Vector3f m =
-      Eigen::Vector3f(alpha_ * n.x(), alpha_ * n.y(), std::max(1e-7F, n.z())).normalized();
+  const Eigen::Vector3f m = facets_.draw_visible(out, u);
   Draw result;
   const float out_m = out.dot(m);
   result.in = 2 * out_m * m - out;
   if (result.in.z() <= 0)
     return result;  // weight 0: lost to multiple scattering, which the base receives
-  const float lambda_out = smith_lambda(out.z());
+  const float lambda_out = facets_.lambda(out.z());
   result.weight = fresnel(std::clamp(out_m, 0.0F, 1.0F)) * (1 + lambda_out) /
-                  (1 + lambda_out + smith_lambda(result.in.z()));
+                  (1 + lambda_out + facets_.lambda(result.in.z()));
   result.density = value(out, result.in).density;
   return result;
 }
@@ -91,12 +69,8 @@ Coat::Draw Coat::draw(const Eigen::Vector3f& out, const Eigen::Vector2f& u) cons
 Coat::Value Coat::value(const Eigen::Vector3f& out, const Eigen::Vector3f& in) const {
   if (in.z() <= 0 || out.z() <= 0) return {};
   const Eigen::Vector3f m = (out + in).normalized();
-  const float a2 = alpha_ * alpha_;
-  const float sin2 = m.x() * m.x() + m.y() * m.y();
-  const float d = sin2 + a2 * m.z() * m.z();  // (cos^2 (a^2 - 1) + 1) without cancellation
-  const float distribution = a2 / (std::numbers::pi_v<float> * d * d);
-  const float lambda_out = smith_lambda(out.z()), lambda_in = smith_lambda(in.z());
-  const float common = distribution / (4 * out.z());
+  const float lambda_out = facets_.lambda(out.z()), lambda_in = facets_.lambda(in.z());
+  const float common = facets_.distribution(m) / (4 * out.z());
   return {fresnel(std::clamp(out.dot(m), 0.0F, 1.0F)) * common / (1 + lambda_out + lambda_in),
           common / (1 + lambda_out)};
 }

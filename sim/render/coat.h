@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "sim/render/microfacet.h"
+
 namespace cousin {
 
 /// Smooth-to-rough dielectric coat over a diffuse base. Directions are unit and in the surface's
@@ -41,11 +43,10 @@ class Coat {
 
  private:
   float fresnel(float cosine) const;
-  float smith_lambda(float cosine) const;
 
   static constexpr int kCells = 128;
   float ior_ = 1;
-  float alpha_ = 1;
+  Ggx facets_;
   float entering_scale_ = 1;
   std::array<float, kCells + 1> reflected_{};  ///< E at cosine = i / kCells
 };

@@ -313,6 +313,10 @@ IrradianceCache::IrradianceCache(const RayScene& rays, const Scene& scene,
   Impl& impl = *impl_;
   impl.rays = &rays.impl();
   impl.lights = make_lights(scene, impl.rays->centre_m);
+  if (!impl.lights.beams.empty()) {
+    throw std::invalid_argument("irradiance cache: scene \"" + scene.name +
+                                "\" has a projector, which needs the path tracer");
+  }
   for (const RayGeometry& geometry : impl.rays->geometries) {
     impl.surfaces.push_back(make_surface(scene, *impl.rays, geometry, rays.impl().time_s));
   }

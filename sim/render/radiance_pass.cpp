@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/render/ray_table.h"
+#include "sim/render/pixel_rays.h"
 #include "sim/render/sample_points.h"
 #include "sim/render/surface_light.h"
 
@@ -265,60 +265,6 @@ class PacketShader {
 };
 
 int square_side(int samples) { return static_cast<int>(std::lround(std::sqrt(samples))); }
-
-/// Directions through any point of a pixel, from the exact ones at the corners of all pixels.
-class PixelRays {
- public:
-  PixelRays(const TrueView& view, const Eigen::Vector3d& centre_m)
-      : width_(view.camera.width_px), rows_(static_cast<std::size_t>(view.camera.height_px)) {
-    const auto exact =
-        lens_directions(view.camera, -0.5, -0.5, width_ + 1, view.camera.height_px + 1, 1e-4);
-    corners_.resize(exact.size());
-    std::transform(exact.begin(), exact.end(), corners_.begin(),
-                   [](const Eigen::Vector3d& d) -> Eigen::Vector3f { return d.cast<float>(); });
-    for (std::size_t y = 0; y < rows_.size(); ++y) {
-      const Pose camera_from_world = pose_at_row(view, static_cast<double>(y));
-      rows_[y].world_from_camera =
-          camera_from_world.rotation.conjugate().toRotationMatrix().cast<float>();
-      rows_[y].origin_m = (centre_in_world_m(camera_from_world) - centre_m).cast<float>();
-    }
-  }
-
-  const Eigen::Vector3f& origin_m(int y) const {
-    return rows_[static_cast<std::size_t>(y)].origin_m;
-  }
-
-  /// Corner directions of a pixel in the world; false where the lens gives no ray for one of them.
-  struct Corners {
-    Eigen::Vector3f d[4];
-    bool valid = true;
-    Eigen::Vector3f at(const Eigen::Vector2f& p) const {  ///< p in [0, 1)^2
-      const Eigen::Vector3f top = d[0] + p.x() * (d[1] - d[0]);
-      const Eigen::Vector3f bottom = d[2] + p.x() * (d[3] - d[2]);
-      return (top + p.y() * (bottom - top)).normalized();
-    }
-  };
-  Corners corners(int x, int y) const {
-    Corners c;
-    const std::size_t stride = static_cast<std::size_t>(width_) + 1;
-    const std::size_t first = static_cast<std::size_t>(y) * stride + static_cast<std::size_t>(x);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Eigen::Vector3f& d = corners_[first + (k & 1U) + (k >> 1U) * stride];
-      c.valid = c.valid && !d.isZero(0);
-      c.d[k] = rows_[static_cast<std::size_t>(y)].world_from_camera * d;
-    }
-    return c;
-  }
-
- private:
-  struct Row {
-    Eigen::Matrix3f world_from_camera;
-    Eigen::Vector3f origin_m;
-  };
-  int width_;
-  std::vector<Eigen::Vector3f> corners_;
-  std::vector<Row> rows_;
-};
 
 /// Mean of a pixel's samples and what tells an edge.
 struct PixelMean {

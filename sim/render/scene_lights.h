@@ -25,16 +25,34 @@ struct SceneLights {
   struct SkyDome {
     Eigen::Vector3f zenith, horizon, ground;
   };
+  /// Radiance all around, by azimuth and polar angle about +z, bilinear between texel centres.
+  struct SkyPicture {
+    int width = 0, height = 0;
+    std::vector<Eigen::Vector3f> radiance;
+    // To draw directions, where the picture may hold small bright parts; empty = it does not.
+    std::vector<float> row_sums;  ///< running sum over rows of luminance * solid angle, ends at 1
+    std::vector<float> column_sums;  ///< the same along each row, ends at 1
+  };
+  /// Point source; `lens` without distortion is projected in float.
+  struct Beam {
+    Eigen::Matrix3f projector_from_world;
+    Eigen::Vector3f origin_m;
+    Camera lens;
+    Image<Rgbf> intensity;
+  };
   std::vector<SunDisk> suns;
   std::vector<LampFace> lamps;
   std::vector<SkyDome> skies;
+  std::vector<SkyPicture> pictures;
+  std::vector<Beam> beams;
 };
 
-/// @throws std::invalid_argument for a lamp without area, a zero direction to the sun, or a number
-/// that is not finite or negative.
+/// A clear sky becomes a picture of 512 x 256 (0.7 degrees) and a sun.
+/// @throws std::invalid_argument for a lamp without area, a zero direction to the sun, a picture
+/// without pixels, or a number that is not finite or negative.
 SceneLights make_lights(const Scene& scene, const Eigen::Vector3d& centre_m);
 
-/// Radiance of all skies along a unit direction.
+/// Radiance of all skies and pictures along a unit direction.
 Eigen::Vector3f sky_radiance(const SceneLights& lights, const Eigen::Vector3f& direction);
 /// Radiance of the suns' disks along a unit direction.
 Eigen::Vector3f sun_radiance(const SceneLights& lights, const Eigen::Vector3f& direction);
@@ -55,5 +73,17 @@ struct LampDraw {
 };
 LampDraw draw_lamp(const SceneLights::LampFace& lamp, const Eigen::Vector3f& from_m,
                    const Eigen::Vector2f& u);
+
+/// Radiant intensity of a beam towards `to` (from its origin, in the world); zero outside its
+/// picture.
+Eigen::Vector3f beam_intensity(const SceneLights::Beam& beam, const Eigen::Vector3f& to);
+
+/// Radiance of one picture along a unit direction.
+Eigen::Vector3f picture_radiance(const SceneLights::SkyPicture& picture,
+                                 const Eigen::Vector3f& direction);
+/// Density, per steradian, with which draw_picture gives a direction.
+float picture_density(const SceneLights::SkyPicture& picture, const Eigen::Vector3f& direction);
+/// A direction drawn by luminance. @param picture  with sums.
+Eigen::Vector3f draw_picture(const SceneLights::SkyPicture& picture, const Eigen::Vector2f& u);
 
 }  // namespace cousin

@@ -33,6 +33,23 @@ Pose pose_at_row(const TrueView& view, double y) {
   return interpolate(view.camera_from_world, view.camera_from_world_end, y / last);
 }
 
+Pose pose_in_exposure(const TrueView& view, double y, double share) {
+  const double last = view.camera.height_px - 1;
+  const double offset = share - 0.5;
+  double fraction = last > 0 ? y / last : 0;
+  if (view.readout_s > 0) {
+    fraction += offset * view.exposure_s / view.readout_s;
+  } else if (view.exposure_s > 0) {
+    fraction = share;
+  }
+  return interpolate(view.camera_from_world, view.camera_from_world_end, fraction);
+}
+
+double time_in_exposure_s(const TrueView& view, double y, double share) {
+  const double last = view.camera.height_px - 1;
+  return view.time_s + (last > 0 ? y / last : 0) * view.readout_s + (share - 0.5) * view.exposure_s;
+}
+
 void validate(const Scene& scene) {
   for (const ObjectModel& model : scene.models) {
     const auto fail = [&](const char* what) {

@@ -15,10 +15,12 @@ namespace cousin {
 struct TrueView {
   int frame = 0;
   double time_s = 0;
-  Camera camera;                 ///< the lens as it was, this image
-  Pose camera_from_world;        ///< when the first row is read
-  Pose camera_from_world_end;    ///< when the last row is read; equal for a global shutter
-  double exposure_s = 0;         ///< each row's, centred on its time; 0 = an instant
+  Camera camera;               ///< the lens as it was, this image
+  Pose camera_from_world;      ///< when the first row is read
+  Pose camera_from_world_end;  ///< when the last row is read; equal for a global shutter
+  /// Each row's, centred on its time; 0 = an instant. With a global shutter (readout_s 0) the
+  /// camera goes from begin to end during it.
+  double exposure_s = 0;
   double readout_s = 0;          ///< from the first row's time to the last's; time_s is the first's
   double aperture_radius_m = 0;  ///< of a thin lens; 0 = pinhole
   double focus_m = std::numeric_limits<double>::infinity();  ///< depth that is sharp
@@ -26,6 +28,10 @@ struct TrueView {
 
 /// Pose when row `y` is read (linear in the row).
 Pose pose_at_row(const TrueView& view, double y);
+
+/// Pose and time at a share of the exposure of row `y`, 0 = its begin, 1 = its end.
+Pose pose_in_exposure(const TrueView& view, double y, double share);
+double time_in_exposure_s(const TrueView& view, double y, double share);
 
 /// How much of one instance a view shows.
 struct InstanceVisibility {

@@ -1,0 +1,287 @@
+#include "sim/render/path_batch.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace cousin {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
+/// Pairs of dimensions a bounce uses: direction, lobe and roulette, choice of light, then lights.
+constexpr std::uint32_t kPairsPerBounce = 16;
+constexpr std::uint32_t kLightPairs = kPairsPerBounce - 3;
+
+/// Power heuristic: share of a sample drawn with density `own` where another way has `other`.
+float share_of(float own, float other) {
+  const float ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+
+float luminance(const Vector3f& c) { return 0.2126F * c.x() + 0.7152F * c.y() + 0.0722F * c.z(); }
+
+float sun_density(const SceneLights::SunDisk& sun) {
+  return 1 / (2 * std::numbers::pi_v<float> * std::max(1 - sun.cos_radius, 1e-12F));
+}
+
+/// Whether light may go between `out` and a direction, by the face and not only by its smooth
+/// normal: reflection stays on the face's side, transmission leaves it.
+bool sides_agree(const PathHit& hit, const Vector3f& direction, const Vector3f& local) {
+  return (hit.face_normal.dot(direction) > 0) == (local.z() > 0);
+}
+
+Vector3f leave(const PathHit& hit, const Vector3f& direction) {
+  return offset_origin(hit.position_m, hit.face_normal, hit.offset_m, direction);
+}
+
+}  // namespace
+
+void PathBatch::clear() {
+  paths_.clear();
+  samplers_.clear();
+  radiance_.clear();
+}
+
+void PathBatch::add(const Vector3f& origin_m, const Vector3f& direction,
+                    const PathSampler& sampler) {
+  const auto index = static_cast<std::uint32_t>(samplers_.size());
+  samplers_.push_back(sampler);
+  radiance_.emplace_back(Vector3f::Zero());
+  if (direction.isZero(0)) return;
+  paths_.push_back({origin_m, direction, Vector3f::Ones(), 0, index});
+}
+
+void PathBatch::run() {
+  for (int bounce = 0; !paths_.empty(); ++bounce) {
+    trace(bounce == 0);
+    shade(bounce);
+    trace_shadows();
+    std::swap(paths_, next_);
+  }
+}
+
+void PathBatch::trace(bool is_coherent) {
+  hits_.resize(paths_.size());
+  rays_ += paths_.size();
+  if (is_coherent) {
+    trace_packets();
+  } else {
+    trace_singles();
+  }
+}
+
+void PathBatch::trace_packets() {
+  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  HitPacket packet;
+  for (std::size_t first = 0; first < paths_.size(); first += kLanes) {
+    LaneMask mask;
+    for (int i = 0; i < kLanes; ++i) {
+      const std::size_t k = std::min(first + static_cast<std::size_t>(i), paths_.size() - 1);
+      const PathState& p = paths_[k];
+      set_ray(packet.ray, i, p.origin_m.x(), p.origin_m.y(), p.origin_m.z(), p.direction.x(),
+              p.direction.y(), p.direction.z());
+      packet.hit.geomID[i] = kNone;
+      mask.lane[i] = first + static_cast<std::size_t>(i) < paths_.size() ? -1 : 0;
+    }
+    rtcIntersect16(mask.lane, scene_.rays->scene, &context, &packet);
+    for (int i = 0; i < kLanes && mask.lane[i]; ++i) {
+      hits_[first + static_cast<std::size_t>(i)] = {packet.hit.geomID[i], packet.hit.primID[i],
+                                                    packet.hit.u[i], packet.hit.v[i],
+                                                    packet.ray.tfar[i]};
+    }
+  }
+}
+
+void PathBatch::trace_singles() {
+  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    const PathState& p = paths_[k];
+    RTCRayHit ray;
+    ray.ray.org_x = p.origin_m.x();
+    ray.ray.org_y = p.origin_m.y();
+    ray.ray.org_z = p.origin_m.z();
+    ray.ray.tnear = 0;
+    ray.ray.dir_x = p.direction.x();
+    ray.ray.dir_y = p.direction.y();
+    ray.ray.dir_z = p.direction.z();
+    ray.ray.time = 0;
+    ray.ray.tfar = kFar;
+    ray.ray.mask = 0xFFFFFFFFU;
+    ray.ray.id = 0;
+    ray.ray.flags = 0;
+    ray.hit.geomID = kNone;
+    ray.hit.instID[0] = kNone;
+    rtcIntersect1(scene_.rays->scene, &context, &ray);
+    hits_[k] = {ray.hit.geomID, ray.hit.primID, ray.hit.u, ray.hit.v, ray.ray.tfar};
+  }
+}
+
+/// What shines along the path's ray: lamps before the hit and, beyond everything, sky and suns.
+void PathBatch::add_light_behind(const PathState& path, bool missed, float far_m) {
+  const SceneLights& lights = scene_.lights;
+  const bool is_camera = path.density == 0;
+  Vector3f light = Vector3f::Zero();
+  for (const auto& lamp : lights.lamps) {
+    const float density = hit_lamp(lamp, path.origin_m, path.direction, missed ? kFar : far_m);
+    if (density > 0) light += (is_camera ? 1 : share_of(path.density, density)) * lamp.radiance;
+  }
+  if (missed) {
+    for (const auto& sky : lights.skies) {
+      const float z = path.direction.z();
+      light += z < 0 ? sky.ground : Vector3f(sky.horizon + z * (sky.zenith - sky.horizon));
+    }
+    for (const auto& picture : lights.pictures) {
+      const bool is_drawn = !is_camera && !picture.row_sums.empty();
+      const float share =
+          is_drawn ? share_of(path.density, picture_density(picture, path.direction)) : 1;
+      light += share * picture_radiance(picture, path.direction);
+    }
+    for (const auto& sun : lights.suns) {
+      if (path.direction.dot(sun.to_sun) <= sun.cos_radius) continue;
+      light += (is_camera ? 1 : share_of(path.density, sun_density(sun))) * sun.radiance;
+    }
+  }
+  radiance_[path.index] += path.throughput.cwiseProduct(light);
+}
+
+void PathBatch::shade(int bounce_count) {
+  next_.clear();
+  shadows_.clear();
+  const std::uint32_t pair =
+      kCameraPairs + static_cast<std::uint32_t>(bounce_count) * kPairsPerBounce;
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    const PathState& path = paths_[k];
+    const RayHit& h = hits_[k];
+    const bool missed = h.geometry == kNone;
+    add_light_behind(path, missed, h.far_m);
+    if (missed || bounce_count > max_bounces_) continue;
+    const PathHit hit = scene_.hit(h.geometry, h.triangle, h.u, h.v, path.direction);
+    if (hit.is_dark) continue;
+    add_lights(path, hit, pair, bounce_count == 0);
+    bounce(path, hit, bounce_count, pair);
+  }
+}
+
+/// Shadow rays to every light at the first surface; later to every sun and one other light, chosen
+/// by what it would give.
+void PathBatch::add_lights(const PathState& path, const PathHit& hit, std::uint32_t pair,
+                           bool is_first) {
+  const SceneLights& lights = scene_.lights;
+  const PathSampler& sampler = samplers_[path.index];
+  std::uint32_t light_index = 0;
+  const auto next_pair = [&] { return sampler.pair(pair + 3 + light_index++ % kLightPairs); };
+  const auto weigh = [&](const Vector3f& direction, float density) -> Vector3f {
+    const Vector3f local = hit.frame.transpose() * direction;
+    if (!sides_agree(hit, direction, local)) return Vector3f::Zero();
+    const PathBsdf::Value value = hit.bsdf.value(local);
+    const float share = density > 0 ? share_of(density, value.density) / density : 1;
+    return share * path.throughput.cwiseProduct(value.bsdf_cosine);
+  };
+  const auto offer = [&](std::vector<Shadow>& list, const Vector3f& direction, float far_m,
+                         const Vector3f& light) {
+    if (!(light.maxCoeff() > 0)) return;
+    list.push_back({leave(hit, direction), direction, far_m, light, path.index});
+  };
+
+  for (const auto& sun : lights.suns) {
+    const Vector3f d = draw_sun(sun, next_pair());
+    const float density = sun_density(sun);
+    offer(shadows_, d, kFar, weigh(d, density).cwiseProduct(sun.radiance));
+  }
+  candidates_.clear();
+  for (const auto& lamp : lights.lamps) {
+    const LampDraw draw = draw_lamp(lamp, hit.position_m, next_pair());
+    if (!(draw.density > 0)) continue;
+    offer(candidates_, draw.direction, draw.distance_m,
+          weigh(draw.direction, draw.density).cwiseProduct(lamp.radiance));
+  }
+  for (const auto& beam : lights.beams) {
+    const Vector3f to = beam.origin_m - hit.position_m;
+    const float distance2 = to.squaredNorm();
+    if (!(distance2 > 0)) continue;
+    const Vector3f intensity = beam_intensity(beam, -to);
+    if (!(intensity.maxCoeff() > 0)) continue;
+    const float distance = std::sqrt(distance2);
+    const Vector3f d = to / distance;
+    offer(candidates_, d, distance, weigh(d, 0).cwiseProduct(intensity) / distance2);
+  }
+  for (const auto& picture : lights.pictures) {
+    if (picture.row_sums.empty()) continue;
+    const Vector3f d = draw_picture(picture, next_pair());
+    const float density = picture_density(picture, d);
+    if (!(density > 0)) continue;
+    offer(candidates_, d, kFar, weigh(d, density).cwiseProduct(picture_radiance(picture, d)));
+  }
+  if (is_first || candidates_.size() <= 1) {
+    shadows_.insert(shadows_.end(), candidates_.begin(), candidates_.end());
+    return;
+  }
+  float total = 0;
+  for (const Shadow& c : candidates_) total += luminance(c.light);
+  float left = sampler.pair(pair + 2).x() * total;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const float own = luminance(candidates_[i].light);
+    left -= own;
+    if (left >= 0 && i + 1 < candidates_.size()) continue;
+    if (own > 0) {
+      shadows_.push_back(candidates_[i]);
+      shadows_.back().light *= total / own;
+    }
+    return;
+  }
+}
+
+void PathBatch::bounce(const PathState& path, const PathHit& hit, int bounce_count,
+                       std::uint32_t pair) {
+  const PathSampler& sampler = samplers_[path.index];
+  const Eigen::Vector2f choice = sampler.pair(pair + 1);
+  const PathBsdf::Draw draw = hit.bsdf.draw(sampler.pair(pair), choice.x());
+  if (!(draw.weight.maxCoeff() > 0)) return;
+  PathState next;
+  next.index = path.index;
+  next.density = std::max(draw.density, 1e-20F);
+  next.throughput = path.throughput.cwiseProduct(draw.weight);
+  // A long path goes on in proportion to what it carries.
+  if (bounce_count > 0) {
+    const float kept = std::min(next.throughput.maxCoeff(), 1.0F);
+    if (choice.y() >= kept) return;
+    next.throughput /= kept;
+  }
+  next.direction = hit.frame * draw.in;
+  if (!sides_agree(hit, next.direction, draw.in)) {
+    // Through the face though on the smooth normal's side: mirrored, so that no energy is lost.
+    next.direction -= 2 * hit.face_normal.dot(next.direction) * hit.face_normal;
+  }
+  next.direction.normalize();
+  next.origin_m = leave(hit, next.direction);
+  next_.push_back(next);
+}
+
+void PathBatch::trace_shadows() {
+  rays_ += shadows_.size();
+  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  ShadowPacket packet;
+  for (std::size_t first = 0; first < shadows_.size(); first += kLanes) {
+    LaneMask mask;
+    for (int i = 0; i < kLanes; ++i) {
+      const std::size_t k = std::min(first + static_cast<std::size_t>(i), shadows_.size() - 1);
+      const Shadow& s = shadows_[k];
+      set_ray(packet, i, s.origin_m.x(), s.origin_m.y(), s.origin_m.z(), s.direction.x(),
+              s.direction.y(), s.direction.z(), s.far_m);
+      mask.lane[i] = first + static_cast<std::size_t>(i) < shadows_.size() ? -1 : 0;
+    }
+    rtcOccluded16(mask.lane, scene_.rays->scene, &context, &packet);
+    for (int i = 0; i < kLanes && mask.lane[i]; ++i) {
+      if (packet.tfar[i] < 0) continue;
+      const Shadow& s = shadows_[first + static_cast<std::size_t>(i)];
+      radiance_[s.index] += s.light;
+    }
+  }
+}
+
+}  // namespace cousin

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "sim/render/path_sampler.h"
+#include "sim/render/path_scene.h"
+
+namespace cousin {
+
+/// One path on its way.
+struct PathState {
+  Eigen::Vector3f origin_m;
+  Eigen::Vector3f direction;
+  Eigen::Vector3f throughput;
+  float density = 0;        ///< of the direction, per steradian, where it was drawn; 0 = camera ray
+  std::uint32_t index = 0;  ///< of the sample in the batch
+};
+
+/// Follows a batch of camera rays to their end, bounce by bounce, so that rays of a kind travel
+/// together. One for each task. Private to sim/render.
+class PathBatch {
+ public:
+  PathBatch(const PathTracer::Impl& scene, int max_bounces)
+      : scene_(scene), max_bounces_(max_bounces) {}
+
+  void clear();
+  /// @param direction  unit.
+  void add(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction,
+           const PathSampler& sampler);
+  void run();
+
+  std::size_t size() const { return samplers_.size(); }
+  /// Radiance of sample `i`, in the order they were added.
+  const Eigen::Vector3f& radiance(std::size_t i) const { return radiance_[i]; }
+  std::uint64_t rays() const { return rays_; }
+
+  /// Dimensions that the camera uses; bounce k starts after them.
+  static constexpr std::uint32_t kCameraPairs = 3;
+
+ private:
+  struct Shadow {
+    Eigen::Vector3f origin_m, direction;
+    float far_m = 0;
+    Eigen::Vector3f light;
+    std::uint32_t index = 0;
+  };
+  struct RayHit {
+    std::uint32_t geometry = 0, triangle = 0;
+    float u = 0, v = 0, far_m = 0;
+  };
+
+  void trace(bool is_coherent);
+  void trace_packets();
+  void trace_singles();
+  void add_light_behind(const PathState& path, bool missed, float far_m);
+  void shade(int bounce);
+  void add_lights(const PathState& path, const PathHit& hit, std::uint32_t pair, bool is_first);
+  void bounce(const PathState& path, const PathHit& hit, int bounce, std::uint32_t pair);
+  void trace_shadows();
+
+  const PathTracer::Impl& scene_;
+  int max_bounces_;
+  std::vector<PathState> paths_, next_;
+  std::vector<RayHit> hits_;
+  std::vector<Shadow> shadows_, candidates_;
+  std::vector<PathSampler> samplers_;
+  std::vector<Eigen::Vector3f> radiance_;
+  std::uint64_t rays_ = 0;
+};
+
+}  // namespace cousin

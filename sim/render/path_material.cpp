@@ -1,0 +1,318 @@
+#include "sim/render/path_material.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "sim/render/sample_points.h"
+
+namespace cousin {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kInversePi = std::numbers::inv_pi_v<float>;
+
+Vector3f vec(const Rgbf& c) { return {c.r, c.g, c.b}; }
+
+void check(const Material& m) {
+  const auto fail = [&](const std::string& what, double value, const char* limit) {
+    throw std::invalid_argument("material \"" + m.name + "\": " + what + " = " +
+                                std::to_string(value) + " " + limit);
+  };
+  const auto check_color = [&](const char* what, const Rgbf& c) {
+    for (const float v : {c.r, c.g, c.b}) {
+      if (!(v >= 0 && v <= 1)) fail(what, static_cast<double>(v), "is not in [0, 1]");
+    }
+  };
+  check_color("albedo", m.albedo);
+  check_color("transmittance", m.transmittance);
+  check_color("ink_albedo", m.ink_albedo);
+  if (m.back_albedo) check_color("back_albedo", *m.back_albedo);
+  if (m.kind == SurfaceKind::leaf) {
+    for (const Rgbf& side : {m.albedo, m.back_albedo.value_or(m.albedo)}) {
+      const float sum = (vec(side) + vec(m.transmittance)).maxCoeff();
+      if (!(sum <= 1.00001F))
+        fail("albedo + transmittance", static_cast<double>(sum), "is above 1");
+    }
+  }
+  const bool is_glass = m.kind == SurfaceKind::glass;
+  if (!(m.ior >= 1 && m.ior <= 10) || (is_glass && m.ior == 1))
+    fail("ior", m.ior, is_glass ? "is not in (1, 10]" : "is not in [1, 10]");
+  if (!(m.roughness >= 0.05 && m.roughness <= 1))
+    fail("roughness", m.roughness, "is not in [0.05, 1]");
+  if (m.noise) {
+    check_color("noise.other_albedo", m.noise->other_albedo);
+    if (!(m.noise->scale_m > 0 && m.noise->scale_m < 1e6))
+      fail("noise.scale_m", m.noise->scale_m, "is not in (0, 1e6)");
+    if (m.noise->octaves < 1 || m.noise->octaves > 12)
+      fail("noise.octaves", m.noise->octaves, "is not in 1..12");
+  }
+}
+
+/// Fresnel's share for light that comes at `cosine` > 0 to a medium of relative index `eta`.
+float fresnel(float cosine, float eta) {
+  const float g2 = eta * eta - 1 + cosine * cosine;
+  if (g2 <= 0) return 1;  // total reflection
+  const float g = std::sqrt(g2);
+  const float a = (g - cosine) / (g + cosine);
+  const float b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1);
+  return 0.5F * a * a * (1 + b * b);
+}
+
+float lookup(const std::array<float, PathMaterial::kCells + 1>& table, float cosine) {
+  const float position = std::clamp(cosine, 0.0F, 1.0F) * PathMaterial::kCells;
+  const int cell = std::min(static_cast<int>(position), PathMaterial::kCells - 1);
+  const float t = position - static_cast<float>(cell);
+  const float* e = table.data() + cell;
+  return e[0] + t * (e[1] - e[0]);
+}
+
+/// A glass facet's two ways. `weight` is masking's share alone.
+struct GlassDraw {
+  Vector3f in;
+  float weight = 0;
+  float share = 0;  ///< of the way taken: Fresnel's or its rest
+  Vector3f facet;
+};
+GlassDraw draw_facet(const Ggx& facets, const Vector3f& out, float eta, const Eigen::Vector2f& u,
+                     float lobe) {
+  GlassDraw draw;
+  const Vector3f m = facets.draw_visible(out, u);
+  draw.facet = m;
+  const float out_m = std::max(out.dot(m), 0.0F);
+  const float reflected = fresnel(out_m, eta);
+  const float lambda_out = facets.lambda(out.z());
+  const bool reflects = lobe < reflected;
+  draw.share = reflects ? reflected : 1 - reflected;
+  if (reflects) {
+    draw.in = 2 * out_m * m - out;
+    if (draw.in.z() <= 0) return draw;
+  } else {
+    const float inner = std::sqrt(std::max(0.0F, 1 - (1 - out_m * out_m) / (eta * eta)));
+    draw.in = (out_m / eta - inner) * m - out / eta;
+    if (draw.in.z() >= 0) return draw;
+  }
+  draw.weight = (1 + lambda_out) / (1 + lambda_out + facets.lambda(draw.in.z()));
+  return draw;
+}
+
+/// Mean weight over draws at each cosine.
+template <class Weight>
+std::array<float, PathMaterial::kCells + 1> kept_table(const Weight& weight) {
+  constexpr std::uint32_t kDraws = 1024;
+  std::array<float, PathMaterial::kCells + 1> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const float cosine =
+        std::max(static_cast<float>(i) / static_cast<float>(PathMaterial::kCells), 1e-3F);
+    const Vector3f out(std::sqrt(1 - std::min(cosine * cosine, 1.0F)), 0, cosine);
+    double sum = 0;
+    for (std::uint32_t k = 0; k < kDraws; ++k) {
+      const Eigen::Vector2f u = sobol_point(k) + Eigen::Vector2f::Constant(0.5F / kDraws);
+      sum += static_cast<double>(weight(out, u, k));
+    }
+    table[i] = static_cast<float>(sum / kDraws);
+  }
+  return table;
+}
+
+}  // namespace
+
+PathMaterial::PathMaterial(const Material& m)
+    : kind((check(m), m.kind)),
+      coat(kind == SurfaceKind::coated || kind == SurfaceKind::leaf ? m.ior : 1, m.roughness),
+      facets{static_cast<float>(m.roughness * m.roughness)},
+      ior(static_cast<float>(m.ior)),
+      albedo(vec(m.albedo)),
+      back_albedo(vec(m.back_albedo.value_or(m.albedo))),
+      transmittance(m.kind == SurfaceKind::leaf ? vec(m.transmittance) : Vector3f::Zero()),
+      ink_albedo(vec(m.ink_albedo)),
+      print(m.print),
+      noise(m.noise) {
+  if (kind == SurfaceKind::conductor) {
+    kept_outside = kept_table([&](const Vector3f& out, const Eigen::Vector2f& u, std::uint32_t) {
+      const Vector3f facet = facets.draw_visible(out, u);
+      const Vector3f in = 2 * out.dot(facet) * facet - out;
+      if (in.z() <= 0) return 0.0F;
+      const float lambda_out = facets.lambda(out.z());
+      return (1 + lambda_out) / (1 + lambda_out + facets.lambda(in.z()));
+    });
+  }
+  if (kind == SurfaceKind::glass) {
+    const auto table = [&](float eta) {
+      return kept_table([&](const Vector3f& out, const Eigen::Vector2f& u, std::uint32_t k) {
+        const float lobe = unit_pair(hash64(k)).x();
+        return draw_facet(facets, out, eta, u, lobe).weight;
+      });
+    };
+    kept_outside = table(ior);
+    kept_inside = table(1 / ior);
+  }
+}
+
+PathBsdf::Lobes PathBsdf::lobes() const {
+  const PathMaterial& m = *material;
+  Lobes p;
+  p.coat = m.coat.exists() ? m.coat.reflected(out.z()) : 0;
+  p.reflect = (1 - p.coat) * albedo.maxCoeff();
+  p.transmit = (1 - p.coat) * m.transmittance.maxCoeff();
+  const float sum = p.coat + p.reflect + p.transmit;
+  if (!(sum > 0)) return {};
+  // No less than a tenth to a lobe that exists, so that no weight grows large.
+  const auto lift = [&](float v) { return v > 0 ? std::max(v / sum, 0.1F) : 0.0F; };
+  p = {lift(p.coat), lift(p.reflect), lift(p.transmit)};
+  const float all = p.coat + p.reflect + p.transmit;
+  return {p.coat / all, p.reflect / all, p.transmit / all};
+}
+
+PathBsdf::Value PathBsdf::value(const Vector3f& in) const {
+  const PathMaterial& m = *material;
+  if (m.kind == SurfaceKind::conductor) return metal(in);
+  if (m.kind == SurfaceKind::glass) return glass(in);
+  const Lobes p = lobes();
+  const float cosine = std::abs(in.z());
+  Value value;
+  const float through = m.coat.exists() ? m.coat.leaving(out.z()) * m.coat.entering(cosine) : 1;
+  const float lambert = kInversePi * cosine;
+  if (in.z() < 0) {
+    value.bsdf_cosine = through * lambert * m.transmittance;
+    value.density = p.transmit * lambert;
+    return value;
+  }
+  value.bsdf_cosine = through * lambert * albedo;
+  value.density = p.reflect * lambert;
+  if (m.coat.exists()) {
+    const Coat::Value gloss = m.coat.value(out, in);
+    value.bsdf_cosine += Vector3f::Constant(gloss.brdf_cosine);
+    value.density += p.coat * gloss.density;
+  }
+  return value;
+}
+
+PathBsdf::Draw PathBsdf::draw(const Eigen::Vector2f& u, float lobe) const {
+  const PathMaterial& m = *material;
+  if (m.kind == SurfaceKind::conductor) return draw_metal(u);
+  if (m.kind == SurfaceKind::glass) return draw_glass(u, lobe);
+  const Lobes p = lobes();
+  Draw draw;
+  if (lobe < p.coat) {
+    const Coat::Draw gloss = m.coat.draw(out, u);
+    if (gloss.weight <= 0) return draw;
+    draw.in = gloss.in;
+  } else {
+    if (!(p.reflect + p.transmit > 0)) return draw;
+    const Eigen::Vector2f d = concentric_disk(u);
+    const float z = std::sqrt(std::max(1 - d.squaredNorm(), 1e-12F));
+    draw.in = {d.x(), d.y(), lobe < p.coat + p.reflect ? z : -z};
+  }
+  const Value v = value(draw.in);
+  if (!(v.density > 0)) return draw;
+  draw.weight = v.bsdf_cosine / v.density;
+  draw.density = v.density;
+  return draw;
+}
+
+PathBsdf::Value PathBsdf::metal(const Vector3f& in) const {
+  const PathMaterial& m = *material;
+  if (in.z() <= 0) return {};
+  const Vector3f facet = (out + in).normalized();
+  const float lambda_out = m.facets.lambda(out.z()), lambda_in = m.facets.lambda(in.z());
+  const float common = m.facets.distribution(facet) / (4 * out.z());
+  const float c = 1 - std::clamp(out.dot(facet), 0.0F, 1.0F);
+  const Vector3f reflected = albedo + (Vector3f::Ones() - albedo) * (c * c * c * c * c);
+  // What single scattering loses comes back, coloured [Turquin 2019].
+  const float kept = std::max(lookup(m.kept_outside, out.z()), 0.1F);
+  const Vector3f again = Vector3f::Ones() + albedo * ((1 - kept) / kept);
+  return {(common / (1 + lambda_out + lambda_in)) * reflected.cwiseProduct(again),
+          common / (1 + lambda_out)};
+}
+
+PathBsdf::Draw PathBsdf::draw_metal(const Eigen::Vector2f& u) const {
+  const Vector3f facet = material->facets.draw_visible(out, u);
+  Draw draw;
+  draw.in = 2 * out.dot(facet) * facet - out;
+  if (draw.in.z() <= 0) return draw;
+  const Value v = value(draw.in);
+  if (!(v.density > 0)) return draw;
+  draw.weight = v.bsdf_cosine / v.density;
+  draw.density = v.density;
+  return draw;
+}
+
+PathBsdf::Value PathBsdf::glass(const Vector3f& in) const {
+  const PathMaterial& m = *material;
+  const float eta = is_inside ? 1 / m.ior : m.ior;
+  const bool reflects = in.z() > 0;
+  Vector3f facet = reflects ? Vector3f(out + in) : Vector3f(out + eta * in);
+  const float length = facet.norm();
+  if (!(length > 1e-9F)) return {};
+  facet /= facet.z() < 0 ? -length : length;
+  const float out_m = out.dot(facet), in_m = in.dot(facet);
+  if (out_m <= 0 || (in_m > 0) != reflects) return {};
+  const float lambda_out = m.facets.lambda(out.z());
+  const float visible = m.facets.distribution(facet) * out_m / (out.z() * (1 + lambda_out));
+  const float reflected = fresnel(out_m, eta);
+  const float root = out_m + eta * in_m;
+  // Density of the facet times its change with the direction [Walter et al. 2007, eq. 14 and 17].
+  const float density = reflects ? reflected * visible / (4 * out_m)
+                                 : (1 - reflected) * visible * eta * eta * -in_m / (root * root);
+  const float weight = (1 + lambda_out) / (1 + lambda_out + m.facets.lambda(in.z()));
+  const float kept = std::max(lookup(is_inside ? m.kept_inside : m.kept_outside, out.z()), 0.1F);
+  return {density * weight / kept * albedo, density};
+}
+
+PathBsdf::Draw PathBsdf::draw_glass(const Eigen::Vector2f& u, float lobe) const {
+  const PathMaterial& m = *material;
+  const float eta = is_inside ? 1 / m.ior : m.ior;
+  const GlassDraw facet = draw_facet(m.facets, out, eta, u, lobe);
+  Draw draw;
+  if (!(facet.weight > 0)) return draw;
+  const float kept = std::max(lookup(is_inside ? m.kept_inside : m.kept_outside, out.z()), 0.1F);
+  draw.in = facet.in;
+  draw.weight = facet.weight / kept * albedo;
+  draw.density = glass(facet.in).density;
+  return draw;
+}
+
+float noise_at(const NoiseTexture& noise, const Vector3f& in_object_m) {
+  const auto lattice = [](int x, int y, int z, int octave) {
+    const std::uint64_t key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) |
+                              static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32;
+    const std::uint64_t hash =
+        hash64(hash64(key) + static_cast<std::uint32_t>(z) * 0x9E3779B97F4A7C15ULL +
+               static_cast<std::uint64_t>(octave));
+    return static_cast<float>(hash >> 40) * 0x1p-24F;
+  };
+  const auto smooth = [](float t) { return t * t * (3 - 2 * t); };
+  float sum = 0, total = 0, strength = 1;
+  Vector3f p = in_object_m / static_cast<float>(noise.scale_m);
+  for (int octave = 0; octave < noise.octaves; ++octave, p *= 2, strength *= 0.5F) {
+    // Far beyond any object; keeps the cast to int defined.
+    if (!(p.cwiseAbs().maxCoeff() < 1e9F)) break;
+    const Vector3f floor = p.array().floor();
+    const int x = static_cast<int>(floor.x()), y = static_cast<int>(floor.y()),
+              z = static_cast<int>(floor.z());
+    const float u = smooth(p.x() - floor.x()), v = smooth(p.y() - floor.y()),
+                w = smooth(p.z() - floor.z());
+    const auto along = [&](int dy, int dz) {
+      const float a = lattice(x, y + dy, z + dz, octave),
+                  b = lattice(x + 1, y + dy, z + dz, octave);
+      return a + u * (b - a);
+    };
+    const auto across = [&](int dz) {
+      const float a = along(0, dz);
+      return a + v * (along(1, dz) - a);
+    };
+    const float a = across(0);
+    sum += strength * (a + w * (across(1) - a));
+    total += strength;
+  }
+  return total > 0 ? sum / total : 0.5F;
+}
+
+}  // namespace cousin

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+#include "sim/render/coat.h"
+#include "sim/render/microfacet.h"
+#include "sim/truth/scene.h"
+
+namespace cousin {
+
+/// A material as the path tracer uses it: colours as vectors, tables of what microfacets reflect.
+/// Private to sim/render.
+struct PathMaterial {
+  /// @throws std::invalid_argument naming the material, the value and the limit: colours outside
+  /// [0, 1], a leaf whose albedo and transmittance exceed 1 together, ior < 1 (glass: <= 1),
+  /// roughness outside [0.05, 1], a noise scale <= 0 or octaves outside 1..12.
+  explicit PathMaterial(const Material& material);
+
+  SurfaceKind kind;
+  Coat coat;
+  Ggx facets;
+  float ior;
+  Eigen::Vector3f albedo, back_albedo, transmittance, ink_albedo;
+  std::optional<SeedBoard> print;
+  std::optional<NoiseTexture> noise;
+  /// Metal: share of light that single scattering by perfectly reflecting facets returns, at cosine
+  /// = i / 64. Glass: share that it reflects or lets through, from outside and from inside.
+  static constexpr int kCells = 64;
+  std::array<float, kCells + 1> kept_outside{}, kept_inside{};
+};
+
+/// What one point of a surface does to light. Directions are unit and in the point's frame, z along
+/// the shading normal on the side that `out` is on.
+struct PathBsdf {
+  const PathMaterial* material = nullptr;
+  Eigen::Vector3f out;     ///< where the ray came from; z > 0
+  bool is_inside = false;  ///< glass: `out` is in it
+  Eigen::Vector3f albedo;  ///< of the side that `out` is on
+
+  struct Value {
+    Eigen::Vector3f bsdf_cosine = Eigen::Vector3f::Zero();  ///< per steradian
+    float density = 0;                                      ///< of `draw` there, per steradian
+  };
+  Value value(const Eigen::Vector3f& in) const;
+
+  struct Draw {
+    Eigen::Vector3f in;
+    Eigen::Vector3f weight = Eigen::Vector3f::Zero();  ///< bsdf * cosine / density; zero = absorbed
+    float density = 0;
+  };
+  /// @param lobe  in [0, 1): which of coat, reflection and transmission.
+  Draw draw(const Eigen::Vector2f& u, float lobe) const;
+
+ private:
+  struct Lobes {
+    float coat = 0, reflect = 0, transmit = 0;  ///< probabilities; their sum is 1, or 0
+  };
+  Lobes lobes() const;
+  Value metal(const Eigen::Vector3f& in) const;
+  Value glass(const Eigen::Vector3f& in) const;
+  Draw draw_metal(const Eigen::Vector2f& u) const;
+  Draw draw_glass(const Eigen::Vector2f& u, float lobe) const;
+};
+
+/// Fractal value noise in [0, 1] at a point of an object.
+float noise_at(const NoiseTexture& noise, const Eigen::Vector3f& in_object_m);
+
+}  // namespace cousin

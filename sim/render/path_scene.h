@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "sim/render/path_material.h"
+#include "sim/render/path_tracer.h"
+#include "sim/render/ray_scene_impl.h"
+#include "sim/render/scene_lights.h"
+
+namespace cousin {
+
+/// What light needs of a model, in the model's frame. Private to sim/render.
+struct PathModel {
+  std::vector<Eigen::Vector3f> vertex_albedo;   ///< or empty
+  std::vector<Eigen::Vector3f> vertex_normals;  ///< or empty = flat
+};
+
+struct PathInstance {
+  const PathMaterial* material = nullptr;
+  const PathModel* model = nullptr;
+  Eigen::Matrix3f object_from_world;
+  Eigen::Vector3f object_origin_m;
+  bool is_open = false;
+};
+
+/// A point where a path met a surface.
+struct PathHit {
+  Eigen::Vector3f position_m;
+  Eigen::Vector3f face_normal;  ///< unit, towards where the ray came from
+  float offset_m = 0;           ///< how far off the face a ray must start
+  Eigen::Matrix3f frame;        ///< tangent, bitangent, shading normal: world from local
+  PathBsdf bsdf;
+  bool is_dark = false;  ///< the back of a closed opaque surface
+};
+
+struct PathTracer::Impl {
+  const RayScene::Impl* rays = nullptr;
+  SceneLights lights;
+  std::vector<PathMaterial> materials;
+  std::vector<PathModel> models;
+  std::vector<PathInstance> instances;
+
+  /// @param direction  of the ray, unit.
+  PathHit hit(std::uint32_t geometry, std::uint32_t triangle, float u, float v,
+              const Eigen::Vector3f& direction) const;
+};
+
+}  // namespace cousin
