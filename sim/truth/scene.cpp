@@ -33,6 +33,11 @@ Pose pose_at_row(const TrueView& view, double y) {
   return interpolate(view.camera_from_world, view.camera_from_world_end, y / last);
 }
 
+double time_at_row(const TrueView& view, double y) {
+  const double last = view.camera.height_px - 1;
+  return last > 0 ? view.time_s + view.readout_s * y / last : view.time_s;
+}
+
 void validate(const Scene& scene) {
   for (const ObjectModel& model : scene.models) {
     const auto fail = [&](const char* what) {
