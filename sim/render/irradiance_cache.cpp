@@ -36,7 +36,14 @@ LitSurface make_surface(const Scene& scene, const RayScene::Impl& rays, const Ra
                                 "\" is not a plain coated one and needs the path tracer");
   }
   LitSurface s;
-  s.geometry = &geometry;
+  if (geometry.is_instanced ||
+      rays.mesh_of(geometry).planes.size() != rays.mesh_of(geometry).triangles.size()) {
+    throw std::invalid_argument("irradiance cache: instance \"" + instance.name +
+                                "\" shares its model, moves, or is one of more triangles than the "
+                                "cache takes, and needs the path tracer");
+  }
+  s.mesh = &rays.mesh_of(geometry);
+  s.is_specimen = geometry.is_specimen;
   s.coat = Coat(material.ior, material.roughness);
   s.albedo = vec(material.albedo);
   s.ink_albedo = vec(material.ink_albedo);
@@ -56,7 +63,7 @@ LitSurface make_surface(const Scene& scene, const RayScene::Impl& rays, const Ra
 /// Given normals, or the faces' mean weighted by area.
 std::vector<Eigen::Vector3f> smooth_normals(const LitSurface& s) {
   if (!s.vertex_normals.empty()) return s.vertex_normals;
-  const RayGeometry& g = *s.geometry;
+  const RayMesh& g = *s.mesh;
   std::vector<Eigen::Vector3d> sums(g.vertices_m.size() - 1, Eigen::Vector3d::Zero());
   for (const auto& t : g.triangles) {
     const Eigen::Vector3d a = g.vertices_m[t[0]].cast<double>();
@@ -82,21 +89,21 @@ class PointLayout {
  private:
   /// Cells along the longest edge: dense on specimens and the print, coarse elsewhere.
   std::uint32_t lattice_order(const LitSurface& s, std::size_t triangle, float size_m) const {
-    const RayGeometry& g = *s.geometry;
+    const RayMesh& g = *s.mesh;
     const auto& t = g.triangles[triangle];
     float longest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       longest = std::max(longest, (g.vertices_m[t[k]] - g.vertices_m[t[(k + 1) % 3]]).norm());
     }
     constexpr float kCoarseCells = 48;
-    const bool is_near = g.is_specimen || g.planes[triangle].has_print;
+    const bool is_near = s.is_specimen || g.planes[triangle].has_print;
     const float spacing = is_near ? texel_m_ : std::max(texel_m_, size_m / kCoarseCells);
     constexpr float kMostCells = 512;
     return static_cast<std::uint32_t>(std::clamp(std::round(longest / spacing), 1.0F, kMostCells));
   }
 
   void lay(LitSurface& s, std::uint32_t index) {
-    const RayGeometry& g = *s.geometry;
+    const RayMesh& g = *s.mesh;
     const std::size_t vertex_count = g.vertices_m.size() - 1;
     const std::vector<Eigen::Vector3f> normals = smooth_normals(s);
     Eigen::Vector3f low = Eigen::Vector3f::Constant(1e30F), high = -low;
@@ -145,7 +152,7 @@ class PointLayout {
   static bool follows(const Eigen::Vector3f& normal, const Eigen::Vector3f& face) {
     return normal.dot(face) > 0.82F;
   }
-  static bool is_smooth(const RayGeometry& g, std::size_t triangle,
+  static bool is_smooth(const RayMesh& g, std::size_t triangle,
                         const std::vector<Eigen::Vector3f>& normals) {
     const Eigen::Vector3f face = face_normal(g.planes[triangle]);
     const auto& t = g.triangles[triangle];
@@ -155,13 +162,13 @@ class PointLayout {
   /// The same place on the other side: the offsets of both sides lie along the normal.
   static CachePoint back_of(const CachePoint& front, const LitSurface& s) {
     float offset = 0;
-    for (const TrianglePlane& p : s.geometry->planes) offset = std::max(offset, p.offset_m);
+    for (const TrianglePlane& p : s.mesh->planes) offset = std::max(offset, p.offset_m);
     return {front.origin_m - 5 * offset * front.normal, -front.normal, front.surface};
   }
 
   void lay_lattice(LitSurface& s, std::size_t triangle, std::uint32_t index,
                    const std::vector<Eigen::Vector3f>& normals) {
-    const RayGeometry& g = *s.geometry;
+    const RayMesh& g = *s.mesh;
     const auto& t = g.triangles[triangle];
     const Eigen::Vector3f face = face_normal(g.planes[triangle]);
     Eigen::Vector3f corner[3];
@@ -318,7 +325,7 @@ IrradianceCache::IrradianceCache(const RayScene& rays, const Scene& scene,
                                 "\" has a projector, which needs the path tracer");
   }
   for (const RayGeometry& geometry : impl.rays->geometries) {
-    impl.surfaces.push_back(make_surface(scene, *impl.rays, geometry, rays.impl().time_s));
+    impl.surfaces.push_back(make_surface(scene, *impl.rays, geometry, rays.impl().span_s.begin_s));
   }
   const std::vector<CachePoint> points = PointLayout(impl.surfaces, config.board_texel_m).points;
   const Gatherer gather(impl, points, rng);

@@ -47,13 +47,13 @@ void PathBatch::clear() {
   radiance_.clear();
 }
 
-void PathBatch::add(const Vector3f& origin_m, const Vector3f& direction,
-                    const PathSampler& sampler) {
+void PathBatch::add(const Vector3f& origin_m, const Vector3f& direction, const PathSampler& sampler,
+                    float time) {
   const auto index = static_cast<std::uint32_t>(samplers_.size());
   samplers_.push_back(sampler);
   radiance_.emplace_back(Vector3f::Zero());
   if (direction.isZero(0)) return;
-  paths_.push_back({origin_m, direction, Vector3f::Ones(), 0, index});
+  paths_.push_back({origin_m, direction, Vector3f::Ones(), 0, time, index});
 }
 
 void PathBatch::run() {
@@ -85,14 +85,16 @@ void PathBatch::trace_packets() {
       const PathState& p = paths_[k];
       set_ray(packet.ray, i, p.origin_m.x(), p.origin_m.y(), p.origin_m.z(), p.direction.x(),
               p.direction.y(), p.direction.z());
+      packet.ray.time[i] = p.time;
       packet.hit.geomID[i] = kNone;
+      packet.hit.instID[0][i] = kNone;
       mask.lane[i] = first + static_cast<std::size_t>(i) < paths_.size() ? -1 : 0;
     }
     rtcIntersect16(mask.lane, scene_.rays->scene, &context, &packet);
     for (int i = 0; i < kLanes && mask.lane[i]; ++i) {
-      hits_[first + static_cast<std::size_t>(i)] = {packet.hit.geomID[i], packet.hit.primID[i],
-                                                    packet.hit.u[i], packet.hit.v[i],
-                                                    packet.ray.tfar[i]};
+      hits_[first + static_cast<std::size_t>(i)] = {packet.hit.instID[0][i], packet.hit.geomID[i],
+                                                    packet.hit.primID[i],    packet.hit.u[i],
+                                                    packet.hit.v[i],         packet.ray.tfar[i]};
     }
   }
 }
@@ -109,7 +111,7 @@ void PathBatch::trace_singles() {
     ray.ray.dir_x = p.direction.x();
     ray.ray.dir_y = p.direction.y();
     ray.ray.dir_z = p.direction.z();
-    ray.ray.time = 0;
+    ray.ray.time = p.time;
     ray.ray.tfar = kFar;
     ray.ray.mask = 0xFFFFFFFFU;
     ray.ray.id = 0;
@@ -117,7 +119,8 @@ void PathBatch::trace_singles() {
     ray.hit.geomID = kNone;
     ray.hit.instID[0] = kNone;
     rtcIntersect1(scene_.rays->scene, &context, &ray);
-    hits_[k] = {ray.hit.geomID, ray.hit.primID, ray.hit.u, ray.hit.v, ray.ray.tfar};
+    hits_[k] = {ray.hit.instID[0], ray.hit.geomID, ray.hit.primID,
+                ray.hit.u,         ray.hit.v,      ray.ray.tfar};
   }
 }
 
@@ -160,7 +163,8 @@ void PathBatch::shade(int bounce_count) {
     const bool missed = h.geometry == kNone;
     add_light_behind(path, missed, h.far_m);
     if (missed || bounce_count > max_bounces_) continue;
-    const PathHit hit = scene_.hit(h.geometry, h.triangle, h.u, h.v, path.direction);
+    const PathHit hit =
+        scene_.hit(h.instance, h.geometry, h.triangle, h.u, h.v, path.direction, path.time);
     if (hit.is_dark) continue;
     add_lights(path, hit, pair, bounce_count == 0);
     bounce(path, hit, bounce_count, pair);
@@ -185,7 +189,7 @@ void PathBatch::add_lights(const PathState& path, const PathHit& hit, std::uint3
   const auto offer = [&](std::vector<Shadow>& list, const Vector3f& direction, float far_m,
                          const Vector3f& light) {
     if (!(light.maxCoeff() > 0)) return;
-    list.push_back({leave(hit, direction), direction, far_m, light, path.index});
+    list.push_back({leave(hit, direction), direction, far_m, path.time, light, path.index});
   };
 
   for (const auto& sun : lights.suns) {
@@ -244,6 +248,7 @@ void PathBatch::bounce(const PathState& path, const PathHit& hit, int bounce_cou
   if (!(draw.weight.maxCoeff() > 0)) return;
   PathState next;
   next.index = path.index;
+  next.time = path.time;
   next.density = std::max(draw.density, 1e-20F);
   next.throughput = path.throughput.cwiseProduct(draw.weight);
   // A long path goes on in proportion to what it carries.

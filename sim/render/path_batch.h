@@ -15,6 +15,7 @@ struct PathState {
   Eigen::Vector3f direction;
   Eigen::Vector3f throughput;
   float density = 0;        ///< of the direction, per steradian, where it was drawn; 0 = camera ray
+  float time = 0;           ///< of the ray, as Embree takes it
   std::uint32_t index = 0;  ///< of the sample in the batch
 };
 
@@ -26,9 +27,9 @@ class PathBatch {
       : scene_(scene), max_bounces_(max_bounces) {}
 
   void clear();
-  /// @param direction  unit.
+  /// @param direction  unit, or zero: a sample without a ray.
   void add(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction,
-           const PathSampler& sampler);
+           const PathSampler& sampler, float time);
   void run();
 
   std::size_t size() const { return samplers_.size(); }
@@ -43,11 +44,12 @@ class PathBatch {
   struct Shadow {
     Eigen::Vector3f origin_m, direction;
     float far_m = 0;
+    float time = 0;
     Eigen::Vector3f light;
     std::uint32_t index = 0;
   };
   struct RayHit {
-    std::uint32_t geometry = 0, triangle = 0;
+    unsigned int instance = 0, geometry = 0, triangle = 0;  ///< as Embree names them
     float u = 0, v = 0, far_m = 0;
   };
 

@@ -11,67 +11,78 @@ namespace {
 
 using Eigen::Vector3f;
 
-Vector3f albedo_at(const PathTracer::Impl& impl, std::uint32_t geometry, std::uint32_t triangle,
-                   float u, float v, const Vector3f& position_m, bool is_back) {
-  const PathInstance& instance = impl.instances[geometry];
+struct Placement {
+  Eigen::Matrix3f world_from_object;
+  Vector3f origin_m;
+};
+
+Placement placement_at(const PathTracer::Impl& impl, const SurfacePoint& point, float time) {
+  const PathInstance& instance = impl.instances[point.geometry];
+  if (!instance.moves) return {instance.world_from_object, instance.origin_m};
+  const Pose pose = object_pose(impl.rays->geometries[point.geometry], time);
+  return {pose.rotation.toRotationMatrix().cast<float>(), pose.translation_m.cast<float>()};
+}
+
+Vector3f albedo_at(const PathInstance& instance, const SurfacePoint& point,
+                   const Placement& placement) {
   const PathMaterial& m = *instance.material;
-  const RayGeometry& g = impl.rays->geometries[geometry];
-  Vector3f albedo = is_back ? m.back_albedo : m.albedo;
+  Vector3f albedo = point.is_back ? m.back_albedo : m.albedo;
   if (!instance.model->vertex_albedo.empty()) {
-    const auto& t = g.triangles[triangle];
     const auto& a = instance.model->vertex_albedo;
-    albedo = albedo.cwiseProduct(interpolate(a[t[0]], a[t[1]], a[t[2]], u, v));
+    const auto& t = point.vertices;
+    albedo = albedo.cwiseProduct(interpolate(a[t[0]], a[t[1]], a[t[2]], point.u, point.v));
   }
   if (!m.noise && !m.print) return albedo;
-  const Vector3f p = instance.object_from_world * position_m + instance.object_origin_m;
+  const Vector3f p =
+      placement.world_from_object.transpose() * (point.position_m - placement.origin_m);
   if (m.noise) {
     const Vector3f other(m.noise->other_albedo.r, m.noise->other_albedo.g, m.noise->other_albedo.b);
     albedo += noise_at(*m.noise, p) * (other - albedo);
   }
-  if (m.print && g.planes[triangle].has_print &&
+  if (m.print && point.has_print &&
       is_black(*m.print, static_cast<double>(p.x()), static_cast<double>(p.y()))) {
     albedo = m.ink_albedo;
   }
   return albedo;
 }
 
+Vector3f shading_normal(const PathInstance& instance, const SurfacePoint& point,
+                        const Placement& placement, const Vector3f& direction) {
+  const auto& n = instance.model->vertex_normals;
+  if (n.empty()) return point.face_normal;
+  const auto& t = point.vertices;
+  const Vector3f smooth =
+      placement.world_from_object * interpolate(n[t[0]], n[t[1]], n[t[2]], point.u, point.v);
+  const float length = smooth.norm();
+  if (!(length > 1e-6F)) return point.face_normal;
+  const Vector3f shading = smooth / (smooth.dot(point.face_normal) < 0 ? -length : length);
+  // At the outline a shading normal may turn away from the ray: it is turned back to the edge of
+  // what can be seen.
+  const float facing = -shading.dot(direction);
+  if (facing >= 1e-3F) return shading;
+  return (shading - (1e-3F - facing) * direction).normalized();
+}
+
 }  // namespace
 
-PathHit PathTracer::Impl::hit(std::uint32_t geometry, std::uint32_t triangle, float u, float v,
-                              const Vector3f& direction) const {
-  const PathInstance& instance = instances[geometry];
-  const RayGeometry& g = rays->geometries[geometry];
-  const TrianglePlane& plane = g.planes[triangle];
-  const auto& t = g.triangles[triangle];
+PathHit PathTracer::Impl::hit(unsigned int inst_id, unsigned int geom_id, unsigned int prim_id,
+                              float u, float v, const Vector3f& direction, float time) const {
+  const SurfacePoint point = surface_point(*rays, inst_id, geom_id, prim_id, u, v, direction, time);
+  const PathInstance& instance = instances[point.geometry];
+  const Placement placement = placement_at(*this, point, time);
   PathHit hit;
-  hit.position_m = interpolate(g.vertices_m[t[0]], g.vertices_m[t[1]], g.vertices_m[t[2]], u, v);
-  const Vector3f normal(static_cast<float>(plane.normal[0]), static_cast<float>(plane.normal[1]),
-                        static_cast<float>(plane.normal[2]));
-  const bool is_back = normal.dot(direction) > 0;
-  hit.face_normal = is_back ? Vector3f(-normal) : normal;
-  hit.offset_m = plane.offset_m;
-
-  Vector3f shading = hit.face_normal;
-  if (!instance.model->vertex_normals.empty()) {
-    const auto& n = instance.model->vertex_normals;
-    const Vector3f smooth =
-        instance.object_from_world.transpose() * interpolate(n[t[0]], n[t[1]], n[t[2]], u, v);
-    const float length = smooth.norm();
-    if (length > 1e-6F) shading = smooth / (smooth.dot(hit.face_normal) < 0 ? -length : length);
-    // At the outline a shading normal may turn away from the ray: it is turned back to the edge of
-    // what can be seen.
-    const float facing = -shading.dot(direction);
-    if (facing < 1e-3F) shading = (shading - (1e-3F - facing) * direction).normalized();
-  }
-  hit.frame = frame_about(shading);
+  hit.position_m = point.position_m;
+  hit.face_normal = point.face_normal;
+  hit.offset_m = point.offset_m;
+  hit.frame = frame_about(shading_normal(instance, point, placement, direction));
   hit.bsdf.material = instance.material;
   hit.bsdf.out = hit.frame.transpose() * -direction;
   hit.bsdf.out.z() = std::max(hit.bsdf.out.z(), 1e-4F);
   const SurfaceKind kind = instance.material->kind;
-  hit.bsdf.is_inside = is_back && kind == SurfaceKind::glass;
+  hit.bsdf.is_inside = point.is_back && kind == SurfaceKind::glass;
   hit.is_dark =
-      is_back && !instance.is_open && kind != SurfaceKind::glass && kind != SurfaceKind::leaf;
-  hit.bsdf.albedo = albedo_at(*this, geometry, triangle, u, v, hit.position_m, is_back);
+      point.is_back && !instance.is_open && kind != SurfaceKind::glass && kind != SurfaceKind::leaf;
+  hit.bsdf.albedo = albedo_at(instance, point, placement);
   return hit;
 }
 
@@ -92,13 +103,15 @@ PathTracer::PathTracer(const RayScene& rays, const Scene& scene) : impl_(std::ma
   }
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    const Pose object_from_world = inverse(world_from_object(instance, impl.rays->time_s));
+    const RayGeometry& geometry = impl.rays->geometries[i];
+    const Pose pose = object_pose(geometry, 0);
     PathInstance& p = impl.instances.emplace_back();
     p.material = &impl.materials[static_cast<std::size_t>(instance.material)];
     p.model = &impl.models[static_cast<std::size_t>(instance.model)];
-    p.object_from_world = object_from_world.rotation.toRotationMatrix().cast<float>();
-    p.object_origin_m = (object_from_world * impl.rays->centre_m).cast<float>();
-    p.is_open = impl.rays->geometries[i].is_open;
+    p.is_open = impl.rays->mesh_of(geometry).is_open;
+    p.moves = geometry.steps.size() > 1;
+    p.world_from_object = pose.rotation.toRotationMatrix().cast<float>();
+    p.origin_m = pose.translation_m.cast<float>();
   }
 }
 

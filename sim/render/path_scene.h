@@ -20,9 +20,10 @@ struct PathModel {
 struct PathInstance {
   const PathMaterial* material = nullptr;
   const PathModel* model = nullptr;
-  Eigen::Matrix3f object_from_world;
-  Eigen::Vector3f object_origin_m;
   bool is_open = false;
+  bool moves = false;  ///< its pose depends on the ray's time
+  Eigen::Matrix3f world_from_object;
+  Eigen::Vector3f origin_m;  ///< of the object, world less RayScene's centre
 };
 
 /// A point where a path met a surface.
@@ -42,9 +43,9 @@ struct PathTracer::Impl {
   std::vector<PathModel> models;
   std::vector<PathInstance> instances;
 
-  /// @param direction  of the ray, unit.
-  PathHit hit(std::uint32_t geometry, std::uint32_t triangle, float u, float v,
-              const Eigen::Vector3f& direction) const;
+  /// What Embree reports of a hit, and the ray's unit direction and time.
+  PathHit hit(unsigned int inst_id, unsigned int geom_id, unsigned int prim_id, float u, float v,
+              const Eigen::Vector3f& direction, float time) const;
 };
 
 }  // namespace cousin

@@ -67,6 +67,7 @@ class ViewRenderer {
         width_(view.camera.width_px),
         height_(view.camera.height_px),
         instants_(is_moving(view) ? kInstants : 1),
+        has_motion_(scene.rays->span_s.end_s > scene.rays->span_s.begin_s),
         rays_(view, scene.rays->centre_m, instants_),
         key_(rng.fork("paths")()),
         sums_(width_, height_) {}
@@ -218,11 +219,16 @@ class ViewRenderer {
     const std::uint64_t pixel = static_cast<std::uint64_t>(y) << 32 | static_cast<std::uint32_t>(x);
     const PathSampler sampler{hash64(key_ ^ hash64(pixel)), sample};
     const Vector3f in_camera = rays_.in_camera(x, y, sampler.pair(0));
+    const float share = sampler.pair(2).x();  // of the row's exposure
     const int instant =
-        instants_ == 1 ? 0 : static_cast<int>(sampler.pair(2).x() * static_cast<float>(instants_));
+        instants_ == 1 ? 0 : static_cast<int>(share * static_cast<float>(instants_));
+    const float time =
+        has_motion_
+            ? ray_time(*scene_.rays, time_in_exposure_s(view_, y, static_cast<double>(share)))
+            : 0;
     const auto& row = rays_.row(y, instant);
     if (!(view_.aperture_radius_m > 0) || !std::isfinite(view_.focus_m) || in_camera.z() <= 1e-6F) {
-      batch.add(row.origin_m, row.world_from_camera * in_camera, sampler);
+      batch.add(row.origin_m, row.world_from_camera * in_camera, sampler, time);
       return;
     }
     // Thin lens: through a point of the aperture to where the pinhole's ray meets the sharp plane.
@@ -231,13 +237,14 @@ class ViewRenderer {
     const Vector3f on_lens(disk.x(), disk.y(), 0);
     const Vector3f sharp = in_camera * (static_cast<float>(view_.focus_m) / in_camera.z());
     batch.add(row.origin_m + row.world_from_camera * on_lens,
-              row.world_from_camera * (sharp - on_lens).normalized(), sampler);
+              row.world_from_camera * (sharp - on_lens).normalized(), sampler, time);
   }
 
   const PathTracer::Impl& scene_;
   const TrueView& view_;
   const PathConfig& config_;
   int width_, height_, instants_;
+  bool has_motion_;
   PixelRays rays_;
   std::uint64_t key_;
   Image<PixelSum> sums_;

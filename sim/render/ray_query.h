@@ -20,14 +20,16 @@ struct RayAnswer {
   // Where the hit lies: barycentric weights of the second and third vertex, and the geometry.
   float u = 0, v = 0;
   std::uint32_t geometry = 0;
+  float time = 0;  ///< the ray's, as a share of the RayScene's span
 };
 
 /// First surface along a ray from anywhere. @param direction  unit, in the world.
+/// @param time_s  held at the ends of the RayScene's span.
 RayAnswer cast_ray(const RayScene& rays, const Eigen::Vector3d& origin_in_world_m,
-                   const Eigen::Vector3d& direction);
+                   const Eigen::Vector3d& direction, double time_s = 0);
 
 /// First surface along a ray that leaves a surface: it starts off the hit by the rounding there, on
-/// the side that it leaves to, as shadow and bounce rays do.
+/// the side that it leaves to and at its time, as shadow and bounce rays do.
 RayAnswer cast_from(const RayScene& rays, const RayAnswer& hit, const Eigen::Vector3d& direction);
 
 /// Casts all prepared rays with Embree's packets and nothing else: the yardstick of the truth pass.

@@ -10,12 +10,16 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <unordered_map>
 
+#include "sim/render/ray_mesh.h"
+#include "sim/render/ray_motion.h"
 #include "sim/render/ray_scene_impl.h"
 
 namespace cousin {
 namespace {
+
+/// More triangles than this keep no planes, and Embree's trees are compact.
+constexpr std::size_t kManyTriangles = std::size_t{1} << 20;
 
 struct Bounds {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
@@ -27,15 +31,56 @@ struct Bounds {
   bool empty() const { return !(low.x() <= high.x()); }
 };
 
-/// Middle of the specimens, or of everything where there are none.
-Eigen::Vector3d scene_centre(const Scene& scene, double time_s) {
+/// What a scene's instances make of its models.
+struct ModelUse {
+  int instances = 0;
+  bool has_print = false;
+  bool is_shared = false;  ///< kept once, in its own axes
+  std::array<Eigen::Vector3d, 8> corners_m;
+};
+
+std::size_t used_triangles(const Scene& scene, const std::vector<ModelUse>& uses) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < uses.size(); ++i)
+    count += uses[i].instances > 0 ? scene.models[i].mesh.triangles.size() : 0;
+  return count;
+}
+
+std::vector<ModelUse> model_uses(const Scene& scene) {
+  std::vector<ModelUse> uses(scene.models.size());
+  for (const Instance& instance : scene.instances) {
+    ModelUse& use = uses[static_cast<std::size_t>(instance.model)];
+    ++use.instances;
+    use.has_print |= scene.materials[static_cast<std::size_t>(instance.material)].print.has_value();
+  }
+  tbb::parallel_for(std::size_t{0}, uses.size(),
+                    [&](std::size_t i) { uses[i].corners_m = box_corners(scene.models[i].mesh); });
+  // Among many triangles a specimen is kept once too: its tree alone serves the whole scene.
+  const bool is_many = used_triangles(scene, uses) > kManyTriangles;
+  for (const Instance& instance : scene.instances) {
+    ModelUse& use = uses[static_cast<std::size_t>(instance.model)];
+    use.is_shared |= use.instances > 1 || (is_many && instance.is_specimen);
+  }
+  return uses;
+}
+
+/// Middle of the specimens, or of everything where there are none. Of shared models the corners of
+/// their boxes count.
+Eigen::Vector3d scene_centre(const Scene& scene, const std::vector<ModelUse>& uses, double time_s) {
   Bounds specimens, all;
   for (const Instance& instance : scene.instances) {
     const Pose pose = world_from_object(instance, time_s);
-    for (const auto& v : scene.models[static_cast<std::size_t>(instance.model)].mesh.vertices_m) {
+    const auto add = [&](const Eigen::Vector3d& v) {
       const Eigen::Vector3d p = pose * v;
       all.add(p);
       if (instance.is_specimen) specimens.add(p);
+    };
+    const auto model = static_cast<std::size_t>(instance.model);
+    const auto& vertices = scene.models[model].mesh.vertices_m;
+    if (uses[model].is_shared && !vertices.empty()) {
+      std::for_each(uses[model].corners_m.begin(), uses[model].corners_m.end(), add);
+    } else {
+      std::for_each(vertices.begin(), vertices.end(), add);
     }
   }
   const Bounds& bounds = specimens.empty() ? all : specimens;
@@ -43,101 +88,80 @@ Eigen::Vector3d scene_centre(const Scene& scene, double time_s) {
   return 0.5 * (bounds.low + bounds.high);
 }
 
-/// Whether some directed edge lacks its opposite.
-bool has_boundary(const Mesh& mesh) {
-  std::unordered_map<std::uint64_t, int> balance;
-  balance.reserve(mesh.triangles.size() * 2);
-  for (const auto& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint64_t a = t[static_cast<std::size_t>(k)];
-      const std::uint64_t b = t[static_cast<std::size_t>((k + 1) % 3)];
-      balance[a < b ? (a << 32 | b) : (b << 32 | a)] += a < b ? 1 : -1;
-    }
-  }
-  return std::any_of(balance.begin(), balance.end(),
-                     [](const auto& edge) { return edge.second != 0; });
-}
-
-/// The printed face: all three corners on z = 0 of the object, facing +z.
-bool on_printed_face(const Mesh& mesh, const std::array<std::uint32_t, 3>& t, double size_m) {
-  for (const std::uint32_t v : t) {
-    if (std::abs(mesh.vertices_m[v].z()) > 1e-9 * size_m) return false;
-  }
-  const Eigen::Vector3d a = mesh.vertices_m[t[0]];
-  return (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a).z() > 0;
-}
-
-TrianglePlane make_plane(const std::array<Eigen::Vector3d, 3>& p,
-                         const std::array<Eigen::Vector3f, 3>& f) {
-  TrianglePlane plane{};
-  const Eigen::Vector3d cross = (p[1] - p[0]).cross(p[2] - p[0]);
-  const double length = cross.norm();
-  const Eigen::Vector3d normal =
-      length > 0 ? Eigen::Vector3d(cross / length) : Eigen::Vector3d::Zero();
-  // The middle of the triangle: the rounding of the normal then acts over the shortest arm.
-  const double distance = normal.dot((p[0] + p[1] + p[2]) / 3);
-  float largest = 0;
-  for (int k = 0; k < 3; ++k) {
-    plane.normal[k] = normal[k];
-    plane.low[k] = std::min({f[0][k], f[1][k], f[2][k]});
-    plane.high[k] = std::max({f[0][k], f[1][k], f[2][k]});
-    largest = std::max({largest, std::abs(plane.low[k]), std::abs(plane.high[k])});
-  }
-  plane.distance = distance;
-  plane.offset_m = kOffsetUlps * largest;
-  return plane;
-}
-
-RayGeometry make_geometry(const Scene& scene, std::size_t index, double time_s,
-                          const Eigen::Vector3d& centre_m) {
+RayGeometry make_geometry(const Scene& scene, std::size_t index, const ModelUse& use,
+                          const TimeSpan& span_s, const Eigen::Vector3d& centre_m) {
   const Instance& instance = scene.instances[index];
-  const ObjectModel& model = scene.models[static_cast<std::size_t>(instance.model)];
-  const Material& material = scene.materials[static_cast<std::size_t>(instance.material)];
-  const Pose pose = world_from_object(instance, time_s);
   RayGeometry geometry;
   geometry.instance_index = static_cast<int>(index);
   geometry.id = instance.id;
   geometry.is_specimen = instance.is_specimen;
-  geometry.is_open = has_boundary(model.mesh);
-  geometry.triangles = model.mesh.triangles;
-
-  Bounds box;
-  std::vector<Eigen::Vector3d> vertices(model.mesh.vertices_m.size());
-  geometry.vertices_m.resize(vertices.size() + 1, Eigen::Vector3f::Zero());
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    box.add(model.mesh.vertices_m[i]);
-    vertices[i] = pose * model.mesh.vertices_m[i] - centre_m;
-    geometry.vertices_m[i] = vertices[i].cast<float>();
-  }
-  if (vertices.empty()) box.add(Eigen::Vector3d::Zero());
-  for (int k = 0; k < 8; ++k) {
-    const Eigen::Vector3d corner((k & 1) ? box.high.x() : box.low.x(),
-                                 (k & 2) ? box.high.y() : box.low.y(),
-                                 (k & 4) ? box.high.z() : box.low.z());
-    geometry.box_corners_m[static_cast<std::size_t>(k)] = pose * corner;
-  }
-
-  const double size_m = (box.high - box.low).norm();
-  geometry.planes.resize(geometry.triangles.size());
-  for (std::size_t i = 0; i < geometry.triangles.size(); ++i) {
-    const auto& t = geometry.triangles[i];
-    geometry.planes[i] = make_plane(
-        {vertices[t[0]], vertices[t[1]], vertices[t[2]]},
-        {geometry.vertices_m[t[0]], geometry.vertices_m[t[1]], geometry.vertices_m[t[2]]});
-    geometry.planes[i].part = model.triangle_part.empty() ? 0 : model.triangle_part[i];
-    geometry.planes[i].has_print = material.print && on_printed_face(model.mesh, t, size_m) ? 1 : 0;
-  }
+  geometry.has_print =
+      scene.materials[static_cast<std::size_t>(instance.material)].print.has_value();
+  geometry.box_corners_in_object_m = use.corners_m;
+  double reach_m = 0;
+  for (const Eigen::Vector3d& corner : use.corners_m) reach_m = std::max(reach_m, corner.norm());
+  geometry.steps = motion_steps(instance, span_s, reach_m);
+  for (Pose& pose : geometry.steps) pose.translation_m -= centre_m;
+  geometry.is_instanced = use.is_shared || geometry.steps.size() > 1;
   return geometry;
 }
 
-RTCGeometry embree_geometry(RTCDevice device, const RayGeometry& geometry) {
+/// One mesh for each model in use; `geometries` get their places. @returns the first geometry of
+/// each: the only one where the mesh is laid out in the world.
+std::vector<std::size_t> number_meshes(const Scene& scene, std::vector<RayGeometry>& geometries) {
+  std::vector<std::size_t> first;
+  constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  std::vector<std::uint32_t> of_model(scene.models.size(), kNone);
+  for (std::size_t i = 0; i < geometries.size(); ++i) {
+    const auto model = static_cast<std::size_t>(scene.instances[i].model);
+    if (of_model[model] == kNone) {
+      of_model[model] = static_cast<std::uint32_t>(first.size());
+      first.push_back(i);
+    }
+    geometries[i].mesh = of_model[model];
+  }
+  return first;
+}
+
+RTCGeometry triangle_geometry(RTCDevice device, const RayMesh& mesh) {
   RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             geometry.vertices_m.data(), 0, sizeof(Eigen::Vector3f),
-                             geometry.vertices_m.size() - 1);
-  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                             geometry.triangles.data(), 0, 3 * sizeof(std::uint32_t),
-                             geometry.triangles.size());
+                             mesh.vertices_m.data(), 0, sizeof(Eigen::Vector3f),
+                             mesh.vertices_m.size() - 1);
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(),
+                             0, 3 * sizeof(std::uint32_t), mesh.triangles.size());
+  rtcCommitGeometry(g);
+  return g;
+}
+
+RTCQuaternionDecomposition decomposition(const Pose& pose) {
+  RTCQuaternionDecomposition d;
+  rtcInitQuaternionDecomposition(&d);
+  const Eigen::Quaternionf q = pose.rotation.cast<float>();
+  const Eigen::Vector3f t = pose.translation_m.cast<float>();
+  rtcQuaternionDecompositionSetQuaternion(&d, q.w(), q.x(), q.y(), q.z());
+  rtcQuaternionDecompositionSetTranslation(&d, t.x(), t.y(), t.z());
+  return d;
+}
+
+RTCGeometry instance_geometry(RTCDevice device, const RayScene::Impl& impl,
+                              const RayGeometry& geometry) {
+  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(g, impl.mesh_of(geometry).alone);
+  const std::size_t steps = geometry.steps.size();
+  rtcSetGeometryTimeStepCount(g, static_cast<unsigned int>(steps));
+  for (std::size_t i = 0; i < steps; ++i) {
+    const float time = steps > 1 ? static_cast<float>(i) / static_cast<float>(steps - 1) : 0.0F;
+    const Pose pose = mesh_pose(impl, geometry, time);
+    if (steps > 1) {
+      const RTCQuaternionDecomposition d = decomposition(pose);
+      rtcSetGeometryTransformQuaternion(g, static_cast<unsigned int>(i), &d);
+      continue;
+    }
+    Eigen::Matrix<float, 3, 4> matrix;  // column by column, as Embree takes it
+    matrix << pose.rotation.toRotationMatrix().cast<float>(), pose.translation_m.cast<float>();
+    rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, matrix.data());
+  }
   rtcCommitGeometry(g);
   return g;
 }
@@ -156,55 +180,104 @@ void check(RTCDevice device) {
   }
 }
 
-RTCScene new_robust_scene(RTCDevice device) {
+RTCScene new_robust_scene(RTCDevice device, bool is_compact) {
   RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  rtcSetSceneFlags(
+      scene, is_compact ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_ROBUST);
+  // High quality splits triangles between nodes, and may so keep them twice.
+  rtcSetSceneBuildQuality(scene, is_compact ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH);
   return scene;
+}
+
+/// Embree's scenes: of each mesh that is wanted alone, and of everything.
+void build_scenes(RayScene::Impl& impl, bool is_compact) {
+  std::vector<bool> is_wanted(impl.meshes.size(), false);
+  for (const RayGeometry& g : impl.geometries) {
+    const bool has_triangles = !impl.mesh_of(g).triangles.empty();
+    if (has_triangles && (g.is_instanced || g.is_specimen)) is_wanted[g.mesh] = true;
+  }
+  std::vector<RTCGeometry> triangles(impl.meshes.size(), nullptr);
+  std::vector<bool> is_shared(impl.meshes.size(), false);
+  for (const RayGeometry& g : impl.geometries) is_shared[g.mesh] = g.is_instanced;
+  for (std::size_t i = 0; i < impl.meshes.size(); ++i) {
+    if (impl.meshes[i].triangles.empty()) continue;
+    triangles[i] = triangle_geometry(impl.device, impl.meshes[i]);
+    if (!is_wanted[i]) continue;
+    impl.meshes[i].alone = new_robust_scene(impl.device, is_compact);
+    rtcAttachGeometryByID(impl.meshes[i].alone, triangles[i], 0);
+  }
+  // What the whole scene places comes first; the rest is built side by side, each by one thread.
+  tbb::parallel_for(std::size_t{0}, impl.meshes.size(), [&](std::size_t i) {
+    if (impl.meshes[i].alone && is_shared[i]) commit_alone(impl.meshes[i].alone);
+  });
+  impl.scene = new_robust_scene(impl.device, is_compact);
+  for (std::size_t i = 0; i < impl.geometries.size(); ++i) {
+    const RayGeometry& g = impl.geometries[i];
+    if (!triangles[g.mesh]) continue;
+    RTCGeometry attached =
+        g.is_instanced ? instance_geometry(impl.device, impl, g) : triangles[g.mesh];
+    rtcAttachGeometryByID(impl.scene, attached, static_cast<unsigned int>(i));
+    if (g.is_instanced) rtcReleaseGeometry(attached);
+  }
+  for (RTCGeometry g : triangles) {
+    if (g) rtcReleaseGeometry(g);
+  }
+  tbb::parallel_for(std::size_t{0}, impl.meshes.size() + 1, [&](std::size_t i) {
+    if (i == 0) {
+      commit_alone(impl.scene);
+    } else if (impl.meshes[i - 1].alone && !is_shared[i - 1]) {
+      commit_alone(impl.meshes[i - 1].alone);
+    }
+  });
 }
 
 }  // namespace
 
 RayScene::Impl::~Impl() {
-  for (RayGeometry& geometry : geometries) {
-    if (geometry.alone) rtcReleaseScene(geometry.alone);
-  }
   if (scene) rtcReleaseScene(scene);
+  for (RayMesh& mesh : meshes) {
+    if (mesh.alone) rtcReleaseScene(mesh.alone);
+  }
   if (device) rtcReleaseDevice(device);
 }
 
-RayScene::RayScene(const Scene& scene, double time_s) : impl_(std::make_unique<Impl>()) {
+RayScene::RayScene(const Scene& scene, double time_s) : RayScene(scene, TimeSpan{time_s, time_s}) {}
+
+RayScene::RayScene(const Scene& scene, const TimeSpan& span_s) : impl_(std::make_unique<Impl>()) {
   validate(scene);
+  if (!std::isfinite(span_s.begin_s) || !std::isfinite(span_s.end_s) ||
+      span_s.end_s < span_s.begin_s) {
+    throw std::invalid_argument("rays: the span of time from " + std::to_string(span_s.begin_s) +
+                                " to " + std::to_string(span_s.end_s) + " s is not one");
+  }
   Impl& impl = *impl_;
   impl.device = rtcNewDevice(nullptr);
   if (!impl.device) throw std::runtime_error("Embree: no device");
-  impl.time_s = time_s;
-  impl.centre_m = scene_centre(scene, time_s);
+  impl.span_s = span_s;
+  const std::vector<ModelUse> uses = model_uses(scene);
+  impl.centre_m = scene_centre(scene, uses, span_s.begin_s);
   impl.geometries.resize(scene.instances.size());
   tbb::parallel_for(std::size_t{0}, scene.instances.size(), [&](std::size_t i) {
-    impl.geometries[i] = make_geometry(scene, i, time_s, impl.centre_m);
+    const auto model = static_cast<std::size_t>(scene.instances[i].model);
+    impl.geometries[i] = make_geometry(scene, i, uses[model], span_s, impl.centre_m);
   });
-
-  impl.scene = new_robust_scene(impl.device);
-  for (std::size_t i = 0; i < impl.geometries.size(); ++i) {
-    RayGeometry& geometry = impl.geometries[i];
-    if (geometry.triangles.empty()) continue;
-    RTCGeometry g = embree_geometry(impl.device, geometry);
-    rtcAttachGeometryByID(impl.scene, g, static_cast<unsigned int>(i));
-    if (geometry.is_specimen) {
-      geometry.alone = new_robust_scene(impl.device);
-      rtcAttachGeometryByID(geometry.alone, g, 0);
-    }
-    rtcReleaseGeometry(g);
-  }
-  // The whole scene and each specimen are built side by side, each by one thread.
-  tbb::parallel_for(std::size_t{0}, impl.geometries.size() + 1, [&](std::size_t i) {
-    if (i == 0) {
-      commit_alone(impl.scene);
-    } else if (impl.geometries[i - 1].alone) {
-      commit_alone(impl.geometries[i - 1].alone);
-    }
+  const std::vector<std::size_t> first = number_meshes(scene, impl.geometries);
+  const bool is_many = used_triangles(scene, uses) > kManyTriangles;
+  impl.meshes.resize(first.size());
+  tbb::parallel_for(std::size_t{0}, impl.meshes.size(), [&](std::size_t i) {
+    const RayGeometry& g = impl.geometries[first[i]];
+    const auto model =
+        static_cast<std::size_t>(scene.instances[static_cast<std::size_t>(g.instance_index)].model);
+    MeshPlacement placement;
+    placement.is_instanced = g.is_instanced;
+    placement.world_from_object = world_from_object(
+        scene.instances[static_cast<std::size_t>(g.instance_index)], span_s.begin_s);
+    placement.centre_m = impl.centre_m;
+    placement.has_print = uses[model].has_print;
+    placement.keeps_planes = !is_many;
+    impl.meshes[i] = make_ray_mesh(scene.models[model], placement);
   });
+  build_scenes(impl, is_many);
   check(impl.device);
 }
 

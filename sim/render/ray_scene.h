@@ -6,12 +6,30 @@
 
 namespace cousin {
 
+struct TimeSpan {
+  double begin_s = 0;
+  double end_s = 0;
+};
+
 /// A scene's geometry ready for rays (Embree). Immutable after construction; safe to share between
-/// threads. Built at one instant: a moving scene is built anew for each time.
+/// threads.
+///
+/// A model that several instances share is kept once and placed by transforms of one level; one
+/// with a single instance is laid out in the world. Over a span of time, as of an exposure with its
+/// readout, instances that move in it are placed by a transform in each of up to 129 even steps of
+/// at most one degree, between which rotation and translation are interpolated linearly; a row's or
+/// a sample's ray then carries its own time. What stands still costs the same as at an instant.
+///
+/// Up to 2^20 unique triangles each keeps 64 bytes for exact hits; beyond, exact hits are made at
+/// need from vertices in double, and Embree builds compact trees.
+/// Triangles without area are never hit. Of coincident surfaces the same one wins on every run and
+/// number of threads; which one is not said.
 class RayScene {
  public:
-  /// @throws std::invalid_argument if the scene is not valid; std::runtime_error if Embree fails.
+  /// @throws std::invalid_argument if the scene is not valid, a coordinate is beyond 1e12 m of the
+  /// scene's centre or a span ends before it begins; std::runtime_error if Embree fails.
   explicit RayScene(const Scene& scene, double time_s = 0);
+  RayScene(const Scene& scene, const TimeSpan& span_s);
   ~RayScene();
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;

@@ -8,13 +8,14 @@
 #include "sim/render/ray_packet.h"
 #include "sim/render/ray_scene.h"
 #include "sim/render/truth_pass.h"
+#include "sim/types/pose.h"
 
 namespace cousin {
 
-/// What a hit needs of its triangle, in one cache line.
+/// What a hit needs of its triangle, in one cache line; in the axes of its RayMesh.
 struct alignas(64) TrianglePlane {
   double normal[3];       ///< unit, counter-clockwise side; zero for a triangle without area
-  double distance;        ///< normal . x on the plane, x from RayScene's centre
+  double distance;        ///< normal . x on the plane
   float low[3], high[3];  ///< bounds of the float vertices
   float offset_m;         ///< how far along the normal a ray must start to clear rounding
   std::uint16_t part;
@@ -22,17 +23,35 @@ struct alignas(64) TrianglePlane {
 };
 static_assert(sizeof(TrianglePlane) == 64);
 
-/// One instance as Embree sees it: vertices in the world less RayScene's centre.
+/// Triangles as Embree sees them. Either a model's, in its axes less `centre_in_object_m`, which
+/// instances share; or one instance's, in the world less RayScene's centre.
+struct RayMesh {
+  bool is_open = false;                     ///< has boundary edges, so that rays may meet its back
+  std::vector<Eigen::Vector3f> vertices_m;  ///< one more than the mesh has: Embree reads 16 bytes
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  /// One a triangle; empty in a scene of many triangles, whose planes are made at need from:
+  std::vector<TrianglePlane> planes;
+  std::vector<Eigen::Vector3d> exact_m;  ///< the vertices before they were rounded
+  std::vector<std::uint16_t> parts;      ///< one a triangle, or empty: all 0
+  std::vector<std::uint16_t> has_print;  ///< one a triangle, or empty: all 0
+  Eigen::Vector3d centre_in_object_m = Eigen::Vector3d::Zero();
+  RTCScene alone = nullptr;  ///< these triangles and nothing else: shared meshes and specimens
+};
+
+/// One instance: which triangles, and where they are.
 struct RayGeometry {
   int instance_index = 0;  ///< into Scene::instances
   int id = 0;              ///< Instance::id
   bool is_specimen = false;
-  bool is_open = false;                     ///< has boundary edges, so that rays may meet its back
-  std::vector<Eigen::Vector3f> vertices_m;  ///< one more than the mesh has: Embree reads 16 bytes
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<TrianglePlane> planes;
-  std::array<Eigen::Vector3d, 8> box_corners_m;  ///< of its bounds in object axes, in the world
-  RTCScene alone = nullptr;                      ///< specimens: this geometry and nothing else
+  /// Its mesh is in the model's axes: Embree reports it by instID. Else in the world, by geomID.
+  bool is_instanced = false;
+  bool has_print = false;  ///< its material has one
+  std::uint32_t mesh = 0;  ///< into Impl::meshes
+  /// World less RayScene's centre, from the object's axes; evenly over RayScene's span of time, the
+  /// translation linear and the rotation by normalised linear steps between; one if it stands
+  /// still.
+  std::vector<Pose> steps;
+  std::array<Eigen::Vector3d, 8> box_corners_in_object_m;  ///< of its bounds
 };
 
 struct RayScene::Impl {
@@ -41,14 +60,57 @@ struct RayScene::Impl {
   /// Subtracted from the world before anything becomes float, so that a distant scene keeps its
   /// precision.
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
-  double time_s = 0;
-  std::vector<RayGeometry> geometries;  ///< index = Embree's geomID = index into Scene::instances
+  TimeSpan span_s;
+  std::vector<RayMesh> meshes;
+  std::vector<RayGeometry> geometries;  ///< index = place in Scene::instances
 
   Impl() = default;
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl();
+
+  const RayMesh& mesh_of(const RayGeometry& geometry) const { return meshes[geometry.mesh]; }
 };
+
+/// A triangle's plane, kept or made at need; the same numbers either way.
+TrianglePlane triangle_plane(const RayMesh& mesh, std::uint32_t triangle);
+
+/// Time of a ray as Embree takes it: 0 at the begin of RayScene's span, 1 at its end, held beyond.
+float ray_time(const RayScene::Impl& impl, double time_s);
+
+/// Where an object is at a ray's time: world less RayScene's centre from object.
+Pose object_pose(const RayGeometry& geometry, float time);
+
+/// Where the axes of an instanced geometry's RayMesh are at a ray's time: world less RayScene's
+/// centre from mesh.
+Pose mesh_pose(const RayScene::Impl& impl, const RayGeometry& geometry, float time);
+
+/// Index into Impl::geometries of what Embree reports for a hit.
+inline std::uint32_t geometry_index(unsigned int inst_id, unsigned int geom_id) {
+  return inst_id == RTC_INVALID_GEOMETRY_ID ? geom_id : inst_id;
+}
+
+/// A point where a ray met a surface, for light: in float, world less RayScene's centre.
+struct SurfacePoint {
+  std::uint32_t geometry = 0;               ///< into Impl::geometries, and into Scene::instances
+  std::uint32_t triangle = 0;               ///< of the model's mesh
+  std::array<std::uint32_t, 3> vertices{};  ///< of that triangle, into the model's arrays
+  float u = 0, v = 0;                       ///< barycentric weights of the second and third vertex
+  Eigen::Vector3f position_m = Eigen::Vector3f::Zero();
+  Eigen::Vector3f face_normal = Eigen::Vector3f::Zero();  ///< unit, towards where the ray came from
+  float offset_m = 0;  ///< rays that leave start this far along the normal: see offset_origin
+  std::uint16_t part = 0;
+  bool is_back = false;    ///< met on the clockwise side
+  bool has_print = false;  ///< on the face that carries the material's print
+};
+
+/// The one way to understand a hit of RayScene's Embree scene, flattened or instanced, still or
+/// moving. Arguments are Embree's: hit.instID[0], hit.geomID, hit.primID, hit.u, hit.v, the ray's
+/// direction in the world and its time. The object's axes there are object_pose(
+/// impl.geometries[point.geometry], time).
+SurfacePoint surface_point(const RayScene::Impl& impl, unsigned int inst_id, unsigned int geom_id,
+                           unsigned int prim_id, float u, float v, const Eigen::Vector3f& direction,
+                           float time = 0);
 
 /// Rounding of a hit is a few ulps of the largest coordinate involved: vertices and hit are within
 /// the triangle's coordinates, and Embree's edge tests lose a few more. Rays start this far off the
@@ -71,11 +133,13 @@ inline Eigen::Vector3f offset_origin(const Eigen::Vector3f& position_m,
 
 /// Fills a packet with prepared rays from one origin; lanes without a direction are masked.
 inline void load_packet(const PreparedRays& rays, std::size_t first,
-                        const Eigen::Vector3f& origin_m, HitPacket& packet, LaneMask& mask) {
+                        const Eigen::Vector3f& origin_m, float time, HitPacket& packet,
+                        LaneMask& mask) {
   for (int i = 0; i < kLanes; ++i) {
     const std::size_t j = first + static_cast<std::size_t>(i);
     set_ray(packet.ray, i, origin_m.x(), origin_m.y(), origin_m.z(), rays.x[j], rays.y[j],
             rays.z[j]);
+    packet.ray.time[i] = time;
     packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     mask.lane[i] = rays.x[j] != 0 || rays.y[j] != 0 || rays.z[j] != 0 ? -1 : 0;
   }

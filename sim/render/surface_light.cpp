@@ -17,7 +17,7 @@ SurfaceHit surface_hit(const IrradianceCache::Impl& cache, std::uint32_t geometr
                        std::uint32_t triangle, float u, float v, const Eigen::Vector3f& direction) {
   SurfaceHit hit;
   hit.surface = &cache.surfaces[geometry];
-  const RayGeometry& g = *hit.surface->geometry;
+  const RayMesh& g = *hit.surface->mesh;
   hit.plane = &g.planes[triangle];
   hit.triangle = triangle;
   hit.u = u;
@@ -35,7 +35,7 @@ SurfaceHit surface_hit(const IrradianceCache::Impl& cache, std::uint32_t geometr
 Eigen::Vector3f shading_normal(const SurfaceHit& hit) {
   const auto& normals = hit.surface->vertex_normals;
   if (normals.empty()) return hit.face_normal;
-  const auto& t = hit.surface->geometry->triangles[hit.triangle];
+  const auto& t = hit.surface->mesh->triangles[hit.triangle];
   const Eigen::Vector3f n =
       interpolate(normals[t[0]], normals[t[1]], normals[t[2]], hit.u, hit.v).normalized();
   return n.dot(hit.face_normal) >= 0 ? n : Eigen::Vector3f(-n);
@@ -45,7 +45,7 @@ SurfaceAlbedo albedo_at(const SurfaceHit& hit) {
   const LitSurface& s = *hit.surface;
   SurfaceAlbedo result{s.albedo, false};
   if (!s.vertex_albedo.empty()) {
-    const auto& t = s.geometry->triangles[hit.triangle];
+    const auto& t = s.mesh->triangles[hit.triangle];
     result.albedo = interpolate(s.vertex_albedo[t[0]], s.vertex_albedo[t[1]], s.vertex_albedo[t[2]],
                                 hit.u, hit.v);
   }
@@ -63,7 +63,7 @@ Eigen::Vector3f cached_irradiance(const IrradianceCache::Impl& cache, const Surf
   const Eigen::Vector3f* points = cache.irradiance.data() + (hit.is_back ? s.back_points : 0);
   const CacheLattice lattice = s.lattices[hit.triangle];
   if (lattice.order == 0) {
-    const auto& t = s.geometry->triangles[hit.triangle];
+    const auto& t = s.mesh->triangles[hit.triangle];
     points += s.first_point;
     return interpolate(points[t[0]], points[t[1]], points[t[2]], hit.u, hit.v);
   }

@@ -22,7 +22,8 @@ struct CacheLattice {
 
 /// A geometry with what light needs of it. Private to sim/render.
 struct LitSurface {
-  const RayGeometry* geometry = nullptr;
+  const RayMesh* mesh = nullptr;
+  bool is_specimen = false;
   Coat coat{1, 1};
   Eigen::Vector3f albedo, ink_albedo;
   std::vector<Eigen::Vector3f> vertex_albedo;   ///< times `albedo`; or empty

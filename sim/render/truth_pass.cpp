@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,17 +35,49 @@ T* row_of(Image<T>& image, int y) {
   return image.empty() ? nullptr : image.row(y).data();
 }
 
+/// The axes that a hit triangle's plane is in, as one row's rays see them.
+struct RowFrame {
+  std::uint32_t geometry = kNone;
+  const RayMesh* mesh = nullptr;
+  bool is_world = true;  ///< else the mesh's own axes:
+  Eigen::Matrix3d mesh_from_world = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< camera centre
+  double reach_m = 0;  ///< sum of coordinates that the float ray was made of, for its rounding
+};
+
+RowFrame row_frame(const RayScene::Impl& impl, std::uint32_t geometry,
+                   const PreparedRays::Row& row) {
+  const RayGeometry& g = impl.geometries[geometry];
+  RowFrame frame;
+  frame.geometry = geometry;
+  frame.mesh = &impl.mesh_of(g);
+  frame.is_world = !g.is_instanced;
+  frame.origin_m = row.origin_m;
+  frame.reach_m = row.origin_m.lpNorm<1>();
+  if (frame.is_world) return frame;
+  const Pose pose = mesh_pose(impl, g, row.time);
+  frame.mesh_from_world = pose.rotation.conjugate().toRotationMatrix();
+  frame.origin_m = frame.mesh_from_world * (row.origin_m - pose.translation_m);
+  frame.reach_m += pose.translation_m.lpNorm<1>() + frame.origin_m.lpNorm<1>();
+  return frame;
+}
+
 /// The plane of a hit triangle as one row's rays meet it; neighbouring pixels often share it.
 struct RowPlane {
-  const TrianglePlane* plane = nullptr;
+  TrianglePlane plane;
+  std::uint32_t geometry = kNone;
+  std::uint32_t triangle = 0;
   double gap_m = 0;  ///< from the camera centre to the plane, along the normal
   Eigen::Vector3f normal_in_camera = Eigen::Vector3f::Zero();
 };
 
-RowPlane row_plane(const TrianglePlane& plane, const PreparedRays::Row& row) {
+RowPlane row_plane(const RowFrame& frame, std::uint32_t triangle, const PreparedRays::Row& row) {
+  const TrianglePlane plane = triangle_plane(*frame.mesh, triangle);
   const Eigen::Vector3d normal(plane.normal[0], plane.normal[1], plane.normal[2]);
-  return {&plane, plane.distance - normal.dot(row.origin_m),
-          (row.camera_from_world * normal).cast<float>()};
+  const Eigen::Vector3d in_world =
+      frame.is_world ? normal : Eigen::Vector3d(frame.mesh_from_world.transpose() * normal);
+  return {plane, frame.geometry, triangle, plane.distance - normal.dot(frame.origin_m),
+          (row.camera_from_world * in_world).cast<float>()};
 }
 
 /// The hit in double: where the ray meets the triangle's plane.
@@ -54,10 +87,10 @@ struct ExactHit {
   double facing = 0;  ///< normal . direction
 };
 
-/// @param reach_m  sum of the origin's coordinates, for the rounding of the float ray.
+/// @param o, d  camera centre and direction in the plane's axes.
 inline ExactHit exact_hit(const RowPlane& row_plane, const Eigen::Vector3d& o, double reach_m,
                           const Eigen::Vector3d& d) {
-  const TrianglePlane& plane = *row_plane.plane;
+  const TrianglePlane& plane = row_plane.plane;
   const double facing = plane.normal[0] * d.x() + plane.normal[1] * d.y() + plane.normal[2] * d.z();
   const double inverse = 1 / facing;
   const double t = row_plane.gap_m * inverse;
@@ -71,33 +104,6 @@ inline ExactHit exact_hit(const RowPlane& row_plane, const Eigen::Vector3d& o, d
   return {inside, t, facing};
 }
 
-/// Casts on beyond a hit that was rejected. Lane hits are rare here, so one ray at a time.
-bool cast_on(const RayScene::Impl& impl, const PreparedRays::Row& row, const Eigen::Vector3d& d,
-             float tnear, unsigned int& geometry, RowPlane& plane, ExactHit& hit) {
-  const Eigen::Vector3d& o = row.origin_m;
-  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-  for (;;) {
-    RTCRayHit ray{};
-    ray.ray.org_x = static_cast<float>(o.x());
-    ray.ray.org_y = static_cast<float>(o.y());
-    ray.ray.org_z = static_cast<float>(o.z());
-    ray.ray.dir_x = static_cast<float>(d.x());
-    ray.ray.dir_y = static_cast<float>(d.y());
-    ray.ray.dir_z = static_cast<float>(d.z());
-    ray.ray.tnear = std::nextafter(tnear, std::numeric_limits<float>::infinity());
-    ray.ray.tfar = std::numeric_limits<float>::infinity();
-    ray.ray.mask = 0xFFFFFFFFU;
-    ray.hit.geomID = kNone;
-    rtcIntersect1(impl.scene, &context, &ray);
-    if (ray.hit.geomID == kNone) return false;
-    geometry = ray.hit.geomID;
-    plane = row_plane(impl.geometries[geometry].planes[ray.hit.primID], row);
-    hit = exact_hit(plane, o, o.lpNorm<1>(), d);
-    if (hit.accepted) return true;
-    tnear = ray.ray.tfar;
-  }
-}
-
 class RowTracer {
  public:
   RowTracer(const RayScene::Impl& impl, const PreparedRays& rays) : impl_(impl), rays_(rays) {
@@ -107,13 +113,13 @@ class RowTracer {
   void operator()(int y, const TruthRow& out) {
     const PreparedRays::Row& row = rays_.rows[static_cast<std::size_t>(y)];
     const Eigen::Vector3f o = row.origin_m.cast<float>();
+    frame_ = {};
     plane_ = {};
     axis_ = row.camera_from_world.row(2);
-    reach_m_ = row.origin_m.lpNorm<1>();
     const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(rays_.stride);
     for (int x = 0; x < rays_.width; x += kLanes) {
       const std::size_t at = first + static_cast<std::size_t>(x);
-      load_packet(rays_, at, o, packet_, mask_);
+      load_packet(rays_, at, o, row.time, packet_, mask_);
       rtcIntersect16(mask_.lane, impl_.scene, &context_, &packet_);
       const int lanes = std::min(kLanes, rays_.width - x);
       if (lanes == kLanes && resolve_together(row, at, x, out)) continue;
@@ -125,79 +131,130 @@ class RowTracer {
   }
 
  private:
+  /// The plane of a hit, kept while hits stay on one triangle.
+  void look_at(const PreparedRays::Row& row, std::uint32_t geometry, std::uint32_t triangle) {
+    if (plane_.geometry == geometry && plane_.triangle == triangle) return;
+    if (frame_.geometry != geometry) frame_ = row_frame(impl_, geometry, row);
+    plane_ = row_plane(frame_, triangle, row);
+  }
+
+  ExactHit meet(const Eigen::Vector3d& d) const {
+    if (frame_.is_world) return exact_hit(plane_, frame_.origin_m, frame_.reach_m, d);
+    return exact_hit(plane_, frame_.origin_m, frame_.reach_m, frame_.mesh_from_world * d);
+  }
+
+  /// Casts on beyond a hit that was rejected. Lane hits are rare here, so one ray at a time.
+  bool cast_on(const PreparedRays::Row& row, const Eigen::Vector3d& d, float tnear, ExactHit& hit) {
+    const Eigen::Vector3f o = row.origin_m.cast<float>(), direction = d.cast<float>();
+    RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    for (;;) {
+      RTCRayHit ray{};
+      ray.ray.org_x = o.x();
+      ray.ray.org_y = o.y();
+      ray.ray.org_z = o.z();
+      ray.ray.dir_x = direction.x();
+      ray.ray.dir_y = direction.y();
+      ray.ray.dir_z = direction.z();
+      ray.ray.time = row.time;
+      ray.ray.tnear = std::nextafter(tnear, std::numeric_limits<float>::infinity());
+      ray.ray.tfar = std::numeric_limits<float>::infinity();
+      ray.ray.mask = 0xFFFFFFFFU;
+      ray.hit.geomID = kNone;
+      rtcIntersect1(impl_.scene, &context, &ray);
+      if (ray.hit.geomID == kNone) return false;
+      look_at(row, geometry_index(ray.hit.instID[0], ray.hit.geomID), ray.hit.primID);
+      hit = meet(d);
+      if (hit.accepted) return true;
+      tnear = ray.ray.tfar;
+    }
+  }
+
   /// The common case, in vectors: all lanes meet one triangle well inside. False if they do not.
   bool resolve_together(const PreparedRays::Row& row, std::size_t ray, int x, const TruthRow& out) {
-    const unsigned int geometry = packet_.hit.geomID[0], triangle = packet_.hit.primID[0];
+    const std::uint32_t geometry = geometry_index(packet_.hit.instID[0][0], packet_.hit.geomID[0]);
+    const unsigned int triangle = packet_.hit.primID[0];
     unsigned int differs = 0;
     for (int i = 0; i < kLanes; ++i) {
-      differs |= (packet_.hit.geomID[i] ^ geometry) | (packet_.hit.primID[i] ^ triangle);
+      differs |= (packet_.hit.geomID[i] ^ packet_.hit.geomID[0]) |
+                 (packet_.hit.instID[0][i] ^ packet_.hit.instID[0][0]) |
+                 (packet_.hit.primID[i] ^ triangle);
     }
-    if (differs != 0 || geometry == kNone) return false;
-    const RayGeometry& g = impl_.geometries[geometry];
-    if (plane_.plane != &g.planes[triangle]) plane_ = row_plane(g.planes[triangle], row);
+    if (differs != 0 || packet_.hit.geomID[0] == kNone) return false;
+    look_at(row, geometry, triangle);
 
     const float *hx = &rays_.x[ray], *hy = &rays_.y[ray], *hz = &rays_.z[ray];
     const float *lx = &rays_.x_rest[ray], *ly = &rays_.y_rest[ray], *lz = &rays_.z_rest[ray];
-    const Eigen::Vector3d o = row.origin_m, axis = axis_;
-    const RowPlane plane = plane_;
-    const double reach_m = reach_m_;
+    const Eigen::Vector3d axis = axis_;
     alignas(64) double t[kLanes], depth_m[kLanes], facing[kLanes];
     int accepted = 0;
-    for (int i = 0; i < kLanes; ++i) {
+    const auto lane = [&](int i, auto to_plane) {
       const double dx = static_cast<double>(hx[i]) + static_cast<double>(lx[i]);
       const double dy = static_cast<double>(hy[i]) + static_cast<double>(ly[i]);
       const double dz = static_cast<double>(hz[i]) + static_cast<double>(lz[i]);
-      const ExactHit hit = exact_hit(plane, o, reach_m, {dx, dy, dz});
+      const ExactHit hit = to_plane(Eigen::Vector3d(dx, dy, dz));
       t[i] = hit.t_m;
       facing[i] = hit.facing;
       depth_m[i] = hit.t_m * (axis[0] * dx + axis[1] * dy + axis[2] * dz);
       accepted += hit.accepted ? 1 : 0;
+    };
+    const RowPlane plane = plane_;
+    const Eigen::Vector3d o = frame_.origin_m;
+    const double reach_m = frame_.reach_m;
+    if (frame_.is_world) {
+      for (int i = 0; i < kLanes; ++i)
+        lane(i, [&](const Eigen::Vector3d& d) { return exact_hit(plane, o, reach_m, d); });
+    } else {
+      const Eigen::Matrix3d turn = frame_.mesh_from_world;
+      for (int i = 0; i < kLanes; ++i)
+        lane(i, [&](const Eigen::Vector3d& d) { return exact_hit(plane, o, reach_m, turn * d); });
     }
     if (accepted != kLanes) return false;
+    store_together(row, ray, x, t, depth_m, facing[0], out);
+    return true;
+  }
 
+  void store_together(const PreparedRays::Row& row, std::size_t ray, int x, const double* t,
+                      const double* depth_m, double facing, const TruthRow& out) const {
     if (out.depth_m) {
       for (int i = 0; i < kLanes; ++i) out.depth_m[x + i] = static_cast<float>(depth_m[i]);
     }
     if (out.normal) {
       const Eigen::Vector3f n =
-          facing[0] > 0 ? Eigen::Vector3f(-plane.normal_in_camera) : plane.normal_in_camera;
+          facing > 0 ? Eigen::Vector3f(-plane_.normal_in_camera) : plane_.normal_in_camera;
       std::fill_n(out.normal + x, kLanes, n);  // one side of one plane: all rays share an origin
     }
-    if (out.instance) std::fill_n(out.instance + x, kLanes, g.id);
-    if (out.part) std::fill_n(out.part + x, kLanes, plane.plane->part);
-    if (out.position_m) {
-      for (int i = 0; i < kLanes; ++i) {
-        const Eigen::Vector3d d(static_cast<double>(hx[i]) + static_cast<double>(lx[i]),
-                                static_cast<double>(hy[i]) + static_cast<double>(ly[i]),
-                                static_cast<double>(hz[i]) + static_cast<double>(lz[i]));
-        out.position_m[x + i] = (o + t[i] * d + impl_.centre_m).cast<float>();
-      }
+    if (out.instance) std::fill_n(out.instance + x, kLanes, impl_.geometries[plane_.geometry].id);
+    if (out.part) std::fill_n(out.part + x, kLanes, plane_.plane.part);
+    if (!out.position_m) return;
+    for (int i = 0; i < kLanes; ++i) {
+      const Eigen::Vector3d d = direction(ray + static_cast<std::size_t>(i));
+      out.position_m[x + i] = (row.origin_m + t[i] * d + impl_.centre_m).cast<float>();
     }
-    return true;
+  }
+
+  Eigen::Vector3d direction(std::size_t ray) const {
+    return {static_cast<double>(rays_.x[ray]) + static_cast<double>(rays_.x_rest[ray]),
+            static_cast<double>(rays_.y[ray]) + static_cast<double>(rays_.y_rest[ray]),
+            static_cast<double>(rays_.z[ray]) + static_cast<double>(rays_.z_rest[ray])};
   }
 
   void resolve(const PreparedRays::Row& row, std::size_t ray, int lane, int x,
                const TruthRow& out) {
-    const Eigen::Vector3d& o = row.origin_m;
-    const Eigen::Vector3d d(
-        static_cast<double>(rays_.x[ray]) + static_cast<double>(rays_.x_rest[ray]),
-        static_cast<double>(rays_.y[ray]) + static_cast<double>(rays_.y_rest[ray]),
-        static_cast<double>(rays_.z[ray]) + static_cast<double>(rays_.z_rest[ray]));
-    unsigned int geometry = packet_.hit.geomID[lane];
-    const TrianglePlane& first = impl_.geometries[geometry].planes[packet_.hit.primID[lane]];
-    if (plane_.plane != &first) plane_ = row_plane(first, row);
-    ExactHit hit = exact_hit(plane_, o, reach_m_, d);
-    if (!hit.accepted && !cast_on(impl_, row, d, packet_.ray.tfar[lane], geometry, plane_, hit))
-      return;
+    const Eigen::Vector3d d = direction(ray);
+    look_at(row, geometry_index(packet_.hit.instID[0][lane], packet_.hit.geomID[lane]),
+            packet_.hit.primID[lane]);
+    ExactHit hit = meet(d);
+    if (!hit.accepted && !cast_on(row, d, packet_.ray.tfar[lane], hit)) return;
 
     if (out.depth_m) out.depth_m[x] = static_cast<float>(hit.t_m * axis_.dot(d));
     if (out.normal) {
       out.normal[x] =
           hit.facing > 0 ? Eigen::Vector3f(-plane_.normal_in_camera) : plane_.normal_in_camera;
     }
-    if (out.position_m) out.position_m[x] = (o + hit.t_m * d + impl_.centre_m).cast<float>();
-    if (out.instance) out.instance[x] = impl_.geometries[geometry].id;
-    if (out.part) out.part[x] = plane_.plane->part;
+    if (out.position_m)
+      out.position_m[x] = (row.origin_m + hit.t_m * d + impl_.centre_m).cast<float>();
+    if (out.instance) out.instance[x] = impl_.geometries[plane_.geometry].id;
+    if (out.part) out.part[x] = plane_.plane.part;
   }
 
   const RayScene::Impl& impl_;
@@ -205,9 +262,9 @@ class RowTracer {
   RTCIntersectContext context_;
   HitPacket packet_;
   LaneMask mask_;
+  RowFrame frame_;                                   ///< of the last hit's geometry in this row
   RowPlane plane_;                                   ///< of the last hit in this row
   Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();  ///< optical axis in the world
-  double reach_m_ = 0;
 };
 
 }  // namespace
@@ -234,6 +291,7 @@ PreparedRays prepare_rays(const RayScene& rays, const TrueView& view) {
     PreparedRays::Row& row = prepared.rows[static_cast<std::size_t>(y)];
     row.camera_from_world = camera_from_world.rotation.toRotationMatrix();
     row.origin_m = centre_in_world_m(camera_from_world) - rays.impl().centre_m;
+    row.time = ray_time(rays.impl(), time_at_row(view, y));
     const Eigen::Matrix3d world_from_camera = row.camera_from_world.transpose();
     for (int x = 0; x < prepared.width; ++x) {
       const std::size_t from =

@@ -38,6 +38,7 @@ struct PreparedRays {
   struct Row {
     Eigen::Vector3d origin_m;  ///< camera centre, less the scene's centre
     Eigen::Matrix3d camera_from_world;
+    float time = 0;  ///< when the row is read, as a share of the RayScene's span
   };
   std::vector<Row> rows;  ///< one pose a row: a rolling shutter exposes a row at once
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -71,13 +72,15 @@ float pixel_coverage(const RayScene::Impl& impl, const PreparedRays& rays, int x
       const float dy = (static_cast<float>(s / side) + 0.5F) / static_cast<float>(side) - 0.5F;
       const Eigen::Vector3f d = centre + dx * slope.x + dy * slope.y;
       set_ray(packet.ray, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
+      packet.ray.time[i] = rays.rows[static_cast<std::size_t>(y)].time;
       packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
       mask.lane[i] = first + i < samples ? -1 : 0;
     }
     rtcIntersect16(mask.lane, impl.scene, &context, &packet);
     for (int i = 0; i < kLanes; ++i) {
       if (!mask.lane[i] || packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-      hits += impl.geometries[packet.hit.geomID[i]].is_specimen ? 1 : 0;
+      const std::uint32_t g = geometry_index(packet.hit.instID[0][i], packet.hit.geomID[i]);
+      hits += impl.geometries[g].is_specimen ? 1 : 0;
     }
   }
   return static_cast<float>(hits) / static_cast<float>(samples);
@@ -90,19 +93,28 @@ struct PixelBox {
 /// Pixels that may see the geometry: its box's edges, sampled, through the first and the last row's
 /// pose. The margin covers the bend of an edge between samples. The whole image if some of it does
 /// not project.
-PixelBox projected_box(const RayGeometry& geometry, const TrueView& view) {
+PixelBox projected_box(const RayScene::Impl& impl, const RayGeometry& geometry,
+                       const TrueView& view) {
   const int width = view.camera.width_px, height = view.camera.height_px;
   constexpr int kSteps = 4;
+  // Every place of the object in the span with the camera at either end.
+  std::vector<Pose> camera_from_object;
+  for (Pose world_from_object : geometry.steps) {
+    world_from_object.translation_m += impl.centre_m;
+    camera_from_object.push_back(view.camera_from_world * world_from_object);
+    camera_from_object.push_back(view.camera_from_world_end * world_from_object);
+  }
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e30), high = -low;
   for (int a = 0; a < 8; ++a) {
     for (int axis = 1; axis <= 4; axis *= 2) {
       if (a & axis) continue;
-      const Eigen::Vector3d& from = geometry.box_corners_m[static_cast<std::size_t>(a)];
-      const Eigen::Vector3d& to = geometry.box_corners_m[static_cast<std::size_t>(a | axis)];
+      const Eigen::Vector3d& from = geometry.box_corners_in_object_m[static_cast<std::size_t>(a)];
+      const Eigen::Vector3d& to =
+          geometry.box_corners_in_object_m[static_cast<std::size_t>(a | axis)];
       for (int step = 0; step <= kSteps; ++step) {
         const Eigen::Vector3d p = from + (to - from) * (static_cast<double>(step) / kSteps);
-        for (const Pose* pose : {&view.camera_from_world, &view.camera_from_world_end}) {
-          const auto pixel = project(view.camera, *pose * p);
+        for (const Pose& pose : camera_from_object) {
+          const auto pixel = project(view.camera, pose * p);
           if (!pixel) return {0, 0, width, height};
           low = low.cwiseMin(*pixel);
           high = high.cwiseMax(*pixel);
@@ -117,21 +129,39 @@ PixelBox projected_box(const RayGeometry& geometry, const TrueView& view) {
           static_cast<int>(std::ceil(high.x())), static_cast<int>(std::ceil(high.y()))};
 }
 
+/// A row's rays in the axes of one mesh.
+struct MeshRays {
+  Eigen::Vector3f origin_m;
+  Eigen::Matrix3f mesh_from_world;
+};
+
+MeshRays mesh_rays(const RayScene::Impl& impl, const RayGeometry& geometry,
+                   const PreparedRays::Row& row) {
+  if (!geometry.is_instanced) return {row.origin_m.cast<float>(), Eigen::Matrix3f::Identity()};
+  const Pose mesh_from_world = inverse(mesh_pose(impl, geometry, row.time));
+  return {(mesh_from_world * row.origin_m).cast<float>(),
+          mesh_from_world.rotation.toRotationMatrix().cast<float>()};
+}
+
 /// One specimen's full mask: any-hit rays at it alone.
-void cast_alone(const RayGeometry& geometry, const PreparedRays& rays, const PixelBox& box,
-                const Image<std::int32_t>& instance, Image<std::uint8_t>& mask_full) {
+void cast_alone(const RayScene::Impl& impl, const RayGeometry& geometry, const PreparedRays& rays,
+                const PixelBox& box, const Image<std::int32_t>& instance,
+                Image<std::uint8_t>& mask_full) {
+  const RTCScene alone = impl.mesh_of(geometry).alone;
   RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
   for (int y = box.y0; y < box.y1; ++y) {
-    const Eigen::Vector3f o = rays.rows[static_cast<std::size_t>(y)].origin_m.cast<float>();
+    const MeshRays frame = mesh_rays(impl, geometry, rays.rows[static_cast<std::size_t>(y)]);
+    const Eigen::Vector3f& o = frame.origin_m;
     for (int x = box.x0; x < box.x1; x += kLanes) {
       ShadowPacket packet;
       LaneMask valid;
       for (int i = 0; i < kLanes; ++i) {
-        const Eigen::Vector3f d = direction_at(rays, std::min(x + i, rays.width - 1), y);
-        set_ray(packet, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
+        Eigen::Vector3f d = direction_at(rays, std::min(x + i, rays.width - 1), y);
         valid.lane[i] = x + i < box.x1 && !d.isZero(0) ? -1 : 0;
+        if (geometry.is_instanced) d = frame.mesh_from_world * d;
+        set_ray(packet, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
       }
-      rtcOccluded16(valid.lane, geometry.alone, &context, &packet);
+      rtcOccluded16(valid.lane, alone, &context, &packet);
       for (int i = 0; i < kLanes && x + i < box.x1; ++i) {
         // A visible pixel is in the full mask by definition, whatever the rounding in the other
         // tree.
@@ -142,30 +172,45 @@ void cast_alone(const RayGeometry& geometry, const PreparedRays& rays, const Pix
   }
 }
 
+/// Grows to hold pixels.
+struct PixelBounds {
+  int x0 = std::numeric_limits<int>::max(), y0 = x0, x1 = -1, y1 = -1;
+  void add(int x, int y) {
+    x0 = std::min(x0, x);
+    x1 = std::max(x1, x);
+    y0 = std::min(y0, y);
+    y1 = std::max(y1, y);
+  }
+};
+
 InstanceVisibility count_visibility(int id, const PixelBox& box,
                                     const Image<std::int32_t>& instance,
                                     const Image<std::uint8_t>& mask_full) {
   InstanceVisibility result;
   result.instance = id;
-  int x0 = box.x1, y0 = box.y1, x1 = box.x0 - 1, y1 = box.y0 - 1;
+  PixelBounds full, seen;
   for (int y = box.y0; y < box.y1; ++y) {
     for (int x = box.x0; x < box.x1; ++x) {
       if (!mask_full(x, y)) continue;
       ++result.pixels_full;
-      result.pixels_visible += instance(x, y) == id ? 1 : 0;
-      x0 = std::min(x0, x);
-      x1 = std::max(x1, x);
-      y0 = std::min(y0, y);
-      y1 = std::max(y1, y);
+      full.add(x, y);
+      if (instance(x, y) != id) continue;
+      ++result.pixels_visible;
+      seen.add(x, y);
     }
   }
   if (result.pixels_full == 0) return result;
   result.visible_fraction =
       static_cast<double>(result.pixels_visible) / static_cast<double>(result.pixels_full);
-  result.box_x = x0;
-  result.box_y = y0;
-  result.box_width = x1 - x0 + 1;
-  result.box_height = y1 - y0 + 1;
+  result.box_x = full.x0;
+  result.box_y = full.y0;
+  result.box_width = full.x1 - full.x0 + 1;
+  result.box_height = full.y1 - full.y0 + 1;
+  if (result.pixels_visible == 0) return result;
+  result.seen_x = seen.x0;
+  result.seen_y = seen.y0;
+  result.seen_width = seen.x1 - seen.x0 + 1;
+  result.seen_height = seen.y1 - seen.y0 + 1;
   return result;
 }
 
@@ -208,8 +253,9 @@ void add_visibility(const RayScene& rays, const TrueView& view, const PreparedRa
   tbb::parallel_for(std::size_t{0}, specimens.size(), [&](std::size_t i) {
     const FlushDenormals flush;
     const RayGeometry& g = *specimens[i];
-    const PixelBox box = projected_box(g, view);
-    if (g.alone) cast_alone(g, prepared, box, instance, truth.masks_full[i]);
+    const PixelBox box = projected_box(rays.impl(), g, view);
+    if (rays.impl().mesh_of(g).alone)
+      cast_alone(rays.impl(), g, prepared, box, instance, truth.masks_full[i]);
     truth.visibility[i] = count_visibility(g.id, box, instance, truth.masks_full[i]);
   });
 }

@@ -50,6 +50,11 @@ double time_in_exposure_s(const TrueView& view, double y, double share) {
   return view.time_s + (last > 0 ? y / last : 0) * view.readout_s + (share - 0.5) * view.exposure_s;
 }
 
+double time_at_row(const TrueView& view, double y) {
+  const double last = view.camera.height_px - 1;
+  return last > 0 ? view.time_s + view.readout_s * y / last : view.time_s;
+}
+
 void validate(const Scene& scene) {
   for (const ObjectModel& model : scene.models) {
     const auto fail = [&](const char* what) {

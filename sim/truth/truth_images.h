@@ -28,6 +28,8 @@ struct TrueView {
 
 /// Pose when row `y` is read (linear in the row).
 Pose pose_at_row(const TrueView& view, double y);
+/// The time when row `y` is read.
+double time_at_row(const TrueView& view, double y);
 
 /// Pose and time at a share of the exposure of row `y`, 0 = its begin, 1 = its end.
 Pose pose_in_exposure(const TrueView& view, double y, double share);
@@ -39,7 +41,46 @@ struct InstanceVisibility {
   std::int64_t pixels_full = 0;     ///< rays of the image that would hit it were it alone (amodal)
   std::int64_t pixels_visible = 0;  ///< rays that hit it first
   double visible_fraction = 0;      ///< pixels_visible / pixels_full; 0 if it is not in the image
-  int box_x = 0, box_y = 0, box_width = 0, box_height = 0;  ///< of the full mask, pixels
+  int box_x = 0, box_y = 0, box_width = 0, box_height = 0;      ///< of the full mask, pixels
+  int seen_x = 0, seen_y = 0, seen_width = 0, seen_height = 0;  ///< box of the visible mask
+};
+
+/// What part of one pixel's area shows an instance.
+struct PixelShare {
+  std::int32_t x = 0, y = 0;
+  float share = 0;  ///< in (0, 1]
+  bool operator==(const PixelShare&) const = default;
+};
+
+/// An instance's pixels by area rather than by centres, so that what falls between centres counts:
+/// a stem thinner than a pixel has no pixel in the visible mask and its true area here.
+struct InstanceShares {
+  int instance = 0;
+  std::vector<PixelShare> pixels;  ///< row by row
+  double area_px = 0;              ///< the sum of the shares
+};
+
+enum class PointState : std::uint8_t {
+  none,      ///< no surface there
+  visible,   ///< seen
+  occluded,  ///< inside the image, behind something
+  outside,   ///< outside the image, or where the lens makes none
+};
+
+/// A keypoint of an instance as one view shows it.
+struct KeypointView {
+  int instance = 0;
+  int keypoint = 0;  ///< into the model's keypoints
+  PointState state = PointState::none;
+  Eigen::Vector2d pixel_px =
+      Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());  ///< NaN = no image
+  double depth_m = std::numeric_limits<double>::quiet_NaN();  ///< along the optical axis
+};
+
+/// Where another view sees what each pixel's centre shows.
+struct ViewMatch {
+  Image<Eigen::Vector2f> flow_px;  ///< pixel there less pixel here; NaN = no surface, or no image
+  Image<PointState> state;         ///< there
 };
 
 /// One sample through each pixel's centre. Images that were not asked for stay empty.
@@ -53,7 +94,11 @@ struct TruthImages {
       specimen_coverage;  ///< share of the pixel's area that shows a specimen, from several samples
   std::vector<InstanceVisibility> visibility;  ///< specimens, by id
   std::vector<Image<std::uint8_t>>
-      masks_full;  ///< one for each of `visibility`: 255 inside the amodal mask
+      masks_full;                      ///< one for each of `visibility`: 255 inside the amodal mask
+  std::vector<InstanceShares> shares;  ///< specimens, by id
+  std::vector<KeypointView> keypoints;  ///< of the specimens by id, in the models' order
+  ViewMatch flow;                       ///< in the next view of the scene
+  ViewMatch stereo;  ///< in the rig's second camera, at the same time; disparity = -flow_px.x()
 };
 
 }  // namespace cousin
