@@ -23,6 +23,7 @@ MAY_INCLUDE = {
     "sim/dataset/truth": ["sim/dataset", "sim/truth"],
     "sim/physics": ["sim/truth", "sim/geometry", "sim/config"],
     "sim/render": ["sim/truth", "sim/geometry", "sim/config"],
+    "sim/render/cycles": ["sim/render", "sim/imaging"],
     "sim/sensors": ["sim/render", "sim/imaging", "sim/config"],
     "scenes": ["sim/truth", "sim/geometry", "sim/physics", "sim/render", "sim/config"],
     "calibration": ["sim/types", "sim/imaging", "sim/config", "sim/dataset"],
@@ -30,7 +31,7 @@ MAY_INCLUDE = {
     "benchmarks": ["sim", "sim/dataset/truth", "scenes", "calibration", "perception"],
 }
 # Files of the dataset's truth target; the rest of sim/dataset must not see the truth.
-TRUTH_FILES = ("sim/dataset/truth_io", "sim/dataset/truth_json")
+TRUTH_FILES = ("sim/dataset/truth_io", "sim/dataset/truth_json", "sim/dataset/scene_look_json")
 TRUTH = "sim/truth"
 NEVER_TRUTH = ("calibration", "perception")
 TRUTH_TARGETS = {"truth", "dataset_truth", "render", "sensors", "physics", "scene_seeds"}

@@ -24,6 +24,9 @@ std::vector<std::uint8_t> encode_png_pixels(const Image<std::uint16_t>& image);
 Image<Rgb8> decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name);
 
 Image<float> decode_exr(std::span<const std::uint8_t> bytes, const std::string& name);
+std::vector<Image<float>> decode_exr_channels(std::span<const std::uint8_t> bytes,
+                                              const std::string& name,
+                                              const std::vector<std::string>& channels);
 std::vector<std::uint8_t> encode_exr(const Image<float>& image);
 
 /// @throws std::invalid_argument if there are no pixels, or more than a reader accepts.

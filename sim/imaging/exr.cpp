@@ -61,7 +61,9 @@ std::string depth_channel(const Imf::ChannelList& channels) {
   return channels.begin().name();
 }
 
-Image<float> decode(std::span<const std::uint8_t> bytes, const std::string& name) {
+/// The named channels; without names, the depth channel.
+std::vector<Image<float>> decode(std::span<const std::uint8_t> bytes, const std::string& name,
+                                 std::vector<std::string> names) {
   Imf::Header::setMaxImageSize(65535, 65535);
   MemoryIn in(bytes, name);
   Imf::InputFile file(in);
@@ -75,24 +77,40 @@ Image<float> decode(std::span<const std::uint8_t> bytes, const std::string& name
     throw std::runtime_error("truncated: " + std::to_string(bytes.size()) + " bytes cannot hold " +
                              std::to_string(width) + " x " + std::to_string(height) + " pixels");
   }
-  const std::string channel = depth_channel(file.header().channels());
-  const Imf::Channel& layout = file.header().channels()[channel];
-  if (layout.xSampling != 1 || layout.ySampling != 1) {
-    throw std::runtime_error("channel " + channel + " is subsampled; expected one value a pixel");
-  }
-  Image<float> image(static_cast<int>(width), static_cast<int>(height));
+  const Imf::ChannelList& channels = file.header().channels();
+  if (names.empty()) names.push_back(depth_channel(channels));
+  std::vector<Image<float>> images;
   Imf::FrameBuffer buffer;
-  buffer.insert(channel, Imf::Slice::Make(Imf::FLOAT, image.data(), window));
+  for (const std::string& channel : names) {
+    const Imf::Channel* layout = channels.findChannel(channel);
+    if (!layout) throw std::runtime_error("lacks the channel " + channel);
+    if (layout->xSampling != 1 || layout->ySampling != 1) {
+      throw std::runtime_error("channel " + channel + " is subsampled; expected one value a pixel");
+    }
+    images.emplace_back(static_cast<int>(width), static_cast<int>(height));
+    buffer.insert(channel, Imf::Slice::Make(Imf::FLOAT, images.back().data(), window));
+  }
   file.setFrameBuffer(buffer);
   file.readPixels(window.min.y, window.max.y);
-  return image;
+  return images;
 }
 
 }  // namespace
 
 Image<float> decode_exr(std::span<const std::uint8_t> bytes, const std::string& name) {
   try {
-    return decode(bytes, name);
+    return std::move(decode(bytes, name, {}).front());
+  } catch (const std::exception& error) {
+    throw std::runtime_error(name + ": EXR: " + error.what());
+  }
+}
+
+std::vector<Image<float>> decode_exr_channels(std::span<const std::uint8_t> bytes,
+                                              const std::string& name,
+                                              const std::vector<std::string>& channels) {
+  if (channels.empty()) return {};
+  try {
+    return decode(bytes, name, channels);
   } catch (const std::exception& error) {
     throw std::runtime_error(name + ": EXR: " + error.what());
   }

@@ -41,6 +41,20 @@ Image<float> read_exr(const std::filesystem::path& file) {
   return imaging::decode_exr(imaging::read_bytes(file), file.string());
 }
 
+std::vector<Image<float>> read_exr_channels(const std::filesystem::path& file,
+                                            const std::vector<std::string>& channels) {
+  return imaging::decode_exr_channels(imaging::read_bytes(file), file.string(), channels);
+}
+
+Image<Rgbf> read_exr_color(const std::filesystem::path& file) {
+  const std::vector<Image<float>> channels = read_exr_channels(file, {"R", "G", "B"});
+  Image<Rgbf> image(channels[0].width(), channels[0].height());
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    image.data()[i] = {channels[0].data()[i], channels[1].data()[i], channels[2].data()[i]};
+  }
+  return image;
+}
+
 void write_png(const std::filesystem::path& file, const Image<Rgb8>& image) {
   imaging::replace_file(file, imaging::encode_png_pixels(image));
 }

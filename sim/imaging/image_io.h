@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "sim/types/image.h"
@@ -23,6 +24,11 @@ Image<std::uint8_t> read_png8(
     const std::filesystem::path& file);  ///< grey of at most 8 bits (fewer are scaled)
 Image<std::uint16_t> read_png16(const std::filesystem::path& file);  ///< 16-bit grey only
 Image<float> read_exr(const std::filesystem::path& file);  ///< one channel, "Z" or the first
+/// Channels of one EXR by their whole names ("R", "view.Depth.Z"), in that order; half floats are
+/// widened.
+std::vector<Image<float>> read_exr_channels(const std::filesystem::path& file,
+                                            const std::vector<std::string>& channels);
+Image<Rgbf> read_exr_color(const std::filesystem::path& file);  ///< channels R, G, B
 void write_png(const std::filesystem::path& file, const Image<Rgb8>& image);
 void write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image);
 void write_png(const std::filesystem::path& file, const Image<std::uint16_t>& image);
