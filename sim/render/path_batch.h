@@ -60,7 +60,9 @@ class PathBatch {
   void shade(int bounce);
   void add_lights(const PathState& path, const PathHit& hit, std::uint32_t pair, bool is_first);
   void bounce(const PathState& path, const PathHit& hit, int bounce, std::uint32_t pair);
-  void trace_shadows();
+  void trace_shadows(bool is_coherent);
+  void trace_shadow_packets();
+  void trace_shadow_singles();
 
   const PathTracer::Impl& scene_;
   int max_bounces_;
