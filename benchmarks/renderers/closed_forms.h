@@ -13,7 +13,7 @@ struct ClosedForm {
   double estimate = 0;        ///< mean over the image
   double standard_error = 0;  ///< of the estimate, by its own samples
   std::int64_t samples = 0;
-  /// Within the 99 % interval of the estimate; 1e-5 of it is left to rounding in float.
+  /// Within the 99 % interval of the estimate; 2e-5 of it is left to rounding in float.
   bool agrees = false;
 };
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace cousin {
 namespace {
@@ -24,10 +23,6 @@ float share_of(float own, float other) {
 }
 
 float luminance(const Vector3f& c) { return 0.2126F * c.x() + 0.7152F * c.y() + 0.0722F * c.z(); }
-
-float sun_density(const SceneLights::SunDisk& sun) {
-  return 1 / (2 * std::numbers::pi_v<float> * std::max(1 - sun.cos_radius, 1e-12F));
-}
 
 /// Whether light may go between `out` and a direction, by the face and not only by its smooth
 /// normal: reflection stays on the face's side, transmission leaves it.
@@ -151,8 +146,9 @@ void PathBatch::add_light_behind(const PathState& path, bool missed, float far_m
       light += share * picture_radiance(picture, path.direction);
     }
     for (const auto& sun : lights.suns) {
-      if (path.direction.dot(sun.to_sun) <= sun.cos_radius) continue;
-      light += (is_camera ? 1 : share_of(path.density, sun_density(sun))) * sun.radiance;
+      if (!hits_sun(sun, path.direction)) continue;
+      light +=
+          (is_camera ? 1 : share_of(path.density, sun_density(sun, path.direction))) * sun.radiance;
     }
   }
   radiance_[path.index] += path.throughput.cwiseProduct(light);
@@ -200,7 +196,7 @@ void PathBatch::add_lights(const PathState& path, const PathHit& hit, std::uint3
 
   for (const auto& sun : lights.suns) {
     const Vector3f d = draw_sun(sun, next_pair());
-    const float density = sun_density(sun);
+    const float density = sun_density(sun, d);
     offer(shadows_, d, kFar, weigh(d, density).cwiseProduct(sun.radiance));
   }
   candidates_.clear();

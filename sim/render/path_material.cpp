@@ -66,57 +66,54 @@ float fresnel(float cosine, float eta) {
 }
 
 float lookup(const std::array<float, PathMaterial::kCells + 1>& table, float cosine) {
-  const float position = std::clamp(cosine, 0.0F, 1.0F) * PathMaterial::kCells;
+  const float position = std::sqrt(std::clamp(cosine, 0.0F, 1.0F)) * PathMaterial::kCells;
   const int cell = std::min(static_cast<int>(position), PathMaterial::kCells - 1);
   const float t = position - static_cast<float>(cell);
   const float* e = table.data() + cell;
   return e[0] + t * (e[1] - e[0]);
 }
 
-/// A glass facet's two ways. `weight` is masking's share alone.
-struct GlassDraw {
+/// One of a glass facet's two ways; weight 0: lost to multiple scattering.
+struct FacetWay {
   Vector3f in;
-  float weight = 0;
-  float share = 0;  ///< of the way taken: Fresnel's or its rest
-  Vector3f facet;
+  float weight = 0;  ///< masking's share alone
 };
-GlassDraw draw_facet(const Ggx& facets, const Vector3f& out, float eta, const Eigen::Vector2f& u,
-                     float lobe) {
-  GlassDraw draw;
-  const Vector3f m = facets.draw_visible(out, u);
-  draw.facet = m;
+
+FacetWay facet_way(const Ggx& facets, const Vector3f& out, const Vector3f& m, float eta,
+                   bool reflects) {
+  FacetWay way;
   const float out_m = std::max(out.dot(m), 0.0F);
-  const float reflected = fresnel(out_m, eta);
-  const float lambda_out = facets.lambda(out.z());
-  const bool reflects = lobe < reflected;
-  draw.share = reflects ? reflected : 1 - reflected;
   if (reflects) {
-    draw.in = 2 * out_m * m - out;
-    if (draw.in.z() <= 0) return draw;
+    way.in = 2 * out_m * m - out;
   } else {
     const float inner = std::sqrt(std::max(0.0F, 1 - (1 - out_m * out_m) / (eta * eta)));
-    draw.in = (out_m / eta - inner) * m - out / eta;
-    if (draw.in.z() >= 0) return draw;
+    way.in = (out_m / eta - inner) * m - out / eta;
   }
-  draw.weight = (1 + lambda_out) / (1 + lambda_out + facets.lambda(draw.in.z()));
-  return draw;
+  if ((way.in.z() > 0) != reflects || way.in.z() == 0) return way;
+  const float lambda_out = facets.lambda(out.z());
+  way.weight = (1 + lambda_out) / (1 + lambda_out + facets.lambda(way.in.z()));
+  return way;
 }
 
 /// Mean weight over draws at each cosine.
 template <class Weight>
 std::array<float, PathMaterial::kCells + 1> kept_table(const Weight& weight) {
-  constexpr std::uint32_t kDraws = 1024;
+  constexpr std::uint32_t kDraws = 4096;
   std::array<float, PathMaterial::kCells + 1> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {
-    const float cosine =
-        std::max(static_cast<float>(i) / static_cast<float>(PathMaterial::kCells), 1e-3F);
+    const float root = static_cast<float>(i) / static_cast<float>(PathMaterial::kCells);
+    const float cosine = std::max(root * root, 1e-5F);
     const Vector3f out(std::sqrt(1 - std::min(cosine * cosine, 1.0F)), 0, cosine);
-    double sum = 0;
+    double sum = 0, shares = 0;
     for (std::uint32_t k = 0; k < kDraws; ++k) {
-      const Eigen::Vector2f u = sobol_point(k) + Eigen::Vector2f::Constant(0.5F / kDraws);
-      sum += static_cast<double>(weight(out, u, k));
+      // What is lost comes from facets far from the normal, drawn near u = 1: u = 1 - s^2 puts more
+      // points there.
+      const Eigen::Vector2f p = sobol_point(k) + Eigen::Vector2f::Constant(0.5F / kDraws);
+      const Eigen::Vector2f u(1 - p.x() * p.x(), p.y());
+      sum += static_cast<double>(2 * p.x() * weight(out, u));
+      shares += static_cast<double>(2 * p.x());
     }
-    table[i] = static_cast<float>(sum / kDraws);
+    table[i] = static_cast<float>(sum / shares);
   }
   return table;
 }
@@ -135,7 +132,7 @@ PathMaterial::PathMaterial(const Material& m)
       print(m.print),
       noise(m.noise) {
   if (kind == SurfaceKind::conductor) {
-    kept_outside = kept_table([&](const Vector3f& out, const Eigen::Vector2f& u, std::uint32_t) {
+    kept_outside = kept_table([&](const Vector3f& out, const Eigen::Vector2f& u) {
       const Vector3f facet = facets.draw_visible(out, u);
       const Vector3f in = 2 * out.dot(facet) * facet - out;
       if (in.z() <= 0) return 0.0F;
@@ -145,9 +142,11 @@ PathMaterial::PathMaterial(const Material& m)
   }
   if (kind == SurfaceKind::glass) {
     const auto table = [&](float eta) {
-      return kept_table([&](const Vector3f& out, const Eigen::Vector2f& u, std::uint32_t k) {
-        const float lobe = unit_pair(hash64(k)).x();
-        return draw_facet(facets, out, eta, u, lobe).weight;
+      return kept_table([&](const Vector3f& out, const Eigen::Vector2f& u) {
+        const Vector3f facet = facets.draw_visible(out, u);
+        const float reflected = fresnel(std::max(out.dot(facet), 0.0F), eta);
+        return reflected * facet_way(facets, out, facet, eta, true).weight +
+               (1 - reflected) * facet_way(facets, out, facet, eta, false).weight;
       });
     };
     kept_outside = table(ior);
@@ -269,13 +268,15 @@ PathBsdf::Value PathBsdf::glass(const Vector3f& in) const {
 PathBsdf::Draw PathBsdf::draw_glass(const Eigen::Vector2f& u, float lobe) const {
   const PathMaterial& m = *material;
   const float eta = is_inside ? 1 / m.ior : m.ior;
-  const GlassDraw facet = draw_facet(m.facets, out, eta, u, lobe);
+  const Vector3f facet = m.facets.draw_visible(out, u);
+  const bool reflects = lobe < fresnel(std::max(out.dot(facet), 0.0F), eta);
+  const FacetWay way = facet_way(m.facets, out, facet, eta, reflects);
   Draw draw;
-  if (!(facet.weight > 0)) return draw;
+  if (!(way.weight > 0)) return draw;
   const float kept = std::max(lookup(is_inside ? m.kept_inside : m.kept_outside, out.z()), 0.1F);
-  draw.in = facet.in;
-  draw.weight = facet.weight / kept * albedo;
-  draw.density = glass(facet.in).density;
+  draw.in = way.in;
+  draw.weight = way.weight / kept * albedo;
+  draw.density = glass(way.in).density;
   return draw;
 }
 

@@ -26,8 +26,9 @@ struct PathMaterial {
   std::optional<SeedBoard> print;
   std::optional<NoiseTexture> noise;
   /// Metal: share of light that single scattering by perfectly reflecting facets returns, at cosine
-  /// = i / 64. Glass: share that it reflects or lets through, from outside and from inside.
-  static constexpr int kCells = 64;
+  /// = (i / 128)^2. Glass: share that it reflects or lets through, from outside and from inside.
+  /// Finer where light grazes.
+  static constexpr int kCells = 128;
   std::array<float, kCells + 1> kept_outside{}, kept_inside{};
 };
 

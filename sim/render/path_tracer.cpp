@@ -275,8 +275,8 @@ Fields fields(PathConfig& config) {
 void validate(const PathConfig& config) {
   if (config.pixel_samples < 1 || config.pixel_samples > 1 << 20)
     fail("pixel_samples", config.pixel_samples, "is not in 1..1048576");
-  if (config.max_bounces < 0 || config.max_bounces > 64)
-    fail("max_bounces", config.max_bounces, "is not in 0..64");
+  if (config.max_bounces < 0 || config.max_bounces > 1024)
+    fail("max_bounces", config.max_bounces, "is not in 0..1024");
   if (config.min_samples < 2 * kBlock || config.min_samples > 1 << 20)
     fail("min_samples", config.min_samples, "is not in 8..1048576");
   if (!(config.target_error >= 0 && config.target_error <= 1))

@@ -134,7 +134,8 @@ struct LightReader {
     const double sine = std::sin(sun.angular_radius_rad);
     SceneLights::SunDisk disk;
     disk.to_sun = sun.to_sun.normalized().cast<float>();
-    disk.cos_radius = static_cast<float>(std::cos(sun.angular_radius_rad));
+    disk.sin_radius = static_cast<float>(sine);
+    disk.chord = static_cast<float>(2 * std::sin(0.5 * sun.angular_radius_rad));
     disk.irradiance = colour(sun.irradiance, "sun: irradiance");
     disk.radiance = disk.irradiance / static_cast<float>(std::numbers::pi * sine * sine);
     lights.suns.push_back(disk);
@@ -294,14 +295,22 @@ Eigen::Vector3f beam_intensity(const SceneLights::Beam& beam, const Eigen::Vecto
 Eigen::Vector3f sun_radiance(const SceneLights& lights, const Eigen::Vector3f& d) {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (const auto& sun : lights.suns) {
-    if (d.dot(sun.to_sun) > sun.cos_radius) sum += sun.radiance;
+    if (hits_sun(sun, d)) sum += sun.radiance;
   }
   return sum;
 }
 
+bool hits_sun(const SceneLights::SunDisk& sun, const Eigen::Vector3f& direction) {
+  // By the chord: a cosine in float does not tell a disk of a thousandth of a radian.
+  return (direction - sun.to_sun).squaredNorm() < sun.chord * sun.chord;
+}
+
+float sun_density(const SceneLights::SunDisk& sun, const Eigen::Vector3f& direction) {
+  return direction.dot(sun.to_sun) / (kPi * sun.sin_radius * sun.sin_radius);
+}
+
 Eigen::Vector3f draw_sun(const SceneLights::SunDisk& sun, const Eigen::Vector2f& u) {
-  const float sine = std::sqrt(std::max(0.0F, 1 - sun.cos_radius * sun.cos_radius));
-  const Eigen::Vector2f disk = sine * concentric_disk(u);
+  const Eigen::Vector2f disk = sun.sin_radius * concentric_disk(u);
   const float z = std::sqrt(std::max(0.0F, 1 - disk.squaredNorm()));
   return frame_about(sun.to_sun) * Eigen::Vector3f(disk.x(), disk.y(), z);
 }

@@ -12,7 +12,8 @@ namespace cousin {
 struct SceneLights {
   struct SunDisk {
     Eigen::Vector3f to_sun;
-    float cos_radius = 1;
+    float sin_radius = 0;  ///< of the angular radius
+    float chord = 0;       ///< between unit directions to its centre and its edge
     Eigen::Vector3f irradiance;
     Eigen::Vector3f radiance;
   };
@@ -56,6 +57,10 @@ SceneLights make_lights(const Scene& scene, const Eigen::Vector3d& centre_m);
 Eigen::Vector3f sky_radiance(const SceneLights& lights, const Eigen::Vector3f& direction);
 /// Radiance of the suns' disks along a unit direction.
 Eigen::Vector3f sun_radiance(const SceneLights& lights, const Eigen::Vector3f& direction);
+/// Whether a unit direction meets the sun's disk.
+bool hits_sun(const SceneLights::SunDisk& sun, const Eigen::Vector3f& direction);
+/// Density, per steradian, with which draw_sun gives a direction of the disk.
+float sun_density(const SceneLights::SunDisk& sun, const Eigen::Vector3f& direction);
 /// Direction to a point of the sun's disk.
 Eigen::Vector3f draw_sun(const SceneLights::SunDisk& sun, const Eigen::Vector2f& u);
 

@@ -79,7 +79,7 @@ json lights_of(const Scene& scene, const std::filesystem::path& folder) {
     const Eigen::Vector3d irradiance = sun.irradiance.cast<double>();
     suns.push_back({{"to_sun", array_of(to_sun)},
                     {"irradiance", array_of(irradiance)},
-                    {"angular_radius_rad", std::acos(static_cast<double>(sun.cos_radius))}});
+                    {"angular_radius_rad", std::asin(static_cast<double>(sun.sin_radius))}});
   }
   for (const Light& light : scene.lights) {
     const auto* lamp = std::get_if<Lamp>(&light);
