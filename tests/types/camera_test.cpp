@@ -29,6 +29,10 @@ Camera camera_of(LensModel model) {
     case LensModel::kannala_brandt4:
       camera.distortion = {0.02, -0.006, 0.001, -0.0002};
       break;
+    case LensModel::splined_stereographic:
+      camera.spline = {.order = 3, .columns = 12, .rows = 9, .fov_x_rad = 1.6, .delta_u = {}};
+      for (int i = 0; i < 2 * 12 * 9; ++i) camera.spline.delta_u.push_back(0.01 * std::sin(i * i));
+      break;
   }
   return camera;
 }
@@ -76,7 +80,8 @@ TEST_P(EveryLens, NamesRoundTrip) {
 
 INSTANTIATE_TEST_SUITE_P(Lens, EveryLens,
                          testing::Values(LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,
-                                         LensModel::opencv12, LensModel::kannala_brandt4),
+                                         LensModel::opencv12, LensModel::kannala_brandt4,
+                                         LensModel::splined_stereographic),
                          [](const auto& test) { return std::string(to_string(test.param)); });
 
 TEST(Camera, ProjectsAsTheOpenCvDocumentationSays) {
