@@ -84,6 +84,12 @@ Stack stack(const CameraSensorConfig& flat, const CameraUnit& unit, double elect
   return result;
 }
 
+/// Light at which the shot noise spans 0.7 codes, 10 electrons at least.
+double lowest_electrons(const PhotositesConfig& photosites) {
+  const double k = codes_per_electron(photosites);
+  return std::max(10.0, 0.49 / (k * k));
+}
+
 }  // namespace
 
 CameraSensorConfig flat_camera(const CameraSensorConfig& config) {
@@ -99,8 +105,7 @@ CameraSensorConfig flat_camera(const CameraSensorConfig& config) {
 
 PhotonTransfer photon_transfer(const CameraSensorConfig& flat, const CameraUnit& unit,
                                int exposures, std::uint64_t seed) {
-  const double k = codes_per_electron(flat.photosites);
-  const double first_e = std::max(10.0, 0.49 / (k * k));
+  const double first_e = lowest_electrons(flat.photosites);
   const double last_e = 0.8 * flat.photosites.full_well_e;
   PhotonTransfer result;
   double sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
@@ -134,17 +139,32 @@ double expected_intercept(const PhotositesConfig& p) {
 FixedPattern fixed_pattern(const CameraSensorConfig& flat, const CameraUnit& unit, int frames,
                            std::uint64_t seed) {
   const double k = codes_per_electron(flat.photosites);
-  const double half_e = 0.5 * flat.photosites.full_well_e;
-  const Stack dark = stack(flat, unit, 0, frames, seed);
-  const Stack light = stack(flat, unit, half_e, frames, seed + 1000);
-  const double s2_dark = variance_of(dark.mean) - dark.left_variance;
-  const double s2_light = variance_of(light.mean) - light.left_variance;
+  struct Level {
+    double electrons, spatial_e2, sigma_e2;
+  };
+  const auto level = [&](double electrons, std::uint64_t from) {
+    const Stack s = stack(flat, unit, electrons, frames, from);
+    const double spatial = variance_of(s.mean);
+    const double root = std::sqrt(2.0 / static_cast<double>(s.mean.size()));
+    return Level{mean_of(s.mean) / k - dark_electrons(flat.photosites),
+                 (spatial - s.left_variance) / (k * k), s.left_variance / (k * k) * root};
+  };
+  const Level low = level(lowest_electrons(flat.photosites), seed);
+  const Level high = level(0.5 * flat.photosites.full_well_e, seed + 1000);
+  const double low2 = low.electrons * low.electrons, high2 = high.electrons * high.electrons;
+
   FixedPattern result;
-  result.prnu = std::sqrt(s2_light - s2_dark) / (mean_of(light.mean) - mean_of(dark.mean));
-  result.dsnu_e = std::sqrt(s2_dark) / k;
+  const double prnu2 = (high.spatial_e2 - low.spatial_e2) / (high2 - low2);
+  const double dsnu2_e2 = low.spatial_e2 - prnu2 * low2;
+  result.prnu = std::sqrt(prnu2);
+  result.dsnu_e = std::sqrt(dsnu2_e2);
+  const double prnu2_sigma = std::hypot(high.sigma_e2, low.sigma_e2) / (high2 - low2);
+  result.prnu_sigma = prnu2_sigma / (2 * result.prnu);
+  result.dsnu_sigma_e = std::hypot(low.sigma_e2, prnu2_sigma * low2) / (2 * result.dsnu_e);
   result.true_prnu = std::sqrt(variance_of(green_values(flat, prnu_map(flat, unit))));
-  result.true_dsnu_e = std::sqrt(variance_of(green_values(flat, dsnu_map(flat, unit))));
-  result.photosites = static_cast<std::int64_t>(dark.mean.size());
+  const std::vector<double> offsets = green_values(flat, dsnu_map(flat, unit));
+  result.true_dsnu_e = std::sqrt(variance_of(offsets));
+  result.photosites = static_cast<std::int64_t>(offsets.size());
   return result;
 }
 

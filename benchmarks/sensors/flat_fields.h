@@ -24,11 +24,14 @@ PhotonTransfer photon_transfer(const CameraSensorConfig& flat, const CameraUnit&
 /// The intercept that the model states.
 double expected_intercept(const PhotositesConfig& photosites);
 
-/// Spatial nonuniformity after EMVA 1288 from stacks of frames in the dark and at half of full
-/// well, what is left of the temporal noise taken off; and that of the unit's own maps over the
-/// same photosites.
+/// Spatial nonuniformity after EMVA 1288 from stacks of frames at two lights, what is left of the
+/// temporal noise taken off: s^2 = K^2 (DSNU^2 + PRNU^2 e^2). The lower light is not darkness but
+/// where the noise spans 0.7 codes: below, rounding hides offsets that are smaller than a code. And
+/// that of the unit's own maps over the same photosites.
 struct FixedPattern {
   double prnu = 0, dsnu_e = 0;
+  double prnu_sigma = 0,
+         dsnu_sigma_e = 0;  ///< standard errors from the temporal noise that is left
   double true_prnu = 0, true_dsnu_e = 0;
   std::int64_t photosites = 0;
 };
