@@ -11,7 +11,7 @@ namespace cousin {
 namespace {
 
 Camera centred(int width, int height) {
-  Camera camera{LensModel::pinhole, width, height, 200, 200, 0, 0, {}};
+  Camera camera{LensModel::pinhole, width, height, 200, 200, 0, 0, {}, {}};
   camera.cx_px = 0.5 * (width - 1);
   camera.cy_px = 0.5 * (height - 1);
   return camera;

@@ -12,7 +12,7 @@ namespace cousin {
 namespace {
 
 Camera camera_of(LensModel model) {
-  Camera camera{model, 1280, 720, 1083.0, 1079.0, 642.3, 357.1, {}};
+  Camera camera{model, 1280, 720, 1083.0, 1079.0, 642.3, 357.1, {}, {}};
   switch (model) {
     case LensModel::pinhole:
       break;
@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Lens, EveryLens,
 TEST(Camera, ProjectsAsTheOpenCvDocumentationSays) {
   // Hand evaluation at x = 0.2, y = -0.1: r2 = 0.05, radial 1 + 0.05 k1, tangential and prism terms
   // apart.
-  Camera camera{LensModel::opencv12, 100, 100, 1, 1, 0, 0, {}};
+  Camera camera{LensModel::opencv12, 100, 100, 1, 1, 0, 0, {}, {}};
   camera.distortion = {0.1, 0, 0.01, 0.02, 0, 0, 0, 0, 0.03, 0, 0.04, 0};
   const auto pixel = project(camera, {0.2, -0.1, 1});
   ASSERT_TRUE(pixel);

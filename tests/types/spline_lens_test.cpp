@@ -22,7 +22,7 @@ SplineLens random_spline(int order, double bend, Rng rng) {
 }
 
 Camera fish_eye(const SplineLens& spline) {
-  Camera camera{LensModel::splined_stereographic, 1280, 720, 600, 610, 642.3, 357.1, {}};
+  Camera camera{LensModel::splined_stereographic, 1280, 720, 600, 610, 642.3, 357.1, {}, {}};
   camera.spline = spline;
   return camera;
 }
@@ -147,7 +147,7 @@ TEST(SplineLens, RefusesNumbersThatCannotBe) {
   EXPECT_THAT(message([](SplineLens& s) { s.delta_u.pop_back(); }), HasSubstr("length"));
   EXPECT_THAT(message([&](SplineLens& s) { s.delta_u[7] = nan; }), HasSubstr("delta_u"));
 
-  Camera pinhole{LensModel::pinhole, 64, 48, 50, 50, 32, 24, {}};
+  Camera pinhole{LensModel::pinhole, 64, 48, 50, 50, 32, 24, {}, {}};
   pinhole.spline.columns = 8;
   EXPECT_THROW(validate(pinhole), std::invalid_argument);
 }
