@@ -144,10 +144,13 @@ FixedPattern fixed_pattern(const CameraSensorConfig& flat, const CameraUnit& uni
   };
   const auto level = [&](double electrons, std::uint64_t from) {
     const Stack s = stack(flat, unit, electrons, frames, from);
-    const double spatial = variance_of(s.mean);
-    const double root = std::sqrt(2.0 / static_cast<double>(s.mean.size()));
-    return Level{mean_of(s.mean) / k - dark_electrons(flat.photosites),
-                 (spatial - s.left_variance) / (k * k), s.left_variance / (k * k) * root};
+    const double left = s.left_variance / (k * k);
+    const double spatial = variance_of(s.mean) / (k * k) - left;
+    // The variance of (map + noise) over n photosites, the map given: noise squared, and map times
+    // noise.
+    const double sigma =
+        std::sqrt((2 * left * left + 4 * spatial * left) / static_cast<double>(s.mean.size()));
+    return Level{mean_of(s.mean) / k - dark_electrons(flat.photosites), spatial, sigma};
   };
   const Level low = level(lowest_electrons(flat.photosites), seed);
   const Level high = level(0.5 * flat.photosites.full_well_e, seed + 1000);

@@ -33,6 +33,7 @@ void require_finite(const Image<Rgbf>& radiance, int y, const std::string& name)
 /// The radius over the half diagonal, as a share of `r`, that a colour images at `r`: the inverse
 /// of r (scale + cubic r^2) by Newton's method, which for maps this close to 1 needs two steps.
 double inverse_share(const RadialColour& map, double r2) {
+  if (map.cubic == 0) return 1 / map.scale;
   double share = 1 / (map.scale + map.cubic * r2);
   for (int i = 0; i < 3; ++i) {
     const double s2 = share * share;

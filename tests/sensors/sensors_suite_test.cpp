@@ -32,9 +32,9 @@ TEST(FixedPattern, IsFoundBesideTheTemporalNoise) {
   config.photosites.dsnu_e = 3;
   const CameraUnit unit = make_camera_unit(config, Rng(4));
   const FixedPattern p = fixed_pattern(config, unit, 6, 9);
-  EXPECT_NEAR(p.prnu, p.true_prnu, 5 * p.prnu_sigma + 0.005 * 0.02);
+  EXPECT_NEAR(p.prnu, p.true_prnu, 5 * p.prnu_sigma + 0.0015 * 0.02);
   EXPECT_NEAR(p.true_prnu / 0.02, 1, 0.01);
-  EXPECT_NEAR(p.dsnu_e, p.true_dsnu_e, 5 * p.dsnu_sigma_e + 0.005 * 3);
+  EXPECT_NEAR(p.dsnu_e, p.true_dsnu_e, 5 * p.dsnu_sigma_e + 0.0015 * 3);
   EXPECT_LT(p.dsnu_sigma_e, 0.1);
   EXPECT_NEAR(p.true_dsnu_e, std::sqrt(9 + 0.25 + 0.09), 0.05);
 }
