@@ -180,6 +180,7 @@ double vignetting_deviation(const CameraSensorConfig& config, int frames, std::u
   const Stack shaded = stack(flat, unit, 0.5 * flat.photosites.full_well_e, frames, seed + 1);
   const double dark = dark_electrons(flat.photosites) * codes_per_electron(flat.photosites);
   constexpr int kRings = 16;
+  const Image<float> prnu = prnu_map(flat, unit);
   std::array<double, kRings> measured{}, expected{};
   std::size_t i = 0;
   const double half_diagonal = 0.5 * std::hypot(flat.width_px, flat.height_px);
@@ -189,7 +190,8 @@ double vignetting_deviation(const CameraSensorConfig& config, int frames, std::u
       const double r = std::hypot(x - camera.cx_px, y - camera.cy_px) / half_diagonal;
       const auto ring = static_cast<std::size_t>(std::min(kRings * r, kRings - 1.0));
       measured[ring] += shaded.mean[i++] - dark;
-      expected[ring] += vignetting_gain(flat.lens.optics, camera, x, y);
+      expected[ring] +=
+          vignetting_gain(flat.lens.optics, camera, x, y) * static_cast<double>(prnu(x, y));
     }
   }
   double largest = 0;

@@ -39,8 +39,9 @@ FixedPattern fixed_pattern(const CameraSensorConfig& flat, const CameraUnit& uni
                            std::uint64_t seed);
 
 /// Largest deviation, over 16 rings of equal width, of the mean signal of a flat field from the
-/// model's gain over the same photosites, both relative to the innermost ring; with the optics of
-/// `config` at 640 px width.
+/// model's gain times PRNU over the same photosites, both relative to the innermost ring; with the
+/// optics of `config` at 640 px width. That ring has 980 green photosites at a signal-to-noise
+/// ratio of 60 or more, so 16 frames know it to 1.3e-4.
 double vignetting_deviation(const CameraSensorConfig& config, int frames, std::uint64_t seed);
 
 }  // namespace cousin

@@ -199,6 +199,25 @@ std::vector<TrueView> true_views(const RigConfig& config, const RigUnit& unit, c
   return views;
 }
 
+std::vector<SensorFrame> sense(const std::vector<Image<Rgbf>>& radiances, const RigConfig& config,
+                               const RigUnit& unit, const std::vector<TrueView>& views,
+                               const Rng& rng) {
+  const std::size_t count = config.sensors.size();
+  if (radiances.size() != count || views.size() != count || unit.sensors.size() != count) {
+    throw std::invalid_argument("rig: " + std::to_string(radiances.size()) + " radiance images, " +
+                                std::to_string(views.size()) + " views and " +
+                                std::to_string(unit.sensors.size()) + " units for " +
+                                std::to_string(count) + " sensors");
+  }
+  std::vector<SensorFrame> frames;
+  for (std::size_t i = 0; i < count; ++i) {
+    const RigSensor& sensor = config.sensors[i];
+    frames.push_back(sense(radiances[i], sensor.camera, unit.sensors[i], views[i],
+                           rng.fork(sensor.name).fork("sense")));
+  }
+  return frames;
+}
+
 std::vector<SensorReport> report_of(const RigConfig& config, const RigUnit& unit) {
   std::vector<SensorReport> reports;
   for (std::size_t i = 0; i < config.sensors.size(); ++i) {

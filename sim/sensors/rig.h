@@ -55,6 +55,12 @@ RigUnit make_rig(const RigConfig& config, const Rng& rng);
 std::vector<TrueView> true_views(const RigConfig& config, const RigUnit& unit, const Scene& scene,
                                  int frame, const Rng& rng);
 
+/// What all sensors hand over in a frame, one radiance image and one of `true_views` each.
+/// @throws std::invalid_argument if there is not one of each for every sensor.
+std::vector<SensorFrame> sense(const std::vector<Image<Rgbf>>& radiances, const RigConfig& config,
+                               const RigUnit& unit, const std::vector<TrueView>& views,
+                               const Rng& rng);
+
 /// What the rig says of itself.
 std::vector<SensorReport> report_of(const RigConfig& config, const RigUnit& unit);
 
