@@ -16,6 +16,7 @@
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/seeds_report.h"
 #include "benchmarks/seeds/suite.h"
+#include "benchmarks/sensors/sensors_suite.h"
 #include "benchmarks/stability/suite.h"
 
 namespace cousin {
@@ -113,6 +114,14 @@ ScoreFile bench_render(const JobContext& context, const fs::path& out) {
   return finish(std::move(report), context, out);
 }
 
+ScoreFile bench_sensors(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  return finish(
+      titled("Cousin: bench sensors", "Every sensor model against theory or the published figure.",
+             sensors_suite(o.seed, o.quick, context.progress.function())),
+      context, out);
+}
+
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
   RealResult result =
       real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function());
@@ -133,9 +142,10 @@ struct Suite {
   ScoreFile (*run)(const JobContext&, const fs::path&);
   std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 5> kSuites = {
+constexpr std::array<Suite, 6> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
+     {"sensors", bench_sensors, {"--quick"}},
      {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
@@ -177,8 +187,8 @@ ExitCode command_bench(const JobContext& context) {
     const auto suite = std::find_if(kSuites.begin(), kSuites.end(),
                                     [&](const Suite& s) { return name == s.name; });
     if (suite == kSuites.end()) {
-      throw std::invalid_argument("suite \"" + name +
-                                  "\" is not one of stability, render, seeds, real, program");
+      throw std::invalid_argument(
+          "suite \"" + name + "\" is not one of stability, render, sensors, seeds, real, program");
     }
     if (!o.arguments.empty()) check_takes(*suite, o);
     wanted.push_back(&*suite);

@@ -11,6 +11,7 @@
 #include "benchmarks/report/javascript_libraries.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/sensors/phone.h"
+#include "sim/sensors/rig.h"
 
 namespace cousin {
 namespace {
@@ -51,13 +52,47 @@ ExitCode command_scenes(const JobContext& context) {
   return ExitCode::done;
 }
 
-ExitCode command_rigs(const JobContext& context) {
+namespace {
+
+std::string size_text(int width_px, int height_px) {
+  return std::to_string(width_px) + " x " + std::to_string(height_px);
+}
+
+std::vector<Entry> phone_entries() {
   std::vector<Entry> entries;
   for (const std::string& name : phone_preset_names()) {
     const PhoneConfig config = phone_preset(name);
-    entries.push_back({name, "verified (against theory only)",
-                       "phone colour camera, " + std::to_string(config.width_px) + " x " +
-                           std::to_string(config.height_px)});
+    entries.push_back(
+        {name, "verified (against theory only)",
+         "phone video, three photosites a pixel, " + size_text(config.width_px, config.height_px)});
+  }
+  return entries;
+}
+
+std::vector<Entry> camera_entries() {
+  std::vector<Entry> entries;
+  for (const std::string& name : rig_preset_names()) {
+    const RigConfig rig = rig_preset(name);
+    const std::string by =
+        rig.evidence == Evidence::verified ? "against theory only" : rig.evidence_by;
+    std::string help = rig.title;
+    for (const RigSensor& sensor : rig.sensors) {
+      help += "; " + sensor.name + " " + size_text(sensor.camera.width_px, sensor.camera.height_px);
+    }
+    entries.push_back({name, std::string(to_string(rig.evidence)) + " (" + by + ")", help});
+  }
+  return entries;
+}
+
+/// To add a kind of rig, add a row.
+constexpr std::array<std::vector<Entry> (*)(), 2> kRigKinds = {phone_entries, camera_entries};
+
+}  // namespace
+
+ExitCode command_rigs(const JobContext& context) {
+  std::vector<Entry> entries;
+  for (const auto& kind : kRigKinds) {
+    for (const Entry& entry : kind()) entries.push_back(entry);
   }
   print(entries, context.options.json);
   return ExitCode::done;

@@ -60,6 +60,18 @@ Scene board_scene() {
   return scene;
 }
 
+/// A surface that no polynomial of radius is: waves of up to 0.02 in u.
+SplineLens waves() {
+  SplineLens spline{.order = 3, .columns = 14, .rows = 11, .fov_x_rad = 2.4, .delta_u = {}};
+  for (int j = 0; j < spline.rows; ++j) {
+    for (int i = 0; i < spline.columns; ++i) {
+      spline.delta_u.push_back(0.02 * std::sin(0.9 * i + 0.4 * j));
+      spline.delta_u.push_back(0.02 * std::cos(0.5 * i - 0.8 * j));
+    }
+  }
+  return spline;
+}
+
 }  // namespace
 
 Camera strong_lens(LensModel model, int width_px, int height_px, double focal_px) {
@@ -86,6 +98,9 @@ Camera strong_lens(LensModel model, int width_px, int height_px, double focal_px
       break;
     case LensModel::kannala_brandt4:
       camera.distortion = {-0.03, 0.004, -0.002, 0.0003};
+      break;
+    case LensModel::splined_stereographic:
+      camera.spline = waves();
       break;
   }
   return camera;

@@ -95,8 +95,9 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   }
 
   say("corners", 4, 5);
-  for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,
-                                LensModel::opencv12, LensModel::kannala_brandt4}) {
+  for (const LensModel model :
+       {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
+        LensModel::kannala_brandt4, LensModel::splined_stereographic}) {
     const CornerPositions found = measure_corner_positions(model);
     const std::string name = "board corners, " + std::string(to_string(model));
     file.scores.push_back(

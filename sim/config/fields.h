@@ -25,6 +25,7 @@ struct Field {
   std::string help;
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
+  bool optional = false;  ///< may be missing where MissingKeys::error
 };
 
 /// The one description of a configuration struct, from which TOML in and out, `--set` and `--help`
@@ -47,6 +48,11 @@ enum class MissingKeys {
 void read_toml(const std::filesystem::path& file, const Fields& fields, MissingKeys missing);
 void read_toml_text(std::string_view text, std::string_view name, const Fields& fields,
                     MissingKeys missing);
+
+/// Names of the tables that a TOML text has at its top, in the order of their first lines: which
+/// parts a file describes, before its fields are known. @throws std::runtime_error as read_toml for
+/// what is not TOML.
+std::vector<std::string> toml_tables(std::string_view text, std::string_view name);
 
 /// All fields as TOML, one key a line, tables for nested structs; doubles print so that they read
 /// back equal.

@@ -88,26 +88,31 @@ FieldValue field_value(const toml::value& value, const std::string& key) {
   throw std::invalid_argument(key + ": dates and times are not used here");
 }
 
+std::vector<std::pair<std::string, const toml::value*>> rows_in_order(const toml::value& table) {
+  std::vector<std::pair<std::string, const toml::value*>> rows;
+  for (const auto& [key, value] : table.as_table()) rows.emplace_back(key, &value);
+  std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.second->location().line(), a.first) <
+           std::pair(b.second->location().line(), b.first);
+  });
+  return rows;
+}
+
 class Reader {
  public:
   Reader(const std::string& name, const Fields& fields) : name_(name), fields_(fields) {}
 
   void read(const toml::value& table, const std::string& prefix) {
     // In the order of the file, so that the first mistake in it is the one named.
-    std::vector<std::pair<std::string, const toml::value*>> rows;
-    for (const auto& [key, value] : table.as_table()) rows.emplace_back(key, &value);
-    std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
-      return std::pair(a.second->location().line(), a.first) <
-             std::pair(b.second->location().line(), b.first);
-    });
-    for (const auto& [key, value] : rows)
+    for (const auto& [key, value] : rows_in_order(table))
       read_row(prefix.empty() ? key : prefix + "." + key, *value);
   }
 
   void require_all() const {
     std::string missing;
     for (const Field& field : fields_) {
-      if (!seen_.contains(field.key)) missing += (missing.empty() ? "" : ", ") + field.key;
+      if (!field.optional && !seen_.contains(field.key))
+        missing += (missing.empty() ? "" : ", ") + field.key;
     }
     if (!missing.empty()) throw std::runtime_error(name_ + ": missing keys: " + missing);
   }
@@ -143,6 +148,17 @@ void read_toml_text(std::string_view text, std::string_view name, const Fields& 
   Reader reader(file, fields);
   reader.read(root, "");
   if (missing == MissingKeys::error) reader.require_all();
+}
+
+std::vector<std::string> toml_tables(std::string_view text, std::string_view name) {
+  const std::string file(name);
+  check_size(text, file);
+  const toml::value root = parse(text, file);
+  std::vector<std::string> names;
+  for (const auto& [key, value] : rows_in_order(root)) {
+    if (value->is_table()) names.push_back(key);
+  }
+  return names;
 }
 
 void read_toml(const std::filesystem::path& file, const Fields& fields, MissingKeys missing) {

@@ -33,9 +33,25 @@ Pose first_sensor_from_world(const Capture& capture, const Frame& frame) {
   return capture.rig.front().sensor_from_rig * *frame.rig_from_world;
 }
 
+RawFormat read_raw_format(const JsonNode& node) {
+  node.expect_keys({"mosaic", "bits", "black_level"});
+  RawFormat format;
+  format.mosaic =
+      node["mosaic"].choice({Mosaic::grey, Mosaic::rggb, Mosaic::bggr, Mosaic::grbg, Mosaic::gbrg});
+  format.bits = static_cast<int>(node["bits"].integer(1, 16));
+  format.black_level = static_cast<int>(node["black_level"].integer(0, 65535));
+  try {
+    validate(format);
+  } catch (const std::invalid_argument& error) {
+    node.fail(error.what());
+  }
+  return format;
+}
+
 SensorReport read_sensor(const JsonNode& node, std::size_t index) {
   node.expect_keys(
-      {"name", "camera", "sensor_from_rig", "exposure_s", "shutter", "readout_s", "linear_raw"});
+      {"name", "camera", "sensor_from_rig", "exposure_s", "shutter", "readout_s", "linear_raw"},
+      {"raw_format"});
   SensorReport sensor;
   sensor.name = node["name"].text(64);
   sensor.camera = read_camera(node["camera"], "sensor " + std::to_string(index));
@@ -47,6 +63,7 @@ SensorReport read_sensor(const JsonNode& node, std::size_t index) {
   sensor.shutter = shutter == "global" ? Shutter::global : Shutter::rolling;
   sensor.readout_s = node["readout_s"].number(0, 1e6);
   sensor.linear_raw = node["linear_raw"].boolean();
+  if (node.has("raw_format")) sensor.raw_format = read_raw_format(node["raw_format"]);
   return sensor;
 }
 
@@ -182,13 +199,20 @@ void check_rig(const std::vector<SensorReport>& rig) {
 std::string rig_to_json(const Capture& capture) {
   Json sensors = Json::array();
   for (const SensorReport& sensor : capture.rig) {
-    sensors.push_back({{"name", sensor.name},
-                       {"camera", to_json(sensor.camera)},
-                       {"sensor_from_rig", to_json(sensor.sensor_from_rig)},
-                       {"exposure_s", sensor.exposure_s},
-                       {"shutter", to_string(sensor.shutter)},
-                       {"readout_s", sensor.readout_s},
-                       {"linear_raw", sensor.linear_raw}});
+    Json entry = {{"name", sensor.name},
+                  {"camera", to_json(sensor.camera)},
+                  {"sensor_from_rig", to_json(sensor.sensor_from_rig)},
+                  {"exposure_s", sensor.exposure_s},
+                  {"shutter", to_string(sensor.shutter)},
+                  {"readout_s", sensor.readout_s},
+                  {"linear_raw", sensor.linear_raw}};
+    const RawFormat& format = sensor.raw_format;
+    if (format != RawFormat{}) {
+      entry["raw_format"] = {{"mosaic", to_string(format.mosaic)},
+                             {"bits", format.bits},
+                             {"black_level", format.black_level}};
+    }
+    sensors.push_back(entry);
   }
   return to_text(Json{{"schema", 1},
                       {"pipeline", capture.pipeline},

@@ -230,19 +230,48 @@ Json to_json(const Camera& camera) {
   for (int i = 0; i < distortion_count(camera.model); ++i) {
     distortion.push_back(camera.distortion.at(static_cast<std::size_t>(i)));
   }
-  return {{"model", to_string(camera.model)},
-          {"width_px", camera.width_px},
-          {"height_px", camera.height_px},
-          {"fx_px", camera.fx_px},
-          {"fy_px", camera.fy_px},
-          {"cx_px", camera.cx_px},
-          {"cy_px", camera.cy_px},
-          {"distortion", distortion}};
+  Json result = {{"model", to_string(camera.model)},
+                 {"width_px", camera.width_px},
+                 {"height_px", camera.height_px},
+                 {"fx_px", camera.fx_px},
+                 {"fy_px", camera.fy_px},
+                 {"cx_px", camera.cx_px},
+                 {"cy_px", camera.cy_px},
+                 {"distortion", distortion}};
+  if (camera.model == LensModel::splined_stereographic) {
+    const SplineLens& spline = camera.spline;
+    result["spline"] = {{"order", spline.order},
+                        {"columns", spline.columns},
+                        {"rows", spline.rows},
+                        {"fov_x_rad", spline.fov_x_rad},
+                        {"delta_u", spline.delta_u}};
+  }
+  return result;
 }
+
+namespace {
+
+/// Its numbers are bounded here so that a hostile file asks for no memory; validate() does the
+/// rest.
+SplineLens read_spline(const JsonNode& node) {
+  constexpr std::int64_t kMostAside = 1024;
+  constexpr std::size_t kMostNumbers = 2 * 16384;
+  node.expect_keys({"order", "columns", "rows", "fov_x_rad", "delta_u"});
+  SplineLens spline;
+  spline.order = static_cast<int>(node["order"].integer(2, 3));
+  spline.columns = static_cast<int>(node["columns"].integer(1, kMostAside));
+  spline.rows = static_cast<int>(node["rows"].integer(1, kMostAside));
+  spline.fov_x_rad = node["fov_x_rad"].number();
+  spline.delta_u = node["delta_u"].numbers(0, kMostNumbers);
+  return spline;
+}
+
+}  // namespace
 
 Camera read_camera(const JsonNode& node, const std::string& context) {
   node.expect_keys(
-      {"model", "width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion"});
+      {"model", "width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "distortion"},
+      {"spline"});
   Camera camera;
   try {
     camera.model = lens_model_from_string(node["model"].text(64));
@@ -258,6 +287,9 @@ Camera read_camera(const JsonNode& node, const std::string& context) {
   const auto count = static_cast<std::size_t>(distortion_count(camera.model));
   const std::vector<double> distortion = node["distortion"].numbers(count, count);
   std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
+  if (camera.model == LensModel::splined_stereographic || node.has("spline")) {
+    camera.spline = read_spline(node["spline"]);
+  }
   try {
     validate(camera);
   } catch (const std::invalid_argument& error) {

@@ -133,6 +133,7 @@ Camera undistorted_camera(const Camera& lens, const UndistortConfig& config) {
                            config.height_px > 0 ? config.height_px : lens.height_px);
   pinhole.model = LensModel::pinhole;
   pinhole.distortion = {};
+  pinhole.spline = {};
   if (config.focal_px > 0) pinhole.fx_px = pinhole.fy_px = config.focal_px;
   return pinhole;
 }

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <string>
 
 #include "sim/config/limits.h"
-#include "sim/sensors/fast_normal.h"
+#include "sim/sensors/hand_motion.h"
 #include "sim/sensors/phone_presets.h"
+#include "sim/sensors/photosites.h"
 
 namespace cousin {
 namespace {
@@ -32,32 +34,13 @@ Camera nominal_camera(const PhoneConfig& config) {
   return camera;
 }
 
-Camera with_focus(Camera camera, double breathing) {
-  camera.fx_px *= breathing;
-  camera.fy_px *= breathing;
-  return camera;
-}
-
-Eigen::Vector3d normal3(Rng& rng) {
-  const double x = normal(rng);
-  const double y = normal(rng);
-  return {x, y, normal(rng)};
-}
-
 /// Fixed pattern: mean plus sigma times a normal for each photosite; row y draws from rng.fork(y).
 Image<Rgbf> fixed_pattern(int width, int height, double mean, double sigma, const Rng& rng) {
   Image<Rgbf> pattern(width, height);
-  const NormalTable& table = normal_table();
   tbb::parallel_for(0, height, [&](int y) {
-    Rng row = rng.fork(static_cast<std::uint64_t>(y));
-    const auto draw = [&] {
-      return static_cast<float>(mean + sigma * table(static_cast<std::uint32_t>(row() >> 32)));
-    };
-    for (Rgbf& pixel : pattern.row(y)) {
-      pixel.r = draw();
-      pixel.g = draw();
-      pixel.b = draw();
-    }
+    const std::span<Rgbf> row = pattern.row(y);
+    fixed_pattern_row({&row.front().r, 3 * row.size()}, mean, sigma,
+                      rng.fork(static_cast<std::uint64_t>(y)));
   });
   return pattern;
 }
@@ -135,40 +118,21 @@ PhoneUnit make_phone(const PhoneConfig& config, Rng rng) {
   validate(config);
   PhoneUnit unit;
 
-  // The true lens.
-  Camera camera = nominal_camera(config);
-  Rng lens = rng.fork("lens");
-  const double offset_px = config.principal_offset_px_per_width * config.width_px;
-  camera.cx_px += truncated_normal(lens, 0, offset_px);
-  camera.cy_px += truncated_normal(lens, 0, offset_px);
-  validate(camera);
-  unit.camera_at_infinity = camera;
-
-  // What the device says of it.
-  Rng report = rng.fork("report");
-  const double focal_factor = 1 + truncated_normal(report, 0, config.report_focal_error);
-  camera = with_focus(camera, focal_factor);
-  const double centre_px = config.report_centre_error_px_per_width * config.width_px;
-  camera.cx_px += truncated_normal(report, 0, centre_px);
-  camera.cy_px += truncated_normal(report, 0, centre_px);
-  for (double& k : camera.distortion)
-    k *= 1 + truncated_normal(report, 0, config.report_distortion_error);
-  validate(camera);
-  unit.reported_at_infinity = camera;
+  const LensUnit lens =
+      draw_lens(nominal_camera(config),
+                {.centre_px = config.principal_offset_px_per_width * config.width_px,
+                 .report_focal = config.report_focal_error,
+                 .report_centre_px = config.report_centre_error_px_per_width * config.width_px,
+                 .report_distortion = config.report_distortion_error},
+                rng);
+  unit.camera_at_infinity = lens.at_infinity;
+  unit.reported_at_infinity = lens.reported_at_infinity;
 
   const int width = config.width_px;
   const int height = config.height_px;
   unit.prnu_gain = fixed_pattern(width, height, 1, config.prnu, rng.fork("prnu"));
   unit.dsnu_e = fixed_pattern(width, height, 0, config.dsnu_e, rng.fork("dsnu"));
   return unit;
-}
-
-double focus_breathing(double focal_m, double distance_m) {
-  if (!(distance_m > 2 * focal_m)) {
-    reject("focus distance " + std::to_string(distance_m) +
-           " m must exceed twice the focal length " + std::to_string(focal_m) + " m");
-  }
-  return 1 + focal_m / (distance_m - focal_m);
 }
 
 TrueView true_view(const PhoneConfig& config, const PhoneUnit& unit, const Scene& scene, int frame,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/config/fields.h"
+#include "sim/sensors/lens_unit.h"
 #include "sim/truth/scene.h"
 #include "sim/truth/truth_images.h"
 #include "sim/types/capture.h"
@@ -65,11 +66,6 @@ struct PhoneUnit {
 /// @throws std::invalid_argument if the configuration is invalid or a drawn lens folds inside the
 /// image.
 PhoneUnit make_phone(const PhoneConfig& config, Rng rng);
-
-/// Growth of the focal length in pixels when focused at `distance_m` instead of infinity, by the
-/// thin-lens law: image distance over focal length = 1 + f / (Z - f). @throws std::invalid_argument
-/// for Z <= 2 f.
-double focus_breathing(double focal_m, double distance_m);
 
 /// The true lens and motion of frame `frame` of the scene's views: autofocus on the distance to the
 /// scene's origin, hand motion during readout added to the scene's own. Distortion coefficients and

@@ -18,11 +18,13 @@ struct ModelName {
   std::string_view name;
   int count;
 };
-constexpr std::array<ModelName, 5> kModels = {{{LensModel::pinhole, "pinhole", 0},
-                                               {LensModel::opencv5, "opencv5", 5},
-                                               {LensModel::opencv8, "opencv8", 8},
-                                               {LensModel::opencv12, "opencv12", 12},
-                                               {LensModel::kannala_brandt4, "kannala_brandt4", 4}}};
+constexpr std::array<ModelName, 6> kModels = {
+    {{LensModel::pinhole, "pinhole", 0},
+     {LensModel::opencv5, "opencv5", 5},
+     {LensModel::opencv8, "opencv8", 8},
+     {LensModel::opencv12, "opencv12", 12},
+     {LensModel::kannala_brandt4, "kannala_brandt4", 4},
+     {LensModel::splined_stereographic, "splined_stereographic", 0}}};
 
 const ModelName& entry(LensModel model) { return kModels.at(static_cast<std::size_t>(model)); }
 
@@ -166,6 +168,11 @@ std::optional<Eigen::Vector3d> unproject_within(const Camera& camera,
                           (pixel_px.y() - camera.cy_px) / camera.fy_px);
   if (!m.allFinite()) return std::nullopt;
   if (camera.model == LensModel::pinhole) return Eigen::Vector3d(m.x(), m.y(), 1).normalized();
+  if (camera.model == LensModel::splined_stereographic) {
+    const std::optional<Eigen::Vector2d> u = unbent(camera.spline, m);
+    if (!u) return std::nullopt;
+    return direction_of_stereographic(*u);
+  }
   if (camera.model == LensModel::kannala_brandt4) {
     const double radius = m.norm();
     if (radius == 0) return Eigen::Vector3d::UnitZ();
@@ -206,6 +213,7 @@ int distortion_count(LensModel model) { return entry(model).count; }
 double monotone_limit(const Camera& camera) {
   const auto& k = camera.distortion;
   if (camera.model == LensModel::pinhole) return kInfinity;
+  if (camera.model == LensModel::splined_stereographic) return kInfinity;
   if (camera.model == LensModel::kannala_brandt4) {
     return first_fold([&](double t) { return kb_slope(k, t); }, std::numbers::pi);
   }
@@ -245,6 +253,14 @@ std::optional<Projection> project_with_jacobian(const Camera& camera,
     result.d_point =
         f.asDiagonal() *
         (u * (kb_slope(camera.distortion, theta) * d_theta.transpose()) + radius * d_u);
+    return result;
+  }
+  if (camera.model == LensModel::splined_stereographic) {
+    const std::optional<StereographicPoint> u = stereographic(point);
+    const std::optional<SplinePoint> at = u ? bent(camera.spline, u->u) : std::nullopt;
+    if (!at) return std::nullopt;
+    result.pixel_px = c + f.cwiseProduct(at->value);
+    result.d_point = f.asDiagonal() * (at->d_u * u->d_point);
     return result;
   }
   if (!(point.z() > 0)) return std::nullopt;
@@ -291,6 +307,31 @@ Camera resized(const Camera& camera, int width_px, int height_px) {
   return result;
 }
 
+namespace {
+
+/// The spline's own numbers, and that it does not fold where it lands inside the image.
+void check_spline(const Camera& camera) {
+  if (camera.model != LensModel::splined_stereographic) {
+    if (camera.spline == SplineLens{}) return;
+    throw std::invalid_argument("camera: spline is set, but the lens is " +
+                                std::string(to_string(camera.model)));
+  }
+  validate(camera.spline);
+  const Eigen::Vector2d f(camera.fx_px, camera.fy_px), c(camera.cx_px, camera.cy_px);
+  const Eigen::Vector2d size(camera.width_px, camera.height_px);
+  const Eigen::Vector2d low = (-0.5 - c.array()) / f.array();
+  const std::optional<Eigen::Vector2d> fold =
+      fold_within(camera.spline, low, low + size.cwiseQuotient(f));
+  if (!fold) return;
+  const Eigen::Vector2d pixel = c + f.cwiseProduct(*fold);
+  std::ostringstream text;
+  text << "camera: the splined_stereographic lens is not one-to-one at pixel (" << pixel.x() << ", "
+       << pixel.y() << "): its surface folds inside the image";
+  throw std::invalid_argument(text.str());
+}
+
+}  // namespace
+
 void validate(const Camera& camera) {
   const auto fail = [](const std::string& what) { throw std::invalid_argument("camera: " + what); };
   const auto size_ok = [](int size) { return size >= 1 && size <= 65535; };
@@ -322,6 +363,7 @@ void validate(const Camera& camera) {
            std::string(to_string(camera.model)) + " and must be 0");
     }
   }
+  check_spline(camera);
   if (camera.model == LensModel::pinhole) return;
 
   const double limit = monotone_limit(camera);
@@ -331,7 +373,7 @@ void validate(const Camera& camera) {
     const std::optional<Eigen::Vector3d> ray = unproject_within(camera, pixel, limit);
     const std::optional<Projection> back = ray ? project_with_jacobian(camera, *ray) : std::nullopt;
     bool ok = back && (back->pixel_px - pixel).norm() < 1e-6;
-    if (ok && camera.model != LensModel::kannala_brandt4) {
+    if (ok && distortion_count(camera.model) > 4) {
       const Distorted d = distort(camera, ray->x() / ray->z(), ray->y() / ray->z());
       ok = d.d_normalized.determinant() > 0;
     }

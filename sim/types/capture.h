@@ -6,6 +6,7 @@
 
 #include "sim/types/camera.h"
 #include "sim/types/image.h"
+#include "sim/types/mosaic.h"
 #include "sim/types/pose.h"
 
 namespace cousin {
@@ -21,13 +22,14 @@ struct SensorReport {
   Shutter shutter = Shutter::global;
   double readout_s = 0;     ///< first to last row; 0 for a global shutter
   bool linear_raw = false;  ///< 16-bit linear images are handed over too
+  RawFormat raw_format;     ///< of those
 };
 
 /// What one sensor hands over at one instant. Images that a sensor does not give stay empty.
 struct SensorFrame {
   Camera reported;             ///< this image's calibration (autofocus changes it per image)
   Image<Rgb8> color;           ///< 8-bit sRGB
-  Image<std::uint16_t> raw;    ///< linear, black level 0
+  Image<std::uint16_t> raw;    ///< linear, as SensorReport::raw_format says
   Image<std::uint16_t> depth;  ///< times depth_unit_m = metres along the axis; 0 = none
   double depth_unit_m = 0.001;
 };

@@ -236,5 +236,22 @@ TEST(Fields, FilesAreReadAndMissingOnesNamed) {
   }
 }
 
+TEST(Fields, AnOptionalKeyMayBeMissingWhereOthersMustNot) {
+  Inner config;
+  Fields rows = fields(config);
+  EXPECT_THROW(read_toml_text("planes = 3", "t", rows, MissingKeys::error), std::runtime_error);
+  rows[1].optional = true;
+  read_toml_text("planes = 3", "t", rows, MissingKeys::error);
+  EXPECT_EQ(config.planes, 3);
+  EXPECT_EQ(config.smoothness, 0.1);
+}
+
+TEST(Toml, TablesAreNamedInTheOrderOfTheFile) {
+  EXPECT_THAT(toml_tables("a = 1\n[right]\nx = 1\n[left]\n[left.inner]\n", "t"),
+              ::testing::ElementsAre("right", "left"));
+  EXPECT_THAT(toml_tables("", "t"), ::testing::IsEmpty());
+  EXPECT_THROW(toml_tables("[left\n", "t"), std::runtime_error);
+}
+
 }  // namespace
 }  // namespace cousin

@@ -117,6 +117,53 @@ TEST(HostileJson, ALensThatFoldsNamesTheFrame) {
                     HasSubstr("frame 10"), HasSubstr("folds")));
 }
 
+/// A rig whose first lens is splined and whose raw images are a mosaic.
+Capture splined_capture(int order) {
+  Capture capture = sample_capture();
+  Camera& camera = capture.rig.front().camera;
+  camera.model = LensModel::splined_stereographic;
+  camera.distortion = {};
+  camera.spline = {.order = order, .columns = 7, .rows = 6, .fov_x_rad = 2 / 3.0, .delta_u = {}};
+  for (int i = 0; i < 84; ++i) camera.spline.delta_u.push_back(0.001 / (1 + i));
+  capture.rig.front().raw_format = {Mosaic::grbg, 12, 240};
+  return capture;
+}
+
+TEST(SplinedJson, EveryDigitComesBack) {
+  for (const int order : {2, 3}) {
+    const Capture capture = splined_capture(order);
+    const Capture back = rig_from_json(rig_to_json(capture), "rig.json");
+    EXPECT_EQ(back.rig.front().camera, capture.rig.front().camera);
+    EXPECT_EQ(back.rig.front().raw_format, capture.rig.front().raw_format);
+    EXPECT_EQ(back.rig.back().raw_format, RawFormat{});
+  }
+}
+
+TEST(SplinedJson, NamesWhatIsWrong) {
+  const std::string good = rig_to_json(splined_capture(3));
+  ASSERT_EQ(rig_error(good), "");
+  const auto error = [&](const std::string& from, const std::string& to) {
+    return rig_error(replaced(good, from, to));
+  };
+  EXPECT_THAT(error("\"order\": 3", "\"order\": 4"),
+              HasSubstr("/sensors/0/camera/spline/order = 4 is outside [2, 3]"));
+  EXPECT_THAT(error("\"columns\": 7", "\"columns\": 1025"),
+              HasSubstr("/spline/columns = 1025 is outside [1, 1024]"));
+  EXPECT_THAT(error("\"columns\": 7", "\"columns\": 8"), HasSubstr("length = 84 is not"));
+  EXPECT_THAT(error("\"fov_x_rad\": 0.6", "\"fov_x_rad\": 0.0006"),
+              HasSubstr("not one-to-one at pixel"));
+  EXPECT_THAT(error("\"fov_x_rad\": 0.6", "\"fov_x_rad\": 1e999"), HasSubstr("not JSON"));
+  EXPECT_THAT(error("\"delta_u\": [0.001", "\"delta_u\": [1e300"), HasSubstr("is not in [-100, 100]"));
+  EXPECT_THAT(error("\"delta_u\": [0.001", "\"delta_u\": [\"x\""), HasSubstr("/delta_u/0"));
+  EXPECT_THAT(error("splined_stereographic", "pinhole"), HasSubstr("spline is set"));
+  EXPECT_THAT(rig_error(replaced(rig_text(), "opencv5", "splined_stereographic")),
+              HasSubstr("distortion"));
+  EXPECT_THAT(error("\"bits\": 12", "\"bits\": 17"), HasSubstr("/raw_format/bits = 17"));
+  EXPECT_THAT(error("\"black_level\": 240", "\"black_level\": 4095"),
+              HasSubstr("black_level = 4095 is outside 0..4094"));
+  EXPECT_THAT(error("\"grbg\"", "\"rgbw\""), HasSubstr("is not one of grey, rggb"));
+}
+
 TEST(HostileJson, TheRigNamesWhatIsWrong) {
   const std::string good = rig_text();
   const auto error = [&](const std::string& from, const std::string& to) {

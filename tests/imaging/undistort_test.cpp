@@ -17,7 +17,7 @@ using Interpolation = UndistortConfig::Interpolation;
 
 /// Strong but one-to-one distortion of each model, centre and focal lengths off the middle.
 std::vector<Camera> lenses() {
-  Camera camera{LensModel::opencv5, 200, 150, 170, 168, 104.3, 71.8, {}};
+  Camera camera{LensModel::opencv5, 200, 150, 170, 168, 104.3, 71.8, {}, {}};
   std::vector<Camera> all;
   camera.distortion = {-0.22, 0.06, 0.003, -0.002, -0.008};
   all.push_back(camera);
@@ -150,7 +150,7 @@ TEST(Undistort, BlobsLieWhereThePinholeProjectsThem) {
 }
 
 TEST(Undistort, APinholeImageIsItself) {
-  const Camera pinhole{LensModel::pinhole, 40, 30, 50, 51, 19, 14.5, {}};
+  const Camera pinhole{LensModel::pinhole, 40, 30, 50, 51, 19, 14.5, {}, {}};
   Image<Rgb8> image(40, 30);
   for (int y = 0; y < 30; ++y) {
     for (int x = 0; x < 40; ++x)

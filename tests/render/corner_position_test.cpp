@@ -8,8 +8,9 @@ namespace cousin {
 namespace {
 
 TEST(RadiancePass, CornersAppearWhereTheyProjectThroughEveryLens) {
-  for (const LensModel model : {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,
-                                LensModel::opencv12, LensModel::kannala_brandt4}) {
+  for (const LensModel model :
+       {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
+        LensModel::kannala_brandt4, LensModel::splined_stereographic}) {
     const CornerPositions found = measure_corner_positions(model);
     ASSERT_GT(found.corners, 60) << to_string(model);
     std::printf("%s: %d corners, bias %.4f %.4f px, RMS %.4f px\n",

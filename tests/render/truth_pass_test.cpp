@@ -14,9 +14,9 @@
 namespace cousin::test {
 namespace {
 
-constexpr std::array<LensModel, 5> kLenses = {LensModel::pinhole, LensModel::opencv5,
-                                              LensModel::opencv8, LensModel::opencv12,
-                                              LensModel::kannala_brandt4};
+constexpr std::array<LensModel, 6> kLenses = {
+    LensModel::pinhole,  LensModel::opencv5,         LensModel::opencv8,
+    LensModel::opencv12, LensModel::kannala_brandt4, LensModel::splined_stereographic};
 
 TEST(TruthPass, PlaneHasClosedFormDepthThroughEveryLens) {
   for (const LensModel model : kLenses) {

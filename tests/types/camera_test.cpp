@@ -12,7 +12,7 @@ namespace cousin {
 namespace {
 
 Camera camera_of(LensModel model) {
-  Camera camera{model, 1280, 720, 1083.0, 1079.0, 642.3, 357.1, {}};
+  Camera camera{model, 1280, 720, 1083.0, 1079.0, 642.3, 357.1, {}, {}};
   switch (model) {
     case LensModel::pinhole:
       break;
@@ -28,6 +28,10 @@ Camera camera_of(LensModel model) {
       break;
     case LensModel::kannala_brandt4:
       camera.distortion = {0.02, -0.006, 0.001, -0.0002};
+      break;
+    case LensModel::splined_stereographic:
+      camera.spline = {.order = 3, .columns = 12, .rows = 9, .fov_x_rad = 1.6, .delta_u = {}};
+      for (int i = 0; i < 2 * 12 * 9; ++i) camera.spline.delta_u.push_back(0.01 * std::sin(i * i));
       break;
   }
   return camera;
@@ -76,13 +80,14 @@ TEST_P(EveryLens, NamesRoundTrip) {
 
 INSTANTIATE_TEST_SUITE_P(Lens, EveryLens,
                          testing::Values(LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,
-                                         LensModel::opencv12, LensModel::kannala_brandt4),
+                                         LensModel::opencv12, LensModel::kannala_brandt4,
+                                         LensModel::splined_stereographic),
                          [](const auto& test) { return std::string(to_string(test.param)); });
 
 TEST(Camera, ProjectsAsTheOpenCvDocumentationSays) {
   // Hand evaluation at x = 0.2, y = -0.1: r2 = 0.05, radial 1 + 0.05 k1, tangential and prism terms
   // apart.
-  Camera camera{LensModel::opencv12, 100, 100, 1, 1, 0, 0, {}};
+  Camera camera{LensModel::opencv12, 100, 100, 1, 1, 0, 0, {}, {}};
   camera.distortion = {0.1, 0, 0.01, 0.02, 0, 0, 0, 0, 0.03, 0, 0.04, 0};
   const auto pixel = project(camera, {0.2, -0.1, 1});
   ASSERT_TRUE(pixel);

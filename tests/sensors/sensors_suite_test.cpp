@@ -1,0 +1,71 @@
+#include "benchmarks/sensors/sensors_suite.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "benchmarks/sensors/flat_fields.h"
+#include "benchmarks/sensors/moving_edge.h"
+#include "sim/sensors/rig.h"
+
+namespace cousin {
+namespace {
+
+TEST(PhotonTransfer, FindsAGainAndANoiseThatAreNotThePresets) {
+  CameraSensorConfig config = flat_camera(rig_preset("dslr_apsc_24mp").sensors[0].camera);
+  config.photosites.full_well_e = 20000;
+  config.photosites.read_noise_e = 11;
+  config.photosites.dark_current_e_per_s = 3000;  // shifts mean and variance along the same line
+  const CameraUnit unit = make_camera_unit(config, Rng(4));
+  const PhotonTransfer t = photon_transfer(config, unit, 12, 9);
+  const double k = (16383 - 600) / 20000.0;
+  // 153 600 photosites in 12 exposures: the slope is known to 0.1 %, the intercept to 0.5 %.
+  EXPECT_NEAR(t.slope / k, 1, 0.005);
+  EXPECT_NEAR(t.intercept / (k * k * (121 + 0.09) + 1 / 12.0), 1, 0.025);
+}
+
+TEST(FixedPattern, IsFoundBesideTheTemporalNoise) {
+  CameraSensorConfig config = flat_camera(rig_preset("zed_hd720").sensors[0].camera);
+  config.photosites.prnu = 0.02;
+  config.photosites.dsnu_e = 3;
+  const CameraUnit unit = make_camera_unit(config, Rng(4));
+  const FixedPattern p = fixed_pattern(config, unit, 6, 9);
+  EXPECT_NEAR(p.prnu, p.true_prnu, 5 * p.prnu_sigma + 0.0015 * 0.02);
+  EXPECT_NEAR(p.true_prnu / 0.02, 1, 0.01);
+  EXPECT_NEAR(p.dsnu_e, p.true_dsnu_e, 5 * p.dsnu_sigma_e + 0.0015 * 3);
+  EXPECT_LT(p.dsnu_sigma_e, 0.1);
+  EXPECT_NEAR(p.true_dsnu_e, std::sqrt(9 + 0.25 + 0.09), 0.05);
+}
+
+TEST(MovingEdge, SkewsByReadoutAndTrailsByExposure) {
+  RigConfig rig = rig_preset("zed_hd720");
+  rig.sensors[0].camera.photosites.exposure_s = 0.007;  // half of the readout of 14 ms
+  const MovingEdge edge = measure_moving_edge(rig, 0);
+  EXPECT_NEAR(edge.expected_skew_px, 12, 1e-9);
+  EXPECT_NEAR(edge.expected_blur_px, 6, 1e-9);
+  EXPECT_NEAR(edge.skew_px, 12, 0.01);
+  EXPECT_NEAR(edge.blur_px, 6, 0.01);
+}
+
+TEST(MovingEdge, AGlobalShutterDoesNotSkew) {
+  RigConfig rig = rig_preset("zed_hd720");
+  for (RigSensor& sensor : rig.sensors) sensor.camera.photosites.readout_s = 0;
+  EXPECT_NEAR(measure_moving_edge(rig, 0).skew_px, 0, 1e-3);
+}
+
+TEST(SensorsSuite, EveryRowWithALimitKeepsIt) {
+  const ScoreFile file = sensors_suite(1, true);
+  int limited = 0;
+  for (const ScoreRow& row : file.scores) {
+    EXPECT_EQ(row.suite, "sensors");
+    EXPECT_TRUE(row.status == ScoreStatus::ok || row.status == ScoreStatus::pass)
+        << row.case_name << " " << row.metric << " = " << row.value;
+    limited += row.status == ScoreStatus::pass;
+  }
+  EXPECT_GE(limited, 8 * static_cast<int>(rig_preset_names().size()));
+}
+
+}  // namespace
+}  // namespace cousin
