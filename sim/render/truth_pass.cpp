@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/render/keypoint_truth.h"
 #include "sim/render/ray_scene_impl.h"
 #include "sim/render/ray_table.h"
 #include "sim/render/truth_samples.h"
@@ -374,6 +375,8 @@ TruthImages render_truth(const RayScene& rays, const Scene& scene, const TrueVie
     truth.specimen_coverage =
         specimen_coverage(rays, prepared, is_specimen, config.coverage_samples);
   }
+  if (needs.shares) truth.shares = specimen_shares(rays, prepared, config.share_samples);
+  if (needs.keypoints) truth.keypoints = view_keypoints(rays, scene, view);
   if (needs.visibility) add_visibility(rays, view, prepared, instance, truth);
   if (needs.instance) truth.instance = std::move(instance);
   return truth;
