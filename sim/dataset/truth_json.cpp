@@ -188,7 +188,20 @@ Scene scene_from_json(std::string_view text, const std::string& name,
 
 // ---- keypoints.json, traits.json ----------------------------------------------------------------
 
-std::string keypoints_to_json(const Scene& scene) {
+Json json_of(const KeypointView& keypoint) {
+  const char* state = keypoint.state == PointState::visible    ? "visible"
+                      : keypoint.state == PointState::occluded ? "occluded"
+                                                               : "outside";
+  return {{"instance", keypoint.instance},
+          {"keypoint", keypoint.keypoint},
+          {"state", state},
+          {"u_px", nan_to_null(keypoint.pixel_px.x())},
+          {"v_px", nan_to_null(keypoint.pixel_px.y())},
+          {"depth_m", nan_to_null(keypoint.depth_m)}};
+}
+
+std::string keypoints_to_json(const Scene& scene, const std::vector<TrueView>& views,
+                              const std::vector<TruthImages>& images) {
   Json models = Json::array();
   for (std::size_t i = 0; i < scene.models.size(); ++i) {
     if (scene.models[i].keypoints.empty()) continue;
@@ -201,13 +214,53 @@ std::string keypoints_to_json(const Scene& scene) {
   }
   Json root = Json::object();
   root["models"] = models;
+  const bool is_seen = std::any_of(images.begin(), images.end(),
+                                   [](const TruthImages& i) { return !i.keypoints.empty(); });
+  for (std::size_t i = 0; is_seen && i < images.size(); ++i) {
+    Json entries = Json::array();
+    for (const KeypointView& keypoint : images[i].keypoints) entries.push_back(json_of(keypoint));
+    root["frames"][std::to_string(views[i].frame)] = entries;
+  }
   return to_text(root);
+}
+
+void keypoint_views_from_json(std::string_view text, const std::string& name, const Scene& scene,
+                              const std::vector<TrueView>& views,
+                              std::vector<TruthImages>& images) {
+  const JsonDocument document(text, name);
+  if (!document.root().has("frames")) return;
+  const std::vector<JsonNode> nodes = by_view(document.root()["frames"], views);
+  std::map<int, std::size_t> keypoints_of;
+  for (const Instance* instance : specimens_of(scene))
+    keypoints_of[instance->id] =
+        scene.models[static_cast<std::size_t>(instance->model)].keypoints.size();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (const JsonNode& node : nodes[i].elements(10'000'000)) {
+      node.expect_keys({"instance", "keypoint", "state", "u_px", "v_px", "depth_m"});
+      KeypointView keypoint;
+      keypoint.instance = static_cast<int>(node["instance"].integer(0, kMaxId));
+      keypoint.keypoint = static_cast<int>(node["keypoint"].integer(0, kMaxId));
+      const auto found = keypoints_of.find(keypoint.instance);
+      if (found == keypoints_of.end()) node["instance"].fail("is not a specimen of the scene");
+      if (static_cast<std::size_t>(keypoint.keypoint) >= found->second)
+        node["keypoint"].fail("is not an index into the model's keypoints");
+      const std::string state = node["state"].text(16);
+      if (state != "visible" && state != "occluded" && state != "outside")
+        node["state"].fail("is not one of visible, occluded, outside");
+      keypoint.state = state == "visible"    ? PointState::visible
+                       : state == "occluded" ? PointState::occluded
+                                             : PointState::outside;
+      keypoint.pixel_px = {node["u_px"].number_or_nan(), node["v_px"].number_or_nan()};
+      keypoint.depth_m = node["depth_m"].number_or_nan();
+      images[i].keypoints.push_back(keypoint);
+    }
+  }
 }
 
 void keypoints_from_json(std::string_view text, const std::string& name, Scene& scene) {
   const JsonDocument document(text, name);
   const JsonNode root = document.root();
-  root.expect_keys({"models"});
+  root.expect_keys({"models"}, {"frames"});
   for (const JsonNode& node : root["models"].elements(kMaxInstances)) {
     node.expect_keys({"model", "keypoints"});
     const auto index = static_cast<std::size_t>(node["model"].integer(0, kMaxId));
@@ -281,7 +334,10 @@ std::string scene_gt_info_to_json(const std::vector<TrueView>& views,
   for (std::size_t i = 0; i < views.size(); ++i) {
     Json entries = Json::array();
     for (const InstanceVisibility& v : images[i].visibility) {
+      Json seen = {v.seen_x, v.seen_y, v.seen_width, v.seen_height};
+      if (v.seen_width == 0) seen = {-1, -1, -1, -1};  // BOP's way
       entries.push_back({{"bbox_obj", {v.box_x, v.box_y, v.box_width, v.box_height}},
+                         {"bbox_visib", seen},
                          {"px_count_all", v.pixels_full},
                          {"px_count_visib", v.pixels_visible},
                          {"visib_fract", v.visible_fraction},
@@ -299,17 +355,18 @@ void scene_gt_info_from_json(std::string_view text, const std::string& name,
   constexpr std::int64_t kMaxPixels = std::int64_t{1} << 40;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (const JsonNode& node : nodes[i].elements(kMaxInstances)) {
-      node.expect_keys(
-          {"bbox_obj", "px_count_all", "px_count_visib", "visib_fract", "instance_id"});
+      node.expect_keys({"bbox_obj", "bbox_visib", "px_count_all", "px_count_visib", "visib_fract",
+                        "instance_id"});
       InstanceVisibility v;
-      if (node["bbox_obj"].size(4) != 4) node["bbox_obj"].fail("does not have 4 integers");
-      const auto box = [&](std::size_t at) {
-        return static_cast<int>(node["bbox_obj"][at].integer(-kMaxId, kMaxId));
+      const auto box = [&](const char* key, int& x, int& y, int& width, int& height) {
+        if (node[key].size(4) != 4) node[key].fail("does not have 4 integers");
+        std::size_t at = 0;
+        for (int* value : {&x, &y, &width, &height})
+          *value = static_cast<int>(node[key][at++].integer(-kMaxId, kMaxId));
       };
-      v.box_x = box(0);
-      v.box_y = box(1);
-      v.box_width = box(2);
-      v.box_height = box(3);
+      box("bbox_obj", v.box_x, v.box_y, v.box_width, v.box_height);
+      box("bbox_visib", v.seen_x, v.seen_y, v.seen_width, v.seen_height);
+      if (v.seen_width < 0) v.seen_x = v.seen_y = v.seen_width = v.seen_height = 0;
       v.pixels_full = node["px_count_all"].integer(0, kMaxPixels);
       v.pixels_visible = node["px_count_visib"].integer(0, kMaxPixels);
       v.visible_fraction = node["visib_fract"].number(0, 1);

@@ -21,8 +21,13 @@ Scene scene_from_json(std::string_view text, const std::string& name,
                       std::vector<std::string>& mesh_files);
 std::string mesh_file(std::size_t model);  ///< "models/obj_000001.ply": BOP counts objects from 1
 
-std::string keypoints_to_json(const Scene& scene);
+/// With the frames' keypoints, if any image has some.
+std::string keypoints_to_json(const Scene& scene, const std::vector<TrueView>& views,
+                              const std::vector<TruthImages>& images);
 void keypoints_from_json(std::string_view text, const std::string& name, Scene& scene);
+/// The frames' part, for a scene whose keypoints are read.
+void keypoint_views_from_json(std::string_view text, const std::string& name, const Scene& scene,
+                              const std::vector<TrueView>& views, std::vector<TruthImages>& images);
 std::string true_traits_to_json(const Scene& scene);
 void true_traits_from_json(std::string_view text, const std::string& name, Scene& scene);
 

@@ -27,7 +27,7 @@ std::optional<PointInView> image_of(const TrueView& view, const Instance& instan
 bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel_px);
 
 /// Whether nothing lies between a camera's centre and a point of an instance. Rounding is forgiven:
-/// 1e-5 of the distance, and hits whose triangle's plane passes through the point. So is the
+/// 2e-6 of the distance, and hits whose triangle's plane passes through the point. So is the
 /// instance's own surface within `skin_m` before the point.
 /// @param own  place in Scene::instances.
 bool is_in_sight(const RayScene& rays, const PointInView& point, std::size_t own, double skin_m);

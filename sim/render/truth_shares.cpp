@@ -106,6 +106,8 @@ std::vector<InstanceShares> specimen_shares(const RayScene& rays, const Prepared
   for (std::size_t k = 0; k < order.size(); ++k) {
     specimen_of[order[k]] = static_cast<int>(k);
     shares[k].instance = geometries[order[k]].id;
+    shares[k].width_px = prepared.width;
+    shares[k].height_px = prepared.height;
   }
   std::vector<Eigen::Vector2f> points;
   for (int i = 0; i < samples; ++i) points.push_back(sobol_point(static_cast<std::uint32_t>(i)));

@@ -136,11 +136,14 @@ Scene moving_scene() {
   Rng rng(8);
   for (int k = 0; k < 4; ++k) {
     TimedPose step;
-    step.time_s = 0.1 * k * k;
-    step.world_from_object = ball.world_from_object;
-    step.world_from_object.translation_m += Eigen::Vector3d(0.2 * k, -0.1 * k * k, 0.05);
+    step.time_s = 0.25 * k;
+    // The ball lies 3 m from its model's origin: it turns about its own middle.
+    const Eigen::Vector3d middle(3, 0, 0);
     step.world_from_object.rotation =
         Eigen::AngleAxisd(0.5 * k, Eigen::Vector3d(0.6, 0, 0.8)) * ball.world_from_object.rotation;
+    step.world_from_object.translation_m = ball.world_from_object * middle -
+                                           step.world_from_object.rotation * middle +
+                                           Eigen::Vector3d(0.1 * k, -0.05 * k * k, 0.05);
     ball.motion.push_back(step);
   }
   return scene;
@@ -148,30 +151,31 @@ Scene moving_scene() {
 
 TEST(Instancing, ARayOfASpanSeesWhatAnInstantSees) {
   const Scene scene = moving_scene();
-  const RayScene span(scene, TimeSpan{0.02, 0.75});
+  const RayScene span(scene, TimeSpan{0.25, 0.75});
   EXPECT_GT(span.impl().geometries[0].steps.size(), 2U);
   EXPECT_EQ(span.impl().geometries[1].steps.size(), 1U);
   TrueView view = crowd_view();
-  for (const double time_s : {0.02, 0.1, 0.333, 0.6, 0.75}) {
+  for (const double time_s : {0.25, 0.3, 0.333, 0.5, 0.65}) {
     const RayScene instant(scene, time_s);
     view.time_s = time_s;
     const TruthNeeds needs{.depth = true, .instance = true, .visibility = true};
     const TruthImages a = render_truth(span, scene, view, needs);
     const TruthImages b = render_truth(instant, scene, view, needs);
-    int differ = 0, seen = 0;
+    int differ = 0, seen = 0, coarse = 0;
     for (int y = 0; y < 180; ++y) {
       for (int x = 0; x < 240; ++x) {
         if (a.instance(x, y) != b.instance(x, y)) {
           ++differ;
         } else if (b.instance(x, y) >= 0) {
           seen += b.instance(x, y) == scene.instances[0].id ? 1 : 0;
-          // Steps are within 1e-6 of size (3 m from the model's origin) and path, which a grazing
-          // ray multiplies; the median is far below.
-          EXPECT_NEAR(a.depth_m(x, y), b.depth_m(x, y), 1e-3F);
+          // Steps are within 1e-6 of size (3 m from the model's origin) and path; of grazing
+          // pixels, where that is multiplied or falls on the next facet, there are few.
+          coarse += std::abs(a.depth_m(x, y) - b.depth_m(x, y)) > 2e-5F ? 1 : 0;
         }
       }
     }
     EXPECT_LE(differ, 10) << time_s;
+    EXPECT_LE(coarse, 20) << time_s;
     EXPECT_GT(seen, 20) << time_s;
     EXPECT_NEAR(static_cast<double>(a.visibility[0].pixels_full),
                 static_cast<double>(b.visibility[0].pixels_full), 3);
@@ -201,7 +205,7 @@ TEST(Instancing, EachRowOfARollingShutterSeesItsOwnTime) {
 
 TEST(Instancing, ASurfacePointLiesWhereTheRayMeetsIt) {
   const Scene scene = moving_scene();
-  const RayScene rays(scene, TimeSpan{0.0, 0.9});
+  const RayScene rays(scene, TimeSpan{0.0, 0.75});
   const RayScene::Impl& impl = rays.impl();
   Rng rng(5);
   int hits = 0;
@@ -210,7 +214,7 @@ TEST(Instancing, ASurfacePointLiesWhereTheRayMeetsIt) {
     const Eigen::Vector3d to(uniform(rng, -0.6, 0.6), uniform(rng, -0.6, 0.6),
                              uniform(rng, -0.6, 0.6));
     const Eigen::Vector3d d = (to - from).normalized();
-    const RayAnswer answer = cast_ray(rays, from, d, 0.9 * uniform(rng));
+    const RayAnswer answer = cast_ray(rays, from, d, 0.75 * uniform(rng));
     if (!answer.hit) continue;
     ++hits;
     const bool is_instanced = impl.geometries[answer.geometry].is_instanced;
@@ -234,7 +238,9 @@ TEST(Instancing, LeavingASharedConvexBodyNeverMeetsItAtAnyScaleOrPlace) {
   for (const double scale_m : {1e-4, 1.0, 1e4}) {
     for (const double offset_m : {0.0, 1e5}) {
       Scene scene;
-      add(scene, ellipsoid(Eigen::Vector3d::Constant(scale_m), 8), matt(0.5F));
+      add(scene,
+          box(-scale_m * Eigen::Vector3d(1, 0.6, 0.01), scale_m * Eigen::Vector3d(1, 0.6, 0.01)),
+          matt(0.5F));
       Instance second = scene.instances[0];
       scene.instances[0].world_from_object.translation_m.setConstant(offset_m);
       second.id = 2;
@@ -247,8 +253,8 @@ TEST(Instancing, LeavingASharedConvexBodyNeverMeetsItAtAnyScaleOrPlace) {
       int met = 0;
       for (int i = 0; i < 2000; ++i) {
         const Eigen::Vector3d aim(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1));
-        const Eigen::Vector3d from(0, 3, 0);
-        const Eigen::Vector3d d = (0.5 * aim - from).normalized();
+        const Eigen::Vector3d from(0.4, 1.2, 3);
+        const Eigen::Vector3d d = (0.4 * aim - from).normalized();
         const RayAnswer on =
             cast_ray(rays, second.world_from_object.translation_m + scale_m * from, d);
         if (!on.hit || on.instance != 2) continue;
@@ -258,8 +264,10 @@ TEST(Instancing, LeavingASharedConvexBodyNeverMeetsItAtAnyScaleOrPlace) {
         if (out.dot(on.normal) < 0) out = -out;
         const RayAnswer next = cast_from(rays, on, out);
         EXPECT_FALSE(next.hit && next.instance == 2) << scale_m << " at " << offset_m;
+        const RayAnswer inside = cast_from(rays, on, -out);
+        EXPECT_TRUE(inside.hit && inside.is_back) << scale_m << " at " << offset_m;
       }
-      EXPECT_GT(met, 1500);
+      EXPECT_GT(met, 1000);
     }
   }
 }
@@ -337,7 +345,7 @@ TEST(Instancing, RefusesWhatIsNotASceneOrASpan) {
       mentions(message([](Scene& s) { s.instances[3].world_from_object.rotation.coeffs() *= 2; }),
                "leaf 3"));
   EXPECT_TRUE(
-      mentions(message([](Scene& s) { s.models[0].mesh.vertices_m[7].x() = 1e20; }), "vertex 7"));
+      mentions(message([](Scene& s) { s.models[0].mesh.vertices_m[7].x() = 1e20; }), "1e12"));
 }
 
 }  // namespace
