@@ -7,6 +7,7 @@
 
 #include "benchmarks/stability/contact_cases.h"
 #include "benchmarks/stability/geometry_cases.h"
+#include "benchmarks/stability/mesh_ray_cases.h"
 #include "benchmarks/stability/ray_cases.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/types/stage_clock.h"
@@ -42,6 +43,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
   const std::vector<Module> modules = {
       {"geometry", geometry_cases},
       {"rays", [&] { return ray_cases(rays, Rng(1)); }},
+      {"rays at bad meshes", mesh_ray_cases},
       {"watertight seeds", [&] { return watertight_seeds(quick); }},
       {"contacts", [&] { return contact_cases(quick); }}};
   ScoreFile file;

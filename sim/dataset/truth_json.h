@@ -9,8 +9,13 @@
 
 namespace cousin {
 
+class JsonNode;
+
 /// Private to sim/dataset: the JSON files of truth/ as text; the schemas are in truth_io.cpp.
 /// Readers: @throws std::runtime_error naming `name`, key, value and limit.
+
+/// Members of an object whose keys are the frames of `views`, in the order of the views.
+std::vector<JsonNode> by_view(const JsonNode& root, const std::vector<TrueView>& views);
 
 std::string views_to_json(const std::vector<TrueView>& views);  ///< camera.json
 std::vector<TrueView> views_from_json(std::string_view text, const std::string& name);

@@ -126,7 +126,7 @@ bool is_in_sight(const RayScene& rays, const PointInView& point, std::size_t own
     const bool on_skin =
         geometry == own && distance_m - static_cast<double>(ray.ray.tfar) <= skin_m + rounding_m;
     if (!on_plane && !on_skin) return false;
-    tnear = std::nextafter(ray.ray.tfar, std::numeric_limits<float>::infinity());
+    tnear = beyond(ray.ray.tfar);
   }
 }
 
