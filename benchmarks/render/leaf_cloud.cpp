@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <limits>
 #include <numbers>
@@ -54,12 +55,21 @@ Eigen::Vector3d in_ball(Rng& rng) {
   }
 }
 
-template <class Function>
-double seconds_of(const Function& function) {
-  const auto begin = std::chrono::steady_clock::now();
-  function();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
+/// Times of one piece of work, run again and again.
+struct Times {
+  std::vector<double> wall_s, cpu_s;
+
+  template <class Function>
+  void add(const Function& function, bool is_measured) {
+    const std::clock_t cpu = std::clock();
+    const auto wall = std::chrono::steady_clock::now();
+    function();
+    if (!is_measured) return;
+    wall_s.push_back(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count());
+    cpu_s.push_back(static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC);
+  }
+};
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -129,6 +139,7 @@ TrueView leaf_cloud_view() {
 }
 
 LeafCloudSpeed measure_leaf_cloud(const LeafCloud& cloud, int repeats) {
+  if (repeats < 1) throw std::invalid_argument("leaf cloud: repeats = " + std::to_string(repeats));
   const Scene scene = leaf_cloud(cloud, 1);
   const RayScene rays(scene);
   const TrueView view = leaf_cloud_view();
@@ -138,29 +149,29 @@ LeafCloudSpeed measure_leaf_cloud(const LeafCloud& cloud, int repeats) {
   masks.visibility = true;
   shares.shares = true;
   std::int64_t hits = 0;
-  std::vector<double> raw_s, centres_s, masks_s, shares_s;
-  const auto time_truth = [&](const TruthNeeds& needs) {
-    return seconds_of([&] {
+  Times raw, one, two, three;
+  const auto truth = [&](const TruthNeeds& needs) {
+    return [&] {
       hits +=
           render_truth(rays, scene, view, prepared, needs, {.share_samples = 4}).depth_m.width();
-    });
+    };
   };
   for (int i = -1; i < repeats; ++i) {  // one unmeasured round
-    const double raw = seconds_of([&] { hits += cast_packets(rays, prepared); });
-    const double one = time_truth(centres), two = time_truth(masks), three = time_truth(shares);
-    if (i < 0) continue;
-    raw_s.push_back(raw);
-    centres_s.push_back(one);
-    masks_s.push_back(two);
-    shares_s.push_back(three);
+    raw.add([&] { hits += cast_packets(rays, prepared); }, i >= 0);
+    one.add(truth(centres), i >= 0);
+    two.add(truth(masks), i >= 0);
+    three.add(truth(shares), i >= 0);
   }
   if (hits <= 0) throw std::logic_error("leaf cloud: nothing was cast");
+  const auto medians = [](const Times& t) {
+    return ImageSeconds{median(t.wall_s), median(t.cpu_s)};
+  };
   LeafCloudSpeed speed;
   speed.triangles = std::int64_t{2} * cloud.cells * cloud.cells * cloud.leaves;
-  speed.raw = 1 / median(raw_s);
-  speed.centres = 1 / median(centres_s);
-  speed.masks = 1 / median(masks_s);
-  speed.shares = 1 / median(shares_s);
+  speed.raw = medians(raw);
+  speed.centres = medians(one);
+  speed.masks = medians(two);
+  speed.shares = medians(three);
   return speed;
 }
 

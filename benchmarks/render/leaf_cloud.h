@@ -23,14 +23,20 @@ Scene leaf_cloud(const LeafCloud& cloud, std::uint64_t seed);
 /// A pinhole of 640 x 480 that the cloud fills.
 TrueView leaf_cloud_view();
 
-/// Images a second of the truth pass on the cloud, rays prepared, and of Embree's packets alone on
-/// the same rays; medians of alternating repeats.
+/// Median seconds of an image: of the clock, and of all cores together.
+struct ImageSeconds {
+  double wall_s = 0;
+  double cpu_s = 0;
+};
+
+/// The truth pass on the cloud, rays prepared, and Embree's packets alone on the same rays, by
+/// turns.
 struct LeafCloudSpeed {
   std::int64_t triangles = 0;  ///< instanced
-  double raw = 0;              ///< packets alone
-  double centres = 0;          ///< depth, normals, ids
-  double masks = 0;            ///< and full masks and visible fractions of the specimens
-  double shares = 0;           ///< and areas by 4 samples a pixel
+  ImageSeconds raw;            ///< packets alone
+  ImageSeconds centres;        ///< depth, normals, ids
+  ImageSeconds masks;          ///< and full masks and visible fractions of the specimens
+  ImageSeconds shares;         ///< and areas by 4 samples a pixel
 };
 LeafCloudSpeed measure_leaf_cloud(const LeafCloud& cloud, int repeats);
 

@@ -2,7 +2,8 @@
 //   config.toml        the resolved configuration
 //   seed               a decimal number
 //   camera.json        {"views": [{"frame", "time_s", "camera": CAMERA, "camera_from_world": POSE,
-//                                  "camera_from_world_end": POSE}]}
+//                                  "camera_from_world_end": POSE, "exposure_s", "readout_s",
+//                                  "aperture_radius_m", "focus_m": null = infinity}]}
 //   scene.json         name, rig, board, models (name, mesh file, part names, part of each
 //                      triangle), materials, instances, lights, views. Shading (vertex albedo and
 //                      normals) is not kept: configuration and seed make it again.

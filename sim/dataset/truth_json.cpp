@@ -1,6 +1,7 @@
 #include "sim/dataset/truth_json.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -105,7 +106,11 @@ std::string views_to_json(const std::vector<TrueView>& views) {
                              {"time_s", view.time_s},
                              {"camera", to_json(view.camera)},
                              {"camera_from_world", to_json(view.camera_from_world)},
-                             {"camera_from_world_end", to_json(view.camera_from_world_end)}});
+                             {"camera_from_world_end", to_json(view.camera_from_world_end)},
+                             {"exposure_s", view.exposure_s},
+                             {"readout_s", view.readout_s},
+                             {"aperture_radius_m", view.aperture_radius_m},
+                             {"focus_m", std::isinf(view.focus_m) ? Json() : Json(view.focus_m)}});
   }
   return to_text(root);
 }
@@ -117,7 +122,8 @@ std::vector<TrueView> views_from_json(std::string_view text, const std::string& 
   std::vector<TrueView> views;
   std::set<int> frames;
   for (const JsonNode& node : root["views"].elements(kMaxViews)) {
-    node.expect_keys({"frame", "time_s", "camera", "camera_from_world", "camera_from_world_end"});
+    node.expect_keys({"frame", "time_s", "camera", "camera_from_world", "camera_from_world_end",
+                      "exposure_s", "readout_s", "aperture_radius_m", "focus_m"});
     TrueView view;
     view.frame = static_cast<int>(node["frame"].integer(0, 999'999));
     if (!frames.insert(view.frame).second) node["frame"].fail("is a frame that occurs twice");
@@ -125,6 +131,10 @@ std::vector<TrueView> views_from_json(std::string_view text, const std::string& 
     view.camera = read_camera(node["camera"], "frame " + std::to_string(view.frame));
     view.camera_from_world = read_pose(node["camera_from_world"]);
     view.camera_from_world_end = read_pose(node["camera_from_world_end"]);
+    view.exposure_s = node["exposure_s"].number(0);
+    view.readout_s = node["readout_s"].number(0);
+    view.aperture_radius_m = node["aperture_radius_m"].number(0);
+    if (!node["focus_m"].is_null()) view.focus_m = node["focus_m"].number(0);
     views.push_back(view);
   }
   return views;

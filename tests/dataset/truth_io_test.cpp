@@ -64,6 +64,10 @@ SceneTruth sample_truth() {
     TrueView view{.frame = 5 * i, .time_s = i / 3.0, .camera = odd_camera(kWidth, kHeight, i)};
     view.camera_from_world = odd_pose(rng);
     view.camera_from_world_end = odd_pose(rng);
+    view.exposure_s = i / 7.0;
+    view.readout_s = 0.01 / 3;
+    view.aperture_radius_m = 1e-3 / 7;
+    if (i == 1) view.focus_m = 1 / 3.0;
     truth.views.push_back(view);
 
     TruthImages images;
@@ -212,6 +216,10 @@ TEST(TruthIo, EveryBitComesBack) {
     EXPECT_TRUE(same_pose(read.views[i].camera_from_world, truth.views[i].camera_from_world));
     EXPECT_TRUE(
         same_pose(read.views[i].camera_from_world_end, truth.views[i].camera_from_world_end));
+    EXPECT_EQ(read.views[i].exposure_s, truth.views[i].exposure_s);
+    EXPECT_EQ(read.views[i].readout_s, truth.views[i].readout_s);
+    EXPECT_EQ(read.views[i].aperture_radius_m, truth.views[i].aperture_radius_m);
+    EXPECT_EQ(read.views[i].focus_m, truth.views[i].focus_m);
     expect_equal(read.images[i], truth.images[i]);
   }
 }
