@@ -122,8 +122,8 @@ std::vector<TrueView> views_from_json(std::string_view text, const std::string& 
   std::vector<TrueView> views;
   std::set<int> frames;
   for (const JsonNode& node : root["views"].elements(kMaxViews)) {
-    node.expect_keys({"frame", "time_s", "camera", "camera_from_world", "camera_from_world_end",
-                      "exposure_s", "readout_s", "aperture_radius_m", "focus_m"});
+    node.expect_keys({"frame", "time_s", "camera", "camera_from_world", "camera_from_world_end"},
+                     {"exposure_s", "readout_s", "aperture_radius_m", "focus_m"});
     TrueView view;
     view.frame = static_cast<int>(node["frame"].integer(0, 999'999));
     if (!frames.insert(view.frame).second) node["frame"].fail("is a frame that occurs twice");
@@ -131,10 +131,13 @@ std::vector<TrueView> views_from_json(std::string_view text, const std::string& 
     view.camera = read_camera(node["camera"], "frame " + std::to_string(view.frame));
     view.camera_from_world = read_pose(node["camera_from_world"]);
     view.camera_from_world_end = read_pose(node["camera_from_world_end"]);
-    view.exposure_s = node["exposure_s"].number(0);
-    view.readout_s = node["readout_s"].number(0);
-    view.aperture_radius_m = node["aperture_radius_m"].number(0);
-    if (!node["focus_m"].is_null()) view.focus_m = node["focus_m"].number(0);
+    const auto read = [&](const char* key, double& value) {
+      if (node.has(key) && !node[key].is_null()) value = node[key].number(0);
+    };
+    read("exposure_s", view.exposure_s);
+    read("readout_s", view.readout_s);
+    read("aperture_radius_m", view.aperture_radius_m);
+    read("focus_m", view.focus_m);
     views.push_back(view);
   }
   return views;
@@ -279,8 +282,8 @@ void scene_gt_info_from_json(std::string_view text, const std::string& name,
   constexpr std::int64_t kMaxPixels = std::int64_t{1} << 40;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (const JsonNode& node : nodes[i].elements(kMaxInstances)) {
-      node.expect_keys({"bbox_obj", "bbox_visib", "px_count_all", "px_count_visib", "visib_fract",
-                        "instance_id"});
+      node.expect_keys({"bbox_obj", "px_count_all", "px_count_visib", "visib_fract", "instance_id"},
+                       {"bbox_visib"});
       InstanceVisibility v;
       const auto box = [&](const char* key, int& x, int& y, int& width, int& height) {
         if (node[key].size(4) != 4) node[key].fail("does not have 4 integers");
@@ -289,7 +292,8 @@ void scene_gt_info_from_json(std::string_view text, const std::string& name,
           *value = static_cast<int>(node[key][at++].integer(-kMaxId, kMaxId));
       };
       box("bbox_obj", v.box_x, v.box_y, v.box_width, v.box_height);
-      box("bbox_visib", v.seen_x, v.seen_y, v.seen_width, v.seen_height);
+      if (node.has("bbox_visib"))
+        box("bbox_visib", v.seen_x, v.seen_y, v.seen_width, v.seen_height);
       if (v.seen_width < 0) v.seen_x = v.seen_y = v.seen_width = v.seen_height = 0;
       v.pixels_full = node["px_count_all"].integer(0, kMaxPixels);
       v.pixels_visible = node["px_count_visib"].integer(0, kMaxPixels);

@@ -325,6 +325,8 @@ TEST(TruthIo, BadFilesAreNamed) {
               HasSubstr("/models/0/triangle_part/1 = 2"));
   EXPECT_THAT(with("traits.json", "\"instance\": 10", "\"instance\": 11"),
               HasSubstr("/instances/0/instance = 11"));
+  EXPECT_THAT(with("camera.json", "\"readout_s\": 0.00", "\"readout_s\": -0.00"),
+              HasSubstr("/views/0/readout_s = -0.00"));
   EXPECT_THAT(with("keypoints.json", "\"model\": 0", "\"model\": 4"),
               HasSubstr("/models/0/model = 4"));
   EXPECT_THAT(with("keypoints.json", "\"state\": \"visible\"", "\"state\": \"seen\""),
