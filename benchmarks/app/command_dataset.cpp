@@ -99,6 +99,7 @@ void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir,
       TruthImages images = simulation.truth(frame, needs);
       write_truth_images(scene_dir, truth.scene, frame, images);
       truth.images[i].visibility = std::move(images.visibility);
+      truth.images[i].keypoints = std::move(images.keypoints);
     });
   }
   write_capture_index(scene_dir, capture);

@@ -90,6 +90,9 @@ ScoreRow left_out_row(const SeedsRunConfig& config, std::uint64_t seed,
   others.part = !planned.part;
   others.coverage = !planned.coverage;
   others.visibility = !planned.visibility;
+  others.shares = !planned.shares;
+  others.keypoints = !planned.keypoints;
+  others.flow = !planned.flow;
   const StageClock clock("left out");
   simulation.truth(0, others);
   ScoreRow row;

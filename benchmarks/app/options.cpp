@@ -142,7 +142,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   render
       ->add_option("--truth", o.truth,
                    "Truth images: all, none, or of depth,normal,instance,part,position,coverage,"
-                   "visibility those listed")
+                   "visibility,shares,keypoints,flow those listed")
       ->capture_default_str();
   add_set(*render, o);
 

@@ -1,9 +1,12 @@
 #include "benchmarks/render/render_suite.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "benchmarks/render/corner_position.h"
+#include "benchmarks/render/leaf_cloud.h"
 #include "benchmarks/seeds/render_noise.h"
 #include "benchmarks/stability/truth_throughput.h"
 #include "sim/types/stage_clock.h"
@@ -33,6 +36,41 @@ ScoreRow limited(ScoreRow row, bool passes) {
   return row;
 }
 
+/// Truth of many instanced triangles: images a second by the clock, and seconds of all cores
+/// together, alone and against Embree's packets, which another load of the machine changes less.
+void add_leaf_cloud_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool quick) {
+  const auto add = [&](const std::string& name, const std::string& metric, double value,
+                       const std::string& unit, std::int64_t n, double limit, bool is_upper) {
+    ScoreRow row = row_of(name, metric, value, unit, n, seed);
+    row.scene = "leaf cloud";
+    const bool passes = is_upper ? value <= limit : value >= limit;
+    rows.push_back(std::isnan(limit) || std::isnan(value) ? row : limited(row, passes));
+  };
+  constexpr double kShown = std::numeric_limits<double>::quiet_NaN();
+  const LeafCloudSpeed speed = measure_leaf_cloud({}, quick ? 5 : 15);
+  const std::int64_t n = speed.triangles;
+  add("Embree's packets alone", "images_per_second", 1 / speed.raw.wall_s, "1/s", n, kShown, false);
+  struct Case {
+    const char* name;
+    ImageSeconds seconds;
+    double least;
+  };
+  for (const Case& c : {Case{"depth, normals, ids", speed.centres, 15},
+                        Case{"with masks of 50 instances", speed.masks, 6},
+                        Case{"with areas by 4 samples", speed.shares, 4}}) {
+    const std::string name = std::string("truth pass, ") + c.name;
+    add(name, "images_per_second", 1 / c.seconds.wall_s, "1/s", n, c.least, false);
+    add(name, "cpu_seconds.image", c.seconds.cpu_s, "s", n, kShown, false);
+    add(name, "share_of_raw", speed.raw.cpu_s / c.seconds.cpu_s, "1", n, kShown, false);
+  }
+  // 12 500 leaves of 250 models of 800 triangles, and 10 leaves of 500 000 triangles each.
+  add("10 M instanced triangles of 200 k", "peak_above_start",
+      leaf_cloud_memory_mb({.leaves = 12500, .models = 250}), "MB", 10'000'000, 200, true);
+  add("5 M unique triangles", "peak_above_start",
+      leaf_cloud_memory_mb({.leaves = 10, .models = 10, .cells = 500, .specimens = 2}), "MB",
+      5'000'000, 1000, true);
+}
+
 }  // namespace
 
 ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets, bool quick,
@@ -42,13 +80,13 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   };
   ScoreFile file;
   const SeedsRunConfig config = seeds_run_config(sets);
-  say("scene", 0, 5);
+  say("scene", 0, 6);
   const StageClock scene_clock("scene");
   const SeedsSimulation simulation(config, seed, 0);
   const StageTiming scene = scene_clock.finish();
   file.scores.push_back(row_of("seeds scene", "seconds.scene", scene.wall_s, "s", 1, seed));
 
-  say("truth throughput", 1, 5);
+  say("truth throughput", 1, 6);
   // A view of each ring: the share of rays that hit the board changes with elevation.
   const int views = static_cast<int>(simulation.views().size());
   std::vector<double> shares;
@@ -65,7 +103,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
         limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), t.share >= 0.6));
   }
 
-  say("radiance", 2, 5);
+  say("radiance", 2, 6);
   const StageClock first_clock("first");
   simulation.radiance(0);
   const double first_s = first_clock.finish().wall_s;
@@ -82,7 +120,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   file.scores.push_back(row_of("radiance pass", "seconds.light_cache",
                                std::max(0.0, first_s - median_s), "s", 1, seed));
 
-  say("noise", 3, 5);
+  say("noise", 3, 6);
   for (const int view : quick ? std::vector<int>{views / 2}
                               : std::vector<int>{views / 6, views / 2, 5 * views / 6}) {
     const RenderNoise noise = measure_render_noise(simulation, config.rig, view);
@@ -94,7 +132,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
                                  "1", noise.pixels, seed));
   }
 
-  say("corners", 4, 5);
+  say("corners", 4, 6);
   for (const LensModel model :
        {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
         LensModel::kannala_brandt4, LensModel::splined_stereographic}) {
@@ -105,6 +143,8 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
                 found.bias_px.norm() <= 0.02));
     file.scores.push_back(row_of(name, "corner.rms", found.rms_px, "px", found.corners, seed));
   }
+  say("leaf cloud", 5, 6);
+  add_leaf_cloud_rows(file.scores, seed, quick);
   return file;
 }
 

@@ -23,8 +23,9 @@ std::string capture_name(const SeedsRunConfig& config, std::uint64_t seed, int s
                     sha256_hex(cultivars_toml()) + "\n" + sha256_hex(setting_toml()) + "\n";
   const std::string mesh = specimen_hash(config.scene);
   if (!mesh.empty()) key += mesh + "\n";
-  for (const bool need : {needs.depth, needs.normal, needs.position, needs.instance, needs.part,
-                          needs.coverage, needs.visibility}) {
+  for (const bool need :
+       {needs.depth, needs.normal, needs.position, needs.instance, needs.part, needs.coverage,
+        needs.visibility, needs.shares, needs.keypoints, needs.flow}) {
     key += need ? '1' : '0';
   }
   constexpr std::size_t kDigits = 16;
@@ -45,8 +46,7 @@ void check_whole(const fs::path& stored, const SimulatedRun& run, const SeedsRun
   require(run.capture.frames.size() == views && run.truth.views.size() == views,
           "has not as many views as the scene");
   require(run.truth.seed == seed, "is of another seed");
-  const bool any = needs.depth || needs.normal || needs.position || needs.instance || needs.part ||
-                   needs.coverage || needs.visibility;
+  const bool any = needs != TruthNeeds{};
   require(!any || run.truth.images.size() == views, "lacks truth images");
   for (const TruthImages& images : run.truth.images) {
     require(!(needs.depth && images.depth_m.empty()) && !(needs.normal && images.normal.empty()) &&
@@ -54,7 +54,8 @@ void check_whole(const fs::path& stored, const SimulatedRun& run, const SeedsRun
                 !(needs.instance && images.instance.empty()) &&
                 !(needs.part && images.part.empty()) &&
                 !(needs.coverage && images.specimen_coverage.empty()) &&
-                !(needs.visibility && images.visibility.empty()),
+                !(needs.visibility && images.visibility.empty()) &&
+                !(needs.shares && images.shares.empty()),
             "lacks a truth image");
   }
 }

@@ -43,6 +43,9 @@ std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution
   truth_pass("truth: part", truth.part);
   truth_pass("truth: coverage", truth.coverage);
   truth_pass("truth: visibility", truth.visibility);
+  truth_pass("truth: shares", truth.shares);
+  truth_pass("truth: keypoints", truth.keypoints);
+  truth_pass("truth: flow", truth.flow);
 
   for (const std::string& stage : seeds_stage_names()) {
     const bool runs =

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim/geometry/mesh_io.h"
+#include "sim/render/view_match.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -91,8 +92,18 @@ Camera SeedsSimulation::reported(int frame) const {
 }
 
 TruthImages SeedsSimulation::truth(int frame, const TruthNeeds& needs) const {
-  return render_truth(impl_->rays, impl_->scene, impl_->views.at(static_cast<std::size_t>(frame)),
-                      needs);
+  const TrueView& view = impl_->views.at(static_cast<std::size_t>(frame));
+  const auto next = static_cast<std::size_t>(frame) + 1;
+  if (!needs.flow || next >= impl_->views.size())
+    return render_truth(impl_->rays, impl_->scene, view, needs);
+  TruthNeeds more = needs;
+  more.depth = more.instance = true;
+  TruthImages truth = render_truth(impl_->rays, impl_->scene, view, more);
+  truth.flow = match_views(impl_->scene, {impl_->rays, view}, truth.depth_m, truth.instance,
+                           {impl_->rays, impl_->views[next]});
+  if (!needs.depth) truth.depth_m = {};
+  if (!needs.instance) truth.instance = {};
+  return truth;
 }
 
 Capture SeedsSimulation::capture_header() const {
@@ -134,8 +145,7 @@ SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, in
 
   const StageClock truth_clock("truth");
   run.truth = simulation.scene_truth();
-  const bool any = needs.depth || needs.normal || needs.position || needs.instance || needs.part ||
-                   needs.coverage || needs.visibility;
+  const bool any = needs != TruthNeeds{};
   for (int frame = 0; any && frame < frames; ++frame) {
     say("truth", frame, frames);
     run.truth.images.push_back(simulation.truth(frame, needs));

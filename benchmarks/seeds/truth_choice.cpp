@@ -11,13 +11,16 @@ struct Choice {
   std::string_view name;
   bool TruthNeeds::*need;
 };
-constexpr std::array<Choice, 7> kChoices = {{{"depth", &TruthNeeds::depth},
-                                             {"normal", &TruthNeeds::normal},
-                                             {"instance", &TruthNeeds::instance},
-                                             {"part", &TruthNeeds::part},
-                                             {"position", &TruthNeeds::position},
-                                             {"coverage", &TruthNeeds::coverage},
-                                             {"visibility", &TruthNeeds::visibility}}};
+constexpr std::array<Choice, 10> kChoices = {{{"depth", &TruthNeeds::depth},
+                                              {"normal", &TruthNeeds::normal},
+                                              {"instance", &TruthNeeds::instance},
+                                              {"part", &TruthNeeds::part},
+                                              {"position", &TruthNeeds::position},
+                                              {"coverage", &TruthNeeds::coverage},
+                                              {"visibility", &TruthNeeds::visibility},
+                                              {"shares", &TruthNeeds::shares},
+                                              {"keypoints", &TruthNeeds::keypoints},
+                                              {"flow", &TruthNeeds::flow}}};
 
 std::string names() {
   std::string text;

@@ -73,7 +73,15 @@ Mesh box(const Vector3d& half_m) {
   return mesh;
 }
 
-Scene scene_of(std::vector<Mesh> meshes) {
+/// How RayScene keeps a case's meshes: in the world, or, as each has a twin, as models that
+/// instances share.
+enum class Placing { world, shared };
+
+/// Prefix of a case's name.
+std::string text_of(Placing placing) { return placing == Placing::shared ? "instanced, " : ""; }
+
+/// One object a mesh. `size_m`: twins are put, turned, 60 of it below.
+Scene scene_of(std::vector<Mesh> meshes, Placing placing, double size_m) {
   Scene scene;
   scene.name = "stability";
   scene.materials.emplace_back();
@@ -87,6 +95,20 @@ Scene scene_of(std::vector<Mesh> meshes) {
     model.name = instance.name;
     model.mesh = std::move(mesh);
     scene.models.push_back(std::move(model));
+  }
+  constexpr int kTwin = 1000;
+  const std::size_t objects = scene.instances.size();
+  for (std::size_t i = 0; placing == Placing::shared && i < objects; ++i) {
+    Instance twin = scene.instances[i];
+    twin.id += kTwin;
+    twin.name += "'s twin";
+    twin.world_from_object.rotation = Eigen::AngleAxisd(1, Vector3d::UnitZ());
+    // It turns about its own first corner, so that it stays below wherever the object lies.
+    const Mesh& own = scene.models[i].mesh;
+    const Vector3d corner = own.vertices_m.empty() ? Vector3d::Zero() : own.vertices_m[0];
+    twin.world_from_object.translation_m =
+        corner - twin.world_from_object.rotation * corner - Vector3d(0, 0, 60 * size_m);
+    scene.instances.push_back(twin);
   }
   return scene;
 }
@@ -104,13 +126,15 @@ struct OffsetRates {
 
 /// A convex ball that must not shadow its own lit side, and a plate of 1/500 of its width that must
 /// stop a ray which enters it. `apart_m` moves them from the scene's centre.
-OffsetRates offset_rates(double scale_m, double offset_m, double apart_m, int count, Rng rng) {
+OffsetRates offset_rates(Placing placing, double scale_m, double offset_m, double apart_m,
+                         int count, Rng rng) {
   const Vector3d shift(offset_m, -0.7 * offset_m, 0.3 * offset_m);
   const Vector3d ball_m = shift + Vector3d(apart_m, 0, 0),
                  plate_m = shift - Vector3d(apart_m, 0, 0);
   // Fine triangles for the ball, two big ones a side for the plate.
   const Scene scene = scene_of({moved(ellipsoid(Vector3d::Constant(scale_m), 24), ball_m),
-                                moved(box(scale_m * Vector3d(1, 1, 0.002)), plate_m)});
+                                moved(box(scale_m * Vector3d(1, 1, 0.002)), plate_m)},
+                               placing, scale_m);
   const RayScene rays(scene);
   OffsetRates rates;
   for (int i = 0; i < count; ++i) {
@@ -145,7 +169,7 @@ OffsetRates offset_rates(double scale_m, double offset_m, double apart_m, int co
   return rates;
 }
 
-void add_offset_cases(std::vector<StabilityRow>& rows, int count, const Rng& rng) {
+void add_offset_cases(std::vector<StabilityRow>& rows, Placing placing, int count, const Rng& rng) {
   const auto add = [&](const std::string& name, const OffsetRates& rates) {
     rows.push_back(make_row(name, "false occlusion rate", "", 0, rates.false_occlusion));
     rows.push_back(make_row(name, "light leak rate", "", 0, rates.leak));
@@ -154,22 +178,23 @@ void add_offset_cases(std::vector<StabilityRow>& rows, int count, const Rng& rng
   std::uint64_t index = 0;
   for (const double scale_m : {1e-4, 1e-2, 1.0, 1e2, 1e4}) {
     for (const double offset_m : {0.0, 1.0, 1e3, 1e5}) {
-      add("ray offset, scale " + text_of(scale_m) + " m at " + text_of(offset_m) + " m",
-          offset_rates(scale_m, offset_m, 2 * scale_m, count, rng.fork(index++)));
+      add(text_of(placing) + "ray offset, scale " + text_of(scale_m) + " m at " +
+              text_of(offset_m) + " m",
+          offset_rates(placing, scale_m, offset_m, 2 * scale_m, count, rng.fork(index++)));
     }
   }
-  add("ray offset, 100 sizes from the scene's centre",
-      offset_rates(1, 0, 100, count, rng.fork(index++)));
+  add(text_of(placing) + "ray offset, 100 sizes from the scene's centre",
+      offset_rates(placing, 1, 0, 100, count, rng.fork(index++)));
 }
 
 /// A large plane seen at an angle, through a lens so long that all its pixels have that angle.
-StabilityRow grazing_case(double incidence_deg) {
+StabilityRow grazing_case(Placing placing, double incidence_deg) {
   Mesh plane;
   constexpr double kHalf = 2e5;
   plane.vertices_m = {
       {-kHalf, -kHalf, 0}, {kHalf, -kHalf, 0}, {kHalf, kHalf, 0}, {-kHalf, kHalf, 0}};
   plane.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const Scene scene = scene_of({std::move(plane)});
+  const Scene scene = scene_of({std::move(plane)}, placing, 1);
   const RayScene rays(scene);
   TrueView view;
   view.camera.width_px = view.camera.height_px = 64;
@@ -191,12 +216,12 @@ StabilityRow grazing_case(double incidence_deg) {
       sum += error * error;
     }
   }
-  return make_row("grazing plane, " + text_of(incidence_deg) + " deg", "relative RMS of depth", "",
-                  1e-6, std::sqrt(sum / (64 * 64)));
+  return make_row(text_of(placing) + "grazing plane, " + text_of(incidence_deg) + " deg",
+                  "relative RMS of depth", "", 1e-6, std::sqrt(sum / (64 * 64)));
 }
 
 /// A tilted square of needles: strips of 1 / aspect of its side, seen by 200 x 200 rays.
-void add_needle_case(std::vector<StabilityRow>& rows, double aspect) {
+void add_needle_case(std::vector<StabilityRow>& rows, Placing placing, double aspect) {
   constexpr int kNeedles = 2000;
   Mesh mesh;  // a band of needles in the middle, two wide strips beside it
   std::vector<double> edges = {-1.0};
@@ -216,7 +241,7 @@ void add_needle_case(std::vector<StabilityRow>& rows, double aspect) {
     mesh.triangles.push_back({2 * i, 2 * i + 2, 2 * i + 1});
     mesh.triangles.push_back({2 * i + 2, 2 * i + 3, 2 * i + 1});
   }
-  const Scene scene = scene_of({std::move(mesh)});
+  const Scene scene = scene_of({std::move(mesh)}, placing, 1);
   const RayScene rays(scene);
   TrueView view;
   view.camera.width_px = view.camera.height_px = 200;
@@ -245,17 +270,16 @@ void add_needle_case(std::vector<StabilityRow>& rows, double aspect) {
       sum += error * error;
     }
   }
-  const std::string name = "needle triangles, aspect " + text_of(aspect);
+  const std::string name = text_of(placing) + "needle triangles, aspect " + text_of(aspect);
   rows.push_back(make_row(name, "missed rays", "", 0, missed));
   rows.push_back(
       make_row(name, "relative RMS of depth", "", 1e-6, std::sqrt(sum / std::max(seen, 1))));
 }
 
-}  // namespace
-
-StabilityRow watertight_case(const std::string& name, const Mesh& mesh, std::int64_t count,
-                             Rng rng) {
-  const Scene scene = scene_of({mesh});
+/// Where it is shared the rays start in the twin, which is turned and far from the object's origin.
+StabilityRow watertight_row(Placing placing, const std::string& name, const Mesh& mesh,
+                            std::int64_t count, const Rng& rng) {
+  const Scene scene = scene_of({mesh}, placing, 1e-3);
   const RayScene rays(scene);
   Vector3d centroid = Vector3d::Zero();
   double volume = 0;
@@ -267,6 +291,7 @@ StabilityRow watertight_case(const std::string& name, const Mesh& mesh, std::int
     centroid += v * (a + b + c) / 4;
   }
   centroid /= volume;
+  centroid = scene.instances.back().world_from_object * centroid;
   // Each batch walks: from the centroid to a surface, back to a point between, then a ray from
   // there.
   constexpr std::int64_t kBatch = 4096;
@@ -294,18 +319,28 @@ StabilityRow watertight_case(const std::string& name, const Mesh& mesh, std::int
         return sum;
       },
       std::plus<>());
-  return make_row("watertight, " + name + ", " + std::to_string(count) + " rays from inside",
-                  "escapes", "", 0, static_cast<double>(escapes));
+  return make_row(
+      text_of(placing) + "watertight, " + name + ", " + std::to_string(count) + " rays from inside",
+      "escapes", "", 0, static_cast<double>(escapes));
+}
+
+}  // namespace
+
+StabilityRow watertight_case(const std::string& name, const Mesh& mesh, std::int64_t count,
+                             Rng rng) {
+  return watertight_row(Placing::world, name, mesh, count, rng);
 }
 
 std::vector<StabilityRow> ray_cases(const RayCasesConfig& config, Rng rng) {
   std::vector<StabilityRow> rows;
-  add_offset_cases(rows, config.offset_rays, rng.fork("offset"));
-  rows.push_back(watertight_case("seed of 6 mm", ellipsoid({0.003, 0.0016, 0.0014}, 120),
-                                 config.watertight_rays, rng.fork("watertight")));
-  for (const double angle : {0.0, 45.0, 80.0, 89.0, 89.9, 89.99})
-    rows.push_back(grazing_case(angle));
-  for (const double aspect : {1e3, 1e5, 1e7}) add_needle_case(rows, aspect);
+  for (const Placing placing : {Placing::world, Placing::shared}) {
+    add_offset_cases(rows, placing, config.offset_rays, rng.fork("offset"));
+    rows.push_back(watertight_row(placing, "seed of 6 mm", ellipsoid({0.003, 0.0016, 0.0014}, 120),
+                                  config.watertight_rays, rng.fork("watertight")));
+    for (const double angle : {0.0, 45.0, 80.0, 89.0, 89.9, 89.99})
+      rows.push_back(grazing_case(placing, angle));
+    for (const double aspect : {1e3, 1e5, 1e7}) add_needle_case(rows, placing, aspect);
+  }
   return rows;
 }
 

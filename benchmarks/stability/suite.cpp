@@ -8,6 +8,7 @@
 #include "benchmarks/stability/contact_cases.h"
 #include "benchmarks/stability/geometry_cases.h"
 #include "benchmarks/stability/lens_cases.h"
+#include "benchmarks/stability/mesh_ray_cases.h"
 #include "benchmarks/stability/ray_cases.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/types/stage_clock.h"
@@ -44,6 +45,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       {"geometry", geometry_cases},
       {"lenses and light", lens_cases},
       {"rays", [&] { return ray_cases(rays, Rng(1)); }},
+      {"rays at bad meshes", mesh_ray_cases},
       {"watertight seeds", [&] { return watertight_seeds(quick); }},
       {"contacts", [&] { return contact_cases(quick); }}};
   ScoreFile file;

@@ -2,7 +2,8 @@
 //   config.toml        the resolved configuration
 //   seed               a decimal number
 //   camera.json        {"views": [{"frame", "time_s", "camera": CAMERA, "camera_from_world": POSE,
-//                                  "camera_from_world_end": POSE}]}
+//                                  "camera_from_world_end": POSE, "exposure_s", "readout_s",
+//                                  "aperture_radius_m", "focus_m": null = infinity}]}
 //   scene.json         name, rig, board, models (name, mesh file, part names, part of each
 //                      triangle), materials, instances, lights, views. Shading (vertex albedo and
 //                      normals) is not kept: configuration and seed make it again.
@@ -10,12 +11,20 @@
 //                      never read: {"0": [{"cam_R_m2c": [9], "cam_t_m2c": [3, mm],
 //                                          "obj_id": model + 1, "instance_id"}]}
 //   scene_gt_info.json BOP's, there if images are: {"0": [{"bbox_obj": [x, y, w, h],
-//                      "px_count_all", "px_count_visib", "visib_fract", "instance_id"}]}
+//                      "bbox_visib" (-1 four times if unseen), "px_count_all", "px_count_visib",
+//                      "visib_fract", "instance_id"}]}
 //   traits.json        {"instances": [{"instance", "traits": [{"name", "unit", "value"}]}]}
-//   keypoints.json     {"models": [{"model", "keypoints": [{"name", "in_object_m": [3]}]}]}
+//   keypoints.json     {"models": [{"model", "keypoints": [{"name", "in_object_m": [3]}]}],
+//                       "frames": {"0": [{"instance", "keypoint", "state", "u_px", "v_px",
+//                      "depth_m"}]}}; frames if planned; state: visible, occluded, outside;
+//                      numbers null where the lens makes no image
 //   models/            obj_000001.ply, ...: in the object's frame, metres
 // Images, each only if it was planned:
 //   depth/000000.exr   metres; likewise normal/ and position/ (three channels), coverage/
+//   coverage/          also 000000_000003.exr: shares of pixels, of frame 0's fourth specimen
+//   flow/              three channels: x, y in pixels to the next view; state there: 0 no surface,
+//                      1 visible, 2 occluded, 3 outside; disparity/ the same to the rig's second
+//                      camera, with x turned round: x here less x there
 //   instance/          16-bit PNG, id + 1; 0 = none
 //   part/              16-bit PNG, place in the model's part_names (0 where it has none);
 //                      65535 = none
@@ -42,8 +51,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kJsonLimitBytes = std::size_t{1} << 29;
 
-std::string mask_name(int frame, std::size_t specimen) {
-  return six_digits(frame) + "_" + six_digits(static_cast<std::int64_t>(specimen)) + ".png";
+std::string specimen_file(int frame, std::size_t specimen, const char* ending) {
+  return six_digits(frame) + "_" + six_digits(static_cast<std::int64_t>(specimen)) + ending;
 }
 
 void check_images(const TruthImages& images, int frame, const std::vector<const Instance*>& order) {
@@ -51,6 +60,18 @@ void check_images(const TruthImages& images, int frame, const std::vector<const 
   if (!images.masks_full.empty() && images.masks_full.size() != images.visibility.size()) {
     throw std::invalid_argument(where + ": not one mask for each visibility");
   }
+  for (const InstanceShares& shares : images.shares) {
+    for (const PixelShare& p : shares.pixels) {
+      if (p.x < 0 || p.y < 0 || p.x >= shares.width_px || p.y >= shares.height_px) {
+        throw std::invalid_argument(where + ": instance " + std::to_string(shares.instance) +
+                                    " has a share of a pixel outside the image");
+      }
+    }
+  }
+  bool in_order = images.shares.empty() || images.shares.size() == order.size();
+  for (std::size_t k = 0; in_order && k < images.shares.size(); ++k)
+    in_order = images.shares[k].instance == order[k]->id;
+  if (!in_order) throw std::invalid_argument(where + ": shares are not of the specimens by id");
   if (images.visibility.empty()) return;
   bool same = images.visibility.size() == order.size();
   for (std::size_t k = 0; same && k < order.size(); ++k)
@@ -80,6 +101,59 @@ Image<std::uint16_t> instance_codes(const Image<std::int32_t>& instance, int fra
   return codes;
 }
 
+/// Flow and state as three channels; `sign_x` -1 makes disparity of flow.
+Image<Eigen::Vector3f> match_channels(const ViewMatch& match, float sign_x) {
+  Image<Eigen::Vector3f> channels(match.flow_px.width(), match.flow_px.height());
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const Eigen::Vector2f& flow = match.flow_px.data()[i];
+    channels.data()[i] = {sign_x * flow.x(), flow.y(), static_cast<float>(match.state.data()[i])};
+  }
+  return channels;
+}
+
+ViewMatch match_of(const Image<Eigen::Vector3f>& channels, float sign_x, const fs::path& file) {
+  ViewMatch match;
+  match.flow_px = Image<Eigen::Vector2f>(channels.width(), channels.height());
+  match.state = Image<PointState>(channels.width(), channels.height());
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const Eigen::Vector3f& c = channels.data()[i];
+    if (!(c.z() == 0 || c.z() == 1 || c.z() == 2 || c.z() == 3)) {
+      throw std::runtime_error(file.string() + ": state " + std::to_string(c.z()) +
+                               " of a pixel is not 0, 1, 2 or 3");
+    }
+    match.flow_px.data()[i] = {sign_x * c.x(), c.y()};
+    match.state.data()[i] = static_cast<PointState>(static_cast<int>(c.z()));
+  }
+  return match;
+}
+
+Image<float> share_image(const InstanceShares& shares) {
+  Image<float> image(shares.width_px, shares.height_px);
+  for (const PixelShare& p : shares.pixels) image(p.x, p.y) = p.share;
+  return image;
+}
+
+InstanceShares shares_of(const Image<float>& image, int instance, const fs::path& file) {
+  InstanceShares shares;
+  shares.instance = instance;
+  shares.width_px = image.width();
+  shares.height_px = image.height();
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const float share = image(x, y);
+      if (!(share >= 0 && share <= 1)) {
+        throw std::runtime_error(file.string() + ": the share " + std::to_string(share) +
+                                 " of pixel " + std::to_string(x) + ", " + std::to_string(y) +
+                                 " is not in [0, 1]");
+      }
+      if (share == 0) continue;
+      shares.pixels.push_back({x, y, share});
+      shares.area_px += static_cast<double>(share);
+    }
+  }
+  return shares;
+}
+
 Image<std::uint8_t> visible_mask(const Image<std::int32_t>& instance, int id) {
   Image<std::uint8_t> mask(instance.width(), instance.height());
   for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = instance.data()[i] == id ? 255 : 0;
@@ -102,13 +176,20 @@ void write_images(const fs::path& dir, const TruthImages& images, int frame,
   if (!images.instance.empty()) {
     write_png(file("instance", png), instance_codes(images.instance, frame));
     for (std::size_t k = 0; k < order.size(); ++k) {
-      write_png(file("mask_visib", mask_name(frame, k)),
+      write_png(file("mask_visib", specimen_file(frame, k, ".png")),
                 visible_mask(images.instance, order[k]->id));
     }
   }
   for (std::size_t k = 0; k < images.masks_full.size(); ++k) {
-    write_png(file("mask", mask_name(frame, k)), images.masks_full[k]);
+    write_png(file("mask", specimen_file(frame, k, ".png")), images.masks_full[k]);
   }
+  for (std::size_t k = 0; k < images.shares.size(); ++k) {
+    write_exr(file("coverage", specimen_file(frame, k, ".exr")), share_image(images.shares[k]));
+  }
+  if (!images.flow.state.empty())
+    write_exr_vectors(file("flow", exr), match_channels(images.flow, 1));
+  if (!images.stereo.state.empty())
+    write_exr_vectors(file("disparity", exr), match_channels(images.stereo, -1));
 }
 
 /// dir/folder/name by `read` if it is there, checked against the camera; else empty.
@@ -127,6 +208,32 @@ auto read_if_there(const fs::path& dir, const std::string& relative, const TrueV
                              std::to_string(view.camera.height_px));
   }
   return image;
+}
+
+void read_shares(const fs::path& dir, const TrueView& view,
+                 const std::vector<const Instance*>& order, TruthImages& images) {
+  const auto scalar = [](const fs::path& f) { return read_exr(f); };
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const std::string name = "coverage/" + specimen_file(view.frame, k, ".exr");
+    const Image<float> image = read_if_there(dir, name, view, scalar);
+    if (!image.empty()) images.shares.push_back(shares_of(image, order[k]->id, dir / name));
+  }
+  if (!images.shares.empty() && images.shares.size() != order.size()) {
+    throw std::runtime_error((dir / "coverage").string() + " (frame " + std::to_string(view.frame) +
+                             "): " + std::to_string(images.shares.size()) +
+                             " images of shares; the scene has " + std::to_string(order.size()) +
+                             " specimens");
+  }
+}
+
+void read_matches(const fs::path& dir, const TrueView& view, TruthImages& images) {
+  const auto vectors = [](const fs::path& f) { return read_exr_vectors(f); };
+  const auto read = [&](const std::string& name, float sign_x) {
+    const Image<Eigen::Vector3f> channels = read_if_there(dir, name, view, vectors);
+    return channels.empty() ? ViewMatch{} : match_of(channels, sign_x, dir / name);
+  };
+  images.flow = read("flow/" + six_digits(view.frame) + ".exr", 1);
+  images.stereo = read("disparity/" + six_digits(view.frame) + ".exr", -1);
 }
 
 void read_images(const fs::path& dir, const TrueView& view, TruthImages& images) {
@@ -148,7 +255,8 @@ void read_images(const fs::path& dir, const TrueView& view, TruthImages& images)
       images.instance.data()[i] = static_cast<std::int32_t>(codes.data()[i]) - 1;
   }
   for (std::size_t k = 0; k < images.visibility.size(); ++k) {
-    Image<std::uint8_t> mask = read_if_there(dir, "mask/" + mask_name(view.frame, k), view, png8);
+    Image<std::uint8_t> mask =
+        read_if_there(dir, "mask/" + specimen_file(view.frame, k, ".png"), view, png8);
     if (!mask.empty()) images.masks_full.push_back(std::move(mask));
   }
   if (!images.masks_full.empty() && images.masks_full.size() != images.visibility.size()) {
@@ -190,7 +298,7 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
   write_file(dir / "scene.json", scene_to_json(truth.scene));
   write_file(dir / "scene_gt.json", scene_gt_to_json(truth.scene, truth.views));
   write_file(dir / "traits.json", true_traits_to_json(truth.scene));
-  write_file(dir / "keypoints.json", keypoints_to_json(truth.scene));
+  write_file(dir / "keypoints.json", keypoints_to_json(truth.scene, truth.views, truth.images));
   if (!truth.images.empty())
     write_file(dir / "scene_gt_info.json", scene_gt_info_to_json(truth.views, truth.images));
 }
@@ -228,8 +336,14 @@ SceneTruth read_truth(const fs::path& scene_dir) {
   truth.images.resize(truth.views.size());
   scene_gt_info_from_json(text("scene_gt_info.json"), name("scene_gt_info.json"), truth.views,
                           truth.images);
-  for_each_frame(truth.views.size(),
-                 [&](std::size_t i) { read_images(dir, truth.views[i], truth.images[i]); });
+  keypoint_views_from_json(text("keypoints.json"), name("keypoints.json"), truth.scene, truth.views,
+                           truth.images);
+  const std::vector<const Instance*> order = specimens_of(truth.scene);
+  for_each_frame(truth.views.size(), [&](std::size_t i) {
+    read_images(dir, truth.views[i], truth.images[i]);
+    read_shares(dir, truth.views[i], order, truth.images[i]);
+    read_matches(dir, truth.views[i], truth.images[i]);
+  });
   return truth;
 }
 

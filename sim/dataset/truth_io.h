@@ -22,12 +22,13 @@ struct SceneTruth {
 /// SCENE_DIR/truth: config.toml, seed, camera.json, scene_gt.json, scene_gt_info.json (BOP),
 /// traits.json, keypoints.json, models/*.ply, and image folders for what is there. Library target
 /// of its own: perception cannot link it. `images` is empty or one for each view; visibility of an
-/// image is empty or of all specimens by id.
+/// image is empty or of all specimens by id, and so are shares.
 /// @throws std::invalid_argument otherwise or if the scene is not valid, std::runtime_error if a
 /// file cannot be written.
 void write_truth(const std::filesystem::path& scene_dir, const SceneTruth& truth);
 /// The image files of one frame alone, so that a long scene need not be in memory at once:
-/// write_truth with what is then left of each frame, its `visibility`, makes the same folder.
+/// write_truth with what is then left of each frame, its `visibility` and `keypoints`, makes the
+/// same folder.
 /// @throws as write_truth.
 void write_truth_images(const std::filesystem::path& scene_dir, const Scene& scene, int frame,
                         const TruthImages& images);

@@ -1,6 +1,7 @@
 #include "sim/dataset/truth_json.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -80,7 +81,8 @@ ObjectModel read_model(const JsonNode& node, std::vector<std::string>& mesh_file
   return model;
 }
 
-/// Members of an object whose keys are the frames of `views`, in the order of the views.
+}  // namespace
+
 std::vector<JsonNode> by_view(const JsonNode& root, const std::vector<TrueView>& views) {
   if (root.members(kMaxViews).size() != views.size())
     root.fail("does not have one entry for each frame of camera.json");
@@ -88,8 +90,6 @@ std::vector<JsonNode> by_view(const JsonNode& root, const std::vector<TrueView>&
   for (const TrueView& view : views) nodes.push_back(root[std::to_string(view.frame)]);
   return nodes;
 }
-
-}  // namespace
 
 // ---- camera.json --------------------------------------------------------------------------------
 
@@ -106,7 +106,11 @@ std::string views_to_json(const std::vector<TrueView>& views) {
                              {"time_s", view.time_s},
                              {"camera", to_json(view.camera)},
                              {"camera_from_world", to_json(view.camera_from_world)},
-                             {"camera_from_world_end", to_json(view.camera_from_world_end)}});
+                             {"camera_from_world_end", to_json(view.camera_from_world_end)},
+                             {"exposure_s", view.exposure_s},
+                             {"readout_s", view.readout_s},
+                             {"aperture_radius_m", view.aperture_radius_m},
+                             {"focus_m", std::isinf(view.focus_m) ? Json() : Json(view.focus_m)}});
   }
   return to_text(root);
 }
@@ -118,7 +122,8 @@ std::vector<TrueView> views_from_json(std::string_view text, const std::string& 
   std::vector<TrueView> views;
   std::set<int> frames;
   for (const JsonNode& node : root["views"].elements(kMaxViews)) {
-    node.expect_keys({"frame", "time_s", "camera", "camera_from_world", "camera_from_world_end"});
+    node.expect_keys({"frame", "time_s", "camera", "camera_from_world", "camera_from_world_end"},
+                     {"exposure_s", "readout_s", "aperture_radius_m", "focus_m"});
     TrueView view;
     view.frame = static_cast<int>(node["frame"].integer(0, 999'999));
     if (!frames.insert(view.frame).second) node["frame"].fail("is a frame that occurs twice");
@@ -126,6 +131,13 @@ std::vector<TrueView> views_from_json(std::string_view text, const std::string& 
     view.camera = read_camera(node["camera"], "frame " + std::to_string(view.frame));
     view.camera_from_world = read_pose(node["camera_from_world"]);
     view.camera_from_world_end = read_pose(node["camera_from_world_end"]);
+    const auto read = [&](const char* key, double& value) {
+      if (node.has(key) && !node[key].is_null()) value = node[key].number(0);
+    };
+    read("exposure_s", view.exposure_s);
+    read("readout_s", view.readout_s);
+    read("aperture_radius_m", view.aperture_radius_m);
+    read("focus_m", view.focus_m);
     views.push_back(view);
   }
   return views;
@@ -186,40 +198,8 @@ Scene scene_from_json(std::string_view text, const std::string& name,
   return scene;
 }
 
-// ---- keypoints.json, traits.json ----------------------------------------------------------------
-
-std::string keypoints_to_json(const Scene& scene) {
-  Json models = Json::array();
-  for (std::size_t i = 0; i < scene.models.size(); ++i) {
-    if (scene.models[i].keypoints.empty()) continue;
-    Json keypoints = Json::array();
-    for (const Keypoint& keypoint : scene.models[i].keypoints) {
-      keypoints.push_back(
-          {{"name", keypoint.name}, {"in_object_m", to_json(keypoint.in_object_m)}});
-    }
-    models.push_back({{"model", i}, {"keypoints", keypoints}});
-  }
-  Json root = Json::object();
-  root["models"] = models;
-  return to_text(root);
-}
-
-void keypoints_from_json(std::string_view text, const std::string& name, Scene& scene) {
-  const JsonDocument document(text, name);
-  const JsonNode root = document.root();
-  root.expect_keys({"models"});
-  for (const JsonNode& node : root["models"].elements(kMaxInstances)) {
-    node.expect_keys({"model", "keypoints"});
-    const auto index = static_cast<std::size_t>(node["model"].integer(0, kMaxId));
-    if (index >= scene.models.size()) node["model"].fail("is not a model of the scene");
-    if (!scene.models[index].keypoints.empty()) node["model"].fail("is a model that occurs twice");
-    for (const JsonNode& entry : node["keypoints"].elements(100'000)) {
-      entry.expect_keys({"name", "in_object_m"});
-      scene.models[index].keypoints.push_back(
-          {entry["name"].text(), entry["in_object_m"].vector<3>()});
-    }
-  }
-}
+// ---- traits.json
+// -----------------------------------------------------------------------------------
 
 std::string true_traits_to_json(const Scene& scene) {
   Json instances = Json::array();
@@ -281,7 +261,10 @@ std::string scene_gt_info_to_json(const std::vector<TrueView>& views,
   for (std::size_t i = 0; i < views.size(); ++i) {
     Json entries = Json::array();
     for (const InstanceVisibility& v : images[i].visibility) {
+      Json seen = {v.seen_x, v.seen_y, v.seen_width, v.seen_height};
+      if (v.seen_width == 0) seen = {-1, -1, -1, -1};  // BOP's way
       entries.push_back({{"bbox_obj", {v.box_x, v.box_y, v.box_width, v.box_height}},
+                         {"bbox_visib", seen},
                          {"px_count_all", v.pixels_full},
                          {"px_count_visib", v.pixels_visible},
                          {"visib_fract", v.visible_fraction},
@@ -299,17 +282,19 @@ void scene_gt_info_from_json(std::string_view text, const std::string& name,
   constexpr std::int64_t kMaxPixels = std::int64_t{1} << 40;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (const JsonNode& node : nodes[i].elements(kMaxInstances)) {
-      node.expect_keys(
-          {"bbox_obj", "px_count_all", "px_count_visib", "visib_fract", "instance_id"});
+      node.expect_keys({"bbox_obj", "px_count_all", "px_count_visib", "visib_fract", "instance_id"},
+                       {"bbox_visib"});
       InstanceVisibility v;
-      if (node["bbox_obj"].size(4) != 4) node["bbox_obj"].fail("does not have 4 integers");
-      const auto box = [&](std::size_t at) {
-        return static_cast<int>(node["bbox_obj"][at].integer(-kMaxId, kMaxId));
+      const auto box = [&](const char* key, int& x, int& y, int& width, int& height) {
+        if (node[key].size(4) != 4) node[key].fail("does not have 4 integers");
+        std::size_t at = 0;
+        for (int* value : {&x, &y, &width, &height})
+          *value = static_cast<int>(node[key][at++].integer(-kMaxId, kMaxId));
       };
-      v.box_x = box(0);
-      v.box_y = box(1);
-      v.box_width = box(2);
-      v.box_height = box(3);
+      box("bbox_obj", v.box_x, v.box_y, v.box_width, v.box_height);
+      if (node.has("bbox_visib"))
+        box("bbox_visib", v.seen_x, v.seen_y, v.seen_width, v.seen_height);
+      if (v.seen_width < 0) v.seen_x = v.seen_y = v.seen_width = v.seen_height = 0;
       v.pixels_full = node["px_count_all"].integer(0, kMaxPixels);
       v.pixels_visible = node["px_count_visib"].integer(0, kMaxPixels);
       v.visible_fraction = node["visib_fract"].number(0, 1);

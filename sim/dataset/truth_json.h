@@ -9,8 +9,13 @@
 
 namespace cousin {
 
+class JsonNode;
+
 /// Private to sim/dataset: the JSON files of truth/ as text; the schemas are in truth_io.cpp.
 /// Readers: @throws std::runtime_error naming `name`, key, value and limit.
+
+/// Members of an object whose keys are the frames of `views`, in the order of the views.
+std::vector<JsonNode> by_view(const JsonNode& root, const std::vector<TrueView>& views);
 
 std::string views_to_json(const std::vector<TrueView>& views);  ///< camera.json
 std::vector<TrueView> views_from_json(std::string_view text, const std::string& name);
@@ -21,8 +26,13 @@ Scene scene_from_json(std::string_view text, const std::string& name,
                       std::vector<std::string>& mesh_files);
 std::string mesh_file(std::size_t model);  ///< "models/obj_000001.ply": BOP counts objects from 1
 
-std::string keypoints_to_json(const Scene& scene);
+/// With the frames' keypoints, if any image has some.
+std::string keypoints_to_json(const Scene& scene, const std::vector<TrueView>& views,
+                              const std::vector<TruthImages>& images);
 void keypoints_from_json(std::string_view text, const std::string& name, Scene& scene);
+/// The frames' part, for a scene whose keypoints are read.
+void keypoint_views_from_json(std::string_view text, const std::string& name, const Scene& scene,
+                              const std::vector<TrueView>& views, std::vector<TruthImages>& images);
 std::string true_traits_to_json(const Scene& scene);
 void true_traits_from_json(std::string_view text, const std::string& name, Scene& scene);
 

@@ -2,6 +2,8 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -36,6 +38,13 @@ class FlushDenormals {
   FlushDenormals(const FlushDenormals&) = delete;
   FlushDenormals& operator=(const FlushDenormals&) = delete;
 };
+
+/// Where a ray goes on beyond a hit. Never a denormal: flushed to zero, it would meet a hit at no
+/// distance again and again.
+inline float beyond(float t) {
+  return std::max(std::nextafter(t, std::numeric_limits<float>::infinity()),
+                  std::numeric_limits<float>::min());
+}
 
 inline RTCIntersectContext make_context(RTCIntersectContextFlags flags) {
   RTCIntersectContext context;

@@ -134,13 +134,17 @@ RTCGeometry triangle_geometry(RTCDevice device, const RayMesh& mesh) {
   return g;
 }
 
-RTCQuaternionDecomposition decomposition(const Pose& pose) {
+/// An object's pose for its mesh, whose axes are shifted: the object's origin moves on straight
+/// lines between steps, the mesh's on arcs.
+RTCQuaternionDecomposition decomposition(const Pose& pose, const Eigen::Vector3d& shift_m) {
   RTCQuaternionDecomposition d;
   rtcInitQuaternionDecomposition(&d);
   const Eigen::Quaternionf q = pose.rotation.cast<float>();
   const Eigen::Vector3f t = pose.translation_m.cast<float>();
   rtcQuaternionDecompositionSetQuaternion(&d, q.w(), q.x(), q.y(), q.z());
+  const Eigen::Vector3f s = shift_m.cast<float>();
   rtcQuaternionDecompositionSetTranslation(&d, t.x(), t.y(), t.z());
+  rtcQuaternionDecompositionSetShift(&d, s.x(), s.y(), s.z());
   return d;
 }
 
@@ -150,17 +154,16 @@ RTCGeometry instance_geometry(RTCDevice device, const RayScene::Impl& impl,
   rtcSetGeometryInstancedScene(g, impl.mesh_of(geometry).alone);
   const std::size_t steps = geometry.steps.size();
   rtcSetGeometryTimeStepCount(g, static_cast<unsigned int>(steps));
-  for (std::size_t i = 0; i < steps; ++i) {
-    const float time = steps > 1 ? static_cast<float>(i) / static_cast<float>(steps - 1) : 0.0F;
-    const Pose pose = mesh_pose(impl, geometry, time);
-    if (steps > 1) {
-      const RTCQuaternionDecomposition d = decomposition(pose);
-      rtcSetGeometryTransformQuaternion(g, static_cast<unsigned int>(i), &d);
-      continue;
-    }
+  if (steps == 1) {
+    const Pose pose = mesh_pose(impl, geometry, 0);
     Eigen::Matrix<float, 3, 4> matrix;  // column by column, as Embree takes it
     matrix << pose.rotation.toRotationMatrix().cast<float>(), pose.translation_m.cast<float>();
     rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, matrix.data());
+  }
+  for (std::size_t i = 0; steps > 1 && i < steps; ++i) {
+    const RTCQuaternionDecomposition d =
+        decomposition(geometry.steps[i], impl.mesh_of(geometry).centre_in_object_m);
+    rtcSetGeometryTransformQuaternion(g, static_cast<unsigned int>(i), &d);
   }
   rtcCommitGeometry(g);
   return g;

@@ -19,10 +19,22 @@ struct TruthNeeds {
       false;  ///< several samples a pixel, where neighbouring pixels differ in being specimen
   bool visibility =
       false;  ///< visible fraction and full (amodal) masks, by rays that ignore other instances
+  /// Area of each specimen in each pixel, by `share_samples` rays to every pixel, whatever its
+  /// neighbours show: Sobol's points, shifted on the torus by a hash of the pixel. The mean of a
+  /// share is the true area, however small; a strip of 1 / share_samples of a pixel or wider that
+  /// crosses a pixel along its rows or columns is always met. So a stem or a leaf's tip between
+  /// pixel centres, which no image of centres shows, has its area here.
+  bool shares = false;
+  bool keypoints = false;  ///< of the specimens: see keypoint_truth.h
+  /// To the scene's next view: see view_match.h. By whoever has both views, not by render_truth.
+  bool flow = false;
+
+  bool operator==(const TruthNeeds&) const = default;
 };
 
 struct TruthConfig {
   int coverage_samples = 16;  ///< a pixel, a square number: stratified
+  int share_samples = 4;      ///< a pixel, 1..4096; powers of two are spread evenly
 };
 
 /// The rays of one view's pixel centres, ready to be cast at one RayScene. Row y holds `stride`

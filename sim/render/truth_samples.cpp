@@ -21,29 +21,6 @@ Eigen::Vector3f direction_at(const PreparedRays& rays, int x, int y) {
   return {rays.x[i], rays.y[i], rays.z[i]};
 }
 
-/// Change of direction per pixel along x and y, by differences within the image; zero where a
-/// neighbour has no ray. Along y the camera is held, as a row is exposed at once.
-struct DirectionSlope {
-  Eigen::Vector3f x, y;
-};
-
-DirectionSlope slope_at(const PreparedRays& rays, int x, int y) {
-  const int x0 = std::max(x - 1, 0), x1 = std::min(x + 1, rays.width - 1);
-  const int y0 = std::max(y - 1, 0), y1 = std::min(y + 1, rays.height - 1);
-  const auto in_row = [&](int yy) -> Eigen::Vector3f {
-    const auto& here = rays.rows[static_cast<std::size_t>(y)].camera_from_world;
-    const auto& there = rays.rows[static_cast<std::size_t>(yy)].camera_from_world;
-    return (here.transpose() * (there * direction_at(rays, x, yy).cast<double>())).cast<float>();
-  };
-  const auto difference = [](const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                             int steps) -> Eigen::Vector3f {
-    if (steps == 0 || a.isZero(0) || b.isZero(0)) return Eigen::Vector3f::Zero();
-    return (b - a) / static_cast<float>(steps);
-  };
-  return {difference(direction_at(rays, x0, y), direction_at(rays, x1, y), x1 - x0),
-          difference(in_row(y0), in_row(y1), y1 - y0)};
-}
-
 /// Side of the square grid of strata. @throws std::invalid_argument if `samples` is not a square.
 int strata_side(int samples) {
   const int side = static_cast<int>(std::lround(std::sqrt(std::max(samples, 0))));
@@ -56,9 +33,8 @@ int strata_side(int samples) {
 
 /// Share of the strata's centres whose first hit is a specimen.
 float pixel_coverage(const RayScene::Impl& impl, const PreparedRays& rays, int x, int y, int side) {
-  const Eigen::Vector3f centre = direction_at(rays, x, y);
-  if (centre.isZero(0)) return 0;
-  const DirectionSlope slope = slope_at(rays, x, y);
+  const PixelDirections pixel = pixel_directions(rays, x, y);
+  if (pixel.centre.isZero(0)) return 0;
   const Eigen::Vector3f o = rays.rows[static_cast<std::size_t>(y)].origin_m.cast<float>();
   RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
   const int samples = side * side;
@@ -70,7 +46,7 @@ float pixel_coverage(const RayScene::Impl& impl, const PreparedRays& rays, int x
       const int s = std::min(first + i, samples - 1);
       const float dx = (static_cast<float>(s % side) + 0.5F) / static_cast<float>(side) - 0.5F;
       const float dy = (static_cast<float>(s / side) + 0.5F) / static_cast<float>(side) - 0.5F;
-      const Eigen::Vector3f d = centre + dx * slope.x + dy * slope.y;
+      const Eigen::Vector3f d = pixel.centre + dx * pixel.slope_x + dy * pixel.slope_y;
       set_ray(packet.ray, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
       packet.ray.time[i] = rays.rows[static_cast<std::size_t>(y)].time;
       packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
@@ -216,6 +192,37 @@ InstanceVisibility count_visibility(int id, const PixelBox& box,
 
 }  // namespace
 
+PixelDirections pixel_directions(const PreparedRays& rays, int x, int y) {
+  const int x0 = std::max(x - 1, 0), x1 = std::min(x + 1, rays.width - 1);
+  const int y0 = std::max(y - 1, 0), y1 = std::min(y + 1, rays.height - 1);
+  const auto& here = rays.rows[static_cast<std::size_t>(y)].camera_from_world;
+  const auto in_row = [&](int yy) -> Eigen::Vector3f {
+    const auto& there = rays.rows[static_cast<std::size_t>(yy)].camera_from_world;
+    const Eigen::Vector3f d = direction_at(rays, x, yy);
+    if (there == here) return d;
+    return (here.transpose() * (there * d.cast<double>())).cast<float>();
+  };
+  const auto difference = [](const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                             int steps) -> Eigen::Vector3f {
+    if (steps == 0 || a.isZero(0) || b.isZero(0)) return Eigen::Vector3f::Zero();
+    return (b - a) / static_cast<float>(steps);
+  };
+  return {direction_at(rays, x, y),
+          difference(direction_at(rays, x0, y), direction_at(rays, x1, y), x1 - x0),
+          difference(in_row(y0), in_row(y1), y1 - y0)};
+}
+
+std::vector<std::size_t> specimens_by_id(const RayScene::Impl& impl) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < impl.geometries.size(); ++i) {
+    if (impl.geometries[i].is_specimen) order.push_back(i);
+  }
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return impl.geometries[a].id < impl.geometries[b].id;
+  });
+  return order;
+}
+
 Image<float> specimen_coverage(const RayScene& rays, const PreparedRays& prepared,
                                const Image<std::uint8_t>& is_specimen, int samples) {
   const int side = strata_side(samples);
@@ -241,18 +248,13 @@ Image<float> specimen_coverage(const RayScene& rays, const PreparedRays& prepare
 
 void add_visibility(const RayScene& rays, const TrueView& view, const PreparedRays& prepared,
                     const Image<std::int32_t>& instance, TruthImages& truth) {
-  std::vector<const RayGeometry*> specimens;
-  for (const RayGeometry& g : rays.impl().geometries) {
-    if (g.is_specimen) specimens.push_back(&g);
-  }
-  std::sort(specimens.begin(), specimens.end(),
-            [](const RayGeometry* a, const RayGeometry* b) { return a->id < b->id; });
+  const std::vector<std::size_t> specimens = specimens_by_id(rays.impl());
   truth.visibility.resize(specimens.size());
   truth.masks_full.assign(specimens.size(),
                           Image<std::uint8_t>(instance.width(), instance.height()));
   tbb::parallel_for(std::size_t{0}, specimens.size(), [&](std::size_t i) {
     const FlushDenormals flush;
-    const RayGeometry& g = *specimens[i];
+    const RayGeometry& g = rays.impl().geometries[specimens[i]];
     const PixelBox box = projected_box(rays.impl(), g, view);
     if (rays.impl().mesh_of(g).alone)
       cast_alone(rays.impl(), g, prepared, box, instance, truth.masks_full[i]);

@@ -4,6 +4,21 @@
 
 namespace cousin {
 
+/// Direction of a pixel's centre and its change per pixel along x and y, by differences within the
+/// image; zero where there is no ray, or a neighbour has none. Along y the camera is held, as a row
+/// is exposed at once.
+struct PixelDirections {
+  Eigen::Vector3f centre, slope_x, slope_y;
+};
+PixelDirections pixel_directions(const PreparedRays& rays, int x, int y);
+
+/// Places of the specimens among the geometries, by Instance::id.
+std::vector<std::size_t> specimens_by_id(const RayScene::Impl& impl);
+
+/// The area of each specimen in each pixel, from `samples` rays to every pixel: see TruthNeeds.
+std::vector<InstanceShares> specimen_shares(const RayScene& rays, const PreparedRays& prepared,
+                                            int samples);
+
 /// Share of each pixel's area that shows a specimen, from `samples` stratified rays where a pixel
 /// and its eight neighbours do not agree; 0 or 1 elsewhere. Private to sim/render.
 /// @param is_specimen  at pixel centres: 1 = specimen first hit.

@@ -1,8 +1,10 @@
 #include "sim/truth/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <stdexcept>
+#include <string>
 
 #include "sim/truth/truth_images.h"
 
@@ -63,8 +65,9 @@ void validate(const Scene& scene) {
     };
     const std::size_t vertices = model.mesh.vertices_m.size();
     const std::size_t triangles = model.mesh.triangles.size();
-    for (const auto& vertex : model.mesh.vertices_m) {
-      if (!vertex.allFinite()) fail("a vertex is not finite");
+    for (std::size_t i = 0; i < vertices; ++i) {
+      if (!model.mesh.vertices_m[i].allFinite())
+        fail(("vertex " + std::to_string(i) + " is not finite").c_str());
     }
     for (const auto& triangle : model.mesh.triangles) {
       for (const std::uint32_t index : triangle) {
@@ -94,13 +97,18 @@ void validate(const Scene& scene) {
     if (instance.material < 0 || instance.material >= static_cast<int>(scene.materials.size())) {
       fail("no such material");
     }
-    if (!instance.world_from_object.translation_m.allFinite() ||
-        !instance.world_from_object.rotation.coeffs().allFinite()) {
-      fail("its pose is not finite");
-    }
-    for (std::size_t i = 1; i < instance.motion.size(); ++i) {
-      if (!(instance.motion[i].time_s > instance.motion[i - 1].time_s))
-        fail("its motion is not sorted by time");
+    const auto check_pose = [&](const Pose& pose, const char* not_finite, const char* not_unit) {
+      if (!pose.translation_m.allFinite() || !pose.rotation.coeffs().allFinite()) fail(not_finite);
+      if (!(std::abs(pose.rotation.norm() - 1) <= 1e-6)) fail(not_unit);
+    };
+    check_pose(instance.world_from_object, "its pose is not finite",
+               "its pose's rotation is not of unit norm within 1e-6");
+    for (std::size_t i = 0; i < instance.motion.size(); ++i) {
+      const TimedPose& step = instance.motion[i];
+      check_pose(step.world_from_object, "a pose of its motion is not finite",
+                 "a rotation of its motion is not of unit norm within 1e-6");
+      if (!std::isfinite(step.time_s) || (i > 0 && !(step.time_s > instance.motion[i - 1].time_s)))
+        fail("its motion is not sorted by finite times");
     }
   }
 }

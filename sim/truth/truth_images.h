@@ -41,8 +41,9 @@ struct InstanceVisibility {
   std::int64_t pixels_full = 0;     ///< rays of the image that would hit it were it alone (amodal)
   std::int64_t pixels_visible = 0;  ///< rays that hit it first
   double visible_fraction = 0;      ///< pixels_visible / pixels_full; 0 if it is not in the image
-  int box_x = 0, box_y = 0, box_width = 0, box_height = 0;      ///< of the full mask, pixels
-  int seen_x = 0, seen_y = 0, seen_width = 0, seen_height = 0;  ///< box of the visible mask
+  int box_x = 0, box_y = 0, box_width = 0, box_height = 0;  ///< of the full mask, pixels
+  int seen_x = 0, seen_y = 0, seen_width = 0,
+      seen_height = 0;  ///< of the visible mask, pixels; zeros if nothing is seen
 };
 
 /// What part of one pixel's area shows an instance.
@@ -56,8 +57,9 @@ struct PixelShare {
 /// a stem thinner than a pixel has no pixel in the visible mask and its true area here.
 struct InstanceShares {
   int instance = 0;
-  std::vector<PixelShare> pixels;  ///< row by row
-  double area_px = 0;              ///< the sum of the shares
+  int width_px = 0, height_px = 0;  ///< of the image
+  std::vector<PixelShare> pixels;   ///< row by row
+  double area_px = 0;               ///< the sum of the shares
 };
 
 enum class PointState : std::uint8_t {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -63,6 +64,10 @@ SceneTruth sample_truth() {
     TrueView view{.frame = 5 * i, .time_s = i / 3.0, .camera = odd_camera(kWidth, kHeight, i)};
     view.camera_from_world = odd_pose(rng);
     view.camera_from_world_end = odd_pose(rng);
+    view.exposure_s = i / 7.0;
+    view.readout_s = 0.01 / 3;
+    view.aperture_radius_m = 1e-3 / 7;
+    if (i == 1) view.focus_m = 1 / 3.0;
     truth.views.push_back(view);
 
     TruthImages images;
@@ -81,6 +86,21 @@ SceneTruth sample_truth() {
     images.visibility = {{7, 100, 50, 0.5, 1, 2, 3, 4}, {10, 3, 1, 1 / 3.0, -5, 0, 2, 2}};
     images.masks_full.assign(2, Image<std::uint8_t>(kWidth, kHeight));
     images.masks_full[1](4, 4) = 255;
+    images.visibility[0].seen_x = 2;
+    images.visibility[0].seen_width = images.visibility[0].seen_height = 1;
+    images.shares = {{7, kWidth, kHeight, {{2, 1, 0.25F}, {0, 2, 1 / 3.0F}}, 0},
+                     {10, kWidth, kHeight, {}, 0}};
+    for (const PixelShare& p : images.shares[0].pixels)
+      images.shares[0].area_px += static_cast<double>(p.share);
+    images.keypoints = {{7, 0, PointState::visible, {1.25, -0.5}, 0.3}};
+    images.keypoints.push_back({});
+    images.keypoints.back().instance = 7;
+    images.keypoints.back().state = PointState::outside;
+    for (ViewMatch* match : {&images.flow, &images.stereo}) {
+      match->flow_px = Image<Eigen::Vector2f>(kWidth, kHeight, {1.5F, -1 / 3.0F});
+      match->state = Image<PointState>(kWidth, kHeight, PointState::visible);
+      match->state(2, 2) = PointState::occluded;
+    }
     truth.images.push_back(std::move(images));
   }
   return truth;
@@ -150,10 +170,31 @@ void expect_equal(const TruthImages& a, const TruthImages& b) {
   for (std::size_t i = 0; i < a.visibility.size(); ++i) {
     const InstanceVisibility& x = a.visibility[i];
     const InstanceVisibility& y = b.visibility[i];
-    EXPECT_EQ(std::tie(x.instance, x.pixels_full, x.pixels_visible, x.visible_fraction, x.box_x,
-                       x.box_y, x.box_width, x.box_height),
-              std::tie(y.instance, y.pixels_full, y.pixels_visible, y.visible_fraction, y.box_x,
-                       y.box_y, y.box_width, y.box_height));
+    EXPECT_EQ(
+        std::tie(x.instance, x.pixels_full, x.pixels_visible, x.visible_fraction, x.box_x, x.box_y,
+                 x.box_width, x.box_height, x.seen_x, x.seen_y, x.seen_width, x.seen_height),
+        std::tie(y.instance, y.pixels_full, y.pixels_visible, y.visible_fraction, y.box_x, y.box_y,
+                 y.box_width, y.box_height, y.seen_x, y.seen_y, y.seen_width, y.seen_height));
+  }
+  ASSERT_EQ(a.shares.size(), b.shares.size());
+  for (std::size_t i = 0; i < a.shares.size(); ++i) {
+    EXPECT_EQ(a.shares[i].instance, b.shares[i].instance);
+    EXPECT_EQ(a.shares[i].pixels, b.shares[i].pixels);
+    EXPECT_EQ(a.shares[i].area_px, b.shares[i].area_px);
+  }
+  ASSERT_EQ(a.keypoints.size(), b.keypoints.size());
+  for (std::size_t i = 0; i < a.keypoints.size(); ++i) {
+    const KeypointView &x = a.keypoints[i], &y = b.keypoints[i];
+    EXPECT_EQ(std::tie(x.instance, x.keypoint, x.state), std::tie(y.instance, y.keypoint, y.state));
+    EXPECT_EQ(std::isnan(x.depth_m), std::isnan(y.depth_m));
+    if (!std::isnan(x.depth_m)) {
+      EXPECT_EQ(x.pixel_px, y.pixel_px);
+      EXPECT_EQ(x.depth_m, y.depth_m);
+    }
+  }
+  for (const auto match : {&TruthImages::flow, &TruthImages::stereo}) {
+    EXPECT_EQ((a.*match).flow_px, (b.*match).flow_px);
+    EXPECT_EQ((a.*match).state, (b.*match).state);
   }
   EXPECT_EQ(a.masks_full, b.masks_full);
 }
@@ -175,6 +216,10 @@ TEST(TruthIo, EveryBitComesBack) {
     EXPECT_TRUE(same_pose(read.views[i].camera_from_world, truth.views[i].camera_from_world));
     EXPECT_TRUE(
         same_pose(read.views[i].camera_from_world_end, truth.views[i].camera_from_world_end));
+    EXPECT_EQ(read.views[i].exposure_s, truth.views[i].exposure_s);
+    EXPECT_EQ(read.views[i].readout_s, truth.views[i].readout_s);
+    EXPECT_EQ(read.views[i].aperture_radius_m, truth.views[i].aperture_radius_m);
+    EXPECT_EQ(read.views[i].focus_m, truth.views[i].focus_m);
     expect_equal(read.images[i], truth.images[i]);
   }
 }
@@ -208,7 +253,8 @@ TEST(TruthIo, FramesWrittenOneByOneMakeTheSameFolder) {
   write_truth(whole.path(), truth);
   for (std::size_t i = 0; i < truth.images.size(); ++i) {
     write_truth_images(parts.path(), truth.scene, truth.views[i].frame, truth.images[i]);
-    truth.images[i] = {.visibility = truth.images[i].visibility};
+    truth.images[i] = {.visibility = truth.images[i].visibility,
+                       .keypoints = truth.images[i].keypoints};
   }
   write_truth(parts.path(), truth);
   std::size_t files = 0;
@@ -279,8 +325,16 @@ TEST(TruthIo, BadFilesAreNamed) {
               HasSubstr("/models/0/triangle_part/1 = 2"));
   EXPECT_THAT(with("traits.json", "\"instance\": 10", "\"instance\": 11"),
               HasSubstr("/instances/0/instance = 11"));
+  EXPECT_THAT(with("camera.json", "\"readout_s\": 0.00", "\"readout_s\": -0.00"),
+              HasSubstr("/views/0/readout_s = -0.00"));
   EXPECT_THAT(with("keypoints.json", "\"model\": 0", "\"model\": 4"),
               HasSubstr("/models/0/model = 4"));
+  EXPECT_THAT(with("keypoints.json", "\"state\": \"visible\"", "\"state\": \"seen\""),
+              HasSubstr("/frames/0/0/state = \"seen\""));
+  EXPECT_THAT(with("keypoints.json", "\"keypoint\": 0", "\"keypoint\": 2"),
+              HasSubstr("/frames/0/0/keypoint = 2"));
+  EXPECT_THAT(with("keypoints.json", "\"instance\": 7", "\"instance\": 4"),
+              HasSubstr("/frames/0/0/instance = 4"));
   EXPECT_THAT(with("scene_gt_info.json", "\"visib_fract\": 0.5", "\"visib_fract\": 1.5"),
               HasSubstr("visib_fract = 1.5"));
   EXPECT_THAT(with("scene_gt_info.json", "\"5\": [", "\"6\": ["), HasSubstr("lacks the key \"5\""));
@@ -301,6 +355,11 @@ TEST(TruthIo, BadFilesAreNamed) {
   fs::remove(truth / "normal/000005.exr");
   fs::remove(truth / "mask/000000_000001.png");
   EXPECT_THAT(error(), AllOf(HasSubstr("mask"), HasSubstr("frame 0")));
+  write_exr(truth / "coverage/000000_000001.exr", Image<float>(kWidth, kHeight, 1.5F));
+  fs::remove(truth / "mask/000000_000000.png");
+  EXPECT_THAT(error(), AllOf(HasSubstr("000000_000001.exr"), HasSubstr("1.5")));
+  fs::remove(truth / "coverage/000000_000001.exr");
+  EXPECT_THAT(error(), AllOf(HasSubstr("coverage"), HasSubstr("2 specimens")));
 }
 
 TEST(TruthIo, WhatCannotBeKeptIsRefused) {

@@ -57,7 +57,7 @@ TEST(TruthChoice, ReadsListsInAnyOrderAndWritesOneText) {
   EXPECT_EQ(to_string(needs), "depth,visibility");
   EXPECT_EQ(to_string(truth_needs_from_string("depth,depth")), "depth");
   const std::string all = to_string(truth_needs_from_string("all"));
-  EXPECT_EQ(all, "depth,normal,instance,part,position,coverage,visibility");
+  EXPECT_EQ(all, "depth,normal,instance,part,position,coverage,visibility,shares,keypoints,flow");
   EXPECT_EQ(to_string(truth_needs_from_string(all)), all);
   EXPECT_EQ(to_string(truth_needs_from_string("none")), "none");
   for (const char* wrong :
