@@ -7,12 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
+#include <thread>
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/program/program_suite.h"
 #include "benchmarks/real/real_report.h"
 #include "benchmarks/real/real_suite.h"
 #include "benchmarks/render/render_suite.h"
+#include "benchmarks/renderers/renderers_suite.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/seeds_report.h"
 #include "benchmarks/seeds/suite.h"
@@ -122,6 +124,19 @@ ScoreFile bench_sensors(const JobContext& context, const fs::path& out) {
       context, out);
 }
 
+ScoreFile bench_renderers(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  return finish(
+      titled(
+          "Cousin: bench renderers",
+          "The path tracer beside closed forms and beside Cycles: agreement, error against time.",
+          renderers_suite(
+              o.seed, fs::absolute(out) / "cycles",
+              o.threads > 0 ? o.threads : static_cast<int>(std::thread::hardware_concurrency()),
+              o.quick, context.progress.function())),
+      context, out);
+}
+
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
   RealResult result =
       real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function());
@@ -142,9 +157,10 @@ struct Suite {
   ScoreFile (*run)(const JobContext&, const fs::path&);
   std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 6> kSuites = {
+constexpr std::array<Suite, 7> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
+     {"renderers", bench_renderers, {"--quick"}},
      {"sensors", bench_sensors, {"--quick"}},
      {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution"}},
      {"real", bench_real, {"--quick"}},
@@ -187,8 +203,9 @@ ExitCode command_bench(const JobContext& context) {
     const auto suite = std::find_if(kSuites.begin(), kSuites.end(),
                                     [&](const Suite& s) { return name == s.name; });
     if (suite == kSuites.end()) {
-      throw std::invalid_argument(
-          "suite \"" + name + "\" is not one of stability, render, sensors, seeds, real, program");
+      std::string all;
+      for (const Suite& other : kSuites) all += (all.empty() ? "" : ", ") + std::string(other.name);
+      throw std::invalid_argument("suite \"" + name + "\" is not one of " + all);
     }
     if (!o.arguments.empty()) check_takes(*suite, o);
     wanted.push_back(&*suite);
