@@ -153,7 +153,8 @@ TEST(SplinedJson, NamesWhatIsWrong) {
   EXPECT_THAT(error("\"fov_x_rad\": 0.6", "\"fov_x_rad\": 0.0006"),
               HasSubstr("not one-to-one at pixel"));
   EXPECT_THAT(error("\"fov_x_rad\": 0.6", "\"fov_x_rad\": 1e999"), HasSubstr("not JSON"));
-  EXPECT_THAT(error("\"delta_u\": [0.001", "\"delta_u\": [1e300"), HasSubstr("is not in [-100, 100]"));
+  EXPECT_THAT(error("\"delta_u\": [0.001", "\"delta_u\": [1e300"),
+              HasSubstr("is not in [-100, 100]"));
   EXPECT_THAT(error("\"delta_u\": [0.001", "\"delta_u\": [\"x\""), HasSubstr("/delta_u/0"));
   EXPECT_THAT(error("splined_stereographic", "pinhole"), HasSubstr("spline is set"));
   EXPECT_THAT(rig_error(replaced(rig_text(), "opencv5", "splined_stereographic")),

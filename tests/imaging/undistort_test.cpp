@@ -31,6 +31,11 @@ std::vector<Camera> lenses() {
   camera.model = LensModel::kannala_brandt4;
   camera.distortion = {0.05, -0.02, 0.006, -0.001};
   all.push_back(camera);
+  camera.model = LensModel::splined_stereographic;
+  camera.distortion = {};
+  camera.spline = {.order = 3, .columns = 10, .rows = 9, .fov_x_rad = 1.7, .delta_u = {}};
+  for (int i = 0; i < 180; ++i) camera.spline.delta_u.push_back(0.02 * std::sin(0.7 * i));
+  all.push_back(camera);
   return all;
 }
 

@@ -91,6 +91,26 @@ TEST(SplineLens, GivesNothingWhereTheSurfaceDoesNotReach) {
   EXPECT_FALSE(unproject(camera, {1e6, 0}));
 }
 
+TEST(SplineLens, ResizingKeepsTheRayOfEveryImageFraction) {
+  const Camera large = fish_eye(random_spline(2, 0.02, Rng(4)));
+  const Camera small = resized(large, 320, 180);
+  EXPECT_EQ(small.spline, large.spline);
+  for (const double fraction : {0.0, 0.3, 1.0}) {
+    const auto a = unproject(large, {fraction * 1280 - 0.5, fraction * 720 - 0.5});
+    const auto b = unproject(small, {fraction * 320 - 0.5, fraction * 180 - 0.5});
+    ASSERT_TRUE(a && b);
+    EXPECT_LT((*a - *b).norm(), 1e-12);
+  }
+}
+
+TEST(SplineLens, CamerasThatDifferInOneControlPointDiffer) {
+  const Camera a = fish_eye(random_spline(3, 0.02, Rng(4)));
+  Camera b = a;
+  EXPECT_EQ(a, b);
+  b.spline.delta_u.back() += 1e-15;
+  EXPECT_NE(a, b);
+}
+
 TEST(SplineLens, WithoutBendIsTheStereographicProjection) {
   SplineLens flat{.order = 3, .columns = 8, .rows = 8, .fov_x_rad = 3.6, .delta_u = {}};
   flat.delta_u.assign(128, 0);
