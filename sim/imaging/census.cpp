@@ -26,22 +26,31 @@ Image<Pixel> padded(const Image<Pixel>& image, int x_px, int y_px) {
 }
 
 template <class Pixel>
-Image<std::uint32_t> transform(const Image<Pixel>& image, int width_px, int height_px) {
-  census_bits(width_px, height_px);
+Image<std::uint64_t> transform(const Image<Pixel>& image, int width_px, int height_px,
+                               double margin) {
+  census_pairs(width_px, height_px);
+  if (!(margin >= 0)) {
+    throw std::invalid_argument("census margin " + std::to_string(margin) + " is negative");
+  }
   if (image.empty()) return {};
+  const auto least = static_cast<float>(margin);
   const int rx = width_px / 2, ry = height_px / 2;
   const Image<Pixel> wide = padded(image, rx, ry);
-  Image<std::uint32_t> codes(image.width(), image.height());
+  Image<std::uint64_t> codes(image.width(), image.height());
   tbb::parallel_for(tbb::blocked_range<int>(0, image.height(), 16), [&](const auto& rows) {
     for (int y = rows.begin(); y < rows.end(); ++y) {
-      std::uint32_t* out = codes.row(y).data();
+      std::uint64_t* out = codes.row(y).data();
       int bit = 0;
       for (int dy = -ry; dy <= 0; ++dy) {
         for (int dx = -rx; dx <= (dy < 0 ? rx : -1); ++dx, ++bit) {
           const Pixel* a = wide.row(y + ry + dy).data() + rx + dx;
           const Pixel* b = wide.row(y + ry - dy).data() + rx - dx;
-          for (int x = 0; x < image.width(); ++x)
-            out[x] |= static_cast<std::uint32_t>(a[x] > b[x]) << bit;
+          for (int x = 0; x < image.width(); ++x) {
+            const float difference = static_cast<float>(a[x]) - static_cast<float>(b[x]);
+            const auto brighter = static_cast<std::uint64_t>(difference > least);
+            const auto darker = static_cast<std::uint64_t>(difference < -least);
+            out[x] |= (brighter | darker << 1U) << (2 * bit);
+          }
         }
       }
     }
@@ -51,7 +60,7 @@ Image<std::uint32_t> transform(const Image<Pixel>& image, int width_px, int heig
 
 }  // namespace
 
-int census_bits(int width_px, int height_px) {
+int census_pairs(int width_px, int height_px) {
   const bool odd = width_px % 2 == 1 && height_px % 2 == 1;
   if (!odd || width_px < 1 || height_px < 1 || width_px > 65 || height_px > 65 ||
       width_px * height_px < 3 || width_px * height_px > 65) {
@@ -61,13 +70,14 @@ int census_bits(int width_px, int height_px) {
   return (width_px * height_px - 1) / 2;
 }
 
-Image<std::uint32_t> census_transform(const Image<float>& image, int width_px, int height_px) {
-  return transform(image, width_px, height_px);
+Image<std::uint64_t> census_transform(const Image<float>& image, int width_px, int height_px,
+                                      double margin) {
+  return transform(image, width_px, height_px, margin);
 }
 
-Image<std::uint32_t> census_transform(const Image<std::uint16_t>& image, int width_px,
-                                      int height_px) {
-  return transform(image, width_px, height_px);
+Image<std::uint64_t> census_transform(const Image<std::uint16_t>& image, int width_px,
+                                      int height_px, double margin) {
+  return transform(image, width_px, height_px, margin);
 }
 
 }  // namespace cousin

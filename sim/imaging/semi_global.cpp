@@ -32,15 +32,15 @@ class RowCosts {
         hamming_(size(width) * size(stride)),
         running_(size(stride)) {}
 
-  void operator()(std::span<const std::uint32_t> left, std::span<const std::uint32_t> right,
+  void operator()(std::span<const std::uint64_t> left, std::span<const std::uint64_t> right,
                   std::uint16_t* sums) {
     // Reversed, so that candidates of one pixel lie one after the other.
     std::reverse_copy(right.begin(), right.end(), reversed_.begin());
     for (int x = 0; x < width_; ++x) {
       std::uint8_t* out = hamming_.data() + size(x) * size(stride_);
       const int inside = std::clamp(x - first_px_ + 1, 0, candidates_);
-      const std::uint32_t code = left[size(x)];
-      const std::uint32_t* other = reversed_.data() + (width_ - 1 - x + first_px_);
+      const std::uint64_t code = left[size(x)];
+      const std::uint64_t* other = reversed_.data() + (width_ - 1 - x + first_px_);
       for (int i = 0; i < inside; ++i)
         out[i] = static_cast<std::uint8_t>(std::popcount(code ^ other[i]));
       std::fill(out + inside, out + stride_, bits_);
@@ -68,7 +68,7 @@ class RowCosts {
   int width_, stride_, candidates_, first_px_;
   std::uint8_t bits_;
   int radius_;
-  std::vector<std::uint32_t> reversed_;
+  std::vector<std::uint64_t> reversed_;
   std::vector<std::uint8_t> hamming_;
   std::vector<std::uint16_t> running_;
 };
@@ -186,14 +186,14 @@ CostVolume::CostVolume(int width, int height, int candidates, int first_disparit
       costs_(std::make_unique_for_overwrite<std::uint8_t[]>(size(width) * size(height) *
                                                             size(stride_))) {}
 
-CostVolume hamming_costs(const Image<std::uint32_t>& left, const Image<std::uint32_t>& right,
+CostVolume hamming_costs(const Image<std::uint64_t>& left, const Image<std::uint64_t>& right,
                          int bits, int block_px, int candidates, int first_disparity_px) {
   CostVolume costs(left.width(), left.height(), candidates, first_disparity_px);
   const int radius = block_px / 2, height = left.height(), stride = costs.stride();
   const std::size_t row_size = size(left.width()) * size(stride);
   int shift = 0;
   while ((bits * block_px * block_px) >> shift > 255) ++shift;
-  costs.set_largest((bits * block_px * block_px) >> shift);
+  costs.set_shift(shift);
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 32), [&](const auto& range) {
     RowCosts row_costs(left.width(), stride, candidates, first_disparity_px, bits, radius);
     std::vector<std::uint16_t> ring(size(block_px) * row_size);

@@ -20,8 +20,8 @@ class CostVolume {
   int candidates() const { return candidates_; }
   int first_disparity_px() const { return first_disparity_px_; }
   int stride() const { return stride_; }  ///< candidates, rounded up to whole vectors
-  int largest() const { return largest_; }
-  void set_largest(int cost) { largest_ = cost; }
+  int shift() const { return shift_; }    ///< costs are sums of distances >> shift
+  void set_shift(int shift) { shift_ = shift; }
   std::uint8_t* row(int y) { return costs_.get() + offset(y); }
   const std::uint8_t* row(int y) const { return costs_.get() + offset(y); }
 
@@ -31,14 +31,15 @@ class CostVolume {
            static_cast<std::size_t>(stride_);
   }
   int width_, height_, candidates_, first_disparity_px_, stride_;
-  int largest_ = 255;                      ///< of all possible costs
+  int shift_ = 0;
   std::unique_ptr<std::uint8_t[]> costs_;  ///< uninitialised: every byte is written
 };
 
 /// Hamming distances of census codes summed over block_px x block_px pixels, divided by a power of
-/// two if they would not fit a byte. Candidates outside the right image cost the most there is.
-/// @param bits  of a census code.
-CostVolume hamming_costs(const Image<std::uint32_t>& left, const Image<std::uint32_t>& right,
+/// two if they would not fit a byte (`shift`). Candidates outside the right image cost the most
+/// there is.
+/// @param bits  largest distance of two codes.
+CostVolume hamming_costs(const Image<std::uint64_t>& left, const Image<std::uint64_t>& right,
                          int bits, int block_px, int candidates, int first_disparity_px);
 
 /// Sums over `paths` (4 or 8) directions of the path costs L_r of Hirschmueller [TPAMI 2008, eq.

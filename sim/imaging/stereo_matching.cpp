@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -46,36 +47,41 @@ float sub_pixel(SubPixelFit fit, float before, float least, float after) {
   return slope > 0 ? 0.5F * (before - after) / slope : 0;
 }
 
+/// One row of what there is to choose by.
+struct RowInputs {
+  const std::uint8_t* block_costs;
+  const std::uint16_t *part0, *part1;   ///< of the path sums
+  const float *left_bits, *right_bits;  ///< set bits of a pixel's block
+};
+
 /// Chooses the disparities of one row from the sums of its path costs.
 class RowChooser {
  public:
-  RowChooser(const StereoMatchConfig& config, double largest_cost, int width, int candidates,
-             int stride)
+  RowChooser(const StereoMatchConfig& config, const CostVolume& costs)
       : config_(config),
-        width_(width),
-        candidates_(candidates),
-        stride_(stride),
-        first_px_(config.shift_px),
-        worst_cost_(static_cast<float>(config.worst_cost * largest_cost)),
-        costs_(size(width) * size(stride)),
-        right_(size(width + candidates)) {}
+        width_(costs.width()),
+        candidates_(costs.candidates()),
+        stride_(costs.stride()),
+        first_px_(costs.first_disparity_px()),
+        bits_per_cost_(static_cast<float>(1 << costs.shift())),
+        least_bits_(
+            static_cast<float>(config.texture * config.block_px * config.block_px *
+                               census_pairs(config.census_width_px, config.census_height_px))),
+        costs_(size(width_) * size(stride_)),
+        right_(size(width_ + candidates_)) {}
 
-  void operator()(const std::uint8_t* block_costs, const std::uint16_t* part0,
-                  const std::uint16_t* part1, const float* deviation, float* disparity_px,
-                  float* confidence, MatchReason* reason) {
-    block_costs_ = block_costs;
+  void operator()(const RowInputs& row, float* disparity_px, float* confidence,
+                  MatchReason* reason) {
+    row_ = row;
     const std::size_t count = costs_.size();
     for (std::size_t i = 0; i < count; ++i)
-      costs_[i] = static_cast<std::uint16_t>(part0[i] + part1[i]);
+      costs_[i] = static_cast<std::uint16_t>(row.part0[i] + row.part1[i]);
     match_right();
     for (int x = 0; x < width_; ++x) {
       disparity_px[x] = kNone;
       confidence[x] = 0;
-      const bool is_even =
-          deviation != nullptr && deviation[x] < static_cast<float>(config_.texture);
-      reason[x] = choose(x, disparity_px[x], confidence[x]);
-      if (is_even) reason[x] = MatchReason::no_texture;
-      if (reason[x] != MatchReason::none) disparity_px[x] = kNone;
+      reason[x] = row.left_bits[x] < least_bits_ ? MatchReason::no_texture
+                                                 : choose(x, disparity_px[x], confidence[x]);
     }
   }
 
@@ -104,13 +110,15 @@ class RowChooser {
     const std::uint16_t least = least_of(costs, 0, inside);
     int best = 0;
     while (costs[best] != least) ++best;
-    const std::uint8_t* block = block_costs_ + size(x) * size(stride_);
+    const std::uint8_t* block = row_.block_costs + size(x) * size(stride_);
     const float next = std::min(least_of(block, 0, std::max(best - 1, 0)),
                                 least_of(block, std::min(best + 2, inside), inside));
     const float cost = block[best];
     confidence = cost < next ? 1 - cost / next : 0;
     if (best == 0 || best == candidates_ - 1) return MatchReason::out_of_range;
-    if (cost > worst_cost_) return MatchReason::unlike;
+    const float apart = row_.left_bits[x] + row_.right_bits[x - first_px_ - best];
+    if (cost * bits_per_cost_ > static_cast<float>(config_.worst_cost) * apart)
+      return MatchReason::unlike;
     if (confidence < static_cast<float>(config_.uniqueness)) return MatchReason::ambiguous;
     if (config_.left_right_px >= 0) {
       const int other = static_cast<int>(right_[size(width_ - 1 - x + best)] & 0xFFU);
@@ -123,7 +131,7 @@ class RowChooser {
   /// Between candidates the block's own costs decide: path sums carry the prior for whole
   /// candidates, which draws disparities towards them (by up to 0.2 px at p1 = 0.04).
   float refine(int x, int best, int inside) const {
-    const std::uint8_t* costs = block_costs_ + size(x) * size(stride_);
+    const std::uint8_t* costs = row_.block_costs + size(x) * size(stride_);
     const int first = std::max(best - 1, 1), last = std::min(best + 1, inside - 2);
     for (int i = first; i <= last; ++i) {
       if (costs[i] < costs[best]) best = i;
@@ -135,45 +143,32 @@ class RowChooser {
 
   const StereoMatchConfig& config_;
   int width_, candidates_, stride_, first_px_;
-  float worst_cost_;
-  const std::uint8_t* block_costs_ = nullptr;
+  float bits_per_cost_, least_bits_;
+  RowInputs row_{};
   std::vector<std::uint16_t> costs_;
   std::vector<std::uint32_t> right_;
 };
 
-template <class Pixel>
-Image<float> deviation_of(const Image<Pixel>& image, int width_px, int height_px) {
-  if (width_px < 1 || height_px < 1) reject("a window without pixels");
-  const int width = image.width(), height = image.height();
-  const int rx = width_px / 2, ry = height_px / 2;
-  Image<float> result(width, height);
+/// Set bits of the census codes of a block about each pixel, the block cut at the border.
+Image<float> count_bits(const Image<std::uint64_t>& codes, int block_px) {
+  const int width = codes.width(), height = codes.height(), r = block_px / 2;
+  Image<float> counts(width, height);
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 16), [&](const auto& range) {
-    std::vector<double> sum(size(width)), squares(size(width));
+    std::vector<int> column(size(width + 2 * r));
     for (int y = range.begin(); y < range.end(); ++y) {
-      std::fill(sum.begin(), sum.end(), 0.0);
-      std::fill(squares.begin(), squares.end(), 0.0);
-      const int top = std::max(y - ry, 0), bottom = std::min(y + ry, height - 1);
-      for (int j = top; j <= bottom; ++j) {
-        const Pixel* row = image.row(j).data();
-        for (int x = 0; x < width; ++x) {
-          const auto value = static_cast<double>(row[x]);
-          sum[size(x)] += value;
-          squares[size(x)] += value * value;
-        }
+      std::fill(column.begin(), column.end(), 0);
+      for (int j = std::max(y - r, 0); j <= std::min(y + r, height - 1); ++j) {
+        const std::uint64_t* row = codes.row(j).data();
+        for (int x = 0; x < width; ++x) column[size(x + r)] += std::popcount(row[x]);
       }
       for (int x = 0; x < width; ++x) {
-        const int left = std::max(x - rx, 0), right = std::min(x + rx, width - 1);
-        double a = 0, b = 0;
-        for (int i = left; i <= right; ++i) {
-          a += sum[size(i)];
-          b += squares[size(i)];
-        }
-        const double n = (right - left + 1) * (bottom - top + 1);
-        result(x, y) = static_cast<float>(std::sqrt(std::max(0.0, b / n - a / n * (a / n))));
+        int sum = 0;
+        for (int i = x; i <= x + 2 * r; ++i) sum += column[size(i)];
+        counts(x, y) = static_cast<float>(sum);
       }
     }
   });
-  return result;
+  return counts;
 }
 
 template <class Pixel>
@@ -185,31 +180,30 @@ StereoMatches match(const Image<Pixel>& left, const Image<Pixel>& right,
            " and " + std::to_string(right.width()) + " x " + std::to_string(right.height()));
   }
   const int width = left.width(), height = left.height();
-  const int bits = census_bits(config.census_width_px, config.census_height_px);
+  const auto census = [&](const Image<Pixel>& image) {
+    return census_transform(image, config.census_width_px, config.census_height_px, config.margin);
+  };
+  const Image<std::uint64_t> left_codes = census(left), right_codes = census(right);
+  const Image<float> left_bits = count_bits(left_codes, config.block_px);
+  const Image<float> right_bits = count_bits(right_codes, config.block_px);
+  const int pairs = census_pairs(config.census_width_px, config.census_height_px);
   // One candidate at either end only shows that the best one lies beyond.
-  const int candidates = config.range_px + 2;
-  const CostVolume costs =
-      hamming_costs(census_transform(left, config.census_width_px, config.census_height_px),
-                    census_transform(right, config.census_width_px, config.census_height_px), bits,
-                    config.block_px, candidates, config.shift_px);
-  const double largest = costs.largest();
+  const CostVolume costs = hamming_costs(left_codes, right_codes, 2 * pairs, config.block_px,
+                                         config.range_px + 2, config.shift_px);
+  const double largest =
+      std::ldexp(2.0 * pairs * config.block_px * config.block_px, -costs.shift());
   const PathSums sums =
       sum_paths(costs, config.paths, static_cast<std::uint16_t>(std::lround(config.p1 * largest)),
                 static_cast<std::uint16_t>(std::lround(config.p2 * largest)));
-  Image<float> deviation;
-  if (config.texture > 0) {
-    deviation = deviation_of(left, config.census_width_px + config.block_px - 1,
-                             config.census_height_px + config.block_px - 1);
-  }
   StereoMatches matches{Image<float>(width, height), Image<float>(width, height),
                         Image<MatchReason>(width, height)};
   const std::size_t row_size = size(width) * size(costs.stride());
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 16), [&](const auto& range) {
-    RowChooser choose(config, largest, width, candidates, costs.stride());
+    RowChooser choose(config, costs);
     for (int y = range.begin(); y < range.end(); ++y) {
-      choose(costs.row(y), sums.part[0].get() + size(y) * row_size,
-             sums.part[1].get() + size(y) * row_size,
-             deviation.empty() ? nullptr : deviation.row(y).data(),
+      choose({costs.row(y), sums.part[0].get() + size(y) * row_size,
+              sums.part[1].get() + size(y) * row_size, left_bits.row(y).data(),
+              right_bits.row(y).data()},
              matches.disparity_px.row(y).data(), matches.confidence.row(y).data(),
              matches.reason.row(y).data());
     }
@@ -220,7 +214,7 @@ StereoMatches match(const Image<Pixel>& left, const Image<Pixel>& right,
 }  // namespace
 
 void validate(const StereoMatchConfig& c) {
-  census_bits(c.census_width_px, c.census_height_px);
+  census_pairs(c.census_width_px, c.census_height_px);
   require(c.block_px >= 1 && c.block_px <= 15 && c.block_px % 2 == 1, "block_px", c.block_px,
           "odd, in 1..15");
   require(c.shift_px >= 0 && c.shift_px <= 65535, "shift_px", c.shift_px, "in 0..65535");
@@ -231,7 +225,8 @@ void validate(const StereoMatchConfig& c) {
   require(c.worst_cost > 0 && c.worst_cost <= 1, "worst_cost", c.worst_cost, "in (0, 1]");
   require(c.uniqueness >= 0 && c.uniqueness < 1, "uniqueness", c.uniqueness, "in [0, 1)");
   require(c.left_right_px <= 255, "left_right_px", c.left_right_px, "at most 255");
-  require(c.texture >= 0 && std::isfinite(c.texture), "texture", c.texture, "at least 0");
+  require(c.texture >= 0 && c.texture <= 1, "texture", c.texture, "in [0, 1]");
+  require(c.margin >= 0 && std::isfinite(c.margin), "margin", c.margin, "at least 0");
 }
 
 StereoMatches match_stereo(const Image<float>& left, const Image<float>& right,
@@ -242,14 +237,6 @@ StereoMatches match_stereo(const Image<float>& left, const Image<float>& right,
 StereoMatches match_stereo(const Image<std::uint16_t>& left, const Image<std::uint16_t>& right,
                            const StereoMatchConfig& config) {
   return match(left, right, config);
-}
-
-Image<float> local_deviation(const Image<float>& image, int width_px, int height_px) {
-  return deviation_of(image, width_px, height_px);
-}
-
-Image<float> local_deviation(const Image<std::uint16_t>& image, int width_px, int height_px) {
-  return deviation_of(image, width_px, height_px);
 }
 
 }  // namespace cousin

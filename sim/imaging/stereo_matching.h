@@ -18,15 +18,16 @@ enum class SubPixelFit {
 struct StereoMatchConfig {
   int census_width_px = 7;
   int census_height_px = 7;
-  int block_px = 5;             ///< odd; side of the block that costs are summed over
-  int shift_px = 0;             ///< disparities of shift .. shift + range are found
-  int range_px = 126;           ///< 1..254
-  int paths = 8;                ///< 4 or 8
+  double margin = 0;   ///< differences of brightness below are none, in the image's numbers
+  int block_px = 5;    ///< odd; side of the block that costs are summed over
+  int shift_px = 0;    ///< disparities of shift .. shift + range are found
+  int range_px = 126;  ///< 1..254
+  int paths = 8;       ///< 4 or 8
   double p1 = 0.04, p2 = 0.25;  ///< penalties over the largest cost of a block
-  double worst_cost = 0.32;     ///< share of the largest cost above which nothing is alike
+  double worst_cost = 0.4;      ///< over what two windows without anything in common would cost
   double uniqueness = 0.05;     ///< least `confidence`; 0 = not checked
   double left_right_px = 1;     ///< largest disagreement with the right image's match; < 0 = none
-  double texture = 0;  ///< least standard deviation about a pixel, in the image's numbers; 0 = none
+  double texture = 0.02;        ///< least share of a block's pairs that differ by the margin
   SubPixelFit fit = SubPixelFit::equiangular;
 };
 /// @throws std::invalid_argument naming field, value and limit.
@@ -35,7 +36,7 @@ void validate(const StereoMatchConfig& config);
 /// Why a pixel has no disparity, in the order in which it is asked.
 enum class MatchReason : std::uint8_t {
   none,          ///< it has one
-  no_texture,    ///< too even
+  no_texture,    ///< too few pairs of pixels differ
   out_of_range,  ///< the best candidate is the first or the last
   unlike,        ///< not even the best candidate is alike
   ambiguous,     ///< another candidate is nearly as good
@@ -56,9 +57,5 @@ StereoMatches match_stereo(const Image<float>& left, const Image<float>& right,
                            const StereoMatchConfig& config = {});
 StereoMatches match_stereo(const Image<std::uint16_t>& left, const Image<std::uint16_t>& right,
                            const StereoMatchConfig& config = {});
-
-/// Standard deviation of an image in a window about each pixel, the window cut at the border.
-Image<float> local_deviation(const Image<float>& image, int width_px, int height_px);
-Image<float> local_deviation(const Image<std::uint16_t>& image, int width_px, int height_px);
 
 }  // namespace cousin

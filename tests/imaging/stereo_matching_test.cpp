@@ -59,17 +59,23 @@ TEST(Census, ComparesOppositePixels) {
   Image<std::uint16_t> image(3, 1);
   image(0, 0) = 5;
   image(2, 0) = 3;
-  // One pair, left and right of the centre: set in the middle only, as the border repeats.
-  const Image<std::uint32_t> codes = census_transform(image, 3, 1);
-  EXPECT_EQ(codes(1, 0), 1U);
-  EXPECT_EQ(codes(2, 0), 0U);  // 0 against 3
+  // One pair, left and right of the centre; the border repeats.
+  const Image<std::uint64_t> codes = census_transform(image, 3, 1);
   EXPECT_EQ(codes(0, 0), 1U);  // 5 against 0
+  EXPECT_EQ(codes(1, 0), 1U);  // 5 against 3
+  EXPECT_EQ(codes(2, 0), 2U);  // 0 against 3
+  // A margin of 2 leaves what differs by more.
+  const Image<std::uint64_t> coarse = census_transform(image, 3, 1, 2);
+  EXPECT_EQ(coarse(0, 0), 1U);
+  EXPECT_EQ(coarse(1, 0), 0U);
+  EXPECT_EQ(coarse(2, 0), 2U);
 }
 
 TEST(Census, RejectsWindowsThatDoNotFit) {
   EXPECT_THROW(census_transform(Image<float>(9, 9), 6, 7), std::invalid_argument);
   EXPECT_THROW(census_transform(Image<float>(9, 9), 9, 9), std::invalid_argument);
-  EXPECT_EQ(census_bits(9, 7), 31);
+  EXPECT_THROW(census_transform(Image<float>(9, 9), 7, 7, -1), std::invalid_argument);
+  EXPECT_EQ(census_pairs(9, 7), 31);
 }
 
 /// What is left of matches minus truth inside a rectangle.
@@ -172,7 +178,7 @@ TEST(StereoMatching, SaysWhyAPixelHasNoDisparity) {
       for (int x = 90; x < 160; ++x) (*image)(x, y) = 300;  // even
     }
   }
-  const StereoMatches even = match_stereo(pair.left, pair.right, {.range_px = 40, .texture = 2});
+  const StereoMatches even = match_stereo(pair.left, pair.right, {.range_px = 40});
   EXPECT_EQ(even.reason(130, 30), MatchReason::no_texture);
   EXPECT_TRUE(std::isnan(even.disparity_px(130, 30)));
   EXPECT_EQ(even.reason(60, 30), MatchReason::none);
@@ -235,18 +241,11 @@ TEST(StereoMatching, WholeNumbersGiveWhatTheSameFloatsGive) {
       right_f(x, y) = right(x, y);
     }
   }
-  const StereoMatchConfig config{.range_px = 50, .texture = 3};
+  const StereoMatchConfig config{.range_px = 50};
   const StereoMatches a = match_stereo(left, right, config);
   const StereoMatches b = match_stereo(left_f, right_f, config);
   EXPECT_EQ(a.reason, b.reason);
   EXPECT_EQ(a.confidence, b.confidence);
-}
-
-TEST(StereoMatching, LocalDeviationIsThatOfTheWindow) {
-  Image<float> image(9, 9, 0.0F);
-  image(4, 4) = 9;  // mean 1, squares 9: sigma = sqrt(9 - 1)
-  EXPECT_NEAR(local_deviation(image, 3, 3)(4, 4), std::sqrt(8.0), 1e-6);
-  EXPECT_EQ(local_deviation(image, 3, 3)(0, 0), 0);
 }
 
 TEST(StereoMatching, RejectsWhatItCannotDo) {

@@ -1,0 +1,39 @@
+#include <cstdio>
+#include <cstdlib>
+#include <chrono>
+#include "benchmarks/sensors/depth_wall.h"
+#include "sim/imaging/image_io.h"
+using namespace cousin;
+int main(int argc, char** argv) {
+  std::string rig = "d457"; std::vector<std::string> sets;
+  std::vector<double> zs = {0.4, 0.7, 1, 1.5, 2, 3, 4};
+  double light = 0.02, inc = 0, albedo = 0.5, tex = 0; int frames = 4;
+  for (int i = 1; i < argc; ++i) { std::string a = argv[i];
+    if (a.rfind("rig=",0)==0) rig = a.substr(4); else if (a.rfind("light=",0)==0) light = atof(a.c_str()+6);
+    else if (a.rfind("inc=",0)==0) inc = atof(a.c_str()+4); else if (a.rfind("albedo=",0)==0) albedo = atof(a.c_str()+7);
+    else if (a.rfind("tex=",0)==0) tex = atof(a.c_str()+4); else if (a.rfind("frames=",0)==0) frames = atoi(a.c_str()+7);
+    else if (a.rfind("z=",0)==0) zs = {atof(a.c_str()+2)}; else sets.push_back(a); }
+  ActiveStereoConfig c = active_stereo_preset(rig);
+  for (auto& s : sets) set_field(fields(c), s);
+  const ActiveStereoUnit unit = make_active_stereo(c, Rng(3));
+  for (double z : zs) {
+    const auto t0 = std::chrono::steady_clock::now();
+    const WallScores s = score_wall({z, inc, albedo, light, tex}, c, unit, frames, Rng(5));
+    const double dt = std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count();
+    printf("z %.2f fill %.4f bias %.4f sigma %.4f spatial %.4f temporal %.4f sigma_m %.5f  (%.2f s)\n", z, s.fill, s.bias_px, s.sigma_px, s.spatial_px, s.temporal_px, s.sigma_m, dt);
+  }
+  const WallScene w = make_wall({zs[0], inc, albedo, light, tex});
+  const RayScene rays(w.scene);
+  auto t0 = std::chrono::steady_clock::now();
+  const InfraredPair pair = render_infrared_pair(rays, w.scene, w.rig_from_world, c, unit, Rng(5));
+  auto t1 = std::chrono::steady_clock::now();
+  const StereoDepth d = sense_depth(pair, c, unit, Rng(6));
+  auto t2 = std::chrono::steady_clock::now();
+  auto reg = register_to_color(d.depth, c, unit);
+  auto t3 = std::chrono::steady_clock::now();
+  auto s = [](auto a, auto b) { return std::chrono::duration<double>(b - a).count(); };
+  printf("render %.3f sense %.3f register %.3f\n", s(t0,t1), s(t1,t2), s(t2,t3));
+  Image<Rgb8> out(d.left_codes.width(), d.left_codes.height());
+  for (size_t i = 0; i < out.size(); ++i) { auto v = (std::uint8_t)std::min<int>(255, d.left_codes.data()[i]); out.data()[i] = {v,v,v}; }
+  FILE* f = fopen("/tmp/ir.ppm", "wb"); fprintf(f, "P6 %d %d 255\n", out.width(), out.height()); fwrite(out.data(), 3, out.size(), f); fclose(f);
+}
