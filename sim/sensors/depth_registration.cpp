@@ -40,9 +40,9 @@ std::vector<Eigen::Vector3f> corner_rays(const Camera& camera) {
 }
 
 /// `project` for many points of one camera: what depends on the camera alone is worked out once.
-class Projector {
+class PointProjector {
  public:
-  explicit Projector(const Camera& camera) : camera_(camera), limit_(monotone_limit(camera)) {}
+  explicit PointProjector(const Camera& camera) : camera_(camera), limit_(monotone_limit(camera)) {}
 
   std::optional<Eigen::Vector2d> operator()(const Eigen::Vector3d& point_m) const {
     if (camera_.model != LensModel::pinhole && camera_.model != LensModel::opencv5)
@@ -96,7 +96,7 @@ Image<std::uint16_t> register_depth(const Image<std::uint16_t>& depth, double un
   }
   const std::vector<Eigen::Vector3f> rays = corner_rays(depth_camera);
   const Eigen::Matrix3d rotation = other_from_depth.rotation.toRotationMatrix();
-  const Projector to_other(other);
+  const PointProjector to_other(other);
   const auto stride = static_cast<std::size_t>(depth.width()) + 1;
   Image<Footprint> footprints(depth.width(), depth.height());
   tbb::parallel_for(0, depth.height(), [&](int y) {
