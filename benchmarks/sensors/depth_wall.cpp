@@ -32,6 +32,111 @@ struct Sums {
   double sigma() const { return std::sqrt(std::max(0.0, squares / n - mean() * mean())); }
 };
 
+/// Gathers the errors of several frames of one wall.
+class WallStatistics {
+ public:
+  WallStatistics(const WallView& view, const ActiveStereoConfig& config,
+                 const ActiveStereoUnit& unit)
+      : depth_m_(view.pair.depth_m),
+        unit_m_(config.depth_unit_m),
+        focal_baseline_(unit.imager.fx_px * unit.baseline_m),
+        pixels_(depth_m_.size()) {
+    const Image<float> snr = pattern_snr(view.inputs, config);
+    std::vector<float> values;
+    for_pixels([&](int x, int y, double truth_px) {
+      values.push_back(snr(x, y));
+      truth_.add(truth_px);
+      const double right = focal_baseline_ / static_cast<double>(depth_m_(x + 1, y));
+      const double below = focal_baseline_ / static_cast<double>(depth_m_(x, y + 1));
+      slope_.add(std::hypot(right - truth_px, below - truth_px));
+    });
+    if (values.empty()) return;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    log2_snr_ = std::log2(std::max(*middle, 1e-6F));
+  }
+
+  void add(const Image<float>& disparity_px, const Image<std::uint16_t>& depth) {
+    for_pixels([&](int x, int y, double truth_px) {
+      ++asked_;
+      if (depth(x, y) == 0) return;
+      ++found_;
+      const double error_px = static_cast<double>(disparity_px(x, y)) - truth_px;
+      if (std::abs(error_px) > 1) {
+        ++wrong_;
+        return;
+      }
+      errors_.add(error_px);
+      depth_errors_.add(depth(x, y) * unit_m_ - static_cast<double>(depth_m_(x, y)));
+      pixels_[at(x, y)].add(error_px);
+      const double wave = std::sin(2 * std::numbers::pi * truth_px);
+      wave_.add(wave);
+      wave_errors_ += wave * error_px;
+    });
+    for (int y = depth.height() / 4; y < 3 * depth.height() / 4; ++y) {
+      int x = 0;
+      while (x < depth.width() && depth(x, y) == 0) ++x;
+      band_.add(x);
+    }
+  }
+
+  WallScores scores() const {
+    WallScores s;
+    s.pixels = static_cast<std::int64_t>(truth_.n);
+    s.fill = asked_ > 0 ? found_ / asked_ : 0;
+    s.wrong = found_ > 0 ? wrong_ / found_ : 0;
+    s.band_px = band_.mean();
+    s.log2_snr = log2_snr_;
+    s.slope = slope_.mean();
+    s.disparity_px = truth_.mean();
+    if (errors_.n < 2) return s;
+    s.bias_px = errors_.mean();
+    s.sigma_px = errors_.sigma();
+    s.sigma_m = depth_errors_.sigma();
+    const double wave_variance = wave_.squares - wave_.n * wave_.mean() * wave_.mean();
+    if (wave_variance > 0.1 * wave_.n)
+      s.ripple_px = (wave_errors_ - wave_.sum * errors_.mean()) / wave_variance;
+    Sums means, variances, beside;
+    for_pixels([&](int x, int y, double) {
+      const Sums& p = pixels_[at(x, y)];
+      if (p.n < 1) return;
+      means.add(p.mean());
+      if (p.n >= 2) variances.add(p.sigma() * p.sigma() * p.n / (p.n - 1));
+      const Sums& q = pixels_[at(x + 3, y)];
+      if (q.n >= 1) beside.add((p.mean() - s.bias_px) * (q.mean() - s.bias_px));
+    });
+    s.spatial_px = means.sigma();
+    if (variances.n > 0) s.temporal_px = std::sqrt(variances.mean());
+    if (beside.n > 0 && s.spatial_px > 0)
+      s.neighbours = beside.mean() / (s.spatial_px * s.spatial_px);
+    return s;
+  }
+
+ private:
+  std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(depth_m_.width()) +
+           static_cast<std::size_t>(x);
+  }
+  /// Pixels of the middle half that the right imager sees, with their true disparity.
+  template <class Function>
+  void for_pixels(const Function& function) const {
+    const int width = depth_m_.width(), height = depth_m_.height();
+    for (int y = height / 4; y < 3 * height / 4; ++y) {
+      for (int x = width / 4; x < 3 * width / 4; ++x) {
+        const double truth_px = focal_baseline_ / static_cast<double>(depth_m_(x, y));
+        if (x - truth_px >= 8) function(x, y, truth_px);
+      }
+    }
+  }
+
+  const Image<float>& depth_m_;
+  double unit_m_, focal_baseline_;
+  std::vector<Sums> pixels_;
+  Sums errors_, depth_errors_, truth_, slope_, band_, wave_;
+  double wave_errors_ = 0, log2_snr_ = 0;
+  double asked_ = 0, found_ = 0, wrong_ = 0;
+};
+
 }  // namespace
 
 WallScene make_wall(const WallCase& wall) {
@@ -68,55 +173,39 @@ WallScene make_wall(const WallCase& wall) {
   return out;
 }
 
-WallScores score_wall(const WallCase& wall, const ActiveStereoConfig& config,
-                      const ActiveStereoUnit& unit, int frames, Rng rng) {
+WallView see_wall(const WallCase& wall, const ActiveStereoConfig& config,
+                  const ActiveStereoUnit& unit, const Rng& rng) {
   const WallScene scene = make_wall(wall);
   const RayScene rays(scene.scene);
-  const InfraredPair pair = render_infrared_pair(rays, scene.scene, scene.rig_from_world, config,
-                                                 unit, rng.fork("light"));
-  const int width = pair.depth_m.width(), height = pair.depth_m.height();
-  const double focal_baseline = unit.imager.fx_px * unit.baseline_m;
-  std::vector<Sums> pixels(pair.depth_m.size());
-  Sums errors, depth_errors;
-  double asked = 0;
+  WallView view{wall,
+                render_infrared_pair(rays, scene.scene, scene.rig_from_world, config, unit,
+                                     rng.fork("light")),
+                depth_model_inputs(rays, scene.scene, scene.rig_from_world, config, unit,
+                                   rng.fork("inputs"))};
+  view.inputs.texture = wall.texture / std::sqrt(12.0);
+  return view;
+}
+
+WallScores score_full_model(const WallView& view, const ActiveStereoConfig& config,
+                            const ActiveStereoUnit& unit, int frames, const Rng& rng) {
+  WallStatistics statistics(view, config, unit);
   for (int k = 0; k < frames; ++k) {
     const StereoDepth depth =
-        sense_depth(pair, config, unit, rng.fork("frame").fork(static_cast<std::uint64_t>(k)));
-    for (int y = height / 4; y < 3 * height / 4; ++y) {
-      for (int x = width / 4; x < 3 * width / 4; ++x) {
-        const auto z = static_cast<double>(pair.depth_m(x, y));
-        const double truth_px = focal_baseline / z;
-        if (!(x - truth_px >= 8)) continue;
-        asked += 1;
-        if (depth.depth(x, y) == 0) continue;
-        const double error_px = static_cast<double>(depth.disparity_px(x, y)) - truth_px;
-        errors.add(error_px);
-        depth_errors.add(depth.depth(x, y) * config.depth_unit_m - z);
-        pixels[static_cast<std::size_t>(y * width + x)].add(error_px);
-      }
-    }
+        sense_depth(view.pair, config, unit, rng.fork(static_cast<std::uint64_t>(k)));
+    statistics.add(depth.disparity_px, depth.depth);
   }
-  WallScores scores;
-  scores.pixels = static_cast<std::int64_t>(asked / frames);
-  scores.fill = asked > 0 ? errors.n / asked : 0;
-  if (errors.n < 2) return scores;
-  scores.bias_px = errors.mean();
-  scores.sigma_px = errors.sigma();
-  scores.sigma_m = depth_errors.sigma();
-  Sums means;
-  std::vector<double> temporal;
-  for (const Sums& p : pixels) {
-    if (p.n < std::max(1.0, 0.5 * frames)) continue;
-    means.add(p.mean());
-    if (p.n >= 2) temporal.push_back(p.sigma() * std::sqrt(p.n / (p.n - 1)));
+  return statistics.scores();
+}
+
+WallScores score_fast_model(const WallView& view, const ActiveStereoConfig& config,
+                            const ActiveStereoUnit& unit, int frames, const Rng& rng) {
+  WallStatistics statistics(view, config, unit);
+  for (int k = 0; k < frames; ++k) {
+    const ModelDepth depth = model_depth(view.inputs, config, rng.fork("fixed"),
+                                         rng.fork("frame").fork(static_cast<std::uint64_t>(k)));
+    statistics.add(depth.disparity_px, depth.depth);
   }
-  if (means.n > 1) scores.spatial_px = means.sigma();
-  if (!temporal.empty()) {
-    const auto middle = temporal.begin() + static_cast<std::ptrdiff_t>(temporal.size() / 2);
-    std::nth_element(temporal.begin(), middle, temporal.end());
-    scores.temporal_px = *middle;
-  }
-  return scores;
+  return statistics.scores();
 }
 
 }  // namespace cousin

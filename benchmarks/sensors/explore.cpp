@@ -1,7 +1,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <chrono>
-#include "benchmarks/sensors/depth_wall.h"
+#include "benchmarks/sensors/depth_model_fit.h"
 #include "sim/imaging/image_io.h"
 using namespace cousin;
 int main(int argc, char** argv) {
@@ -16,9 +16,17 @@ int main(int argc, char** argv) {
   ActiveStereoConfig c = active_stereo_preset(rig);
   for (auto& s : sets) set_field(fields(c), s);
   const ActiveStereoUnit unit = make_active_stereo(c, Rng(3));
+  if (frames == 0) {
+    c.model = fit_depth_model(c, unit, 3, Rng(11), [](int i, int n) { if (i % 10 == 0) fprintf(stderr, "%d/%d\n", i, n); });
+    printf("%s\n", to_toml(fields(c.model)).c_str());
+    for (auto& k : compare_models(test_walls(c), c, unit, 3, Rng(77)))
+      printf("z %.2f inc %.2f light %.3f snr %.2f: fill %.4f %.4f  sigma %.4f %.4f ratio %.3f  spatial %.4f %.4f temporal %.4f %.4f slope %.3f\n", k.wall.distance_m, k.wall.incidence_rad, k.wall.light, k.full.log2_snr, k.full.fill, k.fast.fill, k.full.sigma_px, k.fast.sigma_px, k.fast.sigma_px / k.full.sigma_px, k.full.spatial_px, k.fast.spatial_px, k.full.temporal_px, k.fast.temporal_px, k.full.slope);
+    return 0;
+  }
   for (double z : zs) {
     const auto t0 = std::chrono::steady_clock::now();
-    const WallScores s = score_wall({z, inc, albedo, light, tex}, c, unit, frames, Rng(5));
+    const WallView view = see_wall({z, inc, albedo, light, tex}, c, unit, Rng(5)); const WallScores s = score_full_model(view, c, unit, frames, Rng(6)); const WallScores m = score_fast_model(view, c, unit, frames, Rng(6));
+    printf("  fast: fill %.4f sigma %.4f spatial %.4f temporal %.4f; snr %.2f slope %.3f wrong %.4f nb %.3f ripple %.4f band %.1f d %.1f\n", m.fill, m.sigma_px, m.spatial_px, m.temporal_px, s.log2_snr, s.slope, s.wrong, s.neighbours, s.ripple_px, s.band_px, s.disparity_px);
     const double dt = std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count();
     printf("z %.2f fill %.4f bias %.4f sigma %.4f spatial %.4f temporal %.4f sigma_m %.5f  (%.2f s)\n", z, s.fill, s.bias_px, s.sigma_px, s.spatial_px, s.temporal_px, s.sigma_m, dt);
   }

@@ -104,7 +104,8 @@ Fields fields(ActiveStereoConfig& c) {
               "sigma of the colour camera's rotation about each axis", 0, 0.1},
          } +
          nested("projector", fields(c.projector)) + nested("infrared", fields(c.infrared)) +
-         nested("imager", fields(c.imager)) + nested("match", match_fields(c.match));
+         nested("imager", fields(c.imager)) + nested("match", match_fields(c.match)) +
+         nested("model", fields(c.model));
 }
 
 void validate(const ActiveStereoConfig& config) {
@@ -118,6 +119,7 @@ void validate(const ActiveStereoConfig& config) {
            std::to_string(config.mode_focal_px.size()) + " numbers; they must be as many");
   }
   validate(config.match);
+  validate(config.model);
   validate(config.infrared);
   validate(depth_camera(config));
   validate(color_camera(config));

@@ -8,6 +8,7 @@
 #include "sim/config/fields.h"
 #include "sim/imaging/stereo_matching.h"
 #include "sim/render/infrared_pass.h"
+#include "sim/sensors/depth_model.h"
 #include "sim/sensors/dot_projector.h"
 #include "sim/sensors/infrared_imager.h"
 #include "sim/sensors/invalid_reason.h"
@@ -34,6 +35,7 @@ struct ActiveStereoConfig {
   InfraredConfig infrared;
   InfraredImagerConfig imager;
   StereoMatchConfig match;
+  DepthModelConfig model;  ///< the fast model's numbers, fitted to this configuration
   // Colour camera.
   int color_columns = 640, color_rows = 480;
   double color_focal_px = 390;

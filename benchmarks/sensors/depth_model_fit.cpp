@@ -1,0 +1,248 @@
+#include "benchmarks/sensors/depth_model_fit.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/render/ray_scene.h"
+
+namespace cousin {
+namespace {
+
+/// Depths over which the configuration measures, in steps of a constant factor.
+std::vector<double> depths(const ActiveStereoConfig& config, int steps, double shift) {
+  const double nearest = 1.25 * least_depth_m(config);
+  const double farthest = std::min(0.6 * config.largest_depth_m, 14 * nearest);
+  std::vector<double> result;
+  for (int i = 0; i < steps; ++i)
+    result.push_back(nearest * std::pow(farthest / nearest, (i + shift) / (steps - 1 + 2 * shift)));
+  return result;
+}
+
+/// Weights of the two knots about x.
+struct KnotWeights {
+  int first = 0;
+  double t = 0;
+};
+KnotWeights knot_weights(const std::vector<double>& knots, double x) {
+  const int last = static_cast<int>(knots.size()) - 2;
+  int i = 0;
+  while (i < last && x >= knots[static_cast<std::size_t>(i) + 1]) ++i;
+  const double low = knots[static_cast<std::size_t>(i)];
+  const double high = knots[static_cast<std::size_t>(i) + 1];
+  return {i, std::clamp((x - low) / (high - low), 0.0, 1.0)};
+}
+
+struct Sample {
+  double x, y, weight;
+};
+
+/// Values at knots by weighted least squares, with a little stiffness where samples are few.
+std::vector<double> fit_curve(const std::vector<double>& knots,
+                              const std::vector<Sample>& samples) {
+  const auto n = static_cast<Eigen::Index>(knots.size());
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
+  for (const Sample& s : samples) {
+    const KnotWeights w = knot_weights(knots, s.x);
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
+    row(w.first) = 1 - w.t;
+    row(w.first + 1) = w.t;
+    a += s.weight * row * row.transpose();
+    b += s.weight * s.y * row;
+  }
+  for (Eigen::Index i = 0; i + 1 < n; ++i) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
+    row(i) = -1;
+    row(i + 1) = 1;
+    a += 1e-3 * row * row.transpose();
+  }
+  const Eigen::VectorXd values = a.ldlt().solve(b);
+  return {values.data(), values.data() + n};
+}
+
+double value_at(const std::vector<double>& knots, const std::vector<double>& values, double x) {
+  const KnotWeights w = knot_weights(knots, x);
+  const auto i = static_cast<std::size_t>(w.first);
+  return values[i] * (1 - w.t) + values[i + 1] * w.t;
+}
+
+double rounded(double v) { return std::round(v * 1e4) / 1e4; }
+
+void clamp_and_round(std::vector<double>& values, double low, double high) {
+  for (double& v : values) v = rounded(std::clamp(v, low, high));
+}
+
+/// Curves over the signal-to-noise ratio, from walls that face the camera.
+void fit_curves(const std::vector<WallScores>& walls, double quantisation_px,
+                DepthModelConfig& model) {
+  double low = 40, high = -40;
+  for (const WallScores& w : walls) {
+    low = std::min(low, w.log2_snr);
+    high = std::max(high, w.log2_snr);
+  }
+  constexpr int kKnots = 9;
+  model.log2_snr.clear();
+  for (int i = 0; i < kKnots; ++i)
+    model.log2_snr.push_back(rounded(low + (high - low) * i / (kKnots - 1)));
+  std::vector<Sample> spatial, temporal, fill;
+  for (const WallScores& w : walls) {
+    // The model adds the step's own noise when it rounds.
+    const double step2 = quantisation_px * quantisation_px / 12;
+    fill.push_back({w.log2_snr, w.fill, 1});
+    if (w.fill < 0.05) continue;
+    spatial.push_back({w.log2_snr, w.spatial_px, 1 / std::pow(w.spatial_px, 2)});
+    const double t = std::sqrt(std::max(w.temporal_px * w.temporal_px - step2, 0.0));
+    temporal.push_back({w.log2_snr, t, 1 / std::pow(w.temporal_px + 0.01, 2)});
+  }
+  model.spatial_px = fit_curve(model.log2_snr, spatial);
+  model.temporal_px = fit_curve(model.log2_snr, temporal);
+  model.fill = fit_curve(model.log2_snr, fill);
+  clamp_and_round(model.spatial_px, 0, 100);
+  clamp_and_round(model.temporal_px, 0, 100);
+  clamp_and_round(model.fill, 0, 1);
+}
+
+/// What a slope of disparity adds and takes, from the tilted walls.
+void fit_slopes(const std::vector<WallScores>& walls, DepthModelConfig& model) {
+  double noise = 0, noise_weight = 0, loss = 0, loss_weight = 0;
+  for (const WallScores& w : walls) {
+    const double flat = value_at(model.log2_snr, model.spatial_px, w.log2_snr);
+    const double filled = value_at(model.log2_snr, model.fill, w.log2_snr);
+    const double s2 = w.slope * w.slope;
+    if (w.fill > 0.2) {
+      noise += (w.spatial_px * w.spatial_px - flat * flat) * s2;
+      noise_weight += s2 * s2;
+    }
+    if (filled > 0.2) {
+      loss += (1 - w.fill / filled) * w.slope;
+      loss_weight += s2;
+    }
+  }
+  model.slope_noise =
+      noise_weight > 0 ? rounded(std::sqrt(std::max(0.0, noise / noise_weight))) : 0;
+  model.slope_loss = loss_weight > 0 ? rounded(std::max(0.0, loss / loss_weight)) : 0;
+}
+
+ObjectModel plate_model(double half_m) {
+  ObjectModel model;
+  model.name = "plate";
+  model.mesh.vertices_m = {
+      {-half_m, -half_m, 0}, {half_m, -half_m, 0}, {half_m, half_m, 0}, {-half_m, half_m, 0}};
+  model.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return model;
+}
+
+}  // namespace
+
+std::vector<WallCase> fit_walls(const ActiveStereoConfig& config) {
+  std::vector<WallCase> walls;
+  const double texture = config.has_projector ? 0 : 0.6;
+  const std::vector<double> lights = config.has_projector ? std::vector<double>{0.01, 0.1, 1}
+                                                          : std::vector<double>{0.0003, 0.003, 0.1};
+  for (const double z : depths(config, 6, 0)) {
+    for (const double light : lights) {
+      for (const double albedo : {0.08, 0.5}) walls.push_back({z, 0, albedo, light, texture});
+    }
+  }
+  for (const double z : depths(config, 3, 0.5)) {
+    for (const double incidence : {0.5, 0.8, 1.05})
+      walls.push_back({z, incidence, 0.5, lights[0], texture});
+  }
+  return walls;
+}
+
+std::vector<WallCase> test_walls(const ActiveStereoConfig& config) {
+  std::vector<WallCase> walls;
+  const double texture = config.has_projector ? 0 : 0.6;
+  const std::vector<double> lights =
+      config.has_projector ? std::vector<double>{0.03, 0.3} : std::vector<double>{0.001, 0.03};
+  for (const double z : depths(config, 5, 0.3)) {
+    for (const double light : lights) walls.push_back({z, 0, 0.3, light, texture});
+  }
+  for (const double z : depths(config, 2, 0.7)) {
+    for (const double incidence : {0.35, 0.65, 0.95})
+      walls.push_back({z, incidence, 0.3, lights[0], texture});
+  }
+  return walls;
+}
+
+DepthModelConfig fit_depth_model(const ActiveStereoConfig& config, const ActiveStereoUnit& unit,
+                                 int frames, const Rng& rng,
+                                 const std::function<void(int, int)>& progress) {
+  DepthModelConfig model = config.model;
+  const std::vector<WallCase> walls = fit_walls(config);
+  std::vector<WallScores> facing, tilted;
+  double bias = 0, band = 0, bands = 0, ripple = 0, grain = 0, grains = 0;
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    const Rng own = rng.fork(i);
+    const WallScores s = score_full_model(see_wall(walls[i], config, unit, own), config, unit,
+                                          frames, own.fork("full"));
+    (walls[i].incidence_rad == 0 ? facing : tilted).push_back(s);
+    if (walls[i].incidence_rad != 0) ripple += s.ripple_px;
+    if (walls[i].incidence_rad == 0 && s.fill > 0.99) {
+      bias += s.bias_px;
+      band += s.band_px - s.disparity_px;
+      bands += 1;
+      if (s.neighbours > 0 && s.neighbours < 1) {
+        grain += 3 / (1 - s.neighbours);  // averages over squares correlate by 1 - lag / width
+        grains += 1;
+      }
+    }
+    if (progress) progress(static_cast<int>(i) + 1, static_cast<int>(walls.size()));
+  }
+  fit_curves(facing, config.disparity_step_px, model);
+  fit_slopes(tilted, model);
+  if (!tilted.empty()) model.ripple_px = rounded(ripple / static_cast<double>(tilted.size()));
+  if (bands > 0) {
+    model.bias_px = rounded(bias / bands);
+    model.band_px = rounded(band / bands);
+  }
+  if (grains > 0) model.grain_px = rounded(std::clamp(grain / grains, 1.0, 65.0));
+  model.fatten_px =
+      rounded(std::clamp(plate_growth_px(config, unit, rng.fork("plate")), 0.0, 32.0));
+  return model;
+}
+
+std::vector<ModelComparison> compare_models(const std::vector<WallCase>& walls,
+                                            const ActiveStereoConfig& config,
+                                            const ActiveStereoUnit& unit, int frames,
+                                            const Rng& rng) {
+  std::vector<ModelComparison> result;
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    const Rng own = rng.fork(i);
+    const WallView view = see_wall(walls[i], config, unit, own);
+    result.push_back({walls[i], score_full_model(view, config, unit, frames, own.fork("full")),
+                      score_fast_model(view, config, unit, frames, own.fork("fast"))});
+  }
+  return result;
+}
+
+double plate_growth_px(const ActiveStereoConfig& config, const ActiveStereoUnit& unit,
+                       const Rng& rng) {
+  const double near_m = 2.5 * least_depth_m(config), far_m = 1.6 * near_m;
+  const double texture = config.has_projector ? 0 : 0.6;
+  WallScene scene = make_wall({far_m, 0, 0.5, 0.02, texture});
+  const double half_m = 0.25 * near_m;
+  Instance plate = scene.scene.instances[0];
+  plate.id = 2;
+  plate.model = static_cast<int>(scene.scene.models.size());
+  plate.world_from_object.translation_m.x() = near_m;
+  scene.scene.models.push_back(plate_model(half_m));
+  scene.scene.instances.push_back(plate);
+  const RayScene rays(scene.scene);
+  const InfraredPair pair = render_infrared_pair(rays, scene.scene, scene.rig_from_world, config,
+                                                 unit, rng.fork("light"));
+  const StereoDepth depth = sense_depth(pair, config, unit, rng.fork("sensor"));
+  // The plate's area in the depth image over its true one, about its true outline.
+  const double split_m = 0.5 * (near_m + far_m);
+  double found = 0, truth = 0;
+  for (std::size_t i = 0; i < depth.depth.size(); ++i) {
+    const double z = depth.depth.data()[i] * config.depth_unit_m;
+    found += z > 0.8 * near_m && z < split_m ? 1 : 0;
+    truth += static_cast<double>(pair.depth_m.data()[i]) < split_m ? 1 : 0;
+  }
+  return 0.5 * (std::sqrt(found) - std::sqrt(truth));
+}
+
+}  // namespace cousin
