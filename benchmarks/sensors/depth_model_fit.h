@@ -29,9 +29,13 @@ std::vector<ModelComparison> compare_models(const std::vector<WallCase>& walls,
                                             const ActiveStereoUnit& unit, int frames,
                                             const Rng& rng);
 
-/// By how much a plate before a wall grows in the full model's image: mean over its left, right,
-/// upper and lower edge, in pixels.
-double plate_growth_px(const ActiveStereoConfig& config, const ActiveStereoUnit& unit,
+/// How the edges of a plate before a wall look in the full model's image: mean over its left,
+/// right, upper and lower edge, in pixels.
+struct PlateEdges {
+  double growth_px = 0;  ///< of the plate's measured area over its true one
+  double rim_px = 0;  ///< width about its edges without a depth, less what the right imager misses
+};
+PlateEdges plate_edges(const ActiveStereoConfig& config, const ActiveStereoUnit& unit,
                        const Rng& rng);
 
 }  // namespace cousin

@@ -32,6 +32,13 @@ struct Sums {
   double sigma() const { return std::sqrt(std::max(0.0, squares / n - mean() * mean())); }
 };
 
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// Gathers the errors of several frames of one wall.
 class WallStatistics {
  public:
@@ -41,19 +48,21 @@ class WallStatistics {
         unit_m_(config.depth_unit_m),
         focal_baseline_(unit.imager.fx_px * unit.baseline_m),
         pixels_(depth_m_.size()) {
-    const Image<float> snr = pattern_snr(view.inputs, config);
-    std::vector<float> values;
+    const PatternLight light = pattern_light(view.inputs, config);
+    std::vector<double> signals, lights;
     for_pixels([&](int x, int y, double truth_px) {
-      values.push_back(snr(x, y));
+      signals.push_back(static_cast<double>(light.signal_e(x, y)));
+      lights.push_back(static_cast<double>(light.light_e(x, y)));
       truth_.add(truth_px);
       const double right = focal_baseline_ / static_cast<double>(depth_m_(x + 1, y));
       const double below = focal_baseline_ / static_cast<double>(depth_m_(x, y + 1));
       slope_.add(std::hypot(right - truth_px, below - truth_px));
     });
-    if (values.empty()) return;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    log2_snr_ = std::log2(std::max(*middle, 1e-6F));
+    signal_e_ = median(signals);
+    noise_e2_ = median(lights) + light.still_e2;
+    margin_e_ = light.margin_e;
+    const double variance = noise_e2_ + config.model.margin_weight * margin_e_ * margin_e_;
+    log2_snr_ = std::log2(std::max(signal_e_ / std::sqrt(variance), 1e-6));
   }
 
   void add(const Image<float>& disparity_px, const Image<std::uint16_t>& depth) {
@@ -87,6 +96,9 @@ class WallStatistics {
     s.wrong = found_ > 0 ? wrong_ / found_ : 0;
     s.band_px = band_.mean();
     s.log2_snr = log2_snr_;
+    s.signal_e = signal_e_;
+    s.noise_e2 = noise_e2_;
+    s.margin_e = margin_e_;
     s.slope = slope_.mean();
     s.disparity_px = truth_.mean();
     if (errors_.n < 2) return s;
@@ -133,7 +145,7 @@ class WallStatistics {
   double unit_m_, focal_baseline_;
   std::vector<Sums> pixels_;
   Sums errors_, depth_errors_, truth_, slope_, band_, wave_;
-  double wave_errors_ = 0, log2_snr_ = 0;
+  double wave_errors_ = 0, log2_snr_ = 0, signal_e_ = 0, noise_e2_ = 0, margin_e_ = 0;
   double asked_ = 0, found_ = 0, wrong_ = 0;
 };
 

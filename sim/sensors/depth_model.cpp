@@ -20,6 +20,10 @@ namespace cousin {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+/// Share of the mean projected light that counts as noise: most of it lies in the dots themselves.
+/// Of 0, 0.1, 0.25, 0.5 and 1 it makes noise and fill of 36 walls most nearly functions of one
+/// number.
+constexpr float kNoiseOfDots = 0.25F;
 
 /// Linear between knots, constant beyond: a table over log2 of the SNR.
 float at_knots(const std::vector<double>& x, const std::vector<double>& y, float at) {
@@ -55,12 +59,12 @@ class Curve {
   std::vector<float> values_;
 };
 
-/// Light of a dot's peak over the pattern's mean.
-double peak_of_dots(const DotProjectorConfig& projector, double blur_rad) {
+/// Dots per solid angle times 2 pi sigma^2: a Gaussian dot is brighter than a share v of its peak
+/// on an area of this times -log(v).
+double dot_cover(const DotProjectorConfig& projector, double blur_rad) {
   const double variance = projector.dot_sigma_rad * projector.dot_sigma_rad + blur_rad * blur_rad;
-  const double covered = 2 * std::numbers::pi * variance * projector.dots /
-                         (projector.view_x_rad * projector.view_y_rad);
-  return projector.background + (1 - projector.background) * std::max(1.0, 1 / covered);
+  return 2 * std::numbers::pi * variance * projector.dots /
+         (projector.view_x_rad * projector.view_y_rad);
 }
 
 /// Mean radiance of projected light; 0 where the projector does not reach.
@@ -81,6 +85,24 @@ float projected_radiance(const DepthModelInputs& in, const ActiveStereoConfig& c
   const float cosine = std::max(0.0F, in.normal(x, y).dot(way) / distance);
   return in.albedo(x, y) * std::numbers::inv_pi_v<float> *
          static_cast<float>(config.projector.irradiance_at_1m) * cosine / squared;
+}
+
+/// A thinned image with dots as bright as the imager would see them, spread evenly over their
+/// distribution of brightness.
+Image<float> seen_through_dots(const Image<float>& ambient, const Image<float>& projected,
+                               double cover, double background) {
+  const int width = (ambient.width() + 3) / 4, height = (ambient.height() + 3) / 4;
+  Image<float> bright(width, height);
+  double u = 0;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      u += std::numbers::phi - 1;
+      if (u >= 1) u -= 1;
+      const double dot = background + (1 - background) / cover * std::exp(-u / cover);
+      bright(x, y) = ambient(4 * x, 4 * y) + static_cast<float>(dot) * projected(4 * x, 4 * y);
+    }
+  }
+  return bright;
 }
 
 /// Near surfaces grow: a pixel takes the largest disparity within the radius, if that is a jump.
@@ -153,7 +175,8 @@ class PixelModel {
         camera_(camera),
         truth_px_(disparities(inputs.depth_m, camera.fx_px * config.baseline_m)),
         near_px_(fattened(truth_px_, static_cast<int>(std::lround(model_.fatten_px)))),
-        snr_(pattern_snr(inputs, config)),
+        rim_px_(fattened(near_px_, static_cast<int>(std::lround(model_.rim_px)))),
+        snr_(pattern_snr(pattern_light(inputs, config), model_.margin_weight)),
         noise_(make_fields(camera.width_px, camera.height_px, model_, fixed, frame)),
         spatial_(model_.log2_snr, model_.spatial_px),
         temporal_(model_.log2_snr, model_.temporal_px),
@@ -171,10 +194,11 @@ class PixelModel {
     const bool is_own = d == truth_px_(x, y);
     const std::uint8_t hidden = is_own ? inputs_.hidden(x, y) : std::uint8_t{0};
     if (hidden & kHiddenFromRight) return InvalidReason::left_right;
+    if (rim_px_(x, y) != d) return InvalidReason::mixed_pixel;
     const float slope = slope_at(x, y, d);
     const float log2_snr = snr_(x, y) > 0 ? std::log2(snr_(x, y)) : -100;
     const float filled =
-        fill_(log2_snr) * std::max(0.0F, 1 - static_cast<float>(model_.slope_loss) * slope);
+        fill_(log2_snr) * std::max(0.0F, 1 - static_cast<float>(model_.slope_loss) * slope * slope);
     if (normal_share(noise_.hole(x, y)) > filled || filled == 0) {
       return (hidden & kHiddenFromProjector) ? InvalidReason::no_projector
                                              : InvalidReason::no_texture;
@@ -206,7 +230,8 @@ class PixelModel {
   }
 
   float error_px(int x, int y, float d, float slope, float log2_snr) const {
-    const float flat = spatial_(log2_snr), tilted = static_cast<float>(model_.slope_noise) * slope;
+    const float flat = spatial_(log2_snr),
+                tilted = static_cast<float>(model_.slope_noise) * slope * slope;
     return static_cast<float>(model_.bias_px) +
            static_cast<float>(model_.ripple_px) *
                std::sin(2 * std::numbers::pi_v<float> * (d - std::floor(d))) +
@@ -217,7 +242,7 @@ class PixelModel {
   const DepthModelInputs& inputs_;
   const DepthModelConfig& model_;
   const Camera& camera_;
-  Image<float> truth_px_, near_px_, snr_;
+  Image<float> truth_px_, near_px_, rim_px_, snr_;
   NoiseFields noise_;
   Curve spatial_, temporal_, fill_;
   float step_, most_, least_;
@@ -231,11 +256,13 @@ Fields fields(DepthModelConfig& c) {
       {"spatial_px", &c.spatial_px, "sigma of the fixed noise at the knots", 0, 100},
       {"temporal_px", &c.temporal_px, "sigma of each image's noise at the knots", 0, 100},
       {"fill", &c.fill, "share of pixels with a depth at the knots", 0, 1},
+      {"margin_weight", &c.margin_weight, "of the matcher's margin among the noise", 0, 100},
       {"slope_noise", &c.slope_noise, "spatial sigma at a disparity slope of 1", 0, 100},
       {"slope_loss", &c.slope_loss, "share of fill lost at a disparity slope of 1", 0, 100},
       {"ripple_px", &c.ripple_px, "amplitude of d + A sin(2 pi d)", -1, 1},
       {"bias_px", &c.bias_px, "mean error of the disparity", -10, 10},
       {"fatten_px", &c.fatten_px, "growth of near surfaces", 0, 32},
+      {"rim_px", &c.rim_px, "width of what has no depth beside near surfaces", 0, 32},
       {"band_px", &c.band_px, "the left band beyond the disparity", -64, 64},
       {"grain_px", &c.grain_px, "width over which noise is alike", 1, 65},
   };
@@ -283,7 +310,7 @@ Image<std::uint8_t> stereo_occlusion(const Image<float>& depth_m,
   return hidden;
 }
 
-Image<float> pattern_snr(const DepthModelInputs& inputs, const ActiveStereoConfig& config) {
+PatternLight pattern_light(const DepthModelInputs& inputs, const ActiveStereoConfig& config) {
   const Camera camera = depth_camera(config);
   require_sizes(inputs, camera);
   const InfraredImagerConfig& imager = config.imager;
@@ -293,31 +320,34 @@ Image<float> pattern_snr(const DepthModelInputs& inputs, const ActiveStereoConfi
     for (int x = 0; x < width; ++x)
       projected(x, y) = projected_radiance(inputs, config, camera, x, y);
   });
-  // The brightest, from every fourth pixel each way.
-  const auto peak =
-      static_cast<float>(peak_of_dots(config.projector, imager.blur_sigma_px / camera.fx_px));
-  Image<float> bright((width + 3) / 4, (height + 3) / 4);
-  for (int y = 0; y < bright.height(); ++y) {
-    for (int x = 0; x < bright.width(); ++x)
-      bright(x, y) = inputs.ambient(4 * x, 4 * y) + peak * projected(4 * x, 4 * y);
-  }
-  const InfraredExposure exposure = auto_exposure(bright, imager);
-  const auto electrons = static_cast<float>(imager.electrons_at_unit_radiance * exposure.share);
+  const InfraredExposure exposure = auto_exposure(
+      seen_through_dots(inputs.ambient, projected,
+                        dot_cover(config.projector, imager.blur_sigma_px / camera.fx_px),
+                        config.projector.background),
+      imager);
   const double e_per_code = imager.full_well_e / (exposure.gain * ((1 << imager.bits) - 1));
-  const auto still = static_cast<float>(
-      imager.read_noise_e * imager.read_noise_e +
-      e_per_code * e_per_code * (1.0 / 12 + 0.25 * config.match.margin * config.match.margin));
+  PatternLight light;
+  light.still_e2 = imager.read_noise_e * imager.read_noise_e + e_per_code * e_per_code / 12;
+  light.margin_e = config.match.margin * e_per_code;
+  light.signal_e = light.light_e = Image<float>(width, height);
+  const auto electrons = static_cast<float>(imager.electrons_at_unit_radiance * exposure.share);
   const auto texture = static_cast<float>(inputs.texture);
-  Image<float> snr(width, height);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      const float own = texture * inputs.ambient(x, y);
-      const float p = projected(x, y);
-      const float signal = electrons * std::sqrt(p * p + own * own);
-      const float light = electrons * (p + inputs.ambient(x, y));
-      snr(x, y) = signal > 0 ? signal / std::sqrt(light + still) : 0;
+      const float own = texture * inputs.ambient(x, y), p = projected(x, y);
+      light.signal_e(x, y) = electrons * std::sqrt(p * p + own * own);
+      light.light_e(x, y) = electrons * (kNoiseOfDots * p + inputs.ambient(x, y));
     }
   });
+  return light;
+}
+
+Image<float> pattern_snr(const PatternLight& light, double margin_weight) {
+  Image<float> snr(light.signal_e.width(), light.signal_e.height());
+  const auto still =
+      static_cast<float>(light.still_e2 + margin_weight * light.margin_e * light.margin_e);
+  std::transform(light.signal_e.begin(), light.signal_e.end(), light.light_e.begin(), snr.begin(),
+                 [&](float s, float all) { return s > 0 ? s / std::sqrt(all + still) : 0.0F; });
   return snr;
 }
 

@@ -25,13 +25,16 @@ struct DepthModelConfig {
   std::vector<double> spatial_px = {0.3, 0.15, 0.08, 0.07};  ///< fixed while scene and rig stand
   std::vector<double> temporal_px = {0.2, 0.1, 0.04, 0.02};  ///< drawn anew in each image
   std::vector<double> fill = {0, 0.3, 0.95, 1};              ///< share of pixels with a depth
-  double slope_noise = 0.1;  ///< spatial sigma that a disparity slope of 1 px/px adds, squared sum
-  double slope_loss = 0.3;   ///< share of fill lost at a disparity slope of 1 px/px, linear
-  double ripple_px = 0.01;   ///< amplitude of d + A sin(2 pi d)
-  double bias_px = 0;        ///< mean error of the disparity
-  double fatten_px = 3;      ///< by which near surfaces grow over far ones
-  double band_px = 0;        ///< the left band is as wide as the disparity plus this
-  double grain_px = 9;       ///< width over which the noise is alike
+  double margin_weight = 0.25;  ///< of the matcher's margin among the noise
+  double slope_noise = 3;       ///< spatial sigma that a disparity slope of 1 px/px adds, as its
+                                ///< square
+  double slope_loss = 0.3;      ///< share of fill lost at a disparity slope of 1 px/px, linear
+  double ripple_px = 0.01;      ///< amplitude of d + A sin(2 pi d)
+  double bias_px = 0;           ///< mean error of the disparity
+  double fatten_px = 3;         ///< by which near surfaces grow over far ones
+  double rim_px = 2;            ///< beyond it far surfaces have no depth: windows hold both
+  double band_px = 0;           ///< the left band is as wide as the disparity plus this
+  double grain_px = 9;          ///< width over which the noise is alike
 };
 Fields fields(DepthModelConfig& config);
 /// @throws std::invalid_argument naming field, value and limit; knots must increase and lists be of
@@ -59,10 +62,19 @@ DepthModelInputs depth_model_inputs(const RayScene& rays, const Scene& scene,
                                     const Pose& rig_from_world, const ActiveStereoConfig& config,
                                     const ActiveStereoUnit& unit, Rng rng);
 
-/// Signal-to-noise ratio of the pattern in each pixel, in electrons: mean projected light (and the
-/// texture's) over shot noise, read noise and the matcher's margin, at the exposure that the
-/// brightest half per cent ask for. 0 = no surface or no light.
-Image<float> pattern_snr(const DepthModelInputs& inputs, const ActiveStereoConfig& config);
+/// What the matcher has to go by in each pixel, in electrons, at the exposure that the brightest
+/// half per cent ask for.
+struct PatternLight {
+  Image<float> signal_e;  ///< mean projected light, and the texture's; 0 = no surface or no light
+  Image<float> light_e;   ///< light between the dots: the variance of shot noise
+  double still_e2 = 0;    ///< variance of read noise and rounding
+  double margin_e = 0;    ///< the matcher's margin
+};
+PatternLight pattern_light(const DepthModelInputs& inputs, const ActiveStereoConfig& config);
+
+/// Signal-to-noise ratio of the pattern: signal over the root of all variances and of
+/// margin_weight * margin^2.
+Image<float> pattern_snr(const PatternLight& light, double margin_weight);
 
 struct ModelDepth {
   Image<float> disparity_px;   ///< in the device's steps; NaN = none
