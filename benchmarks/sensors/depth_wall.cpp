@@ -117,10 +117,15 @@ class WallStatistics {
       const Sums& q = pixels_[at(x + 3, y)];
       if (q.n >= 1) beside.add((p.mean() - s.bias_px) * (q.mean() - s.bias_px));
     });
-    s.spatial_px = means.sigma();
-    if (variances.n > 0) s.temporal_px = std::sqrt(variances.mean());
+    // The mean over n frames keeps a share 1/n of the temporal variance.
+    double left = 0;
+    if (variances.n > 0) {
+      s.temporal_px = std::sqrt(variances.mean());
+      left = variances.mean() * means.n / errors_.n;
+    }
+    s.spatial_px = std::sqrt(std::max(0.0, means.sigma() * means.sigma() - left));
     if (beside.n > 0 && s.spatial_px > 0)
-      s.neighbours = beside.mean() / (s.spatial_px * s.spatial_px);
+      s.neighbours = beside.mean() / (means.sigma() * means.sigma());
     return s;
   }
 

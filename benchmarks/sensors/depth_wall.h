@@ -28,7 +28,7 @@ struct WallScores {
   double fill = 0;         ///< share of pixels with a depth
   double wrong = 0;        ///< share of those that are wrong
   double bias_px = 0;      ///< mean error of the disparity
-  double spatial_px = 0;   ///< RMS over the image of the mean over frames, about its mean
+  double spatial_px = 0;   ///< RMS over the image of what stays from frame to frame, about its mean
   double temporal_px = 0;  ///< RMS over pixels of the standard deviation over frames
   double sigma_px = 0;     ///< RMS of one frame about its mean
   double sigma_m = 0;      ///< the same of the 16-bit depth

@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/imaging/color.h"
+
 namespace cousin {
 namespace {
 
@@ -93,16 +95,6 @@ Remapped remap(const Image<float>& image, const Image<Eigen::Vector2f>& map_px) 
       }
     }
   });
-  return out;
-}
-
-Image<float> luma(const Image<Rgb8>& image) {
-  Image<float> out(image.width(), image.height());
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    const Rgb8& c = image.data()[i];
-    out.data()[i] = 0.2126F * static_cast<float>(c.r) + 0.7152F * static_cast<float>(c.g) +
-                    0.0722F * static_cast<float>(c.b);
-  }
   return out;
 }
 

@@ -40,9 +40,6 @@ struct Remapped {
 };
 Remapped remap(const Image<float>& image, const Image<Eigen::Vector2f>& map_px);
 
-/// Brightness of 8-bit sRGB colours as the eye weighs them, 0..255, in their codes.
-Image<float> luma(const Image<Rgb8>& image);
-
 /// Passive stereo: rectified, matched, and depth along the rectified left camera's axis. NaN where
 /// there is no match or one of the images does not reach.
 struct PassiveDepth {

@@ -25,7 +25,7 @@ struct StereoMatchConfig {
   int paths = 8;       ///< 4 or 8
   double p1 = 0.04, p2 = 0.25;  ///< penalties over the largest cost of a block
   double worst_cost = 0.4;      ///< over what two windows without anything in common would cost
-  double uniqueness = 0.05;     ///< least `confidence`; 0 = not checked
+  double uniqueness = 0.15;     ///< least `confidence`; 0 = not checked
   double left_right_px = 1;     ///< largest disagreement with the right image's match; < 0 = none
   double texture = 0.02;        ///< least share of a block's pairs that differ by the margin
   SubPixelFit fit = SubPixelFit::equiangular;

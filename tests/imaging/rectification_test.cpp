@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <vector>
 
 #include "sim/types/rng.h"
 
@@ -37,6 +38,17 @@ Rig verging_rig() {
   return rig;
 }
 
+/// A random number for a node of a lattice, the same after 256 nodes.
+double node(int i, int j) {
+  static const std::vector<double> nodes = [] {
+    Rng rng(3);
+    std::vector<double> values(256 * 256);
+    for (double& v : values) v = uniform(rng);
+    return values;
+  }();
+  return nodes[static_cast<std::size_t>((i & 255) * 256 + (j & 255))];
+}
+
 /// A texture over a plane, smooth bumps of `size_m`.
 double texture(double x_m, double y_m, double size_m) {
   double sum = 0, weight = 0;
@@ -44,11 +56,8 @@ double texture(double x_m, double y_m, double size_m) {
   const int cx = static_cast<int>(std::floor(u)), cy = static_cast<int>(std::floor(v));
   for (int j = cy - 2; j <= cy + 3; ++j) {
     for (int i = cx - 2; i <= cx + 3; ++i) {
-      Rng rng = Rng(3)
-                    .fork(static_cast<std::uint64_t>(i + 100000))
-                    .fork(static_cast<std::uint64_t>(j + 100000));
       const double w = std::exp(-(u - i) * (u - i) - (v - j) * (v - j));
-      sum += w * uniform(rng);
+      sum += w * node(i, j);
       weight += w;
     }
   }

@@ -6,12 +6,24 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <vector>
 
 #include "sim/imaging/census.h"
 #include "sim/types/rng.h"
 
 namespace cousin {
 namespace {
+
+/// A random number for a node of a lattice, the same after 256 nodes.
+double node(int i, int j) {
+  static const std::vector<double> nodes = [] {
+    Rng rng(7);
+    std::vector<double> values(256 * 256);
+    for (double& v : values) v = uniform(rng);
+    return values;
+  }();
+  return nodes[static_cast<std::size_t>((i & 255) * 256 + (j & 255))];
+}
 
 /// A random texture over the plane: smooth bumps about 3 px wide, so that it can be sampled
 /// anywhere.
@@ -20,12 +32,9 @@ double texture(double x, double y) {
   const int cx = static_cast<int>(std::floor(x / 2)), cy = static_cast<int>(std::floor(y / 2));
   for (int j = cy - 2; j <= cy + 3; ++j) {
     for (int i = cx - 2; i <= cx + 3; ++i) {
-      Rng rng = Rng(7)
-                    .fork(static_cast<std::uint64_t>(i + 100000))
-                    .fork(static_cast<std::uint64_t>(j + 100000));
       const double dx = x / 2 - i, dy = y / 2 - j;
       const double w = std::exp(-(dx * dx + dy * dy));
-      sum += w * uniform(rng);
+      sum += w * node(i, j);
       weight += w;
     }
   }
