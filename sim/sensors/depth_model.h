@@ -51,6 +51,8 @@ struct DepthModelInputs {
   double texture = 0;             ///< contrast of the surfaces' own pattern over their radiance
 };
 inline constexpr std::uint8_t kHiddenFromRight = 1, kHiddenFromProjector = 2;
+/// @throws std::invalid_argument if an image is not of the camera's size.
+void validate(const DepthModelInputs& inputs, const Camera& camera);
 
 /// What the right imager and the projector cannot see of a left depth image, row by row: a pixel is
 /// hidden if a surface to its right (for a device at negative x: left) lies before it there.
