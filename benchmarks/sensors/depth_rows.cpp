@@ -159,8 +159,14 @@ void add_edge_rows(const Device& device, std::vector<ScoreRow>& rows) {
 
 /// Walls between those that the fast model was fitted to.
 void add_model_rows(const Device& device, bool quick, std::vector<ScoreRow>& rows) {
-  const auto compared = compare_models(test_walls(device.config), device.config, device.unit,
-                                       quick ? 2 : 4, device.rng.fork("models"));
+  std::vector<WallCase> walls = test_walls(device.config);
+  if (quick) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < walls.size(); i += 3) walls[kept++] = walls[i];
+    walls.resize(kept);
+  }
+  const auto compared =
+      compare_models(walls, device.config, device.unit, quick ? 2 : 4, device.rng.fork("models"));
   double ratio_squares = 0, ratios = 0, fill_squares = 0;
   for (const ModelComparison& c : compared) {
     char name[96];
@@ -225,19 +231,26 @@ void add_speed_rows(const Device& device, bool quick, std::vector<ScoreRow>& row
 
 }  // namespace
 
+std::vector<ScoreRow> depth_rows_of(const std::string& rig, std::uint64_t seed, bool quick) {
+  std::vector<ScoreRow> rows;
+  const Device device = make_device(rig, seed, quick);
+  const bool is_main = rig == "d457";
+  add_distance_rows(device, rows);
+  add_mode_rows(device, rows);
+  add_edge_rows(device, rows);
+  if (is_main) add_speed_rows(device, quick, rows);
+  if (quick && !is_main) return rows;
+  add_light_rows(device, rows);
+  add_incidence_rows(device, rows);
+  add_model_rows(device, quick, rows);
+  return rows;
+}
+
 std::vector<ScoreRow> depth_rows(std::uint64_t seed, bool quick) {
   std::vector<ScoreRow> rows;
-  for (const std::string& name : active_stereo_preset_names()) {
-    const Device device = make_device(name, seed, quick);
-    add_distance_rows(device, rows);
-    add_mode_rows(device, rows);
-    add_edge_rows(device, rows);
-    const bool is_main = name == "d457";
-    if (quick && !is_main) continue;
-    add_light_rows(device, rows);
-    add_incidence_rows(device, rows);
-    add_model_rows(device, quick, rows);
-    if (is_main) add_speed_rows(device, quick, rows);
+  for (const std::string& rig : active_stereo_preset_names()) {
+    const std::vector<ScoreRow> own = depth_rows_of(rig, seed, quick);
+    rows.insert(rows.end(), own.begin(), own.end());
   }
   return rows;
 }
