@@ -1,7 +1,6 @@
 #include "benchmarks/sensors/depth_rows.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -9,6 +8,7 @@
 #include "benchmarks/sensors/depth_model_fit.h"
 #include "benchmarks/sensors/sensor_row.h"
 #include "sim/render/ray_scene.h"
+#include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
@@ -193,40 +193,38 @@ void add_model_rows(const Device& device, bool quick, std::vector<ScoreRow>& row
                          fill_squares <= 0.0004 * n));
 }
 
+/// Images a second, with the seconds of one image by the clock and by all processors.
 template <class Work>
-double images_a_second(int images, const Work& work) {
+ScoreRow speed_row(const Device& device, const std::string& case_name, int images, double least,
+                   const Work& work) {
   work(0);  // tables and memory
-  const auto start = std::chrono::steady_clock::now();
+  const StageClock clock(case_name);
   for (int i = 1; i <= images; ++i) work(i);
-  return images / std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const StageTiming timing = clock.finish();
+  ScoreRow row = device.row(case_name, "images_per_second", images / timing.wall_s, "1/s", images);
+  row.wall_s = timing.wall_s / images;
+  row.cpu_s = timing.cpu_s / images;
+  return limited(row, row.value >= least);
 }
 
 void add_speed_rows(const Device& device, bool quick, std::vector<ScoreRow>& rows) {
   const WallScene wall = make_wall({1.2, 0.3, 0.5, device.light, device.texture});
   const RayScene rays(wall.scene);
   const int images = quick ? 2 : 5;
-  const double full = images_a_second(images, [&](int i) {
+  rows.push_back(speed_row(device, "rendered, matched, registered", images, 0.5, [&](int i) {
     const InfraredPair pair = render_infrared_pair(rays, wall.scene, wall.rig_from_world,
                                                    device.config, device.unit, Rng(1));
     const StereoDepth depth = sense_depth(pair, device.config, device.unit, Rng(2 + i));
     register_to_color(depth.depth, device.config, device.unit);
-  });
-  rows.push_back(
-      limited(device.row("rendered, matched, registered", "images_per_second", full, "1/s", images),
-              full >= 0.5));
+  }));
   DepthModelInputs inputs;
-  const double rendered = images_a_second(4 * images, [&](int i) {
+  rows.push_back(speed_row(device, "fast model and its rendering", 4 * images, 5, [&](int i) {
     inputs = depth_model_inputs(rays, wall.scene, wall.rig_from_world, device.config, device.unit,
                                 Rng(1));
     model_depth(inputs, device.config, Rng(3), Rng(4 + i));
-  });
-  rows.push_back(limited(
-      device.row("fast model and its rendering", "images_per_second", rendered, "1/s", 4 * images),
-      rendered >= 5));
-  const double fast = images_a_second(
-      4 * images, [&](int i) { model_depth(inputs, device.config, Rng(3), Rng(4 + i)); });
-  rows.push_back(
-      limited(device.row("fast model", "images_per_second", fast, "1/s", 4 * images), fast >= 20));
+  }));
+  rows.push_back(speed_row(device, "fast model", 4 * images, 20,
+                           [&](int i) { model_depth(inputs, device.config, Rng(3), Rng(4 + i)); }));
 }
 
 }  // namespace
