@@ -172,8 +172,8 @@ ObjectModel plate_model(double half_m) {
 std::vector<WallCase> fit_walls(const ActiveStereoConfig& config) {
   std::vector<WallCase> walls;
   const double texture = config.has_projector ? 0 : 0.6;
-  const std::vector<double> lights = config.has_projector ? std::vector<double>{0.01, 0.1, 1}
-                                                          : std::vector<double>{0.0003, 0.003, 0.1};
+  const std::vector<double> lights =
+      config.has_projector ? std::vector<double>{0.01, 0.1, 1} : std::vector<double>{0.03, 0.3, 3};
   const std::vector<double> distances = depths(config, 6, 0);
   for (std::size_t i = 0; i < distances.size(); ++i) {
     for (const double light : lights) {
@@ -183,7 +183,7 @@ std::vector<WallCase> fit_walls(const ActiveStereoConfig& config) {
   }
   for (const double z : depths(config, 2, 0.5)) {
     for (const double incidence : {0.5, 0.8, 1.05})
-      walls.push_back({z, incidence, 0.5, lights[0], texture});
+      walls.push_back({z, incidence, 0.5, config.has_projector ? lights[0] : lights[2], texture});
   }
   return walls;
 }
@@ -192,13 +192,13 @@ std::vector<WallCase> test_walls(const ActiveStereoConfig& config) {
   std::vector<WallCase> walls;
   const double texture = config.has_projector ? 0 : 0.6;
   const std::vector<double> lights =
-      config.has_projector ? std::vector<double>{0.03, 0.3} : std::vector<double>{0.001, 0.03};
+      config.has_projector ? std::vector<double>{0.03, 0.3} : std::vector<double>{0.1, 1};
   for (const double z : depths(config, 5, 0.3)) {
     for (const double light : lights) walls.push_back({z, 0, 0.3, light, texture});
   }
   for (const double z : depths(config, 2, 0.7)) {
     for (const double incidence : {0.35, 0.65, 0.95})
-      walls.push_back({z, incidence, 0.3, lights[0], texture});
+      walls.push_back({z, incidence, 0.3, config.has_projector ? lights[0] : lights[1], texture});
   }
   return walls;
 }
@@ -269,7 +269,7 @@ PlateEdges plate_edges(const ActiveStereoConfig& config, const ActiveStereoUnit&
                        const Rng& rng) {
   const double near_m = 2.5 * least_depth_m(config), far_m = 1.6 * near_m;
   const double texture = config.has_projector ? 0 : 0.6;
-  WallScene scene = make_wall({far_m, 0, 0.5, 0.02, texture});
+  WallScene scene = make_wall({far_m, 0, 0.5, config.has_projector ? 0.02 : 1.0, texture});
   const double half_m = 0.25 * near_m;
   Instance plate = scene.scene.instances[0];
   plate.id = 2;

@@ -55,7 +55,7 @@ Device make_device(const std::string& name, std::uint64_t seed, bool quick) {
   device.frames = quick ? 2 : 6;
   if (!device.config.has_projector) {
     device.texture = 0.6;
-    device.light = 0.1;
+    device.light = 1;
   }
   return device;
 }
