@@ -229,7 +229,7 @@ class Gatherer {
                   draw.direction.x(), draw.direction.y(), draw.direction.z(), draw.distance_m);
         }
         if (!any) continue;
-        rtcOccluded16(mask.lane, cache_.rays->scene, &context, &packet);
+        find_occluded(mask, cache_.rays->scene, context, packet);
         for (int i = 0; i < kLanes; ++i) {
           if (mask.lane[i] && packet.tfar[i] >= 0) arriving += weight[i];
         }

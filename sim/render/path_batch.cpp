@@ -292,7 +292,7 @@ void PathBatch::trace_shadow_packets() {
       packet.time[i] = s.time;
       mask.lane[i] = first + static_cast<std::size_t>(i) < shadows_.size() ? -1 : 0;
     }
-    rtcOccluded16(mask.lane, scene_.rays->scene, &context, &packet);
+    find_occluded(mask, scene_.rays->scene, context, packet);
     for (int i = 0; i < kLanes && mask.lane[i]; ++i) {
       if (packet.tfar[i] < 0) continue;
       const Shadow& s = shadows_[first + static_cast<std::size_t>(i)];
@@ -302,7 +302,7 @@ void PathBatch::trace_shadow_packets() {
 }
 
 /// Embree culls a coherent packet by one frustum, which for scattered origins holds the whole
-/// scene, and its incoherent packets took a hundred times as long as single rays among instances.
+/// scene, and single rays are then faster than packets.
 void PathBatch::trace_shadow_singles() {
   RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
   for (const Shadow& s : shadows_) {

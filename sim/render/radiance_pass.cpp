@@ -149,7 +149,7 @@ class PacketShader {
       set_ray(shadow, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
       mask.lane[i] = -1;
     }
-    rtcOccluded16(mask.lane, cache_.rays->scene, &context_, &shadow);
+    find_occluded(mask, cache_.rays->scene, context_, shadow);
     for (int i = 0; i < kLanes; ++i) {
       if (!mask.lane[i] || shadow.tfar[i] < 0) continue;
       s.radiance[i] += light[i];
@@ -190,7 +190,7 @@ class PacketShader {
       any = true;
     }
     if (!any) return;
-    rtcOccluded16(mask.lane, cache_.rays->scene, &context_, &shadow);
+    find_occluded(mask, cache_.rays->scene, context_, shadow);
     for (int i = 0; i < kLanes; ++i) {
       if (mask.lane[i] && shadow.tfar[i] >= 0) s.radiance[i] += light[i] * lamp.radiance;
     }

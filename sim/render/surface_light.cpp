@@ -110,7 +110,7 @@ void add_suns(const IrradianceCache::Impl& cache, SecondaryPacket& packet) {
       set_ray(shadow, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
       mask.lane[i] = -1;
     }
-    rtcOccluded16(mask.lane, cache.rays->scene, &context, &shadow);
+    find_occluded(mask, cache.rays->scene, context, shadow);
     for (int i = 0; i < kLanes; ++i) {
       if (!mask.lane[i] || shadow.tfar[i] < 0) continue;
       const float entering = packet.hit[i].surface->coat.entering(cosine[i]);

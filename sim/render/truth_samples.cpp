@@ -137,7 +137,7 @@ void cast_alone(const RayScene::Impl& impl, const RayGeometry& geometry, const P
         if (geometry.is_instanced) d = frame.mesh_from_world * d;
         set_ray(packet, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
       }
-      rtcOccluded16(valid.lane, alone, &context, &packet);
+      find_occluded(valid, alone, context, packet);
       for (int i = 0; i < kLanes && x + i < box.x1; ++i) {
         // A visible pixel is in the full mask by definition, whatever the rounding in the other
         // tree.

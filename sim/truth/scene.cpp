@@ -30,6 +30,8 @@ Mesh mesh_in_world(const Scene& scene, const Instance& instance, double time_s) 
 }
 
 Pose pose_at_row(const TrueView& view, double y) {
+  // A global shutter with an exposure: all rows see the middle of the way.
+  if (view.exposure_s > 0 && !(view.readout_s > 0)) return pose_in_exposure(view, y, 0.5);
   const double last = view.camera.height_px - 1;
   if (last <= 0) return view.camera_from_world;
   return interpolate(view.camera_from_world, view.camera_from_world_end, y / last);

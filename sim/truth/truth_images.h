@@ -26,7 +26,7 @@ struct TrueView {
   double focus_m = std::numeric_limits<double>::infinity();  ///< depth that is sharp
 };
 
-/// Pose when row `y` is read (linear in the row).
+/// Pose when row `y` is read: linear in the row; with a global shutter and an exposure, its middle.
 Pose pose_at_row(const TrueView& view, double y);
 /// The time when row `y` is read.
 double time_at_row(const TrueView& view, double y);

@@ -1,0 +1,209 @@
+#include "sim/render/infrared_light.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "sim/render/value_noise.h"
+
+namespace cousin {
+namespace {
+
+float mean_of(const Rgbf& c) { return (c.r + c.g + c.b) / 3; }
+float luminance(const Rgbf& c) { return 0.2126F * c.r + 0.7152F * c.g + 0.0722F * c.b; }
+
+/// Radiance of a sky along a direction whose z is `up`, in the infrared.
+struct AmbientDome {
+  double zenith = 0, horizon = 0, ground = 0;
+  double radiance(double up) const { return up >= 0 ? horizon + (zenith - horizon) * up : ground; }
+};
+
+/// Irradiance of a dome that is even about the vertical on a surface tilted by acos(normal_z).
+double dome_irradiance(const AmbientDome& dome, double normal_z) {
+  const double normal_x = std::sqrt(std::max(0.0, 1 - normal_z * normal_z));
+  constexpr int kUp = 64, kAround = 64;
+  double sum = 0;
+  for (int i = 0; i < kUp; ++i) {
+    const double z = -1 + (i + 0.5) * 2 / kUp, r = std::sqrt(1 - z * z);
+    for (int j = 0; j < kAround; ++j) {
+      const double cosine =
+          normal_z * z + normal_x * r * std::cos((j + 0.5) * 2 * std::numbers::pi / kAround);
+      if (cosine > 0) sum += dome.radiance(z) * cosine;
+    }
+  }
+  return sum * 4 * std::numbers::pi / (kUp * kAround);
+}
+
+/// Direct sunlight through clear air at 850 nm over what leaves the sun: Rayleigh's and the
+/// aerosol's depth at that wavelength [Preetham, Shirley & Smits 1999, appendix 1].
+double clear_transmission(const ClearSky& sky) {
+  const double elevation_sine = std::max(0.02, sky.to_sun.normalized().z());
+  const double elevation_deg = std::asin(elevation_sine) * 180 / std::numbers::pi;
+  const double mass = 1 / (elevation_sine + 0.15 * std::pow(elevation_deg + 3.885, -1.253));
+  constexpr double kWavelength_um = 0.85;
+  const double rayleigh = 0.008735 * std::pow(kWavelength_um, -4.08);
+  const double aerosol = (0.04608 * sky.turbidity - 0.04586) * std::pow(kWavelength_um, -1.3);
+  return std::exp(-(rayleigh + aerosol) * mass);
+}
+
+/// Luminance of sunlight above the air, klux [CIE: 128 klux].
+constexpr double kSolarIlluminance_klux = 128;
+
+double mean_radiance(const Environment& environment) {
+  double sum = 0, weight = 0;
+  for (int y = 0; y < environment.radiance.height(); ++y) {
+    const double w =
+        std::sin((y + 0.5) * std::numbers::pi / environment.radiance.height());  // solid angle
+    for (const Rgbf& c : environment.radiance.row(y)) {
+      sum += w * static_cast<double>(mean_of(c));
+      weight += w;
+    }
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
+InfraredProjector make_projector(const Projector& projector, const Eigen::Vector3d& centre_m) {
+  validate(projector.lens);
+  if (projector.intensity.width() != projector.lens.width_px ||
+      projector.intensity.height() != projector.lens.height_px) {
+    throw std::invalid_argument(
+        "infrared pass: a projector's picture is " + std::to_string(projector.intensity.width()) +
+        " x " + std::to_string(projector.intensity.height()) + ", its lens " +
+        std::to_string(projector.lens.width_px) + " x " + std::to_string(projector.lens.height_px));
+  }
+  InfraredProjector out;
+  out.origin_m = (projector.world_from_projector.translation_m - centre_m).cast<float>();
+  out.projector_from_world =
+      projector.world_from_projector.rotation.conjugate().toRotationMatrix().cast<float>();
+  out.lens = projector.lens;
+  out.is_pinhole = projector.lens.model == LensModel::pinhole;
+  out.intensity = Image<float>(projector.intensity.width(), projector.intensity.height());
+  std::transform(projector.intensity.begin(), projector.intensity.end(), out.intensity.begin(),
+                 [](const Rgbf& c) { return c.r; });
+  return out;
+}
+
+}  // namespace
+
+float InfraredProjector::towards(const Eigen::Vector3f& offset_m) const {
+  const Eigen::Vector3f p = projector_from_world * offset_m;
+  Eigen::Vector2f pixel;
+  if (is_pinhole) {
+    if (p.z() <= 0) return 0;
+    const float inverse = 1 / p.z();
+    pixel.x() = static_cast<float>(lens.fx_px) * p.x() * inverse + static_cast<float>(lens.cx_px);
+    pixel.y() = static_cast<float>(lens.fy_px) * p.y() * inverse + static_cast<float>(lens.cy_px);
+  } else {
+    const auto projected = project(lens, p.cast<double>());
+    if (!projected) return 0;
+    pixel = projected->cast<float>();
+  }
+  const auto last_x = static_cast<float>(intensity.width() - 1);
+  const auto last_y = static_cast<float>(intensity.height() - 1);
+  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= last_x && pixel.y() <= last_y)) return 0;
+  const int x = std::min(static_cast<int>(pixel.x()), std::max(intensity.width() - 2, 0));
+  const int y = std::min(static_cast<int>(pixel.y()), std::max(intensity.height() - 2, 0));
+  const int right = std::min(x + 1, intensity.width() - 1);
+  const int below = std::min(y + 1, intensity.height() - 1);
+  const float u = pixel.x() - static_cast<float>(x), v = pixel.y() - static_cast<float>(y);
+  return (intensity(x, y) * (1 - u) + intensity(right, y) * u) * (1 - v) +
+         (intensity(x, below) * (1 - u) + intensity(right, below) * u) * v;
+}
+
+float InfraredLights::ambient_at(float normal_z) const {
+  const float position =
+      0.5F * (std::clamp(normal_z, -1.0F, 1.0F) + 1) * static_cast<float>(ambient.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(position), ambient.size() - 2);
+  const float t = position - static_cast<float>(i);
+  return ambient[i] * (1 - t) + ambient[i + 1] * t;
+}
+
+InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projector> projectors,
+                                    const InfraredConfig& config, const Eigen::Vector3d& centre_m) {
+  InfraredLights lights;
+  AmbientDome dome;
+  for (const Projector& projector : projectors)
+    lights.projectors.push_back(make_projector(projector, centre_m));
+  const auto add_sun = [&](const Eigen::Vector3d& to_sun, double irradiance) {
+    lights.suns.push_back({to_sun.normalized().cast<float>(), static_cast<float>(irradiance)});
+  };
+  for (const Light& light : scene.lights) {
+    if (const auto* sun = std::get_if<Sun>(&light)) {
+      add_sun(sun->to_sun, config.sun_share * static_cast<double>(mean_of(sun->irradiance)));
+    } else if (const auto* sky = std::get_if<Sky>(&light)) {
+      dome.zenith += config.sky_share * static_cast<double>(mean_of(sky->zenith));
+      dome.horizon += config.sky_share * static_cast<double>(mean_of(sky->horizon));
+      dome.ground += config.sky_share * static_cast<double>(mean_of(sky->ground));
+    } else if (const auto* clear = std::get_if<ClearSky>(&light)) {
+      const double direct = kSolarIlluminance_klux * clear->scale * clear_transmission(*clear);
+      if (clear->has_sun) add_sun(clear->to_sun, config.sun_share * direct);
+      // A tenth of the sunlight is scattered by clear air at 550 nm, evenly to our eyes.
+      const double even = config.sky_share * 0.1 * direct / std::numbers::pi;
+      dome.zenith += even;
+      dome.horizon += even;
+      dome.ground += static_cast<double>(mean_of(clear->ground_albedo)) * config.sun_share *
+                     direct * std::max(0.0, clear->to_sun.normalized().z()) / std::numbers::pi;
+    } else if (const auto* lamp = std::get_if<Lamp>(&light)) {
+      const Eigen::Vector3d normal = lamp->axis_u_m.cross(lamp->axis_v_m);
+      lights.lamps.push_back({(lamp->centre_in_world_m - centre_m).cast<float>(),
+                              normal.normalized().cast<float>(),
+                              static_cast<float>(config.lamp_share * 4 * normal.norm() *
+                                                 static_cast<double>(mean_of(lamp->radiance)))});
+    } else if (const auto* environment = std::get_if<Environment>(&light)) {
+      const double even = config.sky_share * mean_radiance(*environment);
+      dome.zenith += even;
+      dome.horizon += even;
+      dome.ground += even;
+    } else if (const auto* projector = std::get_if<Projector>(&light)) {
+      lights.projectors.push_back(make_projector(*projector, centre_m));
+    }
+  }
+  if (config.lamp_share == 0) lights.lamps.clear();
+  for (std::size_t i = 0; i < lights.ambient.size(); ++i) {
+    const double normal_z = -1 + 2 * static_cast<double>(i) / double(lights.ambient.size() - 1);
+    lights.ambient[i] = static_cast<float>(dome_irradiance(dome, normal_z));
+  }
+  return lights;
+}
+
+InfraredSurface::Share InfraredSurface::at(const Eigen::Vector3f& position_m,
+                                           bool has_print) const {
+  if (!noise && !(print && has_print)) return {albedo, transmittance};
+  const Eigen::Vector3f p = object_from_world * position_m + object_origin_m;
+  if (print && has_print &&
+      is_black(*print, static_cast<double>(p.x()), static_cast<double>(p.y()))) {
+    return {ink_albedo, 0};
+  }
+  if (!noise) return {albedo, transmittance};
+  const float t = value_noise(p / static_cast<float>(noise->scale_m), noise->octaves);
+  const float factor = 1 - t + t * noise_ratio;
+  const float varied = std::clamp(albedo * factor, 0.0F, 1 - transmittance);
+  return {varied, transmittance};
+}
+
+std::vector<InfraredSurface> make_infrared_surfaces(const Scene& scene, double time_s,
+                                                    const Eigen::Vector3d& centre_m) {
+  std::vector<InfraredSurface> surfaces(scene.instances.size());
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const Material& m = scene.materials[static_cast<std::size_t>(instance.material)];
+    InfraredSurface& s = surfaces[i];
+    s.albedo = m.infrared_albedo;
+    s.transmittance = m.infrared_transmittance;
+    s.noise = m.noise;
+    if (m.noise) {
+      s.noise_ratio = luminance(m.noise->other_albedo) / std::max(luminance(m.albedo), 1e-3F);
+    }
+    s.print = m.print;
+    s.ink_albedo = luminance(m.ink_albedo);
+    const Pose object_from_world = inverse(world_from_object(instance, time_s));
+    s.object_from_world = object_from_world.rotation.toRotationMatrix().cast<float>();
+    s.object_origin_m = (object_from_world * centre_m).cast<float>();
+  }
+  return surfaces;
+}
+
+}  // namespace cousin

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sim/render/infrared_pass.h"
+#include "sim/truth/scene.h"
+
+namespace cousin {
+
+/// Lights and surfaces of a scene as the infrared pass uses them. Private to sim/render.
+struct InfraredProjector {
+  Eigen::Vector3f origin_m;  ///< less RayScene's centre
+  Eigen::Matrix3f projector_from_world;
+  Camera lens;
+  bool is_pinhole = true;
+  Image<float> intensity;
+
+  /// Radiant intensity towards a point `offset_m` from the source, in world axes; 0 outside.
+  float towards(const Eigen::Vector3f& offset_m) const;
+};
+
+struct InfraredLights {
+  struct Sun {
+    Eigen::Vector3f to_sun;
+    float irradiance;
+  };
+  struct Point {  ///< a lamp, seen from afar
+    Eigen::Vector3f origin_m, normal;
+    float intensity;
+  };
+  std::vector<InfraredProjector> projectors;
+  std::vector<Sun> suns;
+  std::vector<Point> lamps;
+  /// Irradiance of skies and environments on a surface whose normal has z = -1 .. 1.
+  std::array<float, 65> ambient{};
+
+  float ambient_at(float normal_z) const;
+};
+InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projector> projectors,
+                                    const InfraredConfig& config, const Eigen::Vector3d& centre_m);
+
+/// What a surface does with infrared light, at any of its points.
+struct InfraredSurface {
+  float albedo = 0, transmittance = 0;
+  std::optional<NoiseTexture> noise;
+  float noise_ratio = 1;  ///< of the other colour's luminance to the base's
+  std::optional<SeedBoard> print;
+  float ink_albedo = 0;
+  Eigen::Matrix3f object_from_world;  ///< rotation, then the origin: for noise and print
+  Eigen::Vector3f object_origin_m;
+
+  struct Share {
+    float albedo, transmittance;
+  };
+  Share at(const Eigen::Vector3f& position_m, bool has_print) const;
+};
+std::vector<InfraredSurface> make_infrared_surfaces(const Scene& scene, double time_s,
+                                                    const Eigen::Vector3d& centre_m);
+
+}  // namespace cousin
