@@ -128,8 +128,8 @@ def add_lights(scene, spec):
         light.shape = "RECTANGLE"
         light.size, light.size_y = 2 * u.length, 2 * v.length
         brightest = max(max(lamp["radiance"]), 1e-30)
-        # Blender's power is that of a Lambertian face.
-        light.energy = brightest * 3.141592653589793 * light.size * light.size_y
+        # Blender's radiance is power / (4 area), measured: a Lambertian face would have pi there.
+        light.energy = brightest * 4 * light.size * light.size_y
         light.color = [c / brightest for c in lamp["radiance"]]
         light.cycles.max_bounces = 1024
         # A lamp shines along its -z.

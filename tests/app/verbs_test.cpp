@@ -124,8 +124,8 @@ TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
   ASSERT_EQ(program.run(render + Words{"none", "--truth", "none"} + tiny_scene()).code, 0);
   // An empty board: there is no specimen to have a mask.
   EXPECT_EQ(folders("default"), std::set<std::string>({"models"}));
-  EXPECT_EQ(folders("all"), std::set<std::string>({"coverage", "depth", "instance", "models",
-                                                   "normal", "part", "position"}));
+  EXPECT_EQ(folders("all"), std::set<std::string>({"coverage", "depth", "flow", "instance",
+                                                   "models", "normal", "part", "position"}));
   EXPECT_EQ(folders("two"), std::set<std::string>({"depth", "models", "part"}));
   EXPECT_EQ(folders("none"), std::set<std::string>({"models"}));
   for (const char* dataset : {"all", "two", "none"}) {
@@ -153,7 +153,7 @@ TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
   EXPECT_EQ(unknown.code, 2);
   EXPECT_THAT(unknown.err,
               HasSubstr("\"colour\" is not one of depth, normal, instance, part, position, "
-                        "coverage, visibility, all, none"));
+                        "coverage, visibility, shares, keypoints, flow, all, none"));
   EXPECT_FALSE(fs::exists(program.path("new")));
 }
 

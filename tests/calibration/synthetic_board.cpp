@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 namespace cousin::synthetic {
 namespace {
@@ -127,6 +128,8 @@ Camera phone_camera(int width_px, LensModel model) {
     case LensModel::kannala_brandt4:
       c.distortion = {-0.02, 0.005, -0.003, 0.001};
       break;
+    case LensModel::splined_stereographic:
+      throw std::invalid_argument("phone_camera: no phone has a splined lens");
   }
   return c;
 }
