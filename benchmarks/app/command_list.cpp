@@ -10,6 +10,7 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/report/javascript_libraries.h"
 #include "scenes/seeds/seeds_scene.h"
+#include "sim/sensors/active_stereo.h"
 #include "sim/sensors/phone.h"
 #include "sim/sensors/rig.h"
 
@@ -84,8 +85,25 @@ std::vector<Entry> camera_entries() {
   return entries;
 }
 
+std::vector<Entry> depth_entries() {
+  std::vector<Entry> entries;
+  for (const std::string& name : active_stereo_preset_names()) {
+    const ActiveStereoConfig config = active_stereo_preset(name);
+    std::string modes;
+    for (const double columns : config.mode_columns) {
+      modes += (modes.empty() ? "" : ", ") + std::to_string(static_cast<int>(columns));
+    }
+    entries.push_back(
+        {name, "verified (against theory only; no device)",
+         std::string(config.has_projector ? "active stereo" : "stereo, no projector") +
+             ", depth modes of " + modes + " columns"});
+  }
+  return entries;
+}
+
 /// To add a kind of rig, add a row.
-constexpr std::array<std::vector<Entry> (*)(), 2> kRigKinds = {phone_entries, camera_entries};
+constexpr std::array<std::vector<Entry> (*)(), 3> kRigKinds = {phone_entries, camera_entries,
+                                                               depth_entries};
 
 }  // namespace
 
