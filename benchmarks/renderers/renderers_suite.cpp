@@ -205,7 +205,8 @@ ScoreFile renderers_suite(std::uint64_t seed, const std::filesystem::path& folde
   std::vector<Setting> settings;
   for (const int samples : counts)
     settings.push_back({std::to_string(samples) + " samples", {.samples = samples}});
-  for (const double threshold : quick ? std::vector<double>{0.05} : std::vector<double>{0.05, 0.02, 0.01}) {
+  for (const double threshold :
+       quick ? std::vector<double>{0.05} : std::vector<double>{0.05, 0.02, 0.01}) {
     settings.push_back({"adaptive, threshold " + std::to_string(threshold).substr(0, 4),
                         {.samples = 1024, .noise_threshold = threshold}});
   }
