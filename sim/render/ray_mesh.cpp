@@ -134,8 +134,8 @@ RayMesh make_ray_mesh(const ObjectModel& model, const MeshPlacement& placement) 
   return mesh;
 }
 
-TrianglePlane triangle_plane(const RayMesh& mesh, std::uint32_t triangle) {
-  return mesh.planes.empty() ? plane_of(mesh, mesh.exact_m, triangle) : mesh.planes[triangle];
+TrianglePlane made_plane(const RayMesh& mesh, std::uint32_t triangle) {
+  return plane_of(mesh, mesh.exact_m, triangle);
 }
 
 }  // namespace cousin

@@ -73,7 +73,10 @@ struct RayScene::Impl {
 };
 
 /// A triangle's plane, kept or made at need; the same numbers either way.
-TrianglePlane triangle_plane(const RayMesh& mesh, std::uint32_t triangle);
+TrianglePlane made_plane(const RayMesh& mesh, std::uint32_t triangle);
+inline TrianglePlane triangle_plane(const RayMesh& mesh, std::uint32_t triangle) {
+  return mesh.planes.empty() ? made_plane(mesh, triangle) : mesh.planes[triangle];
+}
 
 /// Time of a ray as Embree takes it: 0 at the begin of RayScene's span, 1 at its end, held beyond.
 float ray_time(const RayScene::Impl& impl, double time_s);

@@ -130,7 +130,7 @@ class RowTracer {
       depth_m[i] = hit.t_m * (axis[0] * dx + axis[1] * dy + axis[2] * dz);
       accepted += hit.accepted ? 1 : 0;
     };
-    const RowPlane plane = plane_;
+    const RowPlane& plane = plane_;
     const Eigen::Vector3d o = frame_.origin_m;
     const double reach_m = frame_.reach_m;
     if (frame_.is_world) {
