@@ -280,40 +280,4 @@ PathBsdf::Draw PathBsdf::draw_glass(const Eigen::Vector2f& u, float lobe) const 
   return draw;
 }
 
-float noise_at(const NoiseTexture& noise, const Vector3f& in_object_m) {
-  const auto lattice = [](int x, int y, int z, int octave) {
-    const std::uint64_t key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) |
-                              static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32;
-    const std::uint64_t hash =
-        hash64(hash64(key) + static_cast<std::uint32_t>(z) * 0x9E3779B97F4A7C15ULL +
-               static_cast<std::uint64_t>(octave));
-    return static_cast<float>(hash >> 40) * 0x1p-24F;
-  };
-  const auto smooth = [](float t) { return t * t * (3 - 2 * t); };
-  float sum = 0, total = 0, strength = 1;
-  Vector3f p = in_object_m / static_cast<float>(noise.scale_m);
-  for (int octave = 0; octave < noise.octaves; ++octave, p *= 2, strength *= 0.5F) {
-    // Far beyond any object; keeps the cast to int defined.
-    if (!(p.cwiseAbs().maxCoeff() < 1e9F)) break;
-    const Vector3f floor = p.array().floor();
-    const int x = static_cast<int>(floor.x()), y = static_cast<int>(floor.y()),
-              z = static_cast<int>(floor.z());
-    const float u = smooth(p.x() - floor.x()), v = smooth(p.y() - floor.y()),
-                w = smooth(p.z() - floor.z());
-    const auto along = [&](int dy, int dz) {
-      const float a = lattice(x, y + dy, z + dz, octave),
-                  b = lattice(x + 1, y + dy, z + dz, octave);
-      return a + u * (b - a);
-    };
-    const auto across = [&](int dz) {
-      const float a = along(0, dz);
-      return a + v * (along(1, dz) - a);
-    };
-    const float a = across(0);
-    sum += strength * (a + w * (across(1) - a));
-    total += strength;
-  }
-  return total > 0 ? sum / total : 0.5F;
-}
-
 }  // namespace cousin

@@ -65,7 +65,4 @@ struct PathBsdf {
   Draw draw_glass(const Eigen::Vector2f& u, float lobe) const;
 };
 
-/// Fractal value noise in [0, 1] at a point of an object.
-float noise_at(const NoiseTexture& noise, const Eigen::Vector3f& in_object_m);
-
 }  // namespace cousin

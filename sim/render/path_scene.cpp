@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "sim/render/sample_points.h"
+#include "sim/render/value_noise.h"
 
 namespace cousin {
 namespace {
@@ -37,7 +38,8 @@ Vector3f albedo_at(const PathInstance& instance, const SurfacePoint& point,
       placement.world_from_object.transpose() * (point.position_m - placement.origin_m);
   if (m.noise) {
     const Vector3f other(m.noise->other_albedo.r, m.noise->other_albedo.g, m.noise->other_albedo.b);
-    albedo += noise_at(*m.noise, p) * (other - albedo);
+    const float share = value_noise(p / static_cast<float>(m.noise->scale_m), m.noise->octaves);
+    albedo += share * (other - albedo);
   }
   if (m.print && point.has_print &&
       is_black(*m.print, static_cast<double>(p.x()), static_cast<double>(p.y()))) {

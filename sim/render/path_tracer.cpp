@@ -263,7 +263,7 @@ Fields fields(PathConfig& config) {
       {"pixel_samples", &config.pixel_samples, "camera rays a pixel; adaptive: on average", 1,
        1 << 20},
       {"max_bounces", &config.max_bounces, "surfaces after the first; 0 = direct light only", 0,
-       64},
+       1024},
       {"adaptive", &config.adaptive, "more samples where the relative error is larger"},
       {"min_samples", &config.min_samples, "a pixel, before samples are spread by error", 8,
        1 << 20},

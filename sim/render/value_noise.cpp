@@ -36,6 +36,8 @@ float one_octave(const Eigen::Vector3f& p, std::uint64_t key) {
 float value_noise(const Eigen::Vector3f& point, int octaves, std::uint64_t key) {
   float sum = 0, weight = 0, strength = 1, scale = 1;
   for (int i = 0; i < octaves; ++i, strength *= 0.5F, scale *= 2) {
+    // Far beyond any object; keeps the casts to integers defined.
+    if (!(point.cwiseAbs().maxCoeff() * scale < 1e9F)) break;
     sum += strength * one_octave(point * scale, key + static_cast<std::uint64_t>(i));
     weight += strength;
   }
