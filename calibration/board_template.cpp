@@ -64,7 +64,7 @@ void blur(Image<float>& image, double sigma_px) {
 }  // namespace
 
 LensMap::LensMap(const Camera& camera)
-    : camera_(camera),
+    : lens_(camera),
       columns_(camera.width_px / kStep + 4),
       nodes_(static_cast<std::size_t>(columns_) *
              static_cast<std::size_t>(camera.height_px / kStep + 4)),
@@ -74,7 +74,7 @@ const Eigen::Vector2d& LensMap::node(int column, int row) {
   const auto i = static_cast<std::size_t>(row * columns_ + column);
   if (known_[i] == 0) {
     const std::optional<Eigen::Vector3d> ray =
-        unproject(camera_, Eigen::Vector2d((column - 1) * kStep, (row - 1) * kStep));
+        lens_.unproject(Eigen::Vector2d((column - 1) * kStep, (row - 1) * kStep));
     nodes_[i] = ray && ray->z() > 1e-3
                     ? Eigen::Vector2d(ray->head<2>() / ray->z())
                     : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());

@@ -51,12 +51,12 @@ class LensMap {
   explicit LensMap(const Camera& camera);
   /// For a pixel of the image or one pixel beside it; NaN where the lens has no direction in front.
   Eigen::Vector2d operator()(int x, int y);
-  const Camera& camera() const { return camera_; }
+  const Camera& camera() const { return lens_.camera(); }
 
  private:
   const Eigen::Vector2d& node(int column, int row);
   static constexpr int kStep = 8;
-  Camera camera_;
+  Lens lens_;
   int columns_;  ///< nodes start one step outside the image
   std::vector<Eigen::Vector2d> nodes_;
   std::vector<std::uint8_t> known_;

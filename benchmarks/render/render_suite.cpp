@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "benchmarks/render/cached_light.h"
 #include "benchmarks/render/corner_position.h"
 #include "benchmarks/render/leaf_cloud.h"
 #include "benchmarks/seeds/render_noise.h"
@@ -80,13 +81,13 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   };
   ScoreFile file;
   const SeedsRunConfig config = seeds_run_config(sets);
-  say("scene", 0, 6);
+  say("scene", 0, 7);
   const StageClock scene_clock("scene");
   const SeedsSimulation simulation(config, seed, 0);
   const StageTiming scene = scene_clock.finish();
   file.scores.push_back(row_of("seeds scene", "seconds.scene", scene.wall_s, "s", 1, seed));
 
-  say("truth throughput", 1, 6);
+  say("truth throughput", 1, 7);
   // A view of each ring: the share of rays that hit the board changes with elevation.
   const int views = static_cast<int>(simulation.views().size());
   std::vector<double> shares;
@@ -103,7 +104,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
         limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), t.share >= 0.6));
   }
 
-  say("radiance", 2, 6);
+  say("radiance", 2, 7);
   const StageClock first_clock("first");
   simulation.radiance(0);
   const double first_s = first_clock.finish().wall_s;
@@ -120,7 +121,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   file.scores.push_back(row_of("radiance pass", "seconds.light_cache",
                                std::max(0.0, first_s - median_s), "s", 1, seed));
 
-  say("noise", 3, 6);
+  say("noise", 3, 7);
   for (const int view : quick ? std::vector<int>{views / 2}
                               : std::vector<int>{views / 6, views / 2, 5 * views / 6}) {
     const RenderNoise noise = measure_render_noise(simulation, config.rig, view);
@@ -132,7 +133,15 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
                                  "1", noise.pixels, seed));
   }
 
-  say("corners", 4, 6);
+  say("cached light", 4, 7);
+  for (const CachedLightError& e : compare_cached_light(simulation, views / 2, quick ? 16 : 64,
+                                                        config.render.max_bounces + 1)) {
+    const std::string name = "cached light against paths, " + e.category;
+    file.scores.push_back(row_of(name, "mean_ratio", e.mean_ratio, "1", e.pixels, seed));
+    file.scores.push_back(row_of(name, "rms", e.rms, "1", e.pixels, seed));
+  }
+
+  say("corners", 5, 7);
   for (const LensModel model :
        {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
         LensModel::kannala_brandt4, LensModel::splined_stereographic}) {
@@ -143,7 +152,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
                 found.bias_px.norm() <= 0.02));
     file.scores.push_back(row_of(name, "corner.rms", found.rms_px, "px", found.corners, seed));
   }
-  say("leaf cloud", 5, 6);
+  say("leaf cloud", 6, 7);
   add_leaf_cloud_rows(file.scores, seed, quick);
   return file;
 }

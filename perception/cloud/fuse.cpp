@@ -26,7 +26,7 @@ constexpr float kLeastFacing =
 struct DepthView {
   int frame = 0;
   int x0 = 0, y0 = 0;
-  const Camera* camera = nullptr;
+  std::optional<Lens> lens;
   Pose camera_from_world;
   Eigen::Vector3f centre_m;
   Image<Eigen::Vector3f> point_m;  ///< in the world; NaN = none
@@ -84,7 +84,7 @@ std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth,
   view.frame = frame;
   view.x0 = box->x0;
   view.y0 = box->y0;
-  view.camera = &pose.camera;
+  view.lens.emplace(pose.camera);
   view.camera_from_world = pose.camera_from_world;
   const Pose world_from_camera = inverse(pose.camera_from_world);
   view.centre_m = world_from_camera.translation_m.cast<float>();
@@ -97,7 +97,7 @@ std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth,
     for (int x = 0; x < w; ++x) {
       const float z = depth.depth_m(view.x0 + x, view.y0 + y);
       if (!std::isfinite(z) || z <= 0) continue;
-      const auto ray = unproject(pose.camera, Eigen::Vector2d(view.x0 + x, view.y0 + y));
+      const auto ray = view.lens->unproject(Eigen::Vector2d(view.x0 + x, view.y0 + y));
       if (!ray || ray->z() <= 0) continue;
       view.point_m(x, y) = (world_from_camera * (*ray * (z / ray->z())).eval()).cast<float>();
       const float sigma = depth.sigma_m.empty() ? 0 : depth.sigma_m(view.x0 + x, view.y0 + y);
@@ -125,7 +125,7 @@ Sight sight(const DepthView& view, const Eigen::Vector3f& point_m, const Eigen::
   const Eigen::Vector3f ray = (view.centre_m - point_m).normalized();
   const float facing = normal.dot(ray);
   if (facing < kLeastFacing) return {};
-  const auto pixel = project(*view.camera, view.camera_from_world * point_m.cast<double>().eval());
+  const auto pixel = view.lens->project(view.camera_from_world * point_m.cast<double>().eval());
   if (!pixel) return {};
   const int x = static_cast<int>(std::lround(pixel->x())) - view.x0;
   const int y = static_cast<int>(std::lround(pixel->y())) - view.y0;

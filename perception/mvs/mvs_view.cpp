@@ -39,8 +39,8 @@ PixelRect intersection(const PixelRect& a, const PixelRect& b) {
   return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
 }
 
-std::optional<Eigen::Vector2d> normalized(const Camera& camera, const Eigen::Vector2d& pixel_px) {
-  const auto ray = unproject(camera, pixel_px);
+std::optional<Eigen::Vector2d> normalized(const Lens& lens, const Eigen::Vector2d& pixel_px) {
+  const auto ray = lens.unproject(pixel_px);
   if (!ray || ray->z() <= 0) return std::nullopt;
   const Eigen::Vector2d xy = ray->head<2>() / ray->z();
   if (xy.norm() > kWidestTangent) return std::nullopt;
@@ -143,8 +143,8 @@ float sample_cubic(const Image<float>& image, float x, float y) {
 
 void fill_source(const Image<Rgb8>& image, const Camera& camera, MvsView& view) {
   const PixelRect& rect = view.rect;
-  const LensGrid rays(rect,
-                      [&](const Eigen::Vector2d& pixel) { return normalized(camera, pixel); });
+  const Lens lens(camera);
+  const LensGrid rays(rect, [&](const Eigen::Vector2d& pixel) { return normalized(lens, pixel); });
   view.ray_x = view.ray_y = view.chroma_b = view.chroma_r = Image<float>(rect.width, rect.height);
   Image<float> luma(rect.width, rect.height);
   for (int y = 0; y < rect.height; ++y) {
@@ -179,8 +179,9 @@ void fill_pinhole(const Camera& camera, const Bounds& tangents, MvsView& view) {
   }
   view.pinhole_rect = intersection(rect_around(px, 6), rect_around(seen, 1));
   if (view.pinhole_rect.empty()) return;
+  const Lens lens(camera);
   view.distorted_from_pinhole = LensGrid(view.pinhole_rect, [&](const Eigen::Vector2d& pixel) {
-    return project(camera, ((pixel - c).cwiseQuotient(f)).homogeneous());
+    return lens.project(((pixel - c).cwiseQuotient(f)).homogeneous());
   });
   view.pinhole_luma = Image<float>(view.pinhole_rect.width, view.pinhole_rect.height);
   for (int y = 0; y < view.pinhole_rect.height; ++y) {

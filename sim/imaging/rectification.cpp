@@ -21,15 +21,16 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   throw std::invalid_argument("rectification: " + what);
 }
 
-Image<Eigen::Vector2f> make_map(const Camera& rectified, const Camera& lens,
+Image<Eigen::Vector2f> make_map(const Camera& rectified, const Camera& camera,
                                 const Eigen::Matrix3d& rectified_from_lens) {
   const Eigen::Matrix3d lens_from_rectified = rectified_from_lens.transpose();
+  const Lens lens(camera);
   Image<Eigen::Vector2f> map(rectified.width_px, rectified.height_px);
   tbb::parallel_for(0, rectified.height_px, [&](int y) {
     for (int x = 0; x < rectified.width_px; ++x) {
       const Eigen::Vector3d ray((x - rectified.cx_px) / rectified.fx_px,
                                 (y - rectified.cy_px) / rectified.fy_px, 1);
-      const auto pixel = project(lens, lens_from_rectified * ray);
+      const auto pixel = lens.project(lens_from_rectified * ray);
       map(x, y) = pixel ? Eigen::Vector2f(pixel->cast<float>()) : Eigen::Vector2f(kNone, kNone);
     }
   });

@@ -88,11 +88,12 @@ Undistorted<Pixel> undistort_any(const Image<Pixel>& image, const Camera& lens,
   const Camera pinhole = undistorted_camera(lens, config);
   Undistorted<Pixel> result{pinhole, Image<Pixel>(pinhole.width_px, pinhole.height_px, border),
                             Image<std::uint8_t>(pinhole.width_px, pinhole.height_px, 0)};
+  const Lens from(lens);
   tbb::parallel_for(0, pinhole.height_px, [&](int y) {
     for (int x = 0; x < pinhole.width_px; ++x) {
       const Eigen::Vector3d ray((x - pinhole.cx_px) / pinhole.fx_px,
                                 (y - pinhole.cy_px) / pinhole.fy_px, 1);
-      const auto at = project(lens, ray);
+      const auto at = from.project(ray);
       if (!at || !(at->x() >= 0 && at->x() <= lens.width_px - 1) ||
           !(at->y() >= 0 && at->y() <= lens.height_px - 1)) {
         continue;

@@ -12,8 +12,8 @@ namespace {
 
 using Direction = Eigen::Vector3d;
 
-Direction exact(const Camera& camera, double x, double y) {
-  return unproject(camera, {x, y}).value_or(Direction::Zero());
+Direction exact(const Lens& lens, double x, double y) {
+  return lens.unproject({x, y}).value_or(Direction::Zero());
 }
 
 /// Nodes evenly spread from the first to the last point of one axis.
@@ -58,7 +58,7 @@ struct NodeGrid {
   }
 };
 
-NodeGrid make_grid(const Camera& camera, double first_x, double first_y, int width, int height,
+NodeGrid make_grid(const Lens& lens, double first_x, double first_y, int width, int height,
                    double step) {
   NodeGrid grid{make_axis(first_x, width, step), make_axis(first_y, height, step), {}};
   grid.nodes.resize(static_cast<std::size_t>(grid.x.nodes) *
@@ -67,7 +67,7 @@ NodeGrid make_grid(const Camera& camera, double first_x, double first_y, int wid
     for (int i = 0; i < grid.x.nodes; ++i) {
       grid.nodes[static_cast<std::size_t>(j) * static_cast<std::size_t>(grid.x.nodes) +
                  static_cast<std::size_t>(i)] =
-          exact(camera, grid.x.first + i * grid.x.step, grid.y.first + j * grid.y.step);
+          exact(lens, grid.x.first + i * grid.x.step, grid.y.first + j * grid.y.step);
     }
   });
   return grid;
@@ -109,7 +109,7 @@ class RowInterpolator {
 
 /// Largest angle between interpolated and exact directions at cell centres, every eighth cell and
 /// the rim.
-double largest_error(const Camera& camera, const NodeGrid& grid) {
+double largest_error(const Lens& lens, const NodeGrid& grid) {
   double largest = 0;
   const int cells_x = grid.x.nodes - 1, cells_y = grid.y.nodes - 1;
   const auto next = [](int i, int cells) {
@@ -120,7 +120,7 @@ double largest_error(const Camera& camera, const NodeGrid& grid) {
     const RowInterpolator row(grid, y);
     for (int i = 0; i < cells_x; i = next(i, cells_x)) {
       const double x = grid.x.first + (i + 0.5) * grid.x.step;
-      const Direction a = row(x), b = exact(camera, x, y);
+      const Direction a = row(x), b = exact(lens, x, y);
       if (!a.isZero(0) && !b.isZero(0)) largest = std::max(largest, (a - b).norm());
     }
   }
@@ -134,26 +134,27 @@ std::vector<Direction> lens_directions(const Camera& camera, double first_x, dou
   std::vector<Direction> directions(static_cast<std::size_t>(width) *
                                     static_cast<std::size_t>(height));
   const double tolerance_rad = tolerance_px / std::max(camera.fx_px, camera.fy_px);
+  const Lens lens(camera);
   NodeGrid grid;
   double step = 32;
   bool interpolates = false;
   for (; step > 1 && !interpolates; step *= 0.5) {
     if ((width - 1) / step < kTaps || (height - 1) / step < kTaps) continue;
-    grid = make_grid(camera, first_x, first_y, width, height, step);
-    interpolates = largest_error(camera, grid) < tolerance_rad;
+    grid = make_grid(lens, first_x, first_y, width, height, step);
+    interpolates = largest_error(lens, grid) < tolerance_rad;
   }
   tbb::parallel_for(0, height, [&](int j) {
     const double y = first_y + j;
     Direction* out =
         directions.data() + static_cast<std::size_t>(j) * static_cast<std::size_t>(width);
     if (!interpolates) {
-      for (int i = 0; i < width; ++i) out[i] = exact(camera, first_x + i, y);
+      for (int i = 0; i < width; ++i) out[i] = exact(lens, first_x + i, y);
       return;
     }
     const RowInterpolator row(grid, y);
     for (int i = 0; i < width; ++i) {
       out[i] = row(first_x + i);
-      if (out[i].isZero(0)) out[i] = exact(camera, first_x + i, y);
+      if (out[i].isZero(0)) out[i] = exact(lens, first_x + i, y);
     }
   });
   return directions;

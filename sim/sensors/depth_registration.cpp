@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -23,12 +22,13 @@ struct Footprint {
 
 /// Directions of all corners between pixels, at depth 1; NaN where the lens has no ray.
 std::vector<Eigen::Vector3f> corner_rays(const Camera& camera) {
+  const Lens lens(camera);
   const int columns = camera.width_px + 1, rows = camera.height_px + 1;
   std::vector<Eigen::Vector3f> rays(static_cast<std::size_t>(columns) *
                                     static_cast<std::size_t>(rows));
   tbb::parallel_for(0, rows, [&](int y) {
     for (int x = 0; x < columns; ++x) {
-      const auto ray = unproject(camera, {x - 0.5, y - 0.5});
+      const auto ray = lens.unproject({x - 0.5, y - 0.5});
       Eigen::Vector3f& out = rays[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) +
                                   static_cast<std::size_t>(x)];
       out = ray && ray->z() > 0
@@ -38,34 +38,6 @@ std::vector<Eigen::Vector3f> corner_rays(const Camera& camera) {
   });
   return rays;
 }
-
-/// `project` for many points of one camera: what depends on the camera alone is worked out once.
-class PointProjector {
- public:
-  explicit PointProjector(const Camera& camera) : camera_(camera), limit_(monotone_limit(camera)) {}
-
-  std::optional<Eigen::Vector2d> operator()(const Eigen::Vector3d& point_m) const {
-    if (camera_.model != LensModel::pinhole && camera_.model != LensModel::opencv5)
-      return project(camera_, point_m);
-    if (!(point_m.z() > 0)) return std::nullopt;
-    double x = point_m.x() / point_m.z(), y = point_m.y() / point_m.z();
-    const double r2 = x * x + y * y;
-    if (r2 > limit_ * limit_) return std::nullopt;
-    if (camera_.model == LensModel::opencv5) {
-      const auto& k = camera_.distortion;
-      const double radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
-      const double dx = 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x);
-      const double dy = k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y;
-      x = x * radial + dx;
-      y = y * radial + dy;
-    }
-    return Eigen::Vector2d(camera_.fx_px * x + camera_.cx_px, camera_.fy_px * y + camera_.cy_px);
-  }
-
- private:
-  const Camera& camera_;
-  double limit_;
-};
 
 /// Range of whole pixels whose centres lie in [low, high), at least one, cut at the image; empty if
 /// outside.
@@ -96,7 +68,7 @@ Image<std::uint16_t> register_depth(const Image<std::uint16_t>& depth, double un
   }
   const std::vector<Eigen::Vector3f> rays = corner_rays(depth_camera);
   const Eigen::Matrix3d rotation = other_from_depth.rotation.toRotationMatrix();
-  const PointProjector to_other(other);
+  const Lens to_other(other);
   const auto stride = static_cast<std::size_t>(depth.width()) + 1;
   Image<Footprint> footprints(depth.width(), depth.height());
   tbb::parallel_for(0, depth.height(), [&](int y) {
@@ -110,7 +82,7 @@ Image<std::uint16_t> register_depth(const Image<std::uint16_t>& depth, double un
       const Eigen::Vector3d q = rotation * b + other_from_depth.translation_m;
       const double code = std::round(0.5 * (p.z() + q.z()) / unit_m);
       if (!(code >= 1 && code <= 65535)) continue;
-      const auto low = to_other(p), high = to_other(q);
+      const auto low = to_other.project(p), high = to_other.project(q);
       if (!low || !high) continue;
       Footprint f;
       if (!whole_pixels(low->x(), high->x(), other.width_px, f.left, f.right)) continue;

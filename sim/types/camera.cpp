@@ -8,8 +8,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim/types/camera_unproject.h"
-
 namespace cousin {
 namespace {
 
@@ -157,8 +155,6 @@ std::optional<Eigen::Vector2d> undistort(const Camera& camera, const Eigen::Vect
   return xy;
 }
 
-}  // namespace
-
 std::optional<Eigen::Vector3d> unproject_within(const Camera& camera,
                                                 const Eigen::Vector2d& pixel_px, double limit) {
   const Eigen::Vector2d m((pixel_px.x() - camera.cx_px) / camera.fx_px,
@@ -192,36 +188,10 @@ std::optional<Eigen::Vector3d> unproject_within(const Camera& camera,
   return Eigen::Vector3d(xy->x(), xy->y(), 1).normalized();
 }
 
-std::string_view to_string(LensModel model) { return entry(model).name; }
-
-LensModel lens_model_from_string(std::string_view text) {
-  std::string names;
-  for (const ModelName& model : kModels) {
-    if (model.name == text) return model.model;
-    names += (names.empty() ? "" : ", ") + std::string(model.name);
-  }
-  throw std::invalid_argument("lens model \"" + std::string(text) + "\" is not one of " + names);
-}
-
-int distortion_count(LensModel model) { return entry(model).count; }
-
-double monotone_limit(const Camera& camera) {
-  const auto& k = camera.distortion;
-  if (camera.model == LensModel::pinhole) return kInfinity;
-  if (camera.model == LensModel::splined_stereographic) return kInfinity;
-  if (camera.model == LensModel::kannala_brandt4) {
-    return first_fold([&](double t) { return kb_slope(k, t); }, std::numbers::pi);
-  }
-  // Beyond a tangent of 20 (87 degrees off axis) no perspective image reaches.
-  constexpr double kFarthest = 20;
-  const double fine = first_fold([&](double r) { return radial_slope(k, r); }, 2.0);
-  if (fine < 2.0) return fine;
-  const double limit = first_fold([&](double r) { return radial_slope(k, r); }, kFarthest);
-  return limit < kFarthest ? limit : kInfinity;
-}
-
-std::optional<Projection> project_with_jacobian(const Camera& camera,
-                                                const Eigen::Vector3d& point) {
+/// `limit` gives the camera's monotone_limit, and is only asked where it matters.
+template <class Limit>
+std::optional<Projection> projection(const Camera& camera, const Eigen::Vector3d& point,
+                                     const Limit& limit) {
   if (!point.allFinite()) return std::nullopt;
   Projection result;
   const Eigen::Vector2d f(camera.fx_px, camera.fy_px);
@@ -231,7 +201,7 @@ std::optional<Projection> project_with_jacobian(const Camera& camera,
     const double norm2 = point.squaredNorm();
     if (norm2 == 0) return std::nullopt;
     const double theta = std::atan2(r, point.z());
-    if (theta > monotone_limit(camera)) return std::nullopt;
+    if (theta > limit()) return std::nullopt;
     if (r < 1e-12 * std::sqrt(norm2)) {
       if (point.z() <= 0) return std::nullopt;
       result.pixel_px = c + f.cwiseProduct(point.head<2>() / point.z());
@@ -270,7 +240,7 @@ std::optional<Projection> project_with_jacobian(const Camera& camera,
   }
   // Cheap test first: the exact fold is only looked up where the slope is not plainly positive.
   const double r = std::hypot(x, y);
-  if (radial_slope(camera.distortion, r) <= 0 || (r > 0.5 && r > monotone_limit(camera))) {
+  if (radial_slope(camera.distortion, r) <= 0 || (r > 0.5 && r > limit())) {
     return std::nullopt;
   }
   const Distorted d = distort(camera, x, y);
@@ -279,14 +249,66 @@ std::optional<Projection> project_with_jacobian(const Camera& camera,
   return result;
 }
 
-std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point) {
-  const std::optional<Projection> projection = project_with_jacobian(camera, point);
+std::optional<Eigen::Vector2d> pixel_of(const std::optional<Projection>& projection) {
   if (!projection) return std::nullopt;
   return projection->pixel_px;
 }
 
+}  // namespace
+
+std::string_view to_string(LensModel model) { return entry(model).name; }
+
+LensModel lens_model_from_string(std::string_view text) {
+  std::string names;
+  for (const ModelName& model : kModels) {
+    if (model.name == text) return model.model;
+    names += (names.empty() ? "" : ", ") + std::string(model.name);
+  }
+  throw std::invalid_argument("lens model \"" + std::string(text) + "\" is not one of " + names);
+}
+
+int distortion_count(LensModel model) { return entry(model).count; }
+
+double monotone_limit(const Camera& camera) {
+  const auto& k = camera.distortion;
+  if (camera.model == LensModel::pinhole) return kInfinity;
+  if (camera.model == LensModel::splined_stereographic) return kInfinity;
+  if (camera.model == LensModel::kannala_brandt4) {
+    return first_fold([&](double t) { return kb_slope(k, t); }, std::numbers::pi);
+  }
+  // Beyond a tangent of 20 (87 degrees off axis) no perspective image reaches.
+  constexpr double kFarthest = 20;
+  const double fine = first_fold([&](double r) { return radial_slope(k, r); }, 2.0);
+  if (fine < 2.0) return fine;
+  const double limit = first_fold([&](double r) { return radial_slope(k, r); }, kFarthest);
+  return limit < kFarthest ? limit : kInfinity;
+}
+
+std::optional<Projection> project_with_jacobian(const Camera& camera,
+                                                const Eigen::Vector3d& point) {
+  return projection(camera, point, [&] { return monotone_limit(camera); });
+}
+
+std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& point) {
+  return pixel_of(project_with_jacobian(camera, point));
+}
+
 std::optional<Eigen::Vector3d> unproject(const Camera& camera, const Eigen::Vector2d& pixel_px) {
   return unproject_within(camera, pixel_px, monotone_limit(camera));
+}
+
+Lens::Lens(const Camera& camera) : camera_(camera), limit_(cousin::monotone_limit(camera)) {}
+
+std::optional<Projection> Lens::project_with_jacobian(const Eigen::Vector3d& point) const {
+  return projection(camera_, point, [this] { return limit_; });
+}
+
+std::optional<Eigen::Vector2d> Lens::project(const Eigen::Vector3d& point) const {
+  return pixel_of(project_with_jacobian(point));
+}
+
+std::optional<Eigen::Vector3d> Lens::unproject(const Eigen::Vector2d& pixel_px) const {
+  return unproject_within(camera_, pixel_px, limit_);
 }
 
 Camera resized(const Camera& camera, int width_px, int height_px) {

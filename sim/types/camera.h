@@ -77,6 +77,23 @@ std::optional<Eigen::Vector3d> unproject(const Camera& camera, const Eigen::Vect
 /// infinity if it never folds (pi for Kannala-Brandt) or the lens is splined.
 double monotone_limit(const Camera& camera);
 
+/// A camera for many points: where its radial map folds is found once, not for every point as by
+/// the functions above, which give the same values.
+class Lens {
+ public:
+  explicit Lens(const Camera& camera);
+
+  const Camera& camera() const { return camera_; }
+  double monotone_limit() const { return limit_; }
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_in_camera_m) const;
+  std::optional<Projection> project_with_jacobian(const Eigen::Vector3d& point_in_camera_m) const;
+  std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel_px) const;
+
+ private:
+  Camera camera_;
+  double limit_ = 0;
+};
+
 /// The same lens at another image size: intrinsics scale about the image corner (-0.5, -0.5).
 Camera resized(const Camera& camera, int width_px, int height_px);
 

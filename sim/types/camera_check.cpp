@@ -6,7 +6,6 @@
 #include <string>
 
 #include "sim/types/camera.h"
-#include "sim/types/camera_unproject.h"
 
 namespace cousin {
 namespace {
@@ -75,12 +74,12 @@ void validate(const Camera& camera) {
   check_spline(camera);
   if (camera.model == LensModel::pinhole) return;
 
-  const double limit = monotone_limit(camera);
+  const Lens lens(camera);
   constexpr int kGrid = 16;
   const auto check = [&](double x, double y) {
     const Eigen::Vector2d pixel(x, y);
-    const std::optional<Eigen::Vector3d> ray = unproject_within(camera, pixel, limit);
-    const std::optional<Projection> back = ray ? project_with_jacobian(camera, *ray) : std::nullopt;
+    const std::optional<Eigen::Vector3d> ray = lens.unproject(pixel);
+    const std::optional<Projection> back = ray ? lens.project_with_jacobian(*ray) : std::nullopt;
     // The image is not mirrored: the pixel's gradients turn about the ray as x and y do.
     const bool ok = back && (back->pixel_px - pixel).norm() < 1e-6 &&
                     Eigen::Vector3d(back->d_point.row(0))
@@ -90,7 +89,7 @@ void validate(const Camera& camera) {
       std::ostringstream text;
       text << "the " << to_string(camera.model) << " lens is not one-to-one at pixel (" << x << ", "
            << y << "): its distortion folds inside the image (the radial map increases up to "
-           << limit << ")";
+           << lens.monotone_limit() << ")";
       fail(text.str());
     }
   };

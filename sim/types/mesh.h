@@ -8,7 +8,7 @@
 namespace cousin {
 
 /// Triangle mesh. Triangles are counter-clockwise seen from outside. No uniqueness or
-/// watertightness is implied: see sim/geometry/mesh_check.h.
+/// watertightness is implied: see check_watertight() in sim/geometry/measure.h.
 struct Mesh {
   std::vector<Eigen::Vector3d> vertices_m;
   std::vector<std::array<std::uint32_t, 3>> triangles;

@@ -74,6 +74,23 @@ TEST_P(EveryLens, JacobianMatchesCentralDifferences) {
   }
 }
 
+TEST_P(EveryLens, PreparedForManyPointsGivesTheSameBits) {
+  const Camera camera = camera_of(GetParam());
+  const Lens lens(camera);
+  EXPECT_EQ(lens.monotone_limit(), monotone_limit(camera));
+  Rng rng(3);
+  int seen = 0, beyond = 0;
+  for (int i = 0; i < 2000; ++i) {  // also far outside the image, where some lenses give nothing
+    const Eigen::Vector3d point(uniform(rng, -4, 4), uniform(rng, -4, 4), uniform(rng, -0.5, 1.5));
+    const Eigen::Vector2d pixel(uniform(rng, -3e3, 4e3), uniform(rng, -3e3, 4e3));
+    EXPECT_EQ(lens.project(point), project(camera, point));
+    EXPECT_EQ(lens.unproject(pixel), unproject(camera, pixel));
+    ++(lens.project(point) ? seen : beyond);
+  }
+  EXPECT_GT(seen, 10);
+  EXPECT_GT(beyond, 10);
+}
+
 TEST_P(EveryLens, NamesRoundTrip) {
   EXPECT_EQ(lens_model_from_string(to_string(GetParam())), GetParam());
 }
