@@ -57,46 +57,66 @@ void claim_folder(const fs::path& dataset, const std::string& hash) {
 std::string owner_hash(const SeedsRunConfig& config, std::uint64_t seed, const TruthNeeds& truth) {
   const std::string names = to_string(truth);
   return sha256_hex(std::string(COUSIN_VERSION) + "\n" + config_hash(config, seed) +
-                    (names == Options{}.truth ? "" : "\ntruth = " + names) + "\n");
+                    (names == "visibility" ? "" : "\ntruth = " + names) + "\n");
+}
+
+/// What a dataset holds of each scene.
+struct Contents {
+  Streams streams;
+  TruthNeeds truth;
+};
+
+/// Files below the scene's folder that come with one frame: its images and what is true of its
+/// depth.
+std::vector<fs::path> frame_files(const SeedsSimulation& simulation, int frame,
+                                  const Contents& contents) {
+  Capture one = simulation.capture_header();
+  one.frames.push_back(simulation.rig().outline(frame, contents.streams));
+  std::vector<fs::path> files = frame_image_files(one, 0);
+  char name[16];
+  std::snprintf(name, sizeof name, "%06d", frame);
+  if (contents.truth.noise_free_depth)
+    files.push_back(fs::path("truth/noise_free_depth") / (std::string(name) + ".exr"));
+  if (contents.truth.invalid_reason)
+    files.push_back(fs::path("truth/invalid_reason") / (std::string(name) + ".png"));
+  return files;
 }
 
 /// Images of the frames of one scene that are not there yet; the files are final or absent.
 void render_frames(const SeedsSimulation& simulation, const fs::path& scene_dir, int first, int end,
-                   const Progress& progress) {
+                   const Contents& contents, const Progress& progress) {
   for (int frame = first; frame < end; ++frame) {
     progress("render " + scene_dir.filename().string(), frame - first, end - first);
-    char name[16];
-    std::snprintf(name, sizeof name, "%06d.png", frame);
-    if (fs::exists(scene_dir / "rgb" / name)) continue;
+    const std::vector<fs::path> files = frame_files(simulation, frame, contents);
+    const auto is_there = [&](const fs::path& file) { return fs::exists(scene_dir / file); };
+    if (std::all_of(files.begin(), files.end(), is_there)) continue;
+    RigFrame taken = simulation.take(frame, contents.streams);
     Capture one = simulation.capture_header();
-    one.frames.push_back(simulation.photograph(frame));
+    one.frames.push_back(std::move(taken.frame));
     write_frame_images(scene_dir, one, 0);
+    TruthImages of_depth;
+    if (contents.truth.noise_free_depth)
+      of_depth.noise_free_depth_m = std::move(taken.noise_free_depth_m);
+    if (contents.truth.invalid_reason) of_depth.invalid_reason = std::move(taken.invalid_reason);
+    write_truth_images(scene_dir, simulation.scene(), frame, of_depth);
   }
 }
 
 /// Index and truth of a scene: both are pure functions of configuration and seed, whichever shard
 /// rendered the images.
 void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir,
-                 const TruthNeeds& needs) {
+                 const Contents& contents) {
   Capture capture = simulation.capture_header();
   SceneTruth truth = simulation.scene_truth();
-  for (const TrueView& view : simulation.views()) {
-    Frame frame;
-    frame.id = view.frame;
-    frame.time_s = view.time_s;
-    SensorFrame sensor;
-    sensor.reported = simulation.reported(view.frame);
-    // Stands for the photograph: the index names it, whichever shard writes it and when.
-    sensor.color = Image<Rgb8>(1, 1);
-    frame.sensors.push_back(std::move(sensor));
-    capture.frames.push_back(std::move(frame));
-  }
-  if (to_string(needs) != "none") {
+  // Pixels stand for the images: the index names them, whichever shard writes them and when.
+  for (const TrueView& view : simulation.views())
+    capture.frames.push_back(simulation.rig().outline(view.frame, contents.streams));
+  if (to_string(contents.truth) != "none") {
     // The images of all views together need gigabytes: each is written as it is made.
     truth.images.resize(truth.views.size());
     for_each_frame(truth.views.size(), [&](std::size_t i) {
       const int frame = truth.views[i].frame;
-      TruthImages images = simulation.truth(frame, needs);
+      TruthImages images = simulation.truth(frame, contents.truth);
       write_truth_images(scene_dir, truth.scene, frame, images);
       truth.images[i].visibility = std::move(images.visibility);
       truth.images[i].keypoints = std::move(images.keypoints);
@@ -104,6 +124,17 @@ void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir,
   }
   write_capture_index(scene_dir, capture);
   write_truth(scene_dir, truth);
+}
+
+/// Files of a scene's index and truth, but those that come with a frame.
+std::vector<fs::path> index_files(const fs::path& scene_dir) {
+  std::vector<fs::path> files = {"rig.json", "scene_camera.json"};
+  for (const auto& entry : fs::recursive_directory_iterator(scene_dir / "truth")) {
+    const std::string folder = entry.path().parent_path().filename();
+    if (folder == "noise_free_depth" || folder == "invalid_reason") continue;
+    if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), scene_dir));
+  }
+  return files;
 }
 
 }  // namespace
@@ -115,6 +146,7 @@ ExitCode command_render(const JobContext& context) {
   }
   std::vector<std::string> sets = o.sets;
   if (o.frames > 0) sets.push_back("views=" + std::to_string(o.frames));
+  if (!o.streams.empty()) sets.push_back("streams=" + o.streams);
   const SeedsRunConfig config = seeds_run_config(sets, o.config);
   if (o.keys) {
     SeedsRunConfig copy = config;
@@ -123,8 +155,12 @@ ExitCode command_render(const JobContext& context) {
   }
   const Shard shard = parse_shard(o.shard);
   const fs::path dataset = o.out.empty() ? fs::path("out") / "seeds_dataset" : fs::path(o.out);
-  const TruthNeeds truth = truth_needs_from_string(o.truth);
-  const std::string hash = owner_hash(config, o.seed, truth);
+  Contents contents;
+  contents.streams = planned_streams(config, Reader::anybody);
+  contents.truth = o.truth.empty() ? default_truth(contents.streams)
+                                   : truth_needs_from_string(
+                                         o.truth, truth_there_is(config.rig, contents.streams));
+  const std::string hash = owner_hash(config, o.seed, contents.truth);
   require_writable(dataset);
   check_owner(dataset, hash);
 
@@ -137,32 +173,25 @@ ExitCode command_render(const JobContext& context) {
     const SeedsSimulation simulation(config, o.seed, scene);
     claim_folder(dataset, hash);  // not before: a scene that cannot be built leaves no trace
     const fs::path scene_dir = dataset / scene_id(scene);
-    render_frames(simulation, scene_dir, std::max(0, first - scene * frames),
-                  std::min(frames, end - scene * frames), context.progress.function());
+    const int from = std::max(0, first - scene * frames);
+    const int to = std::min(frames, end - scene * frames);
+    render_frames(simulation, scene_dir, from, to, contents, context.progress.function());
     // The shard that renders a scene's first frame writes its index and truth.
-    if (first <= scene * frames) write_index(simulation, scene_dir, truth);
+    if (from == 0) write_index(simulation, scene_dir, contents);
+    const auto add = [&](const std::vector<fs::path>& files) {
+      for (const fs::path& file : files) written.push_back(fs::path(scene_id(scene)) / file);
+    };
+    if (shard.count > 1) {
+      for (int frame = from; frame < to; ++frame) add(frame_files(simulation, frame, contents));
+      if (from == 0) add(index_files(scene_dir));
+    }
     timings.push_back(clock.finish());
   }
   Manifest header;
   header.program_version = COUSIN_VERSION;
   header.config_hash = hash;
   header.pipeline = "seeds";
-  if (shard.count > 1) {
-    for (int i = first; i < end; ++i) {
-      char name[40];
-      std::snprintf(name, sizeof name, "%s/rgb/%06d.png", scene_id(i / frames).c_str(), i % frames);
-      written.emplace_back(name);
-      if (i % frames != 0) continue;
-      const fs::path scene_dir = dataset / scene_id(i / frames);
-      for (const auto& file : {"rig.json", "scene_camera.json"}) {
-        written.push_back(fs::path(scene_id(i / frames)) / file);
-      }
-      for (const auto& entry : fs::recursive_directory_iterator(scene_dir / "truth")) {
-        if (entry.is_regular_file()) written.push_back(fs::relative(entry.path(), dataset));
-      }
-    }
-    write_shard_manifest(dataset, header, shard.index, shard.count, written);
-  }
+  if (shard.count > 1) write_shard_manifest(dataset, header, shard.index, shard.count, written);
   const bool complete = shard.count <= 1 || fs::exists(dataset / "manifest.json");
   if (shard.count <= 1) write_manifest(dataset, header);
   if (complete) fs::remove(dataset / kPartialFile);  // last: the folder is never without an owner

@@ -117,13 +117,20 @@ ExitCode command_rigs(const JobContext& context) {
 }
 
 ExitCode command_methods(const JobContext& context) {
-  print({{"seeds/ours", built(COUSIN_WITH_CERES, "WITH_CERES"),
-          "board poses, plane sweep, sub-pixel outlines, closed surface per seed, minimum-volume "
-          "box"},
-         {"seeds/paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
-          "the paper's steps: outlier removal, voxel grid, RANSAC plane, clusters, PCA box, alpha "
-          "shape"}},
-        context.options.json);
+  print(
+      {{"seeds/ours", built(COUSIN_WITH_CERES, "WITH_CERES"),
+        "board poses, plane sweep, sub-pixel outlines, closed surface per seed, minimum-volume "
+        "box"},
+       {"seeds/paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
+        "the paper's steps: outlier removal, voxel grid, RANSAC plane, clusters, PCA box, alpha "
+        "shape"},
+       {"seeds/sensor_depth", built(COUSIN_WITH_CERES, "WITH_CERES"),
+        "ours with a depth camera's own depth in place of the plane sweep; reads color,depth "
+        "(--set rig=d405)"},
+       {"seeds/depth_only", "built in",
+        "a depth camera on an arm that knows its poses: points, PCA box, alpha shape; reads depth "
+        "(--set rig=d405 --set knows_pose=true)"}},
+      context.options.json);
   return ExitCode::done;
 }
 

@@ -74,14 +74,31 @@ SeedsScoreLabels run_labels(const SeedsRunConfig& config, std::uint64_t seed) {
   SeedsScoreLabels labels;
   labels.seed = seed;
   labels.suite = "run";
-  labels.method = config.pipeline.method == SeedsMethod::paper ? "paper" : "ours";
+  labels.method = std::string(to_string(config.pipeline.method));
   return labels;
 }
 
-/// What leaving the unplanned truth passes out saved: one view is measured, all views are counted.
-ScoreRow left_out_row(const SeedsRunConfig& config, std::uint64_t seed,
-                      const SeedsScoreLabels& labels, const TruthNeeds& planned) {
+/// What leaving passes out saved: one view is measured, all views are counted. Light that is not
+/// traced is not traced here either: `bench render` measures it.
+std::vector<ScoreRow> left_out_rows(const SeedsRunConfig& config, std::uint64_t seed,
+                                    const SeedsScoreLabels& labels, const TruthNeeds& planned) {
   const SeedsSimulation simulation(config, seed, 0);
+  std::vector<ScoreRow> rows;
+  const auto measure = [&](const std::string& what, const auto& pass) {
+    const StageClock clock("left out");
+    pass();
+    ScoreRow row;
+    row.suite = labels.suite;
+    row.scene = labels.scene;
+    row.case_name = labels.case_name;
+    row.method = "simulator";
+    row.metric = "seconds_saved." + what + "_left_out";
+    row.value = clock.finish().wall_s * config.scene.views;
+    row.unit = "s";
+    row.n = config.scene.views;
+    row.seed = labels.seed;
+    rows.push_back(std::move(row));
+  };
   TruthNeeds others;
   others.depth = !planned.depth;
   others.normal = !planned.normal;
@@ -93,19 +110,13 @@ ScoreRow left_out_row(const SeedsRunConfig& config, std::uint64_t seed,
   others.shares = !planned.shares;
   others.keypoints = !planned.keypoints;
   others.flow = !planned.flow;
-  const StageClock clock("left out");
-  simulation.truth(0, others);
-  ScoreRow row;
-  row.suite = labels.suite;
-  row.scene = labels.scene;
-  row.case_name = labels.case_name;
-  row.method = "simulator";
-  row.metric = "seconds_saved.truth_passes_left_out";
-  row.value = clock.finish().wall_s * config.scene.views;
-  row.unit = "s";
-  row.n = config.scene.views;
-  row.seed = labels.seed;
-  return row;
+  measure("truth_passes", [&] { simulation.truth(0, others); });
+  const Streams left = left_out_streams(config);
+  if (left.depth || left.infrared) {
+    measure("infrared_and_depth",
+            [&] { simulation.take(0, {.infrared = left.infrared, .depth = left.depth}); });
+  }
+  return rows;
 }
 
 /// One scene of a run: rows and specimens. The first scene's pictures go into `report`.
@@ -133,7 +144,8 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
   }
   if (scene == 0) {
     report.scenes = {report_scene(labels.scene, run, estimate)};
-    file.scores.push_back(left_out_row(config, o.seed, labels, planned_truth(o.attribution)));
+    for (ScoreRow& row : left_out_rows(config, o.seed, labels, planned_truth(o.attribution)))
+      file.scores.push_back(std::move(row));
   }
   return file;
 }

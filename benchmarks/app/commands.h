@@ -26,6 +26,7 @@ ExitCode command_score(const JobContext& context);
 ExitCode command_run(const JobContext& context);
 ExitCode command_bench(const JobContext& context);
 ExitCode command_import(const JobContext& context);
+ExitCode command_export(const JobContext& context);
 ExitCode command_verify(const JobContext& context);
 ExitCode command_report(const JobContext& context);
 

@@ -22,7 +22,7 @@ struct Verb {
   const char* name;
   ExitCode (*run)(const JobContext&);
 };
-constexpr std::array<Verb, 12> kVerbs = {{{"scenes", command_scenes},
+constexpr std::array<Verb, 13> kVerbs = {{{"scenes", command_scenes},
                                           {"rigs", command_rigs},
                                           {"methods", command_methods},
                                           {"doctor", command_doctor},
@@ -32,6 +32,7 @@ constexpr std::array<Verb, 12> kVerbs = {{{"scenes", command_scenes},
                                           {"run", command_run},
                                           {"bench", command_bench},
                                           {"import", command_import},
+                                          {"export", command_export},
                                           {"verify", command_verify},
                                           {"report", command_report}}};
 

@@ -24,7 +24,8 @@ void add_config(CLI::App& verb, Options& o) {
 }
 
 void add_stages(CLI::App& verb, Options& o) {
-  verb.add_option("--method", o.method, "ours (default) or paper; `cousin methods` lists them");
+  verb.add_option("--method", o.method,
+                  "ours (default), paper, sensor_depth or depth_only; see `cousin methods`");
   verb.add_option("--stage", o.stages,
                   "NAME=dir:PATH or NAME=exec:PROGRAM in place of a stage; repeatable")
       ->type_size(1)
@@ -139,11 +140,14 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   render->add_option("--shard", o.shard,
                      "i/n: part i (from 0) of n of the list of scenes and frames");
   add_config(*render, o);
-  render
-      ->add_option("--truth", o.truth,
-                   "Truth images: all, none, or of depth,normal,instance,part,position,coverage,"
-                   "visibility,shares,keypoints,flow those listed")
-      ->capture_default_str();
+  render->add_option("--streams", o.streams,
+                     "Images of the rig: all (default), or of color,raw,infrared,depth those "
+                     "listed; no pass of the others runs");
+  render->add_option(
+      "--truth", o.truth,
+      "Truth images: all, none, or of depth,normal,instance,part,position,coverage,visibility,"
+      "shares,keypoints,flow,disparity,noise_free_depth,invalid_reason those listed; default: "
+      "visibility, and of a depth sensor noise_free_depth,invalid_reason");
   add_set(*render, o);
 
   CLI::App* perceive =
@@ -198,6 +202,14 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   import->add_option("--format", o.format, "nerfstudio, phenomenal or folder")->required();
   import->add_option("--intrinsics", o.intrinsics,
                      "For a folder: a YAML file or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"");
+
+  CLI::App* exported = verb("export", "Write a dataset's scenes for other programs");
+  takes(exported, "DATASET", "Simulated dataset, with its truth/", 1, 1);
+  exported
+      ->add_option("--format", o.format,
+                   "blend (Blender) or gltf (.glb): meshes, materials, lights and the first view's "
+                   "camera; both are written by Blender, which must be installed")
+      ->required();
 
   takes(verb("verify", "Re-hash a dataset"), "DATASET", "Dataset folder", 1, 1);
   takes(verb("report", "Make the HTML report of a folder of scores"), "FOLDER",

@@ -21,10 +21,11 @@ struct Options {
   bool json = false;
   bool quiet = false;
   int scenes = 1;
-  int frames = 0;                    ///< views of each scene; 0 = the scene's own number
-  std::string shard;                 ///< "i/n"
-  std::string truth = "visibility";  ///< images that `render` writes: list of names, all or none
-  std::string captures;              ///< where `bench seeds` keeps what it renders; empty = nowhere
+  int frames = 0;        ///< views of each scene; 0 = the scene's own number
+  std::string shard;     ///< "i/n"
+  std::string truth;     ///< images that `render` writes: list of names, all or none; "" = default
+  std::string streams;   ///< images of the rig that `render` writes; "" = all that it has
+  std::string captures;  ///< where `bench seeds` keeps what it renders; empty = nowhere
   std::string method;
   std::string pipeline;
   std::vector<std::string> stages;  ///< NAME=dir:…|exec:…

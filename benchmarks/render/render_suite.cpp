@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <variant>
 #include <vector>
 
 #include "benchmarks/render/cached_light.h"
 #include "benchmarks/render/corner_position.h"
 #include "benchmarks/render/leaf_cloud.h"
+#include "benchmarks/render/leave_out.h"
 #include "benchmarks/seeds/render_noise.h"
 #include "benchmarks/stability/truth_throughput.h"
 #include "sim/types/stage_clock.h"
@@ -72,6 +75,26 @@ void add_leaf_cloud_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool q
       5'000'000, 1000, true);
 }
 
+/// Passes with and without, in one process: a run that reads depth alone, or colour alone, of a rig
+/// that has both.
+void add_leave_out_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool quick) {
+  const int measured = quick ? 3 : 9;
+  const LeaveOutSeconds seconds = measure_leave_out(seed, measured);
+  const std::string name =
+      "leaving out, d457, " + std::to_string(seconds.views) + " views of the sphere";
+  const auto add = [&](const char* metric, double value) {
+    rows.push_back(row_of(name, metric, value, "s", measured, seed));
+  };
+  add("seconds.light_cache", seconds.light_cache_s);
+  add("seconds.view.colour", seconds.color_s);
+  add("seconds.view.depth_matched", seconds.depth_matched_s);
+  add("seconds.view.depth_model", seconds.depth_model_s);
+  add("seconds.capture.depth_only", seconds.depth_only_s());
+  add("seconds.capture.depth_and_colour", seconds.everything_s());
+  add("seconds_saved.no_light", seconds.everything_s() - seconds.depth_only_s());
+  add("seconds_saved.no_infrared_and_depth", seconds.views * seconds.depth_matched_s);
+}
+
 }  // namespace
 
 ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets, bool quick,
@@ -81,13 +104,18 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   };
   ScoreFile file;
   const SeedsRunConfig config = seeds_run_config(sets);
-  say("scene", 0, 7);
+  const auto* phone = std::get_if<PhoneConfig>(&config.rig);
+  if (!phone) {
+    throw std::invalid_argument("bench render measures a phone's views; rig " + config.scene.rig +
+                                " is none");
+  }
+  say("scene", 0, 8);
   const StageClock scene_clock("scene");
   const SeedsSimulation simulation(config, seed, 0);
   const StageTiming scene = scene_clock.finish();
   file.scores.push_back(row_of("seeds scene", "seconds.scene", scene.wall_s, "s", 1, seed));
 
-  say("truth throughput", 1, 7);
+  say("truth throughput", 1, 8);
   // A view of each ring: the share of rays that hit the board changes with elevation.
   const int views = static_cast<int>(simulation.views().size());
   std::vector<double> shares;
@@ -96,7 +124,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
         simulation.rays(), simulation.scene(), simulation.views()[static_cast<std::size_t>(view)],
         quick ? 7 : 21);
     const std::string name = "truth pass, view " + std::to_string(view);
-    const std::int64_t rays = static_cast<std::int64_t>(config.rig.width_px) * config.rig.height_px;
+    const std::int64_t rays = static_cast<std::int64_t>(phone->width_px) * phone->height_px;
     file.scores.push_back(row_of(name, "raw_rays_per_second", t.raw_rays_per_s, "1/s", rays, seed));
     file.scores.push_back(
         row_of(name, "truth_rays_per_second", t.truth_rays_per_s, "1/s", rays, seed));
@@ -104,7 +132,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
         limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), t.share >= 0.6));
   }
 
-  say("radiance", 2, 7);
+  say("radiance", 2, 8);
   const StageClock first_clock("first");
   simulation.radiance(0);
   const double first_s = first_clock.finish().wall_s;
@@ -121,10 +149,10 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   file.scores.push_back(row_of("radiance pass", "seconds.light_cache",
                                std::max(0.0, first_s - median_s), "s", 1, seed));
 
-  say("noise", 3, 7);
+  say("noise", 3, 8);
   for (const int view : quick ? std::vector<int>{views / 2}
                               : std::vector<int>{views / 6, views / 2, 5 * views / 6}) {
-    const RenderNoise noise = measure_render_noise(simulation, config.rig, view);
+    const RenderNoise noise = measure_render_noise(simulation, *phone, view);
     const std::string name = "Monte-Carlo noise, view " + std::to_string(view);
     file.scores.push_back(limited(row_of(name, "mean_variance_over_sensor_variance",
                                          noise.mean_ratio, "1", noise.pixels, seed),
@@ -133,7 +161,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
                                  "1", noise.pixels, seed));
   }
 
-  say("cached light", 4, 7);
+  say("cached light", 4, 8);
   for (const CachedLightError& e : compare_cached_light(simulation, views / 2, quick ? 16 : 64,
                                                         config.render.max_bounces + 1)) {
     const std::string name = "cached light against paths, " + e.category;
@@ -141,7 +169,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
     file.scores.push_back(row_of(name, "rms", e.rms, "1", e.pixels, seed));
   }
 
-  say("corners", 5, 7);
+  say("corners", 5, 8);
   for (const LensModel model :
        {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
         LensModel::kannala_brandt4, LensModel::splined_stereographic}) {
@@ -152,8 +180,10 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
                 found.bias_px.norm() <= 0.02));
     file.scores.push_back(row_of(name, "corner.rms", found.rms_px, "px", found.corners, seed));
   }
-  say("leaf cloud", 6, 7);
+  say("leaf cloud", 6, 8);
   add_leaf_cloud_rows(file.scores, seed, quick);
+  say("what leaving out saves", 7, 8);
+  add_leave_out_rows(file.scores, seed, quick);
   return file;
 }
 

@@ -2,10 +2,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <stdexcept>
 #include <string>
 
+#include "benchmarks/seeds/truth_choice.h"
 #include "scenes/seeds/toml_text.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
@@ -28,6 +30,11 @@ std::string capture_name(const SeedsRunConfig& config, std::uint64_t seed, int s
         needs.visibility, needs.shares, needs.keypoints, needs.flow}) {
     key += need ? '1' : '0';
   }
+  // Phones have neither, and keep the names that they have.
+  if (needs.disparity || needs.noise_free_depth || needs.invalid_reason)
+    key += "\ntruth " + to_string(needs);
+  const Streams streams = planned_streams(config);
+  if (streams != Streams{.color = true}) key += "\nstreams " + to_string(streams);
   constexpr std::size_t kDigits = 16;
   return (config.scene.sphere ? "sphere" : config.scene.cultivar) + "_" +
          sha256_hex(key).substr(0, kDigits);
@@ -46,6 +53,21 @@ void check_whole(const fs::path& stored, const SimulatedRun& run, const SeedsRun
   require(run.capture.frames.size() == views && run.truth.views.size() == views,
           "has not as many views as the scene");
   require(run.truth.seed == seed, "is of another seed");
+  const Streams streams = planned_streams(config);
+  for (const Frame& frame : run.capture.frames) {
+    const auto& sensors = frame.sensors;
+    const auto there = [&](const auto& has) {
+      return std::any_of(sensors.begin(), sensors.end(), has);
+    };
+    require(!streams.color || there([](const SensorFrame& s) { return !s.color.empty(); }),
+            "lacks a colour image");
+    require(!streams.raw || there([](const SensorFrame& s) { return !s.raw.empty(); }),
+            "lacks a raw image");
+    require(!streams.infrared || there([](const SensorFrame& s) { return !s.grey.empty(); }),
+            "lacks an infrared image");
+    require(!streams.depth || there([](const SensorFrame& s) { return !s.depth.empty(); }),
+            "lacks a depth image");
+  }
   const bool any = needs != TruthNeeds{};
   require(!any || run.truth.images.size() == views, "lacks truth images");
   for (const TruthImages& images : run.truth.images) {
@@ -55,7 +77,10 @@ void check_whole(const fs::path& stored, const SimulatedRun& run, const SeedsRun
                 !(needs.part && images.part.empty()) &&
                 !(needs.coverage && images.specimen_coverage.empty()) &&
                 !(needs.visibility && images.visibility.empty()) &&
-                !(needs.shares && images.shares.empty()),
+                !(needs.shares && images.shares.empty()) &&
+                !(needs.disparity && images.stereo.state.empty()) &&
+                !(needs.noise_free_depth && images.noise_free_depth_m.empty()) &&
+                !(needs.invalid_reason && images.invalid_reason.empty()),
             "lacks a truth image");
   }
 }

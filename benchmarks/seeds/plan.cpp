@@ -10,6 +10,67 @@ TruthNeeds planned_truth(bool attribution) {
   return attribution ? truth_stage_needs() : TruthNeeds{};
 }
 
+namespace {
+
+/// Longest readout of a rig's colour cameras.
+double readout_s(const DeviceConfig& rig) {
+  if (const auto* phone = std::get_if<PhoneConfig>(&rig)) return phone->readout_s;
+  if (const auto* device = std::get_if<ActiveStereoConfig>(&rig))
+    return device->color.photosites.readout_s;
+  double longest_s = 0;
+  for (const RigSensor& sensor : std::get<RigConfig>(rig).sensors)
+    longest_s = std::max(longest_s, sensor.camera.photosites.readout_s);
+  return longest_s;
+}
+
+void add_rig_passes(const SeedsRunConfig& config, std::vector<PlanEntry>& plan) {
+  const Streams there_are = streams_of(config.rig);
+  const Streams streams = planned_streams(config);
+  const Streams needed = needed_streams(config.pipeline);
+  const bool light = streams.color || streams.raw;
+  const auto add = [&](const char* pass, bool runs, const std::string& why) {
+    plan.push_back({pass, runs, why});
+  };
+  const std::string rig = "rig " + config.scene.rig;
+  const auto why = [&](bool runs, bool is_needed, const std::string& what) {
+    return runs ? (is_needed ? "the pipeline reads " : "asked for: ") + what
+                : "no stage reads " + what;
+  };
+  const bool rolling = readout_s(config.rig) > 0;
+  add("row poses", light && rolling,
+      !light    ? "no stage reads colour"
+      : rolling ? "a rolling shutter: each row is read where the rig is then"
+                : rig + " has a global shutter: one pose an image");
+  add("light cache", light,
+      light ? "the scene is static: diffuse light is computed once for all views"
+            : "no light is traced: no stage reads colour");
+  add("radiance", light, why(light, needed.color || needed.raw, "colour"));
+  add("sensor", light,
+      light ? "lens, noise and processing of the camera" : "no stage reads colour");
+  add("raw", streams.raw,
+      there_are.raw ? why(streams.raw, needed.raw, "raw images") : rig + " hands over none");
+  const bool matched = streams.depth && config.capture.depth_by == DepthBy::matched;
+  add("infrared", streams.infrared || matched,
+      !there_are.infrared ? rig + " has no infrared pair"
+      : streams.infrared  ? why(true, needed.infrared, "infrared images")
+      : matched           ? "the sensor's depth is matched from it"
+      : streams.depth     ? "depth is by the fast model"
+                          : "no stage reads infrared or the sensor's depth");
+  add("sensor depth", streams.depth,
+      !there_are.depth ? rig + " has no depth sensor"
+                       : why(streams.depth, needed.depth, "the sensor's depth"));
+}
+
+}  // namespace
+
+Streams left_out_streams(const SeedsRunConfig& config) {
+  const Streams there_are = streams_of(config.rig), streams = planned_streams(config);
+  return {.color = there_are.color && !streams.color,
+          .raw = there_are.raw && !streams.raw,
+          .infrared = there_are.infrared && !streams.infrared,
+          .depth = there_are.depth && !streams.depth};
+}
+
 std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution,
                                   const std::vector<StageSource>& sources) {
   std::vector<PlanEntry> plan;
@@ -20,15 +81,9 @@ std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution
   add("scene", true, "board, screen, specimens");
   add("physics", !sphere,
       sphere ? "a sphere is placed on the board" : "seeds are dropped and settle on the board");
-  add("motion", false, "the scene is static; only the hand moves while rows are read");
-  add("light cache", true, "the scene is static: diffuse light is computed once for all views");
+  add("motion", false, "the scene is static: nothing in it has samples over time");
+  add_rig_passes(config, plan);
   const PipelineNeeds pipeline = needs(config.pipeline);
-  const bool color =
-      std::find(pipeline.images.begin(), pipeline.images.end(), "color") != pipeline.images.end();
-  add("radiance", color, color ? "the pipeline reads colour" : "no stage reads colour");
-  add("sensor", color, "the phone's lens, noise and 8-bit sRGB");
-  add("infrared", false, "a phone has no infrared pair");
-  add("sensor depth", false, "a phone has no depth sensor");
 
   const TruthNeeds truth = planned_truth(attribution);
   const auto truth_pass = [&](const char* pass, bool runs) {
@@ -46,6 +101,9 @@ std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution
   truth_pass("truth: shares", truth.shares);
   truth_pass("truth: keypoints", truth.keypoints);
   truth_pass("truth: flow", truth.flow);
+  truth_pass("truth: disparity", truth.disparity);
+  truth_pass("truth: noise-free depth", truth.noise_free_depth);
+  truth_pass("truth: invalid reason", truth.invalid_reason);
 
   for (const std::string& stage : seeds_stage_names()) {
     const bool runs =

@@ -5,6 +5,7 @@
 
 #include "benchmarks/seeds/run_config.h"
 #include "benchmarks/seeds/stage_files.h"
+#include "sim/sensors/device.h"
 
 namespace cousin {
 
@@ -21,6 +22,9 @@ struct PlanEntry {
 /// @param sources  stages that the user gives
 std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution,
                                   const std::vector<StageSource>& sources = {});
+
+/// The streams that the rig has and the plan leaves out: no pass of theirs runs.
+Streams left_out_streams(const SeedsRunConfig& config);
 
 /// The truth images that the plan renders.
 TruthNeeds planned_truth(bool attribution);

@@ -126,6 +126,54 @@ ReportScene read_report_scene(const fs::path& folder) {
   return scene;
 }
 
+/// Depth as grey levels between its 2 % and 98 % quantiles, near is bright; black = none.
+Image<Rgb8> depth_picture(const Image<std::uint16_t>& depth) {
+  std::vector<std::uint16_t> codes;
+  std::copy_if(depth.begin(), depth.end(), std::back_inserter(codes),
+               [](std::uint16_t code) { return code > 0; });
+  std::sort(codes.begin(), codes.end());
+  Image<Rgb8> picture(depth.width(), depth.height());
+  if (codes.empty()) return picture;
+  const double low = codes[codes.size() / 50], high = codes[codes.size() - 1 - codes.size() / 50];
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const double code = depth.data()[i];
+    if (code == 0) continue;
+    const double share = std::clamp((high - code) / std::max(1.0, high - low), 0.0, 1.0);
+    const auto grey = static_cast<std::uint8_t>(40 + 215 * share);
+    picture.data()[i] = {grey, grey, grey};
+  }
+  return picture;
+}
+
+Image<Rgb8> grey_picture(const Image<std::uint8_t>& grey) {
+  Image<Rgb8> picture(grey.width(), grey.height());
+  for (std::size_t i = 0; i < grey.size(); ++i)
+    picture.data()[i] = {grey.data()[i], grey.data()[i], grey.data()[i]};
+  return picture;
+}
+
+/// What the rig hands over at one instant.
+void add_views(const Frame& frame, const std::vector<SensorReport>& rig,
+               std::vector<ReportPicture>& pictures) {
+  const std::string name = "View " + std::to_string(frame.id);
+  for (std::size_t s = 0; s < frame.sensors.size(); ++s) {
+    const SensorFrame& sensor = frame.sensors[s];
+    const std::string of = rig.size() > 1 ? name + ", " + rig[s].name : name;
+    if (!sensor.color.empty()) {
+      pictures.push_back(
+          {of, rig.size() > 1 ? "as the rig hands it over" : "as the phone hands it over",
+           encode_jpeg(sensor.color, kJpegQuality)});
+    }
+    if (!sensor.grey.empty())
+      pictures.push_back(
+          {of, "infrared, linear", encode_jpeg(grey_picture(sensor.grey), kJpegQuality)});
+    if (!sensor.depth.empty()) {
+      pictures.push_back({of, "the sensor's depth, near is bright, black = none",
+                          encode_png(depth_picture(sensor.depth))});
+    }
+  }
+}
+
 }  // namespace
 
 ReportScene report_scene(const std::string& name, const SimulatedRun& run,
@@ -135,9 +183,7 @@ ReportScene report_scene(const std::string& name, const SimulatedRun& run,
   const auto& frames = run.capture.frames;
   const std::size_t count = frames.size();
   for (const std::size_t i : std::set{count / 6, count / 2, 5 * count / 6}) {
-    if (i >= count) continue;
-    scene.pictures.push_back({"View " + std::to_string(frames[i].id), "as the phone hands it over",
-                              encode_jpeg(frames[i].sensors[0].color, kJpegQuality)});
+    if (i < count) add_views(frames[i], run.capture.rig, scene.pictures);
   }
   std::map<int, std::vector<const Silhouette*>> by_frame;
   for (const Silhouette& s : estimate.silhouettes) {
@@ -145,6 +191,7 @@ ReportScene report_scene(const std::string& name, const SimulatedRun& run,
   }
   for (const std::size_t i : std::set{count / 6, 5 * count / 6}) {
     if (i >= count || !by_frame.contains(frames[i].id)) continue;
+    if (frames[i].sensors[0].color.empty()) continue;
     scene.pictures.push_back(
         {"Outlines found in view " + std::to_string(frames[i].id),
          "magenta; blue where something else cuts them; 3 times enlarged",

@@ -1,29 +1,71 @@
 #include "benchmarks/seeds/run_config.h"
 
+#include <algorithm>
 #include <stdexcept>
 
+#include "sim/config/toml_peek.h"
 #include "sim/dataset/manifest.h"
 
 namespace cousin {
 namespace {
 
+Fields capture_fields(SeedsRunConfig& config) {
+  return Fields{{"streams", &config.streams,
+                 "images of the capture: auto, all, or of color,raw,infrared,depth those listed"}} +
+         fields(config.capture);
+}
+
 /// As `fields`, but scene keys under a table of their own: top-level "rig" is a name there and a
 /// table here.
 Fields file_fields(SeedsRunConfig& config) {
-  return nested("scene", fields(config.scene)) + nested("rig", fields(config.rig)) +
-         nested("render", fields(config.render)) + nested("pipeline", fields(config.pipeline));
+  return nested("scene", fields(config.scene)) + nested("capture", capture_fields(config)) +
+         nested("rig", fields(config.rig)) + nested("render", fields(config.render)) +
+         nested("pipeline", fields(config.pipeline));
+}
+
+bool within(const Streams& a, const Streams& b) {
+  return (!a.color || b.color) && (!a.raw || b.raw) && (!a.infrared || b.infrared) &&
+         (!a.depth || b.depth);
 }
 
 }  // namespace
 
 Fields fields(SeedsRunConfig& config) {
-  return fields(config.scene) + nested("rig", fields(config.rig)) +
+  return fields(config.scene) + capture_fields(config) + nested("rig", fields(config.rig)) +
          nested("render", fields(config.render)) + nested("pipeline", fields(config.pipeline));
+}
+
+Streams needed_streams(const SeedsPipelineConfig& config) {
+  const std::vector<std::string> images = needs(config).images;
+  const auto has = [&](std::string_view name) {
+    return std::find(images.begin(), images.end(), name) != images.end();
+  };
+  return {
+      .color = has("color"), .raw = has("raw"), .infrared = has("infrared"), .depth = has("depth")};
+}
+
+Streams planned_streams(const SeedsRunConfig& config, Reader reader) {
+  const Streams there_are = streams_of(config.rig);
+  const Streams needed = needed_streams(config.pipeline);
+  const std::string method(to_string(config.pipeline.method));
+  if (reader == Reader::pipeline && !within(needed, there_are)) {
+    throw std::invalid_argument("method " + method + " reads " + to_string(needed) + "; rig " +
+                                config.scene.rig + " has " + to_string(there_are));
+  }
+  if (config.streams == "auto") return reader == Reader::pipeline ? needed : there_are;
+  const Streams asked = streams_from_string(config.streams, there_are, config.scene.rig);
+  if (reader == Reader::pipeline && !within(needed, asked)) {
+    throw std::invalid_argument("streams = \"" + config.streams + "\" leaves out what method " +
+                                method + " reads: " + to_string(needed));
+  }
+  return asked;
 }
 
 void validate(const SeedsRunConfig& config) {
   validate(config.scene);
   validate(config.rig);
+  validate(config.capture);
+  planned_streams(config, Reader::anybody);
   validate(config.render);
   validate(config.pipeline);
 }
@@ -31,10 +73,13 @@ void validate(const SeedsRunConfig& config) {
 SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
                                 const std::filesystem::path& file) {
   SeedsRunConfig config;
-  const auto read_file = [&] {
-    if (!file.empty()) read_toml(file, file_fields(config), MissingKeys::keep_default);
-  };
-  read_file();  // for the name of the rig
+  if (!file.empty()) {
+    // What a rig's table holds depends on the rig.
+    const std::string name = toml_text_of(file, "scene", "rig");
+    if (!name.empty()) config.scene.rig = name;
+    config.rig = device_preset(config.scene.rig);
+    read_toml(file, file_fields(config), MissingKeys::keep_default);
+  }
   constexpr std::string_view kRig = "rig=";
   bool rig_is_given = false;
   for (const std::string& assignment : assignments) {
@@ -42,8 +87,7 @@ SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
     config.scene.rig = assignment.substr(kRig.size());
     rig_is_given = true;
   }
-  config.rig = phone_preset(config.scene.rig);
-  if (!rig_is_given) read_file();
+  if (rig_is_given || file.empty()) config.rig = device_preset(config.scene.rig);
   const Fields all = fields(config);
   for (const std::string& assignment : assignments) set_field(all, assignment);
   validate(config);
@@ -71,8 +115,12 @@ std::string specimen_hash(const SeedsSceneConfig& config) {
 
 std::string simulator_toml(const SeedsRunConfig& config) {
   SeedsRunConfig copy = config;  // fields point into what they describe
-  return to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
-                 nested("render", fields(copy.render)));
+  const std::string text =
+      to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
+              nested("render", fields(copy.render)));
+  RigCaptureConfig plain;
+  const std::string capture = to_toml(fields(copy.capture));
+  return capture == to_toml(fields(plain)) ? text : text + "\n[capture]\n" + capture;
 }
 
 std::string resolved_toml(const SeedsRunConfig& config) {

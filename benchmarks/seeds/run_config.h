@@ -10,15 +10,18 @@
 #include "sim/config/fields.h"
 #include "sim/render/radiance_pass.h"
 #include "sim/render/truth_pass.h"
-#include "sim/sensors/phone.h"
+#include "sim/sensors/rig_capture.h"
 
 namespace cousin {
 
 /// Everything that decides what `run seeds` does, apart from the seed. Scene keys stand alone
-/// (`cultivar`); the others carry a prefix (`rig.`, `render.`, `pipeline.`).
+/// (`cultivar`), and so do those of the capture (`depth_by`, `streams`); the others carry a prefix
+/// (`rig.`, `render.`, `pipeline.`).
 struct SeedsRunConfig {
   SeedsSceneConfig scene;
-  PhoneConfig rig;
+  DeviceConfig rig = PhoneConfig{};
+  RigCaptureConfig capture;
+  std::string streams = "auto";  ///< images of the capture: auto, all, or names of Streams
   RadianceConfig render;
   SeedsPipelineConfig pipeline;
 };
@@ -33,6 +36,16 @@ void validate(const SeedsRunConfig& config);
 SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
                                 const std::filesystem::path& file = {});
 
+/// Who reads the images: a pipeline, which says what it needs, or nobody yet, as in a dataset.
+enum class Reader { pipeline, anybody };
+/// The streams that a capture holds: those that `streams` names; `auto` is what the pipeline needs,
+/// or for anybody all that the rig has.
+/// @throws std::invalid_argument if the rig has no such stream, or the pipeline needs one that
+/// `streams` leaves out or the rig does not have.
+Streams planned_streams(const SeedsRunConfig& config, Reader reader = Reader::pipeline);
+/// What the configured pipeline reads.
+Streams needed_streams(const SeedsPipelineConfig& config);
+
 /// The file of the user's own mesh; "" if the scene grows its specimens. @throws
 /// std::invalid_argument if `specimen` is something else than "mesh:FILE".
 std::string specimen_file(const SeedsSceneConfig& config);
@@ -42,7 +55,8 @@ std::string specimen_hash(const SeedsSceneConfig& config);
 
 /// The resolved configuration as TOML.
 std::string resolved_toml(const SeedsRunConfig& config);
-/// The part of it that decides the images: scene, rig and renderer.
+/// The part of it that decides the images: scene, rig, renderer, and the capture's keys where they
+/// are not as by default.
 std::string simulator_toml(const SeedsRunConfig& config);
 /// SHA-256 of the resolved configuration, the user's mesh and the seed.
 std::string config_hash(const SeedsRunConfig& config, std::uint64_t seed);

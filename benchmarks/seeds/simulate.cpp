@@ -28,8 +28,7 @@ struct SeedsSimulation::Impl {
   Rng rng;
   Scene scene;
   RayScene rays;
-  PhoneUnit phone;
-  std::vector<TrueView> views;
+  RigCapture rig;
   mutable std::mutex cache_mutex;
   mutable std::map<std::uint64_t, IrradianceCache>
       caches;  ///< one for each repeat; nodes stay in place
@@ -40,12 +39,9 @@ struct SeedsSimulation::Impl {
         rng(Rng(run_seed).fork("scene").fork(static_cast<std::uint64_t>(scene_index))),
         scene(build_seeds_scene(config.scene, rng.fork("build"), user_specimen(config.scene))),
         rays(scene),
-        phone(make_phone(config.rig, rng.fork("phone"))) {
-    for (std::size_t i = 0; i < scene.views.size(); ++i) {
-      views.push_back(
-          true_view(config.rig, phone, scene, static_cast<int>(i), rng.fork("view").fork(i)));
-    }
-  }
+        rig(config.rig, config.capture, rays, scene, rng) {}
+
+  const std::vector<TrueView>& views() const { return rig.views().front().views; }
 
   const IrradianceCache& cache(std::uint64_t repeat) const {
     const std::lock_guard lock(cache_mutex);
@@ -65,42 +61,40 @@ SeedsSimulation::SeedsSimulation(SeedsSimulation&&) noexcept = default;
 
 const Scene& SeedsSimulation::scene() const { return impl_->scene; }
 const RayScene& SeedsSimulation::rays() const { return impl_->rays; }
-const std::vector<TrueView>& SeedsSimulation::views() const { return impl_->views; }
-const PhoneUnit& SeedsSimulation::phone() const { return impl_->phone; }
+const std::vector<TrueView>& SeedsSimulation::views() const { return impl_->views(); }
 
 Image<Rgbf> SeedsSimulation::radiance(int frame, std::uint64_t repeat) const {
   const Rng rng = impl_->rng.fork("radiance").fork(repeat).fork(static_cast<std::uint64_t>(frame));
   return render_radiance(impl_->rays, impl_->scene, impl_->cache(repeat),
-                         impl_->views.at(static_cast<std::size_t>(frame)), impl_->config.render,
+                         impl_->views().at(static_cast<std::size_t>(frame)), impl_->config.render,
                          rng);
 }
 
-Frame SeedsSimulation::photograph(int frame) const {
-  const TrueView& view = impl_->views.at(static_cast<std::size_t>(frame));
-  const Rng rng = impl_->rng.fork("sensor").fork(static_cast<std::uint64_t>(frame));
-  Frame result;
-  result.id = frame;
-  result.time_s = view.time_s;
-  result.sensors.push_back(sense(radiance(frame), impl_->config.rig, impl_->phone, view, rng));
-  return result;
+const RigCapture& SeedsSimulation::rig() const { return impl_->rig; }
+
+RadianceRenderer SeedsSimulation::renderer() const {
+  const Impl* impl = impl_.get();
+  return [impl](const TrueView& view, const Rng& rng) {
+    return render_radiance(impl->rays, impl->scene, impl->cache(0), view, impl->config.render, rng);
+  };
 }
 
-Camera SeedsSimulation::reported(int frame) const {
-  return reported_camera(impl_->config.rig, impl_->phone,
-                         impl_->views.at(static_cast<std::size_t>(frame)),
-                         impl_->rng.fork("sensor").fork(static_cast<std::uint64_t>(frame)));
+RigFrame SeedsSimulation::take(int frame, const Streams& streams) const {
+  return impl_->rig.take(frame, streams, renderer());
 }
 
 TruthImages SeedsSimulation::truth(int frame, const TruthNeeds& needs) const {
-  const TrueView& view = impl_->views.at(static_cast<std::size_t>(frame));
+  const TrueView& view = impl_->views().at(static_cast<std::size_t>(frame));
   const auto next = static_cast<std::size_t>(frame) + 1;
-  if (!needs.flow || next >= impl_->views.size())
-    return render_truth(impl_->rays, impl_->scene, view, needs);
+  const bool flow = needs.flow && next < impl_->views().size();
   TruthNeeds more = needs;
-  more.depth = more.instance = true;
+  if (flow) more.depth = more.instance = true;
   TruthImages truth = render_truth(impl_->rays, impl_->scene, view, more);
-  truth.flow = match_views(impl_->scene, {impl_->rays, view}, truth.depth_m, truth.instance,
-                           {impl_->rays, impl_->views[next]});
+  if (flow) {
+    truth.flow = match_views(impl_->scene, {impl_->rays, view}, truth.depth_m, truth.instance,
+                             {impl_->rays, impl_->views()[next]});
+  }
+  if (needs.disparity) truth.stereo = impl_->rig.disparity(frame);
   if (!needs.depth) truth.depth_m = {};
   if (!needs.instance) truth.instance = {};
   return truth;
@@ -110,7 +104,7 @@ Capture SeedsSimulation::capture_header() const {
   Capture capture;
   capture.pipeline = "seeds";
   capture.board = impl_->scene.board;
-  capture.rig.push_back(report_of(impl_->config.rig, impl_->phone));
+  capture.rig = impl_->rig.reports();
   return capture;
 }
 
@@ -119,7 +113,8 @@ SceneTruth SeedsSimulation::scene_truth() const {
   truth.seed = impl_->seed;
   truth.config_toml = resolved_toml(impl_->config);
   truth.scene = impl_->scene;
-  truth.views = impl_->views;
+  truth.views = impl_->views();
+  truth.other_sensors.assign(impl_->rig.views().begin() + 1, impl_->rig.views().end());
   return truth;
 }
 
@@ -136,11 +131,11 @@ SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, in
 
   const int frames = static_cast<int>(simulation.views().size());
   run.capture = simulation.capture_header();
+  const Streams streams = planned_streams(config);
   const StageClock render_clock("render");
-  for (int frame = 0; frame < frames; ++frame) {
-    say("render", frame, frames);
-    run.capture.frames.push_back(simulation.photograph(frame));
-  }
+  RigRun taken = take_all(simulation.rig(), streams, needs, simulation.renderer(),
+                          [&](int done, int total) { say("render", done, total); });
+  run.capture.frames = std::move(taken.frames);
   run.timings.push_back(render_clock.finish());
 
   const StageClock truth_clock("truth");
@@ -148,7 +143,10 @@ SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, in
   const bool any = needs != TruthNeeds{};
   for (int frame = 0; any && frame < frames; ++frame) {
     say("truth", frame, frames);
-    run.truth.images.push_back(simulation.truth(frame, needs));
+    TruthImages& images = run.truth.images.emplace_back(simulation.truth(frame, needs));
+    TruthImages& of_depth = taken.truth[static_cast<std::size_t>(frame)];
+    images.noise_free_depth_m = std::move(of_depth.noise_free_depth_m);
+    images.invalid_reason = std::move(of_depth.invalid_reason);
   }
   run.timings.push_back(truth_clock.finish());
   return run;

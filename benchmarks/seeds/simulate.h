@@ -20,23 +20,24 @@ using Progress = std::function<void(const std::string& what, int done, int total
 /// (configuration, seed, scene index, frame index): any subset may be rendered, in any order.
 class SeedsSimulation {
  public:
-  /// Builds and settles the scene, draws the phone. Light is computed on the first photograph.
+  /// Builds and settles the scene, draws the rig's unit. Light is computed on the first photograph.
   SeedsSimulation(const SeedsRunConfig& config, std::uint64_t seed, int scene_index);
   ~SeedsSimulation();
   SeedsSimulation(SeedsSimulation&&) noexcept;
 
   const Scene& scene() const;
   const RayScene& rays() const;
-  const std::vector<TrueView>& views() const;
-  const PhoneUnit& phone() const;
+  const std::vector<TrueView>& views() const;  ///< of the rig's first sensor
 
   /// Linear radiance of one view, before the sensor. `repeat` draws other Monte-Carlo samples of
   /// the same view and of the light cache, to measure the renderer's own noise.
   Image<Rgbf> radiance(int frame, std::uint64_t repeat = 0) const;
-  /// What the phone hands over for one view.
-  Frame photograph(int frame) const;
-  /// The calibration that photograph(frame) reports, without rendering.
-  Camera reported(int frame) const;
+  const RigCapture& rig() const;
+  /// Radiance from the light cache, which the first call fills. The simulation must outlive it.
+  RadianceRenderer renderer() const;
+  /// What the rig hands over for one view, of the streams asked for, and what is true of its depth.
+  RigFrame take(int frame, const Streams& streams) const;
+  /// What the first sensor sees. The depth sensor's truth comes with take().
   TruthImages truth(int frame, const TruthNeeds& needs) const;
 
   /// The capture without frames: rig, pipeline, board.
@@ -50,7 +51,7 @@ class SeedsSimulation {
 };
 
 /// All frames of a scene and the truth that `needs` asks for, in memory, with the seconds of each
-/// pass.
+/// pass. Streams are those of planned_streams().
 struct SimulatedRun {
   Capture capture;
   SceneTruth truth;

@@ -117,8 +117,8 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Pr
   labels.scene = job.config.scene.sphere ? "sphere" : job.config.scene.cultivar;
   labels.run = std::to_string(job.run);
   labels.seed = job.seed;
-  const std::string size =
-      std::to_string(job.config.rig.width_px) + "x" + std::to_string(job.config.rig.height_px);
+  const Camera& camera = run.capture.rig.front().camera;
+  const std::string size = std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px);
   const std::uint64_t stage_seed = Rng(job.seed).fork(static_cast<std::uint64_t>(job.run))();
   for (const int views : job.view_counts) {
     const bool all = views == static_cast<int>(run.capture.frames.size());

@@ -11,7 +11,7 @@ struct Choice {
   std::string_view name;
   bool TruthNeeds::*need;
 };
-constexpr std::array<Choice, 10> kChoices = {{{"depth", &TruthNeeds::depth},
+constexpr std::array<Choice, 13> kChoices = {{{"depth", &TruthNeeds::depth},
                                               {"normal", &TruthNeeds::normal},
                                               {"instance", &TruthNeeds::instance},
                                               {"part", &TruthNeeds::part},
@@ -20,7 +20,10 @@ constexpr std::array<Choice, 10> kChoices = {{{"depth", &TruthNeeds::depth},
                                               {"visibility", &TruthNeeds::visibility},
                                               {"shares", &TruthNeeds::shares},
                                               {"keypoints", &TruthNeeds::keypoints},
-                                              {"flow", &TruthNeeds::flow}}};
+                                              {"flow", &TruthNeeds::flow},
+                                              {"disparity", &TruthNeeds::disparity},
+                                              {"noise_free_depth", &TruthNeeds::noise_free_depth},
+                                              {"invalid_reason", &TruthNeeds::invalid_reason}}};
 
 std::string names() {
   std::string text;
@@ -30,13 +33,26 @@ std::string names() {
 
 }  // namespace
 
-TruthNeeds truth_needs_from_string(std::string_view text) {
+TruthNeeds truth_there_is(const DeviceConfig& rig, const Streams& streams) {
+  TruthNeeds needs;
+  for (const Choice& choice : kChoices) needs.*choice.need = true;
+  const auto* cameras = std::get_if<RigConfig>(&rig);
+  needs.disparity = cameras && cameras->sensors.size() > 1;
+  needs.noise_free_depth = needs.invalid_reason = streams.depth;
+  return needs;
+}
+
+TruthNeeds default_truth(const Streams& streams) {
+  TruthNeeds needs;
+  needs.visibility = true;
+  needs.noise_free_depth = needs.invalid_reason = streams.depth;
+  return needs;
+}
+
+TruthNeeds truth_needs_from_string(std::string_view text, const TruthNeeds& there_is) {
   TruthNeeds needs;
   if (text == "none") return needs;
-  if (text == "all") {
-    for (const Choice& choice : kChoices) needs.*choice.need = true;
-    return needs;
-  }
+  if (text == "all") return there_is;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
     const std::string_view word = text.substr(from, comma - from);
@@ -46,6 +62,10 @@ TruthNeeds truth_needs_from_string(std::string_view text) {
       const bool alone = word == "all" || word == "none";
       throw std::invalid_argument("--truth \"" + std::string(text) + "\": \"" + std::string(word) +
                                   (alone ? "\" stands alone" : "\" is not one of " + names()));
+    }
+    if (!(there_is.*(choice->need))) {
+      throw std::invalid_argument("--truth \"" + std::string(text) + "\": \"" + std::string(word) +
+                                  "\" is not what this capture has: it has " + to_string(there_is));
     }
     needs.*(choice->need) = true;
     from = comma + 1;

@@ -4,12 +4,22 @@
 #include <string_view>
 
 #include "sim/render/truth_pass.h"
+#include "sim/sensors/device.h"
 
 namespace cousin {
 
+/// What there is to know: disparity of rigs with two cameras, and of a depth sensor its noise-free
+/// depth and why pixels have none, where its depth is taken.
+TruthNeeds truth_there_is(const DeviceConfig& rig, const Streams& streams);
+/// What a dataset holds if nobody chooses: visibility, and what is known of the depth taken.
+TruthNeeds default_truth(const Streams& streams);
+
 /// Truth images by the names that `--truth` takes: a list such as "depth,part", "all" or "none".
-/// @throws std::invalid_argument naming the word that is none of them, and those that exist.
-TruthNeeds truth_needs_from_string(std::string_view text);
+/// @throws std::invalid_argument naming the word that is none of them, and those that exist, or
+/// that is not in `there_is`.
+TruthNeeds truth_needs_from_string(std::string_view text,
+                                   const TruthNeeds& there_is = truth_there_is(PhoneConfig{},
+                                                                               {.color = true}));
 
 /// The names in a fixed order, "none" for none: equal choices give equal texts.
 std::string to_string(const TruthNeeds& needs);

@@ -80,7 +80,7 @@ RigConfig small_rig(const RigConfig& config) {
     camera.lens.distortion.clear();
     camera.lens.spline = {};
     camera.lens.autofocus = false;
-    sensor.sensor_from_rig = {};
+    sensor.centre_in_rig_m = sensor.rig_from_sensor_rad = {0, 0, 0};
     sensor.trigger_delay_s = 0;
   }
   return small;

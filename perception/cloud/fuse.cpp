@@ -162,7 +162,8 @@ std::vector<VoxelPoint> fused_points(const DepthView& view, int own,
     for (int x = 0; x < view.point_m.width(); ++x) {
       const Eigen::Vector3f normal = view.normal(x, y);
       if (!view.valid(x, y) || normal.isZero()) continue;
-      const Rgb8 here = color(view.x0 + x, view.y0 + y);
+      constexpr Rgb8 kUnknown{128, 128, 128};
+      const Rgb8 here = color.empty() ? kUnknown : color(view.x0 + x, view.y0 + y);
       if (is_green(here, green)) continue;
       const Eigen::Vector3f point = view.point_m(x, y);
       float sum = 0, weights = 0;
@@ -237,8 +238,9 @@ void check_sizes(const Capture& capture, const Poses& poses, const Depths& depth
     const Image<float>& depth = depths[i].depth_m;
     if (depth.empty() || poses[i].status != PoseStatus::ok) continue;
     const bool has_color = !capture.frames[i].sensors.empty() &&
-                           capture.frames[i].sensors[0].color.width() == depth.width() &&
-                           capture.frames[i].sensors[0].color.height() == depth.height();
+                           (capture.frames[i].sensors[0].color.empty() ||
+                            (capture.frames[i].sensors[0].color.width() == depth.width() &&
+                             capture.frames[i].sensors[0].color.height() == depth.height()));
     const Image<float>& sigma = depths[i].sigma_m;
     const bool sigma_fits =
         sigma.empty() || (sigma.width() == depth.width() && sigma.height() == depth.height());

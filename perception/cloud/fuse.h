@@ -21,7 +21,7 @@ void validate(const FuseConfig& config);
 /// Each depth becomes a point that is moved along its normal to the mean (weights 1/sigma^2) of the
 /// views that see the surface there and agree; then points are averaged in voxels. Order: by voxel,
 /// so the same on any number of threads. Frames whose depth image is empty, or whose pose is
-/// missing, add nothing. Depths without sigma count alike.
+/// missing, add nothing. Depths without sigma count alike. Frames without colour give grey points.
 /// @throws std::invalid_argument if sizes of capture, poses, depths or their images differ.
 Cloud fuse_depths(const Capture& capture, const Poses& poses, const Depths& depths,
                   const GreenConfig& green, const FuseConfig& config = {});

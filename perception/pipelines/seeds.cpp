@@ -1,8 +1,11 @@
 #include "perception/pipelines/seeds.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <exception>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "sim/types/stage_clock.h"
@@ -10,12 +13,23 @@
 namespace cousin {
 namespace {
 
-std::string text_of(SeedsMethod method) { return method == SeedsMethod::paper ? "paper" : "ours"; }
+constexpr std::array<std::pair<SeedsMethod, std::string_view>, 4> kMethods = {
+    {{SeedsMethod::ours, "ours"},
+     {SeedsMethod::paper, "paper"},
+     {SeedsMethod::sensor_depth, "sensor_depth"},
+     {SeedsMethod::depth_only, "depth_only"}}};
 
 SeedsMethod method_of(const std::string& text) {
-  if (text == "ours") return SeedsMethod::ours;
-  if (text == "paper") return SeedsMethod::paper;
-  throw std::invalid_argument("method \"" + text + "\" is not one of ours, paper");
+  std::string known;
+  for (const auto& [method, name] : kMethods) {
+    if (name == text) return method;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw std::invalid_argument("method \"" + text + "\" is not one of " + known);
+}
+
+bool reads(const PipelineNeeds& needs, std::string_view image) {
+  return std::find(needs.images.begin(), needs.images.end(), image) != needs.images.end();
 }
 
 std::string text_of(BoardKind kind) {
@@ -55,6 +69,29 @@ SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& boa
   return {{-half, -half, -config.below_board_m}, {half, half, config.tallest_m}};
 }
 
+DepthVolume depth_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
+  const SweepVolume volume = sweep_volume(config, board);
+  return {volume.low_m, volume.high_m};
+}
+
+/// The fusion's configuration for depths of a sensor: the median of their sigmas says how far two
+/// of them differ.
+FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths) {
+  std::vector<float> sigmas;
+  for (const FrameDepth& frame : depths) {
+    for (const float sigma : frame.sigma_m) {
+      if (std::isfinite(sigma)) sigmas.push_back(sigma);
+    }
+  }
+  FuseConfig fuse = config.fuse;
+  if (sigmas.empty()) return fuse;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  fuse.agreement_m =
+      std::clamp(config.agreement_sigmas * static_cast<double>(*middle), fuse.agreement_m, 0.1);
+  return fuse;
+}
+
 /// Runs one stage, times it and tells the observer; an exception names the stage and keeps what is
 /// finished.
 template <class Value, class Stage>
@@ -78,25 +115,32 @@ void run_stage(const char* name, const Stage& stage, const Capture& capture,
 StageError::StageError(const std::string& stage_name, const std::string& what)
     : std::runtime_error("stage " + stage_name + ": " + what), stage(stage_name) {}
 
+std::string_view to_string(SeedsMethod method) {
+  return kMethods.at(static_cast<std::size_t>(method)).second;
+}
+
 Fields fields(SeedsPipelineConfig& config) {
   Fields own = {
       {"method",
-       TextField{[&config] { return text_of(config.method); },
+       TextField{[&config] { return std::string(to_string(config.method)); },
                  [&config](const std::string& text) { config.method = method_of(text); }},
-       "ours: closed surfaces; paper: clusters of points, PCA box, alpha shape"},
+       "ours: closed surfaces; paper: clusters of points, PCA box, alpha shape; sensor_depth: ours "
+       "with a depth camera's depth; depth_only: its depth and nothing else"},
       {"board_kind",
        TextField{[&config] { return text_of(config.board_kind); },
                  [&config](const std::string& text) { config.board_kind = board_kind_of(text); }},
        "calibration board: as_reported by the capture, markers or plain"},
+      {"agreement_sigmas", &config.agreement_sigmas,
+       "sensor_depth, depth_only: depths agree within so many sigmas", 0.1, 100},
       {"margin_m", &config.margin_m, "reconstructed beyond the plate's edge", 0, 1},
       {"below_board_m", &config.below_board_m, "reconstructed below the board's face", 0, 1},
       {"tallest_m", &config.tallest_m, "tallest object on the board", 0.001, 1},
   };
   return own + nested("board", fields(config.board)) + nested("poses", fields(config.poses)) +
          nested("green", fields(config.green)) + nested("mvs", fields(config.mvs)) +
-         nested("fuse", fields(config.fuse)) + nested("clusters", fields(config.clusters)) +
-         nested("outlines", fields(config.outlines)) + nested("surface", fields(config.surface)) +
-         nested("traits", fields(config.traits)) +
+         nested("sensor_depth", fields(config.sensor_depth)) + nested("fuse", fields(config.fuse)) +
+         nested("clusters", fields(config.clusters)) + nested("outlines", fields(config.outlines)) +
+         nested("surface", fields(config.surface)) + nested("traits", fields(config.traits)) +
          nested("paper_clusters", fields(config.paper_clusters)) +
          nested("paper_traits", fields(config.paper_traits));
 }
@@ -106,6 +150,7 @@ void validate(const SeedsPipelineConfig& config) {
   validate(config.poses);
   validate(config.green);
   validate(config.mvs);
+  validate(config.sensor_depth);
   validate(config.fuse);
   validate(config.clusters);
   validate(config.outlines);
@@ -130,6 +175,34 @@ SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config) {
   return board;
 }
 
+namespace {
+
+/// Poses, depth and cloud of a depth camera in place of those from several colour views.
+void take_sensor_depth(const SeedsPipelineConfig& config, SeedsStages& stages) {
+  stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return depths_of_sensor(capture, so_far.poses, depth_volume(config, board_of(capture, config)),
+                            config.sensor_depth);
+  };
+  stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return fuse_depths(capture, so_far.poses, so_far.depths, config.green,
+                       fuse_for(config, so_far.depths));
+  };
+  if (config.method != SeedsMethod::depth_only) return;
+  stages.corners = nullptr;
+  stages.poses = [](const Capture& capture, const SeedsEstimate&) { return poses_of_rig(capture); };
+}
+
+void measure_points(const SeedsPipelineConfig& config, SeedsStages& stages) {
+  stages.surfaces = [](const Capture&, const SeedsEstimate& so_far) {
+    return surfaces_of_clusters(so_far.clusters);
+  };
+  stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
+    return traits_as_paper(so_far.surfaces, config.paper_traits);
+  };
+}
+
+}  // namespace
+
 SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) {
   validate(config);
   SeedsStages stages;
@@ -151,17 +224,17 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
       return cluster_as_paper(so_far.cloud, config.paper_clusters,
                               Rng(seed).fork("paper_clusters"));
     };
-    stages.surfaces = [](const Capture&, const SeedsEstimate& so_far) {
-      return surfaces_of_clusters(so_far.clusters);
-    };
-    stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
-      return traits_as_paper(so_far.surfaces, config.paper_traits);
-    };
+    measure_points(config, stages);
     return stages;
   }
   stages.clusters = [config](const Capture&, const SeedsEstimate& so_far) {
     return cluster_on_board(so_far.cloud, config.clusters);
   };
+  if (config.method != SeedsMethod::ours) take_sensor_depth(config, stages);
+  if (config.method == SeedsMethod::depth_only) {
+    measure_points(config, stages);
+    return stages;
+  }
   stages.masks = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return find_outlines(capture, so_far.poses, board_of(capture, config), so_far.clusters,
                          config.outlines);
@@ -178,23 +251,50 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
 
 PipelineNeeds needs(const SeedsPipelineConfig& config) {
   PipelineNeeds result;
-  result.images = {"color"};
-  result.stages = {"corners", "poses", "depth", "cloud", "clusters"};
-  if (config.method == SeedsMethod::paper) {
-    result.left_out.emplace_back("masks", "the paper's chain measures points, not silhouettes");
+  const bool points =
+      config.method == SeedsMethod::paper || config.method == SeedsMethod::depth_only;
+  if (config.method == SeedsMethod::depth_only) {
+    result.images = {"depth"};
+    result.left_out.emplace_back("corners", "the rig knows its poses");
+    result.stages = {"poses", "depth", "cloud", "clusters"};
+  } else {
+    result.images = {"color"};
+    if (config.method == SeedsMethod::sensor_depth) result.images.emplace_back("depth");
+    result.stages = {"corners", "poses", "depth", "cloud", "clusters"};
+  }
+  if (points) {
+    result.left_out.emplace_back("masks", config.method == SeedsMethod::paper
+                                              ? "the paper's chain measures points, not silhouettes"
+                                              : "without colour there are no silhouettes");
   } else {
     result.stages.push_back("masks");
   }
   result.stages.insert(result.stages.end(), {"surfaces", "traits"});
-  result.left_out.emplace_back("raw", "the pipeline reads 8-bit colour");
-  result.left_out.emplace_back("sensor depth", "a phone has none; depth comes from several views");
   return result;
+}
+
+void require_images(const Capture& capture, const SeedsPipelineConfig& config) {
+  const PipelineNeeds needed = needs(config);
+  const auto require = [&](bool there, const char* what) {
+    if (there) return;
+    throw std::invalid_argument("method " + std::string(to_string(config.method)) + " reads " +
+                                what);
+  };
+  require(!reads(needed, "depth") || has_sensor_depth(capture),
+          "the depth images of a depth camera; the capture has none");
+  const bool has_poses =
+      std::any_of(capture.frames.begin(), capture.frames.end(),
+                  [](const Frame& frame) { return frame.rig_from_world.has_value(); });
+  require(config.method != SeedsMethod::depth_only || has_poses,
+          "the poses of a rig that knows where it is; the capture has none (a simulated rig knows "
+          "with --set knows_pose=true)");
 }
 
 SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,
                         const SeedsStages& stages, const StageObserver& observer) {
   validate(config);
   if (capture.frames.empty()) throw std::invalid_argument("the capture has no frames");
+  require_images(capture, config);
   SeedsEstimate estimate;
   run_stage("corners", stages.corners, capture, estimate, &SeedsEstimate::corners, observer);
   run_stage("poses", stages.poses, capture, estimate, &SeedsEstimate::poses, observer);

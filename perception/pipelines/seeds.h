@@ -15,12 +15,14 @@
 #include "perception/segment/green.h"
 #include "perception/silhouette/outlines.h"
 #include "perception/silhouette/surface_fit.h"
+#include "perception/stereo/sensor_depth.h"
 
 namespace cousin {
 
-/// Two methods share poses, depth and cloud: `paper` measures clusters of points, `ours` fits
-/// closed surfaces.
-enum class SeedsMethod { ours, paper };
+/// `ours` fits closed surfaces and `paper` measures clusters of points; both take depth from
+/// several views. `sensor_depth` is ours with a depth camera's own depth in its place. `depth_only`
+/// looks at no colour: a rig that knows its poses, its depth, clusters of points.
+enum class SeedsMethod { ours, paper, sensor_depth, depth_only };
 
 /// Which print lies under the seeds. A real capture without a rig.json does not say: then it is
 /// asked for here.
@@ -36,6 +38,10 @@ struct SeedsPipelineConfig {
   BoardPosesConfig poses;
   GreenConfig green;
   MvsConfig mvs;
+  SensorDepthConfig sensor_depth;
+  /// Of the methods that read a sensor's depth: depths of two views agree within so many of their
+  /// sigmas, if that is more than fuse.agreement_m.
+  double agreement_sigmas = 3;
   FuseConfig fuse;
   PaperClusterConfig paper_clusters;
   BoardClusterConfig clusters;
@@ -89,11 +95,14 @@ class StageError : public std::runtime_error {
 /// Which of a capture's images and which stages a configuration reads; what is not listed is left
 /// out.
 struct PipelineNeeds {
-  std::vector<std::string> images;  ///< "color", ...
+  std::vector<std::string> images;  ///< of "color", "raw", "infrared", "depth"
   std::vector<std::string> stages;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< stage, why
 };
 PipelineNeeds needs(const SeedsPipelineConfig& config);
+/// @throws std::invalid_argument naming the method and the images that the capture lacks.
+void require_images(const Capture& capture, const SeedsPipelineConfig& config);
+std::string_view to_string(SeedsMethod method);
 
 /// Called before and after each stage, for progress and for writing seams as soon as they exist.
 using StageObserver =

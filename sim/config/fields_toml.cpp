@@ -7,6 +7,7 @@
 
 #include "sim/config/field_value.h"
 #include "sim/config/fields.h"
+#include "sim/config/toml_peek.h"
 
 namespace cousin {
 namespace {
@@ -98,6 +99,20 @@ std::vector<std::pair<std::string, const toml::value*>> rows_in_order(const toml
   return rows;
 }
 
+std::string bytes_of(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error))
+    throw std::runtime_error(file.string() + ": no such file");
+  if (!std::filesystem::is_regular_file(file, error))
+    throw std::runtime_error(file.string() + ": not a regular file");
+  std::ifstream in(file, std::ios::binary);
+  std::string text(kMaxBytes + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!in && !in.eof()) throw std::runtime_error(file.string() + ": cannot read");
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
 class Reader {
  public:
   Reader(const std::string& name, const Fields& fields) : name_(name), fields_(fields) {}
@@ -162,17 +177,22 @@ std::vector<std::string> toml_tables(std::string_view text, std::string_view nam
 }
 
 void read_toml(const std::filesystem::path& file, const Fields& fields, MissingKeys missing) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error))
-    throw std::runtime_error(file.string() + ": no such file");
-  if (!std::filesystem::is_regular_file(file, error))
-    throw std::runtime_error(file.string() + ": not a regular file");
-  std::ifstream in(file, std::ios::binary);
-  std::string text(kMaxBytes + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!in && !in.eof()) throw std::runtime_error(file.string() + ": cannot read");
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  read_toml_text(text, file.string(), fields, missing);
+  read_toml_text(bytes_of(file), file.string(), fields, missing);
+}
+
+std::string toml_text_of(const std::filesystem::path& file, std::string_view table,
+                         std::string_view key) {
+  const std::string text = bytes_of(file), name = file.string();
+  check_size(text, name);
+  const toml::value root = parse(text, name);
+  const std::string table_key(table), own_key(key);
+  if (!root.contains(table_key) || !root.at(table_key).is_table()) return {};
+  const toml::value& inner = root.at(table_key);
+  if (!inner.contains(own_key)) return {};
+  const toml::value& value = inner.at(own_key);
+  if (!value.is_string())
+    throw std::runtime_error(at(name, value) + table_key + "." + own_key + ": must be text");
+  return value.as_string().str;
 }
 
 std::string to_toml(const Fields& fields) {

@@ -7,16 +7,18 @@
 //   POSE: {"rotation_wxyz": [4], "translation_m": [3]}
 //
 // SCENE_DIR/scene_camera.json: BOP's with one key more; BOP's keys are of the first sensor
-//   {"0": {"cam_K": [9], "depth_scale": mm per unit, "cam_R_w2c": [9], "cam_t_w2c": [3, mm],
+//   {"0": {"cam_K": [9], "depth_scale": mm per unit of depth/, "cam_R_w2c": [9], "cam_t_w2c": [3,
+//   mm],
 //          "cousin": {"time_s", "rig_from_world": POSE,
-//                     "sensors": [{"camera": CAMERA, "depth_unit_m",
-//                                  "images": ["color", "raw", "depth"]}]}}}
+//                     "sensors": [{"camera": CAMERA, "depth_unit_m", "images": ["color",
+//                                  "grey", "raw", "depth"], "time_s": if not the frame's}]}}}
 //   Poses are there only if the rig knows them. "cousin" keeps what BOP has no place for. Without
 //   it (another program's files), the rig has one sensor, whose lens has the intrinsics of cam_K
 //   and the distortion of rig.json.
 //
-// Images: NAME/000000.png (color; .jpg is read too), raw/ and depth/ of the first sensor,
-// NAME_raw/ and NAME_depth/ of the others.
+// Images: NAME/000000.png (color, .jpg is read too; or grey), raw/ and depth/ of the first sensor,
+// NAME_raw/ and NAME_depth/ of the others. A sensor named "depth" has its depth in depth/, in its
+// own pixels, not in those of cam_K.
 
 #include "sim/dataset/capture_io.h"
 
@@ -104,6 +106,10 @@ void read_frame_images(const fs::path& scene_dir, const std::vector<SensorReport
       sensor.color = read_image(scene_dir, file, camera, frame.id,
                                 [](const fs::path& f) { return read_color(f); });
     }
+    if (kinds[s].grey) {
+      sensor.grey = read_image(scene_dir, relative(ImageKind::grey), camera, frame.id,
+                               [](const fs::path& f) { return read_png8(f); });
+    }
     if (kinds[s].raw) {
       sensor.raw = read_image(scene_dir, relative(ImageKind::raw), camera, frame.id,
                               [](const fs::path& f) { return read_png16(f); });
@@ -128,6 +134,13 @@ void write_frame_images(const fs::path& scene_dir, const Capture& capture,
   }
   for (std::size_t s = 0; s < frame.sensors.size(); ++s) {
     const SensorFrame& sensor = frame.sensors[s];
+    const bool is_depth_alone = capture.rig[s].name == kDepthSensor;
+    if (!sensor.color.empty() + !sensor.grey.empty() + is_depth_alone > 1) {
+      throw std::invalid_argument("capture frame " + std::to_string(frame.id) + ": sensor \"" +
+                                  capture.rig[s].name +
+                                  "\" has two of colour, grey and depth alone, which would share "
+                                  "a folder");
+    }
     const auto write = [&](ImageKind kind, const auto& image) {
       if (image.empty()) return;
       const fs::path file = image_file(scene_dir, capture, s, kind, frame.id);
@@ -136,14 +149,32 @@ void write_frame_images(const fs::path& scene_dir, const Capture& capture,
       write_png(file, image);
     };
     write(ImageKind::color, sensor.color);
+    write(ImageKind::grey, sensor.grey);
     write(ImageKind::raw, sensor.raw);
     write(ImageKind::depth, sensor.depth);
   }
 }
 
+std::vector<fs::path> frame_image_files(const Capture& capture, std::size_t frame_index) {
+  const Frame& frame = capture.frames.at(frame_index);
+  std::vector<fs::path> files;
+  for (std::size_t s = 0; s < frame.sensors.size(); ++s) {
+    const SensorFrame& sensor = frame.sensors[s];
+    const auto add = [&](ImageKind kind, const auto& image) {
+      if (!image.empty()) files.push_back(image_file({}, capture, s, kind, frame.id));
+    };
+    add(ImageKind::color, sensor.color);
+    add(ImageKind::grey, sensor.grey);
+    add(ImageKind::raw, sensor.raw);
+    add(ImageKind::depth, sensor.depth);
+  }
+  return files;
+}
+
 void write_capture_index(const fs::path& scene_dir, const Capture& capture) {
   check_writable(capture);
-  // Another shard may have written a frame's images, so what is on disk counts too.
+  // Another shard may have written a frame's images, so what is on disk counts too; of grey ones
+  // the frame itself must say that they are.
   std::vector<std::vector<ImageKinds>> kinds;
   for (const Frame& frame : capture.frames) {
     std::vector<ImageKinds>& of_frame = kinds.emplace_back();
@@ -151,7 +182,9 @@ void write_capture_index(const fs::path& scene_dir, const Capture& capture) {
       const auto has = [&](ImageKind kind, const auto& image) {
         return !image.empty() || fs::exists(image_file(scene_dir, capture, s, kind, frame.id));
       };
-      of_frame.push_back({.color = has(ImageKind::color, frame.sensors[s].color),
+      const bool is_grey = !frame.sensors[s].grey.empty();  // they share a folder
+      of_frame.push_back({.color = !is_grey && has(ImageKind::color, frame.sensors[s].color),
+                          .grey = is_grey,
                           .raw = has(ImageKind::raw, frame.sensors[s].raw),
                           .depth = has(ImageKind::depth, frame.sensors[s].depth)});
     }

@@ -69,18 +69,21 @@ SensorReport read_sensor(const JsonNode& node, std::size_t index) {
 
 ImageKinds read_image_kinds(const JsonNode& node) {
   ImageKinds kinds;
-  for (const JsonNode& image : node.elements(3)) {
+  for (const JsonNode& image : node.elements(4)) {
     const std::string kind = image.text(16);
     if (kind == "color") {
       kinds.color = true;
+    } else if (kind == "grey") {
+      kinds.grey = true;
     } else if (kind == "raw") {
       kinds.raw = true;
     } else if (kind == "depth") {
       kinds.depth = true;
     } else {
-      image.fail("is not one of color, raw, depth");
+      image.fail("is not one of color, grey, raw, depth");
     }
   }
+  if (kinds.color && kinds.grey) node.fail("has both color and grey, which share a folder");
   return kinds;
 }
 
@@ -141,7 +144,8 @@ void read_own_frame(const JsonNode& node, const std::string& context, const Capt
   }
   for (std::size_t s = 0; s < count; ++s) {
     const JsonNode entry = own["sensors"][s];
-    entry.expect_keys({"camera", "depth_unit_m", "images"});
+    entry.expect_keys({"camera", "depth_unit_m", "images"}, {"time_s"});
+    if (entry.has("time_s")) frame.sensors[s].time_s = entry["time_s"].number();
     frame.sensors[s].reported = read_camera(entry["camera"], context);
     frame.sensors[s].depth_unit_m = entry["depth_unit_m"].number(1e-12, 1e3);
     kinds[s] = read_image_kinds(entry["images"]);
@@ -168,11 +172,20 @@ void read_own_frame(const JsonNode& node, const std::string& context, const Capt
 
 }  // namespace
 
+std::size_t depth_sensor(const std::vector<SensorReport>& rig) {
+  const auto found = std::find_if(rig.begin(), rig.end(), [](const SensorReport& sensor) {
+    return sensor.name == kDepthSensor;
+  });
+  return static_cast<std::size_t>(found - rig.begin());
+}
+
 std::string image_folder(const std::vector<SensorReport>& rig, std::size_t sensor, ImageKind kind) {
   const std::string& name = rig.at(sensor).name;
-  if (kind == ImageKind::color) return name;
+  if (kind == ImageKind::color || kind == ImageKind::grey) return name;
+  if (kind == ImageKind::depth && name == kDepthSensor) return name;
   const std::string suffix = kind == ImageKind::raw ? "raw" : "depth";
-  return sensor == 0 ? suffix : name + "_" + suffix;
+  const bool is_taken = kind == ImageKind::depth && depth_sensor(rig) < rig.size();
+  return sensor == 0 && !is_taken ? suffix : name + "_" + suffix;
 }
 
 void check_rig(const std::vector<SensorReport>& rig) {
@@ -187,6 +200,7 @@ void check_rig(const std::vector<SensorReport>& rig) {
                                   "\" is not of 1 to 64 of a-z 0-9 _");
     }
     for (const ImageKind kind : {ImageKind::color, ImageKind::raw, ImageKind::depth}) {
+      if (kind == ImageKind::color && rig[s].name == kDepthSensor) continue;  // it has none
       const std::string folder = image_folder(rig, s, kind);
       if (!folders.insert(folder).second) {
         throw std::invalid_argument("rig: two kinds of files would share the folder \"" + folder +
@@ -231,14 +245,19 @@ std::string scene_camera_to_json(const Capture& capture,
       const SensorFrame& sensor = frame.sensors[s];
       Json images = Json::array();
       if (kinds[f][s].color) images.push_back("color");
+      if (kinds[f][s].grey) images.push_back("grey");
       if (kinds[f][s].raw) images.push_back("raw");
       if (kinds[f][s].depth) images.push_back("depth");
-      sensors.push_back({{"camera", to_json(sensor.reported)},
-                         {"depth_unit_m", sensor.depth_unit_m},
-                         {"images", images}});
+      Json own = {{"camera", to_json(sensor.reported)},
+                  {"depth_unit_m", sensor.depth_unit_m},
+                  {"images", images}};
+      if (sensor.time_s) own["time_s"] = *sensor.time_s;
+      sensors.push_back(own);
     }
+    const std::size_t depth = depth_sensor(capture.rig);
+    const SensorFrame& scaled = frame.sensors[depth < frame.sensors.size() ? depth : 0];
     Json entry = {{"cam_K", camera_matrix(frame.sensors.front().reported)},
-                  {"depth_scale", 1000 * frame.sensors.front().depth_unit_m}};
+                  {"depth_scale", 1000 * scaled.depth_unit_m}};
     Json own = {{"time_s", frame.time_s}};
     if (frame.rig_from_world) {
       const Pose pose = first_sensor_from_world(capture, frame);

@@ -11,16 +11,21 @@ namespace cousin {
 /// Private to sim/dataset: rig.json and scene_camera.json as text; the schemas are in
 /// capture_io.cpp.
 
-enum class ImageKind { color, raw, depth };
+enum class ImageKind { color, grey, raw, depth };
 /// Which images of one sensor a frame has.
 struct ImageKinds {
   bool color = false;
+  bool grey = false;
   bool raw = false;
   bool depth = false;
   bool depth_if_there = false;  ///< another program's files, which do not list their images
 };
 
-/// Folder of a sensor's images below the scene.
+/// Place of the sensor named kDepthSensor; the rig's size if it has none.
+std::size_t depth_sensor(const std::vector<SensorReport>& rig);
+/// Folder of a sensor's images below the scene: its name for colour and grey, raw/ and depth/ for
+/// the first sensor's others and NAME_raw/ and NAME_depth/ for those of the rest. A sensor named
+/// "depth" has its depth in depth/, whatever its place, and then the first has none there.
 std::string image_folder(const std::vector<SensorReport>& rig, std::size_t sensor, ImageKind kind);
 /// @throws std::invalid_argument if the rig is empty, a name is not of 1 to 64 of a-z 0-9 _, or two
 /// folders coincide.

@@ -3,7 +3,8 @@
 //   seed               a decimal number
 //   camera.json        {"views": [{"frame", "time_s", "camera": CAMERA, "camera_from_world": POSE,
 //                                  "camera_from_world_end": POSE, "exposure_s", "readout_s",
-//                                  "aperture_radius_m", "focus_m": null = infinity}]}
+//                                  "aperture_radius_m", "focus_m": null = infinity}],
+//                       "other_sensors": [{"sensor", "views"}] if the rig has more than one}
 //   scene.json         name, rig, board, models (name, mesh file, part names, part of each
 //                      triangle), materials, instances, lights, views. Shading (vertex albedo and
 //                      normals) is not kept: configuration and seed make it again.
@@ -25,6 +26,8 @@
 //   flow/              three channels: x, y in pixels to the next view; state there: 0 no surface,
 //                      1 visible, 2 occluded, 3 outside; disparity/ the same to the rig's second
 //                      camera, with x turned round: x here less x there
+//   noise_free_depth/  000000.exr: metres, in the pixels of the rig's depth sensor;
+//   invalid_reason/    000000.png: 8 bits, why these have no depth; 0 = they have
 //   instance/          16-bit PNG, id + 1; 0 = none
 //   part/              16-bit PNG, place in the model's part_names (0 where it has none);
 //                      65535 = none
@@ -37,6 +40,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/capture_json.h"
 #include "sim/dataset/exr_vectors.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
@@ -186,6 +190,9 @@ void write_images(const fs::path& dir, const TruthImages& images, int frame,
   for (std::size_t k = 0; k < images.shares.size(); ++k) {
     write_exr(file("coverage", specimen_file(frame, k, ".exr")), share_image(images.shares[k]));
   }
+  if (!images.noise_free_depth_m.empty())
+    write_exr(file("noise_free_depth", exr), images.noise_free_depth_m);
+  if (!images.invalid_reason.empty()) write_png(file("invalid_reason", png), images.invalid_reason);
   if (!images.flow.state.empty())
     write_exr_vectors(file("flow", exr), match_channels(images.flow, 1));
   if (!images.stereo.state.empty())
@@ -234,6 +241,14 @@ void read_matches(const fs::path& dir, const TrueView& view, TruthImages& images
   };
   images.flow = read("flow/" + six_digits(view.frame) + ".exr", 1);
   images.stereo = read("disparity/" + six_digits(view.frame) + ".exr", -1);
+}
+
+void read_depth_sensor(const fs::path& dir, const TrueView& view, TruthImages& images) {
+  images.noise_free_depth_m =
+      read_if_there(dir, "noise_free_depth/" + six_digits(view.frame) + ".exr", view,
+                    [](const fs::path& f) { return read_exr(f); });
+  images.invalid_reason = read_if_there(dir, "invalid_reason/" + six_digits(view.frame) + ".png",
+                                        view, [](const fs::path& f) { return read_png8(f); });
 }
 
 void read_images(const fs::path& dir, const TrueView& view, TruthImages& images) {
@@ -294,7 +309,7 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
   });
   write_file(dir / "config.toml", truth.config_toml);
   write_file(dir / "seed", std::to_string(truth.seed) + "\n");
-  write_file(dir / "camera.json", views_to_json(truth.views));
+  write_file(dir / "camera.json", views_to_json(truth.views, truth.other_sensors));
   write_file(dir / "scene.json", scene_to_json(truth.scene));
   write_file(dir / "scene_gt.json", scene_gt_to_json(truth.scene, truth.views));
   write_file(dir / "traits.json", true_traits_to_json(truth.scene));
@@ -319,7 +334,7 @@ SceneTruth read_truth(const fs::path& scene_dir) {
   SceneTruth truth;
   truth.config_toml = text("config.toml");
   truth.seed = read_seed(dir / "seed");
-  truth.views = views_from_json(text("camera.json"), name("camera.json"));
+  truth.views = views_from_json(text("camera.json"), name("camera.json"), truth.other_sensors);
   std::vector<std::string> mesh_files;
   truth.scene = scene_from_json(text("scene.json"), name("scene.json"), mesh_files);
   for_each_frame(mesh_files.size(), [&](std::size_t i) {
@@ -343,6 +358,9 @@ SceneTruth read_truth(const fs::path& scene_dir) {
     read_images(dir, truth.views[i], truth.images[i]);
     read_shares(dir, truth.views[i], order, truth.images[i]);
     read_matches(dir, truth.views[i], truth.images[i]);
+    for (const SensorViews& other : truth.other_sensors) {
+      if (other.sensor == kDepthSensor) read_depth_sensor(dir, other.views[i], truth.images[i]);
+    }
   });
   return truth;
 }

@@ -13,9 +13,10 @@ namespace cousin {
 /// All truth of one scene, apart from per-frame images.
 struct SceneTruth {
   std::uint64_t seed = 0;
-  std::string config_toml;  ///< resolved
-  Scene scene;              ///< with instances where they came to rest
-  std::vector<TrueView> views;
+  std::string config_toml;                 ///< resolved
+  Scene scene;                             ///< with instances where they came to rest
+  std::vector<TrueView> views;             ///< of the rig's first sensor
+  std::vector<SensorViews> other_sensors;  ///< in the rig's order, as many views each
   std::vector<TruthImages> images;  ///< one for each view, or empty; what was not planned is empty
 };
 

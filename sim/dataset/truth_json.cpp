@@ -13,6 +13,7 @@
 namespace cousin {
 namespace {
 
+constexpr std::size_t kMaxSensors = 64;
 constexpr std::size_t kMaxViews = 1'000'000;
 constexpr std::size_t kMaxInstances = 1'000'000;
 constexpr std::size_t kMaxTriangles = std::size_t{1} << 26;
@@ -81,47 +82,31 @@ ObjectModel read_model(const JsonNode& node, std::vector<std::string>& mesh_file
   return model;
 }
 
-}  // namespace
-
-std::vector<JsonNode> by_view(const JsonNode& root, const std::vector<TrueView>& views) {
-  if (root.members(kMaxViews).size() != views.size())
-    root.fail("does not have one entry for each frame of camera.json");
-  std::vector<JsonNode> nodes;
-  for (const TrueView& view : views) nodes.push_back(root[std::to_string(view.frame)]);
-  return nodes;
-}
-
-// ---- camera.json --------------------------------------------------------------------------------
-
-std::string views_to_json(const std::vector<TrueView>& views) {
-  Json root = Json::object();
-  root["views"] = Json::array();
+Json json_of(const std::vector<TrueView>& views) {
+  Json list = Json::array();
   std::set<int> frames;
   for (const TrueView& view : views) {
     if (view.frame < 0 || view.frame > 999'999 || !frames.insert(view.frame).second) {
       throw std::invalid_argument("truth: view frame " + std::to_string(view.frame) +
                                   " is not unique in 0..999999");
     }
-    root["views"].push_back({{"frame", view.frame},
-                             {"time_s", view.time_s},
-                             {"camera", to_json(view.camera)},
-                             {"camera_from_world", to_json(view.camera_from_world)},
-                             {"camera_from_world_end", to_json(view.camera_from_world_end)},
-                             {"exposure_s", view.exposure_s},
-                             {"readout_s", view.readout_s},
-                             {"aperture_radius_m", view.aperture_radius_m},
-                             {"focus_m", std::isinf(view.focus_m) ? Json() : Json(view.focus_m)}});
+    list.push_back({{"frame", view.frame},
+                    {"time_s", view.time_s},
+                    {"camera", to_json(view.camera)},
+                    {"camera_from_world", to_json(view.camera_from_world)},
+                    {"camera_from_world_end", to_json(view.camera_from_world_end)},
+                    {"exposure_s", view.exposure_s},
+                    {"readout_s", view.readout_s},
+                    {"aperture_radius_m", view.aperture_radius_m},
+                    {"focus_m", std::isinf(view.focus_m) ? Json() : Json(view.focus_m)}});
   }
-  return to_text(root);
+  return list;
 }
 
-std::vector<TrueView> views_from_json(std::string_view text, const std::string& name) {
-  const JsonDocument document(text, name);
-  const JsonNode root = document.root();
-  root.expect_keys({"views"});
+std::vector<TrueView> read_views(const JsonNode& list) {
   std::vector<TrueView> views;
   std::set<int> frames;
-  for (const JsonNode& node : root["views"].elements(kMaxViews)) {
+  for (const JsonNode& node : list.elements(kMaxViews)) {
     node.expect_keys({"frame", "time_s", "camera", "camera_from_world", "camera_from_world_end"},
                      {"exposure_s", "readout_s", "aperture_radius_m", "focus_m"});
     TrueView view;
@@ -139,6 +124,51 @@ std::vector<TrueView> views_from_json(std::string_view text, const std::string& 
     read("aperture_radius_m", view.aperture_radius_m);
     read("focus_m", view.focus_m);
     views.push_back(view);
+  }
+  return views;
+}
+
+}  // namespace
+
+std::vector<JsonNode> by_view(const JsonNode& root, const std::vector<TrueView>& views) {
+  if (root.members(kMaxViews).size() != views.size())
+    root.fail("does not have one entry for each frame of camera.json");
+  std::vector<JsonNode> nodes;
+  for (const TrueView& view : views) nodes.push_back(root[std::to_string(view.frame)]);
+  return nodes;
+}
+
+// ---- camera.json --------------------------------------------------------------------------------
+
+std::string views_to_json(const std::vector<TrueView>& views,
+                          const std::vector<SensorViews>& others) {
+  Json root = Json{{"views", json_of(views)}};
+  for (const SensorViews& other : others) {
+    if (other.views.size() != views.size()) {
+      throw std::invalid_argument("truth: sensor \"" + other.sensor + "\" has " +
+                                  std::to_string(other.views.size()) + " views; the first has " +
+                                  std::to_string(views.size()));
+    }
+    root["other_sensors"].push_back({{"sensor", other.sensor}, {"views", json_of(other.views)}});
+  }
+  return to_text(root);
+}
+
+std::vector<TrueView> views_from_json(std::string_view text, const std::string& name,
+                                      std::vector<SensorViews>& others) {
+  const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  root.expect_keys({"views"}, {"other_sensors"});
+  const std::vector<TrueView> views = read_views(root["views"]);
+  others.clear();
+  if (!root.has("other_sensors")) return views;
+  for (const JsonNode& node : root["other_sensors"].elements(kMaxSensors)) {
+    node.expect_keys({"sensor", "views"});
+    others.push_back({node["sensor"].text(64), read_views(node["views"])});
+    bool same = others.back().views.size() == views.size();
+    for (std::size_t i = 0; same && i < views.size(); ++i)
+      same = others.back().views[i].frame == views[i].frame;
+    if (!same) node["views"].fail("are not of the frames of the first sensor");
   }
   return views;
 }

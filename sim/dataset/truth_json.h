@@ -17,8 +17,10 @@ class JsonNode;
 /// Members of an object whose keys are the frames of `views`, in the order of the views.
 std::vector<JsonNode> by_view(const JsonNode& root, const std::vector<TrueView>& views);
 
-std::string views_to_json(const std::vector<TrueView>& views);  ///< camera.json
-std::vector<TrueView> views_from_json(std::string_view text, const std::string& name);
+std::string views_to_json(const std::vector<TrueView>& views,
+                          const std::vector<SensorViews>& others);  ///< camera.json
+std::vector<TrueView> views_from_json(std::string_view text, const std::string& name,
+                                      std::vector<SensorViews>& others);
 
 std::string scene_to_json(const Scene& scene);  ///< scene.json: all but meshes, keypoints, traits
 /// Models come without meshes; `mesh_files` gets their paths below truth/.

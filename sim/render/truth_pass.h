@@ -28,6 +28,10 @@ struct TruthNeeds {
   bool keypoints = false;  ///< of the specimens: see keypoint_truth.h
   /// To the scene's next view: see view_match.h. By whoever has both views, not by render_truth.
   bool flow = false;
+  // By whoever has the rig: see match_views and the depth sensor.
+  bool disparity = false;         ///< to the rig's second camera
+  bool noise_free_depth = false;  ///< of the rig's depth sensor, in its pixels
+  bool invalid_reason = false;    ///< why its pixels have no depth
 
   bool operator==(const TruthNeeds&) const = default;
 };

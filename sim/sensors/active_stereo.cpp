@@ -1,6 +1,7 @@
 #include "sim/sensors/active_stereo.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -38,6 +39,21 @@ Fields match_fields(StereoMatchConfig& c) {
       {"texture", &c.texture, "least share of a block's pairs that differ by the margin", 0, 1},
       {"fit", fit, "sub-pixel step: parabola or equiangular"},
   };
+}
+
+/// What of a colour camera the keys above do not say.
+Fields color_fields(CameraSensorConfig& color) {
+  constexpr std::array<std::string_view, 9> kLens = {
+      "lens.vignetting_a", "lens.vignetting_b", "lens.vignetting_c",
+      "lens.red_scale",    "lens.red_cubic",    "lens.blue_scale",
+      "lens.blue_cubic",   "lens.focal_m",      "lens.blur_sigma_px"};
+  Fields rows;
+  for (Field& row : fields(color)) {
+    const bool is_lens = std::find(kLens.begin(), kLens.end(), row.key) != kLens.end();
+    if (is_lens || row.key.starts_with("photosites.") || row.key.starts_with("develop."))
+      rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 std::size_t mode_index(const ActiveStereoConfig& config) {
@@ -102,10 +118,15 @@ Fields fields(ActiveStereoConfig& c) {
              {"color_focal_error", &c.color_focal_error, "relative sigma between units", 0, 0.1},
              {"color_rotation_error_rad", &c.color_rotation_error_rad,
               "sigma of the colour camera's rotation about each axis", 0, 0.1},
+             {"sync_error_s", &c.sync_error_s, "sigma of the colour image's start", 0, 1},
+             {"hand_speed_m_per_s", &c.hand_speed_m_per_s,
+              "sigma of the body's velocity, each axis", 0, 10},
+             {"hand_rate_rad_per_s", &c.hand_rate_rad_per_s,
+              "sigma of the body's turning rate, each axis", 0, 10},
          } +
-         nested("projector", fields(c.projector)) + nested("infrared", fields(c.infrared)) +
-         nested("imager", fields(c.imager)) + nested("match", match_fields(c.match)) +
-         nested("model", fields(c.model));
+         nested("color", color_fields(c.color)) + nested("projector", fields(c.projector)) +
+         nested("infrared", fields(c.infrared)) + nested("imager", fields(c.imager)) +
+         nested("match", match_fields(c.match)) + nested("model", fields(c.model));
 }
 
 void validate(const ActiveStereoConfig& config) {
@@ -122,7 +143,7 @@ void validate(const ActiveStereoConfig& config) {
   validate(config.model);
   validate(config.infrared);
   validate(depth_camera(config));
-  validate(color_camera(config));
+  validate(color_sensor(config), "colour camera");
 }
 
 Camera depth_camera(const ActiveStereoConfig& config) {
@@ -142,6 +163,17 @@ Camera color_camera(const ActiveStereoConfig& config) {
               camera.distortion.begin());
   }
   return camera;
+}
+
+CameraSensorConfig color_sensor(const ActiveStereoConfig& config) {
+  const Camera camera = color_camera(config);
+  CameraSensorConfig color = config.color;
+  color.width_px = config.color_columns;
+  color.height_px = config.color_rows;
+  color.lens.model = camera.model;
+  color.lens.focal_px_per_width = config.color_focal_px / config.color_columns;
+  color.lens.distortion = config.color_distortion;
+  return color;
 }
 
 double least_depth_m(const ActiveStereoConfig& config) {

@@ -8,6 +8,7 @@
 #include "sim/config/fields.h"
 #include "sim/imaging/stereo_matching.h"
 #include "sim/render/infrared_pass.h"
+#include "sim/sensors/camera_config.h"
 #include "sim/sensors/depth_model.h"
 #include "sim/sensors/dot_projector.h"
 #include "sim/sensors/infrared_imager.h"
@@ -41,6 +42,11 @@ struct ActiveStereoConfig {
   double color_focal_px = 390;
   std::vector<double> color_distortion;  ///< opencv5
   double color_x_m = 0.059;
+  CameraSensorConfig color;  ///< its optics, photosites and processing; size and lens as above
+  // How the device is held, and its clocks: the depth imagers' is the rig's.
+  double sync_error_s = 0;         ///< sigma of the colour image's start, drawn for each frame
+  double hand_speed_m_per_s = 0;   ///< sigma of the body's velocity, each axis
+  double hand_rate_rad_per_s = 0;  ///< sigma of its turning rate, each axis
   // What a unit differs by from what it reports: sigmas, drawn once a unit.
   double focal_error = 0.0005;               ///< relative, of the imagers
   double baseline_error = 0.0005;            ///< relative
@@ -56,6 +62,8 @@ void validate(const ActiveStereoConfig& config);
 /// The nominal rectified camera of the mode in use: pinhole, principal point in the middle.
 Camera depth_camera(const ActiveStereoConfig& config);
 Camera color_camera(const ActiveStereoConfig& config);
+/// The colour camera with its size and lens.
+CameraSensorConfig color_sensor(const ActiveStereoConfig& config);
 /// Depth below which nothing is matched: f B / (shift + range).
 double least_depth_m(const ActiveStereoConfig& config);
 
@@ -93,7 +101,16 @@ struct StereoDepth {
   Image<float> noise_free_depth_m;  ///< the same pixels, true
   Image<InvalidReason> reason;
 };
-/// Noise, matching, quantisation and range. @param rng  of this exposure.
+/// Both imagers' codes of one exposure, which the left image decides. @param rng  of this exposure.
+struct InfraredCodes {
+  Image<std::uint16_t> left, right;
+};
+InfraredCodes expose_pair(const InfraredPair& pair, const ActiveStereoConfig& config,
+                          const ActiveStereoUnit& unit, const Rng& rng);
+/// Matching, quantisation and range.
+StereoDepth match_pair(const InfraredPair& pair, InfraredCodes codes,
+                       const ActiveStereoConfig& config, const ActiveStereoUnit& unit);
+/// Both: noise, matching, quantisation and range. @param rng  of this exposure.
 StereoDepth sense_depth(const InfraredPair& pair, const ActiveStereoConfig& config,
                         const ActiveStereoUnit& unit, Rng rng);
 

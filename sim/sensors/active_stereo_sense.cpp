@@ -5,9 +5,9 @@
 #include <limits>
 #include <span>
 
+#include "sim/imaging/depth_registration.h"
 #include "sim/render/truth_pass.h"
 #include "sim/sensors/active_stereo.h"
-#include "sim/sensors/depth_registration.h"
 
 namespace cousin {
 
@@ -47,14 +47,25 @@ Image<std::uint16_t> depth_of_disparity(const Image<float>& disparity_px,
   return depth;
 }
 
+InfraredCodes expose_pair(const InfraredPair& pair, const ActiveStereoConfig& config,
+                          const ActiveStereoUnit& unit, const Rng& rng) {
+  const InfraredExposure exposure = auto_exposure(pair.left.radiance, config.imager);
+  return {expose_infrared(pair.left.radiance, unit.response_left, exposure, config.imager,
+                          rng.fork("left")),
+          expose_infrared(pair.right.radiance, unit.response_right, exposure, config.imager,
+                          rng.fork("right"))};
+}
+
 StereoDepth sense_depth(const InfraredPair& pair, const ActiveStereoConfig& config,
                         const ActiveStereoUnit& unit, Rng rng) {
+  return match_pair(pair, expose_pair(pair, config, unit, rng), config, unit);
+}
+
+StereoDepth match_pair(const InfraredPair& pair, InfraredCodes codes,
+                       const ActiveStereoConfig& config, const ActiveStereoUnit& unit) {
   StereoDepth out;
-  const InfraredExposure exposure = auto_exposure(pair.left.radiance, config.imager);
-  out.left_codes = expose_infrared(pair.left.radiance, unit.response_left, exposure, config.imager,
-                                   rng.fork("left"));
-  out.right_codes = expose_infrared(pair.right.radiance, unit.response_right, exposure,
-                                    config.imager, rng.fork("right"));
+  out.left_codes = std::move(codes.left);
+  out.right_codes = std::move(codes.right);
   StereoMatches matches = match_stereo(out.left_codes, out.right_codes, config.match);
 
   // Disparities in the device's steps, within its range.

@@ -33,36 +33,30 @@ Fields body_fields(RigConfig& config) {
            "sigma of the body's turning rate, each axis", 0, 10}};
 }
 
-/// A sensor's own table while it is read.
-struct Placement {
-  std::vector<double> centre_in_rig_m;
-  std::vector<double> rig_from_sensor_rad;
-};
-
-Fields sensor_fields(RigSensor& sensor, Placement& placement) {
-  Fields rows = fields(sensor.camera);
-  for (Field& row : rows) row.optional = true;
-  return Fields{{"centre_in_rig_m", &placement.centre_in_rig_m, "x, y, z of its centre", -10, 10},
-                {"rig_from_sensor_rad", &placement.rig_from_sensor_rad,
+Fields sensor_fields(RigSensor& sensor) {
+  return Fields{{"centre_in_rig_m", &sensor.centre_in_rig_m, "x, y, z of its centre", -10, 10},
+                {"rig_from_sensor_rad", &sensor.rig_from_sensor_rad,
                  "rotation vector: axis times angle", -3.15, 3.15},
                 {"trigger_delay_s", &sensor.trigger_delay_s, "start after the rig's time", -1, 1}} +
-         rows;
+         fields(sensor.camera);
 }
 
-Eigen::Vector3d vector3(const std::vector<double>& numbers, const std::string& key) {
-  if (numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
-  throw std::runtime_error(key + " has " + std::to_string(numbers.size()) + " numbers, not 3");
+/// A preset's table of one sensor: what it does not give is as for all.
+Fields preset_fields(RigSensor& sensor) {
+  Fields rows = sensor_fields(sensor);
+  constexpr std::ptrdiff_t kOwn = 3;  // place and delay
+  for (auto row = rows.begin() + kOwn; row != rows.end(); ++row) row->optional = true;
+  return rows;
 }
 
-Pose sensor_from_rig(const Placement& placement, const std::string& name) {
-  Pose rig_from_sensor;
-  rig_from_sensor.translation_m = vector3(placement.centre_in_rig_m, name + ".centre_in_rig_m");
-  const Eigen::Vector3d turn_rad =
-      vector3(placement.rig_from_sensor_rad, name + ".rig_from_sensor_rad");
-  if (const double angle = turn_rad.norm(); angle > 0) {
-    rig_from_sensor.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn_rad / angle));
-  }
-  return inverse(rig_from_sensor);
+void check_placement(const RigSensor& sensor) {
+  const auto check = [&](const char* key, const std::vector<double>& numbers) {
+    if (numbers.size() == 3) return;
+    throw std::invalid_argument(sensor.name + "." + key + " has " + std::to_string(numbers.size()) +
+                                " numbers, not 3");
+  };
+  check("centre_in_rig_m", sensor.centre_in_rig_m);
+  check("rig_from_sensor_rad", sensor.rig_from_sensor_rad);
 }
 
 bool is_sensor_name(const std::string& name) {
@@ -81,6 +75,23 @@ Pose rig_from_world(const View& seen, double span_s, const HandMotion& hand, dou
 }
 
 }  // namespace
+
+Pose sensor_from_rig(const RigSensor& sensor) {
+  check_placement(sensor);
+  Pose rig_from_sensor;
+  rig_from_sensor.translation_m = Eigen::Vector3d(sensor.centre_in_rig_m.data());
+  const Eigen::Vector3d turn_rad(sensor.rig_from_sensor_rad.data());
+  if (const double angle = turn_rad.norm(); angle > 0) {
+    rig_from_sensor.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn_rad / angle));
+  }
+  return inverse(rig_from_sensor);
+}
+
+Fields fields(RigConfig& config) {
+  Fields rows = body_fields(config);
+  for (RigSensor& sensor : config.sensors) rows = rows + nested(sensor.name, sensor_fields(sensor));
+  return rows;
+}
 
 std::string_view to_string(Evidence evidence) {
   return kEvidenceNames.at(static_cast<std::size_t>(evidence)).second;
@@ -110,6 +121,7 @@ void validate(const RigConfig& config) {
     if (!names.insert(sensor.name).second) {
       throw std::invalid_argument("rig: two sensors are named \"" + sensor.name + "\"");
     }
+    check_placement(sensor);
     validate(sensor.camera, sensor.name);
   }
 }
@@ -119,18 +131,16 @@ RigConfig rig_from_toml(std::string_view text, const std::string& name) {
   CameraSensorConfig base;
   for (const std::string& table : toml_tables(text, name)) {
     if (table == "rig" || table == "camera") continue;
-    config.sensors.push_back({.name = table, .camera = {}, .sensor_from_rig = {}});
+    config.sensors.push_back({.name = table, .camera = {}});
   }
   if (config.sensors.size() > kMostSensors) {
     throw std::runtime_error(name + ": " + std::to_string(config.sensors.size()) +
                              " sensors; there must be 1 to " + std::to_string(kMostSensors));
   }
-  std::vector<Placement> placements(config.sensors.size());
   const auto read = [&] {
     Fields rows = nested("rig", body_fields(config)) + nested("camera", fields(base));
-    for (std::size_t i = 0; i < config.sensors.size(); ++i) {
-      rows = rows + nested(config.sensors[i].name, sensor_fields(config.sensors[i], placements[i]));
-    }
+    for (RigSensor& sensor : config.sensors)
+      rows = rows + nested(sensor.name, preset_fields(sensor));
     read_toml_text(text, name, rows, MissingKeys::error);
   };
   // Twice: what all sensors start from is known only after the first time.
@@ -138,9 +148,6 @@ RigConfig rig_from_toml(std::string_view text, const std::string& name) {
   for (RigSensor& sensor : config.sensors) sensor.camera = base;
   read();
   try {
-    for (std::size_t i = 0; i < config.sensors.size(); ++i) {
-      config.sensors[i].sensor_from_rig = sensor_from_rig(placements[i], config.sensors[i].name);
-    }
     validate(config);
   } catch (const std::exception& error) {
     throw std::runtime_error(name + ": " + error.what());
@@ -179,8 +186,9 @@ std::vector<TrueView> true_views(const RigConfig& config, const RigUnit& unit, c
     const Rng own = rng.fork(sensor.name);
     Rng sync = own.fork("sync");
     const double start_s = sensor.trigger_delay_s + config.sync_error_s * normal(sync);
+    const Pose from_rig = sensor_from_rig(sensor);
     const auto pose_at = [&](double time_s) {
-      return sensor.sensor_from_rig * rig_from_world(seen, span_s, hand, time_s);
+      return from_rig * rig_from_world(seen, span_s, hand, time_s);
     };
     TrueView view;
     view.frame = frame;
@@ -223,7 +231,7 @@ std::vector<SensorReport> report_of(const RigConfig& config, const RigUnit& unit
   for (std::size_t i = 0; i < config.sensors.size(); ++i) {
     const RigSensor& sensor = config.sensors[i];
     reports.push_back(
-        report_of(sensor.camera, unit.sensors.at(i), sensor.name, sensor.sensor_from_rig));
+        report_of(sensor.camera, unit.sensors.at(i), sensor.name, sensor_from_rig(sensor)));
   }
   return reports;
 }

@@ -18,9 +18,12 @@ Evidence evidence_from_string(std::string_view text);
 struct RigSensor {
   std::string name;  ///< of 1 to 64 of a-z 0-9 _; also its folder in a dataset
   CameraSensorConfig camera;
-  Pose sensor_from_rig;
-  double trigger_delay_s = 0;  ///< of its first row after the rig's time
+  std::vector<double> centre_in_rig_m = {0, 0, 0};
+  std::vector<double> rig_from_sensor_rad = {0, 0, 0};  ///< rotation vector: axis times angle
+  double trigger_delay_s = 0;                           ///< of its first row after the rig's time
 };
+
+Pose sensor_from_rig(const RigSensor& sensor);
 
 /// Colour and grey cameras on one body.
 struct RigConfig {
@@ -32,12 +35,14 @@ struct RigConfig {
   double hand_rate_rad_per_s = 0;  ///< sigma of its turning rate, each axis
   std::vector<RigSensor> sensors;
 };
+/// The keys above, and each sensor's below its name.
+Fields fields(RigConfig& config);
 /// @throws std::invalid_argument naming sensor, key, value and limit.
 void validate(const RigConfig& config);
 
 /// A rig from TOML: [rig] with the keys above; [camera] with all keys of CameraSensorConfig, which
 /// every sensor starts from; then for each sensor a table by its name with centre_in_rig_m,
-/// rig_from_ sensor_rad (rotation vector) and trigger_delay_s, and keys of the camera that differ.
+/// rig_from_sensor_rad and trigger_delay_s, and keys of the camera that differ.
 /// @throws std::runtime_error naming file, line, key and limit.
 RigConfig rig_from_toml(std::string_view text, const std::string& name);
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "sim/types/camera.h"
@@ -101,6 +102,15 @@ struct TruthImages {
   std::vector<KeypointView> keypoints;  ///< of the specimens by id, in the models' order
   ViewMatch flow;                       ///< in the next view of the scene
   ViewMatch stereo;  ///< in the rig's second camera, at the same time; disparity = -flow_px.x()
+  // Of the rig's depth sensor, in its own pixels.
+  Image<float> noise_free_depth_m;     ///< along its optical axis; NaN = no surface
+  Image<std::uint8_t> invalid_reason;  ///< why there is no depth; 0 = there is
+};
+
+/// The true lenses and poses of one sensor of a rig, one for each frame.
+struct SensorViews {
+  std::string sensor;
+  std::vector<TrueView> views;
 };
 
 }  // namespace cousin

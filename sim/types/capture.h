@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/types/camera.h"
@@ -25,13 +26,18 @@ struct SensorReport {
   RawFormat raw_format;     ///< of those
 };
 
+/// A sensor of this name hands over depth alone, in its own pixels; its folder is depth/.
+inline constexpr std::string_view kDepthSensor = "depth";
+
 /// What one sensor hands over at one instant. Images that a sensor does not give stay empty.
 struct SensorFrame {
   Camera reported;             ///< this image's calibration (autofocus changes it per image)
   Image<Rgb8> color;           ///< 8-bit sRGB
+  Image<std::uint8_t> grey;    ///< 8-bit, linear in light: of an infrared imager, without colour
   Image<std::uint16_t> raw;    ///< linear, as SensorReport::raw_format says
   Image<std::uint16_t> depth;  ///< times depth_unit_m = metres along the axis; 0 = none
   double depth_unit_m = 0.001;
+  std::optional<double> time_s;  ///< of its first row, by the device's clock; else the frame's
 };
 
 struct Frame {

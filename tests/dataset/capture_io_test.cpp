@@ -46,6 +46,8 @@ void expect_equal(const Capture& a, const Capture& b) {
     for (std::size_t s = 0; s < f.sensors.size(); ++s) {
       EXPECT_EQ(f.sensors[s].reported, g.sensors[s].reported);
       EXPECT_EQ(f.sensors[s].color, g.sensors[s].color);
+      EXPECT_EQ(f.sensors[s].grey, g.sensors[s].grey);
+      EXPECT_EQ(f.sensors[s].time_s, g.sensors[s].time_s);
       EXPECT_EQ(f.sensors[s].raw, g.sensors[s].raw);
       EXPECT_EQ(f.sensors[s].depth, g.sensors[s].depth);
       EXPECT_EQ(f.sensors[s].depth_unit_m, g.sensors[s].depth_unit_m);
@@ -58,6 +60,38 @@ TEST(CaptureIo, EveryBitComesBack) {
   const Capture capture = sample_capture();
   write_capture(folder.path(), capture);
   expect_equal(read_capture(folder.path()), capture);
+}
+
+TEST(CaptureIo, ADepthCamerasSensorsHaveTheirFoldersAndComeBack) {
+  const TemporaryFolder folder;
+  const Capture capture = depth_camera_capture();
+  write_capture(folder.path(), capture);
+  expect_equal(read_capture(folder.path()), capture);
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder.path()))
+    names.insert(entry.path().filename().string());
+  EXPECT_EQ(names, (std::set<std::string>{"rig.json", "scene_camera.json", "rgb", "ir_left",
+                                          "ir_right", "depth"}));
+  EXPECT_EQ(frame_image_files(capture, 1),
+            (std::vector<fs::path>{"rgb/000001.png", "ir_left/000001.png", "ir_right/000001.png",
+                                   "depth/000001.png"}));
+  // BOP's key is of what lies in depth/: 0.1 mm.
+  EXPECT_THAT(read_file(folder.path() / "scene_camera.json"), HasSubstr("\"depth_scale\": 0.1"));
+}
+
+TEST(CaptureIo, ASensorOfDepthAloneTakesDepthFromTheFirst) {
+  const TemporaryFolder folder;
+  Capture capture = depth_camera_capture();
+  for (Frame& frame : capture.frames)
+    frame.sensors[0].depth = Image<std::uint16_t>(24, 18, 77);  // registered to colour
+  write_capture(folder.path(), capture);
+  expect_equal(read_capture(folder.path()), capture);
+  EXPECT_TRUE(fs::exists(folder.path() / "rgb_depth/000000.png"));
+  capture.frames[0].sensors[1].color = Image<Rgb8>(20, 10);
+  EXPECT_THROW(write_frame_images(folder.path(), capture, 0), std::invalid_argument);
+  capture = depth_camera_capture();
+  capture.frames[0].sensors[3].grey = Image<std::uint8_t>(20, 10);
+  EXPECT_THROW(write_frame_images(folder.path(), capture, 0), std::invalid_argument);
 }
 
 TEST(CaptureIo, TheBytesDoNotDependOnTheThreads) {

@@ -85,4 +85,34 @@ inline Capture sample_capture() {
   return capture;
 }
 
+/// A depth camera: colour, two infrared images and a sensor that hands over depth alone, each with
+/// its own time.
+inline Capture depth_camera_capture() {
+  Rng rng(11);
+  Capture capture{.pipeline = "seeds", .board = "none"};
+  for (const char* name : {"rgb", "ir_left", "ir_right", "depth"}) {
+    const bool is_color = capture.rig.empty();
+    capture.rig.push_back({.name = name,
+                           .camera = odd_camera(is_color ? 24 : 20, is_color ? 18 : 10, 1),
+                           .sensor_from_rig = odd_pose(rng),
+                           .raw_format = {}});
+  }
+  for (int i = 0; i < 2; ++i) {
+    Frame frame{.id = i, .time_s = i / 3.0};
+    frame.sensors.resize(4);
+    for (std::size_t s = 0; s < 4; ++s) {
+      frame.sensors[s].reported = capture.rig[s].camera;
+      frame.sensors[s].time_s = frame.time_s + static_cast<double>(s) / 7000;
+    }
+    const Rng own = rng.fork(static_cast<std::uint64_t>(i));
+    frame.sensors[0].color = noise<Rgb8>(24, 18, own);
+    frame.sensors[1].grey = noise<std::uint8_t>(20, 10, own.fork("left"));
+    frame.sensors[2].grey = noise<std::uint8_t>(20, 10, own.fork("right"));
+    frame.sensors[3].depth = noise<std::uint16_t>(20, 10, own.fork("depth"));
+    frame.sensors[3].depth_unit_m = 0.0001;
+    capture.frames.push_back(std::move(frame));
+  }
+  return capture;
+}
+
 }  // namespace cousin

@@ -101,7 +101,18 @@ SceneTruth sample_truth() {
       match->state = Image<PointState>(kWidth, kHeight, PointState::visible);
       match->state(2, 2) = PointState::occluded;
     }
+    images.noise_free_depth_m = Image<float>(20, 10, 1 / 3.0F);
+    images.noise_free_depth_m(2, 3) = std::numeric_limits<float>::quiet_NaN();
+    images.invalid_reason = Image<std::uint8_t>(20, 10, static_cast<std::uint8_t>(i));
+    images.invalid_reason(19, 9) = 7;
     truth.images.push_back(std::move(images));
+  }
+  // A depth sensor beside the first, with pixels of its own.
+  truth.other_sensors = {{"depth", truth.views}};
+  for (TrueView& view : truth.other_sensors[0].views) {
+    view.camera = odd_camera(20, 10, 5);
+    view.camera_from_world = view.camera_from_world_end = odd_pose(rng);
+    view.time_s += 1e-4;
   }
   return truth;
 }
@@ -197,6 +208,8 @@ void expect_equal(const TruthImages& a, const TruthImages& b) {
     EXPECT_EQ((a.*match).state, (b.*match).state);
   }
   EXPECT_EQ(a.masks_full, b.masks_full);
+  EXPECT_TRUE(same_bits(a.noise_free_depth_m, b.noise_free_depth_m));
+  EXPECT_EQ(a.invalid_reason, b.invalid_reason);
 }
 
 TEST(TruthIo, EveryBitComesBack) {
@@ -222,6 +235,26 @@ TEST(TruthIo, EveryBitComesBack) {
     EXPECT_EQ(read.views[i].focus_m, truth.views[i].focus_m);
     expect_equal(read.images[i], truth.images[i]);
   }
+  ASSERT_EQ(read.other_sensors.size(), 1U);
+  EXPECT_EQ(read.other_sensors[0].sensor, "depth");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const TrueView &a = read.other_sensors[0].views[i], &b = truth.other_sensors[0].views[i];
+    EXPECT_EQ(a.camera, b.camera);
+    EXPECT_EQ(a.time_s, b.time_s);
+    EXPECT_TRUE(same_pose(a.camera_from_world, b.camera_from_world));
+  }
+}
+
+TEST(TruthIo, ADepthSensorsImagesMustFitItsOwnCamera) {
+  const TemporaryFolder folder;
+  SceneTruth truth = sample_truth();
+  truth.images[0].invalid_reason = Image<std::uint8_t>(16, 12);  // the first sensor's size
+  write_truth(folder.path(), truth);
+  EXPECT_THAT(error_of([&] { read_truth(folder.path()); }),
+              AllOf(HasSubstr("invalid_reason/000000.png (frame 0)"),
+                    HasSubstr("16 x 12 pixels; its camera has 20 x 10")));
+  truth.other_sensors[0].views.pop_back();
+  EXPECT_THROW(write_truth(folder.path() / "b", truth), std::invalid_argument);
 }
 
 TEST(TruthIo, WhatWasNotPlannedIsNotThere) {

@@ -22,7 +22,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   scene.instances.resize(2);
   scene.instances[0].id = 1;
   scene.instances[1].id = 2;
-  attempt([&] { views_from_json(text, "fuzz"); });
+  attempt([&] {
+    std::vector<SensorViews> others;
+    views_from_json(text, "fuzz", others);
+  });
   attempt([&] {
     std::vector<std::string> mesh_files;
     scene_from_json(text, "fuzz", mesh_files);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
+#include <variant>
 
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/stage_files.h"
@@ -13,17 +15,31 @@
 namespace cousin {
 namespace {
 
+const PhoneConfig& phone_of(const SeedsRunConfig& config) {
+  return std::get<PhoneConfig>(config.rig);
+}
+
+std::vector<std::string> passes(const SeedsRunConfig& config, bool run) {
+  std::vector<std::string> names;
+  for (const PlanEntry& entry : seeds_plan(config, false)) {
+    if (entry.runs == run) names.push_back(entry.pass);
+  }
+  return names;
+}
+
 TEST(SeedsRunConfig, TheResolvedTextReadsBackToItself) {
   const SeedsRunConfig config =
       seeds_run_config({"cultivar=jimai22", "rig.read_noise_e=3", "pipeline.mvs.neighbours=4"});
   EXPECT_EQ(config.scene.cultivar, "jimai22");
-  EXPECT_EQ(config.rig.read_noise_e, 3);
+  EXPECT_EQ(phone_of(config).read_noise_e, 3);
   SeedsRunConfig copy;
-  read_toml_text(resolved_toml(config), "resolved",
-                 nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
-                     nested("render", fields(copy.render)) +
-                     nested("pipeline", fields(copy.pipeline)),
-                 MissingKeys::error);
+  read_toml_text(
+      resolved_toml(config), "resolved",
+      nested("scene", fields(copy.scene)) +
+          nested("capture", Fields{{"streams", &copy.streams, ""}} + fields(copy.capture)) +
+          nested("rig", fields(copy.rig)) + nested("render", fields(copy.render)) +
+          nested("pipeline", fields(copy.pipeline)),
+      MissingKeys::error);
   EXPECT_EQ(resolved_toml(copy), resolved_toml(config));
   EXPECT_NE(config_hash(config, 1), config_hash(config, 2));
 }
@@ -60,15 +76,23 @@ TEST(TruthChoice, ReadsListsInAnyOrderAndWritesOneText) {
   EXPECT_EQ(all, "depth,normal,instance,part,position,coverage,visibility,shares,keypoints,flow");
   EXPECT_EQ(to_string(truth_needs_from_string(all)), all);
   EXPECT_EQ(to_string(truth_needs_from_string("none")), "none");
-  for (const char* wrong :
-       {"", "depth,", ",depth", "depth, part", "Depth", "all,depth", "none,all"})
+  EXPECT_EQ(to_string(truth_there_is(device_preset("zed_hd720"), {.color = true})),
+            all + ",disparity");
+  const TruthNeeds of_depth = truth_there_is(device_preset("d405"), {.depth = true});
+  EXPECT_EQ(to_string(of_depth), all + ",noise_free_depth,invalid_reason");
+  EXPECT_EQ(truth_needs_from_string("all", of_depth), of_depth);
+  EXPECT_EQ(to_string(default_truth({.depth = true})),
+            "visibility,noise_free_depth,invalid_reason");
+  EXPECT_EQ(to_string(default_truth({.color = true})), "visibility");
+  for (const char* wrong : {"disparity", "invalid_reason", "", "depth,", ",depth", "depth, part",
+                            "Depth", "all,depth", "none,all"})
     EXPECT_THROW(truth_needs_from_string(wrong), std::invalid_argument) << wrong;
 }
 
 TEST(SeedsRunConfig, TheRigsPresetComesBeforeTheUsersKeysWhateverTheirOrder) {
   const SeedsRunConfig config = seeds_run_config({"rig.prnu=0.002", "rig=phone_video_1080p"});
-  EXPECT_EQ(config.rig.width_px, 1920);
-  EXPECT_EQ(config.rig.prnu, 0.002);
+  EXPECT_EQ(phone_of(config).width_px, 1920);
+  EXPECT_EQ(phone_of(config).prnu, 0.002);
 }
 
 TEST(SeedsRunConfig, MistakesNameTheKeyAndWhatThereIs) {
@@ -88,15 +112,111 @@ TEST(SeedsRunConfig, MistakesNameTheKeyAndWhatThereIs) {
 }
 
 TEST(SeedsPlan, LeavesOutWhatNoScoreReads) {
-  const SeedsRunConfig config = seeds_run_config({});
-  std::vector<std::string> runs;
+  EXPECT_EQ(
+      passes(seeds_run_config({}), true),
+      (std::vector<std::string>{"scene", "physics", "row poses", "light cache", "radiance",
+                                "sensor", "perceive: corners", "perceive: poses", "perceive: depth",
+                                "perceive: cloud", "perceive: clusters", "perceive: masks",
+                                "perceive: surfaces", "perceive: traits", "score"}));
+  const std::vector<std::string> left = passes(seeds_run_config({}), false);
+  EXPECT_EQ(left.front(), "motion");
+  for (const char* pass : {"raw", "infrared", "sensor depth", "truth: depth", "truth: disparity"})
+    EXPECT_NE(std::find(left.begin(), left.end(), pass), left.end()) << pass;
+}
+
+TEST(SeedsPlan, ADepthCameraWhoseColourAloneIsReadRendersNoInfraredAndMatchesNothing) {
+  const SeedsRunConfig config = seeds_run_config({"rig=d405"});
+  EXPECT_EQ(passes(config, true),
+            (std::vector<std::string>{"scene", "physics", "light cache", "radiance", "sensor",
+                                      "perceive: corners", "perceive: poses", "perceive: depth",
+                                      "perceive: cloud", "perceive: clusters", "perceive: masks",
+                                      "perceive: surfaces", "perceive: traits", "score"}));
   for (const PlanEntry& entry : seeds_plan(config, false)) {
-    if (entry.runs) runs.push_back(entry.pass);
+    if (entry.pass == "infrared")
+      EXPECT_EQ(entry.why, "no stage reads infrared or the sensor's depth");
+    if (entry.pass == "sensor depth") EXPECT_EQ(entry.why, "no stage reads the sensor's depth");
+    if (entry.pass == "row poses")
+      EXPECT_EQ(entry.why, "rig d405 has a global shutter: one pose an image");
   }
-  EXPECT_EQ(runs, (std::vector<std::string>{
-                      "scene", "physics", "light cache", "radiance", "sensor", "perceive: corners",
-                      "perceive: poses", "perceive: depth", "perceive: cloud", "perceive: clusters",
-                      "perceive: masks", "perceive: surfaces", "perceive: traits", "score"}));
+  EXPECT_EQ(to_string(left_out_streams(config)), "infrared,depth");
+  // With the sensor's depth read, both run; by the fast model no infrared does.
+  const std::vector<std::string> read =
+      passes(seeds_run_config({"rig=d405", "pipeline.method=sensor_depth"}), true);
+  for (const char* pass : {"radiance", "infrared", "sensor depth"})
+    EXPECT_NE(std::find(read.begin(), read.end(), pass), read.end()) << pass;
+  const std::vector<std::string> fast = passes(
+      seeds_run_config({"rig=d457", "depth_by=model", "pipeline.method=sensor_depth"}), true);
+  EXPECT_EQ(std::find(fast.begin(), fast.end(), "infrared"), fast.end());
+}
+
+TEST(SeedsPlan, APipelineThatReadsDepthAloneTracesNoLight) {
+  const SeedsRunConfig config =
+      seeds_run_config({"rig=d457", "knows_pose=true", "pipeline.method=depth_only"});
+  EXPECT_EQ(
+      passes(config, true),
+      (std::vector<std::string>{"scene", "physics", "infrared", "sensor depth", "perceive: poses",
+                                "perceive: depth", "perceive: cloud", "perceive: clusters",
+                                "perceive: surfaces", "perceive: traits", "score"}));
+  EXPECT_EQ(planned_streams(config), Streams{.depth = true});
+  EXPECT_EQ(to_string(left_out_streams(config)), "color,infrared");
+}
+
+TEST(SeedsPlan, APassiveRigMakesNoInfrared) {
+  for (const PlanEntry& entry : seeds_plan(seeds_run_config({"rig=zed_hd720"}), false)) {
+    if (entry.pass == "infrared") {
+      EXPECT_FALSE(entry.runs);
+      EXPECT_EQ(entry.why, "rig zed_hd720 has no infrared pair");
+    }
+    if (entry.pass == "sensor depth") {
+      EXPECT_FALSE(entry.runs);
+      EXPECT_EQ(entry.why, "rig zed_hd720 has no depth sensor");
+    }
+  }
+}
+
+TEST(SeedsStreams, AreWhatIsReadAndForADatasetAllThatThereIs) {
+  const auto text = [](const std::vector<std::string>& sets, Reader reader) {
+    return to_string(planned_streams(seeds_run_config(sets), reader));
+  };
+  EXPECT_EQ(text({}, Reader::pipeline), "color");
+  EXPECT_EQ(text({}, Reader::anybody), "color");
+  EXPECT_EQ(text({"rig=d457"}, Reader::pipeline), "color");
+  EXPECT_EQ(text({"rig=d457"}, Reader::anybody), "color,infrared,depth");
+  EXPECT_EQ(text({"rig=d457", "streams=depth"}, Reader::anybody), "depth");
+  EXPECT_EQ(text({"rig=d457", "streams=all"}, Reader::pipeline), "color,infrared,depth");
+  const auto mistake = [&](const std::vector<std::string>& sets) {
+    return error_of([&] { text(sets, Reader::pipeline); });
+  };
+  EXPECT_EQ(mistake({"rig=d457", "streams=depth"}),
+            "streams = \"depth\" leaves out what method ours reads: color");
+  EXPECT_EQ(mistake({"pipeline.method=sensor_depth"}),
+            "method sensor_depth reads color,depth; rig phone_video_720p has color");
+  EXPECT_NE(mistake({"streams=infrared"}).find("rig phone_video_720p has no infrared"),
+            std::string::npos);
+}
+
+TEST(SeedsRunConfig, RigsOfEveryKindReadBackFromTheirResolvedText) {
+  const TemporaryFolder folder;
+  for (const auto& sets : std::vector<std::vector<std::string>>{
+           {"rig=zed_hd720", "rig.rgb_right.trigger_delay_s=0.001"},
+           {"rig=d405", "depth_by=matched", "streams=depth", "rig.columns=848"},
+           {"rig=d457", "depth_by=model", "rig.color.photosites.read_noise_e=9"},
+           {"rig=dslr_apsc_24mp"}}) {
+    const SeedsRunConfig config = seeds_run_config(sets);
+    const auto file = folder.path() / "config.toml";
+    write_file(file, resolved_toml(config));
+    const SeedsRunConfig back = seeds_run_config({}, file);
+    EXPECT_EQ(resolved_toml(back), resolved_toml(config)) << sets.front();
+    EXPECT_EQ(back.rig.index(), config.rig.index());
+  }
+}
+
+TEST(SeedsRunConfig, WhatNamesKeptCapturesOfPhonesIsAsItWas) {
+  // Captures are kept under a hash of this text: keys that phones do not use are not in it.
+  const std::string text = simulator_toml(seeds_run_config({}));
+  EXPECT_EQ(text.find("capture"), std::string::npos);
+  EXPECT_EQ(text.find("streams"), std::string::npos);
+  EXPECT_NE(simulator_toml(seeds_run_config({"knows_pose=true"})), text);
 }
 
 TEST(SeedsPlan, AttributionAddsDepthAndInstancesAndASphereNeedsNoPhysics) {
@@ -128,11 +248,11 @@ TEST(SeedsRunConfig, ASavedConfigurationCanBeGivenBack) {
   EXPECT_EQ(resolved_toml(seeds_run_config({}, file)), resolved_toml(saved));
   // Keys of the command line come after the file's, and a rig's preset in place of the file's rig.
   EXPECT_EQ(seeds_run_config({"cultivar=suijing18"}, file).scene.cultivar, "suijing18");
-  EXPECT_EQ(seeds_run_config({"rig=phone_video_720p"}, file).rig.width_px, 1280);
+  EXPECT_EQ(phone_of(seeds_run_config({"rig=phone_video_720p"}, file)).width_px, 1280);
   // A file may say little; the preset that it names fills the rest.
   write_file(file, "[scene]\nrig = \"phone_video_1080p\"\n[rig]\nprnu = 0.003\n");
-  EXPECT_EQ(seeds_run_config({}, file).rig.width_px, 1920);
-  EXPECT_EQ(seeds_run_config({}, file).rig.prnu, 0.003);
+  EXPECT_EQ(phone_of(seeds_run_config({}, file)).width_px, 1920);
+  EXPECT_EQ(phone_of(seeds_run_config({}, file)).prnu, 0.003);
   write_file(file, "[scene]\nveiws = 3\n");
   EXPECT_THROW(seeds_run_config({}, file), std::runtime_error);
 }

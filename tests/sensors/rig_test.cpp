@@ -96,7 +96,7 @@ TEST(RigPreset, TheZedIsItsFactoryFile) {
   EXPECT_EQ(rig.sensors[0].camera.photosites.full_well_e,
             rig.sensors[1].camera.photosites.full_well_e);
   const Pose left_from_right =
-      rig.sensors[0].sensor_from_rig * inverse(rig.sensors[1].sensor_from_rig);
+      sensor_from_rig(rig.sensors[0]) * inverse(sensor_from_rig(rig.sensors[1]));
   EXPECT_NEAR(left_from_right.translation_m.x(), 0.119978, 1e-12);
   // Both eyes look towards each other's side: the right axis has a component to the left.
   EXPECT_NEAR((left_from_right.rotation * Eigen::Vector3d::UnitZ()).x(), -0.00623976, 1e-6);
@@ -123,14 +123,15 @@ TEST(RigToml, ErrorsNameFileKeyAndLimit) {
   EXPECT_THAT(error("prnu = 0.005\n", ""), HasSubstr("missing keys: camera.photosites.prnu"));
   EXPECT_THAT(error("prnu = 0.005", "pnru = 0.005"),
               HasSubstr("unknown key 'camera.photosites.pnru"));
-  EXPECT_THAT(error("[right.lens]", "[right.lens]\nk9 = 1"),
-              HasSubstr("unknown key 'right.lens.k9"));
+  EXPECT_THAT(error("[rgb_right.lens]", "[rgb_right.lens]\nk9 = 1"),
+              HasSubstr("unknown key 'rgb_right.lens.k9"));
   EXPECT_THAT(error("[0.119978, 2.59812e-05, 1.58877e-05]", "[0.119978, 0]"),
-              HasSubstr("right.centre_in_rig_m has 2 numbers, not 3"));
-  EXPECT_THAT(error("[right]\n", "[right]\nwidth_px = 8\n"), HasSubstr("right.width_px = 8"));
+              HasSubstr("rgb_right.centre_in_rig_m has 2 numbers, not 3"));
+  EXPECT_THAT(error("[rgb_right]\n", "[rgb_right]\nwidth_px = 8\n"),
+              HasSubstr("rgb_right.width_px = 8"));
   EXPECT_THAT(error("evidence = \"verified\"", "evidence = \"believed\""),
               HasSubstr("not one of verified, cross-checked, validated"));
-  EXPECT_THAT(error("[left]", "[Left]"), HasSubstr("a-z 0-9 _"));
+  EXPECT_THAT(error("[rgb]", "[Rgb]"), HasSubstr("a-z 0-9 _"));
   std::string many = good;
   for (int i = 0; i < 20; ++i) many += "\n[extra" + std::to_string(i) + "]\n";
   EXPECT_THROW(rig_from_toml(many, "my.toml"), std::runtime_error);
@@ -144,7 +145,7 @@ TEST(RigViews, EyesOfARigAtRestStandWhereTheyAreMounted) {
   const std::vector<TrueView> views = true_views(rig, unit, one_view(pose, pose), 0, Rng(2));
   ASSERT_EQ(views.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
-    const Pose expected = rig.sensors[i].sensor_from_rig * pose;
+    const Pose expected = sensor_from_rig(rig.sensors[i]) * pose;
     EXPECT_LT((views[i].camera_from_world.translation_m - expected.translation_m).norm(), 1e-15);
     EXPECT_LT((views[i].camera_from_world_end.translation_m - expected.translation_m).norm(),
               1e-12);
@@ -165,7 +166,7 @@ TEST(RigViews, ADelayedSensorIsWhereTheBodyHasMovedTo) {
   end.translation_m.x() += 0.02;
   const std::vector<TrueView> views = true_views(rig, unit, one_view(begin, end), 0, Rng(2));
   const auto body_x_m = [&](std::size_t i, const Pose& camera_from_world) {
-    return (inverse(rig.sensors[i].sensor_from_rig) * camera_from_world).translation_m.x() -
+    return (inverse(sensor_from_rig(rig.sensors[i])) * camera_from_world).translation_m.x() -
            begin.translation_m.x();
   };
   EXPECT_NEAR(body_x_m(0, views[0].camera_from_world), 0, 1e-12);
@@ -199,7 +200,7 @@ TEST(RigViews, TheHandCarriesAllSensorsAsOneBody) {
   const Pose pose = look_at({0.1, 0.2, 1}, {0, 0, 0});
   const std::vector<TrueView> views = true_views(rig, unit, one_view(pose, pose), 0, Rng(5));
   const auto body = [&](std::size_t i) {
-    return inverse(rig.sensors[i].sensor_from_rig) * views[i].camera_from_world_end;
+    return inverse(sensor_from_rig(rig.sensors[i])) * views[i].camera_from_world_end;
   };
   EXPECT_LT((body(0).translation_m - body(1).translation_m).norm(), 1e-12);
   EXPECT_GT((body(0).translation_m - pose.translation_m).norm(), 1e-4);
@@ -240,9 +241,9 @@ TEST(Rig, EyesSeeTheSameLightWithNoiseOfTheirOwn) {
 
 TEST(Rig, RefusesSensorsThatCannotBeToldApart) {
   RigConfig rig = still_zed();
-  rig.sensors[1].name = "left";
+  rig.sensors[1].name = "rgb";
   EXPECT_THROW(make_rig(rig, Rng(1)), std::invalid_argument);
-  rig.sensors[1].name = "../left";
+  rig.sensors[1].name = "../rgb";
   EXPECT_THROW(make_rig(rig, Rng(1)), std::invalid_argument);
   rig.sensors.clear();
   EXPECT_THROW(make_rig(rig, Rng(1)), std::invalid_argument);

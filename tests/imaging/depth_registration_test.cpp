@@ -1,4 +1,4 @@
-#include "sim/sensors/depth_registration.h"
+#include "sim/imaging/depth_registration.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sim/sensors/active_stereo.h"
+#include "sim/sensors/phone.h"
+#include "sim/sensors/rig.h"
+
+namespace cousin {
+
+/// A rig of any kind that there are presets of: a phone's video, colour and grey cameras on one
+/// body, a stereo depth camera.
+using DeviceConfig = std::variant<PhoneConfig, RigConfig, ActiveStereoConfig>;
+Fields fields(DeviceConfig& config);
+/// @throws std::invalid_argument naming key, value and limit.
+void validate(const DeviceConfig& config);
+
+/// A preset of any kind. @throws std::invalid_argument listing the names that exist.
+DeviceConfig device_preset(const std::string& name);
+std::vector<std::string> device_preset_names();
+
+/// Kinds of images that a rig hands over.
+struct Streams {
+  bool color = false;
+  bool raw = false;       ///< 16-bit linear
+  bool infrared = false;  ///< of both imagers of a depth camera
+  bool depth = false;
+  bool operator==(const Streams&) const = default;
+};
+/// What a rig has. Raw images only where its preset hands them over.
+Streams streams_of(const DeviceConfig& config);
+/// The names in a fixed order, "none" for none.
+std::string to_string(const Streams& streams);
+/// "all" of `there_are`, or a list such as "color,depth".
+/// @throws std::invalid_argument naming the word that is no stream, or that `rig` does not have.
+Streams streams_from_string(std::string_view text, const Streams& there_are,
+                            const std::string& rig);
+
+}  // namespace cousin

@@ -1,0 +1,179 @@
+#include "sim/sensors/rig_kinds.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "sim/sensors/camera_sensor.h"
+
+namespace cousin {
+namespace {
+
+/// The depth camera's colour camera as a rig of one.
+CameraRig color_rig(const ActiveStereoConfig& config, const ActiveStereoUnit& unit,
+                    const Rng& rng) {
+  CameraRig rig;
+  rig.config.title = "colour camera";
+  rig.config.sync_error_s = config.sync_error_s;
+  rig.config.hand_speed_m_per_s = config.hand_speed_m_per_s;
+  rig.config.hand_rate_rad_per_s = config.hand_rate_rad_per_s;
+  rig.config.sensors = {
+      {.name = "rgb", .camera = color_sensor(config), .centre_in_rig_m = {config.color_x_m, 0, 0}}};
+  rig.unit = make_rig(rig.config, rng);
+  rig.unit.sensors.front().lens = {unit.color, unit.color_reported};
+  return rig;
+}
+
+/// 8 bits of an imager's codes.
+Image<std::uint8_t> eight_bits(const Image<std::uint16_t>& codes, int bits) {
+  Image<std::uint8_t> image(codes.width(), codes.height());
+  for (std::size_t i = 0; i < codes.size(); ++i)
+    image.data()[i] = static_cast<std::uint8_t>(codes.data()[i] >> (bits - 8));
+  return image;
+}
+
+Image<std::uint8_t> numbers_of(const Image<InvalidReason>& reasons) {
+  Image<std::uint8_t> image(reasons.width(), reasons.height());
+  for (std::size_t i = 0; i < reasons.size(); ++i)
+    image.data()[i] = static_cast<std::uint8_t>(reasons.data()[i]);
+  return image;
+}
+
+}  // namespace
+
+RigKind make_rig_kind(const DeviceConfig& device, const Rng& rng) {
+  if (const auto* phone = std::get_if<PhoneConfig>(&device))
+    return PhoneRig{*phone, make_phone(*phone, rng.fork("phone"))};
+  if (const auto* cameras = std::get_if<RigConfig>(&device))
+    return CameraRig{*cameras, make_rig(*cameras, rng.fork("device"))};
+  const auto& config = std::get<ActiveStereoConfig>(device);
+  DepthRig rig{config, make_active_stereo(config, rng.fork("device")), {}};
+  rig.color = color_rig(config, rig.unit, rng.fork("color"));
+  return rig;
+}
+
+std::size_t camera_count(const PhoneRig&) { return 1; }
+std::size_t camera_count(const CameraRig& rig) { return rig.config.sensors.size(); }
+std::size_t camera_count(const DepthRig&) { return 1; }
+
+std::vector<SensorReport> reports_of(const PhoneRig& rig) {
+  return {report_of(rig.config, rig.unit)};
+}
+
+std::vector<SensorReport> reports_of(const CameraRig& rig) {
+  return report_of(rig.config, rig.unit);
+}
+
+std::vector<SensorReport> reports_of(const DepthRig& rig) {
+  std::vector<SensorReport> reports = reports_of(rig.color);
+  reports.front().sensor_from_rig = rig.unit.color_from_rig_reported;
+  Pose right_from_rig;
+  right_from_rig.translation_m.x() = -rig.config.baseline_m;
+  const Camera& imager = rig.unit.reported;
+  reports.push_back({.name = "ir_left", .camera = imager, .sensor_from_rig = {}, .raw_format = {}});
+  reports.push_back(
+      {.name = "ir_right", .camera = imager, .sensor_from_rig = right_from_rig, .raw_format = {}});
+  reports.push_back({.name = std::string(kDepthSensor),
+                     .camera = imager,
+                     .sensor_from_rig = {},
+                     .raw_format = {}});
+  return reports;
+}
+
+std::vector<TrueView> views_of(const PhoneRig& rig, const Scene& scene, int frame, const Rng& rng) {
+  return {true_view(rig.config, rig.unit, scene, frame, rng)};
+}
+
+std::vector<TrueView> views_of(const CameraRig& rig, const Scene& scene, int frame,
+                               const Rng& rng) {
+  return true_views(rig.config, rig.unit, scene, frame, rng);
+}
+
+std::vector<TrueView> views_of(const DepthRig& rig, const Scene& scene, int frame, const Rng& rng) {
+  std::vector<TrueView> views = views_of(rig.color, scene, frame, rng);
+  const Pose true_from_reported =
+      rig.unit.color_from_rig * inverse(rig.unit.color_from_rig_reported);
+  TrueView& color = views.front();
+  color.camera_from_world = true_from_reported * color.camera_from_world;
+  color.camera_from_world_end = true_from_reported * color.camera_from_world_end;
+  const View& seen = scene.views[static_cast<std::size_t>(frame)];
+  const TrueView left = left_view(rig.unit, seen.rig_from_world);
+  for (const TrueView& view : {left, right_view(rig.unit, seen.rig_from_world), left}) {
+    views.push_back(view);
+    views.back().frame = frame;
+    views.back().time_s = seen.time_s;
+  }
+  return views;
+}
+
+SensorFrame reported_frame(const PhoneRig& rig, std::size_t, const TrueView& view, const View&,
+                           const Rng& rng) {
+  SensorFrame frame;
+  frame.reported = reported_camera(rig.config, rig.unit, view, rng);
+  return frame;
+}
+
+SensorFrame reported_frame(const CameraRig& rig, std::size_t sensor, const TrueView& view,
+                           const View& seen, const Rng& rng) {
+  const RigSensor& own = rig.config.sensors.at(sensor);
+  SensorFrame frame;
+  frame.reported = reported_camera(own.camera, rig.unit.sensors.at(sensor), view.camera,
+                                   rng.fork(own.name).fork("sense"));
+  frame.time_s = seen.time_s + own.trigger_delay_s;
+  return frame;
+}
+
+SensorFrame reported_frame(const DepthRig& rig, std::size_t sensor, const TrueView& view,
+                           const View& seen, const Rng& rng) {
+  if (sensor == 0) return reported_frame(rig.color, 0, view, seen, rng);
+  SensorFrame frame;
+  frame.reported = rig.unit.reported;
+  frame.time_s = seen.time_s;
+  if (sensor == kDepthPlace) frame.depth_unit_m = rig.config.depth_unit_m;
+  return frame;
+}
+
+SensorFrame sense_color(const PhoneRig& rig, std::size_t, const Image<Rgbf>& radiance,
+                        const TrueView& view, const Rng& rng) {
+  return sense(radiance, rig.config, rig.unit, view, rng);
+}
+
+SensorFrame sense_color(const CameraRig& rig, std::size_t sensor, const Image<Rgbf>& radiance,
+                        const TrueView& view, const Rng& rng) {
+  const RigSensor& own = rig.config.sensors.at(sensor);
+  return sense(radiance, own.camera, rig.unit.sensors.at(sensor), view,
+               rng.fork(own.name).fork("sense"));
+}
+
+SensorFrame sense_color(const DepthRig& rig, std::size_t sensor, const Image<Rgbf>& radiance,
+                        const TrueView& view, const Rng& rng) {
+  return sense_color(rig.color, sensor, radiance, view, rng);
+}
+
+void take_matched(const DepthRig& rig, const DepthRigTake& from, const Streams& streams, bool depth,
+                  RigFrame& into) {
+  const InfraredPair pair = render_infrared_pair(from.rays, from.scene, from.rig_from_world,
+                                                 rig.config, rig.unit, from.rig.fork("infrared"));
+  const Rng exposure = from.frame.fork("depth");
+  InfraredCodes codes = expose_pair(pair, rig.config, rig.unit, exposure);
+  if (streams.infrared) {
+    into.frame.sensors[kLeftSensor].grey = eight_bits(codes.left, rig.config.imager.bits);
+    into.frame.sensors[kRightSensor].grey = eight_bits(codes.right, rig.config.imager.bits);
+  }
+  if (!streams.depth || !depth) return;
+  StereoDepth sensed = match_pair(pair, std::move(codes), rig.config, rig.unit);
+  into.frame.sensors[kDepthPlace].depth = std::move(sensed.depth);
+  into.noise_free_depth_m = std::move(sensed.noise_free_depth_m);
+  into.invalid_reason = numbers_of(sensed.reason);
+}
+
+void take_modelled(const DepthRig& rig, const DepthRigTake& from, RigFrame& into) {
+  DepthModelInputs inputs = depth_model_inputs(from.rays, from.scene, from.rig_from_world,
+                                               rig.config, rig.unit, from.rig.fork("infrared"));
+  ModelDepth sensed =
+      model_depth(inputs, rig.config, from.rig.fork("model"), from.frame.fork("depth"));
+  into.frame.sensors[kDepthPlace].depth = std::move(sensed.depth);
+  into.noise_free_depth_m = std::move(inputs.depth_m);
+  into.invalid_reason = numbers_of(sensed.reason);
+}
+
+}  // namespace cousin

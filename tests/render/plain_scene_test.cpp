@@ -1,0 +1,90 @@
+#include "sim/render/cycles/plain_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace cousin {
+namespace {
+
+/// A printed plate of 20 x 10 mm, 1 mm thick.
+Scene printed_plate() {
+  Scene scene;
+  ObjectModel plate{.name = "plate"};
+  for (const double z : {-0.001, 0.0}) {
+    for (const auto& [x, y] :
+         {std::pair{-0.01, -0.005}, {0.01, -0.005}, {0.01, 0.005}, {-0.01, 0.005}})
+      plate.mesh.vertices_m.emplace_back(x, y, z);
+  }
+  plate.mesh.triangles = {{4, 5, 6}, {4, 6, 7}, {0, 2, 1}, {0, 3, 2}};
+  scene.models = {plate};
+  Material paper{.name = "paper", .albedo = {0.8F, 0.8F, 0.8F}};
+  SeedBoard board;
+  board.has_markers = false;
+  paper.print = board;
+  paper.ink_albedo = {0.04F, 0.04F, 0.04F};
+  Material rough{.name = "soil"};
+  rough.noise = NoiseTexture{};
+  scene.materials = {paper, rough};
+  Instance printed{.id = 1, .name = "board"};
+  Instance plain{.id = 2, .name = "ground"};
+  plain.material = 1;
+  scene.instances = {printed, plain};
+  scene.lights.emplace_back(Sky{{1, 1, 1}, {1, 1, 1}, {0, 0, 0}});
+  scene.lights.emplace_back(Projector{});
+  return scene;
+}
+
+TrueView lens_view() {
+  TrueView view;
+  view.camera = Camera{LensModel::opencv5, 64, 48, 60, 60, 31.5, 23.5, {0.1}};
+  return view;
+}
+
+TEST(PlainScene, APrintBecomesVertexColoursOfTheSameAreas) {
+  const PlainScene plain = plain_scene(printed_plate(), lens_view(), 0.0005);
+  ASSERT_EQ(plain.scene.models.size(), 2U);
+  EXPECT_EQ(plain.scene.instances[0].model, 1);
+  EXPECT_EQ(plain.scene.instances[1].model, 0);  // shares the model, not the print
+  const ObjectModel& board = plain.scene.models[1];
+  ASSERT_EQ(board.vertex_albedo.size(), board.mesh.vertices_m.size());
+  double ink_m2 = 0, face_m2 = 0;
+  for (const auto& t : board.mesh.triangles) {
+    const auto& a = board.mesh.vertices_m[t[0]];
+    const Eigen::Vector3d normal =
+        (board.mesh.vertices_m[t[1]] - a).cross(board.mesh.vertices_m[t[2]] - a);
+    if (std::abs(a.z()) > 1e-9) continue;
+    EXPECT_GT(normal.z(), 0);  // faces up as the plate's face did
+    face_m2 += 0.5 * normal.norm();
+    if (board.vertex_albedo[t[0]].r < 0.5F) {
+      EXPECT_FLOAT_EQ(board.vertex_albedo[t[0]].r, 0.05F);  // of 0.8: the ink's 0.04
+      ink_m2 += 0.5 * normal.norm();
+    }
+  }
+  EXPECT_NEAR(face_m2, 0.02 * 0.01, 1e-12);
+  // Black squares of 6 mm about the middle, from the board's rule on a fine grid; cells of half a
+  // millimetre divide 6 mm, so only rounding is left.
+  SeedBoard rule;
+  rule.has_markers = false;
+  int black = 0;
+  for (int j = 0; j < 200; ++j) {
+    for (int i = 0; i < 400; ++i)
+      black += is_black(rule, -0.01 + (i + 0.5) * 5e-5, -0.005 + (j + 0.5) * 5e-5) ? 1 : 0;
+  }
+  EXPECT_NEAR(ink_m2, black * 25e-10, 1e-9);
+}
+
+TEST(PlainScene, WhatCannotBeSaidIsLeftOutAndNamed) {
+  const PlainScene plain = plain_scene(printed_plate(), lens_view());
+  EXPECT_EQ(plain.changes.size(), 4U);  // print, noise, projector, lens
+  EXPECT_EQ(plain.scene.lights.size(), 1U);
+  EXPECT_EQ(plain.view.camera.model, LensModel::pinhole);
+  EXPECT_NO_THROW(validate(plain.view.camera));
+  for (const Material& material : plain.scene.materials)
+    EXPECT_FALSE(material.print || material.noise || material.back_albedo);
+  EXPECT_THROW(plain_scene(printed_plate(), lens_view(), 0), std::invalid_argument);
+  EXPECT_THROW(plain_scene(printed_plate(), lens_view(), 1e-7), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cousin
