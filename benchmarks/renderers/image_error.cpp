@@ -33,7 +33,9 @@ WithInterval root_mean(const Image<Rgbf>& image, Rng rng, const Term& term) {
       ++tile.pixels;
     }
   }
-  const auto root_of = [](double sum, double pixels) { return std::sqrt(std::max(0.0, sum / pixels)); };
+  const auto root_of = [](double sum, double pixels) {
+    return std::sqrt(std::max(0.0, sum / pixels));
+  };
   double sum = 0;
   for (const Tile& tile : tiles) sum += tile.sum;
   std::vector<double> drawn;

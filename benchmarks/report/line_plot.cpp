@@ -35,12 +35,9 @@ bool can_show(const LinePoint& p, const LinePlot& plot) {
 }
 
 Json scale_of(const char* name, const char* range, bool is_log, const Range& values) {
-  return {{"name", name},
-          {"type", is_log ? "log" : "linear"},
-          {"range", range},
-          {"domain", values.domain(is_log)},
-          {"zero", false},
-          {"nice", false}};
+  return {{"name", name},   {"type", is_log ? "log" : "linear"},
+          {"range", range}, {"domain", values.domain(is_log)},
+          {"zero", false},  {"nice", false}};
 }
 
 Json lines_of(const char* data, const Json& dash) {
@@ -67,11 +64,11 @@ Plot line_plot(const LinePlot& plot) {
     names.push_back(series.name);
     for (const LinePoint& p : series.points) {
       if (!can_show(p, plot)) continue;
-      Json point = {{"x", p.x},
-                    {"y", p.y.value},
-                    {"name", series.name},
-                    {"tip", series.name + ": " + shown_interval(p.y, 1) + " at " +
-                                shown_number(p.x)}};
+      Json point = {
+          {"x", p.x},
+          {"y", p.y.value},
+          {"name", series.name},
+          {"tip", series.name + ": " + shown_interval(p.y, 1) + " at " + shown_number(p.x)}};
       xs.add(p.x);
       ys.add(p.y.value);
       if (std::isfinite(p.y.low) && std::isfinite(p.y.high) && (!plot.log_y || p.y.low > 0)) {
@@ -90,7 +87,8 @@ Plot line_plot(const LinePlot& plot) {
                    {"source", "points"},
                    {"transform", {{{"type", "filter"}, {"expr", "isValid(datum.low)"}}}}}};
   spec["scales"] = {
-      scale_of("x", "width", plot.log_x, xs), scale_of("y", "height", plot.log_y, ys),
+      scale_of("x", "width", plot.log_x, xs),
+      scale_of("y", "height", plot.log_y, ys),
       {{"name", "color"}, {"type", "ordinal"}, {"domain", names}, {"range", kPalette}}};
   spec["axes"] = {axis("x", "bottom", plot.x_label), axis("y", "left", plot.y_label)};
   spec["legends"].push_back(legend("fill", "color"));
