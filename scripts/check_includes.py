@@ -31,7 +31,12 @@ MAY_INCLUDE = {
     "benchmarks": ["sim", "sim/dataset/truth", "scenes", "calibration", "perception"],
 }
 # Files of the dataset's truth target; the rest of sim/dataset must not see the truth.
-TRUTH_FILES = ("sim/dataset/truth_io", "sim/dataset/truth_json", "sim/dataset/scene_look_json")
+TRUTH_FILES = (
+    "sim/dataset/truth_io",
+    "sim/dataset/truth_json",
+    "sim/dataset/scene_look_json",
+    "sim/dataset/environment_io",
+)
 TRUTH = "sim/truth"
 NEVER_TRUTH = ("calibration", "perception")
 TRUTH_TARGETS = {"truth", "dataset_truth", "render", "sensors", "physics", "scene_seeds"}

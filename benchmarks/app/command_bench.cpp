@@ -14,10 +14,12 @@
 #include "benchmarks/real/real_report.h"
 #include "benchmarks/real/real_suite.h"
 #include "benchmarks/render/render_suite.h"
+#include "benchmarks/renderers/renderers_page.h"
 #include "benchmarks/renderers/renderers_suite.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/seeds_report.h"
 #include "benchmarks/seeds/suite.h"
+#include "benchmarks/sensors/sensors_page.h"
 #include "benchmarks/sensors/sensors_suite.h"
 #include "benchmarks/stability/suite.h"
 
@@ -25,8 +27,23 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
+/// Plots that suites make of their rows: on the page at once, and again from the tables alone.
+void add_plots(SeedsReport& report) {
+  report.curves = renderers_curves(report.scores.scores);
+  report.lines = sensors_plots(report.scores.scores);
+}
+
+/// Keeps pictures for the page and notes which it shows.
+void keep_scene(SeedsReport& report, const ReportScene& scene, const fs::path& out) {
+  if (scene.pictures.empty()) return;
+  write_report_scene(report_scenes_folder(out), scene);
+  report.scores.header.more["scenes"] = scene.name;
+  report.scenes = {scene};
+}
+
 /// Heads the tables, writes them and the page.
 ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& out) {
+  add_plots(report);
   ScoreHeader& header = report.scores.header;
   header.program_version = COUSIN_VERSION;
   header.machine = machine_text();
@@ -118,23 +135,32 @@ ScoreFile bench_render(const JobContext& context, const fs::path& out) {
 
 ScoreFile bench_sensors(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  return finish(
-      titled("Cousin: bench sensors", "Every sensor model against theory or the published figure.",
-             sensors_suite(o.seed, o.quick, context.progress.function())),
-      context, out);
+  SeedsReport report =
+      titled("Cousin: bench sensors",
+             "Every sensor model against theory or the published figure. Verified against theory "
+             "only: no real device has been compared with the models.",
+             sensors_suite(o.seed, o.quick, context.progress.function()));
+  keep_scene(report, sensors_pictures(o.seed), out);
+  return finish(std::move(report), context, out);
 }
 
 ScoreFile bench_renderers(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  return finish(
-      titled(
-          "Cousin: bench renderers",
-          "The path tracer beside closed forms and beside Cycles: agreement, error against time.",
-          renderers_suite(
-              o.seed, fs::absolute(out) / "cycles",
-              o.threads > 0 ? o.threads : static_cast<int>(std::thread::hardware_concurrency()),
-              o.quick, context.progress.function())),
-      context, out);
+  RenderersConfig config;
+  config.seed = o.seed;
+  config.folder = fs::absolute(out);
+  config.threads =
+      o.threads > 0 ? o.threads : static_cast<int>(std::thread::hardware_concurrency());
+  if (o.quick) config = quick(config);
+  RenderersResult result = renderers_suite(config, context.progress.function());
+  SeedsReport report = titled(
+      "Cousin: bench renderers",
+      "The path tracer beside closed forms and beside Cycles: agreement, error against time. "
+      "Cross-checked with Cycles; errors are each renderer's own, against its own converged image.",
+      std::move(result.file));
+  report.config_toml = to_toml(fields(config));
+  keep_scene(report, result.pictures, out);
+  return finish(std::move(report), context, out);
 }
 
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
@@ -242,7 +268,8 @@ ExitCode command_bench(const JobContext& context) {
 
 ExitCode command_report(const JobContext& context) {
   const fs::path folder = context.options.arguments.at(0);
-  const SeedsReport report = read_report_folder(folder);
+  SeedsReport report = read_report_folder(folder);
+  add_plots(report);
   if (context.options.out.empty() && report.title == kRealTitle) {
     throw std::invalid_argument(folder.string() +
                                 ": the page of `bench real` shows pictures that only that command "

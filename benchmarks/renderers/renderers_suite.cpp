@@ -1,16 +1,17 @@
 #include "benchmarks/renderers/renderers_suite.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "benchmarks/renderers/closed_forms.h"
-#include "benchmarks/renderers/leafy_scene.h"
-#include "sim/render/cycles/cycles.h"
-#include "sim/render/path_tracer.h"
+#include "benchmarks/renderers/image_error.h"
+#include "benchmarks/renderers/leafy_runs.h"
+#include "benchmarks/renderers/renderers_page.h"
 #include "sim/render/truth_pass.h"
 #include "sim/types/stage_clock.h"
 
@@ -42,79 +43,63 @@ ScoreRow limited(ScoreRow row, bool passes) {
   return row;
 }
 
-double luminance(const Rgbf& c) {
-  return 0.2126 * static_cast<double>(c.r) + 0.7152 * static_cast<double>(c.g) +
-         0.0722 * static_cast<double>(c.b);
-}
-
-double mean_luminance(const Image<Rgbf>& image) {
-  double sum = 0;
-  for (const Rgbf& c : image) sum += luminance(c);
-  return sum / static_cast<double>(std::max<std::size_t>(image.size(), 1));
-}
-
-/// Relative error of one image from two with independent draws: the root of the mean over pixels of
-/// (half the squared difference) / (mean of both + a tenth of the image's mean)^2. For an unbiased
-/// renderer that is the error against its own converged image, without that image's own noise.
-double relative_error(const Image<Rgbf>& a, const Image<Rgbf>& b) {
-  const double floor = 0.1 * mean_luminance(a);
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double x = luminance(a.data()[i]), y = luminance(b.data()[i]);
-    const double scale = 0.5 * (x + y) + floor;
-    if (scale > 0) sum += 0.5 * (x - y) * (x - y) / (scale * scale);
-  }
-  return std::sqrt(sum / static_cast<double>(a.size()));
-}
-
-/// One setting of one renderer: its error and the seconds of one image.
+/// An error, the seconds of one image, and whether it is adaptive.
 struct Point {
-  std::string setting;
   double error = 0;
   double seconds = 0;
+  bool is_adaptive = false;
   double cost() const { return error * error * seconds; }  ///< error falls as 1 / sqrt(seconds)
 };
 
-void add_point(ScoreFile& file, const std::string& method, const Point& p, std::uint64_t seed) {
-  ScoreRow row =
-      row_of("leafy", p.setting, method, "relative_error", p.error, "1", 640 * 480, seed);
-  row.wall_s = p.seconds;
-  file.scores.push_back(row);
-  file.scores.push_back(
-      row_of("leafy", p.setting, method, "seconds.image", p.seconds, "s", 2, seed));
-}
-
 /// The least cost of a renderer's settings: adaptive thresholds are tried, the best one counts.
-const Point& best(const std::vector<Point>& points) {
-  return *std::min_element(points.begin(), points.end(),
-                           [](const Point& a, const Point& b) { return a.cost() < b.cost(); });
+double least_cost(const std::vector<Point>& points, bool is_adaptive) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Point& p : points) {
+    if (p.is_adaptive == is_adaptive) least = std::min(least, p.cost());
+  }
+  return least;
 }
 
-struct LeafyScene {
-  Scene scene = leafy_scene();
-  TrueView view = leafy_view();
-  RayScene rays{scene};
-  PathTracer tracer{rays, scene};
-};
+/// Rows of one renderer's runs: the error against its converged image if there is one, the error
+/// from pairs, the seconds.
+std::vector<Point> add_runs(ScoreFile& file, const std::string& method,
+                            const std::vector<LeafyRun>& runs,
+                            const std::optional<Reference>& reference, std::uint64_t seed) {
+  std::vector<Point> points;
+  for (const LeafyRun& run : runs) {
+    const auto pixels = static_cast<std::int64_t>(run.images[0].size());
+    const Rng rng = Rng(seed).fork("error").fork(method).fork(run.setting);
+    const auto add = [&](const char* metric, const WithInterval& error) {
+      ScoreRow row = row_of("leafy", run.setting, method, metric, error.value, "1", pixels, seed);
+      row.ci_low = error.low;
+      row.ci_high = error.high;
+      row.wall_s = run.seconds;
+      file.scores.push_back(row);
+    };
+    const WithInterval pair = pair_error(run.images[0], run.images[1], rng);
+    WithInterval error = pair;
+    if (reference) {
+      error = reference_error(run.images[0], *reference, rng);
+      add("relative_error", error);
+    }
+    add("relative_error.pair", pair);
+    file.scores.push_back(
+        row_of("leafy", run.setting, method, "seconds.image", run.seconds, "s", 2, seed));
+    points.push_back({error.value, run.seconds, run.is_adaptive});
+  }
+  return points;
+}
 
-Point our_point(const LeafyScene& leafy, const PathConfig& config, std::uint64_t seed,
-                Image<Rgbf>* image) {
-  Image<Rgbf> images[2];
-  const StageClock clock("images");
-  for (std::uint64_t i = 0; i < 2; ++i)
-    images[i] = leafy.tracer.render(leafy.view, config, Rng(seed).fork(i)).radiance;
-  const double seconds = clock.finish().wall_s / 2;
-  if (image) *image = images[0];
-  return {std::string(config.adaptive ? "adaptive, " : "") + std::to_string(config.pixel_samples) +
-              " samples",
-          relative_error(images[0], images[1]), seconds};
+/// The last run of a kind: the one of most samples.
+const LeafyRun& last_of(const std::vector<LeafyRun>& runs, bool is_adaptive) {
+  const auto found = std::find_if(runs.rbegin(), runs.rend(),
+                                  [&](const LeafyRun& r) { return r.is_adaptive == is_adaptive; });
+  return *found;
 }
 
 /// Share of the pixels where both see the same instance that agree in depth and in normal.
-void add_agreement(ScoreFile& file, const LeafyScene& leafy, const CyclesImage& theirs,
+void add_agreement(ScoreFile& file, const TruthImages& truth, const CyclesImage& theirs,
                    std::uint64_t seed) {
-  const TruthImages truth = render_truth(leafy.rays, leafy.scene, leafy.view,
-                                         {.depth = true, .normal = true, .instance = true});
   std::int64_t same = 0, both = 0, depth = 0, normal = 0;
   const double least_cosine = std::cos(0.5 * kPi / 180);
   for (std::size_t i = 0; i < truth.instance.size(); ++i) {
@@ -144,110 +129,118 @@ void add_agreement(ScoreFile& file, const LeafyScene& leafy, const CyclesImage& 
   add("agreement.normal", share(normal, both), both);
 }
 
-void add_closed_forms(ScoreFile& file, std::uint64_t seed, bool quick) {
-  for (const ClosedForm& form : closed_forms(quick ? 1 << 17 : 1 << 20, seed)) {
-    ScoreRow row = limited(row_of("closed forms", form.name, "ours", "estimate_over_truth",
-                                  form.estimate / form.truth, "1", form.samples, seed),
+/// What an estimate is off its closed form, with a 95 % interval; it passes within the 99 % one.
+void add_closed_forms(ScoreFile& file, const RenderersConfig& config) {
+  for (const ClosedForm& form : closed_forms(config.closed_form_samples, config.seed)) {
+    const double deviation = form.estimate / form.truth - 1;
+    const double sigma = form.standard_error / form.truth;
+    ScoreRow row = limited(row_of("closed forms", form.name, "ours", "deviation", deviation, "1",
+                                  form.samples, config.seed),
                            form.agrees);
-    row.ci_low = (form.estimate - 1.96 * form.standard_error) / form.truth;
-    row.ci_high = (form.estimate + 1.96 * form.standard_error) / form.truth;
+    row.ci_low = deviation - 1.96 * sigma;
+    row.ci_high = deviation + 1.96 * sigma;
     file.scores.push_back(row);
+    file.scores.push_back(row_of("closed forms", form.name, "ours", "deviation.half_width_99",
+                                 2.576 * sigma, "1", form.samples, config.seed));
+  }
+}
+
+void add_not_built(ScoreFile& file, std::uint64_t seed) {
+  for (const char* metric : {"agreement.instance", "agreement.depth", "agreement.normal",
+                             "mean_radiance_ratio", "time_ratio.plain", "time_ratio.adaptive"}) {
+    ScoreRow row = row_of("leafy", "beside Cycles", "ours", metric, ScoreRow::kNone, "1", 0, seed);
+    row.status = ScoreStatus::not_built;
+    file.scores.push_back(row);
+  }
+}
+
+void add_time_ratios(ScoreFile& file, const std::vector<Point>& ours,
+                     const std::vector<Point>& theirs, std::uint64_t seed) {
+  for (const bool is_adaptive : {false, true}) {
+    const double ratio = least_cost(theirs, is_adaptive) / least_cost(ours, is_adaptive);
+    file.scores.push_back(limited(row_of("leafy", "Cycles' time over ours to one error", "ours",
+                                         is_adaptive ? "time_ratio.adaptive" : "time_ratio.plain",
+                                         ratio, "1", static_cast<std::int64_t>(ours.size()), seed),
+                                  ratio >= (is_adaptive ? 2 : 1.5)));
   }
 }
 
 }  // namespace
 
-ScoreFile renderers_suite(std::uint64_t seed, const std::filesystem::path& folder, int threads,
-                          bool quick, const Progress& progress) {
-  const auto say = [&](const std::string& what, int done) {
-    if (progress) progress(what, done, 4);
+Fields fields(RenderersConfig& c) {
+  return {
+      {"width_px", &c.width_px, "of the leafy scene's image", 8, 8192},
+      {"height_px", &c.height_px, "of the leafy scene's image", 8, 8192},
+      {"samples", &c.samples, "a pixel, of both renderers", 1, 1 << 20},
+      {"adaptive_samples", &c.adaptive_samples, "a pixel on average, of ours", 16, 1 << 20},
+      {"thresholds", &c.thresholds, "of Cycles' adaptive sampling", 1e-5, 1},
+      {"most_samples", &c.most_samples, "a pixel, of Cycles' adaptive sampling", 1, 1 << 20},
+      {"reference_passes", &c.reference_passes, "of each converged image; below 2: none", 0, 1000},
+      {"reference_samples", &c.reference_samples, "a pixel of a pass", 1, 1 << 20},
+      {"closed_form_samples", &c.closed_form_samples, "of each closed form", 1024, 1 << 30},
   };
-  ScoreFile file;
-  say("closed forms", 0);
-  add_closed_forms(file, seed, quick);
+}
 
-  say("leafy scene, ours", 1);
-  const LeafyScene leafy;
-  const std::vector<int> counts = quick ? std::vector<int>{4, 16} : std::vector<int>{4, 16, 64};
-  std::vector<Point> plain, adaptive;
-  Image<Rgbf> ours, ours_adaptive;
-  for (const int samples : counts) {
-    plain.push_back(our_point(leafy, {.pixel_samples = samples}, seed, &ours));
-    add_point(file, "ours", plain.back(), seed);
-  }
-  for (const int samples : quick ? std::vector<int>{32} : std::vector<int>{32, 64, 128}) {
-    adaptive.push_back(
-        our_point(leafy, {.pixel_samples = samples, .adaptive = true}, seed, &ours_adaptive));
-    add_point(file, "ours", adaptive.back(), seed);
-  }
+RenderersConfig quick(RenderersConfig config) {
+  config.samples = {4, 16};
+  config.adaptive_samples = {32};
+  config.thresholds = {0.05};
+  config.reference_passes = 0;
+  config.closed_form_samples = 1 << 17;
+  return config;
+}
+
+RenderersResult renderers_suite(const RenderersConfig& config, const Progress& progress) {
+  const std::uint64_t seed = config.seed;
+  const int steps = 3 + static_cast<int>(config.samples.size() + config.adaptive_samples.size()) +
+                    2 * config.reference_passes;
+  int done = 0;
+  const Say say = [&](const std::string& what) {
+    if (progress) progress(what, done++, steps);
+  };
+  RenderersResult result;
+  ScoreFile& file = result.file;
+  say("closed forms");
+  add_closed_forms(file, config);
+
+  const LeafyScene leafy(config);
+  const std::vector<LeafyRun> ours = our_runs(leafy, config, say);
+  const std::optional<Reference> our_converged = our_reference(leafy, config, say);
+  const std::vector<Point> our_points = add_runs(file, "ours", ours, our_converged, seed);
+  const Image<Rgbf>& our_best =
+      our_converged ? our_converged->mean : last_of(ours, false).images[0];
   // Samples that follow the error may bias an image; the means tell.
-  file.scores.push_back(row_of("leafy", "adaptive over plain", "ours", "mean_radiance_ratio",
-                               mean_luminance(ours_adaptive) / mean_luminance(ours), "1", 640 * 480,
-                               seed));
-
-  say("leafy scene, Cycles", 2);
-  if (!has_cycles()) {
-    for (const char* metric : {"agreement.instance", "agreement.depth", "agreement.normal",
-                               "mean_radiance_ratio", "time_ratio.plain", "time_ratio.adaptive"}) {
-      ScoreRow row =
-          row_of("leafy", "beside Cycles", "ours", metric, ScoreRow::kNone, "1", 0, seed);
-      row.status = ScoreStatus::not_built;
-      file.scores.push_back(row);
-    }
-    return file;
-  }
-  // The first run builds Cycles' tree; the second is geometry alone.
-  std::vector<CyclesRun> runs = {{.samples = 1}, {.samples = 1, .filter_width_px = 0.01}};
-  struct Setting {
-    std::string name;
-    CyclesRun run;
+  const auto pixels = static_cast<std::int64_t>(our_best.size());
+  const auto add_ratio = [&](const char* name, double ratio) {
+    file.scores.push_back(
+        row_of("leafy", name, "ours", "mean_radiance_ratio", ratio, "1", pixels, seed));
   };
-  std::vector<Setting> settings;
-  for (const int samples : counts)
-    settings.push_back({std::to_string(samples) + " samples", {.samples = samples}});
-  for (const double threshold :
-       quick ? std::vector<double>{0.05} : std::vector<double>{0.05, 0.02, 0.01}) {
-    settings.push_back({"adaptive, threshold " + std::to_string(threshold).substr(0, 4),
-                        {.samples = 1024, .noise_threshold = threshold}});
+  add_ratio("adaptive over plain",
+            mean_luminance(last_of(ours, true).images[0]) / mean_luminance(our_best));
+  if (!has_cycles()) {
+    add_not_built(file, seed);
+    return result;
   }
-  for (const Setting& s : settings) {
-    for (int i = 1; i <= 2; ++i) {
-      runs.push_back(s.run);
-      runs.back().seed = static_cast<int>(seed % 1000000) * 2 + i;
-    }
-  }
-  CyclesConfig config;
-  config.folder = folder;
-  config.threads = threads;
-  const std::vector<CyclesImage> theirs = render_with_cycles(leafy.scene, leafy.view, config, runs);
 
-  say("comparison", 3);
-  add_agreement(file, leafy, theirs[1], seed);
-  std::vector<Point> their_plain, their_adaptive;
-  const Image<Rgbf>* their_best = nullptr;
-  for (std::size_t i = 0; i < settings.size(); ++i) {
-    const CyclesImage &a = theirs[2 + 2 * i], &b = theirs[3 + 2 * i];
-    const Point point{settings[i].name, relative_error(a.radiance, b.radiance),
-                      0.5 * (a.seconds + b.seconds)};
-    add_point(file, "cycles", point, seed);
-    const bool is_plain = settings[i].run.noise_threshold == 0;
-    (is_plain ? their_plain : their_adaptive).push_back(point);
-    if (is_plain) their_best = &a.radiance;
-  }
-  file.scores.push_back(row_of("leafy", "beside Cycles", "ours", "mean_radiance_ratio",
-                               mean_luminance(ours) / mean_luminance(*their_best), "1", 640 * 480,
-                               seed));
-  const double plain_ratio = best(their_plain).cost() / best(plain).cost();
-  const double adaptive_ratio = best(their_adaptive).cost() / best(adaptive).cost();
-  file.scores.push_back(
-      limited(row_of("leafy", "Cycles' time over ours to one error", "ours", "time_ratio.plain",
-                     plain_ratio, "1", static_cast<std::int64_t>(counts.size()), seed),
-              plain_ratio >= 1.5));
-  file.scores.push_back(
-      limited(row_of("leafy", "Cycles' time over ours to one error", "ours", "time_ratio.adaptive",
-                     adaptive_ratio, "1", static_cast<std::int64_t>(adaptive.size()), seed),
-              adaptive_ratio >= 2));
-  return file;
+  say("leafy scene, Cycles");
+  const CyclesRuns cycles = cycles_runs(leafy, config);
+  const std::optional<Reference> their_converged =
+      cycles_reference(leafy, config, cycles.one_sample, say);
+  say("comparison");
+  const std::vector<Point> their_points =
+      add_runs(file, "cycles", cycles.runs, their_converged, seed);
+  const TruthImages truth = render_truth(leafy.rays, leafy.scene, leafy.view,
+                                         {.depth = true, .normal = true, .instance = true});
+  add_agreement(file, truth, cycles.geometry, seed);
+  const Image<Rgbf>& their_best =
+      their_converged ? their_converged->mean : last_of(cycles.runs, false).images[0];
+  add_ratio("beside Cycles", mean_luminance(our_best) / mean_luminance(their_best));
+  add_time_ratios(file, our_points, their_points, seed);
+  result.pictures.name = "leafy";
+  add_light_pictures(result.pictures, our_best, their_best);
+  add_depth_picture(result.pictures, truth.depth_m, cycles.geometry.depth_m, truth.instance,
+                    cycles.geometry.instance);
+  return result;
 }
 
 }  // namespace cousin

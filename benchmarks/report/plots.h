@@ -25,6 +25,8 @@ std::vector<Plot> error_histograms(const std::vector<SpecimenRow>& rows);
 Plot distribution_plot(const Distribution& distribution);
 /// Error over seconds, both logarithmic, with intervals and the Pareto front.
 Plot error_time_plot(const ErrorTimeCurve& curve);
+/// Series over x with intervals; laws are dashed. Points that an axis cannot show are left out.
+Plot line_plot(const LinePlot& plot);
 /// Error left after each seam, as bars that hang between successive levels.
 Plot waterfall_plot(const Attribution& attribution);
 /// Seconds of each stage: wall and CPU.

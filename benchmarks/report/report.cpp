@@ -324,6 +324,10 @@ bool can_draw(const ErrorTimeCurve& curve) {
   return std::any_of(curve.points.begin(), curve.points.end(),
                      [](const auto& p) { return p.error.value > 0; });
 }
+bool can_draw(const LinePlot& plot) {
+  return std::any_of(plot.series.begin(), plot.series.end(),
+                     [](const LineSeries& s) { return !s.is_law && !s.points.empty(); });
+}
 bool can_draw(const Distribution& distribution) {
   return std::any_of(distribution.groups.begin(), distribution.groups.end(),
                      [](const DistributionGroup& g) { return !g.values.empty(); });
@@ -374,6 +378,11 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
     if (can_draw(distribution)) plots.push_back(distribution_plot(distribution));
   }
   add_plots(page, "distributions", "Distributions", plots, true);
+  plots.clear();
+  for (const LinePlot& lines : input.lines) {
+    if (can_draw(lines)) plots.push_back(line_plot(lines));
+  }
+  add_plots(page, "lines", "Against theory", plots, false);
   plots.clear();
   for (const Attribution& attribution : input.attributions) {
     if (can_draw(attribution)) plots.push_back(waterfall_plot(attribution));

@@ -52,6 +52,24 @@ struct ErrorTimeCurve {
   std::vector<ErrorTimePoint> points;
 };
 
+/// A quantity over another, with the laws it is held against.
+struct LinePoint {
+  double x = 0;
+  WithInterval y;
+};
+struct LineSeries {
+  std::string name;
+  std::vector<LinePoint> points;  ///< in the order of x
+  bool is_law = false;            ///< drawn dashed, without points
+};
+struct LinePlot {
+  std::string title;
+  std::vector<std::string> caption;  ///< lines
+  std::string x_label, y_label;      ///< with units, in which the points are
+  bool log_x = false, log_y = false;
+  std::vector<LineSeries> series;
+};
+
 /// What remains of an error when truth replaces one seam after another, in the order of the
 /// pipeline: the first step is the pipeline as it is, and each further one has truth in its own
 /// seam and all before it.
@@ -92,6 +110,7 @@ struct ReportInput {
   std::vector<ReportShape> shapes;
   std::vector<Distribution> distributions;
   std::vector<ErrorTimeCurve> curves;
+  std::vector<LinePlot> lines;
   std::vector<Attribution> attributions;
   std::vector<StageTiming> timings;  ///< of one run
   std::vector<std::string> notes;    ///< warnings, what was left out and why

@@ -23,8 +23,8 @@ std::string capture_name(const SeedsRunConfig& config, std::uint64_t seed, int s
   std::string key = std::string(COUSIN_VERSION) + "\n" + simulator_toml(config) + "\n" +
                     std::to_string(seed) + "\n" + std::to_string(scene_index) + "\n" +
                     sha256_hex(cultivars_toml()) + "\n" + sha256_hex(setting_toml()) + "\n";
-  const std::string mesh = specimen_hash(config.scene);
-  if (!mesh.empty()) key += mesh + "\n";
+  const std::string files = user_files_hash(config.scene);
+  if (!files.empty()) key += files + "\n";
   for (const bool need :
        {needs.depth, needs.normal, needs.position, needs.instance, needs.part, needs.coverage,
         needs.visibility, needs.shares, needs.keypoints, needs.flow}) {

@@ -96,6 +96,10 @@ SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
     throw std::runtime_error("specimen = \"" + config.scene.specimen + "\": there is no file " +
                              mesh);
   }
+  const std::string& environment = config.scene.environment;
+  if (!environment.empty() && !std::filesystem::is_regular_file(environment)) {
+    throw std::runtime_error("environment = \"" + environment + "\": there is no such file");
+  }
   return config;
 }
 
@@ -108,9 +112,12 @@ std::string specimen_file(const SeedsSceneConfig& config) {
   return config.specimen.substr(kMesh.size());
 }
 
-std::string specimen_hash(const SeedsSceneConfig& config) {
-  const std::string file = specimen_file(config);
-  return file.empty() ? "" : sha256_hex_of_file(file);
+std::string user_files_hash(const SeedsSceneConfig& config) {
+  std::string hash;
+  for (const std::string& file : {specimen_file(config), config.environment}) {
+    if (!file.empty()) hash += sha256_hex_of_file(file);
+  }
+  return hash;
 }
 
 std::string simulator_toml(const SeedsRunConfig& config) {
@@ -130,7 +137,7 @@ std::string resolved_toml(const SeedsRunConfig& config) {
 
 std::string config_hash(const SeedsRunConfig& config, std::uint64_t seed) {
   return sha256_hex(resolved_toml(config) + "\nseed = " + std::to_string(seed) + "\n" +
-                    specimen_hash(config.scene));
+                    user_files_hash(config.scene));
 }
 
 }  // namespace cousin

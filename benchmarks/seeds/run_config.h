@@ -32,7 +32,7 @@ void validate(const SeedsRunConfig& config);
 /// empty = none), then the user's `key=value`s in order. `rig=NAME` picks the preset first, in
 /// place of the file's rig.
 /// @throws std::invalid_argument naming key, value and limit; std::runtime_error naming the file,
-/// or the user's mesh if there is no such file.
+/// or the user's mesh or environment if there is no such file.
 SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
                                 const std::filesystem::path& file = {});
 
@@ -49,16 +49,16 @@ Streams needed_streams(const SeedsPipelineConfig& config);
 /// The file of the user's own mesh; "" if the scene grows its specimens. @throws
 /// std::invalid_argument if `specimen` is something else than "mesh:FILE".
 std::string specimen_file(const SeedsSceneConfig& config);
-/// SHA-256 of that file's bytes; "" if there is none. Whatever is kept under a configuration's name
-/// depends on it too.
-std::string specimen_hash(const SeedsSceneConfig& config);
+/// SHA-256 of the bytes of the user's mesh and environment, one after the other; "" if there is
+/// neither. Whatever is kept under a configuration's name depends on it too.
+std::string user_files_hash(const SeedsSceneConfig& config);
 
 /// The resolved configuration as TOML.
 std::string resolved_toml(const SeedsRunConfig& config);
 /// The part of it that decides the images: scene, rig, renderer, and the capture's keys where they
 /// are not as by default.
 std::string simulator_toml(const SeedsRunConfig& config);
-/// SHA-256 of the resolved configuration, the user's mesh and the seed.
+/// SHA-256 of the resolved configuration, the user's files and the seed.
 std::string config_hash(const SeedsRunConfig& config, std::uint64_t seed);
 
 }  // namespace cousin

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "benchmarks/metrics/scores.h"
+#include "benchmarks/report/report.h"
 #include "benchmarks/seeds/report_scene.h"
 
 namespace cousin {
@@ -23,6 +24,9 @@ struct SeedsReport {
   std::string plan;
   ScoreFile scores;
   std::vector<ReportScene> scenes;  ///< shown in pictures and in 3D
+  // Beside those of the seeds' own rows; made of rows, never kept.
+  std::vector<ErrorTimeCurve> curves;
+  std::vector<LinePlot> lines;
 };
 
 /// One self-contained HTML file, written whole or not at all.

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "sim/dataset/environment_io.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/render/view_match.h"
 #include "sim/types/stage_clock.h"
@@ -18,6 +19,11 @@ std::optional<Mesh> user_specimen(const SeedsSceneConfig& config) {
   Mesh mesh = read_mesh(file);
   for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex *= config.specimen_scale;
   return mesh;
+}
+
+std::optional<Environment> user_environment(const SeedsSceneConfig& config) {
+  if (config.environment.empty()) return std::nullopt;
+  return read_environment(config.environment, config.environment_scale);
 }
 
 }  // namespace
@@ -37,7 +43,8 @@ struct SeedsSimulation::Impl {
       : config(run_config),
         seed(run_seed),
         rng(Rng(run_seed).fork("scene").fork(static_cast<std::uint64_t>(scene_index))),
-        scene(build_seeds_scene(config.scene, rng.fork("build"), user_specimen(config.scene))),
+        scene(build_seeds_scene(config.scene, rng.fork("build"), user_specimen(config.scene),
+                                user_environment(config.scene))),
         rays(scene),
         rig(config.rig, config.capture, rays, scene, rng) {}
 

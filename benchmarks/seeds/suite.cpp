@@ -333,7 +333,7 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
   for (const SuiteJob& job : list_jobs(config)) {
     std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
-                      (job.attribution ? "/attribution" : "") + specimen_hash(job.config.scene);
+                      (job.attribution ? "/attribution" : "") + user_files_hash(job.config.scene);
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back(
         {job.name, key, [job, config, progress] { return run_job(job, config, progress); }});

@@ -118,6 +118,7 @@ PhotonTransfer photon_transfer(const CameraSensorConfig& flat, const CameraUnit&
     const double mean = 0.5 * (mean_of(a) + mean_of(b));
     for (std::size_t j = 0; j < a.size(); ++j) a[j] -= b[j];
     const double variance = 0.5 * variance_of(a);
+    result.points.push_back({mean, variance});
     const double w = 1 / (variance * variance);
     sw += w;
     sx += w * mean;

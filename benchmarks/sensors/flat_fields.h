@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "sim/sensors/camera_sensor.h"
 
@@ -16,6 +17,10 @@ struct PhotonTransfer {
   double slope = 0;             ///< K, codes an electron
   double intercept = 0;         ///< K^2 (read^2 + row^2) + 1/12, codes^2
   std::int64_t photosites = 0;  ///< an exposure
+  struct Point {
+    double mean = 0, variance = 0;  ///< less the black level, codes; codes^2
+  };
+  std::vector<Point> points;  ///< one an exposure
 };
 /// Exposures are spread evenly in the logarithm from where the noise spans 0.7 codes (below,
 /// rounding is no noise of variance 1/12), but 10 electrons at least, to 80 % of full well.

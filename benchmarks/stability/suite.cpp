@@ -9,6 +9,7 @@
 #include "benchmarks/stability/geometry_cases.h"
 #include "benchmarks/stability/lens_cases.h"
 #include "benchmarks/stability/mesh_ray_cases.h"
+#include "benchmarks/stability/path_cases.h"
 #include "benchmarks/stability/ray_cases.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/types/stage_clock.h"
@@ -46,6 +47,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       {"lenses and light", lens_cases},
       {"rays", [&] { return ray_cases(rays, Rng(1)); }},
       {"rays at bad meshes", mesh_ray_cases},
+      {"light at its limits", [&] { return path_cases(quick); }},
       {"watertight seeds", [&] { return watertight_seeds(quick); }},
       {"contacts", [&] { return contact_cases(quick); }}};
   ScoreFile file;

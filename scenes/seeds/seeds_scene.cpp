@@ -266,6 +266,10 @@ Fields fields(SeedsSceneConfig& c) {
       {"view_jitter", &c.view_jitter,
        "hand-held wander: of angles in radians, of distance and aim relative", 0, 0.5},
       {"light", &c.light, "window, lamps or sun"},
+      {"environment", &c.environment,
+       "\"\" = light; FILE.exr = an equirectangular OpenEXR in its place"},
+      {"environment_scale", &c.environment_scale, "scene's radiance per unit of that picture", 0,
+       1e12},
       {"rig", &c.rig, "sensor preset"},
   };
 }
@@ -301,11 +305,16 @@ void validate(const SeedsSceneConfig& config) {
 }
 
 Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
-                        const std::optional<Mesh>& user_mesh) {
+                        const std::optional<Mesh>& user_mesh,
+                        const std::optional<Environment>& environment) {
   validate(config);
   if (!config.specimen.empty() && !user_mesh) {
     throw std::invalid_argument("specimen \"" + config.specimen +
                                 "\" is set, but no mesh was given");
+  }
+  if (!config.environment.empty() && !environment) {
+    throw std::invalid_argument("environment \"" + config.environment +
+                                "\" is set, but no picture was given");
   }
   const SettingConfig& setting = seeds_setting();
   Scene scene;
@@ -316,7 +325,11 @@ Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
   board.has_markers = config.markers;
   add_board(scene, setting, board);
   add_screen(scene, setting);
-  add_lights(scene, config.light);
+  if (environment) {
+    scene.lights.emplace_back(*environment);
+  } else {
+    add_lights(scene, config.light);
+  }
 
   std::vector<Specimen> specimens =
       make_specimens(config, setting, rng.fork("specimens"), user_mesh);

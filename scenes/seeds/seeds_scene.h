@@ -29,6 +29,8 @@ struct SeedsSceneConfig {
   double distance_max_m = 0.80;
   double view_jitter = 0.05;     ///< relative wander of distance, radians of elevation and aim
   std::string light = "window";  ///< window (indoor daylight), lamps, sun
+  std::string environment;       ///< "" = `light`; else an OpenEXR all around, in its place
+  double environment_scale = 1;  ///< scene's radiance per unit of that picture
   std::string rig = "phone_video_720p";
 };
 Fields fields(SeedsSceneConfig& config);
@@ -48,8 +50,10 @@ SeedModel make_seed(const std::string& cultivar, SizeSpread spread, Rng rng);
 /// The whole setting: board, screen, seeds dropped and settled, lights, camera path.
 /// @param user_mesh  the specimen's mesh when config.specimen names a file (already read and
 /// scaled)
+/// @param environment  when config.environment names a file (already read and scaled)
 /// @throws std::runtime_error if seeds cannot be settled or the mesh is not watertight.
 Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
-                        const std::optional<Mesh>& user_mesh = {});
+                        const std::optional<Mesh>& user_mesh = {},
+                        const std::optional<Environment>& environment = {});
 
 }  // namespace cousin

@@ -107,8 +107,13 @@ Material read_material(const JsonNode& node) {
   return material;
 }
 
-Json to_json(const Light& light) {
+std::string environment_file(std::size_t light) {
+  return "environments/" + six_digits(static_cast<std::int64_t>(light)) + ".exr";
+}
+
+Json to_json(const Light& light, std::size_t index) {
   struct Writer {
+    std::size_t index;
     Json operator()(const Sun& sun) const {
       return {{"kind", "sun"},
               {"to_sun", to_json(sun.to_sun)},
@@ -143,14 +148,14 @@ Json to_json(const Light& light) {
               {"lens", to_json(projector.lens)},
               {"intensity", json_of(projector.intensity)}};
     }
-    Json operator()(const Environment& environment) const {
-      return {{"kind", "environment"}, {"radiance", json_of(environment.radiance)}};
+    Json operator()(const Environment&) const {
+      return {{"kind", "environment"}, {"file", environment_file(index)}};
     }
   };
-  return std::visit(Writer{}, light);
+  return std::visit(Writer{index}, light);
 }
 
-Light read_light(const JsonNode& node) {
+Light read_light(const JsonNode& node, std::size_t index, std::vector<EnvironmentFile>& files) {
   const std::string kind = node["kind"].text(16);
   if (kind == "sun") {
     node.expect_keys({"kind", "to_sun", "angular_radius_rad", "irradiance"});
@@ -179,8 +184,14 @@ Light read_light(const JsonNode& node) {
                      read_camera(node["lens"], "projector"), read_picture(node["intensity"])};
   }
   if (kind == "environment") {
-    node.expect_keys({"kind", "radiance"});
-    return Environment{read_picture(node["radiance"])};
+    if (node.has("radiance")) {
+      node.expect_keys({"kind", "radiance"});
+      return Environment{read_picture(node["radiance"])};
+    }
+    node.expect_keys({"kind", "file"}, {"scale"});
+    const double scale = node.has("scale") ? node["scale"].number(0, 1e20) : 1;
+    files.push_back({index, node["file"].text(), scale});
+    return Environment{};
   }
   node["kind"].fail("is not one of sun, sky, lamp, clear_sky, projector, environment");
 }

@@ -7,7 +7,10 @@
 //                       "other_sensors": [{"sensor", "views"}] if the rig has more than one}
 //   scene.json         name, rig, board, models (name, mesh file, part names, part of each
 //                      triangle), materials, instances, lights, views. Shading (vertex albedo and
-//                      normals) is not kept: configuration and seed make it again.
+//                      normals) is not kept: configuration and seed make it again. A light
+//                      {"kind": "environment", "file": "environments/000000.exr", "scale": 1}
+//                      names an equirectangular OpenEXR (R, G, B; row 0 at the zenith, column 0 at
+//                      azimuth -pi) below truth/; "scale", 1 if absent, multiplies it.
 //   scene_gt.json      BOP's, of the specimens by id; derived from scene.json and camera.json,
 //                      never read: {"0": [{"cam_R_m2c": [9], "cam_t_m2c": [3, mm],
 //                                          "obj_id": model + 1, "instance_id"}]}
@@ -41,11 +44,13 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_json.h"
+#include "sim/dataset/environment_io.h"
 #include "sim/dataset/exr_vectors.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/truth_json.h"
 #include "sim/geometry/mesh_io.h"
+#include "sim/imaging/exr_color.h"
 #include "sim/imaging/image_io.h"
 #include "sim/truth/specimens.h"
 
@@ -304,6 +309,10 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
   fs::create_directories(dir / "models");
   for (std::size_t i = 0; i < truth.scene.models.size(); ++i)
     write_ply(dir / mesh_file(i), truth.scene.models[i].mesh);
+  for (std::size_t i = 0; i < truth.scene.lights.size(); ++i) {
+    if (const auto* environment = std::get_if<Environment>(&truth.scene.lights[i]))
+      write_exr_color(dir / environment_file(i), environment->radiance);
+  }
   for_each_frame(truth.images.size(), [&](std::size_t i) {
     write_images(dir, truth.images[i], truth.views[i].frame, order);
   });
@@ -335,11 +344,13 @@ SceneTruth read_truth(const fs::path& scene_dir) {
   truth.config_toml = text("config.toml");
   truth.seed = read_seed(dir / "seed");
   truth.views = views_from_json(text("camera.json"), name("camera.json"), truth.other_sensors);
-  std::vector<std::string> mesh_files;
-  truth.scene = scene_from_json(text("scene.json"), name("scene.json"), mesh_files);
-  for_each_frame(mesh_files.size(), [&](std::size_t i) {
-    truth.scene.models[i].mesh = read_mesh(resolve_inside(dir, mesh_files[i]));
+  SceneFiles files;
+  truth.scene = scene_from_json(text("scene.json"), name("scene.json"), files);
+  for_each_frame(files.meshes.size(), [&](std::size_t i) {
+    truth.scene.models[i].mesh = read_mesh(resolve_inside(dir, files.meshes[i]));
   });
+  for (const EnvironmentFile& e : files.environments)
+    truth.scene.lights[e.light] = read_environment(resolve_inside(dir, e.file), e.scale);
   keypoints_from_json(text("keypoints.json"), name("keypoints.json"), truth.scene);
   true_traits_from_json(text("traits.json"), name("traits.json"), truth.scene);
   try {

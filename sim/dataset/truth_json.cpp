@@ -187,7 +187,8 @@ std::string scene_to_json(const Scene& scene) {
     models.push_back(json_of(scene.models[i], i));
   for (const Material& material : scene.materials) materials.push_back(to_json(material));
   for (const Instance& instance : scene.instances) instances.push_back(json_of(instance));
-  for (const Light& light : scene.lights) lights.push_back(to_json(light));
+  for (std::size_t i = 0; i < scene.lights.size(); ++i)
+    lights.push_back(to_json(scene.lights[i], i));
   for (const View& view : scene.views) {
     views.push_back({{"time_s", view.time_s},
                      {"rig_from_world", to_json(view.rig_from_world)},
@@ -203,8 +204,7 @@ std::string scene_to_json(const Scene& scene) {
                       {"views", views}});
 }
 
-Scene scene_from_json(std::string_view text, const std::string& name,
-                      std::vector<std::string>& mesh_files) {
+Scene scene_from_json(std::string_view text, const std::string& name, SceneFiles& files) {
   const JsonDocument document(text, name);
   const JsonNode root = document.root();
   root.expect_keys({"name", "rig", "board", "models", "materials", "instances", "lights", "views"});
@@ -213,13 +213,13 @@ Scene scene_from_json(std::string_view text, const std::string& name,
   scene.rig = root["rig"].text();
   scene.board = root["board"].text();
   for (const JsonNode& node : root["models"].elements(kMaxInstances))
-    scene.models.push_back(read_model(node, mesh_files));
+    scene.models.push_back(read_model(node, files.meshes));
   for (const JsonNode& node : root["materials"].elements(kMaxInstances))
     scene.materials.push_back(read_material(node));
   for (const JsonNode& node : root["instances"].elements(kMaxInstances))
     scene.instances.push_back(read_instance(node));
   for (const JsonNode& node : root["lights"].elements(10'000))
-    scene.lights.push_back(read_light(node));
+    scene.lights.push_back(read_light(node, scene.lights.size(), files.environments));
   for (const JsonNode& node : root["views"].elements(kMaxViews)) {
     node.expect_keys({"time_s", "rig_from_world", "rig_from_world_end"});
     scene.views.push_back({node["time_s"].number(), read_pose(node["rig_from_world"]),

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/dataset/scene_look_json.h"
 #include "sim/truth/scene.h"
 #include "sim/truth/truth_images.h"
 
@@ -23,9 +24,13 @@ std::vector<TrueView> views_from_json(std::string_view text, const std::string& 
                                       std::vector<SensorViews>& others);
 
 std::string scene_to_json(const Scene& scene);  ///< scene.json: all but meshes, keypoints, traits
-/// Models come without meshes; `mesh_files` gets their paths below truth/.
-Scene scene_from_json(std::string_view text, const std::string& name,
-                      std::vector<std::string>& mesh_files);
+/// Files that scene.json names, below truth/.
+struct SceneFiles {
+  std::vector<std::string> meshes;  ///< one a model
+  std::vector<EnvironmentFile> environments;
+};
+/// Models come without meshes, environments with files without pictures; `files` names them.
+Scene scene_from_json(std::string_view text, const std::string& name, SceneFiles& files);
 std::string mesh_file(std::size_t model);  ///< "models/obj_000001.ply": BOP counts objects from 1
 
 /// With the frames' keypoints, if any image has some.

@@ -28,6 +28,7 @@ std::vector<Image<float>> decode_exr_channels(std::span<const std::uint8_t> byte
                                               const std::string& name,
                                               const std::vector<std::string>& channels);
 std::vector<std::uint8_t> encode_exr(const Image<float>& image);
+std::vector<std::uint8_t> encode_exr(const Image<Rgbf>& image);
 
 /// @throws std::invalid_argument if there are no pixels, or more than a reader accepts.
 void check_encodable(int width, int height);

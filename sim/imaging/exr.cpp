@@ -116,22 +116,46 @@ std::vector<Image<float>> decode_exr_channels(std::span<const std::uint8_t> byte
   }
 }
 
-std::vector<std::uint8_t> encode_exr(const Image<float>& image) {
-  check_encodable(image.width(), image.height());
-  Imf::Header header(image.width(), image.height());
+namespace {
+
+struct Plane {
+  const char* name;
+  const float* first;
+};
+
+/// Planes of `width` x `height` pixels, `stride` bytes from one pixel to the next.
+std::vector<std::uint8_t> encode(int width, int height, std::size_t stride,
+                                 std::initializer_list<Plane> planes) {
+  check_encodable(width, height);
+  Imf::Header header(width, height);
   header.compression() = Imf::ZIP_COMPRESSION;
-  header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  Imf::FrameBuffer buffer;
+  for (const Plane& plane : planes) {
+    header.channels().insert(plane.name, Imf::Channel(Imf::FLOAT));
+    // OpenEXR's interface lacks const; it only reads.
+    buffer.insert(plane.name, Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(plane.first),
+                                               header.dataWindow(), stride));
+  }
   MemoryOut out;
   {
     Imf::OutputFile file(out, header);
-    Imf::FrameBuffer buffer;
-    // OpenEXR's interface lacks const; it only reads.
-    buffer.insert(
-        "Z", Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(image.data()), header.dataWindow()));
     file.setFrameBuffer(buffer);
-    file.writePixels(image.height());
+    file.writePixels(height);
   }  // the destructor writes the line offsets
   return std::move(out.bytes);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_exr(const Image<float>& image) {
+  return encode(image.width(), image.height(), sizeof(float), {{"Z", image.data()}});
+}
+
+std::vector<std::uint8_t> encode_exr(const Image<Rgbf>& image) {
+  if (image.empty()) check_encodable(image.width(), image.height());
+  const Rgbf* first = image.data();
+  return encode(image.width(), image.height(), sizeof(Rgbf),
+                {{"R", &first->r}, {"G", &first->g}, {"B", &first->b}});
 }
 
 }  // namespace cousin::imaging

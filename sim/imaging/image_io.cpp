@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sim/imaging/codecs.h"
+#include "sim/imaging/exr_color.h"
 #include "sim/imaging/file_bytes.h"
 
 namespace cousin {
@@ -35,6 +36,10 @@ Image<std::uint8_t> read_png8(const std::filesystem::path& file) {
 
 Image<std::uint16_t> read_png16(const std::filesystem::path& file) {
   return imaging::decode_png16(imaging::read_bytes(file), file.string());
+}
+
+void write_exr_color(const std::filesystem::path& file, const Image<Rgbf>& image) {
+  imaging::replace_file(file, imaging::encode_exr(image));
 }
 
 Image<float> read_exr(const std::filesystem::path& file) {

@@ -3,34 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 
 #include "sim/render/spectrum.h"
+#include "sim/truth/scene_check.h"
 
 namespace cousin {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLumensPerWatt = 683.002;
-
-void check(const ClearSky& sky) {
-  const auto fail = [](const char* what, double value, const char* limit) {
-    throw std::invalid_argument(std::string("clear sky: ") + what + " = " + std::to_string(value) +
-                                " " + limit);
-  };
-  if (!sky.to_sun.allFinite() || !(sky.to_sun.norm() > 1e-6))
-    fail("to_sun.norm", sky.to_sun.norm(), "is zero or not finite");
-  if (!(sky.to_sun.z() >= 0)) fail("to_sun.z", sky.to_sun.z(), "is below the horizon");
-  if (!(sky.turbidity >= 1.7 && sky.turbidity <= 10))
-    fail("turbidity", sky.turbidity, "is not in [1.7, 10]");
-  if (!(sky.angular_radius_rad > 0 && sky.angular_radius_rad <= 0.1))
-    fail("angular_radius_rad", sky.angular_radius_rad, "is not in (0, 0.1]");
-  if (!(sky.scale >= 0 && sky.scale < 1e12)) fail("scale", sky.scale, "is not in [0, 1e12)");
-  for (const float a : {sky.ground_albedo.r, sky.ground_albedo.g, sky.ground_albedo.b}) {
-    if (!(a >= 0 && a <= 1)) fail("ground_albedo", static_cast<double>(a), "is not in [0, 1]");
-  }
-}
 
 /// Spectral irradiance of the sun outside the air, W/m^2 per metre of wavelength: a black body of
 /// 5778 K and 6.807e-5 sr.
@@ -58,7 +39,7 @@ double transmittance(double wavelength_m, double air_mass, double turbidity) {
 }  // namespace
 
 ClearSkyModel::ClearSkyModel(const ClearSky& sky) : scale_(sky.scale) {
-  check(sky);
+  validate(Light(sky), "sky");
   to_sun_ = sky.to_sun.normalized();
   const double t = sky.turbidity;
   const double theta = std::acos(std::clamp(to_sun_.z(), -1.0, 1.0));

@@ -15,6 +15,7 @@
 #include "sim/render/ray_scene_impl.h"
 #include "sim/render/ray_table.h"
 #include "sim/render/sample_points.h"
+#include "sim/truth/scene_check.h"
 
 namespace cousin {
 namespace {
@@ -294,7 +295,7 @@ InfraredImage render_infrared(const RayScene& rays, const Scene& scene, const Tr
                               std::span<const Projector> projectors, const InfraredConfig& config,
                               Rng rng) {
   validate(config);
-  validate(view.camera);
+  validate(view);
   const RayScene::Impl& impl = rays.impl();
   if (scene.instances.size() != impl.geometries.size()) {
     throw std::invalid_argument("infrared pass: the scene \"" + scene.name +

@@ -163,7 +163,7 @@ class PointLayout {
   static CachePoint back_of(const CachePoint& front, const LitSurface& s) {
     float offset = 0;
     for (const TrianglePlane& p : s.mesh->planes) offset = std::max(offset, p.offset_m);
-    return {front.origin_m - 5 * offset * front.normal, -front.normal, front.surface};
+    return {front.origin_m - 8 * offset * front.normal, -front.normal, front.surface};
   }
 
   void lay_lattice(LitSurface& s, std::size_t triangle, std::uint32_t index,
@@ -187,7 +187,8 @@ class PointLayout {
             g.vertices_m[t[0]] * (1 - u - v) + g.vertices_m[t[1]] * u + g.vertices_m[t[2]] * v;
         const Eigen::Vector3f normal =
             (corner[0] * (1 - u - v) + corner[1] * u + corner[2] * v).normalized();
-        points.push_back({p + g.planes[triangle].offset_m * face, normal, index});
+        // Four times, as p is made in float.
+        points.push_back({p + 4 * g.planes[triangle].offset_m * face, normal, index});
       }
     }
   }
@@ -239,6 +240,43 @@ class Gatherer {
     return sum;
   }
 
+  /// Light of pictures that directions can be drawn from, weighed against `surroundings`, which
+  /// meets the same light by the surface's own directions.
+  Eigen::Vector3f pictures(std::size_t index, const std::vector<Eigen::Vector2f>& samples) const {
+    const CachePoint& point = points_[index];
+    const Coat& coat = cache_.surfaces[point.surface].coat;
+    RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (std::size_t k = 0; k < cache_.lights.pictures.size(); ++k) {
+      const auto& picture = cache_.lights.pictures[k];
+      if (picture.row_sums.empty()) continue;
+      const Eigen::Vector2f shift = unit_pair(hash64(hash64(key_ + index) + 29 * (k + 1)));
+      for (std::size_t first = 0; first < samples.size(); first += kLanes) {
+        ShadowPacket packet;
+        LaneMask mask;
+        Eigen::Vector3f light[kLanes];
+        for (int i = 0; i < kLanes; ++i) {
+          const Eigen::Vector2f u = rotated(samples[first + static_cast<std::size_t>(i)], shift);
+          const Eigen::Vector3f d = draw_picture(picture, u);
+          const float density = picture_density(picture, d);
+          const float cosine = point.normal.dot(d);
+          const bool lit = cosine > 0 && density > 0;
+          mask.lane[i] = lit ? -1 : 0;
+          if (!lit) continue;
+          light[i] = share_of(density, cosine / kPi) * cosine * coat.entering(cosine) / density *
+                     picture_radiance(picture, d);
+          set_ray(packet, i, point.origin_m.x(), point.origin_m.y(), point.origin_m.z(), d.x(),
+                  d.y(), d.z());
+        }
+        find_occluded(mask, cache_.rays->scene, context, packet);
+        for (int i = 0; i < kLanes; ++i) {
+          if (mask.lane[i] && packet.tfar[i] >= 0) sum += light[i];
+        }
+      }
+    }
+    return sum / static_cast<float>(samples.size());
+  }
+
   /// Light of the sky, and of surfaces if `bounce`, by cosine-weighted directions.
   Eigen::Vector3f surroundings(std::size_t index, const std::vector<Eigen::Vector2f>& samples,
                                bool bounce, std::uint64_t pass) const {
@@ -270,7 +308,7 @@ class Gatherer {
       for (int i = 0; i < kLanes; ++i) {
         secondary.mask.lane[i] = 0;
         if (packet.hit.geomID[i] == kNone) {
-          sum += weight[i] * sky_radiance(cache_.lights, direction[i]);
+          sum += weight[i] * drawn_sky(direction[i], direction[i].dot(point.normal));
         } else if (bounce) {
           secondary.mask.lane[i] = -1;
           secondary.hit[i] = surface_hit(cache_, packet.hit.geomID[i], packet.hit.primID[i],
@@ -289,6 +327,19 @@ class Gatherer {
   }
 
  private:
+  /// Radiance of skies and pictures where a direction was drawn by its cosine; of pictures that
+  /// `pictures` draws from, the share that it leaves.
+  Eigen::Vector3f drawn_sky(const Eigen::Vector3f& d, float cosine) const {
+    Eigen::Vector3f sum = dome_radiance(cache_.lights, d);
+    const float own = std::max(cosine, 1e-6F) / kPi;
+    for (const auto& picture : cache_.lights.pictures) {
+      const bool is_drawn = !picture.row_sums.empty();
+      const float share = is_drawn ? share_of(own, picture_density(picture, d)) : 1;
+      sum += share * picture_radiance(picture, d);
+    }
+    return sum;
+  }
+
   const IrradianceCache::Impl& cache_;
   const std::vector<CachePoint>& points_;
   std::uint64_t key_;
@@ -336,7 +387,9 @@ IrradianceCache::IrradianceCache(const RayScene& rays, const Scene& scene,
   std::vector<Eigen::Vector3f> direct(points.size(), Eigen::Vector3f::Zero());
   // A lamp fills a small part of the hemisphere, so it needs fewer samples than the rest of it.
   const auto lamp_samples = coherent_points(whole_packets(config.irradiance_samples / 4));
-  for_each_point(points, [&](std::size_t i) { direct[i] = gather.lamps(i, lamp_samples); });
+  for_each_point(points, [&](std::size_t i) {
+    direct[i] = gather.lamps(i, lamp_samples) + gather.pictures(i, lamp_samples);
+  });
   for (int pass = 0; pass <= config.max_bounces; ++pass) {
     const bool is_last = pass == config.max_bounces;
     std::vector<Eigen::Vector3f> next = direct;

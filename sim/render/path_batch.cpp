@@ -16,12 +16,6 @@ constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
 constexpr std::uint32_t kPairsPerBounce = 16;
 constexpr std::uint32_t kLightPairs = kPairsPerBounce - 3;
 
-/// Power heuristic: share of a sample drawn with density `own` where another way has `other`.
-float share_of(float own, float other) {
-  const float ratio = other / own;
-  return 1 / (1 + ratio * ratio);
-}
-
 float luminance(const Vector3f& c) { return 0.2126F * c.x() + 0.7152F * c.y() + 0.0722F * c.z(); }
 
 /// Whether light may go between `out` and a direction, by the face and not only by its smooth
@@ -135,10 +129,7 @@ void PathBatch::add_light_behind(const PathState& path, bool missed, float far_m
     if (density > 0) light += (is_camera ? 1 : share_of(path.density, density)) * lamp.radiance;
   }
   if (missed) {
-    for (const auto& sky : lights.skies) {
-      const float z = path.direction.z();
-      light += z < 0 ? sky.ground : Vector3f(sky.horizon + z * (sky.zenith - sky.horizon));
-    }
+    light += dome_radiance(lights, path.direction);
     for (const auto& picture : lights.pictures) {
       const bool is_drawn = !is_camera && !picture.row_sums.empty();
       const float share =

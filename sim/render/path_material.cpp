@@ -5,10 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 
 #include "sim/render/sample_points.h"
+#include "sim/truth/scene_check.h"
 
 namespace cousin {
 namespace {
@@ -19,41 +18,6 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kInversePi = std::numbers::inv_pi_v<float>;
 
 Vector3f vec(const Rgbf& c) { return {c.r, c.g, c.b}; }
-
-void check(const Material& m) {
-  const auto fail = [&](const std::string& what, double value, const char* limit) {
-    throw std::invalid_argument("material \"" + m.name + "\": " + what + " = " +
-                                std::to_string(value) + " " + limit);
-  };
-  const auto check_color = [&](const char* what, const Rgbf& c) {
-    for (const float v : {c.r, c.g, c.b}) {
-      if (!(v >= 0 && v <= 1)) fail(what, static_cast<double>(v), "is not in [0, 1]");
-    }
-  };
-  check_color("albedo", m.albedo);
-  check_color("transmittance", m.transmittance);
-  check_color("ink_albedo", m.ink_albedo);
-  if (m.back_albedo) check_color("back_albedo", *m.back_albedo);
-  if (m.kind == SurfaceKind::leaf) {
-    for (const Rgbf& side : {m.albedo, m.back_albedo.value_or(m.albedo)}) {
-      const float sum = (vec(side) + vec(m.transmittance)).maxCoeff();
-      if (!(sum <= 1.00001F))
-        fail("albedo + transmittance", static_cast<double>(sum), "is above 1");
-    }
-  }
-  const bool is_glass = m.kind == SurfaceKind::glass;
-  if (!(m.ior >= 1 && m.ior <= 10) || (is_glass && m.ior == 1))
-    fail("ior", m.ior, is_glass ? "is not in (1, 10]" : "is not in [1, 10]");
-  if (!(m.roughness >= 0.05 && m.roughness <= 1))
-    fail("roughness", m.roughness, "is not in [0.05, 1]");
-  if (m.noise) {
-    check_color("noise.other_albedo", m.noise->other_albedo);
-    if (!(m.noise->scale_m > 0 && m.noise->scale_m < 1e6))
-      fail("noise.scale_m", m.noise->scale_m, "is not in (0, 1e6)");
-    if (m.noise->octaves < 1 || m.noise->octaves > 12)
-      fail("noise.octaves", m.noise->octaves, "is not in 1..12");
-  }
-}
 
 /// Fresnel's share for light that comes at `cosine` > 0 to a medium of relative index `eta`.
 float fresnel(float cosine, float eta) {
@@ -121,7 +85,7 @@ std::array<float, PathMaterial::kCells + 1> kept_table(const Weight& weight) {
 }  // namespace
 
 PathMaterial::PathMaterial(const Material& m)
-    : kind((check(m), m.kind)),
+    : kind((validate(m), m.kind)),
       coat(kind == SurfaceKind::coated || kind == SurfaceKind::leaf ? m.ior : 1, m.roughness),
       facets{static_cast<float>(m.roughness * m.roughness)},
       ior(static_cast<float>(m.ior)),

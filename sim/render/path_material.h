@@ -13,9 +13,7 @@ namespace cousin {
 /// A material as the path tracer uses it: colours as vectors, tables of what microfacets reflect.
 /// Private to sim/render.
 struct PathMaterial {
-  /// @throws std::invalid_argument naming the material, the value and the limit: colours outside
-  /// [0, 1], a leaf whose albedo and transmittance exceed 1 together, ior < 1 (glass: <= 1),
-  /// roughness outside [0.05, 1], a noise scale <= 0 or octaves outside 1..12.
+  /// @throws std::invalid_argument naming the material, the value and the limit.
   explicit PathMaterial(const Material& material);
 
   SurfaceKind kind;

@@ -13,6 +13,7 @@
 
 #include "sim/render/path_batch.h"
 #include "sim/render/pixel_rays.h"
+#include "sim/truth/scene_check.h"
 
 namespace cousin {
 namespace {
@@ -285,7 +286,7 @@ void validate(const PathConfig& config) {
 
 PathImage PathTracer::render(const TrueView& view, const PathConfig& config, Rng rng) const {
   validate(config);
-  validate(view.camera);
+  validate(view);
   ViewRenderer renderer(*impl_, view, config, rng);
   if (!config.adaptive) {
     renderer.sample_to([&](int, int) { return config.pixel_samples; });

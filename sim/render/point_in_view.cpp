@@ -94,8 +94,8 @@ bool is_in_sight(const RayScene& rays, const PointInView& point, std::size_t own
   const Eigen::Vector3d o = point.centre_in_world_m - impl.centre_m;
   const Eigen::Vector3d p = point.in_world_m - impl.centre_m;
   const double distance_m = (p - o).norm();
-  const double rounding_m =
-      2e-6 * distance_m + static_cast<double>(kOffsetUlps) * (o.lpNorm<1>() + p.lpNorm<1>());
+  constexpr double kRayUlps = 32 * 0x1p-24;  // origin, direction and hit in float
+  const double rounding_m = 2e-6 * distance_m + kRayUlps * (o.lpNorm<1>() + p.lpNorm<1>());
   const Eigen::Vector3d d = (p - o) / distance_m;
   const float time = ray_time(impl, point.time_s);
   RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);

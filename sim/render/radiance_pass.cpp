@@ -15,6 +15,7 @@
 #include "sim/render/pixel_rays.h"
 #include "sim/render/sample_points.h"
 #include "sim/render/surface_light.h"
+#include "sim/truth/scene_check.h"
 
 namespace cousin {
 namespace {
@@ -406,7 +407,7 @@ void validate(const RadianceConfig& config) {
 Image<Rgbf> render_radiance(const RayScene& rays, const Scene& scene, const IrradianceCache& cache,
                             const TrueView& view, const RadianceConfig& config, Rng rng) {
   validate(config);
-  validate(view.camera);
+  validate(view);
   if (cache.impl().rays != &rays.impl() ||
       scene.instances.size() != rays.impl().geometries.size()) {
     throw std::invalid_argument("radiance pass: the cache or the scene \"" + scene.name +

@@ -48,15 +48,16 @@ TrianglePlane make_plane(const std::array<Eigen::Vector3d, 3>& p,
       length > 0 ? Eigen::Vector3d(cross / length) : Eigen::Vector3d::Zero();
   // The middle of the triangle: the rounding of the normal then acts over the shortest arm.
   const double distance = normal.dot((p[0] + p[1] + p[2]) / 3);
-  float largest = 0;
+  float largest = 0, size = 0;
   for (int k = 0; k < 3; ++k) {
     plane.normal[k] = normal[k];
     plane.low[k] = std::min({f[0][k], f[1][k], f[2][k]});
     plane.high[k] = std::max({f[0][k], f[1][k], f[2][k]});
     largest = std::max({largest, std::abs(plane.low[k]), std::abs(plane.high[k])});
+    size = std::max(size, plane.high[k] - plane.low[k]);
   }
   plane.distance = distance;
-  plane.offset_m = kOffsetUlps * largest;
+  plane.offset_m = kRoundUlps * largest + kTestUlps * size;
   return plane;
 }
 

@@ -115,14 +115,18 @@ SurfacePoint surface_point(const RayScene::Impl& impl, unsigned int inst_id, uns
                            unsigned int prim_id, float u, float v, const Eigen::Vector3f& direction,
                            float time = 0);
 
-/// Rounding of a hit is a few ulps of the largest coordinate involved: vertices and hit are within
-/// the triangle's coordinates, and Embree's edge tests lose a few more. Rays start this far off the
-/// surface.
-inline constexpr float kOffsetUlps = 32 * 0x1p-24F;
+/// How far off a surface rays start, so that they neither meet it again nor skip another sheet near
+/// it. The hit, made in double from the float vertices, rounds by half an ulp of its largest
+/// coordinate; Embree's tests, relative to the ray's origin, lose some ulps of the triangle's size;
+/// where a mesh is instanced, it takes the ray into the mesh's axes in float.
+inline constexpr float kRoundUlps = 4 * 0x1p-24F;
+inline constexpr float kTestUlps = 16 * 0x1p-24F;
+inline constexpr float kInstanceUlps = 8 * 0x1p-24F;
 
 /// Point of a triangle by the barycentric weights of its second and third vertex.
 template <class Vector>
-Vector interpolate(const Vector& a, const Vector& b, const Vector& c, float u, float v) {
+Vector interpolate(const Vector& a, const Vector& b, const Vector& c, typename Vector::Scalar u,
+                   typename Vector::Scalar v) {
   return a * (1 - u - v) + b * u + c * v;
 }
 

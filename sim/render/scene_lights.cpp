@@ -4,23 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "sim/render/clear_sky.h"
 #include "sim/render/sample_points.h"
+#include "sim/truth/scene_check.h"
 
 namespace cousin {
 namespace {
 
-Eigen::Vector3f colour(const Rgbf& c, const char* what) {
-  for (const float v : {c.r, c.g, c.b}) {
-    if (!std::isfinite(v) || v < 0)
-      throw std::invalid_argument(std::string(what) + ": negative or not finite");
-  }
-  return {c.r, c.g, c.b};
-}
+Eigen::Vector3f colour(const Rgbf& c) { return {c.r, c.g, c.b}; }
 
 // ---- pictures of the sky ------------------------------------------------------------------------
 
@@ -124,38 +118,27 @@ struct LightReader {
   const Eigen::Vector3d& centre_m;
 
   void operator()(const Sun& sun) const {
-    if (!sun.to_sun.allFinite() || sun.to_sun.norm() < 1e-6) {
-      throw std::invalid_argument("sun: to_sun is zero or not finite");
-    }
-    if (!(sun.angular_radius_rad > 0 && sun.angular_radius_rad < 1)) {
-      throw std::invalid_argument("sun: angular_radius_rad = " +
-                                  std::to_string(sun.angular_radius_rad) + " is not in (0, 1)");
-    }
     const double sine = std::sin(sun.angular_radius_rad);
     SceneLights::SunDisk disk;
     disk.to_sun = sun.to_sun.normalized().cast<float>();
     disk.sin_radius = static_cast<float>(sine);
     disk.chord = static_cast<float>(2 * std::sin(0.5 * sun.angular_radius_rad));
-    disk.irradiance = colour(sun.irradiance, "sun: irradiance");
+    disk.irradiance = colour(sun.irradiance);
     disk.radiance = disk.irradiance / static_cast<float>(std::numbers::pi * sine * sine);
     lights.suns.push_back(disk);
   }
   void operator()(const Sky& sky) const {
-    lights.skies.push_back({colour(sky.zenith, "sky: zenith"), colour(sky.horizon, "sky: horizon"),
-                            colour(sky.ground, "sky: ground")});
+    lights.skies.push_back({colour(sky.zenith), colour(sky.horizon), colour(sky.ground)});
   }
   void operator()(const Lamp& lamp) const {
     const Eigen::Vector3d cross = lamp.axis_u_m.cross(lamp.axis_v_m);
-    if (!cross.allFinite() || !(cross.norm() > 0) || !lamp.centre_in_world_m.allFinite()) {
-      throw std::invalid_argument("lamp: its axes span no area, or a number is not finite");
-    }
     SceneLights::LampFace face;
     face.centre_m = (lamp.centre_in_world_m - centre_m).cast<float>();
     face.axis_u_m = lamp.axis_u_m.cast<float>();
     face.axis_v_m = lamp.axis_v_m.cast<float>();
     face.normal = cross.normalized().cast<float>();
     face.area_m2 = static_cast<float>(4 * cross.norm());
-    face.radiance = colour(lamp.radiance, "lamp: radiance");
+    face.radiance = colour(lamp.radiance);
     lights.lamps.push_back(face);
   }
   void operator()(const ClearSky& sky) const {
@@ -180,25 +163,15 @@ struct LightReader {
     lights.pictures.push_back(std::move(picture));
   }
   void operator()(const Projector& projector) const {
-    validate(projector.lens);
-    if (projector.intensity.width() != projector.lens.width_px ||
-        projector.intensity.height() != projector.lens.height_px) {
-      throw std::invalid_argument("projector: its picture and its lens differ in size");
-    }
-    for (const Rgbf& c : projector.intensity) colour(c, "projector: intensity");
     const Pose& pose = projector.world_from_projector;
-    if (!pose.translation_m.allFinite() || !pose.rotation.coeffs().allFinite())
-      throw std::invalid_argument("projector: its pose is not finite");
     lights.beams.push_back({pose.rotation.conjugate().toRotationMatrix().cast<float>(),
                             (pose.translation_m - centre_m).cast<float>(), projector.lens,
                             projector.intensity});
   }
   void operator()(const Environment& environment) const {
     const Image<Rgbf>& image = environment.radiance;
-    if (image.empty()) throw std::invalid_argument("environment: its picture has no pixels");
     SceneLights::SkyPicture picture = blank_picture(image.width(), image.height());
-    for (std::size_t i = 0; i < image.size(); ++i)
-      picture.radiance[i] = colour(image.data()[i], "environment: radiance");
+    for (std::size_t i = 0; i < image.size(); ++i) picture.radiance[i] = colour(image.data()[i]);
     add_sums(picture);
     lights.pictures.push_back(std::move(picture));
   }
@@ -208,16 +181,24 @@ struct LightReader {
 
 SceneLights make_lights(const Scene& scene, const Eigen::Vector3d& centre_m) {
   SceneLights lights;
-  for (const Light& light : scene.lights) std::visit(LightReader{lights, centre_m}, light);
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    validate(scene.lights[i], "scene \"" + scene.name + "\", light " + std::to_string(i));
+    std::visit(LightReader{lights, centre_m}, scene.lights[i]);
+  }
   return lights;
 }
 
-Eigen::Vector3f sky_radiance(const SceneLights& lights, const Eigen::Vector3f& d) {
+Eigen::Vector3f dome_radiance(const SceneLights& lights, const Eigen::Vector3f& d) {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (const auto& sky : lights.skies) {
     sum +=
         d.z() < 0 ? sky.ground : Eigen::Vector3f(sky.horizon + d.z() * (sky.zenith - sky.horizon));
   }
+  return sum;
+}
+
+Eigen::Vector3f sky_radiance(const SceneLights& lights, const Eigen::Vector3f& d) {
+  Eigen::Vector3f sum = dome_radiance(lights, d);
   for (const auto& picture : lights.pictures) sum += picture_radiance(picture, d);
   return sum;
 }

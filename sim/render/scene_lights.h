@@ -49,10 +49,17 @@ struct SceneLights {
 };
 
 /// A clear sky becomes a picture of 512 x 256 (0.7 degrees) and a sun.
-/// @throws std::invalid_argument for a lamp without area, a zero direction to the sun, a picture
-/// without pixels, or a number that is not finite or negative.
+/// @throws std::invalid_argument for a light that is not valid (scene_check.h), naming it.
 SceneLights make_lights(const Scene& scene, const Eigen::Vector3d& centre_m);
 
+/// Power heuristic: share of a sample drawn with density `own` where another way has `other`.
+inline float share_of(float own, float other) {
+  const float ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+
+/// Radiance of the sky gradients along a unit direction.
+Eigen::Vector3f dome_radiance(const SceneLights& lights, const Eigen::Vector3f& direction);
 /// Radiance of all skies and pictures along a unit direction.
 Eigen::Vector3f sky_radiance(const SceneLights& lights, const Eigen::Vector3f& direction);
 /// Radiance of the suns' disks along a unit direction.

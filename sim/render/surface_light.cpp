@@ -23,7 +23,11 @@ SurfaceHit surface_hit(const IrradianceCache::Impl& cache, std::uint32_t geometr
   hit.u = u;
   hit.v = v;
   const auto& t = g.triangles[triangle];
-  hit.position_m = interpolate(g.vertices_m[t[0]], g.vertices_m[t[1]], g.vertices_m[t[2]], u, v);
+  hit.position_m = interpolate<Eigen::Vector3d>(g.vertices_m[t[0]].cast<double>(),
+                                                g.vertices_m[t[1]].cast<double>(),
+                                                g.vertices_m[t[2]].cast<double>(),
+                                                static_cast<double>(u), static_cast<double>(v))
+                       .cast<float>();
   const Eigen::Vector3f normal(static_cast<float>(hit.plane->normal[0]),
                                static_cast<float>(hit.plane->normal[1]),
                                static_cast<float>(hit.plane->normal[2]));

@@ -37,21 +37,21 @@ SurfacePoint surface_point(const RayScene::Impl& impl, unsigned int inst_id, uns
   point.part = plane.part;
   point.has_print = plane.has_print && geometry.has_print;
   const auto& t = point.vertices;
-  point.position_m =
-      interpolate(mesh.vertices_m[t[0]], mesh.vertices_m[t[1]], mesh.vertices_m[t[2]], u, v);
+  Eigen::Vector3d position_m = interpolate<Eigen::Vector3d>(
+      mesh.vertices_m[t[0]].cast<double>(), mesh.vertices_m[t[1]].cast<double>(),
+      mesh.vertices_m[t[2]].cast<double>(), static_cast<double>(u), static_cast<double>(v));
   Eigen::Vector3f normal(static_cast<float>(plane.normal[0]), static_cast<float>(plane.normal[1]),
                          static_cast<float>(plane.normal[2]));
   point.offset_m = plane.offset_m;
   if (geometry.is_instanced) {
     const Pose pose = mesh_pose(impl, geometry, time);
-    const Eigen::Matrix3f rotation = pose.rotation.toRotationMatrix().cast<float>();
-    const Eigen::Vector3f origin_m = pose.translation_m.cast<float>();
-    point.position_m = rotation * point.position_m + origin_m;
-    normal = rotation * normal;
-    // Embree takes the ray into the mesh's axes in float, there and back.
-    point.offset_m +=
-        kOffsetUlps * (point.position_m.cwiseAbs().maxCoeff() + origin_m.cwiseAbs().maxCoeff());
+    const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+    position_m = rotation * position_m + pose.translation_m;
+    normal = rotation.cast<float>() * normal;
+    point.offset_m += kInstanceUlps * static_cast<float>(position_m.cwiseAbs().maxCoeff() +
+                                                         pose.translation_m.cwiseAbs().maxCoeff());
   }
+  point.position_m = position_m.cast<float>();
   point.is_back = normal.dot(direction) > 0;
   point.face_normal = point.is_back ? Eigen::Vector3f(-normal) : normal;
   return point;

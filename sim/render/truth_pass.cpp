@@ -16,6 +16,7 @@
 #include "sim/render/ray_scene_impl.h"
 #include "sim/render/ray_table.h"
 #include "sim/render/truth_samples.h"
+#include "sim/truth/scene_check.h"
 
 namespace cousin {
 namespace {
@@ -203,7 +204,7 @@ class RowTracer {
 }  // namespace
 
 PreparedRays prepare_rays(const RayScene& rays, const TrueView& view) {
-  validate(view.camera);
+  validate(view);
   PreparedRays prepared;
   prepared.width = view.camera.width_px;
   prepared.height = view.camera.height_px;

@@ -162,8 +162,10 @@ Pose world_from_object(const Instance& instance, double time_s);
 /// The model's mesh in the world at a time.
 Mesh mesh_in_world(const Scene& scene, const Instance& instance, double time_s = 0);
 
-/// Checks indices, unique ids, finite numbers, sizes of per-vertex arrays.
-/// @throws std::invalid_argument naming the instance or model.
+/// Checks everything but shapes: indices, unique ids, finite numbers, sizes of per-vertex arrays,
+/// materials, lights, views (scene_check.h has the parts). Triangles may have no area.
+/// @throws std::invalid_argument naming the model, material, instance, light or view, the value and
+/// the limit.
 void validate(const Scene& scene);
 
 }  // namespace cousin

@@ -27,8 +27,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     views_from_json(text, "fuzz", others);
   });
   attempt([&] {
-    std::vector<std::string> mesh_files;
-    scene_from_json(text, "fuzz", mesh_files);
+    SceneFiles files;
+    scene_from_json(text, "fuzz", files);
   });
   attempt([&] { keypoints_from_json(text, "fuzz", scene); });
   attempt([&] { true_traits_from_json(text, "fuzz", scene); });
