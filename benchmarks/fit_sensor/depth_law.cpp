@@ -104,8 +104,7 @@ void set_sigma(const Laws& laws, DepthFit& fit) {
   const double tilt = 2 * share * (1 - share) * (a - b);
   const Eigen::Vector2d of_spatial(tilt, share), of_temporal(-tilt, 1 - share);
   double variance = of_spatial.dot(laws.spatial.covariance * of_spatial);
-  if (laws.temporal_solved)
-    variance += of_temporal.dot(laws.temporal.covariance * of_temporal);
+  if (laws.temporal_solved) variance += of_temporal.dot(laws.temporal.covariance * of_temporal);
   fit.sigma_z_exponent = interval(2 + share * a + (1 - share) * b, std::sqrt(variance));
 }
 
@@ -148,12 +147,13 @@ void set_ripple(const Walls& walls, DepthFit& fit) {
   const Eigen::Matrix2d covariance = a.inverse();
   const Eigen::Vector2d wave = covariance * b;
   const double amplitude = wave.norm();
-  const Eigen::Vector2d along = amplitude > 0 ? Eigen::Vector2d(wave / amplitude) : Eigen::Vector2d(1, 0);
+  const Eigen::Vector2d along =
+      amplitude > 0 ? Eigen::Vector2d(wave / amplitude) : Eigen::Vector2d(1, 0);
   const double variance = along.dot(covariance * along);
   // The length of a noisy vector is too long, by half the variance across over the length.
   const double across = covariance.trace() - variance;
-  fit.ripple_px = interval(std::sqrt(std::max(0.0, amplitude * amplitude - across)),
-                           std::sqrt(variance));
+  fit.ripple_px =
+      interval(std::sqrt(std::max(0.0, amplitude * amplitude - across)), std::sqrt(variance));
   fit.ripple_px.low = std::max(0.0, fit.ripple_px.low);
   fit.ripple_phase_rad = std::atan2(wave(1), wave(0));
 }
@@ -192,9 +192,10 @@ void set_bias(const Walls& walls, const DepthGeometry& geometry, DepthFit& fit) 
   fit.bias_px = interval(line(1), std::sqrt(covariance(1, 1)));
   fit.bias_solved = kSigmas95 * std::sqrt(covariance(1, 1)) < 0.1;
   if (std::abs(line(0) - 1) > 0.1) {
-    fit.problems.push_back(text("depths are %.3f times the stated distances: depth_unit_m, focal_px "
-                                "or baseline_m of recordings.toml is not this device's",
-                                1 / line(0)));
+    fit.problems.push_back(
+        text("depths are %.3f times the stated distances: depth_unit_m, focal_px "
+             "or baseline_m of recordings.toml is not this device's",
+             1 / line(0)));
   } else if (fit.distance_p < 1e-3 && worst_share > 0.02) {
     fit.problems.push_back(text("%s: depth says %.3f m, the distance stated is %.3f m",
                                 worst->name.c_str(), worst->depth_m, worst->distance_m));
@@ -276,9 +277,10 @@ DepthFit fit_depth(std::vector<WallStatistics> walls, const DepthGeometry& geome
     if (!w.problem.empty()) fit.problems.push_back(w.name + ": " + w.problem);
   }
   if (used.size() < static_cast<std::size_t>(kLeastWalls) || most < 1.5 * least) {
-    fit.problems.push_back(text("%zu usable walls of one light at %.2f to %.2f m; at least %d are "
-                                "needed, the farthest 1.5 times as far as the nearest",
-                                used.size(), least, most, kLeastWalls));
+    fit.problems.push_back(
+        text("%zu usable walls of one light at %.2f to %.2f m; at least %d are "
+             "needed, the farthest 1.5 times as far as the nearest",
+             used.size(), least, most, kLeastWalls));
     return fit;
   }
   // A wall that cannot be used is no reason to reject what the others say.

@@ -47,12 +47,12 @@ struct DepthFit {
   double chi2 = 0, p = 1;             ///< of sigma_d about the law
   int degrees = 0;
   std::vector<HeldOut> held_out;
-  double held_out_rms = 0;            ///< RMS of log ratio
-  bool ripple_solved = false;         ///< enough fractions of a disparity were seen
-  WithInterval ripple_px;             ///< amplitude of a sine of the disparity
-  double ripple_phase_rad = 0;        ///< of A sin(2 pi d + phase)
-  bool bias_solved = false;           ///< the stated distances tell it to 0.1 px
-  WithInterval bias_px;               ///< disparity = scale f B / Z + bias
+  double held_out_rms = 0;      ///< RMS of log ratio
+  bool ripple_solved = false;   ///< enough fractions of a disparity were seen
+  WithInterval ripple_px;       ///< amplitude of a sine of the disparity
+  double ripple_phase_rad = 0;  ///< of A sin(2 pi d + phase)
+  bool bias_solved = false;     ///< the stated distances tell it to 0.1 px
+  WithInterval bias_px;         ///< disparity = scale f B / Z + bias
   WithInterval scale;
   double distance_p = 1;              ///< of the stated distances about that
   std::vector<std::string> problems;  ///< why the model is rejected; empty if it is not

@@ -50,9 +50,8 @@ void bend(DepthModelInputs& inputs, double bend_m) {
 WallFrames record_wall(const HiddenDevice& device, const RecordingPlan& plan, double z_m,
                        const Rng& rng) {
   auto config = std::make_shared<ActiveStereoConfig>(device.config);
-  const double off_law =
-      std::pow(z_m / std::sqrt(plan.distances_m.front() * plan.distances_m.back()),
-               plan.noise_exponent - 2);
+  const double off_law = std::pow(
+      z_m / std::sqrt(plan.distances_m.front() * plan.distances_m.back()), plan.noise_exponent - 2);
   set_even_noise(config->model, off_law * spatial_px_at(device, z_m),
                  off_law * temporal_px_at(device, z_m), fill_at(device, z_m),
                  device.config.model.ripple_px);
@@ -152,8 +151,7 @@ void write_recordings(const std::filesystem::path& folder, const RecordedFrames&
   };
   std::string toml = "depth_unit_m = " + std::to_string(device.config.depth_unit_m) +
                      "\ndistance_sigma_m = " + std::to_string(plan.tape_sigma_m) + "\n";
-  if (frames.dark)
-    toml += "color_bits = " + std::to_string(device.camera.photosites.bits) + "\n";
+  if (frames.dark) toml += "color_bits = " + std::to_string(device.camera.photosites.bits) + "\n";
   for (const WallFrames& wall : frames.walls) {
     write(wall.name, wall.count, wall.frame);
     toml += "[\"" + wall.name + "\"]\ndistance_m = " + std::to_string(wall.distance_m) + "\n";
@@ -176,10 +174,14 @@ std::vector<HiddenParameter> hidden_parameters(const HiddenDevice& device, const
     const auto law = [&](const std::string& name, const PowerLaw& l, double value,
                          double exponent) {
       const double sigma = std::sqrt(l.covariance(0, 0)), slope = std::sqrt(l.covariance(1, 1));
-      out.push_back({name, "px", value,
+      out.push_back({name,
+                     "px",
+                     value,
                      {std::exp(l.log_value), std::exp(l.log_value - kSigmas95 * sigma),
                       std::exp(l.log_value + kSigmas95 * sigma)}});
-      out.push_back({name + "_exponent", "1", exponent,
+      out.push_back({name + "_exponent",
+                     "1",
+                     exponent,
                      {l.exponent, l.exponent - kSigmas95 * slope, l.exponent + kSigmas95 * slope}});
     };
     law("spatial_d", d.spatial, s, device.spatial_exponent);
@@ -189,7 +191,9 @@ std::vector<HiddenParameter> hidden_parameters(const HiddenDevice& device, const
     if (d.bias_solved) out.push_back({"bias_d", "px", device.config.model.bias_px, d.bias_px});
     out.push_back({"scale", "1", 1, d.scale});
     for (const WallStatistics& w : d.walls) {
-      out.push_back({"fill, " + w.name, "1", fill_at(device, w.depth_m),
+      out.push_back({"fill, " + w.name,
+                     "1",
+                     fill_at(device, w.depth_m),
                      {w.fill.value, w.fill.value - kSigmas95 * w.fill.sigma,
                       std::min(1.0, w.fill.value + kSigmas95 * w.fill.sigma)}});
     }
@@ -198,8 +202,9 @@ std::vector<HiddenParameter> hidden_parameters(const HiddenDevice& device, const
     const PhotositesConfig& p = device.camera.photosites;
     out.push_back({"gain", "DN/e", codes_per_electron(p), fit.gain->gain});
     if (fit.gain->read_noise_solved)
-      out.push_back({"read_noise", "e", std::sqrt(p.read_noise_e * p.read_noise_e +
-                                                  p.row_noise_e * p.row_noise_e + dark_electrons(p)),
+      out.push_back({"read_noise", "e",
+                     std::sqrt(p.read_noise_e * p.read_noise_e + p.row_noise_e * p.row_noise_e +
+                               dark_electrons(p)),
                      fit.gain->read_noise_e});
   }
   return out;

@@ -16,7 +16,7 @@ struct HiddenDevice {
   double spatial_exponent = 0;
   double temporal_px = 0.03;  ///< at 1 m
   double temporal_exponent = 0.5;
-  double half_fill_m = 6;     ///< fill = 1 / (1 + (Z / half_fill_m)^fill_power)
+  double half_fill_m = 6;  ///< fill = 1 / (1 + (Z / half_fill_m)^fill_power)
   double fill_power = 4;
   CameraSensorConfig camera;  ///< flat fields of its photosites
 };
@@ -33,7 +33,7 @@ struct RecordingPlan {
   double bend_m = 0;            ///< of the wall, middle to the edge of the view, at every distance
   double noise_exponent = 2;    ///< 2: stereo. Another e makes sigma_Z grow as Z^e instead
   int flats = 6;
-  double brightest = 0.8;       ///< of full well
+  double brightest = 0.8;  ///< of full well
 };
 
 double spatial_px_at(const HiddenDevice& device, double z_m);

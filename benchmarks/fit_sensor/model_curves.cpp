@@ -95,10 +95,10 @@ std::vector<Knot> beyond(const Knot& edge, bool below, const DepthModelConfig& m
     const double x = model.log2_snr[i];
     if (below ? x > edge.log2_snr - 0.1 : x < edge.log2_snr + 0.1) continue;
     const double fill = model.fill[i] * ratio(model.fill, edge.fill);
-    knots.push_back({x, model.spatial_px[i] * ratio(model.spatial_px, edge.spatial_px),
-                     model.temporal_px[i] * ratio(model.temporal_px, edge.temporal_px),
-                     std::clamp(below ? std::min(fill, edge.fill) : std::max(fill, edge.fill), 0.0,
-                                1.0)});
+    knots.push_back(
+        {x, model.spatial_px[i] * ratio(model.spatial_px, edge.spatial_px),
+         model.temporal_px[i] * ratio(model.temporal_px, edge.temporal_px),
+         std::clamp(below ? std::min(fill, edge.fill) : std::max(fill, edge.fill), 0.0, 1.0)});
   }
   return knots;
 }
@@ -125,8 +125,8 @@ DepthModelInputs plane_inputs(const PlaneBefore& plane, const ActiveStereoConfig
   }
   in.normal = Image<Eigen::Vector3f>(width, height, normal.cast<float>());
   in.albedo = Image<float>(width, height, static_cast<float>(plane.albedo));
-  in.ambient = Image<float>(width, height,
-                            static_cast<float>(plane.albedo * sky * std::numbers::inv_pi));
+  in.ambient =
+      Image<float>(width, height, static_cast<float>(plane.albedo * sky * std::numbers::inv_pi));
   in.hidden = Image<std::uint8_t>(width, height, std::uint8_t{0});
   // A passive camera needs a pattern of the wall's own: that of the walls its preset is fitted to.
   in.texture = config.has_projector ? 0 : 0.6 / std::sqrt(12.0);
@@ -169,8 +169,7 @@ ModelCurves model_curves(const DepthFit& fit, const ActiveStereoConfig& config,
   out.entries.push_back({"model.fill", list(fill), data + range});
   const auto add = [&](const char* key, const WithInterval& v) {
     out.entries.push_back(
-        {key, number(v.value),
-         data + numbered(", 95 %% [%.4f, %.4f] px%.0s", v.low, v.high, 0)});
+        {key, number(v.value), data + numbered(", 95 %% [%.4f, %.4f] px%.0s", v.low, v.high, 0)});
   };
   if (fit.ripple_solved) add("model.ripple_px", fit.ripple_px);
   if (fit.bias_solved) add("model.bias_px", fit.bias_px);

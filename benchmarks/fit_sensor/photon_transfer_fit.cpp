@@ -13,8 +13,9 @@ namespace cousin {
 namespace {
 
 constexpr double kRounding = 1.0 / 12;
-constexpr double kClipped = 1e-3;         ///< share of pixels at an end that spoils a level
-constexpr double kLeastVariance = 0.25;   ///< codes^2; below, rounding is no noise of 1/12
+constexpr double kClipped = 1e-3;        ///< share of pixels at an end that spoils a level
+constexpr double kPiledUp = 0.01;        ///< share of pixels at a frame's own largest code
+constexpr double kLeastVariance = 0.25;  ///< codes^2; below, rounding is no noise of 1/12
 
 void check_size(const FlatFrames& flat, int k, const Image<std::uint16_t>& first,
                 const Image<std::uint16_t>& image) {
@@ -33,7 +34,8 @@ FlatLevel level_of(const FlatFrames& flat, int max_code) {
   FlatLevel level;
   level.name = flat.name;
   std::vector<double> squares, counts;
-  double sum = 0, pixels = 0, high = 0, zero = 0, drift = 0;
+  double sum = 0, pixels = 0, high = 0, zero = 0, drift = 0, at_top = 0;
+  int top = -1;
   Image<std::uint16_t> first;
   for (int k = 0; k + 1 < flat.count; k += 2) {
     const Image<std::uint16_t> a = flat.frame(k), b = flat.frame(k + 1);
@@ -54,6 +56,11 @@ FlatLevel level_of(const FlatFrames& flat, int max_code) {
         squares[static_cast<std::size_t>(y)] += 0.5 * d * d;
         sum += 0.5 * (p + q);
         high += (p >= max_code) + (q >= max_code);
+        if (std::max(p, q) > top) {
+          top = std::max(p, q);
+          at_top = 0;
+        }
+        at_top += (p == top) + (q == top);
         zero += (p == 0) + (q == 0);
       }
       counts[static_cast<std::size_t>(y)] += a.width();
@@ -63,7 +70,8 @@ FlatLevel level_of(const FlatFrames& flat, int max_code) {
   level.mean = sum / pixels;
   const TileRatio variance = tile_ratio(squares, counts);
   level.variance = {variance.value, variance.sigma};
-  level.saturated = high / (2 * pixels);
+  // A sensor may saturate below the largest code of its files: then its largest code is common.
+  level.saturated = (at_top > kPiledUp * 2 * pixels ? at_top : high) / (2 * pixels);
   level.at_zero = zero / (2 * pixels);
   if (drift > 0.05 * std::max(level.mean, 1.0) && drift > 5)
     level.left_out = "its brightness changes between frames";
@@ -119,8 +127,8 @@ void choose_levels(GainFit& fit) {
   for (FlatLevel& level : fit.flats) {
     if (!level.left_out.empty()) continue;
     if (level.saturated > kClipped)
-      level.left_out = shares("%.1f %% of its pixels are saturated (limit 0.1 %%)",
-                              100 * level.saturated);
+      level.left_out =
+          shares("%.1f %% of its pixels are saturated (limit 0.1 %%)", 100 * level.saturated);
     else if (level.at_zero > kClipped)
       level.left_out = shares("%.1f %% of its pixels are 0 (limit 0.1 %%)", 100 * level.at_zero);
     else if (level.variance.value < kLeastVariance)
@@ -140,8 +148,7 @@ void set_read_noise(const Line& line, double widening, GainFit& fit) {
   if (!fit.read_noise_solved) return;
   const double k = line.terms(0), read = std::sqrt(variance) / k;
   const Eigen::Vector2d gradient(-read / k, 1 / (2 * k * std::sqrt(variance)));
-  fit.read_noise_e =
-      interval(read, std::sqrt(widening * gradient.dot(line.covariance * gradient)));
+  fit.read_noise_e = interval(read, std::sqrt(widening * gradient.dot(line.covariance * gradient)));
 }
 
 }  // namespace
@@ -163,11 +170,14 @@ GainFit fit_gain(const FlatFrames& dark, const std::vector<FlatFrames>& flats, i
                                               100 * fit.dark.at_zero));
     return fit;
   }
-  if (fit.dark.variance.value < kLeastVariance) fit.dark.left_out = "its noise spans less than half a code";
+  if (fit.dark.variance.value < kLeastVariance)
+    fit.dark.left_out = "its noise spans less than half a code";
   std::string out;
   for (const FlatLevel& level : fit.flats) {
-    if (level.left_out.empty()) add(level);
-    else out += "; " + level.name + ": " + level.left_out;
+    if (level.left_out.empty())
+      add(level);
+    else
+      out += "; " + level.name + ": " + level.left_out;
   }
   if (points.size() < static_cast<std::size_t>(kLeastFlats)) {
     fit.problems.push_back(std::to_string(points.size()) + " usable brightnesses; at least " +

@@ -20,11 +20,11 @@ struct FlatFrames {
 /// that is fixed [EMVA 1288].
 struct FlatLevel {
   std::string name;
-  double mean = 0;        ///< codes, black level in it
-  Measured variance;      ///< codes^2; the error from rows, as row noise is alike along a row
-  double saturated = 0;   ///< share of pixels at the largest code
+  double mean = 0;       ///< codes, black level in it
+  Measured variance;     ///< codes^2; the error from rows, as row noise is alike along a row
+  double saturated = 0;  ///< share of pixels at the largest code
   double at_zero = 0;
-  std::string left_out;   ///< why it is not in the fit; empty if it is
+  std::string left_out;  ///< why it is not in the fit; empty if it is
 };
 
 /// Gain and read noise: variance = K (mean - black) + K^2 read^2 + 1/12. Intervals of 95 % from the
@@ -32,13 +32,13 @@ struct FlatLevel {
 struct GainFit {
   FlatLevel dark;
   std::vector<FlatLevel> flats;
-  double black_code = 0;       ///< mean of the dark frames
-  WithInterval gain;           ///< K, codes an electron
+  double black_code = 0;           ///< mean of the dark frames
+  WithInterval gain;               ///< K, codes an electron
   bool read_noise_solved = false;  ///< the dark noise is well above the rounding's
-  WithInterval read_noise_e;   ///< row noise in it
+  WithInterval read_noise_e;       ///< row noise in it
   double chi2 = 0, p = 1;
   int degrees = 0;
-  double misfit = 0;           ///< RMS of the variances about the line, relative
+  double misfit = 0;  ///< RMS of the variances about the line, relative
   std::vector<std::string> problems;
 };
 

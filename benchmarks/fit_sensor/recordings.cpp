@@ -66,12 +66,11 @@ struct Index {
 };
 
 Fields wall_fields(WallFolder& wall) {
-  return nested(
-      wall.name,
-      {optional_number("distance_m", &wall.distance_m, "to the wall", 0.01, 100),
-       optional_number("distance_sigma_m", &wall.distance_sigma_m, "of that", 1e-6, 10),
-       optional_number("albedo", &wall.albedo, "of the wall", 0.001, 1),
-       optional_number("light", &wall.light, "irradiance of the wall", 0, 10)});
+  return nested(wall.name,
+                {optional_number("distance_m", &wall.distance_m, "to the wall", 0.01, 100),
+                 optional_number("distance_sigma_m", &wall.distance_sigma_m, "of that", 1e-6, 10),
+                 optional_number("albedo", &wall.albedo, "of the wall", 0.001, 1),
+                 optional_number("light", &wall.light, "irradiance of the wall", 0, 10)});
 }
 
 std::optional<double> given(double value) {
@@ -129,8 +128,12 @@ Recordings recordings_from_index(const std::vector<std::string>& folders, std::s
                                  const std::string& toml_name) {
   Recordings out;
   for (const std::string& name : folders) {
-    WallFolder wall{.name = name, .distance_m = kNone, .distance_sigma_m = kNone, .albedo = kNone,
-                    .light = kNone, .files = {}};
+    WallFolder wall{.name = name,
+                    .distance_m = kNone,
+                    .distance_sigma_m = kNone,
+                    .albedo = kNone,
+                    .light = kNone,
+                    .files = {}};
     if (name.starts_with("wall")) out.walls.push_back(std::move(wall));
     if (name.starts_with("flat")) out.flats.push_back({name, {}});
   }
@@ -146,16 +149,18 @@ Recordings recordings_from_index(const std::vector<std::string>& folders, std::s
     const bool is_known = std::any_of(out.walls.begin(), out.walls.end(),
                                       [&](const WallFolder& w) { return w.name == table; });
     if (!is_known)
-      reject(toml_name, "table [\"" + table + "\"]: there is no folder of that name whose name "
-                        "starts with wall");
+      reject(toml_name, "table [\"" + table +
+                            "\"]: there is no folder of that name whose name "
+                            "starts with wall");
   }
   read_toml_text(toml, toml_name, keys, MissingKeys::keep_default);
   for (WallFolder& wall : out.walls) {
     if (std::isnan(wall.distance_m)) wall.distance_m = distance_of_name(wall.name);
     if (!(wall.distance_m >= 0.01 && wall.distance_m <= 100))
-      reject(wall.name, "the folder's name says no distance of 0.01 to 100 m; call it as "
-                        "wall_0.60m, or give distance_m in the table [\"" +
-                            wall.name + "\"] of " + toml_name);
+      reject(wall.name,
+             "the folder's name says no distance of 0.01 to 100 m; call it as "
+             "wall_0.60m, or give distance_m in the table [\"" +
+                 wall.name + "\"] of " + toml_name);
     if (std::isnan(wall.distance_sigma_m)) wall.distance_sigma_m = index.distance_sigma_m;
     if (std::isnan(wall.albedo)) wall.albedo = index.albedo;
     if (std::isnan(wall.light)) wall.light = index.light;

@@ -13,11 +13,11 @@ namespace cousin {
 
 /// Frames of one flat wall at one distance, camera and wall at rest.
 struct WallFolder {
-  std::string name;               ///< of the folder: "wall_0.60m"
-  double distance_m = 0;          ///< stated, along the optical axis through the image's middle
-  double distance_sigma_m = 0;    ///< standard deviation of that statement
-  double albedo = 0.5;            ///< of the wall at the device's wavelength, as far as known
-  double light = 0.02;            ///< irradiance of the wall, full sunlight being 3
+  std::string name;                ///< of the folder: "wall_0.60m"
+  double distance_m = 0;           ///< stated, along the optical axis through the image's middle
+  double distance_sigma_m = 0;     ///< standard deviation of that statement
+  double albedo = 0.5;             ///< of the wall at the device's wavelength, as far as known
+  double light = 0.02;             ///< irradiance of the wall, full sunlight being 3
   std::vector<std::string> files;  ///< depth frames by name, in order
 };
 
@@ -46,7 +46,7 @@ struct Recordings {
   int color_bits = 0;               ///< of the raw frames: 8..16; 0 = as the PNG stores
   std::vector<WallFolder> walls;    ///< by distance, then name
   std::vector<std::string> dark;
-  std::vector<FlatFolder> flats;    ///< by name
+  std::vector<FlatFolder> flats;  ///< by name
 };
 
 inline constexpr int kMostFolders = 64, kMostFramesOfFolder = 256, kMostSide_px = 4096;

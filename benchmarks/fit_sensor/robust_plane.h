@@ -17,7 +17,7 @@ struct PlaneSample {
 struct RobustPlane {
   Eigen::Vector3d coefficients = Eigen::Vector3d::Zero();  ///< a, b, c
   double gate_px = 0;                                      ///< beyond, samples are not the plane's
-  bool found = false;  ///< at least 16 samples, not on one line
+  bool found = false;                                      ///< at least 16 samples, not on one line
 };
 RobustPlane fit_robust_plane(std::span<const PlaneSample> samples, double gate_px, Rng rng);
 

@@ -9,14 +9,15 @@
 #include <stdexcept>
 
 #include "benchmarks/fit_sensor/robust_plane.h"
+#include "benchmarks/fit_sensor/rounding.h"
 #include "benchmarks/fit_sensor/tile_regression.h"
 #include "benchmarks/metrics/distributions.h"
 
 namespace cousin {
 namespace {
 
-constexpr double kWrong_px = 1;        ///< beyond this a depth is not the wall's
-constexpr double kLeastShare = 0.02;   ///< of the region with a depth, for a frame to count
+constexpr double kWrong_px = 1;       ///< beyond this a depth is not the wall's
+constexpr double kLeastShare = 0.02;  ///< of the region with a depth, for a frame to count
 constexpr std::array<int, 3> kPlane = {0, 1, 2};
 constexpr std::array<int, 5> kPlaneAndWave = {0, 1, 2, 6, 7};
 constexpr std::array<int, 6> kBent = {0, 1, 2, 3, 4, 5};
@@ -45,7 +46,9 @@ class WallSums {
     found_.assign(tiles(), 0);
   }
 
-  std::size_t tiles() const { return static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_); }
+  std::size_t tiles() const {
+    return static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_);
+  }
   std::size_t tile(int x, int y) const {
     const int i = std::min((x - g_.region.x) / tile_px_, across_ - 1);
     const int j = std::min((y - g_.region.y) / tile_px_, down_ - 1);
@@ -157,18 +160,6 @@ double variance_of_means(const TileRegression::Fit& fit) {
   return squares / fit.pixels;
 }
 
-/// sigma with rounded_variance(sigma, steps) = variance, by bisection.
-double unrounded_sigma(double variance, double step_a, double step_b) {
-  double low = 0, high = std::sqrt(variance);
-  for (int k = 0; k < 60; ++k) {
-    const double middle = 0.5 * (low + high);
-    const double seen = rounded_variance(middle, step_a) + rounded_variance(middle, step_b) -
-                        middle * middle;
-    (seen > variance ? high : low) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
 /// The standard deviation that belongs to a variance with its standard error.
 Measured root(double variance, double sigma) {
   const double value = std::sqrt(std::max(variance, 0.0));
@@ -184,9 +175,8 @@ void set_noise(const TileSums& tiles, const TileRegression::Fit& fit, const Dept
   const double temporal = unrounded_sigma(within.value, step, quantum);
   // d(sigma) / d(variance) by a small step, since rounding bends it.
   const double more = unrounded_sigma(within.value + 0.01 * within.value, step, quantum);
-  s.temporal_px = {temporal, within.value > 0
-                                 ? (more - temporal) / (0.01 * within.value) * within.sigma
-                                 : 0};
+  s.temporal_px = {temporal,
+                   within.value > 0 ? (more - temporal) / (0.01 * within.value) * within.sigma : 0};
   const double rounding = (step * step + quantum * quantum) / 12;
   const double repeats = rounding - (within.value - temporal * temporal);
   const double left = within.value * tiles.inverse_n / fit.pixels;
@@ -211,15 +201,17 @@ void set_bend(const TileSums& tiles, bool with_wave, double variance, WallStatis
   s.bend_p = std::isfinite(chi2) && variance > 0 ? chi_square_above(chi2, 3) : 1;
 }
 
-/// Share with a depth; its error from the tiles, but at least that of independent windows of 8
-/// pixels a side, since a few holes more or less fall into few tiles.
+/// Share with a depth; its error from the tiles. Where there are few holes, or few depths, at least
+/// that of independent windows of 8 pixels a side: few fall into few tiles.
 Measured fill_of(const WallSums& sums, int frames) {
   const TileRatio ratio = tile_ratio(sums.found(), sums.asked());
   double asked = 0;
   for (const double a : sums.asked()) asked += a;
   const double windows = std::max(1.0, asked / frames / 64);
   const double p = (ratio.value * windows + 1) / (windows + 2);
-  return {ratio.value, std::max(ratio.sigma, std::sqrt(p * (1 - p) / windows))};
+  const bool is_rare = std::min(p, 1 - p) * windows < 30;
+  return {ratio.value,
+          is_rare ? std::max(ratio.sigma, std::sqrt(p * (1 - p) / windows)) : ratio.sigma};
 }
 
 std::string numbered(const char* format, double a, double b) {
@@ -235,16 +227,18 @@ std::string problem_of(const WallStatistics& s, const DepthGeometry& g,
   const double units = (span_px + 4 * s.sigma_px.value) / s.quantum_px;
   if (is_still) return "its frames are all alike: a paused stream has no temporal noise";
   if (s.wrong > 0.2)
-    return numbered("%.0f %% of the depths lie off the plane (limit %.0f %%): no flat wall fills "
-                    "the region",
-                    100 * s.wrong, 20);
+    return numbered(
+        "%.0f %% of the depths lie off the plane (limit %.0f %%): no flat wall fills "
+        "the region",
+        100 * s.wrong, 20);
   if (s.sigma_px.value > 1)
-    return numbered("depths scatter by %.2f px of disparity (limit %.0f): no flat wall", 
+    return numbered("depths scatter by %.2f px of disparity (limit %.0f): no flat wall",
                     s.sigma_px.value, 1);
   if (units < 1.5)
-    return numbered("noise and tilt span %.1f steps of the depth (at least %.1f): turn the wall by "
-                    "5 degrees or have the camera write finer steps",
-                    units, 1.5);
+    return numbered(
+        "noise and tilt span %.1f steps of the depth (at least %.1f): turn the wall by "
+        "5 degrees or have the camera write finer steps",
+        units, 1.5);
   return {};
 }
 
@@ -278,23 +272,6 @@ WallSums sums_of(const WallFrames& wall, const DepthGeometry& g) {
 }
 
 }  // namespace
-
-double rounded_variance(double sigma, double step) {
-  if (!(step > 0)) return sigma * sigma;
-  const double ratio = 2 * std::numbers::pi * sigma / step;
-  double sum = 0;
-  constexpr int kTerms = 2000;
-  for (int k = 1; k <= kTerms; ++k) {
-    const double far = k * ratio;
-    sum += (far > 6 ? 1 : 1 - std::exp(-far * far)) / (static_cast<double>(k) * k);
-    if (far > 6) {  // the rest of 1/k^2
-      sum += 1 / (k + 0.5);
-      break;
-    }
-    if (k == kTerms) sum += ratio > 0 ? 1 / (k + 0.5) : 0;
-  }
-  return sigma * sigma + step * step / (2 * std::numbers::pi * std::numbers::pi) * sum;
-}
 
 WallStatistics wall_statistics(const WallFrames& wall, const DepthGeometry& g) {
   WallStatistics s;

@@ -75,10 +75,4 @@ struct WallStatistics {
 /// @throws std::runtime_error naming the wall if a frame is not of the geometry's size.
 WallStatistics wall_statistics(const WallFrames& wall, const DepthGeometry& geometry);
 
-/// Variance over repetitions of a normal error of standard deviation `sigma` after rounding to
-/// multiples of `step`, where the true values lie evenly between the steps: sigma^2 plus
-/// sum over k of step^2 / (2 pi^2 k^2) (1 - exp(-4 pi^2 k^2 sigma^2 / step^2)), from the Fourier
-/// series of the rounding error. The rest of step^2 / 12 repeats and counts as fixed.
-double rounded_variance(double sigma, double step);
-
 }  // namespace cousin
