@@ -183,6 +183,27 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   add_config(*run, o);
   add_set(*run, o);
 
+  CLI::App* fit = verb(
+      "fit-sensor",
+      "Fit a sensor preset to your own recordings of a flat wall and of even light. Writes\n"
+      "preset.toml, scores and report.html; exit code 1 and no preset if the model is rejected.\n\n"
+      "FOLDER holds\n"
+      "  wall_0.60m/*.png   16-bit depth of a flat wall, a folder a distance: at least 4 "
+      "distances\n"
+      "                     of 4 frames, camera and wall at rest, the wall turned by about 5 "
+      "degrees\n"
+      "  dark/*.png         raw linear frames with the lens covered, grey PNG of 8 or 16 bits\n"
+      "  flat_*/*.png       raw frames of an even field, at least 3 brightnesses of 2 frames\n"
+      "  recordings.toml    optional: depth_unit_m, focal_px, baseline_m, distance_sigma_m,\n"
+      "                     region_px, albedo, light, color_bits; [\"wall_0.60m\"] with "
+      "distance_m,\n"
+      "                     distance_sigma_m, albedo, light\n"
+      "Either the walls or dark and flat fields may be missing. See docs/fit_sensor.md.");
+  takes(fit, "FOLDER", "Folder of recordings", 1, 1);
+  fit->add_option("--rig", o.rig,
+                  "Preset that the numbers go into, see `cousin rigs`, or the path of a TOML file")
+      ->required();
+
   CLI::App* bench = verb("bench", "The papers' tables, error against time, stability cases");
   takes(bench, "SUITE", "seeds, stability, render, renderers, sensors, real, program; none = all",
         0, -1);

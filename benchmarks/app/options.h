@@ -32,6 +32,7 @@ struct Options {
   std::vector<std::string> gates;
   std::string format;
   std::string intrinsics;
+  std::string rig;  ///< preset, or the path of one, that `fit-sensor` starts from
   bool plan = false;
   bool quick = false;
   bool attribution = false;

@@ -62,6 +62,17 @@ double student_t_quantile(double two_sided, double degrees) {
 
 double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
+double chi_square_above(double x, int degrees) {
+  if (!(x > 0)) return 1;
+  const double half = 0.5 * x;
+  const bool is_odd = degrees % 2 != 0;
+  double sum = is_odd ? std::erfc(std::sqrt(half)) : std::exp(-half);
+  // Q(k + 2) = Q(k) + half^(k/2) exp(-half) / Gamma(k/2 + 1)
+  for (int k = is_odd ? 1 : 2; k + 2 <= degrees; k += 2)
+    sum += std::exp(0.5 * k * std::log(half) - half - std::lgamma(0.5 * k + 1));
+  return std::min(sum, 1.0);
+}
+
 BinomialInterval binomial_interval(long long successes, long long trials) {
   if (trials == 0) return {std::numeric_limits<double>::quiet_NaN(), 0, 1};
   const auto n = static_cast<double>(trials);

@@ -14,6 +14,10 @@ double student_t_quantile(double two_sided, double degrees);
 /// P(X < x) of the standard normal.
 double normal_cdf(double x);
 
+/// P(X > x) of the chi-square distribution with `degrees` > 0 whole degrees of freedom, by its
+/// finite sum [Abramowitz & Stegun 26.4.4, 26.4.5].
+double chi_square_above(double x, int degrees);
+
 /// 1.96: half width of a 95 % interval in sigmas.
 inline constexpr double kSigmas95 = 1.959963984540054;
 

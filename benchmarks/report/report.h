@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "benchmarks/metrics/scores.h"
+#include "benchmarks/report/chart.h"
 #include "sim/types/image.h"
 #include "sim/types/seams.h"
 
@@ -108,6 +109,7 @@ struct ReportInput {
   std::vector<Headline> limits;  ///< all that is held against a limit: a line a label
   std::vector<ReportImage> images;
   std::vector<ReportShape> shapes;
+  std::vector<Chart> charts;
   std::vector<Distribution> distributions;
   std::vector<ErrorTimeCurve> curves;
   std::vector<LinePlot> lines;

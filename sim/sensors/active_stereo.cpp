@@ -232,17 +232,15 @@ std::vector<std::string> active_stereo_preset_names() {
 }
 
 ActiveStereoConfig active_stereo_preset(const std::string& name) {
-  for (const PresetText& preset : active_stereo_preset_texts()) {
-    if (preset.name != name) continue;
-    ActiveStereoConfig config;
-    read_toml_text(preset.toml, name + ".toml", fields(config), MissingKeys::error);
+  const std::string text = preset_toml(name, active_stereo_preset_texts());
+  ActiveStereoConfig config;
+  read_toml_text(text, preset_title(name), fields(config), MissingKeys::error);
+  try {
     validate(config);
-    return config;
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(preset_title(name) + ": " + error.what());
   }
-  std::string known;
-  for (const std::string& each : active_stereo_preset_names())
-    known += (known.empty() ? "" : ", ") + each;
-  throw std::invalid_argument("rig \"" + name + "\" does not exist; there are " + known);
+  return config;
 }
 
 }  // namespace cousin

@@ -128,8 +128,9 @@ Image<std::uint16_t> register_to_color(const Image<std::uint16_t>& depth,
 TrueView left_view(const ActiveStereoUnit& unit, const Pose& rig_from_world);
 TrueView right_view(const ActiveStereoUnit& unit, const Pose& rig_from_world);
 
-/// A preset from sim/sensors/presets/<name>.toml. @throws std::invalid_argument listing the names
-/// that exist.
+/// A preset from sim/sensors/presets/<name>.toml, or of a file of one's own whose path, which ends
+/// with .toml, is given in place of the name. @throws std::invalid_argument listing the names that
+/// exist; std::runtime_error naming the file, line, key and limit.
 ActiveStereoConfig active_stereo_preset(const std::string& name);
 std::vector<std::string> active_stereo_preset_names();
 

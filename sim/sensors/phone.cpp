@@ -186,16 +186,11 @@ std::vector<std::string> phone_preset_names() {
 }
 
 PhoneConfig phone_preset(const std::string& name) {
-  for (const PresetText& preset : phone_preset_texts()) {
-    if (preset.name != name) continue;
-    PhoneConfig config;
-    read_toml_text(preset.toml, name + ".toml", fields(config), MissingKeys::error);
-    validate(config);
-    return config;
-  }
-  std::string known;
-  for (const std::string& each : phone_preset_names()) known += (known.empty() ? "" : ", ") + each;
-  throw std::invalid_argument("rig \"" + name + "\" does not exist; there are " + known);
+  const std::string text = preset_toml(name, phone_preset_texts());
+  PhoneConfig config;
+  read_toml_text(text, preset_title(name), fields(config), MissingKeys::error);
+  validate(config);
+  return config;
 }
 
 }  // namespace cousin

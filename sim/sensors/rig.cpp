@@ -243,12 +243,7 @@ std::vector<std::string> rig_preset_names() {
 }
 
 RigConfig rig_preset(const std::string& name) {
-  std::string known;
-  for (const PresetText& preset : rig_preset_texts()) {
-    if (preset.name == name) return rig_from_toml(preset.toml, name + ".toml");
-    known += (known.empty() ? "" : ", ") + std::string(preset.name);
-  }
-  throw std::invalid_argument("rig \"" + name + "\" does not exist; there are " + known);
+  return rig_from_toml(preset_toml(name, rig_preset_texts()), preset_title(name));
 }
 
 }  // namespace cousin

@@ -69,8 +69,9 @@ std::vector<SensorFrame> sense(const std::vector<Image<Rgbf>>& radiances, const 
 /// What the rig says of itself.
 std::vector<SensorReport> report_of(const RigConfig& config, const RigUnit& unit);
 
-/// A preset from sim/sensors/presets/<name>.toml. @throws std::invalid_argument listing the names
-/// that exist.
+/// A preset from sim/sensors/presets/<name>.toml, or of a file of one's own whose path, which ends
+/// with .toml, is given in place of the name. @throws std::invalid_argument listing the names that
+/// exist; std::runtime_error naming the file, line, key and limit.
 RigConfig rig_preset(const std::string& name);
 std::vector<std::string> rig_preset_names();
 

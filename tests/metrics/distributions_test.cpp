@@ -47,6 +47,16 @@ TEST(BinomialInterval, IsWilsons) {
   EXPECT_TRUE(std::isnan(binomial_interval(0, 0).share));
 }
 
+TEST(ChiSquare, TailAgreesWithTables) {
+  // Abramowitz & Stegun, table 26.8: 5 % and 1 % points.
+  EXPECT_NEAR(chi_square_above(3.84146, 1), 0.05, 1e-6);
+  EXPECT_NEAR(chi_square_above(5.99146, 2), 0.05, 1e-6);
+  EXPECT_NEAR(chi_square_above(7.81473, 3), 0.05, 1e-6);
+  EXPECT_NEAR(chi_square_above(23.2093, 10), 0.01, 1e-6);
+  EXPECT_EQ(chi_square_above(0, 4), 1);
+  EXPECT_LT(chi_square_above(1e4, 4), 1e-300);
+}
+
 TEST(Quantile, IsLinearBetweenOrderStatistics) {
   EXPECT_EQ(quantile({4, 1, 3, 2}, 0), 1);
   EXPECT_EQ(quantile({4, 1, 3, 2}, 0.5), 2.5);

@@ -25,9 +25,9 @@ TEST_F(Page, LoadsWithoutErrorsAndDrawsEveryPlotAndShape) {
   const std::string dom = shown_document(make_report(example_report()), kWithWebgl);
   EXPECT_THAT(root_tag(dom), testing::HasSubstr("data-ready=\"true\""));
   EXPECT_THAT(root_tag(dom), testing::HasSubstr("data-errors=\"0\""));
-  // Four scatter plots, four histograms, one distribution, one curve, one waterfall, one timing
+  // Four scatter plots, four histograms, one chart, one distribution, one curve, one waterfall, one timing
   // plot.
-  EXPECT_EQ(count(dom, "data-plot-ok=\"true\""), 12);
+  EXPECT_EQ(count(dom, "data-plot-ok=\"true\""), 13);
   EXPECT_EQ(count(dom, "data-plot-ok=\"false\""), 0);
   EXPECT_EQ(count(dom, "data-warnings"), 0);
   EXPECT_EQ(count(dom, "data-view-ok=\"webgl\"") + count(dom, "data-view-ok=\"canvas\""), 2);
@@ -46,7 +46,7 @@ TEST_F(Page, StandsWithoutTheLibraries) {
   EXPECT_THAT(root_tag(dom), testing::HasSubstr("data-ready=\"true\""));
   EXPECT_THAT(root_tag(dom), testing::HasSubstr("data-errors=\"0\""));
   EXPECT_EQ(count(dom, "This plot needs Vega, which was not found"),
-            12 + 1);  // once in the script itself
+            13 + 1);  // once in the script itself
   EXPECT_EQ(count(dom, "data-view-ok=\"canvas\""), 2);
 }
 

@@ -1,0 +1,43 @@
+// fit-sensor: a user's recordings of a camera to a preset.
+#include <cstdio>
+#include <filesystem>
+
+#include "benchmarks/app/commands.h"
+#include "benchmarks/fit_sensor/fit_report.h"
+#include "benchmarks/fit_sensor/fit_rows.h"
+#include "benchmarks/fit_sensor/sensor_fit.h"
+#include "benchmarks/seeds/result_folder.h"
+#include "sim/dataset/atomic_file.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+
+ExitCode command_fit_sensor(const JobContext& context) {
+  const Options& o = context.options;
+  const RigChoice rig = rig_choice(o.rig);
+  const Recordings recordings = read_recordings(o.arguments.at(0));
+  const fs::path out = o.out.empty() ? fs::path("out") / "fit_sensor" : fs::path(o.out);
+  require_writable(out);
+  const SensorFit fit = fit_sensor(recordings, rig, context.progress.function());
+
+  ScoreFile scores = fit_rows(fit);
+  scores.header.program_version = COUSIN_VERSION;
+  scores.header.machine = machine_text();
+  scores.header.more["command"] = context.command_line;
+  write_result_tables(out, scores);
+  write_fit_report(out / "report.html", fit, scores, context.command_line);
+  const fs::path preset = out / "preset.toml";
+  if (fit.preset_toml.empty())
+    fs::remove(preset);  // of an earlier fit
+  else
+    write_file(preset, fit.preset_toml);
+  if (o.json)
+    std::printf("%s", to_json(scores).c_str());
+  else
+    std::printf("%s", fit_table(fit).c_str());
+  if (!fit.preset_toml.empty()) context.progress.line("preset: " + preset.string());
+  context.progress.line("report: " + (out / "report.html").string());
+  return fit.problems.empty() ? ExitCode::done : ExitCode::gate_failed;
+}
+
+}  // namespace cousin
