@@ -28,15 +28,17 @@ double ozone_per_cm(double wavelength_m) {
   return 0.125 * std::exp(-0.5 * t * t);
 }
 
-/// Share of the sun's light that comes through the air [Preetham et al., appendix].
-double transmittance(double wavelength_m, double air_mass, double turbidity) {
+}  // namespace
+
+double clear_air_transmittance(const ClearSky& sky, double wavelength_m) {
+  const double cosine = std::clamp(sky.to_sun.normalized().z(), 0.0, 1.0);
+  const double degrees = std::acos(cosine) * 180 / kPi;
+  const double air_mass = 1 / (cosine + 0.15 * std::pow(std::max(93.885 - degrees, 1.0), -1.253));
   const double um = wavelength_m * 1e6;
-  const double beta = 0.04608 * turbidity - 0.04586;
+  const double beta = 0.04608 * sky.turbidity - 0.04586;
   return std::exp(-air_mass * (0.008735 * std::pow(um, -4.08) + beta * std::pow(um, -1.3) +
                                0.35 * ozone_per_cm(wavelength_m)));
 }
-
-}  // namespace
 
 ClearSkyModel::ClearSkyModel(const ClearSky& sky) : scale_(sky.scale) {
   validate(Light(sky), "sky");
@@ -63,13 +65,9 @@ ClearSkyModel::ClearSkyModel(const ClearSky& sky) : scale_(sky.scale) {
   for (int k = 0; k < 3; ++k) norm_[k] = perez(k, 1, theta);
 
   if (sky.has_sun) {
-    // Air mass [Kasten 1965, as in Preetham et al.].
-    const double degrees = theta * 180 / kPi;
-    const double air_mass =
-        1 / (std::cos(theta) + 0.15 * std::pow(std::max(93.885 - degrees, 1.0), -1.253));
     const Eigen::Vector3d xyz =
         kLumensPerWatt * xyz_of([&](double wavelength_m) {
-          return sun_outside(wavelength_m) * transmittance(wavelength_m, air_mass, t);
+          return sun_outside(wavelength_m) * clear_air_transmittance(sky, wavelength_m);
         });
     sun_irradiance_ = (scale_ * 1e-3 * linear_srgb(xyz)).cwiseMax(0.0);  // kilolux
   }

@@ -6,6 +6,11 @@
 
 namespace cousin {
 
+/// Share of sunlight of one wavelength that comes through clear air: Rayleigh, aerosol by turbidity
+/// and ozone over Kasten's air mass, 36 at the horizon [Preetham, Shirley & Smits 1999, appendix].
+/// @param sky  its `to_sun` (any length but zero, z >= 0) and `turbidity` count.
+double clear_air_transmittance(const ClearSky& sky, double wavelength_m);
+
 /// Daylight without clouds [Preetham, Shirley & Smits, SIGGRAPH 1999]: luminance and chromaticity
 /// by Perez' formula, the sun's irradiance by the air's transmittance over wavelength (Rayleigh,
 /// aerosol by turbidity, ozone; the sun as a black body of 5778 K).

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/render/clear_sky.h"
 #include "sim/render/value_noise.h"
 
 namespace cousin {
@@ -15,14 +16,8 @@ namespace {
 float mean_of(const Rgbf& c) { return (c.r + c.g + c.b) / 3; }
 float luminance(const Rgbf& c) { return 0.2126F * c.r + 0.7152F * c.g + 0.0722F * c.b; }
 
-/// Radiance of a sky along a direction whose z is `up`, in the infrared.
-struct AmbientDome {
-  double zenith = 0, horizon = 0, ground = 0;
-  double radiance(double up) const { return up >= 0 ? horizon + (zenith - horizon) * up : ground; }
-};
-
 /// Irradiance of a dome that is even about the vertical on a surface tilted by acos(normal_z).
-double dome_irradiance(const AmbientDome& dome, double normal_z) {
+double dome_irradiance(const InfraredLights::Dome& dome, double normal_z) {
   const double normal_x = std::sqrt(std::max(0.0, 1 - normal_z * normal_z));
   constexpr int kUp = 64, kAround = 64;
   double sum = 0;
@@ -37,20 +32,9 @@ double dome_irradiance(const AmbientDome& dome, double normal_z) {
   return sum * 4 * std::numbers::pi / (kUp * kAround);
 }
 
-/// Direct sunlight through clear air at 850 nm over what leaves the sun: Rayleigh's and the
-/// aerosol's depth at that wavelength [Preetham, Shirley & Smits 1999, appendix 1].
-double clear_transmission(const ClearSky& sky) {
-  const double elevation_sine = std::max(0.02, sky.to_sun.normalized().z());
-  const double elevation_deg = std::asin(elevation_sine) * 180 / std::numbers::pi;
-  const double mass = 1 / (elevation_sine + 0.15 * std::pow(elevation_deg + 3.885, -1.253));
-  constexpr double kWavelength_um = 0.85;
-  const double rayleigh = 0.008735 * std::pow(kWavelength_um, -4.08);
-  const double aerosol = (0.04608 * sky.turbidity - 0.04586) * std::pow(kWavelength_um, -1.3);
-  return std::exp(-(rayleigh + aerosol) * mass);
-}
-
 /// Luminance of sunlight above the air, klux [CIE: 128 klux].
 constexpr double kSolarIlluminance_klux = 128;
+constexpr double kWavelength_m = 850e-9;
 
 double mean_radiance(const Environment& environment) {
   double sum = 0, weight = 0;
@@ -124,7 +108,7 @@ float InfraredLights::ambient_at(float normal_z) const {
 InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projector> projectors,
                                     const InfraredConfig& config, const Eigen::Vector3d& centre_m) {
   InfraredLights lights;
-  AmbientDome dome;
+  InfraredLights::Dome& dome = lights.dome;
   for (const Projector& projector : projectors)
     lights.projectors.push_back(make_projector(projector, centre_m));
   const auto add_sun = [&](const Eigen::Vector3d& to_sun, double irradiance) {
@@ -138,7 +122,8 @@ InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projecto
       dome.horizon += config.sky_share * static_cast<double>(mean_of(sky->horizon));
       dome.ground += config.sky_share * static_cast<double>(mean_of(sky->ground));
     } else if (const auto* clear = std::get_if<ClearSky>(&light)) {
-      const double direct = kSolarIlluminance_klux * clear->scale * clear_transmission(*clear);
+      const double direct =
+          kSolarIlluminance_klux * clear->scale * clear_air_transmittance(*clear, kWavelength_m);
       if (clear->has_sun) add_sun(clear->to_sun, config.sun_share * direct);
       // A tenth of the sunlight is scattered by clear air at 550 nm, evenly to our eyes.
       const double even = config.sky_share * 0.1 * direct / std::numbers::pi;
@@ -149,7 +134,8 @@ InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projecto
     } else if (const auto* lamp = std::get_if<Lamp>(&light)) {
       const Eigen::Vector3d normal = lamp->axis_u_m.cross(lamp->axis_v_m);
       lights.lamps.push_back({(lamp->centre_in_world_m - centre_m).cast<float>(),
-                              normal.normalized().cast<float>(),
+                              normal.normalized().cast<float>(), lamp->axis_u_m.cast<float>(),
+                              lamp->axis_v_m.cast<float>(),
                               static_cast<float>(config.lamp_share * 4 * normal.norm() *
                                                  static_cast<double>(mean_of(lamp->radiance)))});
     } else if (const auto* environment = std::get_if<Environment>(&light)) {

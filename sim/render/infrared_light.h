@@ -28,13 +28,22 @@ struct InfraredLights {
     Eigen::Vector3f to_sun;
     float irradiance;
   };
-  struct Point {  ///< a lamp, seen from afar
+  struct LampFace {  ///< lights as a point, throws shadows as a face
     Eigen::Vector3f origin_m, normal;
+    Eigen::Vector3f axis_u_m, axis_v_m;  ///< from the centre to the middle of an edge
     float intensity;
+  };
+  /// Skies and environments: linear in the direction's height above the horizon, even below it.
+  struct Dome {
+    double zenith = 0, horizon = 0, ground = 0;
+    double radiance(double up) const {
+      return up >= 0 ? horizon + (zenith - horizon) * up : ground;
+    }
   };
   std::vector<InfraredProjector> projectors;
   std::vector<Sun> suns;
-  std::vector<Point> lamps;
+  std::vector<LampFace> lamps;
+  Dome dome;
   /// Irradiance of skies and environments on a surface whose normal has z = -1 .. 1.
   std::array<float, 65> ambient{};
 

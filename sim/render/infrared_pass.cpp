@@ -12,6 +12,8 @@
 
 #include "sim/config/limits.h"
 #include "sim/render/infrared_light.h"
+#include "sim/render/infrared_shader.h"
+#include "sim/render/infrared_sky.h"
 #include "sim/render/ray_scene_impl.h"
 #include "sim/render/ray_table.h"
 #include "sim/render/sample_points.h"
@@ -19,36 +21,6 @@
 
 namespace cousin {
 namespace {
-
-constexpr float kInversePi = std::numbers::inv_pi_v<float>;
-constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
-
-/// Where a ray met a surface.
-struct Hit {
-  Eigen::Vector3f position_m;
-  Eigen::Vector3f normal;  ///< of the face, towards where the ray came from
-  float offset_m = 0;      ///< how far off the surface rays must start
-  InfraredSurface::Share share;
-};
-
-Hit resolve(const RayScene::Impl& impl, const std::vector<InfraredSurface>& surfaces,
-            const HitPacket& packet, int i, const Eigen::Vector3f& direction) {
-  const SurfacePoint point =
-      surface_point(impl, packet.hit.instID[0][i], packet.hit.geomID[i], packet.hit.primID[i],
-                    packet.hit.u[i], packet.hit.v[i], direction);
-  Hit hit;
-  hit.position_m = point.position_m;
-  hit.normal = point.face_normal;
-  hit.offset_m = point.offset_m;
-  hit.share = surfaces[point.geometry].at(hit.position_m, point.has_print);
-  return hit;
-}
-
-/// Radiance per irradiance of light that arrives from `to_light`, with its cosine.
-float response(const Hit& hit, const Eigen::Vector3f& to_light) {
-  const float cosine = hit.normal.dot(to_light);
-  return kInversePi * (cosine > 0 ? hit.share.albedo * cosine : -hit.share.transmittance * cosine);
-}
 
 /// Gamma variable of mean 1 and the given sigma, from a hash [Wilson & Hilferty 1931]: its mean is
 /// exact to sigma^6 / 729.
@@ -61,110 +33,6 @@ float speckle(std::uint64_t hash, float contrast) {
   return root * root * root;
 }
 
-/// Samples of one packet and what comes back.
-struct Samples {
-  LaneMask mask;
-  Eigen::Vector3f origin_m;
-  Eigen::Vector3f direction[kLanes];
-  float steady[kLanes];     ///< radiance by sun and sky
-  float projected[kLanes];  ///< and by projectors
-  bool met[kLanes];         ///< a surface
-  Hit hit[kLanes];
-};
-
-class PacketShader {
- public:
-  PacketShader(const RayScene::Impl& impl, const InfraredLights& lights,
-               const std::vector<InfraredSurface>& surfaces)
-      : impl_(impl),
-        lights_(lights),
-        surfaces_(surfaces),
-        context_(make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT)) {}
-
-  void operator()(Samples& s) {
-    for (int i = 0; i < kLanes; ++i) {
-      set_ray(camera_.ray, i, s.origin_m.x(), s.origin_m.y(), s.origin_m.z(), s.direction[i].x(),
-              s.direction[i].y(), s.direction[i].z());
-      camera_.hit.geomID[i] = kNone;
-      s.steady[i] = s.projected[i] = 0;
-      s.met[i] = false;
-    }
-    rtcIntersect16(s.mask.lane, impl_.scene, &context_, &camera_);
-    for (int i = 0; i < kLanes; ++i) {
-      if (!s.mask.lane[i] || camera_.hit.geomID[i] == kNone) continue;
-      s.met[i] = true;
-      s.hit[i] = resolve(impl_, surfaces_, camera_, i, s.direction[i]);
-      add_unshadowed(s, i);
-    }
-    for (const auto& projector : lights_.projectors) add_projector(s, projector);
-    for (const auto& sun : lights_.suns) add_sun(s, sun);
-  }
-
- private:
-  void add_unshadowed(Samples& s, int i) const {
-    const Hit& hit = s.hit[i];
-    s.steady[i] += kInversePi * (hit.share.albedo * lights_.ambient_at(hit.normal.z()) +
-                                 hit.share.transmittance * lights_.ambient_at(-hit.normal.z()));
-    for (const auto& lamp : lights_.lamps) {
-      const Eigen::Vector3f way = lamp.origin_m - hit.position_m;
-      const float squared = way.squaredNorm();
-      const Eigen::Vector3f d = way / std::sqrt(squared);
-      const float facing = -lamp.normal.dot(d);
-      if (facing > 0) s.steady[i] += response(hit, d) * lamp.intensity * facing / squared;
-    }
-  }
-
-  /// Starts a shadow ray of lane i towards a light that would give it `light`.
-  void aim(const Hit& hit, int i, const Eigen::Vector3f& d, float far_m, float light) {
-    mask_.lane[i] = 0;
-    if (!(light > 0)) return;
-    const Eigen::Vector3f o = offset_origin(hit.position_m, hit.normal, hit.offset_m, d);
-    set_ray(shadow_, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z(), far_m);
-    mask_.lane[i] = -1;
-    light_[i] = light;
-  }
-
-  void add_unblocked(float* radiance) {
-    find_occluded(mask_, impl_.scene, context_, shadow_);
-    for (int i = 0; i < kLanes; ++i) {
-      if (mask_.lane[i] && shadow_.tfar[i] >= 0) radiance[i] += light_[i];
-    }
-  }
-
-  void add_projector(Samples& s, const InfraredProjector& projector) {
-    for (int i = 0; i < kLanes; ++i) {
-      mask_.lane[i] = 0;
-      if (!s.met[i]) continue;
-      const Eigen::Vector3f way = projector.origin_m - s.hit[i].position_m;
-      const float distance_m = way.norm();
-      if (!(distance_m > 0)) continue;
-      const Eigen::Vector3f d = way / distance_m;
-      const float light = response(s.hit[i], d) * projector.towards(-way);
-      aim(s.hit[i], i, d, distance_m, light / (distance_m * distance_m));
-    }
-    add_unblocked(s.projected);
-  }
-
-  void add_sun(Samples& s, const InfraredLights::Sun& sun) {
-    for (int i = 0; i < kLanes; ++i) {
-      mask_.lane[i] = 0;
-      if (!s.met[i]) continue;
-      aim(s.hit[i], i, sun.to_sun, std::numeric_limits<float>::infinity(),
-          response(s.hit[i], sun.to_sun) * sun.irradiance);
-    }
-    add_unblocked(s.steady);
-  }
-
-  const RayScene::Impl& impl_;
-  const InfraredLights& lights_;
-  const std::vector<InfraredSurface>& surfaces_;
-  RTCIntersectContext context_;
-  HitPacket camera_;
-  ShadowPacket shadow_;
-  LaneMask mask_;
-  float light_[kLanes];
-};
-
 /// Sums of one pixel's samples.
 struct PixelSum {
   float steady = 0, projected = 0, gain = 1;
@@ -174,8 +42,9 @@ struct PixelSum {
 /// Renders rows of one view.
 class RowRenderer {
  public:
-  RowRenderer(PacketShader shade, const TrueView& view, const std::vector<Eigen::Vector3d>& corners,
-              const InfraredConfig& config, std::uint64_t key, const Eigen::Vector3d& centre_m)
+  RowRenderer(InfraredShader shade, const TrueView& view,
+              const std::vector<Eigen::Vector3d>& corners, const InfraredConfig& config,
+              std::uint64_t key, const Eigen::Vector3d& centre_m)
       : shade_(shade),
         view_(view),
         corners_(corners),
@@ -184,7 +53,8 @@ class RowRenderer {
         centre_m_(centre_m),
         sums_(static_cast<std::size_t>(view.camera.width_px)) {}
 
-  void operator()(int y, InfraredImage& out) {
+  void operator()(int y, InfraredImage& out, Image<SkyPixel>& sky) {
+    sky_ = sky.row(y).data();
     const int width = view_.camera.width_px;
     const int side = static_cast<int>(std::lround(std::sqrt(config_.pixel_samples)));
     const Pose camera_from_world = pose_at_row(view_, y);
@@ -210,6 +80,7 @@ class RowRenderer {
         samples_.direction[lane] = world_from_camera * d.normalized().cast<float>();
         samples_.mask.lane[lane] = -1;
         column_[lane] = x;
+        draw_ways(lane, x, y, k, ~hash);
         if (++lane == kLanes) flush(lane, y);
       }
     }
@@ -224,6 +95,14 @@ class RowRenderer {
   }
 
  private:
+  /// Directions of a sample's shadow rays: the sky's are a part of a pattern that the tile shares.
+  void draw_ways(int lane, int x, int y, int k, std::uint64_t hash) {
+    const int tile = y % kSkyTile_px * kSkyTile_px + x % kSkyTile_px;
+    const auto index = static_cast<std::uint32_t>(tile * config_.pixel_samples + k);
+    samples_.sky[lane] = rotated(sobol_point(index), unit_pair(hash64(key_)));
+    samples_.lamp[lane] = unit_pair(hash64(hash + static_cast<std::uint64_t>(k)));
+  }
+
   std::uint64_t pixel_hash(int x, int y) const {
     return hash64(key_ + (static_cast<std::uint64_t>(y) << 32) + static_cast<std::uint64_t>(x));
   }
@@ -235,6 +114,16 @@ class RowRenderer {
       PixelSum& sum = sums_[static_cast<std::size_t>(column_[i])];
       if (sum.met == 0 && samples_.met[i] && config_.speckle_contrast > 0)
         sum.gain = gain_at(samples_.hit[i], column_[i], y);
+      SkyPixel& sky = sky_[column_[i]];
+      if (sum.met == 0 && samples_.met[i]) {
+        const InfraredHit& hit = samples_.hit[i];
+        sky.surface = hit.surface;
+        sky.normal = hit.normal;
+        sky.distance_m = (hit.position_m - samples_.origin_m).norm();
+      }
+      sky.ambient += samples_.ambient[i];
+      sky.asked += samples_.asked[i];
+      sky.open += samples_.open[i];
       sum.steady += samples_.steady[i];
       sum.projected += samples_.projected[i];
       sum.met += samples_.met[i] ? 1 : 0;
@@ -244,7 +133,7 @@ class RowRenderer {
     lanes = 0;
   }
 
-  float gain_at(const Hit& hit, int x, int y) const {
+  float gain_at(const InfraredHit& hit, int x, int y) const {
     const float footprint_m =
         (hit.position_m - samples_.origin_m).norm() / static_cast<float>(view_.camera.fx_px);
     const float cell_m = std::exp2(std::floor(std::log2(footprint_m / 8)));
@@ -256,14 +145,15 @@ class RowRenderer {
     return speckle(hash, static_cast<float>(config_.speckle_contrast));
   }
 
-  PacketShader shade_;
+  InfraredShader shade_;
   const TrueView& view_;
   const std::vector<Eigen::Vector3d>& corners_;
   const InfraredConfig& config_;
   std::uint64_t key_;
   Eigen::Vector3d centre_m_;
   std::vector<PixelSum> sums_;
-  Samples samples_;
+  SkyPixel* sky_ = nullptr;
+  InfraredSamples samples_;
   int column_[kLanes];
 };
 
@@ -307,11 +197,22 @@ InfraredImage render_infrared(const RayScene& rays, const Scene& scene, const Tr
   const auto corners = lens_directions(view.camera, -0.5, -0.5, width + 1, height + 1, 1e-4);
   const std::uint64_t key = rng.fork("infrared")();
   InfraredImage image{Image<float>(width, height), Image<float>(width, height)};
+  Image<SkyPixel> sky(width, height);
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 8), [&](const auto& range) {
     const FlushDenormals flush;
-    RowRenderer render(PacketShader(impl, lights, surfaces), view, corners, config, key,
+    RowRenderer render(InfraredShader(impl, lights, surfaces), view, corners, config, key,
                        impl.centre_m);
-    for (int y = range.begin(); y < range.end(); ++y) render(y, image);
+    for (int y = range.begin(); y < range.end(); ++y) render(y, image, sky);
+  });
+  // A pixel's sum is over all of its samples: those that met nothing count.
+  const auto samples = static_cast<float>(config.pixel_samples);
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, 8), [&](const auto& range) {
+    for (int y = range.begin(); y < range.end(); ++y) {
+      for (int x = 0; x < width; ++x) {
+        const float ambient = sky(x, y).ambient;
+        if (ambient > 0) image.radiance(x, y) += ambient / samples * open_sky(sky, x, y);
+      }
+    }
   });
   return image;
 }

@@ -29,9 +29,11 @@ struct InfraredImage {
 
 /// Radiance at 850 nm by direct light only: `projectors` and the scene's own (point sources: 1/d^2,
 /// cosine, shadow ray, picture looked up bilinearly; the red channel of their intensity counts),
-/// suns (one shadow ray at the disk's centre) and, without shadows, skies, environments (their
-/// mean) and lamps (as points). Surfaces are Lambertian with the material's infrared albedo and
-/// transmittance, varied by its noise texture as the visible albedo is; prints are black in ink.
+/// suns (one shadow ray at the disk's centre), lamps (as points that throw the shadows of their
+/// faces) and skies and environments (their mean; a shadow ray a sample, shared by 4 x 4 pixels of
+/// one surface; their lower half stands for the ground's light and casts none). Surfaces are
+/// Lambertian with the material's infrared albedo and transmittance, varied by its noise texture as
+/// the visible albedo is; prints are black in ink.
 ///
 /// Speckle: the projectors' light in a pixel is multiplied by a Gamma variable of mean 1
 /// [Goodman 2007], fixed by `rng`, the pixel and the place of the surface seen to 1/8 of the

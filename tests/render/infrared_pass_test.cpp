@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/render/clear_sky.h"
 #include "tests/render/test_scenes.h"
 
 namespace cousin {
@@ -117,6 +118,83 @@ TEST(InfraredPass, SunAndEvenSkyGiveTheirIrradiance) {
   cloudy.lights.emplace_back(Sky{{1, 2, 3}, {1, 2, 3}, {0, 0, 0}});
   // Irradiance pi L; the table's quadrature of 64 x 64 is good to 1e-3.
   EXPECT_NEAR(render(cloudy, view, {}, {.sky_share = 0.2}).radiance(20, 20), 0.5 * 0.2 * 2, 2e-4);
+}
+
+/// Share of an even sky that a parallel square of half size `half` at height `height` hides from
+/// the point below its middle: four times the form factor of a corner.
+double hidden_share(double half, double height) {
+  const double x = half / height, root = std::sqrt(1 + x * x);
+  return 4 / kPi * x / root * std::atan(x / root);
+}
+
+TEST(InfraredPass, ARoofHidesItsFormFactorOfTheSky) {
+  Scene scene = floor_scene(0.5F);
+  Pose above;
+  above.translation_m = {0, 0, 2};  // the camera is between floor and roof
+  add(scene, square(1), infrared_matt(0.5F), above);
+  scene.lights.emplace_back(Sky{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}});
+  const InfraredImage image =
+      render(scene, from_above(), {}, {.pixel_samples = 64, .sky_share = 1});
+  // 1024 points of a (0, 2) sequence over 16 pixels: an edge across the square costs some 1 / 1024
+  // to 1 / 100, and the pixels span 0.07 m, over which the factor changes by 1e-3.
+  EXPECT_NEAR(image.radiance(31, 23) / 0.5, 1 - hidden_share(1, 2), 0.01);
+  scene.instances.pop_back();
+  EXPECT_NEAR(render(scene, from_above(), {}, {.sky_share = 1}).radiance(31, 23) / 0.5, 1, 1e-3);
+}
+
+TEST(InfraredPass, TheGroundsLightIsNotHidden) {
+  // A leaf over a floor: what comes from below stands for what the floor throws back.
+  Scene scene = floor_scene(0.5F);
+  Pose half_way;
+  half_way.translation_m = {0, 0, 0.5};
+  add(scene, square(5), infrared_matt(0.0F, 0.4F), half_way);
+  scene.lights.emplace_back(Sky{{0, 0, 0}, {0, 0, 0}, {1, 1, 1}});
+  EXPECT_NEAR(render(scene, from_above(), {}, {.sky_share = 1}).radiance(31, 23), 0.4, 1e-3);
+}
+
+TEST(InfraredPass, ALampThrowsAPenumbraAsWideAsItsFaceMakesIt) {
+  Scene scene = floor_scene(0.5F);
+  Lamp lamp;
+  lamp.centre_in_world_m = {0, 0, 2};
+  lamp.axis_u_m = {0.1, 0, 0};
+  lamp.axis_v_m = {0, -0.1, 0};  // shines down
+  lamp.radiance = {1, 1, 1};
+  scene.lights.emplace_back(lamp);
+  const InfraredImage open = render(scene, from_above(), {}, {.lamp_share = 1});
+  ASSERT_GT(open.radiance(31, 23), 0);
+  Pose blind;
+  blind.translation_m = {-3, 0, 1.5};
+  add(scene, square(3), infrared_matt(0.5F), blind);  // its edge is at x = 0
+  const InfraredImage half = render(scene, from_above(), {}, {.lamp_share = 1});
+  // From the edge, 0.5 below the lamp and 1.5 above the floor, its 0.2 m become 0.6 m of penumbra.
+  const auto lit = [&](double x_m) {
+    const int x = static_cast<int>(std::lround(31.5 + 60 * x_m));
+    double sum = 0, all = 0;
+    for (int y = 0; y < 48; ++y) {
+      sum += static_cast<double>(half.radiance(x, y));
+      all += static_cast<double>(open.radiance(x, y));
+    }
+    return sum / all;
+  };
+  const bool right_is_positive = lit(0.45) > lit(-0.45);
+  const double side = right_is_positive ? 1 : -1;
+  EXPECT_EQ(lit(-0.45 * side), 0);
+  EXPECT_NEAR(lit(0.45 * side), 1, 1e-6);
+  // 48 rows of 4 samples: a standard error of 0.035; a column is 0.03 of the penumbra.
+  for (const double x : {-0.15, 0.0, 0.15}) EXPECT_NEAR(lit(x * side), (x + 0.3) / 0.6, 0.14) << x;
+}
+
+TEST(InfraredPass, TheSunShinesThroughTheSameAirAsInTheVisible) {
+  Scene scene = floor_scene(0.5F);
+  ClearSky sky;
+  sky.turbidity = 3;
+  scene.lights.emplace_back(sky);
+  // Rayleigh 0.01695 and aerosol 0.09238 * 1.2352 = 0.11411 at 0.85 um; air mass 0.99943.
+  const double share = std::exp(-0.99943 * (0.016954 + 0.114108));
+  EXPECT_NEAR(clear_air_transmittance(sky, 850e-9), share, 1e-4);
+  EXPECT_LT(clear_air_transmittance(sky, 450e-9), 0.75 * share);
+  EXPECT_NEAR(render(scene, from_above(), {}, {.sun_share = 0.5, .sky_share = 0}).radiance(31, 23),
+              0.5 / kPi * 0.5 * 128 * share, 2e-3);
 }
 
 TEST(InfraredPass, ALeafShinesOnItsFarSideByItsTransmittance) {
