@@ -17,6 +17,7 @@ namespace cousin {
 namespace {
 
 constexpr double kWrong_px = 1;       ///< beyond this a depth is not the wall's
+constexpr double kStill_px2 = 1e-10;  ///< a pixel's squares over the frames if nothing changes
 constexpr double kLeastShare = 0.02;  ///< of the region with a depth, for a frame to count
 constexpr std::array<int, 3> kPlane = {0, 1, 2};
 constexpr std::array<int, 5> kPlaneAndWave = {0, 1, 2, 6, 7};
@@ -266,7 +267,7 @@ WallSums sums_of(const WallFrames& wall, const DepthGeometry& g) {
                                std::to_string(depth.height()) + " pixels; the others have " +
                                std::to_string(g.width_px) + " x " + std::to_string(g.height_px));
     }
-    sums.add(depth, rng.fork(static_cast<std::uint64_t>(k)));
+    sums.add(depth, rng);
   }
   return sums;
 }
@@ -327,7 +328,7 @@ WallStatistics wall_statistics(const WallFrames& wall, const DepthGeometry& g) {
   set_noise(tiles, fit, g, s);
   set_bend(tiles, s.ripple_seen, variance_of_means(fit), s);
   add_ripple_bins(sums, plane, s);
-  s.problem = problem_of(s, g, plane, !(within > 0));
+  s.problem = problem_of(s, g, plane, within < kStill_px2 * static_cast<double>(s.pixels));
   return s;
 }
 

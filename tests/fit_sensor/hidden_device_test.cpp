@@ -100,7 +100,7 @@ TEST(WrongModel, DistancesInAnotherUnitAreRejected) {
   geometry.depth_unit_m *= 0.8;
   const SensorFit fit =
       fit_frames(record(device, plan, rng), geometry, rig_choice("d457"), "another unit");
-  EXPECT_THAT(problems_of(fit), HasSubstr("depths are 0.8"));
+  EXPECT_THAT(problems_of(fit), HasSubstr("times the stated distances: depth_unit_m"));
 }
 
 TEST(WrongModel, APausedStreamIsNoRecording) {

@@ -7,6 +7,7 @@
 
 #include "benchmarks/sensors/colour_rows.h"
 #include "benchmarks/sensors/depth_rows.h"
+#include "benchmarks/sensors/fit_sensor_rows.h"
 #include "benchmarks/sensors/flat_fields.h"
 #include "benchmarks/sensors/moving_edge.h"
 #include "sim/sensors/rig.h"
@@ -75,6 +76,16 @@ TEST(SensorsSuite, DepthRowsOfACameraAreNumbers) {
     EXPECT_NE(row.status, ScoreStatus::error) << row.case_name << " " << row.metric;
     EXPECT_TRUE(std::isfinite(row.value)) << row.case_name << " " << row.metric;
   }
+}
+
+TEST(SensorsSuite, FitSensorKeepsItsLimits) {
+  int limited = 0;
+  for (const ScoreRow& row : fit_sensor_rows(1, true)) {
+    EXPECT_NE(row.status, ScoreStatus::fail)
+        << row.case_name << " " << row.metric << " = " << row.value;
+    limited += row.status == ScoreStatus::pass;
+  }
+  EXPECT_EQ(limited, 9);  // coverage, solved, held out; three wrong models; the full model's three
 }
 
 }  // namespace
