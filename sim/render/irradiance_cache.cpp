@@ -388,7 +388,7 @@ IrradianceCache::IrradianceCache(const RayScene& rays, const Scene& scene,
   // A lamp fills a small part of the hemisphere, so it needs fewer samples than the rest of it.
   const auto lamp_samples = coherent_points(whole_packets(config.irradiance_samples / 4));
   for_each_point(points, [&](std::size_t i) {
-    direct[i] = gather.lamps(i, lamp_samples) + gather.pictures(i, lamp_samples);
+    direct[i] = gather.lamps(i, lamp_samples) + gather.pictures(i, full);
   });
   for (int pass = 0; pass <= config.max_bounces; ++pass) {
     const bool is_last = pass == config.max_bounces;

@@ -41,10 +41,6 @@ RTCRay single_ray(const Vector3f& origin_m, const Vector3f& direction, float far
   return ray;
 }
 
-Vector3f leave(const PathHit& hit, const Vector3f& direction) {
-  return offset_origin(hit.position_m, hit.face_normal, hit.offset_m, direction);
-}
-
 }  // namespace
 
 void PathBatch::clear() {
@@ -59,7 +55,13 @@ void PathBatch::add(const Vector3f& origin_m, const Vector3f& direction, const P
   samplers_.push_back(sampler);
   radiance_.emplace_back(Vector3f::Zero());
   if (direction.isZero(0)) return;
-  paths_.push_back({origin_m, direction, Vector3f::Ones(), 0, time, index});
+  PathState path;
+  path.origin_m = origin_m;
+  path.direction = direction;
+  path.throughput = Vector3f::Ones();
+  path.time = time;
+  path.index = index;
+  paths_.push_back(path);
 }
 
 void PathBatch::run() {
@@ -106,14 +108,16 @@ void PathBatch::trace_packets() {
 }
 
 void PathBatch::trace_singles() {
-  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  SkipContext context = make_skip_context(*scene_.rays, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
   for (std::size_t k = 0; k < paths_.size(); ++k) {
     const PathState& p = paths_[k];
+    use_skips(context, p.skips.exist());
+    context.lanes[0] = &p.skips;
     RTCRayHit ray;
     ray.ray = single_ray(p.origin_m, p.direction, kFar, p.time);
     ray.hit.geomID = kNone;
     ray.hit.instID[0] = kNone;
-    rtcIntersect1(scene_.rays->scene, &context, &ray);
+    rtcIntersect1(scene_.rays->scene, &context.context, &ray);
     hits_[k] = {ray.hit.instID[0], ray.hit.geomID, ray.hit.primID,
                 ray.hit.u,         ray.hit.v,      ray.ray.tfar};
   }
@@ -156,18 +160,24 @@ void PathBatch::shade(int bounce_count) {
     const bool missed = h.geometry == kNone;
     add_light_behind(path, missed, h.far_m);
     if (missed || bounce_count > max_bounces_) continue;
-    const PathHit hit =
-        scene_.hit(h.instance, h.geometry, h.triangle, h.u, h.v, path.direction, path.time);
-    if (hit.is_dark) continue;
-    add_lights(path, hit, pair, bounce_count == 0);
-    bounce(path, hit, bounce_count, pair);
+    Meeting met;
+    met.hit = scene_.hit(h.instance, h.geometry, h.triangle, h.u, h.v, path.direction, path.time);
+    if (met.hit.is_dark) continue;
+    met.own = {h.instance, h.geometry, h.triangle};
+    if (h.far_m < path.touch_m) {
+      met.before = path.from;
+      met.touches = path.touches + 1;
+    }
+    add_lights(path, met, pair, bounce_count == 0);
+    bounce(path, met, bounce_count, pair);
   }
 }
 
 /// Shadow rays to every light at the first surface; later to every sun and one other light, chosen
 /// by what it would give.
-void PathBatch::add_lights(const PathState& path, const PathHit& hit, std::uint32_t pair,
+void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint32_t pair,
                            bool is_first) {
+  const PathHit& hit = met.hit;
   const SceneLights& lights = scene_.lights;
   const PathSampler& sampler = samplers_[path.index];
   std::uint32_t light_index = 0;
@@ -182,7 +192,8 @@ void PathBatch::add_lights(const PathState& path, const PathHit& hit, std::uint3
   const auto offer = [&](std::vector<Shadow>& list, const Vector3f& direction, float far_m,
                          const Vector3f& light) {
     if (!(light.maxCoeff() > 0)) return;
-    list.push_back({leave(hit, direction), direction, far_m, path.time, light, path.index});
+    const PathStart start = met.leave(direction);
+    list.push_back({start.origin_m, direction, far_m, path.time, light, path.index, start.skips});
   };
 
   for (const auto& sun : lights.suns) {
@@ -233,8 +244,9 @@ void PathBatch::add_lights(const PathState& path, const PathHit& hit, std::uint3
   }
 }
 
-void PathBatch::bounce(const PathState& path, const PathHit& hit, int bounce_count,
+void PathBatch::bounce(const PathState& path, const Meeting& met, int bounce_count,
                        std::uint32_t pair) {
+  const PathHit& hit = met.hit;
   const PathSampler& sampler = samplers_[path.index];
   const Eigen::Vector2f choice = sampler.pair(pair + 1);
   const PathBsdf::Draw draw = hit.bsdf.draw(sampler.pair(pair), choice.x());
@@ -257,7 +269,12 @@ void PathBatch::bounce(const PathState& path, const PathHit& hit, int bounce_cou
     next.direction -= 2 * hit.face_normal.dot(next.direction) * hit.face_normal;
   }
   next.direction.normalize();
-  next.origin_m = leave(hit, next.direction);
+  const PathStart start = met.leave(next.direction);
+  next.origin_m = start.origin_m;
+  next.skips = start.skips;
+  next.touch_m = start.touch_m;
+  next.from = met.own;
+  next.touches = met.touches > kMostTouches ? 0 : met.touches;
   next_.push_back(next);
 }
 
@@ -271,19 +288,24 @@ void PathBatch::trace_shadows(bool is_coherent) {
 }
 
 void PathBatch::trace_shadow_packets() {
-  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  SkipContext context = make_skip_context(*scene_.rays, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
   ShadowPacket packet;
   for (std::size_t first = 0; first < shadows_.size(); first += kLanes) {
     LaneMask mask;
+    bool any_skips = false;
     for (int i = 0; i < kLanes; ++i) {
       const std::size_t k = std::min(first + static_cast<std::size_t>(i), shadows_.size() - 1);
       const Shadow& s = shadows_[k];
       set_ray(packet, i, s.origin_m.x(), s.origin_m.y(), s.origin_m.z(), s.direction.x(),
               s.direction.y(), s.direction.z(), s.far_m);
       packet.time[i] = s.time;
+      packet.id[i] = static_cast<unsigned int>(i);
+      context.lanes[static_cast<std::size_t>(i)] = s.skips.exist() ? &s.skips : nullptr;
+      any_skips |= s.skips.exist();
       mask.lane[i] = first + static_cast<std::size_t>(i) < shadows_.size() ? -1 : 0;
     }
-    find_occluded(mask, scene_.rays->scene, context, packet);
+    use_skips(context, any_skips);
+    find_occluded(mask, scene_.rays->scene, context.context, packet);
     for (int i = 0; i < kLanes && mask.lane[i]; ++i) {
       if (packet.tfar[i] < 0) continue;
       const Shadow& s = shadows_[first + static_cast<std::size_t>(i)];
@@ -295,10 +317,12 @@ void PathBatch::trace_shadow_packets() {
 /// Embree culls a coherent packet by one frustum, which for scattered origins holds the whole
 /// scene, and single rays are then faster than packets.
 void PathBatch::trace_shadow_singles() {
-  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  SkipContext context = make_skip_context(*scene_.rays, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
   for (const Shadow& s : shadows_) {
+    use_skips(context, s.skips.exist());
+    context.lanes[0] = &s.skips;
     RTCRay ray = single_ray(s.origin_m, s.direction, s.far_m, s.time);
-    rtcOccluded1(scene_.rays->scene, &context, &ray);
+    rtcOccluded1(scene_.rays->scene, &context.context, &ray);
     if (ray.tfar >= 0) radiance_[s.index] += s.light;
   }
 }

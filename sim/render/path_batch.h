@@ -6,6 +6,7 @@
 
 #include "sim/render/path_sampler.h"
 #include "sim/render/path_scene.h"
+#include "sim/render/path_skips.h"
 
 namespace cousin {
 
@@ -17,6 +18,10 @@ struct PathState {
   float density = 0;        ///< of the direction, per steradian, where it was drawn; 0 = camera ray
   float time = 0;           ///< of the ray, as Embree takes it
   std::uint32_t index = 0;  ///< of the sample in the batch
+  Sheet from;               ///< the surface it left; a camera's ray none
+  float touch_m = 0;        ///< what it meets nearer than this touches that surface
+  int touches = 0;          ///< surfaces in a row that touched the one before
+  PathSkips skips;
 };
 
 /// Follows a batch of camera rays to their end, bounce by bounce, so that rays of a kind travel
@@ -47,6 +52,7 @@ class PathBatch {
     float time = 0;
     Eigen::Vector3f light;
     std::uint32_t index = 0;
+    PathSkips skips;
   };
   struct RayHit {
     unsigned int instance = 0, geometry = 0, triangle = 0;  ///< as Embree names them
@@ -58,8 +64,21 @@ class PathBatch {
   void trace_singles();
   void add_light_behind(const PathState& path, bool missed, float far_m);
   void shade(int bounce);
-  void add_lights(const PathState& path, const PathHit& hit, std::uint32_t pair, bool is_first);
-  void bounce(const PathState& path, const PathHit& hit, int bounce, std::uint32_t pair);
+  /// Between two sheets that touch, light goes to and fro; in a pile of many it would for ever.
+  static constexpr int kMostTouches = 8;
+  /// A surface that a path has met.
+  struct Meeting {
+    PathHit hit;
+    Sheet own;
+    Sheet before;     ///< the surface the path left, if it touches this one
+    int touches = 0;  ///< in a row; of more than kMostTouches the rest of the pile is left behind
+    PathStart leave(const Eigen::Vector3f& direction) const {
+      if (touches > kMostTouches) return plain_start(hit, direction);
+      return start_from(hit, own, before, direction);
+    }
+  };
+  void add_lights(const PathState& path, const Meeting& met, std::uint32_t pair, bool is_first);
+  void bounce(const PathState& path, const Meeting& met, int bounce, std::uint32_t pair);
   void trace_shadows(bool is_coherent);
   void trace_shadow_packets();
   void trace_shadow_singles();

@@ -185,8 +185,9 @@ void check(RTCDevice device) {
 
 RTCScene new_robust_scene(RTCDevice device, bool is_compact) {
   RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(
-      scene, is_compact ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_ROBUST);
+  // Paths skip their own sheet by a filter of their context.
+  const RTCSceneFlags flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+  rtcSetSceneFlags(scene, is_compact ? flags | RTC_SCENE_FLAG_COMPACT : flags);
   // High quality splits triangles between nodes, and may so keep them twice.
   rtcSetSceneBuildQuality(scene, is_compact ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH);
   return scene;

