@@ -79,6 +79,10 @@ std::string why_nothing(const SeedsEstimate& estimate, int posed) {
     const auto seen = std::count_if(
         estimate.corners.begin(), estimate.corners.end(),
         [](const FrameCorners& corners) { return corners.status == BoardStatus::ok; });
+    const bool no_image = std::all_of(
+        estimate.corners.begin(), estimate.corners.end(),
+        [](const FrameCorners& corners) { return corners.status == BoardStatus::no_image; });
+    if (!estimate.corners.empty() && no_image) return "the capture has no colour images";
     return seen == 0 ? "no view shows the board"
                      : std::to_string(seen) + " views show the board, but none could be posed";
   }

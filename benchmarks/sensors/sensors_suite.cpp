@@ -7,6 +7,7 @@
 #include "benchmarks/sensors/colour_rows.h"
 #include "benchmarks/sensors/depth_rows.h"
 #include "benchmarks/sensors/fit_sensor_rows.h"
+#include "benchmarks/sensors/passive_rows.h"
 #include "benchmarks/sensors/sensor_row.h"
 #include "sim/types/stage_clock.h"
 
@@ -23,6 +24,7 @@ struct Part {
 ScoreFile sensors_suite(std::uint64_t seed, bool quick, const Progress& progress) {
   const std::vector<Part> parts = {{"colour cameras", colour_rows},
                                    {"depth cameras", depth_rows},
+                                   {"passive stereo", passive_stereo_rows},
                                    {"fit-sensor", fit_sensor_rows}};
   ScoreFile file;
   for (std::size_t i = 0; i < parts.size(); ++i) {

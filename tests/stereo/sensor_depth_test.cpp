@@ -94,6 +94,8 @@ TEST(SensorDepth, AFrameWithoutPoseOrDepthIsEmpty) {
             1e-15);
   for (const FrameDepth& depth : depths_of_sensor(capture, poses, kEverything))
     EXPECT_TRUE(depth.depth_m.empty());
+  EXPECT_TRUE(has_sensor_depth(capture));
+  capture.frames[0].sensors[3].depth = {};
   EXPECT_FALSE(has_sensor_depth(capture));
   EXPECT_TRUE(has_sensor_depth(wall()));
   EXPECT_THROW(depths_of_sensor(capture, {}, kEverything), std::invalid_argument);
