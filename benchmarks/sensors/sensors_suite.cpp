@@ -6,6 +6,7 @@
 
 #include "benchmarks/sensors/colour_rows.h"
 #include "benchmarks/sensors/depth_rows.h"
+#include "benchmarks/sensors/ranging_rows.h"
 #include "benchmarks/sensors/sensor_row.h"
 #include "sim/types/stage_clock.h"
 
@@ -20,7 +21,9 @@ struct Part {
 }  // namespace
 
 ScoreFile sensors_suite(std::uint64_t seed, bool quick, const Progress& progress) {
-  const std::vector<Part> parts = {{"colour cameras", colour_rows}, {"depth cameras", depth_rows}};
+  const std::vector<Part> parts = {{"colour cameras", colour_rows},
+                                   {"depth cameras", depth_rows},
+                                   {"time of flight, structured light", ranging_rows}};
   ScoreFile file;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (progress) progress(parts[i].name, static_cast<int>(i), static_cast<int>(parts.size()));
