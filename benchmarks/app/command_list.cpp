@@ -13,6 +13,8 @@
 #include "sim/sensors/active_stereo.h"
 #include "sim/sensors/phone.h"
 #include "sim/sensors/rig.h"
+#include "sim/sensors/structured_light.h"
+#include "sim/sensors/time_of_flight.h"
 
 namespace cousin {
 namespace {
@@ -101,9 +103,25 @@ std::vector<Entry> depth_entries() {
   return entries;
 }
 
+std::vector<Entry> range_entries() {
+  std::vector<Entry> entries;
+  for (const std::string& name : time_of_flight_preset_names()) {
+    const TimeOfFlightConfig config = time_of_flight_preset(name);
+    entries.push_back({name, "verified (against theory only; no device)",
+                       "time of flight, " + std::to_string(config.modulation_hz.size()) +
+                           " frequencies, " + size_text(config.columns, config.rows)});
+  }
+  for (const std::string& name : structured_light_preset_names()) {
+    const StructuredLightConfig config = structured_light_preset(name);
+    entries.push_back({name, "verified (against published laws only; no device)",
+                       "structured light, " + size_text(config.columns, config.rows)});
+  }
+  return entries;
+}
+
 /// To add a kind of rig, add a row.
-constexpr std::array<std::vector<Entry> (*)(), 3> kRigKinds = {phone_entries, camera_entries,
-                                                               depth_entries};
+constexpr std::array<std::vector<Entry> (*)(), 4> kRigKinds = {phone_entries, camera_entries,
+                                                               depth_entries, range_entries};
 
 }  // namespace
 

@@ -1,10 +1,10 @@
 #include "benchmarks/sensors/depth_model_fit.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
 
+#include "benchmarks/sensors/depth_model_curves.h"
 #include "sim/render/ray_scene.h"
 
 namespace cousin {
@@ -20,143 +20,7 @@ std::vector<double> depths(const ActiveStereoConfig& config, int steps, double s
   return result;
 }
 
-/// Weights of the two knots about x.
-struct KnotWeights {
-  int first = 0;
-  double t = 0;
-};
-KnotWeights knot_weights(const std::vector<double>& knots, double x) {
-  const int last = static_cast<int>(knots.size()) - 2;
-  int i = 0;
-  while (i < last && x >= knots[static_cast<std::size_t>(i) + 1]) ++i;
-  const double low = knots[static_cast<std::size_t>(i)];
-  const double high = knots[static_cast<std::size_t>(i) + 1];
-  return {i, std::clamp((x - low) / (high - low), 0.0, 1.0)};
-}
-
-struct Sample {
-  double x, y, weight;
-};
-
-/// Values at knots by weighted least squares, with a little stiffness where samples are few.
-std::vector<double> fit_curve(const std::vector<double>& knots,
-                              const std::vector<Sample>& samples) {
-  const auto n = static_cast<Eigen::Index>(knots.size());
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
-  for (const Sample& s : samples) {
-    const KnotWeights w = knot_weights(knots, s.x);
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
-    row(w.first) = 1 - w.t;
-    row(w.first + 1) = w.t;
-    a += s.weight * row * row.transpose();
-    b += s.weight * s.y * row;
-  }
-  const double stiffness = 0.02 * a.trace() / static_cast<double>(n);
-  for (Eigen::Index i = 0; i + 1 < n; ++i) {
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
-    row(i) = -1;
-    row(i + 1) = 1;
-    a += stiffness * row * row.transpose();
-  }
-  const Eigen::VectorXd values = a.ldlt().solve(b);
-  return {values.data(), values.data() + n};
-}
-
-double value_at(const std::vector<double>& knots, const std::vector<double>& values, double x) {
-  const KnotWeights w = knot_weights(knots, x);
-  const auto i = static_cast<std::size_t>(w.first);
-  return values[i] * (1 - w.t) + values[i + 1] * w.t;
-}
-
 double rounded(double v) { return std::round(v * 1e4) / 1e4; }
-
-void clamp_and_round(std::vector<double>& values, double low, double high) {
-  for (double& v : values) v = rounded(std::clamp(v, low, high));
-}
-
-double log2_snr(const WallScores& wall, double margin_weight) {
-  const double variance = wall.noise_e2 + margin_weight * wall.margin_e * wall.margin_e;
-  return std::log2(std::max(wall.signal_e / std::sqrt(variance), 1e-6));
-}
-
-/// Curves over the signal-to-noise ratio, from walls that face the camera, for one weight of the
-/// margin. @returns the mean square misfit: fill in 0.02, noise in a twentieth.
-double fit_curves(const std::vector<WallScores>& walls, double quantisation_px,
-                  DepthModelConfig& model) {
-  double low = 40, high = -40;
-  for (const WallScores& w : walls) {
-    low = std::min(low, log2_snr(w, model.margin_weight));
-    high = std::max(high, log2_snr(w, model.margin_weight));
-  }
-  constexpr int kKnots = 13;
-  model.log2_snr.clear();
-  for (int i = 0; i < kKnots; ++i)
-    model.log2_snr.push_back(rounded(low + (high - low) * i / (kKnots - 1)));
-  std::vector<Sample> spatial, temporal, fill;
-  for (const WallScores& w : walls) {
-    const double x = log2_snr(w, model.margin_weight);
-    fill.push_back({x, w.fill, 1});
-    if (w.fill < 0.05) continue;
-    spatial.push_back({x, w.spatial_px, 1 / std::pow(w.spatial_px, 2)});
-    // The model adds the step's own noise when it rounds.
-    const double t =
-        std::sqrt(std::max(w.temporal_px * w.temporal_px - std::pow(quantisation_px, 2) / 12, 0.0));
-    temporal.push_back({x, t, 1 / std::pow(w.temporal_px + 0.01, 2)});
-  }
-  const auto fit = [&](const std::vector<Sample>& samples, std::vector<double>& values, double most,
-                       double scale, bool rises) {
-    values = fit_curve(model.log2_snr, samples);
-    // More light is never worse.
-    for (std::size_t i = values.size() - 1; i > 0; --i) {
-      values[i - 1] =
-          rises ? std::min(values[i - 1], values[i]) : std::max(values[i - 1], values[i]);
-    }
-    clamp_and_round(values, 0, most);
-    double misfit = 0;
-    for (const Sample& s : samples)
-      misfit += s.weight * std::pow((value_at(model.log2_snr, values, s.x) - s.y) / scale, 2);
-    return misfit / static_cast<double>(samples.size());
-  };
-  return fit(fill, model.fill, 1, 0.02, true) + fit(spatial, model.spatial_px, 100, 0.05, false) +
-         fit(temporal, model.temporal_px, 100, 0.05, false);
-}
-
-/// The weight of the margin that makes the curves fit best.
-void fit_margin(const std::vector<WallScores>& walls, double quantisation_px,
-                DepthModelConfig& model) {
-  DepthModelConfig best = model;
-  double least = std::numeric_limits<double>::infinity();
-  for (const double weight : {0.0, 0.01, 0.02, 0.05, 0.1, 0.25, 0.5}) {
-    model.margin_weight = weight;
-    const double misfit = fit_curves(walls, quantisation_px, model);
-    if (misfit < least) {
-      least = misfit;
-      best = model;
-    }
-  }
-  model = best;
-}
-
-/// What a slope of disparity adds and takes: what the fast model without slopes lacks on tilted
-/// walls.
-void fit_slopes(const std::vector<ModelComparison>& walls, DepthModelConfig& model) {
-  double noise = 0, noise_weight = 0, loss = 0, loss_weight = 0;
-  for (const ModelComparison& w : walls) {
-    const double s2 = w.full.slope * w.full.slope;
-    if (w.full.fill > 0.2 && w.fast.fill > 0.2) {
-      noise += (std::pow(w.full.spatial_px, 2) - std::pow(w.fast.spatial_px, 2)) * s2;
-      noise_weight += s2 * s2 * s2;
-    }
-    if (w.fast.fill > 0.2) {
-      loss += (1 - w.full.fill / w.fast.fill) * s2;
-      loss_weight += s2 * s2;
-    }
-  }
-  model.slope_noise =
-      noise_weight > 0 ? rounded(std::sqrt(std::max(0.0, noise / noise_weight))) : 0;
-  model.slope_loss = loss_weight > 0 ? rounded(std::max(0.0, loss / loss_weight)) : 0;
-}
 
 ObjectModel plate_model(double half_m) {
   ObjectModel model;
@@ -174,16 +38,25 @@ std::vector<WallCase> fit_walls(const ActiveStereoConfig& config) {
   const double texture = config.has_projector ? 0 : 0.6;
   const std::vector<double> lights =
       config.has_projector ? std::vector<double>{0.01, 0.1, 1} : std::vector<double>{0.03, 0.3, 3};
-  const std::vector<double> distances = depths(config, 6, 0);
+  const std::vector<double> distances = depths(config, 8, 0);
+  // Fractions of the disparity by the golden section, so that all of them meet all of the light.
+  double fraction = 0;
+  const auto facing = [&](double z_m, double albedo, double light) {
+    fraction += std::numbers::phi - 1;
+    fraction -= std::floor(fraction);
+    walls.push_back({at_fraction_m(config, z_m, fraction), 0, albedo, light, texture});
+  };
   for (std::size_t i = 0; i < distances.size(); ++i) {
     for (const double light : lights) {
-      walls.push_back({distances[i], 0, 0.5, light, texture});
-      if (i >= 2) walls.push_back({distances[i], 0, 0.08, light, texture});
+      facing(distances[i], 0.5, light);
+      if (i >= 3) facing(distances[i], 0.08, light);
     }
   }
-  for (const double z : depths(config, 2, 0.5)) {
-    for (const double incidence : {0.5, 0.8, 1.05})
-      walls.push_back({z, incidence, 0.5, config.has_projector ? lights[0] : lights[2], texture});
+  for (const double z : depths(config, 3, 0.5)) {
+    for (const double incidence : {0.5, 0.8, 1.05}) {
+      for (const std::size_t i : {std::size_t{0}, std::size_t{1}})
+        walls.push_back({z, incidence, 0.5, lights[config.has_projector ? i : 2 - i], texture});
+    }
   }
   return walls;
 }
@@ -208,21 +81,15 @@ DepthModelConfig fit_depth_model(const ActiveStereoConfig& config, const ActiveS
                                  const std::function<void(int, int)>& progress) {
   DepthModelConfig model = config.model;
   const std::vector<WallCase> walls = fit_walls(config);
-  std::vector<WallScores> facing;
-  std::vector<WallCase> tilted;
-  double bias = 0, band = 0, bands = 0, grain = 0, grains = 0;
+  std::vector<WallScores> seen;
+  double band = 0, bands = 0, grain = 0, grains = 0;
   for (std::size_t i = 0; i < walls.size(); ++i) {
     if (progress) progress(static_cast<int>(i), static_cast<int>(walls.size()));
-    if (walls[i].incidence_rad != 0) {
-      tilted.push_back(walls[i]);
-      continue;
-    }
     const Rng own = rng.fork(i);
-    facing.push_back(score_full_model(see_wall(walls[i], config, unit, own), config, unit, frames,
-                                      own.fork("full")));
-    const WallScores& s = facing.back();
-    if (s.fill < 0.99) continue;
-    bias += s.bias_px;
+    seen.push_back(score_full_model(see_wall(walls[i], config, unit, own), config, unit, frames,
+                                    own.fork("full")));
+    const WallScores& s = seen.back();
+    if (walls[i].incidence_rad != 0 || s.fill < 0.99) continue;
     band += s.band_px - s.disparity_px;
     bands += 1;
     if (s.neighbours > 0 && s.neighbours < 1) {
@@ -230,21 +97,9 @@ DepthModelConfig fit_depth_model(const ActiveStereoConfig& config, const ActiveS
       grains += 1;
     }
   }
-  fit_margin(facing, config.disparity_step_px, model);
-  if (bands > 0) {
-    model.bias_px = rounded(bias / bands);
-    model.band_px = rounded(band / bands);
-  }
+  fit_depth_curves(seen, config, model);
+  if (bands > 0) model.band_px = rounded(band / bands);
   if (grains > 0) model.grain_px = rounded(std::clamp(grain / grains, 1.0, 65.0));
-
-  ActiveStereoConfig without_slopes = config;
-  without_slopes.model = model;
-  without_slopes.model.slope_noise = without_slopes.model.slope_loss = 0;
-  const auto compared = compare_models(tilted, without_slopes, unit, frames, rng.fork("tilted"));
-  fit_slopes(compared, model);
-  double ripple = 0;
-  for (const ModelComparison& c : compared) ripple += c.full.ripple_px;
-  if (!compared.empty()) model.ripple_px = rounded(ripple / static_cast<double>(compared.size()));
   const PlateEdges edges = plate_edges(config, unit, rng.fork("plate"));
   model.fatten_px = rounded(std::clamp(edges.growth_px, 0.0, 32.0));
   model.rim_px = rounded(std::clamp(edges.rim_px, 0.0, 32.0));
@@ -255,12 +110,13 @@ std::vector<ModelComparison> compare_models(const std::vector<WallCase>& walls,
                                             const ActiveStereoConfig& config,
                                             const ActiveStereoUnit& unit, int frames,
                                             const Rng& rng) {
+  constexpr int kScenes = 8;  // holes of single scenes: 1.5 points about a fill of a half
   std::vector<ModelComparison> result;
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const Rng own = rng.fork(i);
     const WallView view = see_wall(walls[i], config, unit, own);
     result.push_back({walls[i], score_full_model(view, config, unit, frames, own.fork("full")),
-                      score_fast_model(view, config, unit, frames, own.fork("fast"))});
+                      score_fast_model(view, config, unit, frames, own.fork("fast"), kScenes)});
   }
   return result;
 }

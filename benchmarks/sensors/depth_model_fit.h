@@ -17,9 +17,9 @@ struct ModelComparison {
   WallScores full, fast;
 };
 
-/// The fast model's numbers for a configuration: noise and fill as piecewise linear functions of
-/// the pattern's signal-to-noise ratio by least squares over the walls, slopes from tilted ones,
-/// band, grain and ripple from the walls' statistics, fattening from a plate before a wall.
+/// The fast model's numbers for a configuration: curves over the pattern's signal-to-noise ratio,
+/// waves over the fraction of the disparity and slopes from walls (`fit_depth_curves`), band and
+/// grain from their statistics, fattening from a plate before a wall.
 DepthModelConfig fit_depth_model(const ActiveStereoConfig& config, const ActiveStereoUnit& unit,
                                  int frames, const Rng& rng,
                                  const std::function<void(int, int)>& progress = {});

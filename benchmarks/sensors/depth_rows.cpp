@@ -6,6 +6,7 @@
 #include <string>
 
 #include "benchmarks/sensors/depth_model_fit.h"
+#include "benchmarks/sensors/infrared_noise.h"
 #include "benchmarks/sensors/sensor_row.h"
 #include "sim/render/ray_scene.h"
 #include "sim/types/stage_clock.h"
@@ -61,11 +62,17 @@ Device make_device(const std::string& name, std::uint64_t seed, bool quick) {
 }
 
 /// Walls at distances where the pattern is bright and the depth's unit is small beside the noise.
+/// The noise goes with the fraction of the disparity as well, so each distance is seen at a whole
+/// disparity and half-way between two: what goes as cos(2 pi d) is as much at all of them.
 void add_distance_rows(const Device& device, std::vector<ScoreRow>& rows) {
   const double nearest = least_depth_m(device.config);
   std::vector<double> log_z, log_sigma;
+  std::vector<double> distances;
   for (const double factor : {2.4, 3.4, 4.8, 6.8}) {
-    const double z = factor * nearest;
+    for (const double fraction : {0.0, 0.5})
+      distances.push_back(at_fraction_m(device.config, factor * nearest, fraction));
+  }
+  for (const double z : distances) {
     const WallScores s =
         device.look({z, 0, 0.5, device.light, device.texture}, "distance " + metres(z));
     const std::string name = "wall at " + metres(z);
@@ -217,6 +224,13 @@ void add_speed_rows(const Device& device, bool quick, std::vector<ScoreRow>& row
     const StereoDepth depth = sense_depth(pair, device.config, device.unit, Rng(2 + i));
     register_to_color(depth.depth, device.config, device.unit);
   }));
+  // Of the sensor's variance at most a quarter, as the budget of the pair's rendering says.
+  const double share = monte_carlo_share({1.2, 0.3, 0.5, device.light, device.texture},
+                                         device.config, device.unit, device.rng.fork("variance"));
+  rows.push_back(limited(device.row("infrared pair", "render_variance_over_sensor", share, "1",
+                                    static_cast<std::int64_t>(device.unit.imager.width_px) *
+                                        device.unit.imager.height_px),
+                         share <= 0.25));
   DepthModelInputs inputs;
   rows.push_back(speed_row(device, "fast model and its rendering", 4 * images, 5, [&](int i) {
     inputs = depth_model_inputs(rays, wall.scene, wall.rig_from_world, device.config, device.unit,

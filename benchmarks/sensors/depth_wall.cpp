@@ -32,13 +32,6 @@ struct Sums {
   double sigma() const { return std::sqrt(std::max(0.0, squares / n - mean() * mean())); }
 };
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Gathers the errors of several frames of one wall.
 class WallStatistics {
  public:
@@ -48,21 +41,18 @@ class WallStatistics {
         unit_m_(config.depth_unit_m),
         focal_baseline_(unit.imager.fx_px * unit.baseline_m),
         pixels_(depth_m_.size()) {
-    const PatternLight light = pattern_light(view.inputs, config);
-    std::vector<double> signals, lights;
+    light_ = pattern_light(view.inputs, config);
     for_pixels([&](int x, int y, double truth_px) {
-      signals.push_back(static_cast<double>(light.signal_e(x, y)));
-      lights.push_back(static_cast<double>(light.light_e(x, y)));
       truth_.add(truth_px);
       const double right = focal_baseline_ / static_cast<double>(depth_m_(x + 1, y));
       const double below = focal_baseline_ / static_cast<double>(depth_m_(x, y + 1));
       slope_.add(std::hypot(right - truth_px, below - truth_px));
+      if (x % kSampled_px != 0 || y % kSampled_px != 0) return;
+      samples_.push_back({light_.signal_e(x, y), light_.dots_e(x, y), light_.ambient_e(x, y),
+                          static_cast<float>(truth_px),
+                          static_cast<float>(std::hypot(right - truth_px, below - truth_px))});
     });
-    signal_e_ = median(signals);
-    noise_e2_ = median(lights) + light.still_e2;
-    margin_e_ = light.margin_e;
-    const double variance = noise_e2_ + config.model.margin_weight * margin_e_ * margin_e_;
-    log2_snr_ = std::log2(std::max(signal_e_ / std::sqrt(variance), 1e-6));
+    light_.signal_e = light_.dots_e = light_.ambient_e = {};
   }
 
   void add(const Image<float>& disparity_px, const Image<std::uint16_t>& depth) {
@@ -95,10 +85,8 @@ class WallStatistics {
     s.fill = asked_ > 0 ? found_ / asked_ : 0;
     s.wrong = found_ > 0 ? wrong_ / found_ : 0;
     s.band_px = band_.mean();
-    s.log2_snr = log2_snr_;
-    s.signal_e = signal_e_;
-    s.noise_e2 = noise_e2_;
-    s.margin_e = margin_e_;
+    s.samples = samples_;
+    s.light = light_;
     s.slope = slope_.mean();
     s.disparity_px = truth_.mean();
     if (errors_.n < 2) return s;
@@ -130,6 +118,7 @@ class WallStatistics {
   }
 
  private:
+  static constexpr int kSampled_px = 16;
   std::size_t at(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(depth_m_.width()) +
            static_cast<std::size_t>(x);
@@ -150,11 +139,18 @@ class WallStatistics {
   double unit_m_, focal_baseline_;
   std::vector<Sums> pixels_;
   Sums errors_, depth_errors_, truth_, slope_, band_, wave_;
-  double wave_errors_ = 0, log2_snr_ = 0, signal_e_ = 0, noise_e2_ = 0, margin_e_ = 0;
+  double wave_errors_ = 0;
+  std::vector<WallPixel> samples_;
+  PatternLight light_;
   double asked_ = 0, found_ = 0, wrong_ = 0;
 };
 
 }  // namespace
+
+double at_fraction_m(const ActiveStereoConfig& config, double z_m, double fraction) {
+  const double focal_baseline = depth_camera(config).fx_px * config.baseline_m;
+  return focal_baseline / (std::floor(focal_baseline / z_m) + fraction);
+}
 
 WallScene make_wall(const WallCase& wall) {
   WallScene out;
@@ -215,14 +211,29 @@ WallScores score_full_model(const WallView& view, const ActiveStereoConfig& conf
 }
 
 WallScores score_fast_model(const WallView& view, const ActiveStereoConfig& config,
-                            const ActiveStereoUnit& unit, int frames, const Rng& rng) {
-  WallStatistics statistics(view, config, unit);
-  for (int k = 0; k < frames; ++k) {
-    const ModelDepth depth = model_depth(view.inputs, config, rng.fork("fixed"),
-                                         rng.fork("frame").fork(static_cast<std::uint64_t>(k)));
-    statistics.add(depth.disparity_px, depth.depth);
+                            const ActiveStereoUnit& unit, int frames, const Rng& rng, int scenes) {
+  WallScores mean;
+  double errors = 0, variance_px2 = 0, variance_m2 = 0, fill = 0;
+  for (int i = 0; i < scenes; ++i) {
+    const Rng own = scenes == 1 ? rng : rng.fork(static_cast<std::uint64_t>(i));
+    WallStatistics statistics(view, config, unit);
+    for (int k = 0; k < frames; ++k) {
+      const ModelDepth depth = model_depth(view.inputs, config, own.fork("fixed"),
+                                           own.fork("frame").fork(static_cast<std::uint64_t>(k)));
+      statistics.add(depth.disparity_px, depth.depth);
+    }
+    mean = statistics.scores();
+    fill += mean.fill / scenes;
+    errors += mean.fill;
+    variance_px2 += mean.fill * mean.sigma_px * mean.sigma_px;
+    variance_m2 += mean.fill * mean.sigma_m * mean.sigma_m;
   }
-  return statistics.scores();
+  mean.fill = fill;
+  if (errors > 0) {
+    mean.sigma_px = std::sqrt(variance_px2 / errors);
+    mean.sigma_m = std::sqrt(variance_m2 / errors);
+  }
+  return mean;
 }
 
 }  // namespace cousin

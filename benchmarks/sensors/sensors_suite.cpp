@@ -8,6 +8,7 @@
 #include "benchmarks/sensors/depth_rows.h"
 #include "benchmarks/sensors/fit_sensor_rows.h"
 #include "benchmarks/sensors/passive_rows.h"
+#include "benchmarks/sensors/ranging_rows.h"
 #include "benchmarks/sensors/sensor_row.h"
 #include "sim/types/stage_clock.h"
 
@@ -25,7 +26,8 @@ ScoreFile sensors_suite(std::uint64_t seed, bool quick, const Progress& progress
   const std::vector<Part> parts = {{"colour cameras", colour_rows},
                                    {"depth cameras", depth_rows},
                                    {"passive stereo", passive_stereo_rows},
-                                   {"fit-sensor", fit_sensor_rows}};
+                                   {"fit-sensor", fit_sensor_rows},
+                                   {"time of flight, structured light", ranging_rows}};
   ScoreFile file;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (progress) progress(parts[i].name, static_cast<int>(i), static_cast<int>(parts.size()));

@@ -5,7 +5,9 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -14,6 +16,7 @@
 #include "sim/config/limits.h"
 #include "sim/sensors/active_stereo.h"
 #include "sim/sensors/fast_normal.h"
+#include "sim/sensors/match_contrast.h"
 #include "sim/sensors/noise_grain.h"
 
 namespace cousin {
@@ -21,38 +24,46 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Linear between knots, constant beyond: a table over log2 of the SNR.
-float at_knots(const std::vector<double>& x, const std::vector<double>& y, float at) {
-  const auto value = static_cast<double>(at);
-  if (!(value > x.front())) return static_cast<float>(y.front());
-  if (value >= x.back()) return static_cast<float>(y.back());
+/// Linear between knots, constant beyond: several curves over the same knots.
+double at_knots(const std::vector<double>& x, const std::vector<double>& y, double at) {
+  if (!(at > x.front())) return y.front();
+  if (at >= x.back()) return y.back();
   std::size_t i = 1;
-  while (x[i] < value) ++i;
-  const double t = (value - x[i - 1]) / (x[i] - x[i - 1]);
-  return static_cast<float>(y[i - 1] * (1 - t) + y[i] * t);
+  while (x[i] < at) ++i;
+  const double t = (at - x[i - 1]) / (x[i] - x[i - 1]);
+  return y[i - 1] * (1 - t) + y[i] * t;
 }
 
-/// A table at steps of 1/16 in the logarithm, for speed.
-class Curve {
+/// Curves over one list of knots as a table at steps of 1/16 in the logarithm, for speed.
+template <int Count>
+class Curves {
  public:
-  Curve(const std::vector<double>& x, const std::vector<double>& y)
+  using Values = std::array<float, Count>;
+  Curves(const std::vector<double>& x, std::array<const std::vector<double>*, Count> curves)
       : first_(static_cast<float>(x.front())) {
     const int steps = std::max(1, static_cast<int>(std::ceil((x.back() - x.front()) * 16)));
-    for (int i = 0; i <= steps; ++i)
-      values_.push_back(at_knots(x, y, first_ + static_cast<float>(i) / 16));
+    for (int i = 0; i <= steps; ++i) {
+      Values values;
+      for (std::size_t k = 0; k < values.size(); ++k)
+        values[k] = static_cast<float>(at_knots(x, *curves[k], x.front() + i / 16.0));
+      table_.push_back(values);
+    }
   }
-  float operator()(float log2_snr) const {
+  Values operator()(float log2_snr) const {
     const float p = (log2_snr - first_) * 16;
-    if (!(p > 0)) return values_.front();
+    if (!(p > 0)) return table_.front();
+    if (!(p < static_cast<float>(table_.size() - 1))) return table_.back();
     const auto i = static_cast<std::size_t>(p);
-    if (i + 1 >= values_.size()) return values_.back();
     const float t = p - static_cast<float>(i);
-    return values_[i] * (1 - t) + values_[i + 1] * t;
+    Values values;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      values[k] = table_[i][k] * (1 - t) + table_[i + 1][k] * t;
+    return values;
   }
 
  private:
   float first_;
-  std::vector<float> values_;
+  std::vector<Values> table_;
 };
 
 /// Near surfaces grow: a pixel takes the largest disparity within the radius, if that is a jump.
@@ -114,11 +125,13 @@ class PixelModel {
         truth_px_(disparities(inputs.depth_m, camera.fx_px * config.baseline_m)),
         near_px_(fattened(truth_px_, static_cast<int>(std::lround(model_.fatten_px)))),
         rim_px_(fattened(near_px_, static_cast<int>(std::lround(model_.rim_px)))),
-        snr_(pattern_snr(pattern_light(inputs, config), model_.margin_weight)),
+        light_(pattern_light(inputs, config)),
         noise_(make_fields(camera.width_px, camera.height_px, model_, fixed, frame)),
-        spatial_(model_.log2_snr, model_.spatial_px),
-        temporal_(model_.log2_snr, model_.temporal_px),
-        fill_(model_.log2_snr, model_.fill),
+        curves_(model_.log2_snr, {&model_.spatial_px, &model_.spatial_wave, &model_.temporal_px,
+                                  &model_.temporal_wave, &model_.ripple_px}),
+        contrast_(config, light_, model_.fill_dots, model_.fill_spread),
+        fill_(model_.contrast, {&model_.fill_score, &model_.fill_wave}),
+        window_px_(static_cast<float>(config.match.census_width_px + config.match.block_px - 1)),
         step_(static_cast<float>(config.disparity_step_px)),
         most_(static_cast<float>(config.match.shift_px + config.match.range_px)),
         least_(
@@ -134,14 +147,18 @@ class PixelModel {
     if (hidden & kHiddenFromRight) return InvalidReason::left_right;
     if (rim_px_(x, y) != d) return InvalidReason::mixed_pixel;
     const float slope = slope_at(x, y, d);
-    const float log2_snr = snr_(x, y) > 0 ? std::log2(snr_(x, y)) : -100;
-    const float filled =
-        fill_(log2_snr) * std::max(0.0F, 1 - static_cast<float>(model_.slope_loss) * slope * slope);
-    if (normal_share(noise_.hole(x, y)) > filled || filled == 0) {
+    const float turn = 2 * std::numbers::pi_v<float> * (d - std::floor(d));
+    const float wave = wave_share(slope, window_px_);
+    const float cosine = wave * std::cos(turn);
+    const auto [score, score_wave] =
+        fill_(contrast_(light_.signal_e(x, y), light_.ambient_e(x, y)));
+    const float passes =
+        score + score_wave * cosine - static_cast<float>(model_.slope_fill) * slope * slope;
+    if (!(light_.signal_e(x, y) > 0) || noise_.hole(x, y) > passes) {
       return (hidden & kHiddenFromProjector) ? InvalidReason::no_projector
                                              : InvalidReason::no_texture;
     }
-    const float found = d + error_px(x, y, d, slope, log2_snr);
+    const float found = d + error_px(x, y, slope, cosine, wave * std::sin(turn));
     const float quantised = step_ > 0 ? std::round(found / step_) * step_ : found;
     if (quantised < least_ || quantised > most_) return InvalidReason::out_of_range;
     disparity_px = quantised;
@@ -167,37 +184,57 @@ class PixelModel {
     return std::min(1.0F, d / f * std::sqrt(n.x() * n.x() + n.y() * n.y()) / std::abs(along));
   }
 
-  float error_px(int x, int y, float d, float slope, float log2_snr) const {
-    const float flat = spatial_(log2_snr),
-                tilted = static_cast<float>(model_.slope_noise) * slope * slope;
-    return static_cast<float>(model_.bias_px) +
-           static_cast<float>(model_.ripple_px) *
-               std::sin(2 * std::numbers::pi_v<float> * (d - std::floor(d))) +
-           std::sqrt(flat * flat + tilted * tilted) * noise_.spatial(x, y) +
-           temporal_(log2_snr) * noise_.temporal(x, y);
+  float log2_snr(int x, int y, const PatternNoise& noise) const {
+    return log2_pattern_snr(light_.signal_e(x, y), light_.dots_e(x, y), light_.ambient_e(x, y),
+                            light_, noise);
+  }
+
+  float error_px(int x, int y, float slope, float cosine, float sine) const {
+    const auto [spatial, spatial_wave, temporal, temporal_wave, ripple] =
+        curves_(log2_snr(x, y, model_.noise_from));
+    const float tilt = slope * std::sqrt(slope);
+    return static_cast<float>(model_.bias_px) + ripple * sine +
+           std::hypot(spatial * (1 + spatial_wave * cosine),
+                      static_cast<float>(model_.slope_spatial) * tilt) *
+               noise_.spatial(x, y) +
+           std::hypot(temporal * (1 + temporal_wave * cosine),
+                      static_cast<float>(model_.slope_temporal) * tilt) *
+               noise_.temporal(x, y);
   }
 
   const DepthModelInputs& inputs_;
   const DepthModelConfig& model_;
   const Camera& camera_;
-  Image<float> truth_px_, near_px_, rim_px_, snr_;
+  Image<float> truth_px_, near_px_, rim_px_;
+  PatternLight light_;
   NoiseFields noise_;
-  Curve spatial_, temporal_, fill_;
-  float step_, most_, least_;
+  Curves<5> curves_;
+  MatchContrast contrast_;
+  Curves<2> fill_;
+  float window_px_, step_, most_, least_;
 };
 
 }  // namespace
 
 Fields fields(DepthModelConfig& c) {
   return {
-      {"log2_snr", &c.log2_snr, "knots: log2 of the pattern's SNR", -40, 40},
+      {"noise_from_dots", &c.noise_from.dots, "share of the dots' light in the noise's ratio", 0,
+       9},
+      {"noise_from_margin", &c.noise_from.margin, "weight of the margin in it", 0, 100},
+      {"log2_snr", &c.log2_snr, "knots of the noise: log2 of the pattern's ratio", -40, 40},
       {"spatial_px", &c.spatial_px, "sigma of the fixed noise at the knots", 0, 100},
+      {"spatial_wave", &c.spatial_wave, "its share that goes as cos(2 pi d)", -0.9, 0.9},
       {"temporal_px", &c.temporal_px, "sigma of each image's noise at the knots", 0, 100},
-      {"fill", &c.fill, "share of pixels with a depth at the knots", 0, 1},
-      {"margin_weight", &c.margin_weight, "of the matcher's margin among the noise", 0, 100},
-      {"slope_noise", &c.slope_noise, "spatial sigma at a disparity slope of 1", 0, 100},
-      {"slope_loss", &c.slope_loss, "share of fill lost at a disparity slope of 1", 0, 100},
-      {"ripple_px", &c.ripple_px, "amplitude of d + A sin(2 pi d)", -1, 1},
+      {"temporal_wave", &c.temporal_wave, "its share that goes as cos(2 pi d)", -0.9, 0.9},
+      {"ripple_px", &c.ripple_px, "amplitude of d + A sin(2 pi d) at the knots", -1, 1},
+      {"fill_dots", &c.fill_dots, "share of the dots' photon noise in the contrast", 0, 9},
+      {"fill_spread", &c.fill_spread, "area of a dot as windows see it, over its own", 0.1, 10},
+      {"contrast", &c.contrast, "knots of the fill: log2 of the matcher's contrast", 0, 40},
+      {"fill_score", &c.fill_score, "normal quantile of the share with a depth", -10, 10},
+      {"fill_wave", &c.fill_wave, "amplitude of cos(2 pi d) of the score", -10, 10},
+      {"slope_spatial", &c.slope_spatial, "spatial sigma at a disparity slope of 1", 0, 100},
+      {"slope_temporal", &c.slope_temporal, "temporal sigma at a disparity slope of 1", 0, 100},
+      {"slope_fill", &c.slope_fill, "score lost at a disparity slope of 1", 0, 1e4},
       {"bias_px", &c.bias_px, "mean error of the disparity", -10, 10},
       {"fatten_px", &c.fatten_px, "growth of near surfaces", 0, 32},
       {"rim_px", &c.rim_px, "width of what has no depth beside near surfaces", 0, 32},
@@ -209,19 +246,32 @@ Fields fields(DepthModelConfig& c) {
 void validate(const DepthModelConfig& config) {
   DepthModelConfig copy = config;
   check_limits(fields(copy), "depth model");
-  const std::size_t n = config.log2_snr.size();
-  if (n < 2 || config.spatial_px.size() != n || config.temporal_px.size() != n ||
-      config.fill.size() != n) {
-    throw std::invalid_argument(
-        "depth model: log2_snr, spatial_px, temporal_px and fill have " + std::to_string(n) + ", " +
-        std::to_string(config.spatial_px.size()) + ", " +
-        std::to_string(config.temporal_px.size()) + " and " + std::to_string(config.fill.size()) +
-        " numbers; they must be as many, at least 2");
-  }
-  for (std::size_t i = 1; i < n; ++i) {
-    if (!(config.log2_snr[i] > config.log2_snr[i - 1]))
-      throw std::invalid_argument("depth model: log2_snr must increase");
-  }
+  const auto check = [](const char* name, const std::vector<double>& knots,
+                        std::initializer_list<const std::vector<double>*> curves) {
+    std::string sizes = std::to_string(knots.size());
+    bool fits = knots.size() >= 2;
+    for (const auto* curve : curves) {
+      sizes += ", " + std::to_string(curve->size());
+      fits = fits && curve->size() == knots.size();
+    }
+    if (!fits) {
+      throw std::invalid_argument(std::string("depth model: ") + name + " and its curves have " +
+                                  sizes + " numbers; they must be as many, at least 2");
+    }
+    for (std::size_t i = 1; i < knots.size(); ++i) {
+      if (!(knots[i] > knots[i - 1]))
+        throw std::invalid_argument(std::string("depth model: ") + name + " must increase");
+    }
+  };
+  check("log2_snr", config.log2_snr,
+        {&config.spatial_px, &config.spatial_wave, &config.temporal_px, &config.temporal_wave,
+         &config.ripple_px});
+  check("contrast", config.contrast, {&config.fill_score, &config.fill_wave});
+}
+
+float wave_share(float slope, float window_px) {
+  const float turns = slope * window_px, squared = turns * turns;
+  return squared < 1 ? (1 - squared) * (1 - 0.64F * squared) : 0;  // sin(pi t) / (pi t) to 0.02
 }
 
 ModelDepth model_depth(const DepthModelInputs& inputs, const ActiveStereoConfig& config,

@@ -13,28 +13,50 @@ namespace cousin {
 
 struct ActiveStereoConfig;
 struct ActiveStereoUnit;
+struct DotProjectorConfig;
 class RayScene;
 struct Scene;
 struct Pose;
 
+/// Light that counts as noise beside the pattern.
+struct PatternNoise {
+  double dots = 0.25;   ///< share of the mean projected light whose shot noise counts
+  double margin = 0.1;  ///< weight of the square of the matcher's margin
+};
+
 /// Numbers of the analytic depth model, fitted to the full one of a device (`fit_depth_model`).
-/// Noise and fill are functions of the signal-to-noise ratio of the pattern, linear between knots
-/// in its logarithm to base 2 and constant beyond them.
+/// Curves are linear between knots in the logarithm to base 2 of the pattern's signal-to-noise
+/// ratio and constant beyond them.
+///
+/// A matcher compares whole pixels: a window whose disparity lies half-way between two fits both
+/// less well than one that lies on a pixel fits its own. Fill, noise and bias therefore go with the
+/// fraction of the disparity: a wave is the amplitude of cos(2 pi d). It dies away where a window
+/// spans many fractions, as sin(pi s w) / (pi s w) for a slope s and a window w.
+///
+/// A pixel has a depth if the matcher's score, which spreads normally from window to window, passes
+/// its thresholds: the share is the normal distribution's at fill_score, a function of how much a
+/// window's own counterpart is better than others (`MatchContrast`).
 struct DepthModelConfig {
-  std::vector<double> log2_snr = {-2, 0, 2, 4};
+  PatternNoise noise_from = {0.25, 0.1};                     ///< what the noise's ratio is made of
+  std::vector<double> log2_snr = {-2, 0, 2, 4};              ///< knots of the noise
   std::vector<double> spatial_px = {0.3, 0.15, 0.08, 0.07};  ///< fixed while scene and rig stand
+  std::vector<double> spatial_wave = {0, 0, 0, 0};           ///< of it, over its mean
   std::vector<double> temporal_px = {0.2, 0.1, 0.04, 0.02};  ///< drawn anew in each image
-  std::vector<double> fill = {0, 0.3, 0.95, 1};              ///< share of pixels with a depth
-  double margin_weight = 0.25;  ///< of the matcher's margin among the noise
-  double slope_noise = 3;       ///< spatial sigma that a disparity slope of 1 px/px adds, as its
-                                ///< square
-  double slope_loss = 0.3;      ///< share of fill lost at a disparity slope of 1 px/px, linear
-  double ripple_px = 0.01;      ///< amplitude of d + A sin(2 pi d)
-  double bias_px = 0;           ///< mean error of the disparity
-  double fatten_px = 3;         ///< by which near surfaces grow over far ones
-  double rim_px = 2;            ///< beyond it far surfaces have no depth: windows hold both
-  double band_px = 0;           ///< the left band is as wide as the disparity plus this
-  double grain_px = 9;          ///< width over which the noise is alike
+  std::vector<double> temporal_wave = {0, 0, 0, 0};          ///< of it, over its mean
+  std::vector<double> ripple_px = {0.01, 0.01, 0.01, 0.01};  ///< amplitude of sin(2 pi d)
+  double fill_dots = 0.5;  ///< share of the dots' photon noise in the fill's contrast
+  double fill_spread = 2;  ///< area of a dot as windows see it, over its own
+  std::vector<double> contrast = {0, 1, 2, 4};      ///< knots of the fill: `MatchContrast`
+  std::vector<double> fill_score = {-3, -1, 2, 4};  ///< quantile of the share with a depth
+  std::vector<double> fill_wave = {0, 0, 0, 0};     ///< of the score
+  double slope_spatial = 3;   ///< spatial sigma that a slope of 1 px/px adds, as its power 1.5
+  double slope_temporal = 1;  ///< and temporal
+  double slope_fill = 10;     ///< score lost at a slope of 1 px/px, as its square
+  double bias_px = 0;         ///< mean error of the disparity
+  double fatten_px = 3;       ///< by which near surfaces grow over far ones
+  double rim_px = 2;          ///< beyond it far surfaces have no depth: windows hold both
+  double band_px = 0;         ///< the left band is as wide as the disparity plus this
+  double grain_px = 9;        ///< width over which the noise is alike
 };
 Fields fields(DepthModelConfig& config);
 /// @throws std::invalid_argument naming field, value and limit; knots must increase and lists be of
@@ -54,9 +76,8 @@ inline constexpr std::uint8_t kHiddenFromRight = 1, kHiddenFromProjector = 2;
 /// @throws std::invalid_argument if an image is not of the camera's size.
 void validate(const DepthModelInputs& inputs, const Camera& camera);
 
-/// What the right imager and the projector cannot see of a left depth image, row by row: a pixel is
-/// hidden if a surface to its right (for a device at negative x: left) lies before it there.
-/// Surfaces that only the device sees are unknown to the image and hide nothing.
+/// What the right imager and the projector cannot see of a left depth image (`hidden_along_rows`),
+/// in the bits above.
 Image<std::uint8_t> stereo_occlusion(const Image<float>& depth_m, const ActiveStereoConfig& config);
 
 /// Renders the inputs: one truth pass and one sample a pixel of ambient infrared.
@@ -67,16 +88,27 @@ DepthModelInputs depth_model_inputs(const RayScene& rays, const Scene& scene,
 /// What the matcher has to go by in each pixel, in electrons, at the exposure that the brightest
 /// half per cent ask for.
 struct PatternLight {
-  Image<float> signal_e;  ///< mean projected light, and the texture's; 0 = no surface or no light
-  Image<float> light_e;   ///< light between the dots: the variance of shot noise
-  double still_e2 = 0;    ///< variance of read noise and rounding
-  double margin_e = 0;    ///< the matcher's margin
+  Image<float> signal_e;   ///< mean projected light, and the texture's; 0 = no surface or no light
+  Image<float> dots_e;     ///< mean projected light alone
+  Image<float> ambient_e;  ///< light without the projector
+  double still_e2 = 0;     ///< variance of read noise and rounding
+  double margin_e = 0;     ///< the matcher's margin
 };
 PatternLight pattern_light(const DepthModelInputs& inputs, const ActiveStereoConfig& config);
 
-/// Signal-to-noise ratio of the pattern: signal over the root of all variances and of
-/// margin_weight * margin^2.
-Image<float> pattern_snr(const PatternLight& light, double margin_weight);
+/// Logarithm to base 2 of the pattern's signal-to-noise ratio: the noise's variance is that of the
+/// ambient light, of a share of the dots', `still_e2` and the margin's. -infinity without signal.
+Image<float> log2_pattern_snr(const PatternLight& light, const PatternNoise& noise);
+/// The same of one pixel.
+float log2_pattern_snr(float signal_e, float dots_e, float ambient_e, const PatternLight& light,
+                       const PatternNoise& noise);
+
+/// Share of the picture that dots would cover if each were as bright as its peak over 2 pi sigma^2:
+/// a dot is brighter than a share v of its peak on an area of its part of this times -log(v).
+double dot_cover(const DotProjectorConfig& projector, double blur_rad);
+
+/// What is left of a wave where the window spans several fractions of a pixel, in [0, 1].
+float wave_share(float slope, float window_px);
 
 struct ModelDepth {
   Image<float> disparity_px;   ///< in the device's steps; NaN = none

@@ -66,9 +66,9 @@ InvalidReason reason_at(const InvalidReasonInputs& in, int x, int y) {
 }  // namespace
 
 std::string_view to_string(InvalidReason reason) {
-  static constexpr std::array<std::string_view, 8> kNames = {
-      "none",        "out_of_range", "band",         "saturated",
-      "mixed_pixel", "left_right",   "no_projector", "no_texture"};
+  static constexpr std::array<std::string_view, 9> kNames = {
+      "none",       "out_of_range", "band",       "saturated", "mixed_pixel",
+      "left_right", "no_projector", "no_texture", "low_signal"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 

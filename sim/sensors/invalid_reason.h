@@ -19,6 +19,7 @@ enum class InvalidReason : std::uint8_t {
   left_right = 5,    ///< hidden from the right imager, or its match disagrees
   no_projector = 6,  ///< hidden from the projector
   no_texture = 7,    ///< nothing to match: too even, unlike, or alike elsewhere
+  low_signal = 8,    ///< too little of the device's own light comes back
 };
 std::string_view to_string(InvalidReason reason);
 

@@ -9,22 +9,10 @@
 
 #include "sim/sensors/active_stereo.h"
 #include "sim/sensors/depth_model.h"
+#include "sim/sensors/row_occlusion.h"
 
 namespace cousin {
 namespace {
-
-/// Share of the mean projected light that counts as noise: most of it lies in the dots themselves.
-/// Of 0, 0.1, 0.25, 0.5 and 1 it makes noise and fill of 36 walls most nearly functions of one
-/// number.
-constexpr float kNoiseOfDots = 0.25F;
-
-/// Dots per solid angle times 2 pi sigma^2: a Gaussian dot is brighter than a share v of its peak
-/// on an area of this times -log(v).
-double dot_cover(const DotProjectorConfig& projector, double blur_rad) {
-  const double variance = projector.dot_sigma_rad * projector.dot_sigma_rad + blur_rad * blur_rad;
-  return 2 * std::numbers::pi * variance * projector.dots /
-         (projector.view_x_rad * projector.view_y_rad);
-}
 
 /// Mean radiance of projected light; 0 where the projector does not reach.
 float projected_radiance(const DepthModelInputs& in, const ActiveStereoConfig& config,
@@ -66,6 +54,13 @@ Image<float> seen_through_dots(const Image<float>& ambient, const Image<float>& 
 
 }  // namespace
 
+double dot_cover(const DotProjectorConfig& projector, double blur_rad) {
+  const double variance = projector.dot_sigma_rad * projector.dot_sigma_rad + blur_rad * blur_rad;
+  const double plane =
+      4 * std::tan(0.5 * projector.view_x_rad) * std::tan(0.5 * projector.view_y_rad);
+  return 2 * std::numbers::pi * variance * projector.dots / plane;
+}
+
 void validate(const DepthModelInputs& in, const Camera& camera) {
   const auto fits = [&](const auto& image) {
     return image.width() == camera.width_px && image.height() == camera.height_px;
@@ -81,24 +76,14 @@ void validate(const DepthModelInputs& in, const Camera& camera) {
 Image<std::uint8_t> stereo_occlusion(const Image<float>& depth_m,
                                      const ActiveStereoConfig& config) {
   const double focal_px = depth_camera(config).fx_px;
-  Image<std::uint8_t> hidden(depth_m.width(), depth_m.height(), std::uint8_t{0});
-  constexpr float kTolerance_px = 0.25F;  //  neighbours on a steep slope meet one pixel
-  const auto mark = [&](int y, double x_m, std::uint8_t bit) {
-    const int width = depth_m.width(), step = x_m >= 0 ? -1 : 1;
-    const auto scale = static_cast<float>(focal_px * x_m);
-    float nearest = std::numeric_limits<float>::infinity();
-    for (int k = 0, x = step < 0 ? width - 1 : 0; k < width; ++k, x += step) {
-      const float z = depth_m(x, y);
-      if (!(z > 0)) continue;
-      const float seen = -static_cast<float>(step) * (static_cast<float>(x) - scale / z);
-      if (seen > nearest + kTolerance_px) hidden(x, y) |= bit;
-      nearest = std::min(nearest, seen);
-    }
-  };
-  tbb::parallel_for(0, depth_m.height(), [&](int y) {
-    mark(y, config.baseline_m, kHiddenFromRight);
-    if (config.has_projector) mark(y, config.projector_x_m, kHiddenFromProjector);
-  });
+  Image<std::uint8_t> hidden = hidden_along_rows(depth_m, focal_px, config.baseline_m);
+  static_assert(kHiddenFromRight == 1);
+  if (!config.has_projector) return hidden;
+  const auto from_projector = hidden_along_rows(depth_m, focal_px, config.projector_x_m);
+  std::transform(hidden.begin(), hidden.end(), from_projector.begin(), hidden.begin(),
+                 [](std::uint8_t right, std::uint8_t projector) {
+                   return static_cast<std::uint8_t>(right | projector * kHiddenFromProjector);
+                 });
   return hidden;
 }
 
@@ -121,25 +106,37 @@ PatternLight pattern_light(const DepthModelInputs& inputs, const ActiveStereoCon
   PatternLight light;
   light.still_e2 = imager.read_noise_e * imager.read_noise_e + e_per_code * e_per_code / 12;
   light.margin_e = config.match.margin * e_per_code;
-  light.signal_e = light.light_e = Image<float>(width, height);
+  light.signal_e = light.dots_e = light.ambient_e = Image<float>(width, height);
   const auto electrons = static_cast<float>(imager.electrons_at_unit_radiance * exposure.share);
   const auto texture = static_cast<float>(inputs.texture);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const float own = texture * inputs.ambient(x, y), p = projected(x, y);
       light.signal_e(x, y) = electrons * std::sqrt(p * p + own * own);
-      light.light_e(x, y) = electrons * (kNoiseOfDots * p + inputs.ambient(x, y));
+      light.dots_e(x, y) = electrons * p;
+      light.ambient_e(x, y) = electrons * inputs.ambient(x, y);
     }
   });
   return light;
 }
 
-Image<float> pattern_snr(const PatternLight& light, double margin_weight) {
-  Image<float> snr(light.signal_e.width(), light.signal_e.height());
+float log2_pattern_snr(float signal_e, float dots_e, float ambient_e, const PatternLight& light,
+                       const PatternNoise& noise) {
+  if (!(signal_e > 0)) return -std::numeric_limits<float>::infinity();
   const auto still =
-      static_cast<float>(light.still_e2 + margin_weight * light.margin_e * light.margin_e);
-  std::transform(light.signal_e.begin(), light.signal_e.end(), light.light_e.begin(), snr.begin(),
-                 [&](float s, float all) { return s > 0 ? s / std::sqrt(all + still) : 0.0F; });
+      static_cast<float>(light.still_e2 + noise.margin * light.margin_e * light.margin_e);
+  const float variance = static_cast<float>(noise.dots) * dots_e + ambient_e + still;
+  return 0.5F * std::log2(signal_e * signal_e / variance);
+}
+
+Image<float> log2_pattern_snr(const PatternLight& light, const PatternNoise& noise) {
+  Image<float> snr(light.signal_e.width(), light.signal_e.height());
+  tbb::parallel_for(0, snr.height(), [&](int y) {
+    for (int x = 0; x < snr.width(); ++x) {
+      snr(x, y) = log2_pattern_snr(light.signal_e(x, y), light.dots_e(x, y), light.ambient_e(x, y),
+                                   light, noise);
+    }
+  });
   return snr;
 }
 

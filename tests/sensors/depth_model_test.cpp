@@ -4,7 +4,10 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <tuple>
 
+#include "sim/sensors/fast_normal.h"
+#include "sim/sensors/match_contrast.h"
 #include "sim/sensors/noise_grain.h"
 #include "tests/sensors/depth_test_scenes.h"
 
@@ -37,8 +40,12 @@ ActiveStereoConfig plain_model(double spatial_px, double temporal_px, double fil
   m.log2_snr = {-4, 4};
   m.spatial_px = {spatial_px, spatial_px};
   m.temporal_px = {temporal_px, temporal_px};
-  m.fill = {fill, fill};
-  m.slope_noise = m.slope_loss = m.ripple_px = m.bias_px = m.fatten_px = m.rim_px = m.band_px = 0;
+  m.spatial_wave = m.temporal_wave = m.ripple_px = m.fill_wave = {0, 0};
+  m.contrast = {0, 4};
+  const double score = fill <= 0 ? -10 : fill >= 1 ? 10 : normal_quantile(fill);
+  m.fill_score = {score, score};
+  m.slope_spatial = m.slope_temporal = m.slope_fill = m.bias_px = m.fatten_px = m.rim_px =
+      m.band_px = 0;
   return config;
 }
 
@@ -103,7 +110,6 @@ TEST(DepthModel, FillIsTheShareAsked) {
 
 TEST(DepthModel, NoLightIsNoDepthAndNoTexture) {
   ActiveStereoConfig config = plain_model(0.1, 0.1);
-  config.model.fill = {0, 1};
   config.has_projector = false;
   const ModelDepth depth = model_depth(wall(1), config, Rng(1), Rng(2));
   EXPECT_EQ(depth.depth(200, 100), 0);
@@ -113,11 +119,58 @@ TEST(DepthModel, NoLightIsNoDepthAndNoTexture) {
 TEST(DepthModel, RippleGoesWithTheFractionOfTheDisparity) {
   ActiveStereoConfig config = plain_model(0, 0);
   config.disparity_step_px = 0;
-  config.model.ripple_px = 0.05;
+  config.model.ripple_px = {0.05, 0.05};
   for (const double d : {18.0, 18.25, 18.5, 18.75}) {
     const ModelDepth depth = model_depth(wall(kFocalBaseline / d), config, Rng(1), Rng(2));
     EXPECT_NEAR(depth.disparity_px(200, 100), d + 0.05 * std::sin(2 * M_PI * d), 1e-4) << d;
   }
+}
+
+TEST(DepthModel, NoiseAndFillGoWithTheFractionOfTheDisparity) {
+  ActiveStereoConfig config = plain_model(0.1, 0, 0.5);
+  config.disparity_step_px = 0;
+  config.model.grain_px = 3;
+  config.model.spatial_wave = {0.4, 0.4};
+  config.model.fill_wave = {1, 1};
+  for (const auto& [d, sigma_px, fill] :
+       {std::tuple{18.0, 0.14, 0.8413}, {18.25, 0.1, 0.5}, {18.5, 0.06, 0.1587}}) {
+    const ModelDepth depth = model_depth(wall(kFocalBaseline / d), config, Rng(1), Rng(2));
+    double n = 0, squares = 0;
+    for (int y = 0; y < 240; ++y) {
+      for (int x = 40; x < 320; ++x) {
+        if (std::isnan(depth.disparity_px(x, y))) continue;
+        n += 1;
+        squares += std::pow(double(depth.disparity_px(x, y)) - d, 2);
+      }
+    }
+    // 7500 grains of 9 pixels: 0.6 points of a half; at a sixth filled, 2 % of a sigma.
+    EXPECT_NEAR(n / (280 * 240), fill, 0.02) << d;
+    EXPECT_NEAR(std::sqrt(squares / n) / sigma_px, 1, 0.09) << d;
+  }
+}
+
+TEST(DepthModel, AWaveDiesWhereAWindowSpansAWholePixel) {
+  for (const float slope : {0.0F, 0.02F, 0.05F, 0.08F}) {
+    const double t = M_PI * 11 * static_cast<double>(slope);
+    EXPECT_NEAR(wave_share(slope, 11), t > 0 ? std::sin(t) / t : 1, 0.02) << slope;
+  }
+  EXPECT_EQ(wave_share(0.1F, 11), 0);
+}
+
+TEST(MatchContrast, KnowsSignalFromNoiseByTheMargin) {
+  const ActiveStereoConfig config = small_depth_camera();
+  PatternLight light;
+  light.still_e2 = 40;
+  light.margin_e = 60;
+  const MatchContrast contrast(config, light, 0.5, 2);
+  EXPECT_EQ(contrast(0, 100), 0);
+  EXPECT_GT(contrast(400, 100), contrast(100, 100));
+  EXPECT_GT(contrast(200, 100), contrast(200, 4000));
+  // A margin above the noise leaves even places empty: windows differ by dots alone.
+  light.margin_e = 5;
+  EXPECT_GT(contrast(300, 1000), MatchContrast(config, light, 0.5, 2)(300, 1000));
+  // Noise alone sets the same bits anywhere: the ratio of p (1 - p) to itself.
+  EXPECT_NEAR(MatchContrast(config, light, 0.5, 2)(0.05F, 4000), 0, 0.02);
 }
 
 TEST(DepthModel, TheBandAndTheRangeAreThoseOfTheDisparity) {
@@ -189,7 +242,7 @@ TEST(DepthModel, RenderedInputsAreTheScenes) {
 TEST(DepthModel, MoreLightOnThePatternIsMoreSignal) {
   const ActiveStereoConfig config = small_depth_camera();
   const auto snr = [&](const DepthModelInputs& inputs) {
-    return pattern_snr(pattern_light(inputs, config), 0)(200, 100);
+    return log2_pattern_snr(pattern_light(inputs, config), {0.25, 0})(200, 100);
   };
   EXPECT_GT(snr(wall(2)), snr(wall(4)));
   EXPECT_GT(snr(wall(4, 0.6F)), snr(wall(4, 0.1F)));
@@ -214,7 +267,7 @@ TEST(DepthModel, RejectsWhatDoesNotFit) {
   DepthModelInputs inputs = wall(1);
   inputs.albedo = Image<float>(3, 3);
   EXPECT_THROW(model_depth(inputs, config, Rng(1), Rng(2)), std::invalid_argument);
-  config.model.fill.pop_back();
+  config.model.fill_score.pop_back();
   EXPECT_THROW(model_depth(wall(1), config, Rng(1), Rng(2)), std::invalid_argument);
   config = small_depth_camera();
   config.model.log2_snr[1] = config.model.log2_snr[0];

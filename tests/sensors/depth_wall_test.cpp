@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sim/sensors/fast_normal.h"
 #include "tests/sensors/depth_test_scenes.h"
 
 namespace cousin {
@@ -18,9 +19,11 @@ TEST(DepthWall, ScoresFindTheErrorsThatWerePutIn) {
   m.log2_snr = {-20, 20};
   m.spatial_px = {0.08, 0.08};
   m.temporal_px = {0.05, 0.05};
-  m.fill = {0.8, 0.8};
-  m.slope_noise = m.slope_loss = m.fatten_px = m.rim_px = 0;
-  m.ripple_px = 0.04;
+  m.spatial_wave = m.temporal_wave = m.fill_wave = {0, 0};
+  m.contrast = {0, 20};
+  m.fill_score = {normal_quantile(0.8), normal_quantile(0.8)};
+  m.slope_spatial = m.slope_temporal = m.slope_fill = m.fatten_px = m.rim_px = 0;
+  m.ripple_px = {0.04, 0.04};
   m.bias_px = 0.1;
   m.band_px = 2;
   m.grain_px = 5;
