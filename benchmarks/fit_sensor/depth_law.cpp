@@ -165,7 +165,7 @@ void set_bias(const Walls& walls, const DepthGeometry& geometry, DepthFit& fit) 
   const auto weight_of = [&](const WallStatistics& w) {
     // Of the tape, and of the plane's mean.
     const double tape = w.disparity_px * w.distance_sigma_m / w.distance_m;
-    const double plane = 4 * w.sigma_px.value / std::sqrt(static_cast<double>(w.pixels));
+    const double plane = w.disparity_sigma_px;
     return 1 / (tape * tape + plane * plane);
   };
   const double focal_baseline = geometry.focal_px * geometry.baseline_m;

@@ -130,11 +130,26 @@ struct TileSums {
   double inverse_n = 0;  ///< sum of 1 / n
 };
 
+/// Where a pixel lies in the region: 1, and -1 to 1 across and down.
+class RegionPlace {
+ public:
+  explicit RegionPlace(const DepthGeometry& g)
+      : half_x_(0.5 * g.region.width),
+        half_y_(0.5 * g.region.height),
+        middle_x_(g.region.x + half_x_ - 0.5),
+        middle_y_(g.region.y + half_y_ - 0.5) {}
+  Eigen::Vector3d row(double x, double y) const {
+    return {1, (x - middle_x_) / half_x_, (y - middle_y_) / half_y_};
+  }
+
+ private:
+  double half_x_, half_y_, middle_x_, middle_y_;
+};
+
 TileSums gather(const WallSums& sums, const DepthGeometry& g, const Eigen::Vector3d& plane,
                 int least_frames) {
   TileSums out(sums.tiles());
-  const double half_x = 0.5 * g.region.width, half_y = 0.5 * g.region.height;
-  const double centre_x = g.region.x + half_x - 0.5, centre_y = g.region.y + half_y - 0.5;
+  const RegionPlace place(g);
   sums.for_region([&](int x, int y) {
     const PixelSums& p = sums.pixel(x, y);
     const auto n = static_cast<double>(p.n);
@@ -145,7 +160,8 @@ TileSums gather(const WallSums& sums, const DepthGeometry& g, const Eigen::Vecto
     out.freedom[tile] += n - 1;
     out.pixels[tile] += 1;
     out.inverse_n += 1 / n;
-    const double u = (x - centre_x) / half_x, v = (y - centre_y) / half_y;
+    const Eigen::Vector3d at = place.row(x, y);
+    const double u = at(1), v = at(2);
     const double d = plane(0) + plane(1) * sums.x_of(x) + plane(2) * sums.y_of(y);
     const double phase = 2 * std::numbers::pi * (d - std::floor(d));
     TileRegression::Row row;
@@ -243,7 +259,8 @@ std::string problem_of(const WallStatistics& s, const DepthGeometry& g,
   return {};
 }
 
-void add_ripple_bins(const WallSums& sums, const Eigen::Vector3d& plane, WallStatistics& s) {
+void add_ripple_bins(const WallSums& sums, const RegionPlace& place, const Eigen::Vector3d& plane,
+                     const Eigen::Vector3d& beside, WallStatistics& s) {
   s.ripple_bins.assign(kRippleBins, {});
   sums.for_region([&](int x, int y) {
     const PixelSums& p = sums.pixel(x, y);
@@ -251,9 +268,19 @@ void add_ripple_bins(const WallSums& sums, const Eigen::Vector3d& plane, WallSta
     const double d = plane(0) + plane(1) * sums.x_of(x) + plane(2) * sums.y_of(y);
     const auto bin = static_cast<std::size_t>((d - std::floor(d)) * kRippleBins);
     RippleBin& b = s.ripple_bins[std::min(bin, s.ripple_bins.size() - 1)];
-    b.sum_px += p.sum / static_cast<double>(p.n);
+    b.sum_px += p.sum / static_cast<double>(p.n) - beside.dot(place.row(x, y));
     b.pixels += 1;
   });
+}
+
+/// The plane beside the ripple: a plane fitted alone takes a part of a wave that has few periods.
+void set_plane(const TileRegression::Fit& fit, const DepthGeometry& g, WallStatistics& s) {
+  const Eigen::Vector3d middle =
+      RegionPlace(g).row(0.5 * (g.width_px - 1), 0.5 * (g.height_px - 1));
+  s.disparity_px += fit.coefficients.head<3>().dot(middle);
+  s.disparity_sigma_px =
+      std::sqrt(std::max(0.0, middle.dot(fit.covariance.topLeftCorner<3, 3>() * middle)));
+  s.depth_m = g.focal_px * g.baseline_m / s.disparity_px;
 }
 
 WallSums sums_of(const WallFrames& wall, const DepthGeometry& g) {
@@ -325,9 +352,10 @@ WallStatistics wall_statistics(const WallFrames& wall, const DepthGeometry& g) {
     s.ripple_px = fit.coefficients.tail<2>();
     s.ripple_covariance = fit.covariance.bottomRightCorner<2, 2>();
   }
+  set_plane(fit, g, s);
   set_noise(tiles, fit, g, s);
   set_bend(tiles, s.ripple_seen, variance_of_means(fit), s);
-  add_ripple_bins(sums, plane, s);
+  if (s.ripple_seen) add_ripple_bins(sums, RegionPlace(g), plane, fit.coefficients.head<3>(), s);
   s.problem = problem_of(s, g, plane, within < kStill_px2 * static_cast<double>(s.pixels));
   return s;
 }

@@ -51,18 +51,19 @@ struct WallStatistics {
   double distance_m = 0, distance_sigma_m = 0.002;  ///< stated
   double albedo = 0.5, light = 0.02;
   int frames = 0, tiles = 0;
-  std::int64_t pixels = 0;   ///< with a depth in at least half of the frames
-  double disparity_px = 0;   ///< of the planes' mean in the image's middle
-  double depth_m = 0;        ///< the same
-  double incidence_rad = 0;  ///< angle between the wall's normal and the optical axis
-  double drift_px = 0;       ///< standard deviation of the planes over the frames
-  double quantum_px = 0;     ///< step of the depth there, as disparity
-  Measured spatial_px;       ///< what stays from frame to frame, without ripple and rounding
-  Measured temporal_px;      ///< of one pixel over the frames, without rounding
-  Measured sigma_px;         ///< both
-  Measured fill;             ///< share of pixels and frames with a depth
-  double wrong = 0;          ///< share of those that are not the wall's
-  bool ripple_seen = false;  ///< the disparities span enough fractions
+  std::int64_t pixels = 0;        ///< with a depth in at least half of the frames
+  double disparity_px = 0;        ///< of the planes' mean in the image's middle, beside the ripple
+  double disparity_sigma_px = 0;  ///< its standard error
+  double depth_m = 0;             ///< the same
+  double incidence_rad = 0;       ///< angle between the wall's normal and the optical axis
+  double drift_px = 0;            ///< standard deviation of the planes over the frames
+  double quantum_px = 0;          ///< step of the depth there, as disparity
+  Measured spatial_px;            ///< what stays from frame to frame, without ripple and rounding
+  Measured temporal_px;           ///< of one pixel over the frames, without rounding
+  Measured sigma_px;              ///< both
+  Measured fill;                  ///< share of pixels and frames with a depth
+  double wrong = 0;               ///< share of those that are not the wall's
+  bool ripple_seen = false;       ///< the disparities span enough fractions
   Eigen::Vector2d ripple_px = Eigen::Vector2d::Zero();  ///< of sin(2 pi d) and cos(2 pi d)
   Eigen::Matrix2d ripple_covariance = Eigen::Matrix2d::Zero();
   double bend_px = 0;  ///< RMS of what second-order terms of the plane explain

@@ -377,7 +377,7 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   for (const Chart& chart : input.charts) {
     if (has_points(chart)) plots.push_back(chart_plot(chart));
   }
-  add_plots(page, "charts", "Measured", plots, true);
+  add_plots(page, "charts", "Measured", plots, false);
   plots.clear();
   for (const Distribution& distribution : input.distributions) {
     if (can_draw(distribution)) plots.push_back(distribution_plot(distribution));
