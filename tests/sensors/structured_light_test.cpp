@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <functional>
 
 namespace cousin {
 namespace {
@@ -27,9 +28,9 @@ StructuredLightInputs plane(const StructuredLightConfig& config, double z_m, dou
 }
 
 /// RMS error over the image's middle and what `law` says of each pixel.
-template <class Law>
 std::pair<double, double> spread(const StructuredLightConfig& config,
-                                 const StructuredLightInputs& in, const Law& law) {
+                                 const StructuredLightInputs& in,
+                                 const std::function<double(double, double)>& law) {
   const StructuredLightDepth depth = sense_structured_light(in, config, Rng(3));
   double n = 0, squares = 0, expected = 0;
   for (int y = 120; y < 360; ++y) {
