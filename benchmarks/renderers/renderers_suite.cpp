@@ -177,7 +177,7 @@ Fields fields(RenderersConfig& c) {
       {"most_samples", &c.most_samples, "a pixel, of Cycles' adaptive sampling", 1, 1 << 20},
       {"reference_passes", &c.reference_passes, "of each converged image; below 2: none", 0, 1000},
       {"reference_samples", &c.reference_samples, "a pixel of a pass", 1, 1 << 20},
-      {"closed_form_samples", &c.closed_form_samples, "of each closed form", 1024, 1 << 30},
+      {"closed_form_samples", &c.closed_form_samples, "of each closed form", 8192, 1 << 30},
   };
 }
 

@@ -75,7 +75,7 @@ double cached(const Scene& scene) {
   const RayScene rays(scene);
   RadianceConfig config;
   config.max_bounces = 0;
-  config.irradiance_samples = 4096;
+  config.irradiance_samples = 1024;
   const IrradianceCache cache(rays, scene, config, Rng(2));
   return mean_green(render_radiance(rays, scene, cache, from_above(), config, Rng(3)));
 }
@@ -125,7 +125,7 @@ TEST(EnvironmentIo, AConstantFileIsAFurnace) {
   write_exr_color(folder.path() / "even.exr", Image<Rgbf>(32, 16, {4, 4, 4}));
   const Environment environment = read_environment(folder.path() / "even.exr", 0.25);
   const Scene scene = floor_under(environment, 1);
-  // White under an even light cannot be seen. The path tracer draws 16,384 samples; the cache 4,096
+  // White under an even light cannot be seen. The path tracer draws 16,384 samples; the cache 1,024
   // by each way at the few points that the view lies between.
   EXPECT_NEAR(path_traced(scene, 64), 1, 2e-3);
   EXPECT_NEAR(cached(scene), 1, 2e-3);
@@ -138,9 +138,9 @@ TEST(EnvironmentIo, SamplingByImportanceAgreesWithBruteForce) {
   const double expected = 0.5 / kPi * irradiance_of(spotted_sky());
   // The spot gives most of the light; drawn by the surface's cosine alone, one ray in 2,000 meets
   // it and 64 samples of 256 pixels would err by 35 % / 16 * sqrt(30). Drawn by its brightness the
-  // error of the path tracer is below 0.2 %, the cache's, of fewer points, 0.4 %.
+  // error of the path tracer is below 0.2 %, the cache's, of fewer points, 0.8 %.
   EXPECT_NEAR(path_traced(scene, 64), expected, 0.01 * expected);
-  EXPECT_NEAR(cached(scene), expected, 0.02 * expected);
+  EXPECT_NEAR(cached(scene), expected, 0.04 * expected);
 }
 
 TEST(EnvironmentIo, APictureComesBackBitByBitWithTheTruth) {

@@ -27,7 +27,7 @@ RenderersConfig small(const fs::path& folder) {
   config.most_samples = 64;
   config.reference_passes = 2;
   config.reference_samples = 64;
-  config.closed_form_samples = 1 << 12;
+  config.closed_form_samples = 1 << 13;
   return config;
 }
 
