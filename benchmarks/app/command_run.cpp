@@ -112,7 +112,8 @@ std::vector<ScoreRow> left_out_rows(const SeedsRunConfig& config, std::uint64_t 
   others.flow = !planned.flow;
   measure("truth_passes", [&] { simulation.truth(0, others); });
   const Streams left = left_out_streams(config);
-  if (left.depth || left.infrared) {
+  const bool matched = planned_streams(config).depth && config.capture.depth_by == DepthBy::matched;
+  if (left.depth || (left.infrared && !matched)) {  // what is matched was rendered anyway
     measure("infrared_and_depth",
             [&] { simulation.take(0, {.infrared = left.infrared, .depth = left.depth}); });
   }

@@ -123,12 +123,14 @@ std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution
 
 std::string describe(const std::vector<PlanEntry>& plan) {
   std::string text;
+  std::size_t width = 0;
+  for (const PlanEntry& entry : plan) width = std::max(width, entry.pass.size());
   for (const bool runs : {true, false}) {
     text += runs ? "runs:\n" : "left out:\n";
     for (const PlanEntry& entry : plan) {
       if (entry.runs != runs) continue;
       std::string pass = entry.pass;
-      pass.resize(std::max<std::size_t>(20, pass.size()), ' ');
+      pass.resize(width, ' ');
       text += "  " + pass + " " + entry.why + "\n";
     }
   }

@@ -74,22 +74,38 @@ DepthVolume depth_volume(const SeedsPipelineConfig& config, const SeedBoard& boa
   return {volume.low_m, volume.high_m};
 }
 
-/// The fusion's configuration for depths of a sensor: the median of their sigmas says how far two
-/// of them differ.
-FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths) {
+/// Median of the depths' sigmas; 0 if none has one.
+double median_sigma_m(const Depths& depths) {
   std::vector<float> sigmas;
   for (const FrameDepth& frame : depths) {
     for (const float sigma : frame.sigma_m) {
       if (std::isfinite(sigma)) sigmas.push_back(sigma);
     }
   }
-  FuseConfig fuse = config.fuse;
-  if (sigmas.empty()) return fuse;
+  if (sigmas.empty()) return 0;
   const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
   std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return static_cast<double>(*middle);
+}
+
+/// The fusion's configuration for depths of a sensor: their sigma says how far two of them differ.
+FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths) {
+  FuseConfig fuse = config.fuse;
   fuse.agreement_m =
-      std::clamp(config.agreement_sigmas * static_cast<double>(*middle), fuse.agreement_m, 0.1);
+      std::clamp(config.agreement_sigmas * median_sigma_m(depths), fuse.agreement_m, 0.1);
   return fuse;
+}
+
+/// What rises above the board by less than its depth's noise is no object.
+BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Depths& depths) {
+  BoardClusterConfig clusters = config.clusters;
+  if (config.method != SeedsMethod::sensor_depth && config.method != SeedsMethod::depth_only)
+    return clusters;
+  const double sigma_m = median_sigma_m(depths);
+  clusters.min_height_m = std::max(clusters.min_height_m, std::min(sigma_m, config.tallest_m));
+  clusters.min_top_m =
+      std::max(clusters.min_top_m, std::min(config.agreement_sigmas * sigma_m, config.tallest_m));
+  return clusters;
 }
 
 /// Runs one stage, times it and tells the observer; an exception names the stage and keeps what is
@@ -131,7 +147,8 @@ Fields fields(SeedsPipelineConfig& config) {
                  [&config](const std::string& text) { config.board_kind = board_kind_of(text); }},
        "calibration board: as_reported by the capture, markers or plain"},
       {"agreement_sigmas", &config.agreement_sigmas,
-       "sensor_depth, depth_only: depths agree within so many sigmas", 0.1, 100},
+       "sensor_depth, depth_only: depths agree within so many sigmas, and objects rise by as many",
+       0.1, 100},
       {"margin_m", &config.margin_m, "reconstructed beyond the plate's edge", 0, 1},
       {"below_board_m", &config.below_board_m, "reconstructed below the board's face", 0, 1},
       {"tallest_m", &config.tallest_m, "tallest object on the board", 0.001, 1},
@@ -228,7 +245,7 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     return stages;
   }
   stages.clusters = [config](const Capture&, const SeedsEstimate& so_far) {
-    return cluster_on_board(so_far.cloud, config.clusters);
+    return cluster_on_board(so_far.cloud, clusters_for(config, so_far.depths));
   };
   if (config.method != SeedsMethod::ours) take_sensor_depth(config, stages);
   if (config.method == SeedsMethod::depth_only) {

@@ -182,8 +182,10 @@ void write_capture_index(const fs::path& scene_dir, const Capture& capture) {
       const auto has = [&](ImageKind kind, const auto& image) {
         return !image.empty() || fs::exists(image_file(scene_dir, capture, s, kind, frame.id));
       };
-      const bool is_grey = !frame.sensors[s].grey.empty();  // they share a folder
-      of_frame.push_back({.color = !is_grey && has(ImageKind::color, frame.sensors[s].color),
+      // Colour, grey and depth alone share a folder.
+      const bool is_grey = !frame.sensors[s].grey.empty();
+      const bool may_be_color = !is_grey && capture.rig[s].name != kDepthSensor;
+      of_frame.push_back({.color = may_be_color && has(ImageKind::color, frame.sensors[s].color),
                           .grey = is_grey,
                           .raw = has(ImageKind::raw, frame.sensors[s].raw),
                           .depth = has(ImageKind::depth, frame.sensors[s].depth)});

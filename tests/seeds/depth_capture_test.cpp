@@ -1,6 +1,8 @@
 // Rigs other than phones in the loop: small images, an empty board.
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/simulate.h"
 #include "benchmarks/seeds/truth_choice.h"
@@ -11,6 +13,17 @@
 
 namespace cousin {
 namespace {
+
+/// What a mistake of the caller is told; "" if there is none.
+template <class Work>
+std::string refusal_of(const Work& work) {
+  try {
+    work();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
 
 std::vector<std::string> sphere_with(const std::vector<std::string>& more) {
   std::vector<std::string> sets = {"sphere=true",
@@ -128,7 +141,7 @@ TEST(DepthCaptures, AMethodThatReadsDepthSaysWhatTheCaptureLacks) {
   SeedsPipelineConfig pipeline;
   pipeline.method = SeedsMethod::sensor_depth;
   const auto message = [&] {
-    return error_of([&] { perceive_seeds(run.capture, pipeline, 1, {}, 0, {}); });
+    return refusal_of([&] { perceive_seeds(run.capture, pipeline, 1, {}, 0, {}); });
   };
   EXPECT_EQ(message(),
             "method sensor_depth reads the depth images of a depth camera; the capture has none");

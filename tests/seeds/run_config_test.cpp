@@ -15,6 +15,17 @@
 namespace cousin {
 namespace {
 
+/// What a mistake of the caller is told; "" if there is none.
+template <class Work>
+std::string refusal_of(const Work& work) {
+  try {
+    work();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
 const PhoneConfig& phone_of(const SeedsRunConfig& config) {
   return std::get<PhoneConfig>(config.rig);
 }
@@ -185,7 +196,7 @@ TEST(SeedsStreams, AreWhatIsReadAndForADatasetAllThatThereIs) {
   EXPECT_EQ(text({"rig=d457", "streams=depth"}, Reader::anybody), "depth");
   EXPECT_EQ(text({"rig=d457", "streams=all"}, Reader::pipeline), "color,infrared,depth");
   const auto mistake = [&](const std::vector<std::string>& sets) {
-    return error_of([&] { text(sets, Reader::pipeline); });
+    return refusal_of([&] { text(sets, Reader::pipeline); });
   };
   EXPECT_EQ(mistake({"rig=d457", "streams=depth"}),
             "streams = \"depth\" leaves out what method ours reads: color");
