@@ -22,7 +22,7 @@ struct Verb {
   const char* name;
   ExitCode (*run)(const JobContext&);
 };
-constexpr std::array<Verb, 13> kVerbs = {{{"scenes", command_scenes},
+constexpr std::array<Verb, 14> kVerbs = {{{"scenes", command_scenes},
                                           {"rigs", command_rigs},
                                           {"methods", command_methods},
                                           {"doctor", command_doctor},

@@ -54,7 +54,7 @@ WallFrames record_wall(const HiddenDevice& device, const RecordingPlan& plan, do
       z_m / std::sqrt(plan.distances_m.front() * plan.distances_m.back()), plan.noise_exponent - 2);
   set_even_noise(config->model, off_law * spatial_px_at(device, z_m),
                  off_law * temporal_px_at(device, z_m), fill_at(device, z_m),
-                 device.config.model.ripple_px);
+                 device.config.model.ripple_px.front());
   const PlaneBefore plane{z_m, 0.5 * plan.turn_rad, plan.turn_rad, 0.5, 0.02};
   auto inputs = std::make_shared<DepthModelInputs>(plane_inputs(plane, *config));
   if (plan.bend_m != 0) bend(*inputs, plan.bend_m);
@@ -109,7 +109,8 @@ HiddenDevice draw_hidden_device(const std::string& rig, const Rng& rng) {
   device.temporal_exponent = uniform(draw, 0.2, 1);
   device.half_fill_m = uniform(draw, 4, 7);
   device.fill_power = uniform(draw, 3, 5);
-  device.config.model.ripple_px = uniform(draw, 0.01, 0.06);
+  device.config.model.ripple_px.assign(device.config.model.log2_snr.size(),
+                                       uniform(draw, 0.01, 0.06));
   device.config.model.bias_px = uniform(draw, -0.04, 0.04);
   device.config.model.grain_px = uniform(draw, 3, 7);
   device.camera = draw_camera(rng.fork("camera"));
@@ -187,7 +188,8 @@ std::vector<HiddenParameter> hidden_parameters(const HiddenDevice& device, const
     law("spatial_d", d.spatial, s, device.spatial_exponent);
     if (d.temporal_solved) law("temporal_d", d.temporal, t, device.temporal_exponent);
     if (d.ripple_solved)
-      out.push_back({"ripple_d", "px", std::abs(device.config.model.ripple_px), d.ripple_px});
+      out.push_back(
+          {"ripple_d", "px", std::abs(device.config.model.ripple_px.front()), d.ripple_px});
     if (d.bias_solved) out.push_back({"bias_d", "px", device.config.model.bias_px, d.bias_px});
     out.push_back({"scale", "1", 1, d.scale});
     for (const WallStatistics& w : d.walls) {

@@ -2,9 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
+
+#include "sim/sensors/fast_normal.h"
+#include "sim/sensors/match_contrast.h"
 
 namespace cousin {
 namespace {
@@ -27,23 +32,30 @@ std::string list(const std::vector<double>& values) {
   return out + "]";
 }
 
-/// Noise and fill at one signal-to-noise ratio.
-struct Knot {
-  double log2_snr, spatial_px, temporal_px, fill;
-};
-
-/// Median ratio in the middle half of a wall's image.
-double wall_log2_snr(const WallStatistics& wall, const ActiveStereoConfig& config) {
-  const PlaneBefore plane{wall.depth_m, 0, wall.incidence_rad, wall.albedo, wall.light};
-  const Image<float> snr =
-      pattern_snr(pattern_light(plane_inputs(plane, config), config), config.model.margin_weight);
+/// Median in the middle half of an image.
+double middle_median(const Image<float>& image) {
   std::vector<float> middle;
-  for (int y = snr.height() / 4; y < 3 * snr.height() / 4; y += 4) {
-    for (int x = snr.width() / 4; x < 3 * snr.width() / 4; x += 4) middle.push_back(snr(x, y));
+  for (int y = image.height() / 4; y < 3 * image.height() / 4; y += 4) {
+    for (int x = image.width() / 4; x < 3 * image.width() / 4; x += 4)
+      middle.push_back(image(x, y));
   }
   const auto at = middle.begin() + static_cast<std::ptrdiff_t>(middle.size() / 2);
   std::nth_element(middle.begin(), at, middle.end());
-  return std::log2(std::max(static_cast<double>(*at), 1e-6));
+  return static_cast<double>(*at);
+}
+
+/// What the model's curves run over, at one wall.
+struct WallLight {
+  double log2_snr, contrast;
+};
+WallLight wall_light(const WallStatistics& wall, const ActiveStereoConfig& config) {
+  const PlaneBefore plane{wall.depth_m, 0, wall.incidence_rad, wall.albedo, wall.light};
+  const PatternLight light = pattern_light(plane_inputs(plane, config), config);
+  const double log2_snr = middle_median(log2_pattern_snr(light, config.model.noise_from));
+  const MatchContrast contrast(config, light, config.model.fill_dots, config.model.fill_spread);
+  return {std::max(log2_snr, -20.0),
+          static_cast<double>(contrast(static_cast<float>(middle_median(light.signal_e)),
+                                       static_cast<float>(middle_median(light.ambient_e))))};
 }
 
 /// The preset's curve, linear between its knots.
@@ -56,51 +68,112 @@ double at_knots(const std::vector<double>& x, const std::vector<double>& y, doub
   return y[i - 1] * (1 - t) + y[i] * t;
 }
 
-/// One knot a wall, those nearer than 0.1 to each other merged.
-std::vector<Knot> knots_of(const DepthFit& fit, const ActiveStereoConfig& config) {
+/// What a fit says at one place of a curve's axis: a sigma of each noise, or a score.
+struct Knot {
+  double x;
+  std::array<double, 2> value;
+};
+
+/// Those nearer than 0.1 to each other as one.
+std::vector<Knot> merged(std::vector<Knot> knots) {
+  std::sort(knots.begin(), knots.end(), [](const Knot& a, const Knot& b) { return a.x < b.x; });
+  std::vector<Knot> result;
+  for (const Knot& k : knots) {
+    if (result.empty() || k.x - result.back().x > 0.1) {
+      result.push_back(k);
+      continue;
+    }
+    for (std::size_t i = 0; i < k.value.size(); ++i)
+      result.back().value[i] = 0.5 * (result.back().value[i] + k.value[i]);
+  }
+  return result;
+}
+
+/// The preset's knots below the first and above the last, moved by `move(preset's value at a knot,
+/// preset's at the edge, fitted at the edge)`.
+template <class Move>
+std::vector<Knot> continued(const std::vector<Knot>& inner, const std::vector<double>& x,
+                            const std::array<const std::vector<double>*, 2>& curves,
+                            const Move& move) {
+  std::vector<Knot> result;
+  const auto add_beyond = [&](const Knot& edge, bool below) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (below ? x[i] > edge.x - 0.1 : x[i] < edge.x + 0.1) continue;
+      Knot knot{x[i], {}};
+      for (std::size_t k = 0; k < knot.value.size(); ++k)
+        knot.value[k] = move((*curves[k])[i], at_knots(x, *curves[k], edge.x), edge.value[k]);
+      result.push_back(knot);
+    }
+  };
+  add_beyond(inner.front(), true);
+  result.insert(result.end(), inner.begin(), inner.end());
+  add_beyond(inner.back(), false);
+  if (result.size() == 1) result.push_back({result.front().x + 1, result.front().value});
+  return result;
+}
+
+/// Sigmas over the pattern's ratio, a knot a wall.
+std::vector<Knot> noise_knots(const DepthFit& fit, const ActiveStereoConfig& config) {
+  const DepthModelConfig& model = config.model;
   std::vector<Knot> knots;
   for (const WallStatistics& w : fit.walls) {
     if (!w.problem.empty()) continue;
     const bool is_of_law = std::any_of(fit.held_out.begin(), fit.held_out.end(),
                                        [&](const HeldOut& h) { return h.wall == w.name; });
-    const double x = wall_log2_snr(w, config);
-    const double preset = at_knots(config.model.log2_snr, config.model.temporal_px, x);
+    const double x = wall_light(w, config).log2_snr;
     const double temporal = is_of_law ? value_at(fit.temporal, w.depth_m) : w.temporal_px.value;
-    knots.push_back({x, is_of_law ? value_at(fit.spatial, w.depth_m) : w.spatial_px.value,
-                     fit.temporal_solved ? temporal : preset, w.fill.value});
+    knots.push_back(
+        {x,
+         {is_of_law ? value_at(fit.spatial, w.depth_m) : w.spatial_px.value,
+          fit.temporal_solved ? temporal : at_knots(model.log2_snr, model.temporal_px, x)}});
   }
-  std::sort(knots.begin(), knots.end(),
-            [](const Knot& a, const Knot& b) { return a.log2_snr < b.log2_snr; });
-  std::vector<Knot> merged;
-  for (const Knot& k : knots) {
-    if (merged.empty() || k.log2_snr - merged.back().log2_snr > 0.1) {
-      merged.push_back(k);
-      continue;
-    }
-    Knot& last = merged.back();
-    last.spatial_px = 0.5 * (last.spatial_px + k.spatial_px);
-    last.temporal_px = 0.5 * (last.temporal_px + k.temporal_px);
-    last.fill = 0.5 * (last.fill + k.fill);
-  }
-  return merged;
+  return continued(merged(knots), model.log2_snr, {&model.spatial_px, &model.temporal_px},
+                   [](double preset, double preset_at_edge, double fitted) {
+                     return std::min(100.0, preset * fitted / std::max(preset_at_edge, 1e-3));
+                   });
 }
 
-/// The preset's knots beyond `edge`, scaled by what the fit is of the preset there.
-std::vector<Knot> beyond(const Knot& edge, bool below, const DepthModelConfig& model) {
-  const auto ratio = [&](const std::vector<double>& curve, double fitted) {
-    return fitted / std::max(at_knots(model.log2_snr, curve, edge.log2_snr), 1e-3);
-  };
+/// The fill's score over the matcher's contrast, a knot a wall. A wall without a hole only says
+/// that its score is at least that of one hole in some thousand windows.
+std::vector<Knot> fill_knots(const DepthFit& fit, const ActiveStereoConfig& config) {
+  constexpr double kRarest = 3e-4;
+  const DepthModelConfig& model = config.model;
   std::vector<Knot> knots;
-  for (std::size_t i = 0; i < model.log2_snr.size(); ++i) {
-    const double x = model.log2_snr[i];
-    if (below ? x > edge.log2_snr - 0.1 : x < edge.log2_snr + 0.1) continue;
-    const double fill = model.fill[i] * ratio(model.fill, edge.fill);
-    knots.push_back(
-        {x, model.spatial_px[i] * ratio(model.spatial_px, edge.spatial_px),
-         model.temporal_px[i] * ratio(model.temporal_px, edge.temporal_px),
-         std::clamp(below ? std::min(fill, edge.fill) : std::max(fill, edge.fill), 0.0, 1.0)});
+  for (const WallStatistics& w : fit.walls) {
+    if (!w.problem.empty()) continue;
+    const double x = wall_light(w, config).contrast;
+    const double slope = config.baseline_m / w.depth_m * std::tan(w.incidence_rad);
+    double score = normal_quantile(std::clamp(w.fill.value, kRarest, 1 - kRarest)) +
+                   model.slope_fill * slope * slope;
+    if (w.fill.value > 1 - kRarest)
+      score = std::max(score, at_knots(model.contrast, model.fill_score, x));
+    knots.push_back({x, {score, 0}});
   }
-  return knots;
+  std::vector<Knot> result =
+      continued(merged(knots), model.contrast, {&model.fill_score, &model.fill_score},
+                [](double preset, double preset_at_edge, double fitted) {
+                  return preset + fitted - preset_at_edge;
+                });
+  for (Knot& k : result) k.value[0] = std::clamp(k.value[0], -10.0, 10.0);
+  return result;
+}
+
+std::vector<double> places(const std::vector<Knot>& knots) {
+  std::vector<double> result;
+  for (const Knot& k : knots) result.push_back(k.x);
+  return result;
+}
+std::vector<double> values(const std::vector<Knot>& knots, std::size_t i) {
+  std::vector<double> result;
+  for (const Knot& k : knots) result.push_back(k.value[i]);
+  return result;
+}
+/// A curve of the preset at other knots.
+std::vector<double> moved(const std::vector<double>& x, const std::vector<double>& y,
+                          const std::vector<double>& to) {
+  std::vector<double> result;
+  for (const double at : to) result.push_back(at_knots(x, y, at));
+  return result;
 }
 
 }  // namespace
@@ -135,44 +208,47 @@ DepthModelInputs plane_inputs(const PlaneBefore& plane, const ActiveStereoConfig
 
 void set_even_noise(DepthModelConfig& model, double spatial_px, double temporal_px, double fill,
                     double ripple_px) {
+  const double score = normal_quantile(std::clamp(fill, 1e-9, 1 - 1e-9));
   model.log2_snr = {-1, 1};
   model.spatial_px = {spatial_px, spatial_px};
   model.temporal_px = {temporal_px, temporal_px};
-  model.fill = {fill, fill};
-  model.ripple_px = ripple_px;
+  model.ripple_px = {ripple_px, ripple_px};
+  model.contrast = {0, 1};
+  model.fill_score = {score, score};
+  model.spatial_wave = model.temporal_wave = model.fill_wave = {0, 0};
 }
 
 ModelCurves model_curves(const DepthFit& fit, const ActiveStereoConfig& config,
                          const std::string& data) {
-  const std::vector<Knot> inner = knots_of(fit, config);
-  std::vector<Knot> knots = beyond(inner.front(), true, config.model);
-  knots.insert(knots.end(), inner.begin(), inner.end());
-  const std::vector<Knot> above = beyond(inner.back(), false, config.model);
-  knots.insert(knots.end(), above.begin(), above.end());
-  std::vector<double> x, spatial, temporal, fill;
-  for (const Knot& k : knots) {
-    x.push_back(k.log2_snr);
-    spatial.push_back(std::min(k.spatial_px, 100.0));
-    temporal.push_back(std::min(k.temporal_px, 100.0));
-    fill.push_back(k.fill);
-  }
-  const std::string range = numbered("; below %.2f and above %.2f the preset's, scaled%.0s",
-                                     inner.front().log2_snr, inner.back().log2_snr, 0);
+  const DepthModelConfig& model = config.model;
+  const std::vector<Knot> noise = noise_knots(fit, config), fill = fill_knots(fit, config);
+  const std::vector<double> x = places(noise), contrast = places(fill);
+  const std::string words = data + "; beyond its walls the preset's, scaled";
+  const std::string shape = "the preset's at these knots";
   ModelCurves out;
-  out.entries.push_back({"model.log2_snr", list(x), data + range});
-  out.entries.push_back({"model.spatial_px", list(spatial), data + range});
-  if (fit.temporal_solved)
-    out.entries.push_back({"model.temporal_px", list(temporal), data + range});
-  else
-    out.entries.push_back({"model.temporal_px", list(temporal),
-                           "the preset's at these knots: rounding hides the temporal noise"});
-  out.entries.push_back({"model.fill", list(fill), data + range});
-  const auto add = [&](const char* key, const WithInterval& v) {
-    out.entries.push_back(
-        {key, number(v.value), data + numbered(", 95 %% [%.4f, %.4f] px%.0s", v.low, v.high, 0)});
+  const auto add = [&](const char* key, const std::vector<double>& curve, const std::string& why) {
+    out.entries.push_back({key, list(curve), why});
   };
-  if (fit.ripple_solved) add("model.ripple_px", fit.ripple_px);
-  if (fit.bias_solved) add("model.bias_px", fit.bias_px);
+  add("model.log2_snr", x, words);
+  add("model.spatial_px", values(noise, 0), words);
+  add("model.temporal_px", values(noise, 1),
+      fit.temporal_solved ? words : shape + ": rounding hides the temporal noise");
+  add("model.spatial_wave", moved(model.log2_snr, model.spatial_wave, x), shape);
+  add("model.temporal_wave", moved(model.log2_snr, model.temporal_wave, x), shape);
+  add("model.contrast", contrast, words);
+  add("model.fill_score", values(fill, 0), words);
+  add("model.fill_wave", moved(model.contrast, model.fill_wave, contrast), shape);
+  const auto interval = [&](const WithInterval& v) {
+    return data + numbered(", 95 %% [%.4f, %.4f] px%.0s", v.low, v.high, 0);
+  };
+  if (fit.ripple_solved) {
+    add("model.ripple_px", std::vector<double>(x.size(), fit.ripple_px.value),
+        interval(fit.ripple_px));
+  } else {
+    add("model.ripple_px", moved(model.log2_snr, model.ripple_px, x), shape);
+  }
+  if (fit.bias_solved)
+    out.entries.push_back({"model.bias_px", number(fit.bias_px.value), interval(fit.bias_px)});
   return out;
 }
 

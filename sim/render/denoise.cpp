@@ -17,8 +17,6 @@ constexpr int kBand = 16;        ///< rows that one task averages
 constexpr int kPatch = 1;        ///< radius of the patches whose colours are compared
 constexpr float kTiny = 1e-12F;  ///< added to squared radiances
 
-float luminance(const Rgbf& c) { return 0.2126F * c.r + 0.7152F * c.g + 0.0722F * c.b; }
-
 /// Variance of each pixel's luminance, averaged over 3 x 3 pixels: of few samples, one pixel's own
 /// estimate is often far too small.
 Image<float> smooth_variance(const Image<float>& error) {

@@ -106,10 +106,10 @@ TEST(ClosedLoop, ThroughFilesAndWithoutTruthGivesTheBytesOfMemory) {
 TEST(ClosedLoop, AFrameDoesNotDependOnWhichFramesCameBefore) {
   const SeedsRunConfig config = seeds_run_config(small_scene());
   const SeedsSimulation simulation(config, 3, 0);
-  const Frame late = simulation.photograph(7);
+  const Frame late = simulation.take(7, {.color = true}).frame;
   const SimulatedRun run = simulate(2);
   EXPECT_EQ(late.sensors[0].color, run.capture.frames[7].sensors[0].color);
-  EXPECT_EQ(simulation.reported(7), run.capture.frames[7].sensors[0].reported);
+  EXPECT_EQ(simulation.rig().reported(7).sensors[0].reported, run.capture.frames[7].sensors[0].reported);
 }
 
 TEST(ClosedLoop, TruthInEverySeamScoresPerfectly) {
