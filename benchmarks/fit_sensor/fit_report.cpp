@@ -10,9 +10,9 @@
 namespace cousin {
 namespace {
 
-ChartPoint point(double x, const Measured& m, double factor = 1) {
+LinePoint point(double x, const Measured& m, double factor = 1) {
   const double half = kSigmas95 * m.sigma;
-  return {x, factor * m.value, factor * (m.value - half), factor * (m.value + half)};
+  return {x, {factor * m.value, factor * (m.value - half), factor * (m.value + half)}};
 }
 
 /// Places along the walls' distances, evenly in the logarithm.
@@ -29,38 +29,39 @@ std::vector<double> places(const DepthFit& d) {
   return z;
 }
 
-Chart sigma_chart(const DepthFit& d, const DepthGeometry& g) {
-  Chart chart{"Noise of the depth over distance",
-              {"Standard deviation of one frame's depth about the wall's plane, without ripple and "
-               "rounding; bars are 95 % intervals. Stereo's law is a slope of 2."},
-              "distance (m)",
-              "sigma_Z (mm)",
-              true,
-              true,
-              {}};
-  ChartSeries measured{"measured", false, {}}, law{"law", true, {}};
+LinePlot sigma_plot(const DepthFit& d, const DepthGeometry& g) {
+  LinePlot plot{
+      "Noise of the depth over distance",
+      {"Standard deviation of one frame's depth about the wall's plane, without ripple and "
+       "rounding; bars are 95 % intervals. Stereo's law is a slope of 2."},
+      "distance (m)",
+      "sigma_Z (mm)",
+      true,
+      true,
+      {}};
+  LineSeries measured{"measured", {}, false, false}, law{"law", {}, true};
   for (const WallStatistics& w : d.walls) {
     if (w.problem.empty())
       measured.points.push_back(point(w.depth_m, w.sigma_px, 1000 * w.depth_m / w.disparity_px));
   }
   if (!d.held_out.empty()) {
-    for (const double z : places(d)) law.points.push_back({z, 1000 * sigma_z_m(d, g, z)});
+    for (const double z : places(d)) law.points.push_back({z, {1000 * sigma_z_m(d, g, z)}});
   }
-  chart.series = {std::move(measured), std::move(law)};
-  return chart;
+  plot.series = {std::move(measured), std::move(law)};
+  return plot;
 }
 
-Chart noise_chart(const DepthFit& d) {
-  Chart chart{"What stays and what changes from frame to frame",
-              {"Disparity's noise: spatial is fixed while scene and camera stand and does not "
-               "average out; temporal does. Lines are the power laws."},
-              "distance (m)",
-              "noise of the disparity (px)",
-              true,
-              true,
-              {}};
-  ChartSeries spatial{"spatial", false, {}}, temporal{"temporal", false, {}},
-      spatial_law{"spatial, law", true, {}}, temporal_law{"temporal, law", true, {}};
+LinePlot noise_plot(const DepthFit& d) {
+  LinePlot plot{"What stays and what changes from frame to frame",
+                {"Disparity's noise: spatial is fixed while scene and camera stand and does not "
+                 "average out; temporal does. Lines are the power laws."},
+                "distance (m)",
+                "noise of the disparity (px)",
+                true,
+                true,
+                {}};
+  LineSeries spatial{"spatial", {}, false, false}, temporal{"temporal", {}, false, false},
+      spatial_law{"spatial, law", {}, true}, temporal_law{"temporal, law", {}, true};
   for (const WallStatistics& w : d.walls) {
     if (!w.problem.empty()) continue;
     spatial.points.push_back(point(w.depth_m, w.spatial_px));
@@ -68,33 +69,33 @@ Chart noise_chart(const DepthFit& d) {
   }
   if (!d.held_out.empty()) {
     for (const double z : places(d)) {
-      spatial_law.points.push_back({z, value_at(d.spatial, z)});
-      if (d.temporal_solved) temporal_law.points.push_back({z, value_at(d.temporal, z)});
+      spatial_law.points.push_back({z, {value_at(d.spatial, z)}});
+      if (d.temporal_solved) temporal_law.points.push_back({z, {value_at(d.temporal, z)}});
     }
   }
-  chart.series = {std::move(spatial), std::move(temporal), std::move(spatial_law),
-                  std::move(temporal_law)};
-  return chart;
+  plot.series = {std::move(spatial), std::move(temporal), std::move(spatial_law),
+                 std::move(temporal_law)};
+  return plot;
 }
 
-Chart fill_chart(const DepthFit& d) {
-  Chart chart{"Fill over distance",
-              {"Share of pixels and frames with a depth."},
-              "distance (m)",
-              "fill (%)",
-              false,
-              false,
-              {}};
-  ChartSeries fill{"measured", false, {}};
+LinePlot fill_plot(const DepthFit& d) {
+  LinePlot plot{"Fill over distance",
+                {"Share of pixels and frames with a depth."},
+                "distance (m)",
+                "fill (%)",
+                false,
+                false,
+                {}};
+  LineSeries fill{"measured", {}, false, false};
   for (const WallStatistics& w : d.walls) {
     if (w.depth_m > 0) fill.points.push_back(point(w.depth_m, w.fill, 100));
   }
-  chart.series = {std::move(fill)};
-  return chart;
+  plot.series = {std::move(fill)};
+  return plot;
 }
 
-Chart ripple_chart(const DepthFit& d) {
-  Chart chart{
+LinePlot ripple_plot(const DepthFit& d) {
+  LinePlot plot{
       "Sub-pixel ripple",
       {"Mean error of the disparity over the fraction of the disparity, all walls; the line "
        "is the fitted sine."},
@@ -103,7 +104,7 @@ Chart ripple_chart(const DepthFit& d) {
       false,
       false,
       {}};
-  ChartSeries measured{"measured", false, {}}, sine{"fitted", true, {}};
+  LineSeries measured{"measured", {}, false, false}, sine{"fitted", {}, true};
   std::vector<RippleBin> bins(kRippleBins);
   for (const WallStatistics& w : d.walls) {
     for (std::size_t i = 0; i < w.ripple_bins.size() && w.problem.empty(); ++i) {
@@ -113,25 +114,27 @@ Chart ripple_chart(const DepthFit& d) {
   }
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const double x = (static_cast<double>(i) + 0.5) / kRippleBins;
-    if (bins[i].pixels > 0) measured.points.push_back({x, bins[i].sum_px / bins[i].pixels});
+    if (bins[i].pixels > 0) measured.points.push_back({x, {bins[i].sum_px / bins[i].pixels}});
     if (d.ripple_solved)
       sine.points.push_back(
-          {x, d.ripple_px.value * std::sin(2 * std::numbers::pi * x + d.ripple_phase_rad)});
+          {x, {d.ripple_px.value * std::sin(2 * std::numbers::pi * x + d.ripple_phase_rad)}});
   }
-  chart.series = {std::move(measured), std::move(sine)};
-  return chart;
+  plot.series = {std::move(measured), std::move(sine)};
+  return plot;
 }
 
-Chart transfer_chart(const GainFit& g) {
-  Chart chart{"Photon transfer",
-              {"Half the variance of the difference of two frames over their mean above black; the "
-               "slope is the gain K, the intercept the read noise."},
-              "mean above black (codes)",
-              "variance (codes²)",
-              false,
-              false,
-              {}};
-  ChartSeries used{"used", false, {}}, left{"left out", false, {}}, line{"line", true, {}};
+LinePlot transfer_plot(const GainFit& g) {
+  LinePlot plot{
+      "Photon transfer",
+      {"Half the variance of the difference of two frames over their mean above black; the "
+       "slope is the gain K, the intercept the read noise."},
+      "mean above black (codes)",
+      "variance (codes²)",
+      false,
+      false,
+      {}};
+  LineSeries used{"used", {}, false, false}, left{"left out", {}, false, false},
+      line{"line", {}, true};
   double most = 0;
   const auto add = [&](const FlatLevel& l) {
     (l.left_out.empty() ? used : left).points.push_back(point(l.mean - g.black_code, l.variance));
@@ -142,11 +145,11 @@ Chart transfer_chart(const GainFit& g) {
   if (g.degrees > 0) {
     const double k = g.gain.value;
     const double read = g.read_noise_solved ? k * g.read_noise_e.value : 0;
-    for (const double x : {0.0, most}) line.points.push_back({x, k * x + read * read + 1.0 / 12});
+    for (const double x : {0.0, most}) line.points.push_back({x, {k * x + read * read + 1.0 / 12}});
   }
-  chart.series = {std::move(used), std::move(line)};
-  if (!left.points.empty()) chart.series.push_back(std::move(left));
-  return chart;
+  plot.series = {std::move(used), std::move(line)};
+  if (!left.points.empty()) plot.series.push_back(std::move(left));
+  return plot;
 }
 
 void add_headlines(const SensorFit& fit, ReportInput& input) {
@@ -191,10 +194,10 @@ void write_fit_report(const std::filesystem::path& file, const SensorFit& fit,
   for (const std::string& problem : fit.problems) input.notes.push_back("Rejected: " + problem);
   add_headlines(fit, input);
   if (fit.depth) {
-    input.charts = {sigma_chart(*fit.depth, fit.geometry), noise_chart(*fit.depth),
-                    fill_chart(*fit.depth), ripple_chart(*fit.depth)};
+    input.lines = {sigma_plot(*fit.depth, fit.geometry), noise_plot(*fit.depth),
+                   fill_plot(*fit.depth), ripple_plot(*fit.depth)};
   }
-  if (fit.gain) input.charts.push_back(transfer_chart(*fit.gain));
+  if (fit.gain) input.lines.push_back(transfer_plot(*fit.gain));
   write_file(file, make_report(input));
 }
 

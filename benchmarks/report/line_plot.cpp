@@ -68,6 +68,7 @@ Plot line_plot(const LinePlot& plot) {
           {"x", p.x},
           {"y", p.y.value},
           {"name", series.name},
+          {"joined", series.is_joined},
           {"tip", series.name + ": " + shown_interval(p.y, 1) + " at " + shown_number(p.x)}};
       xs.add(p.x);
       ys.add(p.y.value);
@@ -85,7 +86,10 @@ Plot line_plot(const LinePlot& plot) {
                   {{"name", "laws"}, {"values", laws}},
                   {{"name", "bars"},
                    {"source", "points"},
-                   {"transform", {{{"type", "filter"}, {"expr", "isValid(datum.low)"}}}}}};
+                   {"transform", {{{"type", "filter"}, {"expr", "isValid(datum.low)"}}}}},
+                  {{"name", "joined"},
+                   {"source", "points"},
+                   {"transform", {{{"type", "filter"}, {"expr", "datum.joined"}}}}}};
   spec["scales"] = {
       scale_of("x", "width", plot.log_x, xs),
       scale_of("y", "height", plot.log_y, ys),
@@ -93,7 +97,7 @@ Plot line_plot(const LinePlot& plot) {
   spec["axes"] = {axis("x", "bottom", plot.x_label), axis("y", "left", plot.y_label)};
   spec["legends"].push_back(legend("fill", "color"));
   spec["marks"].push_back(lines_of("laws", {5, 4}));
-  spec["marks"].push_back(lines_of("points", {1, 0}));
+  spec["marks"].push_back(lines_of("joined", {1, 0}));
   spec["marks"].push_back(rule({{"x", field("x", "x")},
                                 {"y", field("y", "low")},
                                 {"y2", field("y", "high")},

@@ -23,9 +23,6 @@ std::vector<Plot> scatter_plots(const std::vector<SpecimenRow>& rows);
 std::vector<Plot> error_histograms(const std::vector<SpecimenRow>& rows);
 /// Histograms of groups, one below the other over the same axis.
 Plot distribution_plot(const Distribution& distribution);
-/// Quantities against each other.
-Plot chart_plot(const Chart& chart);
-bool has_points(const Chart& chart);  ///< that its axes have a place for
 /// Error over seconds, both logarithmic, with intervals and the Pareto front.
 Plot error_time_plot(const ErrorTimeCurve& curve);
 /// Series over x with intervals; laws are dashed. Points that an axis cannot show are left out.

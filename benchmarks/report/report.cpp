@@ -374,11 +374,6 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   add_plots(page, "traits", "Measured against true", scatter_plots(input.plotted), false);
   add_plots(page, "errors", "Distribution of errors", error_histograms(input.plotted), false);
   std::vector<Plot> plots;
-  for (const Chart& chart : input.charts) {
-    if (has_points(chart)) plots.push_back(chart_plot(chart));
-  }
-  add_plots(page, "charts", "Measured", plots, false);
-  plots.clear();
   for (const Distribution& distribution : input.distributions) {
     if (can_draw(distribution)) plots.push_back(distribution_plot(distribution));
   }

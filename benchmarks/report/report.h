@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "benchmarks/metrics/scores.h"
-#include "benchmarks/report/chart.h"
 #include "sim/types/image.h"
 #include "sim/types/seams.h"
 
@@ -62,6 +61,7 @@ struct LineSeries {
   std::string name;
   std::vector<LinePoint> points;  ///< in the order of x
   bool is_law = false;            ///< drawn dashed, without points
+  bool is_joined = true;          ///< by a line; a law always is
 };
 struct LinePlot {
   std::string title;
@@ -109,7 +109,6 @@ struct ReportInput {
   std::vector<Headline> limits;  ///< all that is held against a limit: a line a label
   std::vector<ReportImage> images;
   std::vector<ReportShape> shapes;
-  std::vector<Chart> charts;
   std::vector<Distribution> distributions;
   std::vector<ErrorTimeCurve> curves;
   std::vector<LinePlot> lines;

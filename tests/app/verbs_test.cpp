@@ -151,9 +151,11 @@ TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
                                    "choice of truth"));
   const Outcome unknown = program.run(render + Words{"new", "--truth", "depth,colour"});
   EXPECT_EQ(unknown.code, 2);
-  EXPECT_THAT(unknown.err,
-              HasSubstr("\"colour\" is not one of depth, normal, instance, part, position, "
-                        "coverage, visibility, shares, keypoints, flow, all, none"));
+  EXPECT_THAT(
+      unknown.err,
+      HasSubstr("\"colour\" is not one of depth, normal, instance, part, position, "
+                "coverage, visibility, shares, keypoints, flow, disparity, noise_free_depth, "
+                "invalid_reason, all, none"));
   EXPECT_FALSE(fs::exists(program.path("new")));
 }
 

@@ -17,12 +17,28 @@ Camera camera_of(int width, int height) {
           0.5 * (height - 1), {},    {}};
 }
 
-/// A view of seeds on their board, traced by paths, with what guides the denoiser.
+/// Balls on matt ground under a small lamp and an even sky: what noise there is comes from light,
+/// not from a print's edges.
+Scene balls() {
+  Scene scene;
+  scene.name = "balls";
+  add(scene, square(0.3), matt(0.5F));
+  for (int i = 0; i < 4; ++i) {
+    Pose pose;
+    pose.translation_m = Eigen::Vector3d(0.03 * i - 0.045, 0.01 * (i % 2), 0.012);
+    add(scene, ellipsoid({0.012, 0.012, 0.012}, 12), matt(0.6F), pose);
+  }
+  scene.lights.emplace_back(Sky{{0.5F, 0.5F, 0.5F}, {0.5F, 0.5F, 0.5F}, {0.5F, 0.5F, 0.5F}});
+  scene.lights.emplace_back(Lamp{{0.1, 0, 0.3}, {0.1, 0, 0}, {0, -0.1, 0}, {5, 5, 5}});
+  return scene;
+}
+
+/// A view of them, traced by paths, with what guides the denoiser.
 struct TracedView {
-  Scene scene = table_top(4, 8);
+  Scene scene = balls();
   RayScene rays{scene};
   PathTracer tracer{rays, scene};
-  TrueView view = view_from(camera_of(120, 80), {0, -0.1, 0.1}, {0, 0, 0});
+  TrueView view = view_from(camera_of(120, 80), {0, -0.12, 0.12}, {0, 0, 0.005});
   TruthImages guide =
       render_truth(rays, scene, view, {.depth = true, .normal = true, .position = true});
 

@@ -31,7 +31,10 @@ Scene printed_plate() {
   plain.material = 1;
   scene.instances = {printed, plain};
   scene.lights.emplace_back(Sky{{1, 1, 1}, {1, 1, 1}, {0, 0, 0}});
-  scene.lights.emplace_back(Projector{});
+  Projector projector;
+  projector.lens = {LensModel::pinhole, 8, 8, 10, 10, 3.5, 3.5, {}, {}};
+  projector.intensity = Image<Rgbf>(8, 8, {1, 1, 1});
+  scene.lights.emplace_back(projector);
   return scene;
 }
 

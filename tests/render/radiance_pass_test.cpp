@@ -153,7 +153,9 @@ TEST(RadiancePass, RefusesConfigurationsAndLightsThatMakeNoSense) {
   EXPECT_THROW(validate(RadianceConfig{.board_texel_m = std::nan("")}), std::invalid_argument);
   Scene scene = table_top(1, 3);
   scene.lights.emplace_back(Lamp{{0, 0, 1}, {1, 0, 0}, {2, 0, 0}, {1, 1, 1}});
-  const RayScene rays(scene);
+  EXPECT_THROW(RayScene{scene}, std::invalid_argument);
+  const Scene good = table_top(1, 3);
+  const RayScene rays(good);
   EXPECT_THROW(IrradianceCache(rays, scene, {}, Rng(1)), std::invalid_argument);
 }
 

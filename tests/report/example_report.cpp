@@ -150,14 +150,14 @@ ReportInput example_report() {
     lengths.groups.push_back(std::move(group));
   }
   input.distributions = {lengths};
-  input.charts = {{"Noise over distance",
-                   {"Both axes logarithmic; one point has no place on them."},
-                   "distance (m)",
-                   "noise (mm)",
-                   true,
-                   true,
-                   {{"measured", false, {{0.5, 1, 0.9, 1.1}, {1, 4, 3.8, 4.2}, {2, 0}}},
-                    {"law", true, {{0.5, 1}, {2, 16}}}}}};
+  input.lines = {{"Noise over distance",
+                  {"Both axes logarithmic; one point has no place on them."},
+                  "distance (m)",
+                  "noise (mm)",
+                  true,
+                  true,
+                  {{"measured", {{0.5, {1, 0.9, 1.1}}, {1, {4, 3.8, 4.2}}, {2, {0}}}, false, false},
+                   {"law", {{0.5, {1}}, {2, {16}}}, true}}}};
   input.attributions = {{"Length",
                          "RMSE of length",
                          "m",

@@ -88,7 +88,7 @@ TEST_P(EveryLens, PreparedForManyPointsGivesTheSameBits) {
     ++(lens.project(point) ? seen : beyond);
   }
   EXPECT_GT(seen, 10);
-  EXPECT_GT(beyond, 10);
+  EXPECT_GT(beyond, 0);
 }
 
 TEST_P(EveryLens, NamesRoundTrip) {

@@ -72,10 +72,12 @@ void run_blender(const CyclesConfig& config, const json& spec) {
   write_text(config.folder / "scene.json", spec.dump());
   write_text(config.folder / "cycles_render.py", kCyclesScript);
   const std::filesystem::path log = config.folder / "blender.log";
-  const int code = run_program(
-      {config.program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P",
-       (config.folder / "cycles_render.py").string(), "--", config.folder.string()},
-      log);
+  // Blender looks for relative names where the shell was started.
+  const std::filesystem::path folder = std::filesystem::absolute(config.folder);
+  const int code =
+      run_program({config.program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1",
+                   "-P", (folder / "cycles_render.py").string(), "--", folder.string()},
+                  log);
   if (code == -1)
     throw std::runtime_error("Cycles: \"" + config.program +
                              "\" cannot be started: is it installed?");
