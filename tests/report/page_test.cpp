@@ -25,8 +25,8 @@ TEST_F(Page, LoadsWithoutErrorsAndDrawsEveryPlotAndShape) {
   const std::string dom = shown_document(make_report(example_report()), kWithWebgl);
   EXPECT_THAT(root_tag(dom), testing::HasSubstr("data-ready=\"true\""));
   EXPECT_THAT(root_tag(dom), testing::HasSubstr("data-errors=\"0\""));
-  // Four scatter plots, four histograms, one line plot, one distribution, one curve, one waterfall, one
-  // timing plot.
+  // Four scatter plots, four histograms, one line plot, one distribution, one curve, one waterfall,
+  // one timing plot.
   EXPECT_EQ(count(dom, "data-plot-ok=\"true\""), 13);
   EXPECT_EQ(count(dom, "data-plot-ok=\"false\""), 0);
   EXPECT_EQ(count(dom, "data-warnings"), 0);

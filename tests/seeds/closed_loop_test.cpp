@@ -109,7 +109,8 @@ TEST(ClosedLoop, AFrameDoesNotDependOnWhichFramesCameBefore) {
   const Frame late = simulation.take(7, {.color = true}).frame;
   const SimulatedRun run = simulate(2);
   EXPECT_EQ(late.sensors[0].color, run.capture.frames[7].sensors[0].color);
-  EXPECT_EQ(simulation.rig().reported(7).sensors[0].reported, run.capture.frames[7].sensors[0].reported);
+  EXPECT_EQ(simulation.rig().reported(7).sensors[0].reported,
+            run.capture.frames[7].sensors[0].reported);
 }
 
 TEST(ClosedLoop, TruthInEverySeamScoresPerfectly) {
