@@ -58,16 +58,6 @@ WallLight wall_light(const WallStatistics& wall, const ActiveStereoConfig& confi
                                        static_cast<float>(middle_median(light.ambient_e))))};
 }
 
-/// The preset's curve, linear between its knots.
-double at_knots(const std::vector<double>& x, const std::vector<double>& y, double at) {
-  if (at <= x.front()) return y.front();
-  if (at >= x.back()) return y.back();
-  std::size_t i = 1;
-  while (x[i] < at) ++i;
-  const double t = (at - x[i - 1]) / (x[i] - x[i - 1]);
-  return y[i - 1] * (1 - t) + y[i] * t;
-}
-
 /// What a fit says at one place of a curve's axis: a sigma of each noise, or a score.
 struct Knot {
   double x;

@@ -71,6 +71,11 @@ const std::vector<Column<SpecimenRow>>& specimen_columns() {
   return columns;
 }
 
+ScoreRow limited(ScoreRow row, bool passes) {
+  row.status = passes ? ScoreStatus::pass : ScoreStatus::fail;
+  return row;
+}
+
 ScoreRow with_interval(ScoreRow row, std::string metric, std::string unit,
                        const WithInterval& value, std::int64_t n) {
   row.metric = std::move(metric);

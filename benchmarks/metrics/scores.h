@@ -60,6 +60,9 @@ struct ScoreFile {
   std::vector<SpecimenRow> specimens;
 };
 
+/// The row with a limit that it kept or broke.
+ScoreRow limited(ScoreRow row, bool passes);
+
 /// A row of a statistic with its interval.
 ScoreRow with_interval(ScoreRow row, std::string metric, std::string unit,
                        const WithInterval& value, std::int64_t n);

@@ -35,11 +35,6 @@ ScoreRow row_of(const std::string& case_name, const std::string& metric, double 
   return row;
 }
 
-ScoreRow limited(ScoreRow row, bool passes) {
-  row.status = passes ? ScoreStatus::pass : ScoreStatus::fail;
-  return row;
-}
-
 /// Truth of many instanced triangles: images a second by the clock, and seconds of all cores
 /// together, alone and against Embree's packets, which another load of the machine changes less.
 void add_leaf_cloud_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool quick) {

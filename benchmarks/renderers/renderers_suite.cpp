@@ -38,11 +38,6 @@ ScoreRow row_of(const std::string& scene, const std::string& case_name, const st
   return row;
 }
 
-ScoreRow limited(ScoreRow row, bool passes) {
-  row.status = passes ? ScoreStatus::pass : ScoreStatus::fail;
-  return row;
-}
-
 /// An error, the seconds of one image, and whether it is adaptive.
 struct Point {
   double error = 0;

@@ -29,10 +29,4 @@ inline ScoreRow sensor_row(const SensorRows& of, const std::string& case_name,
   return row;
 }
 
-/// The row with a limit that it kept or broke; a NaN breaks it.
-inline ScoreRow limited(ScoreRow row, bool passes) {
-  row.status = passes ? ScoreStatus::pass : ScoreStatus::fail;
-  return row;
-}
-
 }  // namespace cousin

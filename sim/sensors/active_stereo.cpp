@@ -226,21 +226,11 @@ TrueView right_view(const ActiveStereoUnit& unit, const Pose& rig_from_world) {
 }
 
 std::vector<std::string> active_stereo_preset_names() {
-  std::vector<std::string> names;
-  for (const PresetText& preset : active_stereo_preset_texts()) names.emplace_back(preset.name);
-  return names;
+  return preset_names(active_stereo_preset_texts());
 }
 
 ActiveStereoConfig active_stereo_preset(const std::string& name) {
-  const std::string text = preset_toml(name, active_stereo_preset_texts());
-  ActiveStereoConfig config;
-  read_toml_text(text, preset_title(name), fields(config), MissingKeys::error);
-  try {
-    validate(config);
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(preset_title(name) + ": " + error.what());
-  }
-  return config;
+  return read_preset<ActiveStereoConfig>(name, active_stereo_preset_texts());
 }
 
 }  // namespace cousin

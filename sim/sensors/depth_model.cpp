@@ -24,16 +24,6 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Linear between knots, constant beyond: several curves over the same knots.
-double at_knots(const std::vector<double>& x, const std::vector<double>& y, double at) {
-  if (!(at > x.front())) return y.front();
-  if (at >= x.back()) return y.back();
-  std::size_t i = 1;
-  while (x[i] < at) ++i;
-  const double t = (at - x[i - 1]) / (x[i] - x[i - 1]);
-  return y[i - 1] * (1 - t) + y[i] * t;
-}
-
 /// Curves over one list of knots as a table at steps of 1/16 in the logarithm, for speed.
 template <int Count>
 class Curves {
@@ -267,6 +257,15 @@ void validate(const DepthModelConfig& config) {
         {&config.spatial_px, &config.spatial_wave, &config.temporal_px, &config.temporal_wave,
          &config.ripple_px});
   check("contrast", config.contrast, {&config.fill_score, &config.fill_wave});
+}
+
+double at_knots(const std::vector<double>& x, const std::vector<double>& y, double at) {
+  if (!(at > x.front())) return y.front();
+  if (at >= x.back()) return y.back();
+  std::size_t i = 1;
+  while (x[i] < at) ++i;
+  const double t = (at - x[i - 1]) / (x[i] - x[i - 1]);
+  return y[i - 1] * (1 - t) + y[i] * t;
 }
 
 float wave_share(float slope, float window_px) {

@@ -107,6 +107,9 @@ float log2_pattern_snr(float signal_e, float dots_e, float ambient_e, const Patt
 /// a dot is brighter than a share v of its peak on an area of its part of this times -log(v).
 double dot_cover(const DotProjectorConfig& projector, double blur_rad);
 
+/// A curve's value: linear between the knots `x`, constant beyond them.
+double at_knots(const std::vector<double>& x, const std::vector<double>& y, double at);
+
 /// What is left of a wave where the window spans several fractions of a pixel, in [0, 1].
 float wave_share(float slope, float window_px);
 

@@ -11,23 +11,12 @@
 
 #include "sim/config/limits.h"
 #include "sim/sensors/fast_normal.h"
+#include "sim/sensors/optics.h"
 
 namespace cousin {
 namespace {
 
 constexpr double kBrightQuantile = 0.995;
-
-std::vector<float> gaussian_weights(double sigma_px) {
-  const int radius = static_cast<int>(std::ceil(4 * sigma_px));
-  std::vector<float> weights;
-  double sum = 0;
-  const auto weight = [&](int i) {
-    return radius == 0 ? 1.0 : std::exp(-0.5 * i * i / (sigma_px * sigma_px));
-  };
-  for (int i = -radius; i <= radius; ++i) sum += weight(i);
-  for (int i = -radius; i <= radius; ++i) weights.push_back(static_cast<float>(weight(i) / sum));
-  return weights;
-}
 
 /// Rows about y, then columns; borders repeat.
 void blur_row(const Image<float>& image, const std::vector<float>& weights, int y,

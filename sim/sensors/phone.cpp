@@ -179,18 +179,10 @@ SensorReport report_of(const PhoneConfig& config, const PhoneUnit& unit) {
   return report;
 }
 
-std::vector<std::string> phone_preset_names() {
-  std::vector<std::string> names;
-  for (const PresetText& preset : phone_preset_texts()) names.emplace_back(preset.name);
-  return names;
-}
+std::vector<std::string> phone_preset_names() { return preset_names(phone_preset_texts()); }
 
 PhoneConfig phone_preset(const std::string& name) {
-  const std::string text = preset_toml(name, phone_preset_texts());
-  PhoneConfig config;
-  read_toml_text(text, preset_title(name), fields(config), MissingKeys::error);
-  validate(config);
-  return config;
+  return read_preset<PhoneConfig>(name, phone_preset_texts());
 }
 
 }  // namespace cousin

@@ -12,6 +12,12 @@ std::string preset_title(const std::string& name) {
   return is_preset_file(name) ? name : name + ".toml";
 }
 
+std::vector<std::string> preset_names(std::span<const PresetText> presets) {
+  std::vector<std::string> names;
+  for (const PresetText& preset : presets) names.emplace_back(preset.name);
+  return names;
+}
+
 std::string preset_toml(const std::string& name, std::span<const PresetText> presets) {
   if (is_preset_file(name)) {
     constexpr std::size_t kMaxBytes = std::size_t{1} << 20;

@@ -236,11 +236,7 @@ std::vector<SensorReport> report_of(const RigConfig& config, const RigUnit& unit
   return reports;
 }
 
-std::vector<std::string> rig_preset_names() {
-  std::vector<std::string> names;
-  for (const PresetText& preset : rig_preset_texts()) names.emplace_back(preset.name);
-  return names;
-}
+std::vector<std::string> rig_preset_names() { return preset_names(rig_preset_texts()); }
 
 RigConfig rig_preset(const std::string& name) {
   return rig_from_toml(preset_toml(name, rig_preset_texts()), preset_title(name));

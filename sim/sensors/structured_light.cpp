@@ -211,11 +211,7 @@ std::vector<std::string> structured_light_preset_names() {
 }
 
 StructuredLightConfig structured_light_preset(const std::string& name) {
-  StructuredLightConfig config;
-  read_toml_text(preset_toml(structured_light_preset_texts(), name), name + ".toml", fields(config),
-                 MissingKeys::error);
-  validate(config);
-  return config;
+  return read_preset<StructuredLightConfig>(name, structured_light_preset_texts());
 }
 
 }  // namespace cousin

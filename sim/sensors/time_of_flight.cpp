@@ -91,11 +91,7 @@ std::vector<std::string> time_of_flight_preset_names() {
 }
 
 TimeOfFlightConfig time_of_flight_preset(const std::string& name) {
-  TimeOfFlightConfig config;
-  read_toml_text(preset_toml(time_of_flight_preset_texts(), name), name + ".toml", fields(config),
-                 MissingKeys::error);
-  validate(config);
-  return config;
+  return read_preset<TimeOfFlightConfig>(name, time_of_flight_preset_texts());
 }
 
 }  // namespace cousin
