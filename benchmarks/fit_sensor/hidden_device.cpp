@@ -109,7 +109,7 @@ HiddenDevice draw_hidden_device(const std::string& rig, const Rng& rng) {
   device.temporal_exponent = uniform(draw, 0.2, 1);
   device.half_fill_m = uniform(draw, 4, 7);
   device.fill_power = uniform(draw, 3, 5);
-  device.config.model.ripple_px.assign(device.config.model.log2_snr.size(),
+  device.config.model.ripple_px.assign(device.config.model.contrast.size(),
                                        uniform(draw, 0.01, 0.06));
   device.config.model.bias_px = uniform(draw, -0.04, 0.04);
   device.config.model.grain_px = uniform(draw, 3, 7);

@@ -45,117 +45,97 @@ double middle_median(const Image<float>& image) {
 }
 
 /// What the model's curves run over, at one wall.
-struct WallLight {
-  double log2_snr, contrast;
-};
-WallLight wall_light(const WallStatistics& wall, const ActiveStereoConfig& config) {
+double wall_contrast(const WallStatistics& wall, const ActiveStereoConfig& config) {
   const PlaneBefore plane{wall.depth_m, 0, wall.incidence_rad, wall.albedo, wall.light};
   const PatternLight light = pattern_light(plane_inputs(plane, config), config);
-  const double log2_snr = middle_median(log2_pattern_snr(light, config.model.noise_from));
-  const MatchContrast contrast(config, light, config.model.fill_dots, config.model.fill_spread);
-  return {std::max(log2_snr, -20.0),
-          static_cast<double>(contrast(static_cast<float>(middle_median(light.signal_e)),
-                                       static_cast<float>(middle_median(light.ambient_e))))};
+  const MatchContrast contrast(config, light, config.model.contrast_dots,
+                               config.model.contrast_spread);
+  return static_cast<double>(contrast(static_cast<float>(middle_median(light.signal_e)),
+                                      static_cast<float>(middle_median(light.ambient_e))));
 }
 
-/// What a fit says at one place of a curve's axis: a sigma of each noise, or a score.
+/// What a fit says at one place of the curves' axis.
 struct Knot {
-  double x;
-  std::array<double, 2> value;
+  double x = 0, spatial_px = 0, temporal_px = 0, score = 0;
 };
 
-/// Those nearer than 0.1 to each other as one.
+/// Those nearer than 0.05 to each other as one.
 std::vector<Knot> merged(std::vector<Knot> knots) {
   std::sort(knots.begin(), knots.end(), [](const Knot& a, const Knot& b) { return a.x < b.x; });
   std::vector<Knot> result;
   for (const Knot& k : knots) {
-    if (result.empty() || k.x - result.back().x > 0.1) {
+    if (result.empty() || k.x - result.back().x > 0.05) {
       result.push_back(k);
       continue;
     }
-    for (std::size_t i = 0; i < k.value.size(); ++i)
-      result.back().value[i] = 0.5 * (result.back().value[i] + k.value[i]);
+    Knot& last = result.back();
+    last.spatial_px = 0.5 * (last.spatial_px + k.spatial_px);
+    last.temporal_px = 0.5 * (last.temporal_px + k.temporal_px);
+    last.score = 0.5 * (last.score + k.score);
   }
   return result;
 }
 
-/// The preset's knots below the first and above the last, moved by `move(preset's value at a knot,
-/// preset's at the edge, fitted at the edge)`.
-template <class Move>
-std::vector<Knot> continued(const std::vector<Knot>& inner, const std::vector<double>& x,
-                            const std::array<const std::vector<double>*, 2>& curves,
-                            const Move& move) {
+Knot preset_at(const DepthModelConfig& model, double x) {
+  return {x, at_knots(model.contrast, model.spatial_px, x),
+          at_knots(model.contrast, model.temporal_px, x),
+          at_knots(model.contrast, model.fill_score, x)};
+}
+
+/// The preset's knots below the first and above the last; sigmas scaled and scores moved as much as
+/// the fit's at that edge.
+std::vector<Knot> continued(const std::vector<Knot>& inner, const DepthModelConfig& model) {
   std::vector<Knot> result;
+  const auto scaled = [](double preset, double at_edge, double fitted) {
+    return std::min(100.0, preset * fitted / std::max(at_edge, 1e-3));
+  };
   const auto add_beyond = [&](const Knot& edge, bool below) {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      if (below ? x[i] > edge.x - 0.1 : x[i] < edge.x + 0.1) continue;
-      Knot knot{x[i], {}};
-      for (std::size_t k = 0; k < knot.value.size(); ++k)
-        knot.value[k] = move((*curves[k])[i], at_knots(x, *curves[k], edge.x), edge.value[k]);
-      result.push_back(knot);
+    const Knot own = preset_at(model, edge.x);
+    for (const double x : model.contrast) {
+      if (below ? x > edge.x - 0.1 : x < edge.x + 0.1) continue;
+      const Knot preset = preset_at(model, x);
+      result.push_back({x, scaled(preset.spatial_px, own.spatial_px, edge.spatial_px),
+                        scaled(preset.temporal_px, own.temporal_px, edge.temporal_px),
+                        preset.score + edge.score - own.score});
     }
   };
   add_beyond(inner.front(), true);
   result.insert(result.end(), inner.begin(), inner.end());
   add_beyond(inner.back(), false);
-  if (result.size() == 1) result.push_back({result.front().x + 1, result.front().value});
+  for (Knot& k : result) k.score = std::clamp(k.score, -10.0, 10.0);
+  if (result.size() == 1) {
+    result.push_back(result.front());
+    result.back().x += 1;
+  }
   return result;
 }
 
-/// Sigmas over the pattern's ratio, a knot a wall.
-std::vector<Knot> noise_knots(const DepthFit& fit, const ActiveStereoConfig& config) {
+/// Sigmas and the fill's score, a knot a wall. A wall without a hole only says that its score is at
+/// least that of one hole in some thousand windows.
+std::vector<Knot> wall_knots(const DepthFit& fit, const ActiveStereoConfig& config) {
+  constexpr double kRarest = 3e-4;
   const DepthModelConfig& model = config.model;
   std::vector<Knot> knots;
   for (const WallStatistics& w : fit.walls) {
     if (!w.problem.empty()) continue;
     const bool is_of_law = std::any_of(fit.held_out.begin(), fit.held_out.end(),
                                        [&](const HeldOut& h) { return h.wall == w.name; });
-    const double x = wall_light(w, config).log2_snr;
-    const double temporal = is_of_law ? value_at(fit.temporal, w.depth_m) : w.temporal_px.value;
-    knots.push_back(
-        {x,
-         {is_of_law ? value_at(fit.spatial, w.depth_m) : w.spatial_px.value,
-          fit.temporal_solved ? temporal : at_knots(model.log2_snr, model.temporal_px, x)}});
-  }
-  return continued(merged(knots), model.log2_snr, {&model.spatial_px, &model.temporal_px},
-                   [](double preset, double preset_at_edge, double fitted) {
-                     return std::min(100.0, preset * fitted / std::max(preset_at_edge, 1e-3));
-                   });
-}
-
-/// The fill's score over the matcher's contrast, a knot a wall. A wall without a hole only says
-/// that its score is at least that of one hole in some thousand windows.
-std::vector<Knot> fill_knots(const DepthFit& fit, const ActiveStereoConfig& config) {
-  constexpr double kRarest = 3e-4;
-  const DepthModelConfig& model = config.model;
-  std::vector<Knot> knots;
-  for (const WallStatistics& w : fit.walls) {
-    if (!w.problem.empty()) continue;
-    const double x = wall_light(w, config).contrast;
+    Knot knot = preset_at(model, wall_contrast(w, config));
+    knot.spatial_px = is_of_law ? value_at(fit.spatial, w.depth_m) : w.spatial_px.value;
+    if (fit.temporal_solved)
+      knot.temporal_px = is_of_law ? value_at(fit.temporal, w.depth_m) : w.temporal_px.value;
     const double slope = config.baseline_m / w.depth_m * std::tan(w.incidence_rad);
-    double score = normal_quantile(std::clamp(w.fill.value, kRarest, 1 - kRarest)) +
-                   model.slope_fill * slope * slope;
-    if (w.fill.value > 1 - kRarest)
-      score = std::max(score, at_knots(model.contrast, model.fill_score, x));
-    knots.push_back({x, {score, 0}});
+    const double score = normal_quantile(std::clamp(w.fill.value, kRarest, 1 - kRarest)) +
+                         model.slope_fill * slope * slope;
+    knot.score = w.fill.value > 1 - kRarest ? std::max(score, knot.score) : score;
+    knots.push_back(knot);
   }
-  std::vector<Knot> result =
-      continued(merged(knots), model.contrast, {&model.fill_score, &model.fill_score},
-                [](double preset, double preset_at_edge, double fitted) {
-                  return preset + fitted - preset_at_edge;
-                });
-  for (Knot& k : result) k.value[0] = std::clamp(k.value[0], -10.0, 10.0);
-  return result;
+  return continued(merged(knots), model);
 }
 
-std::vector<double> places(const std::vector<Knot>& knots) {
+std::vector<double> values(const std::vector<Knot>& knots, double Knot::*part) {
   std::vector<double> result;
-  for (const Knot& k : knots) result.push_back(k.x);
-  return result;
-}
-std::vector<double> values(const std::vector<Knot>& knots, std::size_t i) {
-  std::vector<double> result;
-  for (const Knot& k : knots) result.push_back(k.value[i]);
+  for (const Knot& k : knots) result.push_back(k.*part);
   return result;
 }
 /// A curve of the preset at other knots.
@@ -199,7 +179,6 @@ DepthModelInputs plane_inputs(const PlaneBefore& plane, const ActiveStereoConfig
 void set_even_noise(DepthModelConfig& model, double spatial_px, double temporal_px, double fill,
                     double ripple_px) {
   const double score = normal_quantile(std::clamp(fill, 1e-9, 1 - 1e-9));
-  model.log2_snr = {-1, 1};
   model.spatial_px = {spatial_px, spatial_px};
   model.temporal_px = {temporal_px, temporal_px};
   model.ripple_px = {ripple_px, ripple_px};
@@ -211,23 +190,25 @@ void set_even_noise(DepthModelConfig& model, double spatial_px, double temporal_
 ModelCurves model_curves(const DepthFit& fit, const ActiveStereoConfig& config,
                          const std::string& data) {
   const DepthModelConfig& model = config.model;
-  const std::vector<Knot> noise = noise_knots(fit, config), fill = fill_knots(fit, config);
-  const std::vector<double> x = places(noise), contrast = places(fill);
+  const std::vector<Knot> knots = wall_knots(fit, config);
+  const std::vector<double> x = values(knots, &Knot::x);
   const std::string words = data + "; beyond its walls the preset's, scaled";
   const std::string shape = "the preset's at these knots";
   ModelCurves out;
   const auto add = [&](const char* key, const std::vector<double>& curve, const std::string& why) {
     out.entries.push_back({key, list(curve), why});
   };
-  add("model.log2_snr", x, words);
-  add("model.spatial_px", values(noise, 0), words);
-  add("model.temporal_px", values(noise, 1),
+  const auto add_preset = [&](const char* key, const std::vector<double>& curve) {
+    add(key, moved(model.contrast, curve, x), shape);
+  };
+  add("model.contrast", x, words);
+  add("model.spatial_px", values(knots, &Knot::spatial_px), words);
+  add("model.temporal_px", values(knots, &Knot::temporal_px),
       fit.temporal_solved ? words : shape + ": rounding hides the temporal noise");
-  add("model.spatial_wave", moved(model.log2_snr, model.spatial_wave, x), shape);
-  add("model.temporal_wave", moved(model.log2_snr, model.temporal_wave, x), shape);
-  add("model.contrast", contrast, words);
-  add("model.fill_score", values(fill, 0), words);
-  add("model.fill_wave", moved(model.contrast, model.fill_wave, contrast), shape);
+  add_preset("model.spatial_wave", model.spatial_wave);
+  add_preset("model.temporal_wave", model.temporal_wave);
+  add("model.fill_score", values(knots, &Knot::score), words);
+  add_preset("model.fill_wave", model.fill_wave);
   const auto interval = [&](const WithInterval& v) {
     return data + numbered(", 95 %% [%.4f, %.4f] px%.0s", v.low, v.high, 0);
   };
@@ -235,7 +216,7 @@ ModelCurves model_curves(const DepthFit& fit, const ActiveStereoConfig& config,
     add("model.ripple_px", std::vector<double>(x.size(), fit.ripple_px.value),
         interval(fit.ripple_px));
   } else {
-    add("model.ripple_px", moved(model.log2_snr, model.ripple_px, x), shape);
+    add_preset("model.ripple_px", model.ripple_px);
   }
   if (fit.bias_solved)
     out.entries.push_back({"model.bias_px", number(fit.bias_px.value), interval(fit.bias_px)});

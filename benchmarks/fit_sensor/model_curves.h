@@ -30,10 +30,10 @@ struct ModelCurves {
   std::vector<Entry> entries;
 };
 
-/// The fit as the fast model's curves over the pattern's signal-to-noise ratio, which follows from
-/// a wall's distance, albedo and light by the preset: the laws at the laws' walls, its own numbers
-/// at any other. Knots of the preset outside the walls' ratios stay, scaled so that they continue
-/// the fit.
+/// The fit as the fast model's curves over the matcher's contrast, which follows from a wall's
+/// distance, albedo and light by the preset: the laws at the laws' walls, its own numbers at any
+/// other. Knots of the preset outside the walls' contrasts stay, scaled so that they continue the
+/// fit.
 /// @param data  what the numbers are fitted to, for the comments
 ModelCurves model_curves(const DepthFit& fit, const ActiveStereoConfig& config,
                          const std::string& data);

@@ -24,8 +24,8 @@ struct Pixel {
   Eigen::Index knot = 0;  ///< the one below
   double t = 0;           ///< between it and the next
   double cosine = 0;      ///< cos(2 pi d), times what the window leaves of it
-  double tilt = 0;        ///< power of the slope
-  double weight = 1;
+  double steep = 0;       ///< square of the slope, by which the fill goes
+  double tilt = 0;        ///< its power 1.5, by which the noise goes
 };
 using Wall = std::vector<Pixel>;
 
@@ -39,68 +39,52 @@ struct Knots {
   }
 };
 
-/// What the curves run over, of a pixel: -infinity where there is no light.
-using Abscissa = std::function<double(const WallPixel&)>;
-struct Walls {
-  std::vector<Abscissa> abscissas;  ///< one a wall
-  double tilt_power = 2;            ///< of the slope
-};
-
-/// Its range, less its tails.
-Knots knots_over(const std::vector<WallScores>& walls, const Walls& by) {
-  std::vector<double> all;
-  for (std::size_t i = 0; i < walls.size(); ++i) {
-    for (const WallPixel& p : walls[i].samples) {
-      const double x = by.abscissas[i](p);
-      if (std::isfinite(x)) all.push_back(x);
+/// What the curves run over: of each pixel of each wall.
+using Contrasts = std::vector<std::vector<double>>;
+Contrasts contrasts_of(const std::vector<WallScores>& walls, const ActiveStereoConfig& config,
+                       const DepthModelConfig& model) {
+  Contrasts result;
+  const auto reach_px = static_cast<float>(model.reach_px);
+  for (const WallScores& wall : walls) {
+    const MatchContrast contrast(config, wall.light, model.contrast_dots, model.contrast_spread);
+    std::vector<double>& own = result.emplace_back();
+    for (const WallPixel& p : wall.samples) {
+      const float signal_e = signal_in_reach(p.signal_e, p.rise, reach_px);
+      own.push_back(static_cast<double>(contrast(signal_e, p.ambient_e)));
     }
   }
+  return result;
+}
+
+/// Its range, less its tails.
+Knots knots_over(const Contrasts& contrasts) {
+  std::vector<double> all;
+  for (const std::vector<double>& own : contrasts) all.insert(all.end(), own.begin(), own.end());
   std::sort(all.begin(), all.end());
   if (all.empty()) return {};
   const double low = all[all.size() / 50], high = all[all.size() - 1 - all.size() / 50];
   return {low, std::max(0.01, (high - low) / static_cast<double>(kKnots - 1))};
 }
 
-Wall wall_pixels(const WallScores& wall, const Abscissa& abscissa, double tilt_power,
-                 const Knots& knots, double window_px) {
+Wall wall_pixels(const WallScores& wall, const std::vector<double>& contrasts, const Knots& knots,
+                 double window_px) {
   Wall result;
-  for (const WallPixel& p : wall.samples) {
-    const double x = abscissa(p);
+  for (std::size_t i = 0; i < wall.samples.size(); ++i) {
+    const WallPixel& p = wall.samples[i];
     Pixel pixel;
     const double at =
-        std::clamp((x - knots.first) / knots.step, 0.0, static_cast<double>(kKnots - 1));
+        std::clamp((contrasts[i] - knots.first) / knots.step, 0.0, static_cast<double>(kKnots - 1));
     pixel.knot = std::min(static_cast<Eigen::Index>(at), kKnots - 2);
     pixel.t = at - static_cast<double>(pixel.knot);
     const auto d = static_cast<double>(p.disparity_px);
     pixel.cosine = static_cast<double>(wave_share(p.slope, static_cast<float>(window_px))) *
                    std::cos(2 * std::numbers::pi * d);
-    pixel.tilt = std::pow(static_cast<double>(p.slope), tilt_power);
+    const auto slope = static_cast<double>(p.slope);
+    pixel.steep = slope * slope;
+    pixel.tilt = slope * std::sqrt(slope);
     result.push_back(pixel);
   }
   return result;
-}
-
-Walls by_noise(const std::vector<WallScores>& walls, const PatternNoise& noise) {
-  Walls by{{}, 1.5};
-  for (const WallScores& wall : walls) {
-    by.abscissas.emplace_back([&wall, noise](const WallPixel& p) {
-      return static_cast<double>(
-          log2_pattern_snr(p.signal_e, p.dots_e, p.ambient_e, wall.light, noise));
-    });
-  }
-  return by;
-}
-
-Walls by_contrast(const std::vector<WallScores>& walls, const ActiveStereoConfig& config,
-                  double dots, double spread) {
-  Walls by;
-  for (const WallScores& wall : walls) {
-    by.abscissas.emplace_back(
-        [contrast = MatchContrast(config, wall.light, dots, spread)](const WallPixel& p) {
-          return static_cast<double>(contrast(p.signal_e, p.ambient_e));
-        });
-  }
-  return by;
 }
 
 /// Parameters: a curve, the wave on it, and what a slope does.
@@ -113,7 +97,7 @@ double wave_at(const Eigen::VectorXd& p, const Pixel& at) {
 double slope_of(const Eigen::VectorXd& p) { return p[2 * kKnots]; }
 
 double score_of(const Eigen::VectorXd& p, const Pixel& at) {
-  return curve_at(p, at) + wave_at(p, at) * at.cosine - slope_of(p) * at.tilt;
+  return curve_at(p, at) + wave_at(p, at) * at.cosine - slope_of(p) * at.steep;
 }
 /// Logarithms are fitted, so that spreads stay positive.
 double variance_of(const Eigen::VectorXd& p, const Pixel& at) {
@@ -171,23 +155,13 @@ Eigen::VectorXd as_vector(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-/// What is known of a fit, to choose the noise's parts by.
+/// All curves over one contrast.
 struct Fit {
-  Walls by;
   Knots knots;
+  std::vector<Wall> walls;
   Eigen::VectorXd fill, spatial, temporal;
-  double misfit = std::numeric_limits<double>::infinity();
+  double misfit = 0;
 };
-
-std::vector<Wall> all_pixels(const std::vector<WallScores>& walls, const Fit& fit,
-                             double window_px) {
-  std::vector<Wall> result;
-  for (std::size_t i = 0; i < walls.size(); ++i) {
-    result.push_back(
-        wall_pixels(walls[i], fit.by.abscissas[i], fit.by.tilt_power, fit.knots, window_px));
-  }
-  return result;
-}
 
 Eigen::VectorXd start_at(double low, double high) {
   Eigen::VectorXd p = Eigen::VectorXd::Zero(2 * kKnots + 1);
@@ -204,31 +178,25 @@ double mean_fill(const Eigen::VectorXd& p, const Wall& wall) {
 }
 
 /// In hundredths: what the fills of single walls are known to.
-Fit fit_fill(const std::vector<WallScores>& walls, const Walls& by, double window_px) {
-  Fit fit{by, knots_over(walls, by), {}, {}, {}};
-  const std::vector<Wall> pixels = all_pixels(walls, fit, window_px);
+void fit_fill(const std::vector<WallScores>& walls, Fit& fit) {
   const auto residuals = [&](const Eigen::VectorXd& p) {
     std::vector<double> r;
     for (std::size_t i = 0; i < walls.size(); ++i)
-      r.push_back((mean_fill(p, pixels[i]) - walls[i].fill) / 0.01);
+      r.push_back((mean_fill(p, fit.walls[i]) - walls[i].fill) / 0.01);
     add_priors(p, 0.5, 1, r);
     return as_vector(r);
   };
   fit.fill = least_squares(residuals, start_at(-2, 3));
-  fit.misfit = residuals(fit.fill).squaredNorm();
-  return fit;
+  fit.misfit += residuals(fit.fill).squaredNorm();
 }
 
 /// Spatial and temporal noise of the pixels that have a depth, in twentieths.
-Fit fit_noise(const std::vector<WallScores>& walls, const Walls& by, double disparity_step_px,
-              double window_px, const Fit& fill) {
+void fit_noise(const std::vector<WallScores>& walls, double disparity_step_px, Fit& fit) {
   constexpr double kLeastFill = 0.1;
-  Fit fit{by, knots_over(walls, by), {}, {}, {}, 0};
-  std::vector<Wall> pixels = all_pixels(walls, fit, window_px);
-  const std::vector<Wall> filled = all_pixels(walls, fill, window_px);
-  for (std::size_t i = 0; i < walls.size(); ++i) {
-    for (std::size_t k = 0; k < pixels[i].size(); ++k)
-      pixels[i][k].weight = normal_below(score_of(fill.fill, filled[i][k]));
+  std::vector<std::vector<double>> weights;
+  for (const Wall& wall : fit.walls) {
+    std::vector<double>& own = weights.emplace_back();
+    for (const Pixel& at : wall) own.push_back(normal_below(score_of(fit.fill, at)));
   }
   // The model adds the step's own noise when it rounds.
   const double step_px2 = disparity_step_px * disparity_step_px / 12;
@@ -237,13 +205,13 @@ Fit fit_noise(const std::vector<WallScores>& walls, const Walls& by, double disp
       std::vector<double> r;
       for (std::size_t i = 0; i < walls.size(); ++i) {
         if (walls[i].fill < kLeastFill) continue;
-        double sum = 0, weights = 1e-12;
-        for (const Pixel& at : pixels[i]) {
-          sum += at.weight * variance_of(p, at);
-          weights += at.weight;
+        double sum = 0, all = 1e-12;
+        for (std::size_t k = 0; k < weights[i].size(); ++k) {
+          sum += weights[i][k] * variance_of(p, fit.walls[i][k]);
+          all += weights[i][k];
         }
         const double measured = std::max(variance(walls[i]), 1e-6);
-        r.push_back(0.5 * std::log(std::max(sum / weights, 1e-12) / measured) / 0.05);
+        r.push_back(0.5 * std::log(std::max(sum / all, 1e-12) / measured) / 0.05);
       }
       add_priors(p, 2, 5, r);
       return as_vector(r);
@@ -255,6 +223,18 @@ Fit fit_noise(const std::vector<WallScores>& walls, const Walls& by, double disp
   fit.spatial = fitted([](const WallScores& w) { return w.spatial_px * w.spatial_px; });
   fit.temporal =
       fitted([&](const WallScores& w) { return w.temporal_px * w.temporal_px - step_px2; });
+}
+
+Fit fit_curves(const std::vector<WallScores>& walls, const ActiveStereoConfig& config,
+               const DepthModelConfig& model) {
+  const double window_px = config.match.census_width_px + config.match.block_px - 1;
+  const Contrasts contrasts = contrasts_of(walls, config, model);
+  Fit fit;
+  fit.knots = knots_over(contrasts);
+  for (std::size_t i = 0; i < walls.size(); ++i)
+    fit.walls.push_back(wall_pixels(walls[i], contrasts[i], fit.knots, window_px));
+  fit_fill(walls, fit);
+  fit_noise(walls, config.disparity_step_px, fit);
   return fit;
 }
 
@@ -268,15 +248,13 @@ std::vector<double> part(const Eigen::VectorXd& p, Eigen::Index first, bool is_l
 
 /// Bias = mean + A sin(2 pi d), A a curve, by linear least squares over the walls that face the
 /// camera.
-void fit_ripple(const std::vector<WallScores>& walls, const Fit& noise, double window_px,
-                DepthModelConfig& model) {
+void fit_ripple(const std::vector<WallScores>& walls, const Fit& fit, DepthModelConfig& model) {
   std::vector<Eigen::VectorXd> rows;
   std::vector<double> values;
-  const std::vector<Wall> all = all_pixels(walls, noise, window_px);
   for (std::size_t i = 0; i < walls.size(); ++i) {
     const WallScores& wall = walls[i];
     if (wall.fill < 0.2 || wall.slope > 1e-3) continue;
-    const Wall& pixels = all[i];
+    const Wall& pixels = fit.walls[i];
     const double weight = 0.01 / std::max(wall.sigma_px, 0.01);
     Eigen::VectorXd row = Eigen::VectorXd::Zero(kKnots + 1);
     const double sine = std::sin(2 * std::numbers::pi * wall.disparity_px);
@@ -313,38 +291,33 @@ void fit_depth_curves(const std::vector<WallScores>& walls, const ActiveStereoCo
   if (walls.size() < 8)
     throw std::invalid_argument("depth model: " + std::to_string(walls.size()) +
                                 " walls are too few to fit; at least 8");
-  const double window_px = config.match.census_width_px + config.match.block_px - 1;
-  Fit fill, noise;
+  Fit best;
+  best.misfit = std::numeric_limits<double>::infinity();
+  DepthModelConfig tried = model;
   for (const double dots : {0.0, 0.5, 1.0}) {
     for (const double spread : {1.0, 1.5, 2.0, 2.5, 3.0}) {
-      const Fit next = fit_fill(walls, by_contrast(walls, config, dots, spread), window_px);
-      if (!(next.misfit < fill.misfit)) continue;
-      fill = next;
-      model.fill_dots = dots;
-      model.fill_spread = spread;
+      for (const double reach_px : {0.0, 8.0, 16.0, 24.0, 32.0}) {
+        tried.contrast_dots = dots;
+        tried.contrast_spread = spread;
+        tried.reach_px = reach_px;
+        Fit next = fit_curves(walls, config, tried);
+        if (!(next.misfit < best.misfit)) continue;
+        best = std::move(next);
+        model = tried;
+      }
     }
   }
-  for (const double dots : {0.0, 0.25, 0.5, 1.0}) {
-    for (const double margin : {0.0, 0.02, 0.05, 0.1, 0.2}) {
-      const Fit next = fit_noise(walls, by_noise(walls, {dots, margin}), config.disparity_step_px,
-                                 window_px, fill);
-      if (!(next.misfit < noise.misfit)) continue;
-      noise = next;
-      model.noise_from = {dots, margin};
-    }
-  }
-  model.contrast = fill.knots.list();
-  model.fill_score = part(fill.fill, 0, false, -10, 10);
-  model.fill_wave = part(fill.fill, kKnots, false, -10, 10);
-  model.slope_fill = rounded(std::clamp(slope_of(fill.fill), 0.0, 1e4));
-  model.log2_snr = noise.knots.list();
-  model.spatial_px = part(noise.spatial, 0, true, 0, 100);
-  model.spatial_wave = part(noise.spatial, kKnots, false, -0.9, 0.9);
-  model.slope_spatial = rounded(std::abs(slope_of(noise.spatial)));
-  model.temporal_px = part(noise.temporal, 0, true, 0, 100);
-  model.temporal_wave = part(noise.temporal, kKnots, false, -0.9, 0.9);
-  model.slope_temporal = rounded(std::abs(slope_of(noise.temporal)));
-  fit_ripple(walls, noise, window_px, model);
+  model.contrast = best.knots.list();
+  model.fill_score = part(best.fill, 0, false, -10, 10);
+  model.fill_wave = part(best.fill, kKnots, false, -10, 10);
+  model.slope_fill = rounded(std::clamp(slope_of(best.fill), 0.0, 1e4));
+  model.spatial_px = part(best.spatial, 0, true, 0, 100);
+  model.spatial_wave = part(best.spatial, kKnots, false, -0.9, 0.9);
+  model.slope_spatial = rounded(std::abs(slope_of(best.spatial)));
+  model.temporal_px = part(best.temporal, 0, true, 0, 100);
+  model.temporal_wave = part(best.temporal, kKnots, false, -0.9, 0.9);
+  model.slope_temporal = rounded(std::abs(slope_of(best.temporal)));
+  fit_ripple(walls, best, model);
 }
 
 }  // namespace cousin

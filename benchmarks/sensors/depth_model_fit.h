@@ -17,7 +17,7 @@ struct ModelComparison {
   WallScores full, fast;
 };
 
-/// The fast model's numbers for a configuration: curves over the pattern's signal-to-noise ratio,
+/// The fast model's numbers for a configuration: curves over the matcher's contrast,
 /// waves over the fraction of the disparity and slopes from walls (`fit_depth_curves`), band and
 /// grain from their statistics, fattening from a plate before a wall.
 DepthModelConfig fit_depth_model(const ActiveStereoConfig& config, const ActiveStereoUnit& unit,

@@ -225,8 +225,8 @@ void add_speed_rows(const Device& device, bool quick, std::vector<ScoreRow>& row
     register_to_color(depth.depth, device.config, device.unit);
   }));
   // Of the sensor's variance at most a quarter, as the budget of the pair's rendering says.
-  const double share = monte_carlo_share({1.2, 0.3, 0.5, device.light, device.texture},
-                                         device.config, device.unit, device.rng.fork("variance"));
+  const double share = render_noise_share({1.2, 0.3, 0.5, device.light, device.texture},
+                                          device.config, device.unit, device.rng.fork("variance"));
   rows.push_back(limited(device.row("infrared pair", "render_variance_over_sensor", share, "1",
                                     static_cast<std::int64_t>(device.unit.imager.width_px) *
                                         device.unit.imager.height_px),

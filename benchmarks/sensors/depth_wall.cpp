@@ -48,11 +48,11 @@ class WallStatistics {
       const double below = focal_baseline_ / static_cast<double>(depth_m_(x, y + 1));
       slope_.add(std::hypot(right - truth_px, below - truth_px));
       if (x % kSampled_px != 0 || y % kSampled_px != 0) return;
-      samples_.push_back({light_.signal_e(x, y), light_.dots_e(x, y), light_.ambient_e(x, y),
+      samples_.push_back({light_.signal_e(x, y), light_.ambient_e(x, y), light_.rise(x, y),
                           static_cast<float>(truth_px),
                           static_cast<float>(std::hypot(right - truth_px, below - truth_px))});
     });
-    light_.signal_e = light_.dots_e = light_.ambient_e = {};
+    light_.signal_e = light_.ambient_e = light_.rise = {};
   }
 
   void add(const Image<float>& disparity_px, const Image<std::uint16_t>& depth) {

@@ -28,7 +28,7 @@ WallScene make_wall(const WallCase& wall);
 
 /// Light and geometry of one pixel of a wall, as the fast model knows them.
 struct WallPixel {
-  float signal_e = 0, dots_e = 0, ambient_e = 0;
+  float signal_e = 0, ambient_e = 0, rise = 0;
   float disparity_px = 0, slope = 0;  ///< true; |grad d|
 };
 

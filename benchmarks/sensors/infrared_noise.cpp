@@ -28,26 +28,29 @@ Image<float> blurred(const Image<float>& image, const std::vector<float>& weight
 
 }  // namespace
 
-double monte_carlo_share(const WallCase& wall, const ActiveStereoConfig& config,
-                         const ActiveStereoUnit& unit, const Rng& rng) {
-  ActiveStereoConfig still = config;
-  still.infrared.speckle_contrast = 0;
+double render_noise_share(const WallCase& wall, const ActiveStereoConfig& config,
+                          const ActiveStereoUnit& unit, const Rng& rng) {
+  constexpr int kFiner = 36;
   const WallScene scene = make_wall(wall);
   const RayScene rays(scene.scene);
   const std::vector<float> weights = gaussian_weights(config.imager.blur_sigma_px);
-  const auto render = [&](std::uint64_t i) {
-    const InfraredPair pair = render_infrared_pair(rays, scene.scene, scene.rig_from_world, still,
-                                                   unit, rng.fork("render").fork(i));
+  const auto render = [&](int factor) {
+    ActiveStereoConfig still = config;
+    still.infrared.speckle_contrast = 0;
+    still.infrared.pixel_samples *= factor;
+    const InfraredPair pair =
+        render_infrared_pair(rays, scene.scene, scene.rig_from_world, still, unit,
+                             rng.fork("render").fork(static_cast<std::uint64_t>(factor)));
     return blurred(blurred(pair.left.radiance, weights, 1, 0), weights, 0, 1);
   };
-  const Image<float> a = render(0), b = render(1);
-  const InfraredExposure exposure = auto_exposure(a, config.imager);
+  const Image<float> a = render(1), fine = render(kFiner);
+  const InfraredExposure exposure = auto_exposure(fine, config.imager);
   const double electrons = config.imager.electrons_at_unit_radiance * exposure.share;
   double squares = 0, sensor = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const double difference = electrons * static_cast<double>(a.data()[i] - b.data()[i]);
-    squares += 0.5 * difference * difference;
-    sensor += electrons * static_cast<double>(a.data()[i]) +
+    const double difference = electrons * static_cast<double>(a.data()[i] - fine.data()[i]);
+    squares += difference * difference;
+    sensor += electrons * static_cast<double>(fine.data()[i]) +
               config.imager.read_noise_e * config.imager.read_noise_e;
   }
   return squares / sensor;

@@ -1,5 +1,7 @@
 #include "sim/render/infrared_light.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -35,6 +37,7 @@ double dome_irradiance(const InfraredLights::Dome& dome, double normal_z) {
 /// Luminance of sunlight above the air, klux [CIE: 128 klux].
 constexpr double kSolarIlluminance_klux = 128;
 constexpr double kWavelength_m = 850e-9;
+constexpr int kMostPasses = 64;  // a sample of 19 of the projector's pixels
 
 double mean_radiance(const Environment& environment) {
   double sum = 0, weight = 0;
@@ -49,7 +52,49 @@ double mean_radiance(const Environment& environment) {
   return weight > 0 ? sum / weight : 0;
 }
 
-InfraredProjector make_projector(const Projector& projector, const Eigen::Vector3d& centre_m) {
+/// Adds `variance_px2` to the second moment of whatever the rows hold, by three taps.
+void widen_rows(Image<float>& image, double variance_px2) {
+  const auto side = static_cast<float>(variance_px2 / 2);
+  tbb::parallel_for(0, image.height(), [&](int y) {
+    float* row = image.row(y).data();
+    float before = row[0];
+    for (int x = 0; x + 1 < image.width(); ++x) {
+      const float own = row[x];
+      row[x] += side * (before - 2 * own + row[x + 1]);
+      before = own;
+    }
+  });
+}
+
+void widen_columns(Image<float>& image, double variance_px2) {
+  const auto side = static_cast<float>(variance_px2 / 2);
+  const int last = image.height() - 1;
+  Image<float> out(image.width(), image.height());
+  tbb::parallel_for(0, image.height(), [&](int y) {
+    const float* above = image.row(std::max(y - 1, 0)).data();
+    const float* below = image.row(std::min(y + 1, last)).data();
+    const float* own = image.row(y).data();
+    float* to = out.row(y).data();
+    for (int x = 0; x < image.width(); ++x)
+      to[x] = own[x] + side * (above[x] - 2 * own[x] + below[x]);
+  });
+  image = std::move(out);
+}
+
+/// Widens the picture as a mean over a square of side `square_px` does, to second order.
+void widen(Image<float>& image, double square_x_px, double square_y_px) {
+  constexpr double kMost_px2 = 0.5;  // that three taps can add
+  const double x_px2 = square_x_px * square_x_px / 12, y_px2 = square_y_px * square_y_px / 12;
+  const int passes =
+      std::clamp(static_cast<int>(std::ceil(std::max(x_px2, y_px2) / kMost_px2)), 1, kMostPasses);
+  for (int i = 0; i < passes; ++i) {
+    widen_rows(image, std::min(x_px2 / passes, kMost_px2));
+    widen_columns(image, std::min(y_px2 / passes, kMost_px2));
+  }
+}
+
+InfraredProjector make_projector(const Projector& projector, const Eigen::Vector3d& centre_m,
+                                 double sample_rad) {
   validate(projector.lens);
   if (projector.intensity.width() != projector.lens.width_px ||
       projector.intensity.height() != projector.lens.height_px) {
@@ -67,7 +112,20 @@ InfraredProjector make_projector(const Projector& projector, const Eigen::Vector
   out.intensity = Image<float>(projector.intensity.width(), projector.intensity.height());
   std::transform(projector.intensity.begin(), projector.intensity.end(), out.intensity.begin(),
                  [](const Rgbf& c) { return c.r; });
+  if (out.intensity.width() > 0 && out.intensity.height() > 0)
+    widen(out.intensity, sample_rad * out.lens.fx_px, sample_rad * out.lens.fy_px);
   return out;
+}
+
+/// A quadratic B-spline's three weights at a place, and the first pixel's.
+struct Spline {
+  int first;
+  std::array<float, 3> weights;
+};
+Spline spline(float place) {
+  const float nearest = std::floor(place + 0.5F), t = place - nearest;
+  return {static_cast<int>(nearest) - 1,
+          {0.5F * (0.5F - t) * (0.5F - t), 0.75F - t * t, 0.5F * (0.5F + t) * (0.5F + t)}};
 }
 
 }  // namespace
@@ -88,13 +146,18 @@ float InfraredProjector::towards(const Eigen::Vector3f& offset_m) const {
   const auto last_x = static_cast<float>(intensity.width() - 1);
   const auto last_y = static_cast<float>(intensity.height() - 1);
   if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= last_x && pixel.y() <= last_y)) return 0;
-  const int x = std::min(static_cast<int>(pixel.x()), std::max(intensity.width() - 2, 0));
-  const int y = std::min(static_cast<int>(pixel.y()), std::max(intensity.height() - 2, 0));
-  const int right = std::min(x + 1, intensity.width() - 1);
-  const int below = std::min(y + 1, intensity.height() - 1);
-  const float u = pixel.x() - static_cast<float>(x), v = pixel.y() - static_cast<float>(y);
-  return (intensity(x, y) * (1 - u) + intensity(right, y) * u) * (1 - v) +
-         (intensity(x, below) * (1 - u) + intensity(right, below) * u) * v;
+  const auto [x, across] = spline(pixel.x());
+  const auto [y, down] = spline(pixel.y());
+  const int last_column = intensity.width() - 1, last_row = intensity.height() - 1;
+  float sum = 0;
+  for (int j = 0; j < 3; ++j) {
+    const float* row = intensity.row(std::clamp(y + j, 0, last_row)).data();
+    float along = 0;
+    for (int i = 0; i < 3; ++i)
+      along += across[static_cast<std::size_t>(i)] * row[std::clamp(x + i, 0, last_column)];
+    sum += down[static_cast<std::size_t>(j)] * along;
+  }
+  return sum;
 }
 
 float InfraredLights::ambient_at(float normal_z) const {
@@ -106,11 +169,12 @@ float InfraredLights::ambient_at(float normal_z) const {
 }
 
 InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projector> projectors,
-                                    const InfraredConfig& config, const Eigen::Vector3d& centre_m) {
+                                    const InfraredConfig& config, const Eigen::Vector3d& centre_m,
+                                    double sample_rad) {
   InfraredLights lights;
   InfraredLights::Dome& dome = lights.dome;
   for (const Projector& projector : projectors)
-    lights.projectors.push_back(make_projector(projector, centre_m));
+    lights.projectors.push_back(make_projector(projector, centre_m, sample_rad));
   const auto add_sun = [&](const Eigen::Vector3d& to_sun, double irradiance) {
     lights.suns.push_back({to_sun.normalized().cast<float>(), static_cast<float>(irradiance)});
   };
@@ -144,7 +208,7 @@ InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projecto
       dome.horizon += even;
       dome.ground += even;
     } else if (const auto* projector = std::get_if<Projector>(&light)) {
-      lights.projectors.push_back(make_projector(*projector, centre_m));
+      lights.projectors.push_back(make_projector(*projector, centre_m, sample_rad));
     }
   }
   if (config.lamp_share == 0) lights.lamps.clear();

@@ -49,8 +49,12 @@ struct InfraredLights {
 
   float ambient_at(float normal_z) const;
 };
+/// @param sample_rad  side of the square that a sample of the camera stands for: the projectors'
+/// pictures are widened by it, so that a point's light is the square's where the surface faces
+/// both.
 InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projector> projectors,
-                                    const InfraredConfig& config, const Eigen::Vector3d& centre_m);
+                                    const InfraredConfig& config, const Eigen::Vector3d& centre_m,
+                                    double sample_rad);
 
 /// What a surface does with infrared light, at any of its points.
 struct InfraredSurface {

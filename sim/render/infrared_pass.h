@@ -28,12 +28,17 @@ struct InfraredImage {
 };
 
 /// Radiance at 850 nm by direct light only: `projectors` and the scene's own (point sources: 1/d^2,
-/// cosine, shadow ray, picture looked up bilinearly; the red channel of their intensity counts),
+/// cosine, shadow ray, picture looked up by quadratic B-splines,
+/// which have no kinks; the red channel of their intensity counts),
 /// suns (one shadow ray at the disk's centre), lamps (as points that throw the shadows of their
 /// faces) and skies and environments (their mean; a shadow ray a sample, shared by 4 x 4 pixels of
 /// one surface; their lower half stands for the ground's light and casts none). Surfaces are
 /// Lambertian with the material's infrared albedo and transmittance, varied by its noise texture as
 /// the visible albedo is; prints are black in ink.
+///
+/// A pixel's samples stand at the middles of its equal squares, and the projectors' pictures are
+/// widened to these squares: random places and sharp dots would leave more noise than an imager
+/// has.
 ///
 /// Speckle: the projectors' light in a pixel is multiplied by a Gamma variable of mean 1
 /// [Goodman 2007], fixed by `rng`, the pixel and the place of the surface seen to 1/8 of the

@@ -24,34 +24,40 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Curves over one list of knots as a table at steps of 1/16 in the logarithm, for speed.
-template <int Count>
+/// The model's curves as a table at steps of 1/32 of the contrast, for speed.
 class Curves {
  public:
-  using Values = std::array<float, Count>;
-  Curves(const std::vector<double>& x, std::array<const std::vector<double>*, Count> curves)
-      : first_(static_cast<float>(x.front())) {
-    const int steps = std::max(1, static_cast<int>(std::ceil((x.back() - x.front()) * 16)));
+  struct Values {
+    float score, score_wave, spatial, spatial_wave, temporal, temporal_wave, ripple;
+  };
+  explicit Curves(const DepthModelConfig& model)
+      : first_(static_cast<float>(model.contrast.front())) {
+    const std::vector<double>& x = model.contrast;
+    const int steps = std::max(1, static_cast<int>(std::ceil((x.back() - x.front()) * kSteps)));
     for (int i = 0; i <= steps; ++i) {
-      Values values;
-      for (std::size_t k = 0; k < values.size(); ++k)
-        values[k] = static_cast<float>(at_knots(x, *curves[k], x.front() + i / 16.0));
-      table_.push_back(values);
+      const auto at = [&](const std::vector<double>& curve) {
+        return static_cast<float>(at_knots(x, curve, x.front() + i / static_cast<double>(kSteps)));
+      };
+      table_.push_back({at(model.fill_score), at(model.fill_wave), at(model.spatial_px),
+                        at(model.spatial_wave), at(model.temporal_px), at(model.temporal_wave),
+                        at(model.ripple_px)});
     }
   }
-  Values operator()(float log2_snr) const {
-    const float p = (log2_snr - first_) * 16;
+  Values operator()(float contrast) const {
+    const float p = (contrast - first_) * kSteps;
     if (!(p > 0)) return table_.front();
     if (!(p < static_cast<float>(table_.size() - 1))) return table_.back();
     const auto i = static_cast<std::size_t>(p);
     const float t = p - static_cast<float>(i);
-    Values values;
-    for (std::size_t k = 0; k < values.size(); ++k)
-      values[k] = table_[i][k] * (1 - t) + table_[i + 1][k] * t;
-    return values;
+    const Values &a = table_[i], &b = table_[i + 1];
+    const auto mix = [&](float Values::*part) { return a.*part * (1 - t) + b.*part * t; };
+    return {mix(&Values::score),        mix(&Values::score_wave), mix(&Values::spatial),
+            mix(&Values::spatial_wave), mix(&Values::temporal),   mix(&Values::temporal_wave),
+            mix(&Values::ripple)};
   }
 
  private:
+  static constexpr int kSteps = 32;
   float first_;
   std::vector<Values> table_;
 };
@@ -117,10 +123,8 @@ class PixelModel {
         rim_px_(fattened(near_px_, static_cast<int>(std::lround(model_.rim_px)))),
         light_(pattern_light(inputs, config)),
         noise_(make_fields(camera.width_px, camera.height_px, model_, fixed, frame)),
-        curves_(model_.log2_snr, {&model_.spatial_px, &model_.spatial_wave, &model_.temporal_px,
-                                  &model_.temporal_wave, &model_.ripple_px}),
-        contrast_(config, light_, model_.fill_dots, model_.fill_spread),
-        fill_(model_.contrast, {&model_.fill_score, &model_.fill_wave}),
+        contrast_(config, light_, model_.contrast_dots, model_.contrast_spread),
+        curves_(model_),
         window_px_(static_cast<float>(config.match.census_width_px + config.match.block_px - 1)),
         step_(static_cast<float>(config.disparity_step_px)),
         most_(static_cast<float>(config.match.shift_px + config.match.range_px)),
@@ -140,15 +144,16 @@ class PixelModel {
     const float turn = 2 * std::numbers::pi_v<float> * (d - std::floor(d));
     const float wave = wave_share(slope, window_px_);
     const float cosine = wave * std::cos(turn);
-    const auto [score, score_wave] =
-        fill_(contrast_(light_.signal_e(x, y), light_.ambient_e(x, y)));
+    const float signal_e = signal_in_reach(light_.signal_e(x, y), light_.rise(x, y),
+                                           static_cast<float>(model_.reach_px));
+    const Curves::Values at = curves_(contrast_(signal_e, light_.ambient_e(x, y)));
     const float passes =
-        score + score_wave * cosine - static_cast<float>(model_.slope_fill) * slope * slope;
+        at.score + at.score_wave * cosine - static_cast<float>(model_.slope_fill) * slope * slope;
     if (!(light_.signal_e(x, y) > 0) || noise_.hole(x, y) > passes) {
       return (hidden & kHiddenFromProjector) ? InvalidReason::no_projector
                                              : InvalidReason::no_texture;
     }
-    const float found = d + error_px(x, y, slope, cosine, wave * std::sin(turn));
+    const float found = d + error_px(x, y, at, slope, cosine, wave * std::sin(turn));
     const float quantised = step_ > 0 ? std::round(found / step_) * step_ : found;
     if (quantised < least_ || quantised > most_) return InvalidReason::out_of_range;
     disparity_px = quantised;
@@ -174,20 +179,14 @@ class PixelModel {
     return std::min(1.0F, d / f * std::sqrt(n.x() * n.x() + n.y() * n.y()) / std::abs(along));
   }
 
-  float log2_snr(int x, int y, const PatternNoise& noise) const {
-    return log2_pattern_snr(light_.signal_e(x, y), light_.dots_e(x, y), light_.ambient_e(x, y),
-                            light_, noise);
-  }
-
-  float error_px(int x, int y, float slope, float cosine, float sine) const {
-    const auto [spatial, spatial_wave, temporal, temporal_wave, ripple] =
-        curves_(log2_snr(x, y, model_.noise_from));
+  float error_px(int x, int y, const Curves::Values& at, float slope, float cosine,
+                 float sine) const {
     const float tilt = slope * std::sqrt(slope);
-    return static_cast<float>(model_.bias_px) + ripple * sine +
-           std::hypot(spatial * (1 + spatial_wave * cosine),
+    return static_cast<float>(model_.bias_px) + at.ripple * sine +
+           std::hypot(at.spatial * (1 + at.spatial_wave * cosine),
                       static_cast<float>(model_.slope_spatial) * tilt) *
                noise_.spatial(x, y) +
-           std::hypot(temporal * (1 + temporal_wave * cosine),
+           std::hypot(at.temporal * (1 + at.temporal_wave * cosine),
                       static_cast<float>(model_.slope_temporal) * tilt) *
                noise_.temporal(x, y);
   }
@@ -198,9 +197,8 @@ class PixelModel {
   Image<float> truth_px_, near_px_, rim_px_;
   PatternLight light_;
   NoiseFields noise_;
-  Curves<5> curves_;
   MatchContrast contrast_;
-  Curves<2> fill_;
+  Curves curves_;
   float window_px_, step_, most_, least_;
 };
 
@@ -208,18 +206,16 @@ class PixelModel {
 
 Fields fields(DepthModelConfig& c) {
   return {
-      {"noise_from_dots", &c.noise_from.dots, "share of the dots' light in the noise's ratio", 0,
-       9},
-      {"noise_from_margin", &c.noise_from.margin, "weight of the margin in it", 0, 100},
-      {"log2_snr", &c.log2_snr, "knots of the noise: log2 of the pattern's ratio", -40, 40},
+      {"contrast_dots", &c.contrast_dots, "share of the dots' photon noise in the contrast", 0, 9},
+      {"contrast_spread", &c.contrast_spread, "area of a dot as windows see it, over its own", 0.1,
+       10},
+      {"reach_px", &c.reach_px, "from how far brighter places of a surface help", 0, 64},
+      {"contrast", &c.contrast, "knots: log2 of the matcher's contrast", 0, 40},
       {"spatial_px", &c.spatial_px, "sigma of the fixed noise at the knots", 0, 100},
       {"spatial_wave", &c.spatial_wave, "its share that goes as cos(2 pi d)", -0.9, 0.9},
       {"temporal_px", &c.temporal_px, "sigma of each image's noise at the knots", 0, 100},
       {"temporal_wave", &c.temporal_wave, "its share that goes as cos(2 pi d)", -0.9, 0.9},
       {"ripple_px", &c.ripple_px, "amplitude of d + A sin(2 pi d) at the knots", -1, 1},
-      {"fill_dots", &c.fill_dots, "share of the dots' photon noise in the contrast", 0, 9},
-      {"fill_spread", &c.fill_spread, "area of a dot as windows see it, over its own", 0.1, 10},
-      {"contrast", &c.contrast, "knots of the fill: log2 of the matcher's contrast", 0, 40},
       {"fill_score", &c.fill_score, "normal quantile of the share with a depth", -10, 10},
       {"fill_wave", &c.fill_wave, "amplitude of cos(2 pi d) of the score", -10, 10},
       {"slope_spatial", &c.slope_spatial, "spatial sigma at a disparity slope of 1", 0, 100},
@@ -236,27 +232,23 @@ Fields fields(DepthModelConfig& c) {
 void validate(const DepthModelConfig& config) {
   DepthModelConfig copy = config;
   check_limits(fields(copy), "depth model");
-  const auto check = [](const char* name, const std::vector<double>& knots,
-                        std::initializer_list<const std::vector<double>*> curves) {
-    std::string sizes = std::to_string(knots.size());
-    bool fits = knots.size() >= 2;
-    for (const auto* curve : curves) {
-      sizes += ", " + std::to_string(curve->size());
-      fits = fits && curve->size() == knots.size();
-    }
-    if (!fits) {
-      throw std::invalid_argument(std::string("depth model: ") + name + " and its curves have " +
-                                  sizes + " numbers; they must be as many, at least 2");
-    }
-    for (std::size_t i = 1; i < knots.size(); ++i) {
-      if (!(knots[i] > knots[i - 1]))
-        throw std::invalid_argument(std::string("depth model: ") + name + " must increase");
-    }
-  };
-  check("log2_snr", config.log2_snr,
-        {&config.spatial_px, &config.spatial_wave, &config.temporal_px, &config.temporal_wave,
-         &config.ripple_px});
-  check("contrast", config.contrast, {&config.fill_score, &config.fill_wave});
+  const std::size_t knots = config.contrast.size();
+  std::string sizes = std::to_string(knots);
+  bool fits = knots >= 2;
+  for (const auto* curve :
+       {&config.fill_score, &config.fill_wave, &config.spatial_px, &config.spatial_wave,
+        &config.temporal_px, &config.temporal_wave, &config.ripple_px}) {
+    sizes += ", " + std::to_string(curve->size());
+    fits = fits && curve->size() == knots;
+  }
+  if (!fits) {
+    throw std::invalid_argument("depth model: contrast and its curves have " + sizes +
+                                " numbers; they must be as many, at least 2");
+  }
+  for (std::size_t i = 1; i < knots; ++i) {
+    if (!(config.contrast[i] > config.contrast[i - 1]))
+      throw std::invalid_argument("depth model: contrast must increase");
+  }
 }
 
 double at_knots(const std::vector<double>& x, const std::vector<double>& y, double at) {

@@ -18,15 +18,9 @@ class RayScene;
 struct Scene;
 struct Pose;
 
-/// Light that counts as noise beside the pattern.
-struct PatternNoise {
-  double dots = 0.25;   ///< share of the mean projected light whose shot noise counts
-  double margin = 0.1;  ///< weight of the square of the matcher's margin
-};
-
 /// Numbers of the analytic depth model, fitted to the full one of a device (`fit_depth_model`).
-/// Curves are linear between knots in the logarithm to base 2 of the pattern's signal-to-noise
-/// ratio and constant beyond them.
+/// Curves are linear between knots in how much better a window's own counterpart is than others
+/// (`MatchContrast`) and constant beyond them.
 ///
 /// A matcher compares whole pixels: a window whose disparity lies half-way between two fits both
 /// less well than one that lies on a pixel fits its own. Fill, noise and bias therefore go with the
@@ -34,21 +28,19 @@ struct PatternNoise {
 /// spans many fractions, as sin(pi s w) / (pi s w) for a slope s and a window w.
 ///
 /// A pixel has a depth if the matcher's score, which spreads normally from window to window, passes
-/// its thresholds: the share is the normal distribution's at fill_score, a function of how much a
-/// window's own counterpart is better than others (`MatchContrast`).
+/// its thresholds: the share is the normal distribution's at fill_score.
 struct DepthModelConfig {
-  PatternNoise noise_from = {0.25, 0.1};                     ///< what the noise's ratio is made of
-  std::vector<double> log2_snr = {-2, 0, 2, 4};              ///< knots of the noise
+  double contrast_dots = 0.5;  ///< share of the dots' photon noise in the contrast
+  double contrast_spread = 2;  ///< area of a dot as windows see it, over its own
+  double reach_px = 16;        ///< the matcher's paths bring what brighter places this far off know
+  std::vector<double> contrast = {0, 1, 2, 4};               ///< knots
   std::vector<double> spatial_px = {0.3, 0.15, 0.08, 0.07};  ///< fixed while scene and rig stand
   std::vector<double> spatial_wave = {0, 0, 0, 0};           ///< of it, over its mean
   std::vector<double> temporal_px = {0.2, 0.1, 0.04, 0.02};  ///< drawn anew in each image
   std::vector<double> temporal_wave = {0, 0, 0, 0};          ///< of it, over its mean
   std::vector<double> ripple_px = {0.01, 0.01, 0.01, 0.01};  ///< amplitude of sin(2 pi d)
-  double fill_dots = 0.5;  ///< share of the dots' photon noise in the fill's contrast
-  double fill_spread = 2;  ///< area of a dot as windows see it, over its own
-  std::vector<double> contrast = {0, 1, 2, 4};      ///< knots of the fill: `MatchContrast`
-  std::vector<double> fill_score = {-3, -1, 2, 4};  ///< quantile of the share with a depth
-  std::vector<double> fill_wave = {0, 0, 0, 0};     ///< of the score
+  std::vector<double> fill_score = {-3, -1, 2, 4};           ///< quantile of the share with a depth
+  std::vector<double> fill_wave = {0, 0, 0, 0};              ///< of the score
   double slope_spatial = 3;   ///< spatial sigma that a slope of 1 px/px adds, as its power 1.5
   double slope_temporal = 1;  ///< and temporal
   double slope_fill = 10;     ///< score lost at a slope of 1 px/px, as its square
@@ -89,19 +81,17 @@ DepthModelInputs depth_model_inputs(const RayScene& rays, const Scene& scene,
 /// half per cent ask for.
 struct PatternLight {
   Image<float> signal_e;   ///< mean projected light, and the texture's; 0 = no surface or no light
-  Image<float> dots_e;     ///< mean projected light alone
   Image<float> ambient_e;  ///< light without the projector
+  Image<float> rise;       ///< gradient of log2(signal_e) along the surface, 1/px
   double still_e2 = 0;     ///< variance of read noise and rounding
   double margin_e = 0;     ///< the matcher's margin
 };
 PatternLight pattern_light(const DepthModelInputs& inputs, const ActiveStereoConfig& config);
 
-/// Logarithm to base 2 of the pattern's signal-to-noise ratio: the noise's variance is that of the
-/// ambient light, of a share of the dots', `still_e2` and the margin's. -infinity without signal.
-Image<float> log2_pattern_snr(const PatternLight& light, const PatternNoise& noise);
-/// The same of one pixel.
-float log2_pattern_snr(float signal_e, float dots_e, float ambient_e, const PatternLight& light,
-                       const PatternNoise& noise);
+/// The signal `reach_px` towards the brighter side, at most four times as much: semi-global paths
+/// carry what they know from there, so that a wall that turns away from the light loses its depth
+/// later than an even wall as dark.
+float signal_in_reach(float signal_e, float rise, float reach_px);
 
 /// Share of the picture that dots would cover if each were as bright as its peak over 2 pi sigma^2:
 /// a dot is brighter than a share v of its peak on an area of its part of this times -log(v).

@@ -52,6 +52,32 @@ Image<float> seen_through_dots(const Image<float>& ambient, const Image<float>& 
   return bright;
 }
 
+/// Over pixels of one surface: their depths differ by less than a twentieth.
+Image<float> signal_rise(const Image<float>& signal_e, const Image<float>& depth_m) {
+  constexpr int kApart_px = 4;
+  constexpr float kSame = 0.05F;
+  const int width = signal_e.width(), height = signal_e.height();
+  Image<float> rise(width, height, 0.0F);
+  const auto along = [&](int x0, int y0, int x1, int y1, float z) {
+    const float before = signal_e(x0, y0), after = signal_e(x1, y1);
+    const bool is_one =
+        std::abs(depth_m(x0, y0) - z) < kSame * z && std::abs(depth_m(x1, y1) - z) < kSame * z;
+    const int steps = x1 - x0 + y1 - y0;
+    if (!is_one || !(before > 0) || !(after > 0) || steps == 0) return 0.0F;
+    return std::log2(after / before) / static_cast<float>(steps);
+  };
+  tbb::parallel_for(0, height, [&](int y) {
+    const int above = std::max(y - kApart_px, 0), below = std::min(y + kApart_px, height - 1);
+    for (int x = 0; x < width; ++x) {
+      const float z = depth_m(x, y);
+      if (!(signal_e(x, y) > 0)) continue;
+      const int left = std::max(x - kApart_px, 0), right = std::min(x + kApart_px, width - 1);
+      rise(x, y) = std::hypot(along(left, y, right, y, z), along(x, above, x, below, z));
+    }
+  });
+  return rise;
+}
+
 }  // namespace
 
 double dot_cover(const DotProjectorConfig& projector, double blur_rad) {
@@ -106,38 +132,22 @@ PatternLight pattern_light(const DepthModelInputs& inputs, const ActiveStereoCon
   PatternLight light;
   light.still_e2 = imager.read_noise_e * imager.read_noise_e + e_per_code * e_per_code / 12;
   light.margin_e = config.match.margin * e_per_code;
-  light.signal_e = light.dots_e = light.ambient_e = Image<float>(width, height);
+  light.signal_e = light.ambient_e = Image<float>(width, height);
   const auto electrons = static_cast<float>(imager.electrons_at_unit_radiance * exposure.share);
   const auto texture = static_cast<float>(inputs.texture);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const float own = texture * inputs.ambient(x, y), p = projected(x, y);
       light.signal_e(x, y) = electrons * std::sqrt(p * p + own * own);
-      light.dots_e(x, y) = electrons * p;
       light.ambient_e(x, y) = electrons * inputs.ambient(x, y);
     }
   });
+  light.rise = signal_rise(light.signal_e, inputs.depth_m);
   return light;
 }
 
-float log2_pattern_snr(float signal_e, float dots_e, float ambient_e, const PatternLight& light,
-                       const PatternNoise& noise) {
-  if (!(signal_e > 0)) return -std::numeric_limits<float>::infinity();
-  const auto still =
-      static_cast<float>(light.still_e2 + noise.margin * light.margin_e * light.margin_e);
-  const float variance = static_cast<float>(noise.dots) * dots_e + ambient_e + still;
-  return 0.5F * std::log2(signal_e * signal_e / variance);
-}
-
-Image<float> log2_pattern_snr(const PatternLight& light, const PatternNoise& noise) {
-  Image<float> snr(light.signal_e.width(), light.signal_e.height());
-  tbb::parallel_for(0, snr.height(), [&](int y) {
-    for (int x = 0; x < snr.width(); ++x) {
-      snr(x, y) = log2_pattern_snr(light.signal_e(x, y), light.dots_e(x, y), light.ambient_e(x, y),
-                                   light, noise);
-    }
-  });
-  return snr;
+float signal_in_reach(float signal_e, float rise, float reach_px) {
+  return signal_e * std::exp2(std::min(reach_px * rise, 2.0F));
 }
 
 }  // namespace cousin

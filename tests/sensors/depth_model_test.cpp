@@ -37,7 +37,6 @@ DepthModelInputs wall(double z_m, float albedo = 0.5F) {
 ActiveStereoConfig plain_model(double spatial_px, double temporal_px, double fill = 1) {
   ActiveStereoConfig config = small_depth_camera();
   DepthModelConfig& m = config.model;
-  m.log2_snr = {-4, 4};
   m.spatial_px = {spatial_px, spatial_px};
   m.temporal_px = {temporal_px, temporal_px};
   m.spatial_wave = m.temporal_wave = m.ripple_px = m.fill_wave = {0, 0};
@@ -241,14 +240,15 @@ TEST(DepthModel, RenderedInputsAreTheScenes) {
 
 TEST(DepthModel, MoreLightOnThePatternIsMoreSignal) {
   const ActiveStereoConfig config = small_depth_camera();
-  const auto snr = [&](const DepthModelInputs& inputs) {
-    return log2_pattern_snr(pattern_light(inputs, config), {0.25, 0})(200, 100);
+  const auto contrast = [&](const DepthModelInputs& inputs) {
+    const PatternLight light = pattern_light(inputs, config);
+    return MatchContrast(config, light, 1, 2)(light.signal_e(200, 100), light.ambient_e(200, 100));
   };
-  EXPECT_GT(snr(wall(2)), snr(wall(4)));
-  EXPECT_GT(snr(wall(4, 0.6F)), snr(wall(4, 0.1F)));
+  EXPECT_GT(contrast(wall(2)), contrast(wall(4)));
+  EXPECT_GT(contrast(wall(4, 0.6F)), contrast(wall(4, 0.1F)));
   DepthModelInputs sunny = wall(2);
   for (float& v : sunny.ambient) v = 0.3F;
-  EXPECT_GT(snr(wall(2)), snr(sunny));
+  EXPECT_GT(contrast(wall(2)), contrast(sunny));
 }
 
 TEST(DepthModel, GivesTheSameBytesForAnyNumberOfThreads) {
@@ -270,7 +270,7 @@ TEST(DepthModel, RejectsWhatDoesNotFit) {
   config.model.fill_score.pop_back();
   EXPECT_THROW(model_depth(wall(1), config, Rng(1), Rng(2)), std::invalid_argument);
   config = small_depth_camera();
-  config.model.log2_snr[1] = config.model.log2_snr[0];
+  config.model.contrast[1] = config.model.contrast[0];
   EXPECT_THROW(validate(config.model), std::invalid_argument);
 }
 

@@ -16,7 +16,6 @@ TEST(DepthWall, ScoresFindTheErrorsThatWerePutIn) {
   config.disparity_step_px = 0;
   config.depth_unit_m = 1e-4;
   DepthModelConfig& m = config.model;
-  m.log2_snr = {-20, 20};
   m.spatial_px = {0.08, 0.08};
   m.temporal_px = {0.05, 0.05};
   m.spatial_wave = m.temporal_wave = m.fill_wave = {0, 0};
