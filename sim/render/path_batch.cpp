@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/render/subsurface.h"
+
 namespace cousin {
 namespace {
 
@@ -126,7 +128,7 @@ void PathBatch::trace_singles() {
 /// What shines along the path's ray: lamps before the hit and, beyond everything, sky and suns.
 void PathBatch::add_light_behind(const PathState& path, bool missed, float far_m) {
   const SceneLights& lights = scene_.lights;
-  const bool is_camera = path.density == 0;
+  const bool is_camera = path.density == 0;  // or sharp
   Vector3f light = Vector3f::Zero();
   for (const auto& lamp : lights.lamps) {
     const float density = hit_lamp(lamp, path.origin_m, path.direction, missed ? kFar : far_m);
@@ -168,9 +170,31 @@ void PathBatch::shade(int bounce_count) {
       met.before = path.from;
       met.touches = path.touches + 1;
     }
-    add_lights(path, met, pair, bounce_count == 0);
-    bounce(path, met, bounce_count, pair);
+    scatter(path, met, bounce_count, pair);
   }
+}
+
+void PathBatch::scatter(const PathState& path, const Meeting& met, int bounce_count,
+                        std::uint32_t pair) {
+  const auto go_on = [&](const Meeting& from) {
+    add_lights(path, from, pair, bounce_count == 0);
+    bounce(path, from, bounce_count, pair);
+  };
+  if (!walks_below(met.hit)) return go_on(met);
+  if (met.hit.bsdf.material->coat.exists()) {
+    Meeting coat = met;
+    coat.hit.bsdf.part = PathBsdf::Part::coat;
+    go_on(coat);
+  }
+  const PathSampler& sampler = samplers_[path.index];
+  const WalkExit exit =
+      walk_below(scene_, met.hit, met.own, path.time,
+                 sampler.pixel_key + (std::uint64_t{sampler.sample} << 32) + pair);
+  if (!(exit.hit.bsdf.came_out.maxCoeff() > 0)) return;
+  Meeting base;
+  base.hit = exit.hit;
+  base.own = exit.sheet;
+  go_on(base);
 }
 
 /// Shadow rays to every light at the first surface; later to every sun and one other light, chosen
@@ -178,6 +202,7 @@ void PathBatch::shade(int bounce_count) {
 void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint32_t pair,
                            bool is_first) {
   const PathHit& hit = met.hit;
+  if (hit.bsdf.material->kind == SurfaceKind::clear) return;  // lights give it nothing
   const SceneLights& lights = scene_.lights;
   const PathSampler& sampler = samplers_[path.index];
   std::uint32_t light_index = 0;
@@ -254,7 +279,7 @@ void PathBatch::bounce(const PathState& path, const Meeting& met, int bounce_cou
   PathState next;
   next.index = path.index;
   next.time = path.time;
-  next.density = std::max(draw.density, 1e-20F);
+  next.density = draw.is_sharp ? 0 : std::max(draw.density, 1e-20F);
   next.throughput = path.throughput.cwiseProduct(draw.weight);
   // A long path goes on by the root of what it carries: of throughput, twice that, its root and
   // always, the root had the least error for its time on the leafy scene.

@@ -15,7 +15,8 @@ struct PathState {
   Eigen::Vector3f origin_m;
   Eigen::Vector3f direction;
   Eigen::Vector3f throughput;
-  float density = 0;        ///< of the direction, per steradian, where it was drawn; 0 = camera ray
+  float density = 0;        ///< of the direction, per steradian, where it was drawn; 0 = of a
+                            ///< camera, or infinite: no light was drawn there
   float time = 0;           ///< of the ray, as Embree takes it
   std::uint32_t index = 0;  ///< of the sample in the batch
   Sheet from;               ///< the surface it left; a camera's ray none
@@ -77,6 +78,8 @@ class PathBatch {
       return start_from(hit, own, before, direction);
     }
   };
+  /// Both at a surface; where light walks below it, of the coat here and of the base elsewhere.
+  void scatter(const PathState& path, const Meeting& met, int bounce, std::uint32_t pair);
   void add_lights(const PathState& path, const Meeting& met, std::uint32_t pair, bool is_first);
   void bounce(const PathState& path, const Meeting& met, int bounce, std::uint32_t pair);
   void trace_shadows(bool is_coherent);

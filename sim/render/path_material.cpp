@@ -93,6 +93,7 @@ PathMaterial::PathMaterial(const Material& m)
       back_albedo(vec(m.back_albedo.value_or(m.albedo))),
       transmittance(m.kind == SurfaceKind::leaf ? vec(m.transmittance) : Vector3f::Zero()),
       ink_albedo(vec(m.ink_albedo)),
+      mean_free_path_m(vec(m.mean_free_path_m)),
       print(m.print),
       noise(m.noise) {
   if (kind == SurfaceKind::conductor) {
@@ -137,6 +138,7 @@ PathBsdf::Value PathBsdf::value(const Vector3f& in) const {
   const PathMaterial& m = *material;
   if (m.kind == SurfaceKind::conductor) return metal(in);
   if (m.kind == SurfaceKind::glass) return glass(in);
+  if (m.kind == SurfaceKind::clear) return {};
   const Lobes p = lobes();
   const float cosine = std::abs(in.z());
   Value value;
@@ -147,9 +149,11 @@ PathBsdf::Value PathBsdf::value(const Vector3f& in) const {
     value.density = p.transmit * lambert;
     return value;
   }
-  value.bsdf_cosine = through * lambert * albedo;
-  value.density = p.reflect * lambert;
-  if (m.coat.exists()) {
+  if (part != Part::coat) {
+    value.bsdf_cosine = through * lambert * (part == Part::base ? came_out : albedo);
+    value.density = p.reflect * lambert;
+  }
+  if (m.coat.exists() && part != Part::base) {
     const Coat::Value gloss = m.coat.value(out, in);
     value.bsdf_cosine += Vector3f::Constant(gloss.brdf_cosine);
     value.density += p.coat * gloss.density;
@@ -161,8 +165,10 @@ PathBsdf::Draw PathBsdf::draw(const Eigen::Vector2f& u, float lobe) const {
   const PathMaterial& m = *material;
   if (m.kind == SurfaceKind::conductor) return draw_metal(u);
   if (m.kind == SurfaceKind::glass) return draw_glass(u, lobe);
+  if (m.kind == SurfaceKind::clear) return draw_clear(lobe);
   const Lobes p = lobes();
   Draw draw;
+  if (part != Part::whole && (lobe < p.coat) != (part == Part::coat)) return draw;
   if (lobe < p.coat) {
     const Coat::Draw gloss = m.coat.draw(out, u);
     if (gloss.weight <= 0) return draw;
@@ -241,6 +247,22 @@ PathBsdf::Draw PathBsdf::draw_glass(const Eigen::Vector2f& u, float lobe) const 
   draw.in = way.in;
   draw.weight = way.weight / kept * albedo;
   draw.density = glass(way.in).density;
+  return draw;
+}
+
+/// Snell's refraction or mirroring, drawn by Fresnel's share.
+PathBsdf::Draw PathBsdf::draw_clear(float lobe) const {
+  const float eta = is_inside ? 1 / material->ior : material->ior;
+  Draw draw;
+  if (lobe < fresnel(out.z(), eta)) {
+    draw.in = {-out.x(), -out.y(), out.z()};
+  } else {
+    const float inner2 = 1 - (1 - out.z() * out.z()) / (eta * eta);
+    draw.in = {-out.x() / eta, -out.y() / eta, -std::sqrt(std::max(inner2, 0.0F))};
+  }
+  if (draw.in.z() == 0) return draw;
+  draw.weight = albedo;
+  draw.is_sharp = true;
   return draw;
 }
 

@@ -24,6 +24,7 @@ struct PathInstance {
   bool moves = false;  ///< its pose depends on the ray's time
   Eigen::Matrix3f world_from_object;
   Eigen::Vector3f origin_m;  ///< of the object, world less RayScene's centre
+  float size_m = 0;          ///< of its bounds' diagonal
 };
 
 /// A point where a path met a surface.
