@@ -1,6 +1,8 @@
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "benchmarks/renderers/closed_form_case.h"
 
@@ -18,33 +20,59 @@ double mirrored(double cosine) {
   return 0.5 * a * a * (1 + b * b);
 }
 
-/// A floor of albedo a under still water in an even sky: what water lets in, less what it mirrors
-/// down again of each return, comes out: F + (1 - F) a (1 - Fi) / (1 - a Fi) towards a direction of
-/// mirroring F. Light that is diffuse below comes out by 1 - Fi = (1 - Fe) / n^2, where Fe is what
-/// diffuse light from above loses.
-Case floor_under_water() {
-  constexpr double kAlbedo = 0.6;
+/// Water 1 m deep over a floor of albedo 0.6, seen from the air at an angle.
+struct Pool {
+  Case c;
+  double seen_down = 0;  ///< share that comes through the face on the way to the camera
+  double inner = 0;      ///< mirrored down again of diffuse light from below
+};
+constexpr double kFloorAlbedo = 0.6;
+
+Pool pool(const std::string& name, std::vector<Light> lights) {
+  // Light that is diffuse below comes out by 1 - Fi = (1 - Fe) / n^2, where Fe is what diffuse
+  // light from above loses.
   constexpr int kCells = 20000;
   double outer = 0;
   for (int i = 0; i < kCells; ++i) {
     const double cosine = (i + 0.5) / kCells;
     outer += 2 * cosine * mirrored(cosine) / kCells;
   }
-  const double inner = 1 - (1 - outer) / (kWater * kWater);
+  Pool p;
+  p.inner = 1 - (1 - outer) / (kWater * kWater);
   const Eigen::Vector3d eye_m(0, -0.8, 1.1), on_water_m(0, 0, 0.5);
-  const double cosine = (eye_m - on_water_m).normalized().z();
-  const double up = kAlbedo * (1 - inner) / (1 - kAlbedo * inner);
-  Case c{"floor under water",
-         scene_of(box({500, 500, 0.5}), grey(1, SurfaceKind::clear, kWater), {even_sky(1)}),
-         view_from(eye_m, on_water_m, 4e4), mirrored(cosine) + (1 - mirrored(cosine)) * up, kAll};
+  p.seen_down = 1 - mirrored((eye_m - on_water_m).normalized().z());
+  p.c.name = name;
+  p.c.scene =
+      scene_of(box({500, 500, 0.5}), grey(1, SurfaceKind::clear, kWater), std::move(lights));
+  p.c.view = view_from(eye_m, on_water_m, 4e4);
+  p.c.max_bounces = kAll;
   Instance floor;
   floor.id = 2;
   floor.name = "floor";
   floor.model = floor.material = 1;
-  c.scene.models.push_back(square(600));
-  c.scene.materials.push_back(grey(static_cast<float>(kAlbedo)));
-  c.scene.instances.push_back(floor);
-  return c;
+  p.c.scene.models.push_back(square(600));
+  p.c.scene.materials.push_back(grey(static_cast<float>(kFloorAlbedo)));
+  p.c.scene.instances.push_back(floor);
+  return p;
+}
+
+/// In an even sky what water lets in, less what it mirrors down again of each return, comes out:
+/// F + (1 - F) a (1 - Fi) / (1 - a Fi) towards a direction of mirroring F.
+Case floor_under_water() {
+  Pool p = pool("floor under water", {even_sky(1)});
+  const double up = kFloorAlbedo * (1 - p.inner) / (1 - kFloorAlbedo * p.inner);
+  p.c.truth = (1 - p.seen_down) + p.seen_down * up;
+  return p.c;
+}
+
+/// A sun lets (1 - F) E cos reach the floor, whose radiance is less by n^2 in the air.
+Case sun_under_water() {
+  const Eigen::Vector3d to_sun = Eigen::Vector3d(0.6, 0.3, 0.7).normalized();
+  Pool p = pool("floor under water in the sun", {Sun{to_sun, 1e-3, {3, 3, 3}}});
+  const double floor = (1 - mirrored(to_sun.z())) * 3 * to_sun.z() * kFloorAlbedo /
+                       std::numbers::pi / (1 - kFloorAlbedo * p.inner);
+  p.c.truth = p.seen_down * floor / (kWater * kWater);
+  return p.c;
 }
 
 Material flesh(float albedo, float mean_free_path_m, double ior = 1) {
@@ -76,6 +104,7 @@ void add_media(std::vector<Case>& cases) {
   add("furnace, smooth glass, shaded smooth", sphere(48, true), grey(1, SurfaceKind::clear, 1.5),
       of_sphere, 1);
   cases.push_back(floor_under_water());
+  cases.push_back(sun_under_water());
   // White flesh loses nothing, however thin the body.
   for (const float path_m : {0.03F, 0.3F}) {
     const std::string text = std::to_string(path_m).substr(0, 4);

@@ -26,23 +26,6 @@ bool sides_agree(const PathHit& hit, const Vector3f& direction, const Vector3f& 
   return (hit.face_normal.dot(direction) > 0) == (local.z() > 0);
 }
 
-RTCRay single_ray(const Vector3f& origin_m, const Vector3f& direction, float far_m, float time) {
-  RTCRay ray;
-  ray.org_x = origin_m.x();
-  ray.org_y = origin_m.y();
-  ray.org_z = origin_m.z();
-  ray.tnear = 0;
-  ray.dir_x = direction.x();
-  ray.dir_y = direction.y();
-  ray.dir_z = direction.z();
-  ray.time = time;
-  ray.tfar = far_m;
-  ray.mask = 0xFFFFFFFFU;
-  ray.id = 0;
-  ray.flags = 0;
-  return ray;
-}
-
 }  // namespace
 
 void PathBatch::clear() {
@@ -144,6 +127,8 @@ void PathBatch::add_light_behind(const PathState& path, bool missed, float far_m
     }
     for (const auto& sun : lights.suns) {
       if (!hits_sun(sun, path.direction)) continue;
+      // Behind water that another surface sees by itself: its shadow rays went straight.
+      if (is_camera && path.was_scattered && straight_sun_) continue;
       light +=
           (is_camera ? 1 : share_of(path.density, sun_density(sun, path.direction))) * sun.radiance;
     }
@@ -190,6 +175,7 @@ void PathBatch::scatter(const PathState& path, const Meeting& met, int bounce_co
   const WalkExit exit =
       walk_below(scene_, met.hit, met.own, path.time,
                  sampler.pixel_key + (std::uint64_t{sampler.sample} << 32) + pair);
+  rays_ += exit.rays;
   if (!(exit.hit.bsdf.came_out.maxCoeff() > 0)) return;
   Meeting base;
   base.hit = exit.hit;
@@ -215,16 +201,17 @@ void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint3
     return share * path.throughput.cwiseProduct(value.bsdf_cosine);
   };
   const auto offer = [&](std::vector<Shadow>& list, const Vector3f& direction, float far_m,
-                         const Vector3f& light) {
+                         const Vector3f& light, bool passes_water = false) {
     if (!(light.maxCoeff() > 0)) return;
     const PathStart start = met.leave(direction);
-    list.push_back({start.origin_m, direction, far_m, path.time, light, path.index, start.skips});
+    list.push_back({start.origin_m, direction, far_m, path.time, light, path.index, start.skips,
+                    passes_water});
   };
 
   for (const auto& sun : lights.suns) {
     const Vector3f d = draw_sun(sun, next_pair());
     const float density = sun_density(sun, d);
-    offer(shadows_, d, kFar, weigh(d, density).cwiseProduct(sun.radiance));
+    offer(shadows_, d, kFar, weigh(d, density).cwiseProduct(sun.radiance), straight_sun_);
   }
   candidates_.clear();
   for (const auto& lamp : lights.lamps) {
@@ -241,7 +228,7 @@ void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint3
     if (!(intensity.maxCoeff() > 0)) continue;
     const float distance = std::sqrt(distance2);
     const Vector3f d = to / distance;
-    offer(candidates_, d, distance, weigh(d, 0).cwiseProduct(intensity) / distance2);
+    offer(candidates_, d, distance, weigh(d, 0).cwiseProduct(intensity) / distance2, straight_sun_);
   }
   for (const auto& picture : lights.pictures) {
     if (picture.row_sums.empty()) continue;
@@ -281,6 +268,7 @@ void PathBatch::bounce(const PathState& path, const Meeting& met, int bounce_cou
   next.time = path.time;
   next.density = draw.is_sharp ? 0 : std::max(draw.density, 1e-20F);
   next.throughput = path.throughput.cwiseProduct(draw.weight);
+  next.was_scattered = path.was_scattered || !draw.is_sharp;
   // A long path goes on by the root of what it carries: of throughput, twice that, its root and
   // always, the root had the least error for its time on the leafy scene.
   if (bounce_count > 0) {
@@ -301,55 +289,6 @@ void PathBatch::bounce(const PathState& path, const Meeting& met, int bounce_cou
   next.from = met.own;
   next.touches = met.touches > kMostTouches ? 0 : met.touches;
   next_.push_back(next);
-}
-
-void PathBatch::trace_shadows(bool is_coherent) {
-  rays_ += shadows_.size();
-  if (is_coherent) {
-    trace_shadow_packets();
-  } else {
-    trace_shadow_singles();
-  }
-}
-
-void PathBatch::trace_shadow_packets() {
-  SkipContext context = make_skip_context(*scene_.rays, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
-  ShadowPacket packet;
-  for (std::size_t first = 0; first < shadows_.size(); first += kLanes) {
-    LaneMask mask;
-    bool any_skips = false;
-    for (int i = 0; i < kLanes; ++i) {
-      const std::size_t k = std::min(first + static_cast<std::size_t>(i), shadows_.size() - 1);
-      const Shadow& s = shadows_[k];
-      set_ray(packet, i, s.origin_m.x(), s.origin_m.y(), s.origin_m.z(), s.direction.x(),
-              s.direction.y(), s.direction.z(), s.far_m);
-      packet.time[i] = s.time;
-      packet.id[i] = static_cast<unsigned int>(i);
-      context.lanes[static_cast<std::size_t>(i)] = s.skips.exist() ? &s.skips : nullptr;
-      any_skips |= s.skips.exist();
-      mask.lane[i] = first + static_cast<std::size_t>(i) < shadows_.size() ? -1 : 0;
-    }
-    use_skips(context, any_skips);
-    find_occluded(mask, scene_.rays->scene, context.context, packet);
-    for (int i = 0; i < kLanes && mask.lane[i]; ++i) {
-      if (packet.tfar[i] < 0) continue;
-      const Shadow& s = shadows_[first + static_cast<std::size_t>(i)];
-      radiance_[s.index] += s.light;
-    }
-  }
-}
-
-/// Embree culls a coherent packet by one frustum, which for scattered origins holds the whole
-/// scene, and single rays are then faster than packets.
-void PathBatch::trace_shadow_singles() {
-  SkipContext context = make_skip_context(*scene_.rays, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-  for (const Shadow& s : shadows_) {
-    use_skips(context, s.skips.exist());
-    context.lanes[0] = &s.skips;
-    RTCRay ray = single_ray(s.origin_m, s.direction, s.far_m, s.time);
-    rtcOccluded1(scene_.rays->scene, &context.context, &ray);
-    if (ray.tfar >= 0) radiance_[s.index] += s.light;
-  }
 }
 
 }  // namespace cousin

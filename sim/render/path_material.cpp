@@ -19,16 +19,6 @@ constexpr float kInversePi = std::numbers::inv_pi_v<float>;
 
 Vector3f vec(const Rgbf& c) { return {c.r, c.g, c.b}; }
 
-/// Fresnel's share for light that comes at `cosine` > 0 to a medium of relative index `eta`.
-float fresnel(float cosine, float eta) {
-  const float g2 = eta * eta - 1 + cosine * cosine;
-  if (g2 <= 0) return 1;  // total reflection
-  const float g = std::sqrt(g2);
-  const float a = (g - cosine) / (g + cosine);
-  const float b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1);
-  return 0.5F * a * a * (1 + b * b);
-}
-
 float lookup(const std::array<float, PathMaterial::kCells + 1>& table, float cosine) {
   const float position = std::sqrt(std::clamp(cosine, 0.0F, 1.0F)) * PathMaterial::kCells;
   const int cell = std::min(static_cast<int>(position), PathMaterial::kCells - 1);
@@ -83,6 +73,15 @@ std::array<float, PathMaterial::kCells + 1> kept_table(const Weight& weight) {
 }
 
 }  // namespace
+
+float fresnel(float cosine, float eta) {
+  const float g2 = eta * eta - 1 + cosine * cosine;
+  if (g2 <= 0) return 1;  // total reflection
+  const float g = std::sqrt(g2);
+  const float a = (g - cosine) / (g + cosine);
+  const float b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1);
+  return 0.5F * a * a * (1 + b * b);
+}
 
 PathMaterial::PathMaterial(const Material& m)
     : kind((validate(m), m.kind)),

@@ -31,6 +31,9 @@ struct PathMaterial {
   std::array<float, kCells + 1> kept_outside{}, kept_inside{};
 };
 
+/// Fresnel's share for light that comes at `cosine` > 0 to a medium of relative index `eta`.
+float fresnel(float cosine, float eta);
+
 /// What one point of a surface does to light. Directions are unit and in the point's frame, z along
 /// the shading normal on the side that `out` is on.
 struct PathBsdf {

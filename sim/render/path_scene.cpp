@@ -96,7 +96,10 @@ PathTracer::PathTracer(const RayScene& rays, const Scene& scene) : impl_(std::ma
   }
   impl.lights = make_lights(scene, impl.rays->centre_m);
   impl.materials.reserve(scene.materials.size());
-  for (const Material& material : scene.materials) impl.materials.emplace_back(material);
+  for (const Material& material : scene.materials) {
+    impl.materials.emplace_back(material);
+    impl.has_water |= material.kind == SurfaceKind::clear;
+  }
   impl.models.reserve(scene.models.size());
   for (const ObjectModel& model : scene.models) {
     PathModel& m = impl.models.emplace_back();

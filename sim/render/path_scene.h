@@ -43,6 +43,7 @@ struct PathTracer::Impl {
   std::vector<PathMaterial> materials;
   std::vector<PathModel> models;
   std::vector<PathInstance> instances;
+  bool has_water = false;  ///< a material is clear
 
   /// What Embree reports of a hit, and the ray's unit direction and time.
   PathHit hit(unsigned int inst_id, unsigned int geom_id, unsigned int prim_id, float u, float v,

@@ -134,28 +134,14 @@ Vector3f any_direction(const Eigen::Vector2f& u) {
   return {r * std::cos(2 * kPi * u.y()), r * std::sin(2 * kPi * u.y()), z};
 }
 
-/// Whether what is carried goes on; it then weighs as much as what does not.
+/// Whether what is carried goes on: of little, some walks go on for all.
 bool goes_on(Vector3f& carried, float u) {
+  constexpr float kLittle = 0.25F;
   const float most = carried.maxCoeff();
   if (!(most > 0)) return false;
-  if (most >= 1) return true;
-  carried /= most;
-  return u < most;
-}
-
-RTCRayHit body_ray(const Vector3f& origin_m, const Vector3f& direction, float far_m, float time) {
-  RTCRayHit ray{};
-  ray.ray.org_x = origin_m.x();
-  ray.ray.org_y = origin_m.y();
-  ray.ray.org_z = origin_m.z();
-  ray.ray.dir_x = direction.x();
-  ray.ray.dir_y = direction.y();
-  ray.ray.dir_z = direction.z();
-  ray.ray.time = time;
-  ray.ray.tfar = far_m;
-  ray.ray.mask = 0xFFFFFFFFU;
-  ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  return ray;
+  if (most >= kLittle) return true;
+  carried *= kLittle / most;
+  return u < most / kLittle;
 }
 
 /// The exit as seen from outside: against the way of the light, or along it where rounding had let
@@ -200,7 +186,7 @@ WalkExit walk_below(const PathTracer::Impl& scene, const PathHit& entry, const S
   const Vector3f kept = entry.bsdf.albedo.unaryExpr(&kept_at_turn);
   const float reach_m = scene.instances[geometry_index(own.instance, own.geometry)].size_m;
 
-  WalkExit out{entry, own};
+  WalkExit out{entry, own, 0};
   Vector3f carried = Vector3f::Ones();
   Vector3f position_m = entry.position_m - entry.offset_m * entry.face_normal;
   const Eigen::Vector2f disk = concentric_disk(numbers.pair());
@@ -211,8 +197,11 @@ WalkExit walk_below(const PathTracer::Impl& scene, const PathHit& entry, const S
     const FreePath path(turns_per_m, carried, numbers.pair());
     const float far_m = path.length_m - done_m;
     if (far_m > 0) {
-      RTCRayHit ray = body_ray(position_m, direction, far_m, time);
+      RTCRayHit ray;
+      ray.ray = single_ray(position_m, direction, far_m, time);
+      ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
       rtcIntersect1(scene.rays->scene, &walk.context, &ray);
+      ++out.rays;
       if (ray.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
         carried = path.after(ray.ray.tfar + done_m, false);
         out.hit = outside_of(scene, ray.hit, direction, time);

@@ -29,6 +29,7 @@ bool walks_below(const PathHit& hit);
 struct WalkExit {
   PathHit hit;  ///< from outside; its bsdf is of the base alone
   Sheet sheet;
+  std::uint64_t rays = 0;  ///< traced on the way
 };
 /// Walks from a hit on the outside of a closed body. A walk of more than 2^14 turns, or that left
 /// through a gap of rounding, comes out where it went in. `hit.bsdf.came_out` is zero if all was

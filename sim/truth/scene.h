@@ -21,7 +21,7 @@ enum class SurfaceKind {
   leaf,       ///< thin sheet of no thickness: both sides reflect and transmit diffusely under a wax
   conductor,  ///< rough metal; `albedo` is its reflectance at normal incidence [Schlick 1994]
   glass,      ///< rough dielectric with another medium inside: closed surfaces only
-  clear,      ///< the same, smooth: water (ior 1.333). Casts shadows; light comes by refraction
+  clear,      ///< the same, smooth: water (ior 1.333)
 };
 
 /// Fractal value noise in object coordinates: albedo goes from `albedo` to `other_albedo` with it.

@@ -65,7 +65,7 @@ TEST(SessileDrops, OnAFlatSheetAreCapsOfTheirContactAngle) {
 
 TEST(SessileDrops, RimsFollowARoundBodyAndFeetAreInsideIt) {
   const double radius_m = 0.015;
-  const Mesh body = sphere(radius_m, 5);
+  const Mesh body = ellipsoid_mesh(Vector3d::Constant(radius_m), 5);
   const SessileDropsConfig config{.count = 15, .radius_min_m = 0.001, .radius_max_m = 0.002};
   const SessileDrops drops = sessile_drops(body, config, Rng(2));
   ASSERT_GE(drops.part_names.size(), 10U);
@@ -77,8 +77,8 @@ TEST(SessileDrops, RimsFollowARoundBodyAndFeetAreInsideIt) {
     for (std::size_t k = 0; k < segments; ++k) {
       const double rim_m = first[1 + (rings - 1) * segments + k].norm();
       const double foot_m = first[1 + rings * segments + k].norm();
-      // Facets of a sphere of 5 subdivisions lie up to 1 - cos(2 degrees) inside it.
-      EXPECT_NEAR(rim_m, radius_m, 7e-4 * radius_m);
+      // The largest facets, of 2.3 degrees about, lie 8e-4 of the radius inside it.
+      EXPECT_NEAR(rim_m, radius_m, 9e-4 * radius_m);
       EXPECT_LT(foot_m, rim_m - 0.9 * config.sink_m * std::cos(0.2));
     }
     EXPECT_LT(first[vertices - 1].norm(), radius_m);
