@@ -115,7 +115,7 @@ void add_media(std::vector<Case>& cases) {
   const TrueView of_face = view_from({0.2, -0.3, 3}, {0.2, -0.1, 1}, 64);
   add("furnace, plate of flesh", box({3, 3, 1}), flesh(1, 4), of_face, 1);
   // Flat and 250 mean free paths from any edge, lit evenly: its albedo, in every direction.
-  for (const float albedo : {0.2F, 0.8F}) {
+  for (const float albedo : {0.4F, 0.8F}) {
     add("deep flesh of albedo " + std::to_string(albedo).substr(0, 3), box({3, 3, 1}),
         flesh(albedo, 0.004F), of_face, static_cast<double>(albedo));
   }

