@@ -128,14 +128,15 @@ void add_triangle_rows(std::vector<StabilityRow>& rows, int samples) {
 }
 
 void add_inside_rows(std::vector<StabilityRow>& rows, int samples) {
-  const TrueView inside = view_from({0.1, 0.2, -0.1}, {0.4, 1, 0.3}, 20);
+  // Towards one face: water keeps light that meets all faces of a box at a slant.
+  const TrueView inside = view_from({0.1, 0.2, -0.1}, {0.2, 1, 0.1}, 60);
   const auto most = [&](const Material& material, float sky) {
     return brightness(lit(box({1, 1, 1}), material, sky), inside, samples, kAllBounces);
   };
   rows.push_back(make_row("camera inside a closed fruit", "largest radiance", "", 0,
                           most(flesh(0.8F, 0.01F), 1).most));
   rows.push_back(make_row("camera inside a drop of water", "deviation from the sky's radiance", "",
-                          0.02, std::abs(most(water(), 1).mean - 1)));
+                          1e-4, std::abs(most(water(), 1).mean - 1)));
   rows.push_back(make_row("water without light", "largest radiance", "", 0, most(water(), 0).most));
   const TrueView outside = view_from({0, -3, 0.4}, {0, 0, 0}, 20);
   rows.push_back(
@@ -181,7 +182,8 @@ void add_drop_rows(std::vector<StabilityRow>& rows, int samples) {
       brightness(nested, view_from({0.4, -3, 0.7}, {0, 0, 0}, 20), samples, kAllBounces);
   rows.push_back(make_row("30 bodies of water in each other", "radiance above the sky's", "", 1e-3,
                           b.mean - 1));
-  rows.push_back(make_row("30 bodies of water in each other", "radiance", "", 0.95, b.mean, false));
+  // What gets in through one face and meets another at a slant stays.
+  rows.push_back(make_row("30 bodies of water in each other", "radiance", "", 0.9, b.mean, false));
 }
 
 }  // namespace
