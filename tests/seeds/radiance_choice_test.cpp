@@ -63,7 +63,7 @@ TEST(RadianceChoice, TheRunSaysWhichRendererRanAndItsTime) {
     SeedsRunConfig config = config_by(radiance);
     config.scene.views = 1;
     config.paths.pixel_samples = 4;
-    config.render.irradiance_samples = 2;
+    config.render.irradiance_samples = 16;
     config.render.board_texel_m = 0.01;
     const SimulatedRun run = simulate_seeds(config, 1, 0, {});
     EXPECT_EQ(run.radiance.stage, std::string("radiance_by_") + radiance);
