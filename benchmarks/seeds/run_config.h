@@ -31,7 +31,7 @@ struct SeedsRunConfig {
   std::string streams = "auto";  ///< images of the capture: auto, all, or names of Streams
   RadianceBy radiance = RadianceBy::cached;
   RadianceConfig render;
-  PathConfig paths;
+  PathConfig paths = {.max_bounces = 5};  ///< as deep as the cache, whose 4 come after its points
   SeedsPipelineConfig pipeline;
 };
 Fields fields(SeedsRunConfig& config);

@@ -7,9 +7,8 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
-
-#include "sim/config/limits.h"
 
 namespace cousin {
 namespace {
@@ -219,36 +218,28 @@ void check_mesh(const Mesh& mesh) {
 
 }  // namespace
 
-Fields fields(SessileDropsConfig& c) {
-  return {
-      {"count", &c.count, "drops asked for", 0, 10000},
-      {"radius_min_m", &c.radius_min_m, "of the circle where a drop meets the surface", 1e-6, 1},
-      {"radius_max_m", &c.radius_max_m, "the largest of them", 1e-6, 1},
-      {"contact_angle_rad", &c.contact_angle_rad, "inside the water", 0.05, 2.8},
-      {"steepest_rad", &c.steepest_rad, "between up and the surface's normal", 0, std::numbers::pi},
-      {"up", &c.up, "direction in the mesh's frame", -1, 1},
-      {"sink_m", &c.sink_m, "depth of the hidden foot below the surface", 1e-7, 1},
-      {"segments", &c.segments, "around a drop", 6, 512},
+void validate(const SessileDropsConfig& c) {
+  const auto check = [](const char* name, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    std::ostringstream text;
+    text << "sessile drops: " << name << " = " << value << " is not in [" << low << ", " << high
+         << "]";
+    throw std::invalid_argument(text.str());
   };
-}
-
-void validate(const SessileDropsConfig& config) {
-  SessileDropsConfig copy = config;
-  check_limits(fields(copy));
-  if (config.radius_min_m > config.radius_max_m) {
-    throw std::invalid_argument("radius_min_m = " + std::to_string(config.radius_min_m) +
-                                " is above radius_max_m = " + std::to_string(config.radius_max_m));
-  }
-  const double length =
-      config.up.size() == 3 ? Vector3d(config.up[0], config.up[1], config.up[2]).norm() : 0;
-  if (!(length > 1e-6)) throw std::invalid_argument("up is not a direction of three numbers");
+  check("count", c.count, 0, 10000);
+  check("radius_max_m", c.radius_max_m, 1e-6, 1);
+  check("radius_min_m", c.radius_min_m, 1e-6, c.radius_max_m);
+  check("contact_angle_rad", c.contact_angle_rad, 0.05, 2.8);
+  check("steepest_rad", c.steepest_rad, 0, std::numbers::pi);
+  check("up's length", c.up.norm(), 1e-6, 1e6);
+  check("sink_m", c.sink_m, 1e-7, 1);
+  check("segments", c.segments, 6, 512);
 }
 
 SessileDrops sessile_drops(const Mesh& mesh, const SessileDropsConfig& config, const Rng& rng) {
   validate(config);
   check_mesh(mesh);
-  const Vector3d up = Vector3d(config.up[0], config.up[1], config.up[2]).normalized();
-  const Host host(mesh, up, std::cos(config.steepest_rad));
+  const Host host(mesh, config.up.normalized(), std::cos(config.steepest_rad));
   SessileDrops drops;
   std::vector<Seat> seats;
   for (int i = 0; i < config.count; ++i) {

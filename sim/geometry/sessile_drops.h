@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "sim/config/fields.h"
 #include "sim/types/mesh.h"
 #include "sim/types/rng.h"
 
@@ -13,16 +12,15 @@ namespace cousin {
 
 /// Drops that sit on a surface. Free but for the angle: dew and spray differ.
 struct SessileDropsConfig {
-  int count = 20;
+  int count = 20;                ///< asked for, at most 10000
   double radius_min_m = 0.0005;  ///< of the circle where a drop meets the surface, drawn evenly
   double radius_max_m = 0.0015;
-  double contact_angle_rad = 1.4;      ///< inside the water; 0.2 = a film, 1.4 = a waxy skin
-  double steepest_rad = 1.2;           ///< between up and the surface's normal; pi = also below
-  std::vector<double> up = {0, 0, 1};  ///< in the mesh's frame
+  double contact_angle_rad = 1.4;  ///< inside the water, in [0.05, 2.8]; 0.2 = a film, 1.4 = wax
+  double steepest_rad = 1.2;       ///< between up and the surface's normal; pi = also below
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< in the mesh's frame, of any length
   double sink_m = 0.0002;  ///< how deep the drop's hidden foot reaches below the surface
-  int segments = 48;       ///< around a drop; half as many from its rim to its top
+  int segments = 48;       ///< around a drop, 6..512; half as many from its rim to its top
 };
-Fields fields(SessileDropsConfig& config);
 /// @throws std::invalid_argument naming field, value and limit.
 void validate(const SessileDropsConfig& config);
 

@@ -16,6 +16,7 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
 /// Pairs of dimensions a bounce uses: direction, lobe and roulette, choice of light, then lights.
 constexpr std::uint32_t kPairsPerBounce = 16;
+constexpr float kNoRoulette = -1;
 constexpr std::uint32_t kLightPairs = kPairsPerBounce - 3;
 
 float luminance(const Vector3f& c) { return 0.2126F * c.x() + 0.7152F * c.y() + 0.0722F * c.z(); }
@@ -161,15 +162,15 @@ void PathBatch::shade(int bounce_count) {
 
 void PathBatch::scatter(const PathState& path, const Meeting& met, int bounce_count,
                         std::uint32_t pair) {
-  const auto go_on = [&](const Meeting& from) {
+  const auto shine = [&](const Meeting& from) {
     add_lights(path, from, pair, bounce_count == 0);
     bounce(path, from, bounce_count, pair);
   };
-  if (!walks_below(met.hit)) return go_on(met);
+  if (!walks_below(met.hit)) return shine(met);
   if (met.hit.bsdf.material->coat.exists()) {
     Meeting coat = met;
     coat.hit.bsdf.part = PathBsdf::Part::coat;
-    go_on(coat);
+    shine(coat);
   }
   const PathSampler& sampler = samplers_[path.index];
   const WalkExit exit =
@@ -180,7 +181,7 @@ void PathBatch::scatter(const PathState& path, const Meeting& met, int bounce_co
   Meeting base;
   base.hit = exit.hit;
   base.own = exit.sheet;
-  go_on(base);
+  shine(base);
 }
 
 /// Shadow rays to every light at the first surface; later to every sun and one other light, chosen
@@ -258,10 +259,24 @@ void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint3
 
 void PathBatch::bounce(const PathState& path, const Meeting& met, int bounce_count,
                        std::uint32_t pair) {
-  const PathHit& hit = met.hit;
+  const PathBsdf& bsdf = met.hit.bsdf;
+  if (bounce_count == 0 && bsdf.material->kind == SurfaceKind::clear) {
+    // What a camera sees in water and through it are both followed: bright glints are a small
+    // share.
+    for (const bool reflects : {true, false})
+      go_on(path, met, bsdf.clear_way(reflects), kNoRoulette);
+    return;
+  }
   const PathSampler& sampler = samplers_[path.index];
   const Eigen::Vector2f choice = sampler.pair(pair + 1);
-  const PathBsdf::Draw draw = hit.bsdf.draw(sampler.pair(pair), choice.x());
+  go_on(path, met, bsdf.draw(sampler.pair(pair), choice.x()),
+        bounce_count > 0 ? choice.y() : kNoRoulette);
+}
+
+/// @param roulette  in [0, 1): which paths that carry little end; or kNoRoulette.
+void PathBatch::go_on(const PathState& path, const Meeting& met, const PathBsdf::Draw& draw,
+                      float roulette) {
+  const PathHit& hit = met.hit;
   if (!(draw.weight.maxCoeff() > 0)) return;
   PathState next;
   next.index = path.index;
@@ -271,9 +286,9 @@ void PathBatch::bounce(const PathState& path, const Meeting& met, int bounce_cou
   next.was_scattered = path.was_scattered || !draw.is_sharp;
   // A long path goes on by the root of what it carries: of throughput, twice that, its root and
   // always, the root had the least error for its time on the leafy scene.
-  if (bounce_count > 0) {
+  if (roulette >= 0) {
     const float kept = std::min(std::sqrt(next.throughput.maxCoeff()), 1.0F);
-    if (choice.y() >= kept) return;
+    if (roulette >= kept) return;
     next.throughput /= kept;
   }
   next.direction = hit.frame * draw.in;

@@ -86,6 +86,7 @@ class PathBatch {
   void scatter(const PathState& path, const Meeting& met, int bounce, std::uint32_t pair);
   void add_lights(const PathState& path, const Meeting& met, std::uint32_t pair, bool is_first);
   void bounce(const PathState& path, const Meeting& met, int bounce, std::uint32_t pair);
+  void go_on(const PathState& path, const Meeting& met, const PathBsdf::Draw& draw, float roulette);
   void trace_shadows(bool is_coherent);
   void trace_shadow_packets();
   void trace_shadow_singles();

@@ -249,19 +249,28 @@ PathBsdf::Draw PathBsdf::draw_glass(const Eigen::Vector2f& u, float lobe) const 
   return draw;
 }
 
-/// Snell's refraction or mirroring, drawn by Fresnel's share.
+/// Snell's refraction or mirroring.
+PathBsdf::Draw PathBsdf::clear_way(bool reflects) const {
+  const float eta = is_inside ? 1 / material->ior : material->ior;
+  const float mirrored = fresnel(out.z(), eta);
+  const float inner2 = 1 - (1 - out.z() * out.z()) / (eta * eta);
+  Draw draw;
+  draw.is_sharp = true;
+  if (reflects) {
+    draw.in = {-out.x(), -out.y(), out.z()};
+    draw.weight = mirrored * albedo;
+  } else if (inner2 > 0) {
+    draw.in = {-out.x() / eta, -out.y() / eta, -std::sqrt(inner2)};
+    draw.weight = (1 - mirrored) * albedo;
+  }
+  return draw;
+}
+
+/// Drawn by Fresnel's share, which the weight then leaves out.
 PathBsdf::Draw PathBsdf::draw_clear(float lobe) const {
   const float eta = is_inside ? 1 / material->ior : material->ior;
-  Draw draw;
-  if (lobe < fresnel(out.z(), eta)) {
-    draw.in = {-out.x(), -out.y(), out.z()};
-  } else {
-    const float inner2 = 1 - (1 - out.z() * out.z()) / (eta * eta);
-    draw.in = {-out.x() / eta, -out.y() / eta, -std::sqrt(std::max(inner2, 0.0F))};
-  }
-  if (draw.in.z() == 0) return draw;
-  draw.weight = albedo;
-  draw.is_sharp = true;
+  Draw draw = clear_way(lobe < fresnel(out.z(), eta));
+  if (draw.weight.maxCoeff() > 0) draw.weight = albedo;
   return draw;
 }
 

@@ -61,6 +61,8 @@ struct PathBsdf {
   };
   /// @param lobe  in [0, 1): which of coat, reflection and transmission.
   Draw draw(const Eigen::Vector2f& u, float lobe) const;
+  /// Clear: one of its two ways, weighed by Fresnel's share.
+  Draw clear_way(bool reflects) const;
 
  private:
   struct Lobes {
