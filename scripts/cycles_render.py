@@ -7,6 +7,7 @@ scene.json's "runs" becomes FOLDER/run_N.exr; seconds go to FOLDER/times.json. W
 """
 
 import json
+import math
 import os
 import sys
 import time
@@ -46,6 +47,17 @@ def make_mesh(model):
     return mesh
 
 
+def flesh(nodes, spec):
+    """Random walks. Blender's mean free path is radius / (4 pi) * (1.9 - A + 3.5 (A - 0.8)^2)."""
+    shader = nodes.new("ShaderNodeSubsurfaceScattering")
+    shader.falloff = "RANDOM_WALK_FIXED_RADIUS"
+    shader.inputs["Scale"].default_value = 1
+    shader.inputs["Radius"].default_value = [
+        4 * math.pi * path / (1.9 - a + 3.5 * (a - 0.8) ** 2)
+        for path, a in zip(spec["mean_free_path_m"], spec["albedo"])]
+    return shader
+
+
 def make_material(spec):
     material = bpy.data.materials.new(spec["name"] or "material")
     material.use_nodes = True
@@ -73,14 +85,17 @@ def make_material(spec):
         shader.distribution = "MULTI_GGX"
         shader.inputs["Roughness"].default_value = spec["roughness"]
         links.new(color(spec["albedo"]), shader.inputs["Color"])
-    elif kind == "glass":
+    elif kind in ("glass", "clear"):
         shader = nodes.new("ShaderNodeBsdfGlass")
-        shader.distribution = "MULTI_GGX"
-        shader.inputs["Roughness"].default_value = spec["roughness"]
+        shader.distribution = "SHARP" if kind == "clear" else "MULTI_GGX"
+        shader.inputs["Roughness"].default_value = 0 if kind == "clear" else spec["roughness"]
         shader.inputs["IOR"].default_value = spec["ior"]
         links.new(color(spec["albedo"]), shader.inputs["Color"])
     else:
-        shader = nodes.new("ShaderNodeBsdfDiffuse")
+        if max(spec["mean_free_path_m"]) > 0:
+            shader = flesh(nodes, spec)
+        else:
+            shader = nodes.new("ShaderNodeBsdfDiffuse")
         links.new(color(spec["albedo"]), shader.inputs["Color"])
         if kind == "leaf":
             through = nodes.new("ShaderNodeBsdfTranslucent")

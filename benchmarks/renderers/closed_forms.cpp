@@ -3,122 +3,20 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
 #include <numbers>
 #include <utility>
 
+#include "benchmarks/renderers/closed_form_case.h"
 #include "sim/render/path_tracer.h"
 
 namespace cousin {
 namespace {
 
+using namespace closed_form;
+
 constexpr double kPi = std::numbers::pi;
-constexpr int kSide = 32;  ///< pixels along an image
-
-// ---- bodies -------------------------------------------------------------------------------------
-
-/// Unit sphere, a cube's faces pushed out; `smooth`: with the sphere's own normals for shading.
-ObjectModel sphere(int cells, bool smooth, bool inside_out = false) {
-  ObjectModel model;
-  model.name = "sphere";
-  std::map<std::array<int, 3>, std::uint32_t> places;
-  const auto vertex = [&](int axis, int sign, int i, int j) {
-    std::array<int, 3> key{};
-    key[static_cast<std::size_t>(axis)] = sign * cells;
-    key[static_cast<std::size_t>((axis + 1) % 3)] = 2 * i - cells;
-    key[static_cast<std::size_t>((axis + 2) % 3)] = 2 * j - cells;
-    const auto [place, is_new] =
-        places.try_emplace(key, static_cast<std::uint32_t>(model.mesh.vertices_m.size()));
-    if (is_new) {
-      // Even angles across a face.
-      Eigen::Vector3d p;
-      for (std::size_t k = 0; k < 3; ++k)
-        p[static_cast<Eigen::Index>(k)] = std::tan(kPi / 4 * key[k] / cells);
-      model.mesh.vertices_m.push_back(p.normalized());
-    }
-    return place->second;
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const int sign : {-1, 1}) {
-      for (int i = 0; i < cells; ++i) {
-        for (int j = 0; j < cells; ++j) {
-          std::array<std::uint32_t, 4> q = {vertex(axis, sign, i, j), vertex(axis, sign, i + 1, j),
-                                            vertex(axis, sign, i + 1, j + 1),
-                                            vertex(axis, sign, i, j + 1)};
-          if ((sign < 0) != inside_out) std::swap(q[1], q[3]);
-          model.mesh.triangles.push_back({q[0], q[1], q[2]});
-          model.mesh.triangles.push_back({q[0], q[2], q[3]});
-        }
-      }
-    }
-  }
-  if (smooth) {
-    for (const auto& v : model.mesh.vertices_m)
-      model.vertex_normals.emplace_back((inside_out ? Eigen::Vector3d(-v) : v).cast<float>());
-  }
-  return model;
-}
-
-ObjectModel square(double half_m) {
-  ObjectModel model;
-  model.name = "square";
-  model.mesh.vertices_m = {
-      {-half_m, -half_m, 0}, {half_m, -half_m, 0}, {half_m, half_m, 0}, {-half_m, half_m, 0}};
-  model.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  return model;
-}
-
-Material grey(float albedo, SurfaceKind kind = SurfaceKind::coated, double ior = 1,
-              double roughness = 0.5) {
-  Material m;
-  m.name = "grey";
-  m.kind = kind;
-  m.albedo = {albedo, albedo, albedo};
-  m.ior = ior;
-  m.roughness = roughness;
-  return m;
-}
-
-Scene scene_of(ObjectModel model, Material material, std::vector<Light> lights) {
-  Scene scene;
-  scene.name = "closed form";
-  scene.models.push_back(std::move(model));
-  scene.materials.push_back(std::move(material));
-  Instance instance;
-  instance.id = 1;
-  instance.name = "body";
-  scene.instances.push_back(instance);
-  scene.lights = std::move(lights);
-  return scene;
-}
-
-TrueView view_from(const Eigen::Vector3d& eye_m, const Eigen::Vector3d& target_m, double focal_px) {
-  TrueView view;
-  view.camera.width_px = view.camera.height_px = kSide;
-  view.camera.fx_px = view.camera.fy_px = focal_px;
-  view.camera.cx_px = view.camera.cy_px = (kSide - 1) / 2.0;
-  const Eigen::Vector3d d = target_m - eye_m;
-  const bool upright = std::hypot(d.x(), d.y()) < 1e-9;
-  view.camera_from_world = view.camera_from_world_end =
-      look_at(eye_m, target_m, upright ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ());
-  return view;
-}
-
-Sky even_sky(float radiance) {
-  const Rgbf c{radiance, radiance, radiance};
-  return {c, c, c};
-}
 
 // ---- measuring ----------------------------------------------------------------------------------
-
-struct Case {
-  std::string name;
-  Scene scene;
-  TrueView view;
-  double truth = 0;
-  int max_bounces = 4;
-};
 
 ClosedForm measure(const Case& c, std::int64_t samples, std::uint64_t seed) {
   const RayScene rays(c.scene);
@@ -289,6 +187,7 @@ Case environment() {
 std::vector<ClosedForm> closed_forms(std::int64_t samples, std::uint64_t seed) {
   std::vector<Case> cases;
   add_furnaces(cases);
+  add_media(cases);
   cases.push_back(lambert_sphere());
   cases.push_back(area_light());
   cases.push_back(mirror());

@@ -23,6 +23,18 @@ double readout_s(const DeviceConfig& rig) {
   return longest_s;
 }
 
+/// Which renderer makes the light, and how much it spends.
+std::string renderer_of(const SeedsRunConfig& config) {
+  if (config.radiance == RadianceBy::cached) {
+    return "cached, " + std::to_string(config.render.pixel_samples) + " samples a pixel, " +
+           std::to_string(config.render.edge_samples) + " at edges";
+  }
+  const PathConfig& paths = config.paths;
+  std::string text = "paths, " + std::to_string(paths.pixel_samples) + " samples a pixel";
+  if (paths.adaptive) text += " on average, more where the error is larger";
+  return text;
+}
+
 void add_rig_passes(const SeedsRunConfig& config, std::vector<PlanEntry>& plan) {
   const Streams there_are = streams_of(config.rig);
   const Streams streams = planned_streams(config);
@@ -41,10 +53,13 @@ void add_rig_passes(const SeedsRunConfig& config, std::vector<PlanEntry>& plan) 
       !light    ? "no stage reads colour"
       : rolling ? "a rolling shutter: each row is read where the rig is then"
                 : rig + " has a global shutter: one pose an image");
-  add("light cache", light,
-      light ? "the scene is static: diffuse light is computed once for all views"
-            : "no light is traced: no stage reads colour");
-  add("radiance", light, why(light, needed.color || needed.raw, "colour"));
+  const bool by_paths = config.radiance == RadianceBy::paths;
+  add("light cache", light && !by_paths,
+      !light     ? "no light is traced: no stage reads colour"
+      : by_paths ? "radiance = paths: each pixel follows its own"
+                 : "the scene is static: diffuse light is computed once for all views");
+  add("radiance", light,
+      why(light, needed.color || needed.raw, "colour") + (light ? "; " + renderer_of(config) : ""));
   add("sensor", light,
       light ? "lens, noise and processing of the camera" : "no stage reads colour");
   add("raw", streams.raw,

@@ -15,12 +15,26 @@ Fields capture_fields(SeedsRunConfig& config) {
          fields(config.capture);
 }
 
+Fields radiance_fields(SeedsRunConfig& config) {
+  const TextField by{
+      [&config] { return std::string(config.radiance == RadianceBy::paths ? "paths" : "cached"); },
+      [&config](const std::string& text) {
+        if (text != "cached" && text != "paths")
+          throw std::invalid_argument("\"" + text + "\" is not one of cached, paths");
+        config.radiance = text == "paths" ? RadianceBy::paths : RadianceBy::cached;
+      }};
+  return {{"radiance", by,
+           "light that cameras see: cached (computed once for all views, render.*) or paths (each "
+           "pixel's own, paths.*)"}};
+}
+
 /// As `fields`, but scene keys under a table of their own: top-level "rig" is a name there and a
 /// table here.
 Fields file_fields(SeedsRunConfig& config) {
-  return nested("scene", fields(config.scene)) + nested("capture", capture_fields(config)) +
+  return nested("scene", fields(config.scene)) +
+         nested("capture", capture_fields(config) + radiance_fields(config)) +
          nested("rig", fields(config.rig)) + nested("render", fields(config.render)) +
-         nested("pipeline", fields(config.pipeline));
+         nested("paths", fields(config.paths)) + nested("pipeline", fields(config.pipeline));
 }
 
 bool within(const Streams& a, const Streams& b) {
@@ -31,8 +45,9 @@ bool within(const Streams& a, const Streams& b) {
 }  // namespace
 
 Fields fields(SeedsRunConfig& config) {
-  return fields(config.scene) + capture_fields(config) + nested("rig", fields(config.rig)) +
-         nested("render", fields(config.render)) + nested("pipeline", fields(config.pipeline));
+  return fields(config.scene) + capture_fields(config) + radiance_fields(config) +
+         nested("rig", fields(config.rig)) + nested("render", fields(config.render)) +
+         nested("paths", fields(config.paths)) + nested("pipeline", fields(config.pipeline));
 }
 
 Streams needed_streams(const SeedsPipelineConfig& config) {
@@ -67,6 +82,7 @@ void validate(const SeedsRunConfig& config) {
   validate(config.capture);
   planned_streams(config, Reader::anybody);
   validate(config.render);
+  validate(config.paths);
   validate(config.pipeline);
 }
 
@@ -122,9 +138,10 @@ std::string user_files_hash(const SeedsSceneConfig& config) {
 
 std::string simulator_toml(const SeedsRunConfig& config) {
   SeedsRunConfig copy = config;  // fields point into what they describe
+  const Fields light = copy.radiance == RadianceBy::paths ? nested("paths", fields(copy.paths))
+                                                          : nested("render", fields(copy.render));
   const std::string text =
-      to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) +
-              nested("render", fields(copy.render)));
+      to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) + light);
   RigCaptureConfig plain;
   const std::string capture = to_toml(fields(copy.capture));
   return capture == to_toml(fields(plain)) ? text : text + "\n[capture]\n" + capture;

@@ -8,21 +8,30 @@
 #include "perception/pipelines/seeds.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/config/fields.h"
+#include "sim/render/path_tracer.h"
 #include "sim/render/radiance_pass.h"
 #include "sim/render/truth_pass.h"
 #include "sim/sensors/rig_capture.h"
 
 namespace cousin {
 
+/// Which renderer makes the light that cameras see.
+enum class RadianceBy {
+  cached,  ///< diffuse light computed once for all views, keys `render.`
+  paths,   ///< each pixel's own paths, keys `paths.`: noise in place of interpolation
+};
+
 /// Everything that decides what `run seeds` does, apart from the seed. Scene keys stand alone
-/// (`cultivar`), and so do those of the capture (`depth_by`, `streams`); the others carry a prefix
-/// (`rig.`, `render.`, `pipeline.`).
+/// (`cultivar`), and so do `radiance` and those of the capture (`depth_by`, `streams`); the others
+/// carry a prefix (`rig.`, `render.`, `paths.`, `pipeline.`).
 struct SeedsRunConfig {
   SeedsSceneConfig scene;
   DeviceConfig rig = PhoneConfig{};
   RigCaptureConfig capture;
   std::string streams = "auto";  ///< images of the capture: auto, all, or names of Streams
+  RadianceBy radiance = RadianceBy::cached;
   RadianceConfig render;
+  PathConfig paths = {.max_bounces = 5};  ///< as deep as the cache, whose 4 come after its points
   SeedsPipelineConfig pipeline;
 };
 Fields fields(SeedsRunConfig& config);
@@ -55,8 +64,8 @@ std::string user_files_hash(const SeedsSceneConfig& config);
 
 /// The resolved configuration as TOML.
 std::string resolved_toml(const SeedsRunConfig& config);
-/// The part of it that decides the images: scene, rig, renderer, and the capture's keys where they
-/// are not as by default.
+/// The part of it that decides the images: scene, rig, the renderer that runs, and the capture's
+/// keys where they are not as by default.
 std::string simulator_toml(const SeedsRunConfig& config);
 /// SHA-256 of the resolved configuration, the user's files and the seed.
 std::string config_hash(const SeedsRunConfig& config, std::uint64_t seed);

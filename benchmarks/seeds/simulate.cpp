@@ -35,6 +35,7 @@ struct SeedsSimulation::Impl {
   Scene scene;
   RayScene rays;
   RigCapture rig;
+  std::optional<PathTracer> paths;  ///< if they make the light
   mutable std::mutex cache_mutex;
   mutable std::map<std::uint64_t, IrradianceCache>
       caches;  ///< one for each repeat; nodes stay in place
@@ -46,7 +47,9 @@ struct SeedsSimulation::Impl {
         scene(build_seeds_scene(config.scene, rng.fork("build"), user_specimen(config.scene),
                                 user_environment(config.scene))),
         rays(scene),
-        rig(config.rig, config.capture, rays, scene, rng) {}
+        rig(config.rig, config.capture, rays, scene, rng) {
+    if (config.radiance == RadianceBy::paths) paths.emplace(rays, scene);
+  }
 
   const std::vector<TrueView>& views() const { return rig.views().front().views; }
 
@@ -58,6 +61,11 @@ struct SeedsSimulation::Impl {
         .emplace(repeat,
                  IrradianceCache(rays, scene, config.render, rng.fork("light").fork(repeat)))
         .first->second;
+  }
+
+  Image<Rgbf> light(const TrueView& view, std::uint64_t repeat, const Rng& stream) const {
+    if (paths) return paths->render(view, config.paths, stream).radiance;
+    return render_radiance(rays, scene, cache(repeat), view, config.render, stream);
   }
 };
 
@@ -72,18 +80,14 @@ const std::vector<TrueView>& SeedsSimulation::views() const { return impl_->view
 
 Image<Rgbf> SeedsSimulation::radiance(int frame, std::uint64_t repeat) const {
   const Rng rng = impl_->rng.fork("radiance").fork(repeat).fork(static_cast<std::uint64_t>(frame));
-  return render_radiance(impl_->rays, impl_->scene, impl_->cache(repeat),
-                         impl_->views().at(static_cast<std::size_t>(frame)), impl_->config.render,
-                         rng);
+  return impl_->light(impl_->views().at(static_cast<std::size_t>(frame)), repeat, rng);
 }
 
 const RigCapture& SeedsSimulation::rig() const { return impl_->rig; }
 
 RadianceRenderer SeedsSimulation::renderer() const {
   const Impl* impl = impl_.get();
-  return [impl](const TrueView& view, const Rng& rng) {
-    return render_radiance(impl->rays, impl->scene, impl->cache(0), view, impl->config.render, rng);
-  };
+  return [impl](const TrueView& view, const Rng& rng) { return impl->light(view, 0, rng); };
 }
 
 RigFrame SeedsSimulation::take(int frame, const Streams& streams) const {
@@ -140,7 +144,17 @@ SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, in
   run.capture = simulation.capture_header();
   const Streams streams = planned_streams(config);
   const StageClock render_clock("render");
-  RigRun taken = take_all(simulation.rig(), streams, needs, simulation.renderer(),
+  run.radiance.stage =
+      config.radiance == RadianceBy::paths ? "radiance_by_paths" : "radiance_by_cached";
+  const RadianceRenderer renderer = [&](const TrueView& view, const Rng& rng) {
+    const StageClock clock(run.radiance.stage);
+    Image<Rgbf> image = simulation.renderer()(view, rng);
+    const StageTiming timing = clock.finish();
+    run.radiance.wall_s += timing.wall_s;
+    run.radiance.cpu_s += timing.cpu_s;
+    return image;
+  };
+  RigRun taken = take_all(simulation.rig(), streams, needs, renderer,
                           [&](int done, int total) { say("render", done, total); });
   run.capture.frames = std::move(taken.frames);
   run.timings.push_back(render_clock.finish());

@@ -20,7 +20,8 @@ using Progress = std::function<void(const std::string& what, int done, int total
 /// (configuration, seed, scene index, frame index): any subset may be rendered, in any order.
 class SeedsSimulation {
  public:
-  /// Builds and settles the scene, draws the rig's unit. Light is computed on the first photograph.
+  /// Builds and settles the scene, draws the rig's unit. Cached light is computed on the first
+  /// photograph.
   SeedsSimulation(const SeedsRunConfig& config, std::uint64_t seed, int scene_index);
   ~SeedsSimulation();
   SeedsSimulation(SeedsSimulation&&) noexcept;
@@ -29,11 +30,12 @@ class SeedsSimulation {
   const RayScene& rays() const;
   const std::vector<TrueView>& views() const;  ///< of the rig's first sensor
 
-  /// Linear radiance of one view, before the sensor. `repeat` draws other Monte-Carlo samples of
-  /// the same view and of the light cache, to measure the renderer's own noise.
+  /// Linear radiance of one view, before the sensor, by the renderer that the configuration names.
+  /// `repeat` draws other Monte-Carlo samples of the same view and of the light cache, to measure
+  /// the renderer's own noise.
   Image<Rgbf> radiance(int frame, std::uint64_t repeat = 0) const;
   const RigCapture& rig() const;
-  /// Radiance from the light cache, which the first call fills. The simulation must outlive it.
+  /// The same for a rig; the first call fills the light cache. The simulation must outlive it.
   RadianceRenderer renderer() const;
   /// What the rig hands over for one view, of the streams asked for, and what is true of its depth.
   RigFrame take(int frame, const Streams& streams) const;
@@ -56,6 +58,7 @@ struct SimulatedRun {
   Capture capture;
   SceneTruth truth;
   std::vector<StageTiming> timings;
+  StageTiming radiance;  ///< part of `render`: "radiance_by_cached" or "radiance_by_paths"
 };
 SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, int scene_index,
                             const TruthNeeds& needs, const Progress& progress = {});

@@ -5,7 +5,10 @@
 #include <functional>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
+#include "sim/imaging/rectification.h"
+#include "sim/sensors/active_stereo.h"
 #include "sim/sensors/rig.h"
 #include "sim/types/rng.h"
 
@@ -108,8 +111,8 @@ std::vector<StabilityRow> lights() {
   for (const std::uint16_t code : dark) sum += code;
   const double offset = sum / static_cast<double>(dark.size()) - fixed.photosites.black_level;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  RigConfig coincident = rig_preset("zed_hd720");
-  coincident.sensors[1].name = coincident.sensors[0].name;
+  RigConfig namesakes = rig_preset("zed_hd720");
+  namesakes.sensors[1].name = namesakes.sensors[0].name;
   return {
       make_row("radiance of 1e30", "share of white pixels", "", 1, white_share, false),
       // 3072 photosites of 3.2 e and 0.42 codes an electron: the mean is known to 0.024 codes.
@@ -118,7 +121,33 @@ std::vector<StabilityRow> lights() {
       make_row("radiance that is no number", "refused", "", 1,
                refused([&] { raw_at(fixed, static_cast<float>(nan)); }), false),
       make_row("rig whose cameras share a name", "refused", "", 1,
-               refused([&] { validate(coincident); }), false),
+               refused([&] { validate(namesakes); }), false),
+  };
+}
+
+/// Two cameras in one place see no depth: whoever asks for it is told so. To take pictures with
+/// such a rig is no mistake.
+std::vector<StabilityRow> coincident_cameras() {
+  RigConfig rig = rig_preset("zed_hd720");
+  rig.sensors[1].centre_in_rig_m = rig.sensors[0].centre_in_rig_m;
+  const RigUnit unit = make_rig(rig, Rng(1));
+  const std::vector<SensorReport> reports = report_of(rig, unit);
+  const Pose right_from_left = reports[1].sensor_from_rig * inverse(reports[0].sensor_from_rig);
+  std::string told;
+  try {
+    rectify(reports[0].camera, reports[1].camera, right_from_left);
+  } catch (const std::invalid_argument& error) {
+    told = error.what();
+  }
+  ActiveStereoConfig device = active_stereo_preset("d457");
+  device.baseline_m = 0;
+  const char* const kName = "rig whose two cameras coincide";
+  return {
+      make_row(kName, "accepted as cameras", "", 0, refused([&] { validate(rig); })),
+      make_row(kName, "stereo depth refused, and why", "", 1,
+               told.find("the cameras coincide") != std::string::npos ? 1 : 0, false),
+      make_row("depth camera of baseline 0", "refused", "", 1, refused([&] { validate(device); }),
+               false),
   };
 }
 
@@ -126,8 +155,8 @@ std::vector<StabilityRow> lights() {
 
 std::vector<StabilityRow> lens_cases() {
   std::vector<StabilityRow> rows = lenses();
-  const std::vector<StabilityRow> more = lights();
-  rows.insert(rows.end(), more.begin(), more.end());
+  for (const std::vector<StabilityRow>& more : {lights(), coincident_cameras()})
+    rows.insert(rows.end(), more.begin(), more.end());
   return rows;
 }
 

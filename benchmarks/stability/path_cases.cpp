@@ -245,6 +245,7 @@ std::vector<StabilityRow> path_cases(bool quick) {
   add_thin_plate_rows(rows, samples);
   add_place_rows(rows, samples);
   add_light_rows(rows, samples);
+  add_path_extremes(rows, samples);
   add_path_refusals(rows);
   return rows;
 }

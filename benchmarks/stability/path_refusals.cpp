@@ -153,6 +153,16 @@ void add_refusal_rows(std::vector<StabilityRow>& rows) {
        "light 1 (environment): radiance = nan"},
       {"albedo above 1", [](Scene& s) { s.materials[0].albedo.g = 1.5F; },
        "\"matt\": albedo = 1.5"},
+      {"flesh of a mean free path that is no number",
+       [=](Scene& s) { s.materials[0].mean_free_path_m.g = nan; },
+       "\"matt\": mean_free_path_m = nan"},
+      {"flesh of an open sheet",
+       [](Scene& s) {
+         s.materials[0].mean_free_path_m = {0.01F, 0.01F, 0.01F};
+       },
+       "instance \"square 0\" has a mean_free_path_m and is not closed"},
+      {"water of no index", [](Scene& s) { s.materials[0].kind = SurfaceKind::clear; },
+       "\"matt\": ior = 1"},
       {"roughness of 0", [](Scene& s) { s.materials[0].roughness = 0; }, "\"matt\": roughness = 0"},
       {"triangle of a vertex that is not there",
        [](Scene& s) { s.models[0].mesh.triangles[1][2] = 9; }, "\"square\": triangle 1"},

@@ -12,6 +12,10 @@ namespace cousin {
 /// Lights, materials, shapes, views and files that must be refused by name.
 void add_path_refusals(std::vector<StabilityRow>& rows);
 
+/// Light far beyond saturation and none, needles and triangles without area, cameras inside bodies,
+/// flesh of any mean free path, water that touches.
+void add_path_extremes(std::vector<StabilityRow>& rows, int samples);
+
 /// Private to the cases of light: what their scenes are made of.
 namespace path_scenes {
 

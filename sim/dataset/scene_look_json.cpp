@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kMaxPixels = std::size_t{1} << 24;
 constexpr int kMaxSide = 65535;
 
-constexpr std::array kSurfaceNames = {"coated", "leaf", "conductor", "glass"};
+constexpr std::array kSurfaceNames = {"coated", "leaf", "conductor", "glass", "clear"};
 
 Json array_of(const Rgbf& color) {
   return {static_cast<double>(color.r), static_cast<double>(color.g), static_cast<double>(color.b)};
@@ -48,7 +48,7 @@ SurfaceKind read_kind(const JsonNode& node) {
   for (std::size_t i = 0; i < kSurfaceNames.size(); ++i) {
     if (name == kSurfaceNames[i]) return static_cast<SurfaceKind>(i);
   }
-  node.fail("is not one of coated, leaf, conductor, glass");
+  node.fail("is not one of coated, leaf, conductor, glass, clear");
 }
 
 }  // namespace
@@ -66,6 +66,8 @@ Json to_json(const Material& material) {
   if (material.transmittance != usual.transmittance)
     json["transmittance"] = array_of(material.transmittance);
   if (material.back_albedo) json["back_albedo"] = array_of(*material.back_albedo);
+  if (material.mean_free_path_m != usual.mean_free_path_m)
+    json["mean_free_path_m"] = array_of(material.mean_free_path_m);
   if (material.noise) {
     json["noise"] = {{"other_albedo", array_of(material.noise->other_albedo)},
                      {"scale_m", material.noise->scale_m},
@@ -80,8 +82,8 @@ Json to_json(const Material& material) {
 
 Material read_material(const JsonNode& node) {
   node.expect_keys({"name", "albedo", "ior", "roughness", "ink_albedo"},
-                   {"print", "kind", "transmittance", "back_albedo", "noise", "infrared_albedo",
-                    "infrared_transmittance"});
+                   {"print", "kind", "transmittance", "back_albedo", "mean_free_path_m", "noise",
+                    "infrared_albedo", "infrared_transmittance"});
   Material material;
   material.name = node["name"].text();
   material.albedo = read_color(node["albedo"]);
@@ -92,6 +94,8 @@ Material read_material(const JsonNode& node) {
   if (node.has("kind")) material.kind = read_kind(node["kind"]);
   if (node.has("transmittance")) material.transmittance = read_color(node["transmittance"]);
   if (node.has("back_albedo")) material.back_albedo = read_color(node["back_albedo"]);
+  if (node.has("mean_free_path_m"))
+    material.mean_free_path_m = read_color(node["mean_free_path_m"]);
   if (node.has("noise")) {
     const JsonNode noise = node["noise"];
     noise.expect_keys({"other_albedo", "scale_m", "octaves"});

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -37,6 +38,8 @@ Image<Eigen::Vector2f> make_map(const Camera& rectified, const Camera& camera,
   return map;
 }
 
+constexpr double kLeastBaseline_m = 1e-6;
+
 }  // namespace
 
 Rectification rectify(const Camera& left, const Camera& right, const Pose& right_from_left,
@@ -49,7 +52,13 @@ Rectification rectify(const Camera& left, const Camera& right, const Pose& right
   const Eigen::Vector3d& baseline_m = left_from_right.translation_m;
   Rectification r;
   r.baseline_m = baseline_m.norm();
-  if (!(r.baseline_m > 0)) reject("the cameras coincide");
+  // What two poses of one place leave of it by rounding has a direction too.
+  if (!(r.baseline_m >= kLeastBaseline_m)) {
+    std::ostringstream text;
+    text << "the cameras coincide: they are " << r.baseline_m << " m apart; the limit is "
+         << kLeastBaseline_m;
+    reject(text.str());
+  }
   const Eigen::Vector3d x = baseline_m / r.baseline_m;
   if (!(x.x() > std::sqrt(0.5))) {
     reject("the right camera lies along (" + std::to_string(x.x()) + ", " + std::to_string(x.y()) +

@@ -27,8 +27,8 @@ struct Rectification {
   double baseline_m = 0;
   Image<Eigen::Vector2f> left_px, right_px;
 };
-/// @throws std::invalid_argument for an invalid camera or configuration, a baseline of zero, or a
-/// right camera that lies before or behind the left one rather than beside it (more than 45
+/// @throws std::invalid_argument for an invalid camera or configuration, a baseline below 1 um, or
+/// a right camera that lies before or behind the left one rather than beside it (more than 45
 /// degrees off), or to its left.
 Rectification rectify(const Camera& left, const Camera& right, const Pose& right_from_left,
                       const RectificationConfig& config = {});

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/render/subsurface.h"
+
 namespace cousin {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
 /// Pairs of dimensions a bounce uses: direction, lobe and roulette, choice of light, then lights.
 constexpr std::uint32_t kPairsPerBounce = 16;
+constexpr float kNoRoulette = -1;
 constexpr std::uint32_t kLightPairs = kPairsPerBounce - 3;
 
 float luminance(const Vector3f& c) { return 0.2126F * c.x() + 0.7152F * c.y() + 0.0722F * c.z(); }
@@ -22,23 +25,6 @@ float luminance(const Vector3f& c) { return 0.2126F * c.x() + 0.7152F * c.y() + 
 /// normal: reflection stays on the face's side, transmission leaves it.
 bool sides_agree(const PathHit& hit, const Vector3f& direction, const Vector3f& local) {
   return (hit.face_normal.dot(direction) > 0) == (local.z() > 0);
-}
-
-RTCRay single_ray(const Vector3f& origin_m, const Vector3f& direction, float far_m, float time) {
-  RTCRay ray;
-  ray.org_x = origin_m.x();
-  ray.org_y = origin_m.y();
-  ray.org_z = origin_m.z();
-  ray.tnear = 0;
-  ray.dir_x = direction.x();
-  ray.dir_y = direction.y();
-  ray.dir_z = direction.z();
-  ray.time = time;
-  ray.tfar = far_m;
-  ray.mask = 0xFFFFFFFFU;
-  ray.id = 0;
-  ray.flags = 0;
-  return ray;
 }
 
 }  // namespace
@@ -126,7 +112,7 @@ void PathBatch::trace_singles() {
 /// What shines along the path's ray: lamps before the hit and, beyond everything, sky and suns.
 void PathBatch::add_light_behind(const PathState& path, bool missed, float far_m) {
   const SceneLights& lights = scene_.lights;
-  const bool is_camera = path.density == 0;
+  const bool is_camera = path.density == 0;  // or sharp
   Vector3f light = Vector3f::Zero();
   for (const auto& lamp : lights.lamps) {
     const float density = hit_lamp(lamp, path.origin_m, path.direction, missed ? kFar : far_m);
@@ -142,6 +128,8 @@ void PathBatch::add_light_behind(const PathState& path, bool missed, float far_m
     }
     for (const auto& sun : lights.suns) {
       if (!hits_sun(sun, path.direction)) continue;
+      // Behind water that another surface sees by itself: its shadow rays went straight.
+      if (is_camera && path.was_scattered && straight_sun_) continue;
       light +=
           (is_camera ? 1 : share_of(path.density, sun_density(sun, path.direction))) * sun.radiance;
     }
@@ -168,9 +156,32 @@ void PathBatch::shade(int bounce_count) {
       met.before = path.from;
       met.touches = path.touches + 1;
     }
-    add_lights(path, met, pair, bounce_count == 0);
-    bounce(path, met, bounce_count, pair);
+    scatter(path, met, bounce_count, pair);
   }
+}
+
+void PathBatch::scatter(const PathState& path, const Meeting& met, int bounce_count,
+                        std::uint32_t pair) {
+  const auto shine = [&](const Meeting& from) {
+    add_lights(path, from, pair, bounce_count == 0);
+    bounce(path, from, bounce_count, pair);
+  };
+  if (!walks_below(met.hit)) return shine(met);
+  if (met.hit.bsdf.material->coat.exists()) {
+    Meeting coat = met;
+    coat.hit.bsdf.part = PathBsdf::Part::coat;
+    shine(coat);
+  }
+  const PathSampler& sampler = samplers_[path.index];
+  const WalkExit exit =
+      walk_below(scene_, met.hit, met.own, path.time,
+                 sampler.pixel_key + (std::uint64_t{sampler.sample} << 32) + pair);
+  rays_ += exit.rays;
+  if (!(exit.hit.bsdf.came_out.maxCoeff() > 0)) return;
+  Meeting base;
+  base.hit = exit.hit;
+  base.own = exit.sheet;
+  shine(base);
 }
 
 /// Shadow rays to every light at the first surface; later to every sun and one other light, chosen
@@ -178,6 +189,7 @@ void PathBatch::shade(int bounce_count) {
 void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint32_t pair,
                            bool is_first) {
   const PathHit& hit = met.hit;
+  if (hit.bsdf.material->kind == SurfaceKind::clear) return;  // lights give it nothing
   const SceneLights& lights = scene_.lights;
   const PathSampler& sampler = samplers_[path.index];
   std::uint32_t light_index = 0;
@@ -190,16 +202,17 @@ void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint3
     return share * path.throughput.cwiseProduct(value.bsdf_cosine);
   };
   const auto offer = [&](std::vector<Shadow>& list, const Vector3f& direction, float far_m,
-                         const Vector3f& light) {
+                         const Vector3f& light, bool passes_water = false) {
     if (!(light.maxCoeff() > 0)) return;
     const PathStart start = met.leave(direction);
-    list.push_back({start.origin_m, direction, far_m, path.time, light, path.index, start.skips});
+    list.push_back({start.origin_m, direction, far_m, path.time, light, path.index, start.skips,
+                    passes_water});
   };
 
   for (const auto& sun : lights.suns) {
     const Vector3f d = draw_sun(sun, next_pair());
     const float density = sun_density(sun, d);
-    offer(shadows_, d, kFar, weigh(d, density).cwiseProduct(sun.radiance));
+    offer(shadows_, d, kFar, weigh(d, density).cwiseProduct(sun.radiance), straight_sun_);
   }
   candidates_.clear();
   for (const auto& lamp : lights.lamps) {
@@ -216,7 +229,7 @@ void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint3
     if (!(intensity.maxCoeff() > 0)) continue;
     const float distance = std::sqrt(distance2);
     const Vector3f d = to / distance;
-    offer(candidates_, d, distance, weigh(d, 0).cwiseProduct(intensity) / distance2);
+    offer(candidates_, d, distance, weigh(d, 0).cwiseProduct(intensity) / distance2, straight_sun_);
   }
   for (const auto& picture : lights.pictures) {
     if (picture.row_sums.empty()) continue;
@@ -246,21 +259,36 @@ void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint3
 
 void PathBatch::bounce(const PathState& path, const Meeting& met, int bounce_count,
                        std::uint32_t pair) {
-  const PathHit& hit = met.hit;
+  const PathBsdf& bsdf = met.hit.bsdf;
+  if (bounce_count == 0 && bsdf.material->kind == SurfaceKind::clear) {
+    // What a camera sees in water and through it are both followed: bright glints are a small
+    // share.
+    for (const bool reflects : {true, false})
+      go_on(path, met, bsdf.clear_way(reflects), kNoRoulette);
+    return;
+  }
   const PathSampler& sampler = samplers_[path.index];
   const Eigen::Vector2f choice = sampler.pair(pair + 1);
-  const PathBsdf::Draw draw = hit.bsdf.draw(sampler.pair(pair), choice.x());
+  go_on(path, met, bsdf.draw(sampler.pair(pair), choice.x()),
+        bounce_count > 0 ? choice.y() : kNoRoulette);
+}
+
+/// @param roulette  in [0, 1): which paths that carry little end; or kNoRoulette.
+void PathBatch::go_on(const PathState& path, const Meeting& met, const PathBsdf::Draw& draw,
+                      float roulette) {
+  const PathHit& hit = met.hit;
   if (!(draw.weight.maxCoeff() > 0)) return;
   PathState next;
   next.index = path.index;
   next.time = path.time;
-  next.density = std::max(draw.density, 1e-20F);
+  next.density = draw.is_sharp ? 0 : std::max(draw.density, 1e-20F);
   next.throughput = path.throughput.cwiseProduct(draw.weight);
+  next.was_scattered = path.was_scattered || !draw.is_sharp;
   // A long path goes on by the root of what it carries: of throughput, twice that, its root and
   // always, the root had the least error for its time on the leafy scene.
-  if (bounce_count > 0) {
+  if (roulette >= 0) {
     const float kept = std::min(std::sqrt(next.throughput.maxCoeff()), 1.0F);
-    if (choice.y() >= kept) return;
+    if (roulette >= kept) return;
     next.throughput /= kept;
   }
   next.direction = hit.frame * draw.in;
@@ -276,55 +304,6 @@ void PathBatch::bounce(const PathState& path, const Meeting& met, int bounce_cou
   next.from = met.own;
   next.touches = met.touches > kMostTouches ? 0 : met.touches;
   next_.push_back(next);
-}
-
-void PathBatch::trace_shadows(bool is_coherent) {
-  rays_ += shadows_.size();
-  if (is_coherent) {
-    trace_shadow_packets();
-  } else {
-    trace_shadow_singles();
-  }
-}
-
-void PathBatch::trace_shadow_packets() {
-  SkipContext context = make_skip_context(*scene_.rays, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
-  ShadowPacket packet;
-  for (std::size_t first = 0; first < shadows_.size(); first += kLanes) {
-    LaneMask mask;
-    bool any_skips = false;
-    for (int i = 0; i < kLanes; ++i) {
-      const std::size_t k = std::min(first + static_cast<std::size_t>(i), shadows_.size() - 1);
-      const Shadow& s = shadows_[k];
-      set_ray(packet, i, s.origin_m.x(), s.origin_m.y(), s.origin_m.z(), s.direction.x(),
-              s.direction.y(), s.direction.z(), s.far_m);
-      packet.time[i] = s.time;
-      packet.id[i] = static_cast<unsigned int>(i);
-      context.lanes[static_cast<std::size_t>(i)] = s.skips.exist() ? &s.skips : nullptr;
-      any_skips |= s.skips.exist();
-      mask.lane[i] = first + static_cast<std::size_t>(i) < shadows_.size() ? -1 : 0;
-    }
-    use_skips(context, any_skips);
-    find_occluded(mask, scene_.rays->scene, context.context, packet);
-    for (int i = 0; i < kLanes && mask.lane[i]; ++i) {
-      if (packet.tfar[i] < 0) continue;
-      const Shadow& s = shadows_[first + static_cast<std::size_t>(i)];
-      radiance_[s.index] += s.light;
-    }
-  }
-}
-
-/// Embree culls a coherent packet by one frustum, which for scattered origins holds the whole
-/// scene, and single rays are then faster than packets.
-void PathBatch::trace_shadow_singles() {
-  SkipContext context = make_skip_context(*scene_.rays, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-  for (const Shadow& s : shadows_) {
-    use_skips(context, s.skips.exist());
-    context.lanes[0] = &s.skips;
-    RTCRay ray = single_ray(s.origin_m, s.direction, s.far_m, s.time);
-    rtcOccluded1(scene_.rays->scene, &context.context, &ray);
-    if (ray.tfar >= 0) radiance_[s.index] += s.light;
-  }
 }
 
 }  // namespace cousin

@@ -15,12 +15,14 @@ struct PathState {
   Eigen::Vector3f origin_m;
   Eigen::Vector3f direction;
   Eigen::Vector3f throughput;
-  float density = 0;        ///< of the direction, per steradian, where it was drawn; 0 = camera ray
-  float time = 0;           ///< of the ray, as Embree takes it
-  std::uint32_t index = 0;  ///< of the sample in the batch
-  Sheet from;               ///< the surface it left; a camera's ray none
-  float touch_m = 0;        ///< what it meets nearer than this touches that surface
-  int touches = 0;          ///< surfaces in a row that touched the one before
+  float density = 0;           ///< of the direction, per steradian, where it was drawn; 0 = of a
+                               ///< camera, or infinite: no light was drawn there
+  float time = 0;              ///< of the ray, as Embree takes it
+  std::uint32_t index = 0;     ///< of the sample in the batch
+  Sheet from;                  ///< the surface it left; a camera's ray none
+  float touch_m = 0;           ///< what it meets nearer than this touches that surface
+  int touches = 0;             ///< surfaces in a row that touched the one before
+  bool was_scattered = false;  ///< at a surface that is not clear, since the camera
   PathSkips skips;
 };
 
@@ -28,8 +30,10 @@ struct PathState {
 /// together. One for each task. Private to sim/render.
 class PathBatch {
  public:
-  PathBatch(const PathTracer::Impl& scene, int max_bounces)
-      : scene_(scene), max_bounces_(max_bounces) {}
+  PathBatch(const PathTracer::Impl& scene, const PathConfig& config)
+      : scene_(scene),
+        max_bounces_(config.max_bounces),
+        straight_sun_(scene.has_water && !config.refracts_sun) {}
 
   void clear();
   /// @param direction  unit, or zero: a sample without a ray.
@@ -53,6 +57,7 @@ class PathBatch {
     Eigen::Vector3f light;
     std::uint32_t index = 0;
     PathSkips skips;
+    bool passes_water = false;
   };
   struct RayHit {
     unsigned int instance = 0, geometry = 0, triangle = 0;  ///< as Embree names them
@@ -77,14 +82,20 @@ class PathBatch {
       return start_from(hit, own, before, direction);
     }
   };
+  /// Both at a surface; where light walks below it, of the coat here and of the base elsewhere.
+  void scatter(const PathState& path, const Meeting& met, int bounce, std::uint32_t pair);
   void add_lights(const PathState& path, const Meeting& met, std::uint32_t pair, bool is_first);
   void bounce(const PathState& path, const Meeting& met, int bounce, std::uint32_t pair);
+  void go_on(const PathState& path, const Meeting& met, const PathBsdf::Draw& draw, float roulette);
   void trace_shadows(bool is_coherent);
   void trace_shadow_packets();
   void trace_shadow_singles();
+  void add_unblocked(const Shadow& shadow, bool met_water);
+  Eigen::Vector3f through_water(const Shadow& shadow);
 
   const PathTracer::Impl& scene_;
   int max_bounces_;
+  bool straight_sun_;  ///< suns and beams shine straight through water
   std::vector<PathState> paths_, next_;
   std::vector<RayHit> hits_;
   std::vector<Shadow> shadows_, candidates_;

@@ -19,16 +19,6 @@ constexpr float kInversePi = std::numbers::inv_pi_v<float>;
 
 Vector3f vec(const Rgbf& c) { return {c.r, c.g, c.b}; }
 
-/// Fresnel's share for light that comes at `cosine` > 0 to a medium of relative index `eta`.
-float fresnel(float cosine, float eta) {
-  const float g2 = eta * eta - 1 + cosine * cosine;
-  if (g2 <= 0) return 1;  // total reflection
-  const float g = std::sqrt(g2);
-  const float a = (g - cosine) / (g + cosine);
-  const float b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1);
-  return 0.5F * a * a * (1 + b * b);
-}
-
 float lookup(const std::array<float, PathMaterial::kCells + 1>& table, float cosine) {
   const float position = std::sqrt(std::clamp(cosine, 0.0F, 1.0F)) * PathMaterial::kCells;
   const int cell = std::min(static_cast<int>(position), PathMaterial::kCells - 1);
@@ -84,6 +74,15 @@ std::array<float, PathMaterial::kCells + 1> kept_table(const Weight& weight) {
 
 }  // namespace
 
+float fresnel(float cosine, float eta) {
+  const float g2 = eta * eta - 1 + cosine * cosine;
+  if (g2 <= 0) return 1;  // total reflection
+  const float g = std::sqrt(g2);
+  const float a = (g - cosine) / (g + cosine);
+  const float b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1);
+  return 0.5F * a * a * (1 + b * b);
+}
+
 PathMaterial::PathMaterial(const Material& m)
     : kind((validate(m), m.kind)),
       coat(kind == SurfaceKind::coated || kind == SurfaceKind::leaf ? m.ior : 1, m.roughness),
@@ -93,6 +92,7 @@ PathMaterial::PathMaterial(const Material& m)
       back_albedo(vec(m.back_albedo.value_or(m.albedo))),
       transmittance(m.kind == SurfaceKind::leaf ? vec(m.transmittance) : Vector3f::Zero()),
       ink_albedo(vec(m.ink_albedo)),
+      mean_free_path_m(vec(m.mean_free_path_m)),
       print(m.print),
       noise(m.noise) {
   if (kind == SurfaceKind::conductor) {
@@ -137,6 +137,7 @@ PathBsdf::Value PathBsdf::value(const Vector3f& in) const {
   const PathMaterial& m = *material;
   if (m.kind == SurfaceKind::conductor) return metal(in);
   if (m.kind == SurfaceKind::glass) return glass(in);
+  if (m.kind == SurfaceKind::clear) return {};
   const Lobes p = lobes();
   const float cosine = std::abs(in.z());
   Value value;
@@ -147,9 +148,11 @@ PathBsdf::Value PathBsdf::value(const Vector3f& in) const {
     value.density = p.transmit * lambert;
     return value;
   }
-  value.bsdf_cosine = through * lambert * albedo;
-  value.density = p.reflect * lambert;
-  if (m.coat.exists()) {
+  if (part != Part::coat) {
+    value.bsdf_cosine = through * lambert * (part == Part::base ? came_out : albedo);
+    value.density = p.reflect * lambert;
+  }
+  if (m.coat.exists() && part != Part::base) {
     const Coat::Value gloss = m.coat.value(out, in);
     value.bsdf_cosine += Vector3f::Constant(gloss.brdf_cosine);
     value.density += p.coat * gloss.density;
@@ -161,8 +164,10 @@ PathBsdf::Draw PathBsdf::draw(const Eigen::Vector2f& u, float lobe) const {
   const PathMaterial& m = *material;
   if (m.kind == SurfaceKind::conductor) return draw_metal(u);
   if (m.kind == SurfaceKind::glass) return draw_glass(u, lobe);
+  if (m.kind == SurfaceKind::clear) return draw_clear(lobe);
   const Lobes p = lobes();
   Draw draw;
+  if (part != Part::whole && (lobe < p.coat) != (part == Part::coat)) return draw;
   if (lobe < p.coat) {
     const Coat::Draw gloss = m.coat.draw(out, u);
     if (gloss.weight <= 0) return draw;
@@ -241,6 +246,31 @@ PathBsdf::Draw PathBsdf::draw_glass(const Eigen::Vector2f& u, float lobe) const 
   draw.in = way.in;
   draw.weight = way.weight / kept * albedo;
   draw.density = glass(way.in).density;
+  return draw;
+}
+
+/// Snell's refraction or mirroring.
+PathBsdf::Draw PathBsdf::clear_way(bool reflects) const {
+  const float eta = is_inside ? 1 / material->ior : material->ior;
+  const float mirrored = fresnel(out.z(), eta);
+  const float inner2 = 1 - (1 - out.z() * out.z()) / (eta * eta);
+  Draw draw;
+  draw.is_sharp = true;
+  if (reflects) {
+    draw.in = {-out.x(), -out.y(), out.z()};
+    draw.weight = mirrored * albedo;
+  } else if (inner2 > 0) {
+    draw.in = {-out.x() / eta, -out.y() / eta, -std::sqrt(inner2)};
+    draw.weight = (1 - mirrored) * albedo;
+  }
+  return draw;
+}
+
+/// Drawn by Fresnel's share, which the weight then leaves out.
+PathBsdf::Draw PathBsdf::draw_clear(float lobe) const {
+  const float eta = is_inside ? 1 / material->ior : material->ior;
+  Draw draw = clear_way(lobe < fresnel(out.z(), eta));
+  if (draw.weight.maxCoeff() > 0) draw.weight = albedo;
   return draw;
 }
 

@@ -81,9 +81,9 @@ PathHit PathTracer::Impl::hit(unsigned int inst_id, unsigned int geom_id, unsign
   hit.bsdf.out = hit.frame.transpose() * -direction;
   hit.bsdf.out.z() = std::max(hit.bsdf.out.z(), 1e-4F);
   const SurfaceKind kind = instance.material->kind;
-  hit.bsdf.is_inside = point.is_back && kind == SurfaceKind::glass;
-  hit.is_dark =
-      point.is_back && !instance.is_open && kind != SurfaceKind::glass && kind != SurfaceKind::leaf;
+  const bool is_glass = kind == SurfaceKind::glass || kind == SurfaceKind::clear;
+  hit.bsdf.is_inside = point.is_back && is_glass;
+  hit.is_dark = point.is_back && !instance.is_open && !is_glass && kind != SurfaceKind::leaf;
   hit.bsdf.albedo = albedo_at(instance, point, placement);
   return hit;
 }
@@ -96,7 +96,10 @@ PathTracer::PathTracer(const RayScene& rays, const Scene& scene) : impl_(std::ma
   }
   impl.lights = make_lights(scene, impl.rays->centre_m);
   impl.materials.reserve(scene.materials.size());
-  for (const Material& material : scene.materials) impl.materials.emplace_back(material);
+  for (const Material& material : scene.materials) {
+    impl.materials.emplace_back(material);
+    impl.has_water |= material.kind == SurfaceKind::clear;
+  }
   impl.models.reserve(scene.models.size());
   for (const ObjectModel& model : scene.models) {
     PathModel& m = impl.models.emplace_back();
@@ -114,6 +117,12 @@ PathTracer::PathTracer(const RayScene& rays, const Scene& scene) : impl_(std::ma
     p.moves = geometry.steps.size() > 1;
     p.world_from_object = pose.rotation.toRotationMatrix().cast<float>();
     p.origin_m = pose.translation_m.cast<float>();
+    const auto& corners = geometry.box_corners_in_object_m;
+    p.size_m = static_cast<float>((corners[7] - corners[0]).norm());
+    if (p.is_open && p.material->mean_free_path_m.maxCoeff() > 0) {
+      throw std::invalid_argument("path tracer: instance \"" + instance.name +
+                                  "\" has a mean_free_path_m and is not closed");
+    }
   }
 }
 

@@ -24,6 +24,7 @@ struct PathInstance {
   bool moves = false;  ///< its pose depends on the ray's time
   Eigen::Matrix3f world_from_object;
   Eigen::Vector3f origin_m;  ///< of the object, world less RayScene's centre
+  float size_m = 0;          ///< of its bounds' diagonal
 };
 
 /// A point where a path met a surface.
@@ -42,6 +43,7 @@ struct PathTracer::Impl {
   std::vector<PathMaterial> materials;
   std::vector<PathModel> models;
   std::vector<PathInstance> instances;
+  bool has_water = false;  ///< a material is clear
 
   /// What Embree reports of a hit, and the ray's unit direction and time.
   PathHit hit(unsigned int inst_id, unsigned int geom_id, unsigned int prim_id, float u, float v,

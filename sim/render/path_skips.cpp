@@ -27,13 +27,20 @@ bool is_of_sheet(const RayScene::Impl& rays, const Sheet& sheet, unsigned int in
 }
 
 void skip(const RTCFilterFunctionNArguments* args) {
-  const auto& context = *reinterpret_cast<const SkipContext*>(args->context);
+  auto& context = *reinterpret_cast<SkipContext*>(args->context);
   for (unsigned int i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
-    const PathSkips* skips = context.lanes[RTCRayN_id(args->ray, args->N, i)];
-    if (!skips || RTCRayN_tfar(args->ray, args->N, i) > skips->reach_m) continue;
+    const unsigned int lane = RTCRayN_id(args->ray, args->N, i);
     const unsigned int instance = RTCHitN_instID(args->hit, args->N, i, 0);
     const unsigned int geometry = RTCHitN_geomID(args->hit, args->N, i);
+    if (context.passes_water[lane] &&
+        (*context.water)[geometry_index(instance, geometry)].material->kind == SurfaceKind::clear) {
+      context.met_water[lane] = true;
+      args->valid[i] = 0;
+      continue;
+    }
+    const PathSkips* skips = context.lanes[lane];
+    if (!skips || RTCRayN_tfar(args->ray, args->N, i) > skips->reach_m) continue;
     const unsigned int triangle = RTCHitN_primID(args->hit, args->N, i);
     if (is_of_sheet(*context.rays, skips->own, instance, geometry, triangle) ||
         is_of_sheet(*context.rays, skips->before, instance, geometry, triangle)) {

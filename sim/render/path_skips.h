@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "sim/render/path_scene.h"
 #include "sim/render/ray_packet.h"
@@ -67,11 +68,33 @@ inline PathStart start_from(const PathHit& hit, const Sheet& own, const Sheet& b
   return start;
 }
 
+/// A ray on its own.
+inline RTCRay single_ray(const Eigen::Vector3f& origin_m, const Eigen::Vector3f& direction,
+                         float far_m, float time) {
+  RTCRay ray;
+  ray.org_x = origin_m.x();
+  ray.org_y = origin_m.y();
+  ray.org_z = origin_m.z();
+  ray.tnear = 0;
+  ray.dir_x = direction.x();
+  ray.dir_y = direction.y();
+  ray.dir_z = direction.z();
+  ray.time = time;
+  ray.tfar = far_m;
+  ray.mask = 0xFFFFFFFFU;
+  ray.id = 0;
+  ray.flags = 0;
+  return ray;
+}
+
 /// Embree's context with what each lane (a ray's `id`) skips.
 struct SkipContext {
   RTCIntersectContext context;
   const RayScene::Impl* rays = nullptr;
   std::array<const PathSkips*, kLanes> lanes{};
+  const std::vector<PathInstance>* water = nullptr;  ///< whose clear bodies the lanes below skip
+  std::array<bool, kLanes> passes_water{};
+  std::array<bool, kLanes> met_water{};  ///< one of those, at any distance
 };
 /// A context that skips nothing yet; `use_skips` makes it look at `lanes`.
 SkipContext make_skip_context(const RayScene::Impl& rays, RTCIntersectContextFlags flags);

@@ -79,7 +79,7 @@ class ViewRenderer {
     const int columns = (width_ + kTile - 1) / kTile, rows = (height_ + kTile - 1) / kTile;
     tbb::parallel_for(0, columns * rows, [&](int tile) {
       const FlushDenormals flush;
-      PathBatch batch(scene_, config_.max_bounces);
+      PathBatch batch(scene_, config_);
       const int x0 = tile % columns * kTile, y0 = tile / columns * kTile;
       sample_tile(batch, x0, y0, target);
       traced_ += batch.rays();
@@ -270,6 +270,8 @@ Fields fields(PathConfig& config) {
        1 << 20},
       {"target_error", &config.target_error, "adaptive: stop at this relative error; 0 = never", 0,
        1},
+      {"refracts_sun", &config.refracts_sun,
+       "suns and beams through water: refracted, right and noisy; false = straight"},
   };
 }
 

@@ -16,6 +16,9 @@ struct PathConfig {
   int min_samples = 16;     ///< a pixel, before samples are spread by error
   double target_error = 0;  ///< adaptive: stop when the image's estimated relative error, root mean
                             ///< square, is below; 0 = spend all samples
+  bool refracts_sun =
+      false;  ///< through water suns and beams shine by refracted paths alone, which
+              ///< is right and noisy; else straight, less what each face mirrors
 };
 Fields fields(PathConfig& config);
 /// @throws std::invalid_argument naming the field, its value and the limit.
@@ -32,6 +35,7 @@ struct PathImage {
 /// and environment pictures, the surface's own directions for everything that shines, both weighed
 /// by the power heuristic [Veach 1997]; Russian roulette by throughput. First hits and shadow rays
 /// travel in packets. A path that meets the back of a closed opaque surface ends there, black.
+/// Not exact: suns and beams through water (`PathConfig::refracts_sun`).
 /// Immutable after construction; holds float copies of what light needs of the scene.
 class PathTracer {
  public:

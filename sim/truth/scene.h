@@ -21,6 +21,7 @@ enum class SurfaceKind {
   leaf,       ///< thin sheet of no thickness: both sides reflect and transmit diffusely under a wax
   conductor,  ///< rough metal; `albedo` is its reflectance at normal incidence [Schlick 1994]
   glass,      ///< rough dielectric with another medium inside: closed surfaces only
+  clear,      ///< the same, smooth: water (ior 1.333)
 };
 
 /// Fractal value noise in object coordinates: albedo goes from `albedo` to `other_albedo` with it.
@@ -38,11 +39,15 @@ struct Material {
   Rgbf albedo{
       0.5F, 0.5F,
       0.5F};  ///< diffuse reflectance of the base; times the vertex albedo if the model has one
-  Rgbf transmittance{0, 0, 0};           ///< leaf: diffuse share let through; albedo + this <= 1
-  std::optional<Rgbf> back_albedo;       ///< leaf: of the clockwise side; as the front if absent
-  double ior = 1.5;                      ///< of coat, wax or glass; 1 = no coat, purely diffuse
-  double roughness = 0.5;                ///< in [0.05, 1]
-  std::optional<SeedBoard> print;        ///< face z = 0 of the object carries this print
+  Rgbf transmittance{0, 0, 0};      ///< leaf: diffuse share let through; albedo + this <= 1
+  std::optional<Rgbf> back_albedo;  ///< leaf: of the clockwise side; as the front if absent
+  /// Coated, closed bodies: between turns of light in the flesh below the skin, 1 / reduced
+  /// scattering coefficient; zero = it leaves where it came. Seen by the path tracer alone; others
+  /// take the body as diffuse of the same albedo.
+  Rgbf mean_free_path_m{0, 0, 0};
+  double ior = 1.5;                ///< of coat, wax, glass or water; 1 = no coat, purely diffuse
+  double roughness = 0.5;          ///< in [0.05, 1]; clear has none
+  std::optional<SeedBoard> print;  ///< face z = 0 of the object carries this print
   Rgbf ink_albedo{0.03F, 0.03F, 0.03F};  ///< where the print is black
   std::optional<NoiseTexture> noise;
   // At 850 nm, for infrared imagers; leaves are bright there [Jacquemoud & Baret 1990].

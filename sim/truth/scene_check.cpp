@@ -180,11 +180,17 @@ void validate(const Material& m) {
         fail(where, "albedo + transmittance", static_cast<double>(sum), "is above 1");
     }
   }
-  const bool is_glass = m.kind == SurfaceKind::glass;
+  const bool is_glass = m.kind == SurfaceKind::glass || m.kind == SurfaceKind::clear;
   if (!(m.ior >= 1 && m.ior <= 10) || (is_glass && m.ior == 1))
     fail(where, "ior", m.ior, is_glass ? "is not in (1, 10]" : "is not in [1, 10]");
   if (!(m.roughness >= 0.05 && m.roughness <= 1))
     fail(where, "roughness", m.roughness, "is not in [0.05, 1]");
+  for (const float v : {m.mean_free_path_m.r, m.mean_free_path_m.g, m.mean_free_path_m.b}) {
+    if (!(v >= 0 && v <= 1e6F))
+      fail(where, "mean_free_path_m", static_cast<double>(v), "is not in [0, 1e6]");
+    if (v > 0 && m.kind != SurfaceKind::coated)
+      fail(where, "mean_free_path_m", static_cast<double>(v), "needs a surface that is coated");
+  }
   if (m.noise) {
     check_share(where, "noise.other_albedo", m.noise->other_albedo);
     if (!(m.noise->scale_m > 0 && m.noise->scale_m < 1e6))

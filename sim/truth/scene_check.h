@@ -11,7 +11,8 @@ namespace cousin {
 /// naming the object, the field, its value and the limit.
 
 /// Colours in [0, 1]; leaf: albedo + transmittance <= 1; infrared shares <= 1 together; ior in
-/// [1, 10], glass above 1; roughness in [0.05, 1]; noise of positive scale and 1..12 octaves.
+/// [1, 10], glass and water above 1; roughness in [0.05, 1]; mean free paths in [0, 1e6] m, of
+/// coated surfaces alone; noise of positive scale and 1..12 octaves.
 void validate(const Material& material);
 
 /// Colours in [0, 1e20]; lamps of at least 1e-24 m2; suns with a direction, of (0, 1) rad, whose

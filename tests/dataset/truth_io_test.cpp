@@ -35,7 +35,9 @@ Scene sample_scene(Rng& rng) {
   scene.models[0].part_names = {"germ", "endosperm"};
   scene.models[0].keypoints = {{"tip", {0.01 / 3, 0, 0}}, {"crown", {0, 0.01 / 7, 0}}};
   scene.materials = {{.name = "seed", .albedo = {0.1F, 0.2F, 0.3F}, .ior = 1.4 / 3 + 1},
-                     {.name = "paper", .print = SeedBoard{}}};
+                     {.name = "paper", .print = SeedBoard{}},
+                     {.name = "water", .kind = SurfaceKind::clear, .ior = 1.333},
+                     {.name = "flesh", .mean_free_path_m = {1e-3F / 3, 5e-4F, 1e-4F}}};
   for (int i = 0; i < 3; ++i) {
     Instance instance{
         .id = 10 - 3 * i, .name = "i" + std::to_string(i), .category = i == 2 ? "board" : "maize"};
@@ -138,6 +140,8 @@ void expect_equal(const Scene& a, const Scene& b) {
   for (std::size_t i = 0; i < a.materials.size(); ++i) {
     EXPECT_EQ(a.materials[i].albedo, b.materials[i].albedo);
     EXPECT_EQ(a.materials[i].ior, b.materials[i].ior);
+    EXPECT_EQ(a.materials[i].kind, b.materials[i].kind);
+    EXPECT_EQ(a.materials[i].mean_free_path_m, b.materials[i].mean_free_path_m);
     EXPECT_EQ(a.materials[i].print.has_value(), b.materials[i].print.has_value());
   }
   ASSERT_EQ(a.instances.size(), b.instances.size());

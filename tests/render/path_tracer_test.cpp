@@ -81,7 +81,7 @@ Scene mixed_scene() {
 }
 
 TEST(PathTracer, MeetsClosedForms) {
-  // 21 scenes at 99 %: one failure is chance, and the seed is fixed.
+  // 32 scenes at 99 %: one failure is chance, and the seed is fixed.
   for (const ClosedForm& form : closed_forms(1 << 16, 3)) {
     EXPECT_TRUE(form.agrees) << form.name << ": " << form.estimate << " +- " << form.standard_error
                              << ", not " << form.truth;

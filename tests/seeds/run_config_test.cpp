@@ -44,13 +44,16 @@ TEST(SeedsRunConfig, TheResolvedTextReadsBackToItself) {
   EXPECT_EQ(config.scene.cultivar, "jimai22");
   EXPECT_EQ(phone_of(config).read_noise_e, 3);
   SeedsRunConfig copy;
+  std::string radiance;
   read_toml_text(
       resolved_toml(config), "resolved",
       nested("scene", fields(copy.scene)) +
-          nested("capture", Fields{{"streams", &copy.streams, ""}} + fields(copy.capture)) +
+          nested("capture", Fields{{"streams", &copy.streams, ""}, {"radiance", &radiance, ""}} +
+                                fields(copy.capture)) +
           nested("rig", fields(copy.rig)) + nested("render", fields(copy.render)) +
-          nested("pipeline", fields(copy.pipeline)),
+          nested("paths", fields(copy.paths)) + nested("pipeline", fields(copy.pipeline)),
       MissingKeys::error);
+  EXPECT_EQ(radiance, "cached");
   EXPECT_EQ(resolved_toml(copy), resolved_toml(config));
   EXPECT_NE(config_hash(config, 1), config_hash(config, 2));
 }
@@ -170,6 +173,39 @@ TEST(SeedsPlan, APipelineThatReadsDepthAloneTracesNoLight) {
                                 "perceive: surfaces", "perceive: traits", "score"}));
   EXPECT_EQ(planned_streams(config), Streams{.depth = true});
   EXPECT_EQ(to_string(left_out_streams(config)), "color,infrared");
+}
+
+TEST(SeedsPlan, PathsTakeThePlaceOfTheLightCache) {
+  const SeedsRunConfig config = seeds_run_config({"radiance=paths", "paths.pixel_samples=24"});
+  const std::vector<std::string> run = passes(config, true), left = passes(config, false);
+  EXPECT_NE(std::find(run.begin(), run.end(), "radiance"), run.end());
+  EXPECT_NE(std::find(left.begin(), left.end(), "light cache"), left.end());
+  const auto why_of = [](const std::vector<std::string>& sets) {
+    for (const PlanEntry& entry : seeds_plan(seeds_run_config(sets), false)) {
+      if (entry.pass == "radiance") return entry.why;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(why_of({"radiance=paths", "paths.pixel_samples=24"}),
+            "the pipeline reads colour; paths, 24 samples a pixel");
+  EXPECT_EQ(why_of({}), "the pipeline reads colour; cached, 4 samples a pixel, 144 at edges");
+  EXPECT_EQ(why_of({"rig=d457", "knows_pose=true", "pipeline.method=depth_only"}),
+            "no stage reads colour");
+}
+
+TEST(SeedsRunConfig, TheRendererThatRunsNamesTheImagesAndTheOtherDoesNot) {
+  const auto text = [](const std::vector<std::string>& sets) {
+    return simulator_toml(seeds_run_config(sets));
+  };
+  EXPECT_EQ(text({"paths.pixel_samples=24"}), text({}));
+  EXPECT_NE(text({"render.pixel_samples=9"}), text({}));
+  EXPECT_NE(text({"radiance=paths"}), text({}));
+  EXPECT_EQ(text({"radiance=paths", "render.pixel_samples=9"}), text({"radiance=paths"}));
+  EXPECT_NE(text({"radiance=paths", "paths.pixel_samples=24"}), text({"radiance=paths"}));
+  EXPECT_NE(refusal_of([&] { text({"radiance=mirrors"}); }).find("cached, paths"),
+            std::string::npos);
+  EXPECT_NE(refusal_of([&] { text({"paths.pixel_samples=0"}); }).find("pixel_samples"),
+            std::string::npos);
 }
 
 TEST(SeedsPlan, APassiveRigMakesNoInfrared) {

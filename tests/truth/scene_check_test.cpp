@@ -105,6 +105,18 @@ TEST(SceneCheck, NamesTheMaterialItsValueAndTheLimit) {
                 s.materials[0].ior = 1;
               }),
               HasSubstr("\"green\": ior = 1 is not in (1, 10]"));
+  EXPECT_THAT(said([](Scene& s) {
+                s.materials[0].kind = SurfaceKind::clear;
+                s.materials[0].ior = 1;
+              }),
+              HasSubstr("\"green\": ior = 1 is not in (1, 10]"));
+  EXPECT_THAT(said([](Scene& s) { s.materials[0].mean_free_path_m.b = -1; }),
+              HasSubstr("\"green\": mean_free_path_m = -1 is not in [0, 1e6]"));
+  EXPECT_THAT(said([](Scene& s) {
+                s.materials[0].kind = SurfaceKind::conductor;
+                s.materials[0].mean_free_path_m.r = 0.01F;
+              }),
+              HasSubstr("\"green\": mean_free_path_m = 0.01 needs a surface that is coated"));
 }
 
 TEST(SceneCheck, NamesTheLightByItsPlaceAndKind) {

@@ -53,7 +53,7 @@ json json_of(const ObjectModel& model, std::size_t number, const std::filesystem
 }
 
 json json_of(const Material& material) {
-  static constexpr const char* kKinds[] = {"coated", "leaf", "conductor", "glass"};
+  static constexpr const char* kKinds[] = {"coated", "leaf", "conductor", "glass", "clear"};
   if (material.print || material.noise || material.back_albedo) {
     throw std::invalid_argument("Cycles: material \"" + material.name +
                                 "\" has a print, noise or a back of its own, which are not handed "
@@ -63,6 +63,7 @@ json json_of(const Material& material) {
           {"kind", kKinds[static_cast<int>(material.kind)]},
           {"albedo", array_of(material.albedo)},
           {"transmittance", array_of(material.transmittance)},
+          {"mean_free_path_m", array_of(material.mean_free_path_m)},
           {"ior", material.ior},
           {"roughness", material.roughness},
           {"vertex_albedo", false}};
