@@ -152,6 +152,8 @@ SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, in
     const StageTiming timing = clock.finish();
     run.radiance.wall_s += timing.wall_s;
     run.radiance.cpu_s += timing.cpu_s;
+    run.radiance.peak_rss_mb = timing.peak_rss_mb;  // of the process so far
+    run.radiance.peak_above_start_mb = timing.peak_above_start_mb;
     return image;
   };
   RigRun taken = take_all(simulation.rig(), streams, needs, renderer,

@@ -42,9 +42,9 @@ bool has_cycles(const std::string& program = "blender");
 /// Exact for: diffuse surfaces and leaves without a coat (ior 1), vertex albedo and normals, suns,
 /// lamps, and everything in the sky, which is handed over as one picture of 1024 x 512 whatever it
 /// is made of. A coat becomes a GGX layer mixed in by Fresnel's share, metal, glass and water
-/// Cycles' own, and flesh its random walk of the same mean free path: near, not equal. Through water
-/// Cycles' suns shine by refracted paths alone. Prints, noise and projectors have no counterpart. The first run also pays
-/// for building Cycles' tree.
+/// Cycles' own, and flesh its random walk of the same mean free path: near, not equal. Through
+/// water Cycles' suns shine by refracted paths alone. Prints, noise and projectors have no
+/// counterpart. The first run also pays for building Cycles' tree.
 /// @throws std::invalid_argument for a scene or lens (pinhole and Kannala-Brandt only) that it
 /// cannot express, naming what; std::runtime_error if the program fails or an image is not as
 /// asked for.
