@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "perception/cloud/board_noise.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -71,7 +72,7 @@ SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& boa
 
 DepthVolume depth_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
   const SweepVolume volume = sweep_volume(config, board);
-  return {volume.low_m, volume.high_m};
+  return {volume.low_m, volume.high_m, board.plate_m};
 }
 
 /// Median of the depths' sigmas; 0 if none has one.
@@ -96,16 +97,54 @@ FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths) {
   return fuse;
 }
 
-/// What rises above the board by less than its depth's noise is no object.
-BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Depths& depths) {
+bool reads_sensor_depth(const SeedsPipelineConfig& config) {
+  return config.method == SeedsMethod::sensor_depth || config.method == SeedsMethod::depth_only;
+}
+
+/// Half of what the sensor's matching window covers on the board; 0 if no view has a pose.
+double window_reach_m(const SeedsPipelineConfig& config, const Poses& poses) {
+  const double pixel_m = pixel_at_board_m(poses);
+  return std::isfinite(pixel_m) ? 0.5 * config.sensor_depth.window_px * pixel_m : 0;
+}
+
+/// What the cloud says of its own noise on the board.
+BoardNoise noise_of(const SeedsPipelineConfig& config, const Capture& capture,
+                    const SeedsEstimate& so_far) {
+  constexpr double kLeastPatch_m = 0.001;
+  const double patch_m = std::max(kLeastPatch_m, 2 * window_reach_m(config, so_far.poses));
+  return board_noise(so_far.cloud, board_of(capture, config).plate_m, patch_m);
+}
+
+/// Of a sensor's depth, what rises above the board by less than the cloud's noise is no object.
+BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Capture& capture,
+                                const SeedsEstimate& so_far) {
   BoardClusterConfig clusters = config.clusters;
-  if (config.method != SeedsMethod::sensor_depth && config.method != SeedsMethod::depth_only)
-    return clusters;
-  const double sigma_m = median_sigma_m(depths);
-  clusters.min_height_m = std::max(clusters.min_height_m, std::min(sigma_m, config.tallest_m));
-  clusters.min_top_m =
-      std::max(clusters.min_top_m, std::min(config.agreement_sigmas * sigma_m, config.tallest_m));
+  if (!reads_sensor_depth(config)) return clusters;
+  const BoardNoise noise = noise_of(config, capture, so_far);
+  if (!std::isfinite(noise.sigma_m)) return clusters;
+  const auto raised = [&](double height_m, double by_m) {
+    return std::max(height_m, std::min(noise.offset_m + by_m, config.tallest_m));
+  };
+  clusters.min_height_m = raised(clusters.min_height_m, 2 * noise.sigma_m);
+  clusters.low_height_m = raised(clusters.low_height_m, noise.sigma_m);
+  clusters.min_top_m = raised(clusters.min_top_m, config.agreement_sigmas * noise.sigma_m);
   return clusters;
+}
+
+/// A sensor's depth as measurements of a surface: points within a matching window of an object's
+/// rim are smeared with the board's and left out; what is left errs together over a window, and
+/// all over an object, by as much as the board's patches do.
+SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& capture,
+                             const SeedsEstimate& so_far) {
+  SurfaceFitConfig surface = config.surface;
+  if (!reads_sensor_depth(config)) return surface;
+  surface.cloud_rim_m = std::clamp(window_reach_m(config, so_far.poses), surface.cloud_rim_m, 1.0);
+  const BoardNoise noise = noise_of(config, capture, so_far);
+  if (!std::isfinite(noise.patch_sigma_m)) return surface;
+  const double sigma_m = std::min(0.01, std::hypot(noise.patch_sigma_m, noise.offset_m));
+  surface.cloud_sigma_m = std::max(surface.cloud_sigma_m, sigma_m);
+  surface.cloud_bias_sigma_m = std::max(surface.cloud_bias_sigma_m, sigma_m);
+  return surface;
 }
 
 /// Runs one stage, times it and tells the observer; an exception names the stage and keeps what is
@@ -244,8 +283,8 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     measure_points(config, stages);
     return stages;
   }
-  stages.clusters = [config](const Capture&, const SeedsEstimate& so_far) {
-    return cluster_on_board(so_far.cloud, clusters_for(config, so_far.depths));
+  stages.clusters = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return cluster_on_board(so_far.cloud, clusters_for(config, capture, so_far));
   };
   if (config.method != SeedsMethod::ours) take_sensor_depth(config, stages);
   if (config.method == SeedsMethod::depth_only) {
@@ -256,9 +295,9 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     return find_outlines(capture, so_far.poses, board_of(capture, config), so_far.clusters,
                          config.outlines);
   };
-  stages.surfaces = [config, seed](const Capture&, const SeedsEstimate& so_far) {
-    return fit_surfaces(so_far.poses, so_far.clusters, so_far.silhouettes, config.surface,
-                        Rng(seed).fork("surface_samples"));
+  stages.surfaces = [config, seed](const Capture& capture, const SeedsEstimate& so_far) {
+    return fit_surfaces(so_far.poses, so_far.clusters, so_far.silhouettes,
+                        surface_for(config, capture, so_far), Rng(seed).fork("surface_samples"));
   };
   stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
     return traits_of_meshes(so_far.surfaces, pixel_at_board_m(so_far.poses), config.traits);
