@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <exception>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
-#include "perception/cloud/board_noise.h"
+#include "perception/pipelines/seeds_sensor.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -52,19 +51,6 @@ BoardKind board_kind_of(const std::string& text) {
   throw std::invalid_argument("board \"" + text + "\" is not one of as_reported, markers, plain");
 }
 
-/// What a pixel spans at the board's middle: the median over the views that have a pose, else NaN.
-double pixel_at_board_m(const Poses& poses) {
-  std::vector<double> spans_m;
-  for (const FramePose& pose : poses) {
-    if (pose.status != PoseStatus::ok || !(pose.camera.fx_px > 0)) continue;
-    spans_m.push_back(pose.camera_from_world.translation_m.norm() / pose.camera.fx_px);
-  }
-  if (spans_m.empty()) return kNaN;
-  const auto middle = spans_m.begin() + static_cast<std::ptrdiff_t>(spans_m.size() / 2);
-  std::nth_element(spans_m.begin(), middle, spans_m.end());
-  return *middle;
-}
-
 SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
   const double half = 0.5 * board.plate_m + config.margin_m;
   return {{-half, -half, -config.below_board_m}, {half, half, config.tallest_m}};
@@ -73,78 +59,6 @@ SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& boa
 DepthVolume depth_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
   const SweepVolume volume = sweep_volume(config, board);
   return {volume.low_m, volume.high_m, board.plate_m};
-}
-
-/// Median of the depths' sigmas; 0 if none has one.
-double median_sigma_m(const Depths& depths) {
-  std::vector<float> sigmas;
-  for (const FrameDepth& frame : depths) {
-    for (const float sigma : frame.sigma_m) {
-      if (std::isfinite(sigma)) sigmas.push_back(sigma);
-    }
-  }
-  if (sigmas.empty()) return 0;
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return static_cast<double>(*middle);
-}
-
-/// The fusion's configuration for depths of a sensor: their sigma says how far two of them differ.
-FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths) {
-  FuseConfig fuse = config.fuse;
-  fuse.agreement_m =
-      std::clamp(config.agreement_sigmas * median_sigma_m(depths), fuse.agreement_m, 0.1);
-  return fuse;
-}
-
-bool reads_sensor_depth(const SeedsPipelineConfig& config) {
-  return config.method == SeedsMethod::sensor_depth || config.method == SeedsMethod::depth_only;
-}
-
-/// Half of what the sensor's matching window covers on the board; 0 if no view has a pose.
-double window_reach_m(const SeedsPipelineConfig& config, const Poses& poses) {
-  const double pixel_m = pixel_at_board_m(poses);
-  return std::isfinite(pixel_m) ? 0.5 * config.sensor_depth.window_px * pixel_m : 0;
-}
-
-/// What the cloud says of its own noise on the board.
-BoardNoise noise_of(const SeedsPipelineConfig& config, const Capture& capture,
-                    const SeedsEstimate& so_far) {
-  constexpr double kLeastPatch_m = 0.001;
-  const double patch_m = std::max(kLeastPatch_m, 2 * window_reach_m(config, so_far.poses));
-  return board_noise(so_far.cloud, board_of(capture, config).plate_m, patch_m);
-}
-
-/// Of a sensor's depth, what rises above the board by less than the cloud's noise is no object.
-BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Capture& capture,
-                                const SeedsEstimate& so_far) {
-  BoardClusterConfig clusters = config.clusters;
-  if (!reads_sensor_depth(config)) return clusters;
-  const BoardNoise noise = noise_of(config, capture, so_far);
-  if (!std::isfinite(noise.sigma_m)) return clusters;
-  const auto raised = [&](double height_m, double by_m) {
-    return std::max(height_m, std::min(noise.offset_m + by_m, config.tallest_m));
-  };
-  clusters.min_height_m = raised(clusters.min_height_m, 2 * noise.sigma_m);
-  clusters.low_height_m = raised(clusters.low_height_m, noise.sigma_m);
-  clusters.min_top_m = raised(clusters.min_top_m, config.agreement_sigmas * noise.sigma_m);
-  return clusters;
-}
-
-/// A sensor's depth as measurements of a surface: points within a matching window of an object's
-/// rim are smeared with the board's and left out; what is left errs together over a window, and
-/// all over an object, by as much as the board's patches do.
-SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& capture,
-                             const SeedsEstimate& so_far) {
-  SurfaceFitConfig surface = config.surface;
-  if (!reads_sensor_depth(config)) return surface;
-  surface.cloud_rim_m = std::clamp(window_reach_m(config, so_far.poses), surface.cloud_rim_m, 1.0);
-  const BoardNoise noise = noise_of(config, capture, so_far);
-  if (!std::isfinite(noise.patch_sigma_m)) return surface;
-  const double sigma_m = std::min(0.01, std::hypot(noise.patch_sigma_m, noise.offset_m));
-  surface.cloud_sigma_m = std::max(surface.cloud_sigma_m, sigma_m);
-  surface.cloud_bias_sigma_m = std::max(surface.cloud_bias_sigma_m, sigma_m);
-  return surface;
 }
 
 /// Runs one stage, times it and tells the observer; an exception names the stage and keeps what is
@@ -188,6 +102,12 @@ Fields fields(SeedsPipelineConfig& config) {
       {"agreement_sigmas", &config.agreement_sigmas,
        "sensor_depth, depth_only: depths agree within so many sigmas, and objects rise by as many",
        0.1, 100},
+      {"sensor_outline_sigma_px", &config.sensor_outline_sigma_px,
+       "sensor_depth: sigma of an offset of all outlines", 1e-6, 10},
+      {"sensor_size_sigma_m", &config.sensor_size_sigma_m,
+       "sensor_depth: sigma of lengths and widths, beyond the fit's", 0, 1},
+      {"sensor_height_sigma_m", &config.sensor_height_sigma_m,
+       "sensor_depth: sigma of heights, beyond the fit's", 0, 1},
       {"margin_m", &config.margin_m, "reconstructed beyond the plate's edge", 0, 1},
       {"below_board_m", &config.below_board_m, "reconstructed below the board's face", 0, 1},
       {"tallest_m", &config.tallest_m, "tallest object on the board", 0.001, 1},
@@ -300,7 +220,8 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
                         surface_for(config, capture, so_far), Rng(seed).fork("surface_samples"));
   };
   stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
-    return traits_of_meshes(so_far.surfaces, pixel_at_board_m(so_far.poses), config.traits);
+    const double pixel_m = pixel_at_board_m(so_far.poses);
+    return traits_of_meshes(so_far.surfaces, pixel_m, traits_for(config, pixel_m));
   };
   return stages;
 }

@@ -1,0 +1,107 @@
+#include "perception/pipelines/seeds_sensor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "perception/cloud/board_noise.h"
+
+namespace cousin {
+namespace {
+
+/// Median of the depths' sigmas; 0 if none has one.
+double median_sigma_m(const Depths& depths) {
+  std::vector<float> sigmas;
+  for (const FrameDepth& frame : depths) {
+    for (const float sigma : frame.sigma_m) {
+      if (std::isfinite(sigma)) sigmas.push_back(sigma);
+    }
+  }
+  if (sigmas.empty()) return 0;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  return static_cast<double>(*middle);
+}
+
+bool reads_sensor_depth(const SeedsPipelineConfig& config) {
+  return config.method == SeedsMethod::sensor_depth || config.method == SeedsMethod::depth_only;
+}
+
+/// Half of what the sensor's matching window covers on the board; 0 if no view has a pose.
+double window_reach_m(const SeedsPipelineConfig& config, const Poses& poses) {
+  const double pixel_m = pixel_at_board_m(poses);
+  return std::isfinite(pixel_m) ? 0.5 * config.sensor_depth.window_px * pixel_m : 0;
+}
+
+/// What the cloud says of its own noise on the board.
+BoardNoise noise_of(const SeedsPipelineConfig& config, const Capture& capture,
+                    const SeedsEstimate& so_far) {
+  constexpr double kLeastPatch_m = 0.001;
+  const double patch_m = std::max(kLeastPatch_m, 2 * window_reach_m(config, so_far.poses));
+  return board_noise(so_far.cloud, board_of(capture, config).plate_m, patch_m);
+}
+
+}  // namespace
+
+double pixel_at_board_m(const Poses& poses) {
+  std::vector<double> spans_m;
+  for (const FramePose& pose : poses) {
+    if (pose.status != PoseStatus::ok || !(pose.camera.fx_px > 0)) continue;
+    spans_m.push_back(pose.camera_from_world.translation_m.norm() / pose.camera.fx_px);
+  }
+  if (spans_m.empty()) return kNaN;
+  const auto middle = spans_m.begin() + static_cast<std::ptrdiff_t>(spans_m.size() / 2);
+  std::nth_element(spans_m.begin(), middle, spans_m.end());
+  return *middle;
+}
+
+FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths) {
+  FuseConfig fuse = config.fuse;
+  fuse.agreement_m =
+      std::clamp(config.agreement_sigmas * median_sigma_m(depths), fuse.agreement_m, 0.1);
+  return fuse;
+}
+
+BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Capture& capture,
+                                const SeedsEstimate& so_far) {
+  BoardClusterConfig clusters = config.clusters;
+  if (!reads_sensor_depth(config)) return clusters;
+  const BoardNoise noise = noise_of(config, capture, so_far);
+  if (!std::isfinite(noise.sigma_m)) return clusters;
+  const auto raised = [&](double height_m, double by_m) {
+    return std::max(height_m, std::min(noise.offset_m + by_m, config.tallest_m));
+  };
+  clusters.min_height_m = raised(clusters.min_height_m, 2 * noise.sigma_m);
+  clusters.low_height_m = raised(clusters.low_height_m, noise.sigma_m);
+  clusters.min_top_m = raised(clusters.min_top_m, config.agreement_sigmas * noise.sigma_m);
+  return clusters;
+}
+
+SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& capture,
+                             const SeedsEstimate& so_far) {
+  SurfaceFitConfig surface = config.surface;
+  if (!reads_sensor_depth(config)) return surface;
+  surface.outline_bias_sigma_px =
+      std::max(surface.outline_bias_sigma_px, config.sensor_outline_sigma_px);
+  surface.cloud_rim_m = std::clamp(window_reach_m(config, so_far.poses), surface.cloud_rim_m, 1.0);
+  const BoardNoise noise = noise_of(config, capture, so_far);
+  if (!std::isfinite(noise.patch_sigma_m)) return surface;
+  const double sigma_m = std::min(0.01, std::hypot(noise.patch_sigma_m, noise.offset_m));
+  surface.cloud_sigma_m = std::max(surface.cloud_sigma_m, sigma_m);
+  surface.cloud_bias_sigma_m = std::max(surface.cloud_bias_sigma_m, sigma_m);
+  return surface;
+}
+
+MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m) {
+  MeshTraitConfig traits = config.traits;
+  if (!reads_sensor_depth(config) || !(pixel_m > 0)) return traits;
+  const auto with = [&](double sigma_px, double more_m) {
+    return std::min(100.0, std::hypot(sigma_px, more_m / pixel_m));
+  };
+  traits.length_sigma_px = with(traits.length_sigma_px, config.sensor_size_sigma_m);
+  traits.width_sigma_px = with(traits.width_sigma_px, config.sensor_size_sigma_m);
+  traits.height_sigma_px = with(traits.height_sigma_px, config.sensor_height_sigma_m);
+  return traits;
+}
+
+}  // namespace cousin
