@@ -172,8 +172,10 @@ void measure_points(const SeedsPipelineConfig& config, SeedsStages& stages) {
   stages.surfaces = [](const Capture&, const SeedsEstimate& so_far) {
     return surfaces_of_clusters(so_far.clusters);
   };
-  stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
-    return traits_as_paper(so_far.surfaces, config.paper_traits);
+  stages.traits = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    Traits traits = traits_as_paper(so_far.surfaces, config.paper_traits);
+    if (config.method == SeedsMethod::paper) return traits;
+    return with_point_sigmas(std::move(traits), config, capture, so_far);
   };
 }
 

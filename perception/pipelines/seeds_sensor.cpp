@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "perception/cloud/board_noise.h"
@@ -101,6 +103,29 @@ MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m) {
   traits.length_sigma_px = with(traits.length_sigma_px, config.sensor_size_sigma_m);
   traits.width_sigma_px = with(traits.width_sigma_px, config.sensor_size_sigma_m);
   traits.height_sigma_px = with(traits.height_sigma_px, config.sensor_height_sigma_m);
+  return traits;
+}
+
+Traits with_point_sigmas(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
+                         const SeedsEstimate& so_far) {
+  const double reach_m = window_reach_m(config, so_far.poses);
+  const double window_m = reach_m > 0 ? 2 * reach_m : kNaN;
+  const double height_m = 3 * noise_of(config, capture, so_far).sigma_m;
+  for (SpecimenTraits& specimen : traits) {
+    std::map<std::string, double> value;
+    for (const Trait& trait : specimen.traits) value[trait.name] = trait.value;
+    const double flat = window_m / value["length"] + window_m / value["width"];
+    const std::map<std::string, double> sigma = {
+        {"length", window_m},
+        {"width", window_m},
+        {"height", height_m},
+        {"area", flat * value["area"]},
+        {"volume", std::hypot(flat, height_m / value["height"]) * value["volume"]}};
+    for (Trait& trait : specimen.traits) {
+      const auto known = sigma.find(trait.name);
+      if (known != sigma.end()) trait.sigma = known->second;
+    }
+  }
   return traits;
 }
 

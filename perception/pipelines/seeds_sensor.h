@@ -26,4 +26,10 @@ SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& c
 /// Sigmas of sizes beyond the fit's, in pixels as all of them.
 MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m);
 
+/// Traits of clusters of a sensor's points with sigmas: nothing undoes the matching window there,
+/// so lengths and widths may be off by what it covers on the board, heights by 3 sigmas of the
+/// cloud, areas and volumes by what follows. Unknown (NaN) where the window or the noise is.
+Traits with_point_sigmas(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
+                         const SeedsEstimate& so_far);
+
 }  // namespace cousin

@@ -74,6 +74,24 @@ TEST(SeedsSensor, SigmasOfSizesAreAddedInPixels) {
   EXPECT_EQ(traits_for(config, kNaN).height_sigma_px, config.traits.height_sigma_px);
 }
 
+TEST(SeedsSensor, SizesOfPointsAreKnownToTheMatchingWindow) {
+  const Seen seen = board_with_noise(0.001);
+  const SeedsPipelineConfig config = with_method(SeedsMethod::depth_only);
+  SpecimenTraits specimen;
+  specimen.status = TraitStatus::ok;
+  for (const char* name : {"length", "width", "height", "area", "volume"})
+    specimen.traits.push_back({name, "", 0.022, kNaN});
+  const Traits known = with_point_sigmas({specimen}, config, seen.capture, seen.estimate);
+  EXPECT_NEAR(known[0].traits[0].sigma, 0.011, 1e-9);  // 11 px of 1 mm
+  EXPECT_NEAR(known[0].traits[2].sigma, 0.003, 0.0006);
+  EXPECT_NEAR(known[0].traits[3].sigma, 0.022, 1e-6);  // half and half of it
+  EXPECT_GT(known[0].traits[4].sigma, 0.022);
+  SeedsEstimate unposed = seen.estimate;
+  unposed.poses.clear();
+  EXPECT_TRUE(
+      std::isnan(with_point_sigmas({specimen}, config, seen.capture, unposed)[0].traits[0].sigma));
+}
+
 TEST(SeedsSensor, OtherMethodsAreAsTheyWere) {
   const Seen seen = board_with_noise(0.001);
   for (const SeedsMethod method : {SeedsMethod::ours, SeedsMethod::paper}) {
