@@ -43,6 +43,16 @@ BoardNoise noise_of(const SeedsPipelineConfig& config, const Capture& capture,
   return board_noise(so_far.cloud, board_of(capture, config).plate_m, patch_m);
 }
 
+/// The finest harmonic of a body of 10 mm that spans 3 pixels, at least 8: outlines of a dozen
+/// pixels do not hold finer ones, and the fit does not settle.
+int degree_for(int most, double pixel_m) {
+  constexpr double kRound_m = 3.14159 * 0.010;
+  constexpr int kLeast = 8;
+  if (!(pixel_m > 0)) return most;
+  return std::min(most,
+                  std::max(kLeast, static_cast<int>(std::min(64.0, kRound_m / (3 * pixel_m)))));
+}
+
 }  // namespace
 
 double pixel_at_board_m(const Poses& poses) {
@@ -83,6 +93,7 @@ SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& c
                              const SeedsEstimate& so_far) {
   SurfaceFitConfig surface = config.surface;
   if (!reads_sensor_depth(config)) return surface;
+  surface.degree = degree_for(surface.degree, pixel_at_board_m(so_far.poses));
   surface.outline_bias_sigma_px =
       std::max(surface.outline_bias_sigma_px, config.sensor_outline_sigma_px);
   surface.cloud_rim_m = std::clamp(window_reach_m(config, so_far.poses), surface.cloud_rim_m, 1.0);
@@ -109,18 +120,18 @@ MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m) {
 Traits with_point_sigmas(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
                          const SeedsEstimate& so_far) {
   const double reach_m = window_reach_m(config, so_far.poses);
-  const double window_m = reach_m > 0 ? 2 * reach_m : kNaN;
-  const double height_m = 3 * noise_of(config, capture, so_far).sigma_m;
+  const double size_m = reach_m > 0 ? 3 * reach_m : kNaN;
+  const double height_m = 4 * noise_of(config, capture, so_far).sigma_m;
   for (SpecimenTraits& specimen : traits) {
     std::map<std::string, double> value;
     for (const Trait& trait : specimen.traits) value[trait.name] = trait.value;
-    const double flat = window_m / value["length"] + window_m / value["width"];
+    const double flat = size_m / value["length"] + size_m / value["width"];
     const std::map<std::string, double> sigma = {
-        {"length", window_m},
-        {"width", window_m},
+        {"length", size_m},
+        {"width", size_m},
         {"height", height_m},
         {"area", flat * value["area"]},
-        {"volume", std::hypot(flat, height_m / value["height"]) * value["volume"]}};
+        {"volume", value["length"] * value["width"] * value["height"]}};
     for (Trait& trait : specimen.traits) {
       const auto known = sigma.find(trait.name);
       if (known != sigma.end()) trait.sigma = known->second;

@@ -19,7 +19,8 @@ BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Capture
 
 /// A sensor's depth as measurements of a surface: points within a matching window of an object's
 /// rim are smeared with the board's and left out; what is left errs together over a window, and
-/// all over an object, by as much as the board's patches do.
+/// all over an object, by as much as the board's patches do. Harmonics finer than the outlines'
+/// pixels are left out.
 SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& capture,
                              const SeedsEstimate& so_far);
 
@@ -27,8 +28,10 @@ SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& c
 MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m);
 
 /// Traits of clusters of a sensor's points with sigmas: nothing undoes the matching window there,
-/// so lengths and widths may be off by what it covers on the board, heights by 3 sigmas of the
-/// cloud, areas and volumes by what follows. Unknown (NaN) where the window or the noise is.
+/// so lengths and widths may be off by one and a half of what it covers on the board, heights by 4
+/// sigmas of the cloud, areas by what follows; volumes by their box's, for the shell of points is
+/// open below (the scatter of rendered maize before a D405 at 0.15 m, seed 1). Unknown (NaN) where
+/// the window or the noise is.
 Traits with_point_sigmas(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
                          const SeedsEstimate& so_far);
 

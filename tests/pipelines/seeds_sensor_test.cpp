@@ -61,6 +61,11 @@ TEST(SeedsSensor, PointsWithinAWindowOfTheRimAreLeftOutAndTheRestErrsAsTheBoardD
   EXPECT_LT(surface.cloud_sigma_m, 0.3e-3);
   EXPECT_EQ(surface.cloud_bias_sigma_m, surface.cloud_sigma_m);
   EXPECT_EQ(surface.outline_bias_sigma_px, config.sensor_outline_sigma_px);
+  // 31.4 mm around a seed are 31 pixels: 10 waves of 3.
+  EXPECT_EQ(surface.degree, 10);
+  Seen near = seen;
+  near.estimate.poses[0].camera.fx_px = 2000;
+  EXPECT_EQ(surface_for(config, near.capture, near.estimate).degree, config.surface.degree);
   config.sensor_depth.window_px = 0;
   EXPECT_EQ(surface_for(config, seen.capture, seen.estimate).cloud_rim_m,
             config.surface.cloud_rim_m);
@@ -82,10 +87,10 @@ TEST(SeedsSensor, SizesOfPointsAreKnownToTheMatchingWindow) {
   for (const char* name : {"length", "width", "height", "area", "volume"})
     specimen.traits.push_back({name, "", 0.022, kNaN});
   const Traits known = with_point_sigmas({specimen}, config, seen.capture, seen.estimate);
-  EXPECT_NEAR(known[0].traits[0].sigma, 0.011, 1e-9);  // 11 px of 1 mm
-  EXPECT_NEAR(known[0].traits[2].sigma, 0.003, 0.0006);
-  EXPECT_NEAR(known[0].traits[3].sigma, 0.022, 1e-6);  // half and half of it
-  EXPECT_GT(known[0].traits[4].sigma, 0.022);
+  EXPECT_NEAR(known[0].traits[0].sigma, 1.5 * 0.011, 1e-9);  // 11 px of 1 mm
+  EXPECT_NEAR(known[0].traits[2].sigma, 0.004, 0.0008);
+  EXPECT_NEAR(known[0].traits[3].sigma, 1.5 * 0.022, 1e-6);  // three quarters and three quarters
+  EXPECT_NEAR(known[0].traits[4].sigma, std::pow(0.022, 3), 1e-12);
   SeedsEstimate unposed = seen.estimate;
   unposed.poses.clear();
   EXPECT_TRUE(
