@@ -175,7 +175,8 @@ void measure_points(const SeedsPipelineConfig& config, SeedsStages& stages) {
   stages.traits = [config](const Capture& capture, const SeedsEstimate& so_far) {
     Traits traits = traits_as_paper(so_far.surfaces, config.paper_traits);
     if (config.method == SeedsMethod::paper) return traits;
-    return with_point_sigmas(std::move(traits), config, capture, so_far);
+    return without_noise(with_point_sigmas(std::move(traits), config, capture, so_far), config,
+                         capture, so_far);
   };
 }
 
@@ -221,9 +222,10 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     return fit_surfaces(so_far.poses, so_far.clusters, so_far.silhouettes,
                         surface_for(config, capture, so_far), Rng(seed).fork("surface_samples"));
   };
-  stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
+  stages.traits = [config](const Capture& capture, const SeedsEstimate& so_far) {
     const double pixel_m = pixel_at_board_m(so_far.poses);
-    return traits_of_meshes(so_far.surfaces, pixel_m, traits_for(config, pixel_m));
+    return without_noise(traits_of_meshes(so_far.surfaces, pixel_m, traits_for(config, pixel_m)),
+                         config, capture, so_far);
   };
   return stages;
 }

@@ -117,6 +117,26 @@ MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m) {
   return traits;
 }
 
+Traits without_noise(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
+                     const SeedsEstimate& so_far) {
+  if (!reads_sensor_depth(config)) return traits;
+  const BoardNoise noise = noise_of(config, capture, so_far);
+  for (SpecimenTraits& specimen : traits) {
+    for (const Trait& trait : specimen.traits) {
+      if (trait.name != "height") continue;
+      double least_m = 0;
+      for (const double sigma_m : {noise.sigma_m, trait.sigma}) {
+        if (std::isfinite(sigma_m)) least_m = std::max(least_m, config.agreement_sigmas * sigma_m);
+      }
+      if (trait.value >= least_m) continue;
+      specimen.status = TraitStatus::not_solved;
+      specimen.reason = "its height is within the noise of the sensor's depth";
+    }
+    if (specimen.status != TraitStatus::ok) specimen.traits.clear();
+  }
+  return traits;
+}
+
 Traits with_point_sigmas(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
                          const SeedsEstimate& so_far) {
   const double reach_m = window_reach_m(config, so_far.poses);

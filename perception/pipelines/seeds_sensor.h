@@ -27,6 +27,11 @@ SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& c
 /// Sigmas of sizes beyond the fit's, in pixels as all of them.
 MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m);
 
+/// Not solved, with the reason, is what rises above the board by less than `agreement_sigmas` of
+/// its cloud's noise or of the height's own sigma: nothing supports that it is there.
+Traits without_noise(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
+                     const SeedsEstimate& so_far);
+
 /// Traits of clusters of a sensor's points with sigmas: nothing undoes the matching window there,
 /// so lengths and widths may be off by one and a half of what it covers on the board, heights by 4
 /// sigmas of the cloud, areas by what follows; volumes by their box's, for the shell of points is

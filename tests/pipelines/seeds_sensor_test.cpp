@@ -97,6 +97,25 @@ TEST(SeedsSensor, SizesOfPointsAreKnownToTheMatchingWindow) {
       std::isnan(with_point_sigmas({specimen}, config, seen.capture, unposed)[0].traits[0].sigma));
 }
 
+TEST(SeedsSensor, WhatIsNoHigherThanTheNoiseIsNotSolved) {
+  const Seen seen = board_with_noise(0.001);
+  Traits traits(3);
+  const double heights_m[] = {0.002, 0.006, 0.006}, sigmas_m[] = {0.0001, 0.0001, 0.0025};
+  for (std::size_t i = 0; i < 3; ++i) {
+    traits[i].status = TraitStatus::ok;
+    traits[i].traits = {{"height", "m", heights_m[i], sigmas_m[i]}};
+  }
+  const auto sensor = with_method(SeedsMethod::sensor_depth);
+  const Traits kept = without_noise(traits, sensor, seen.capture, seen.estimate);
+  EXPECT_EQ(kept[0].status, TraitStatus::not_solved);  // below 3 mm, 3 sigmas of the cloud
+  EXPECT_TRUE(kept[0].traits.empty());
+  EXPECT_NE(kept[0].reason.find("within the noise"), std::string::npos);
+  EXPECT_EQ(kept[1].status, TraitStatus::ok);
+  EXPECT_EQ(kept[2].status, TraitStatus::not_solved);  // below 3 of its own
+  const auto ours = with_method(SeedsMethod::ours);
+  EXPECT_EQ(without_noise(traits, ours, seen.capture, seen.estimate)[0].status, TraitStatus::ok);
+}
+
 TEST(SeedsSensor, OtherMethodsAreAsTheyWere) {
   const Seen seen = board_with_noise(0.001);
   for (const SeedsMethod method : {SeedsMethod::ours, SeedsMethod::paper}) {
