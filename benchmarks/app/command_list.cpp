@@ -12,9 +12,8 @@
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/sensors/active_stereo.h"
 #include "sim/sensors/phone.h"
+#include "sim/sensors/range_rig.h"
 #include "sim/sensors/rig.h"
-#include "sim/sensors/structured_light.h"
-#include "sim/sensors/time_of_flight.h"
 
 namespace cousin {
 namespace {
@@ -105,16 +104,18 @@ std::vector<Entry> depth_entries() {
 
 std::vector<Entry> range_entries() {
   std::vector<Entry> entries;
-  for (const std::string& name : time_of_flight_preset_names()) {
-    const TimeOfFlightConfig config = time_of_flight_preset(name);
-    entries.push_back({name, "verified (against theory only; no device)",
-                       "time of flight, " + std::to_string(config.modulation_hz.size()) +
-                           " frequencies, " + size_text(config.columns, config.rows)});
-  }
-  for (const std::string& name : structured_light_preset_names()) {
-    const StructuredLightConfig config = structured_light_preset(name);
-    entries.push_back({name, "verified (against published laws only; no device)",
-                       "structured light, " + size_text(config.columns, config.rows)});
+  for (const std::string& name : range_rig_preset_names()) {
+    const RangeRigConfig rig = range_rig_preset(name);
+    const Camera depth = depth_camera(rig);
+    const CameraSensorConfig& color = rig.body.sensors.front().camera;
+    entries.push_back(
+        {name,
+         std::string(to_string(rig.body.evidence)) + " (" +
+             (rig.body.evidence == Evidence::verified ? "against theory only; no device"
+                                                      : rig.body.evidence_by) +
+             ")",
+         rig.body.title + ", depth " + size_text(depth.width_px, depth.height_px) + "; rgb " +
+             size_text(color.width_px, color.height_px)});
   }
   return entries;
 }

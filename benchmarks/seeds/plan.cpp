@@ -17,8 +17,9 @@ double readout_s(const DeviceConfig& rig) {
   if (const auto* phone = std::get_if<PhoneConfig>(&rig)) return phone->readout_s;
   if (const auto* device = std::get_if<ActiveStereoConfig>(&rig))
     return device->color.photosites.readout_s;
+  const auto* range = std::get_if<RangeRigConfig>(&rig);
   double longest_s = 0;
-  for (const RigSensor& sensor : std::get<RigConfig>(rig).sensors)
+  for (const RigSensor& sensor : range ? range->body.sensors : std::get<RigConfig>(rig).sensors)
     longest_s = std::max(longest_s, sensor.camera.photosites.readout_s);
   return longest_s;
 }
@@ -64,7 +65,8 @@ void add_rig_passes(const SeedsRunConfig& config, std::vector<PlanEntry>& plan) 
       light ? "lens, noise and processing of the camera" : "no stage reads colour");
   add("raw", streams.raw,
       there_are.raw ? why(streams.raw, needed.raw, "raw images") : rig + " hands over none");
-  const bool matched = streams.depth && config.capture.depth_by == DepthBy::matched;
+  const bool matched =
+      streams.depth && there_are.infrared && config.capture.depth_by == DepthBy::matched;
   add("infrared", streams.infrared || matched,
       !there_are.infrared ? rig + " has no infrared pair"
       : streams.infrared  ? why(true, needed.infrared, "infrared images")

@@ -255,8 +255,19 @@ SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& as_perceived
   const auto n = static_cast<std::int64_t>(objects.size());
   add(scores.rows, base, "specimens.found", static_cast<double>(matching.matches.size()), "1", n);
   add(scores.rows, base, "specimens.missed", static_cast<double>(matching.missed.size()), "1", n);
-  add(scores.rows, base, "specimens.spurious", static_cast<double>(matching.spurious.size()), "1",
-      n);
+  // What an estimate says it could not measure it does not assert.
+  const auto solved = [&](int i) {
+    return estimate.traits[static_cast<std::size_t>(i)].status == TraitStatus::ok;
+  };
+  add(scores.rows, base, "specimens.spurious",
+      static_cast<double>(
+          std::count_if(matching.spurious.begin(), matching.spurious.end(), solved)),
+      "1", n);
+  add(scores.rows, base, "specimens.unsolved",
+      static_cast<double>(
+          std::count_if(estimate.traits.begin(), estimate.traits.end(),
+                        [](const SpecimenTraits& t) { return t.status != TraitStatus::ok; })),
+      "1", n);
   score_poses_of(truth, estimate, base, scores.rows);
   score_outlines_of(truth, meshes, matching, estimate, base, scores.rows);
   score_shapes(meshes, estimate, base, scores.rows);

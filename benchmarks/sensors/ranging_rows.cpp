@@ -8,8 +8,7 @@
 #include "benchmarks/sensors/depth_wall.h"
 #include "benchmarks/sensors/sensor_row.h"
 #include "sim/render/ray_scene.h"
-#include "sim/sensors/structured_light.h"
-#include "sim/sensors/time_of_flight.h"
+#include "sim/sensors/range_rig.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {

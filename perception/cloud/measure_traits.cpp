@@ -31,26 +31,40 @@ Values no_sigmas() {
   return values;
 }
 
-SpecimenTraits not_solved(int instance, std::string reason) {
+/// Mean of the finite points; NaN without any.
+Eigen::Vector3d middle_of(const std::vector<Eigen::Vector3d>& points_m) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0;
+  for (const Eigen::Vector3d& p : points_m) {
+    if (!p.allFinite()) continue;
+    sum += p;
+    count += 1;
+  }
+  return count > 0 ? Eigen::Vector3d(sum / count) : Eigen::Vector3d::Constant(kNaN);
+}
+
+/// Not measured; where it stands is known by its points.
+SpecimenTraits not_solved(const Surface& surface, std::string reason) {
   SpecimenTraits result;
-  result.instance = instance;
+  result.instance = surface.instance;
   result.reason = std::move(reason);
+  result.centroid_in_world_m = middle_of(surface.points_m);
   return result;
 }
 
 SpecimenTraits paper_traits(const Surface& surface, double alpha_m) {
   if (surface.points_m.size() < 4) {
-    return not_solved(surface.instance,
+    return not_solved(surface,
                       std::to_string(surface.points_m.size()) + " points; at least 4 needed");
   }
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : surface.points_m) {
-    if (!p.allFinite()) return not_solved(surface.instance, "a point is not finite");
+    if (!p.allFinite()) return not_solved(surface, "a point is not finite");
     centroid += (p - surface.points_m.front()) / static_cast<double>(surface.points_m.size());
   }
   const OrientedBox box = pca_box(surface.points_m);
   const AlphaShape shape = alpha_shape(surface.points_m, alpha_m);
-  if (shape.tetrahedra == 0) return not_solved(surface.instance, "the alpha shape is empty");
+  if (shape.tetrahedra == 0) return not_solved(surface, "the alpha shape is empty");
   SpecimenTraits result;
   result.instance = surface.instance;
   result.status = TraitStatus::ok;
@@ -129,18 +143,16 @@ BoxSizes sizes_of(const std::vector<OrientedBox>& boxes, const Eigen::Vector3d& 
 
 SpecimenTraits mesh_traits(const Surface& surface, double pixel_m, const MeshTraitConfig& config) {
   if (surface.status != SurfaceStatus::ok) {
-    return not_solved(surface.instance, "surface: " + std::string(to_string(surface.status)));
+    return not_solved(surface, "surface: " + std::string(to_string(surface.status)));
   }
-  if (surface.mesh.triangles.empty())
-    return not_solved(surface.instance, "the surface has no mesh");
+  if (surface.mesh.triangles.empty()) return not_solved(surface, "the surface has no mesh");
   SpecimenTraits result;
   result.instance = surface.instance;
   const MassProperties mass = mass_properties(surface.mesh);
   const OrientedBox box = minimum_volume_box(surface.mesh.vertices_m);
   result.centroid_in_world_m = mass.centroid_m;
   Values values = values_of(box, mass);
-  if (!(values[kTraits - 1] > 0))
-    return not_solved(surface.instance, "the mesh encloses no volume");
+  if (!(values[kTraits - 1] > 0)) return not_solved(surface, "the mesh encloses no volume");
   result.status = TraitStatus::ok;
   Values sigmas = sample_sigmas(surface, box);
   const Values beyond_fit = {config.length_sigma_px * pixel_m, config.width_sigma_px * pixel_m,

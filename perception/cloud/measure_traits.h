@@ -34,7 +34,7 @@ void validate(const MeshTraitConfig& config);
 /// over the surface's samples (NaN with fewer than two) together with the configured ones. Where
 /// other boxes are nearly as small, as for a nearly square outline, sizes are the mean over which
 /// of them is the object's own least, and their sigma tells so. Surfaces without a mesh, or whose
-/// status is not ok: not_solved, with the reason.
+/// status is not ok: not_solved, with the reason; the centroid is then that of the points.
 /// @param pixel_m  what a pixel of the views spans at the specimens; NaN: unknown, and then so are
 ///                 the sigmas of the three lengths
 Traits traits_of_meshes(const Surfaces& surfaces, double pixel_m,

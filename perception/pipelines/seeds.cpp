@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <exception>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "perception/pipelines/seeds_sensor.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -51,19 +51,6 @@ BoardKind board_kind_of(const std::string& text) {
   throw std::invalid_argument("board \"" + text + "\" is not one of as_reported, markers, plain");
 }
 
-/// What a pixel spans at the board's middle: the median over the views that have a pose, else NaN.
-double pixel_at_board_m(const Poses& poses) {
-  std::vector<double> spans_m;
-  for (const FramePose& pose : poses) {
-    if (pose.status != PoseStatus::ok || !(pose.camera.fx_px > 0)) continue;
-    spans_m.push_back(pose.camera_from_world.translation_m.norm() / pose.camera.fx_px);
-  }
-  if (spans_m.empty()) return kNaN;
-  const auto middle = spans_m.begin() + static_cast<std::ptrdiff_t>(spans_m.size() / 2);
-  std::nth_element(spans_m.begin(), middle, spans_m.end());
-  return *middle;
-}
-
 SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
   const double half = 0.5 * board.plate_m + config.margin_m;
   return {{-half, -half, -config.below_board_m}, {half, half, config.tallest_m}};
@@ -71,41 +58,7 @@ SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& boa
 
 DepthVolume depth_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
   const SweepVolume volume = sweep_volume(config, board);
-  return {volume.low_m, volume.high_m};
-}
-
-/// Median of the depths' sigmas; 0 if none has one.
-double median_sigma_m(const Depths& depths) {
-  std::vector<float> sigmas;
-  for (const FrameDepth& frame : depths) {
-    for (const float sigma : frame.sigma_m) {
-      if (std::isfinite(sigma)) sigmas.push_back(sigma);
-    }
-  }
-  if (sigmas.empty()) return 0;
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return static_cast<double>(*middle);
-}
-
-/// The fusion's configuration for depths of a sensor: their sigma says how far two of them differ.
-FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths) {
-  FuseConfig fuse = config.fuse;
-  fuse.agreement_m =
-      std::clamp(config.agreement_sigmas * median_sigma_m(depths), fuse.agreement_m, 0.1);
-  return fuse;
-}
-
-/// What rises above the board by less than its depth's noise is no object.
-BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Depths& depths) {
-  BoardClusterConfig clusters = config.clusters;
-  if (config.method != SeedsMethod::sensor_depth && config.method != SeedsMethod::depth_only)
-    return clusters;
-  const double sigma_m = median_sigma_m(depths);
-  clusters.min_height_m = std::max(clusters.min_height_m, std::min(sigma_m, config.tallest_m));
-  clusters.min_top_m =
-      std::max(clusters.min_top_m, std::min(config.agreement_sigmas * sigma_m, config.tallest_m));
-  return clusters;
+  return {volume.low_m, volume.high_m, board.plate_m};
 }
 
 /// Runs one stage, times it and tells the observer; an exception names the stage and keeps what is
@@ -149,6 +102,12 @@ Fields fields(SeedsPipelineConfig& config) {
       {"agreement_sigmas", &config.agreement_sigmas,
        "sensor_depth, depth_only: depths agree within so many sigmas, and objects rise by as many",
        0.1, 100},
+      {"sensor_outline_sigma_px", &config.sensor_outline_sigma_px,
+       "sensor_depth: sigma of an offset of all outlines", 1e-6, 10},
+      {"sensor_size_sigma_m", &config.sensor_size_sigma_m,
+       "sensor_depth: sigma of lengths and widths, beyond the fit's", 0, 1},
+      {"sensor_height_sigma_m", &config.sensor_height_sigma_m,
+       "sensor_depth: sigma of heights, beyond the fit's", 0, 1},
       {"margin_m", &config.margin_m, "reconstructed beyond the plate's edge", 0, 1},
       {"below_board_m", &config.below_board_m, "reconstructed below the board's face", 0, 1},
       {"tallest_m", &config.tallest_m, "tallest object on the board", 0.001, 1},
@@ -213,8 +172,11 @@ void measure_points(const SeedsPipelineConfig& config, SeedsStages& stages) {
   stages.surfaces = [](const Capture&, const SeedsEstimate& so_far) {
     return surfaces_of_clusters(so_far.clusters);
   };
-  stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
-    return traits_as_paper(so_far.surfaces, config.paper_traits);
+  stages.traits = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    Traits traits = traits_as_paper(so_far.surfaces, config.paper_traits);
+    if (config.method == SeedsMethod::paper) return traits;
+    return without_noise(with_point_sigmas(std::move(traits), config, capture, so_far), config,
+                         capture, so_far);
   };
 }
 
@@ -244,8 +206,8 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     measure_points(config, stages);
     return stages;
   }
-  stages.clusters = [config](const Capture&, const SeedsEstimate& so_far) {
-    return cluster_on_board(so_far.cloud, clusters_for(config, so_far.depths));
+  stages.clusters = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return cluster_on_board(so_far.cloud, clusters_for(config, capture, so_far));
   };
   if (config.method != SeedsMethod::ours) take_sensor_depth(config, stages);
   if (config.method == SeedsMethod::depth_only) {
@@ -256,12 +218,14 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     return find_outlines(capture, so_far.poses, board_of(capture, config), so_far.clusters,
                          config.outlines);
   };
-  stages.surfaces = [config, seed](const Capture&, const SeedsEstimate& so_far) {
-    return fit_surfaces(so_far.poses, so_far.clusters, so_far.silhouettes, config.surface,
-                        Rng(seed).fork("surface_samples"));
+  stages.surfaces = [config, seed](const Capture& capture, const SeedsEstimate& so_far) {
+    return fit_surfaces(so_far.poses, so_far.clusters, so_far.silhouettes,
+                        surface_for(config, capture, so_far), Rng(seed).fork("surface_samples"));
   };
-  stages.traits = [config](const Capture&, const SeedsEstimate& so_far) {
-    return traits_of_meshes(so_far.surfaces, pixel_at_board_m(so_far.poses), config.traits);
+  stages.traits = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    const double pixel_m = pixel_at_board_m(so_far.poses);
+    return without_noise(traits_of_meshes(so_far.surfaces, pixel_m, traits_for(config, pixel_m)),
+                         config, capture, so_far);
   };
   return stages;
 }

@@ -4,6 +4,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "sim/sensors/preset_text.h"
+
 namespace cousin {
 namespace {
 
@@ -29,6 +31,19 @@ Streams own_streams(const RigConfig& rig) {
 Streams own_streams(const ActiveStereoConfig& device) {
   return {.color = true, .raw = device.color.develop.raw, .infrared = true, .depth = true};
 }
+Streams own_streams(const RangeRigConfig& device) {
+  return {.color = true, .raw = device.body.sensors.front().camera.develop.raw, .depth = true};
+}
+
+/// A preset in a file of the user's own.
+DeviceConfig device_in_file(const std::string& path) {
+  const std::vector<std::string> tables = toml_tables(preset_toml(path, {}), path);
+  if (holds(tables, "rig")) return rig_preset(path);
+  if (holds(tables, "time_of_flight") || holds(tables, "structured_light"))
+    return range_rig_preset(path);
+  if (holds(tables, "match")) return active_stereo_preset(path);
+  return phone_preset(path);
+}
 
 }  // namespace
 
@@ -42,18 +57,22 @@ void validate(const DeviceConfig& config) {
 
 std::vector<std::string> device_preset_names() {
   std::vector<std::string> names = phone_preset_names();
-  for (const auto& more : {rig_preset_names(), active_stereo_preset_names()})
+  for (const auto& more :
+       {rig_preset_names(), active_stereo_preset_names(), range_rig_preset_names()})
     names.insert(names.end(), more.begin(), more.end());
   return names;
 }
 
 DeviceConfig device_preset(const std::string& name) {
+  if (is_preset_file(name)) return device_in_file(name);
   if (holds(phone_preset_names(), name)) return phone_preset(name);
   if (holds(rig_preset_names(), name)) return rig_preset(name);
   if (holds(active_stereo_preset_names(), name)) return active_stereo_preset(name);
+  if (holds(range_rig_preset_names(), name)) return range_rig_preset(name);
   std::string known;
   for (const std::string& each : device_preset_names()) known += (known.empty() ? "" : ", ") + each;
-  throw std::invalid_argument("rig \"" + name + "\" does not exist; there are " + known);
+  throw std::invalid_argument("rig \"" + name + "\" does not exist; there are " + known +
+                              ", or the path of a file that ends with .toml");
 }
 
 Streams streams_of(const DeviceConfig& config) {

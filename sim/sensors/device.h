@@ -7,18 +7,21 @@
 
 #include "sim/sensors/active_stereo.h"
 #include "sim/sensors/phone.h"
+#include "sim/sensors/range_rig.h"
 #include "sim/sensors/rig.h"
 
 namespace cousin {
 
 /// A rig of any kind that there are presets of: a phone's video, colour and grey cameras on one
-/// body, a stereo depth camera.
-using DeviceConfig = std::variant<PhoneConfig, RigConfig, ActiveStereoConfig>;
+/// body, a stereo depth camera, one by time of flight or structured light.
+using DeviceConfig = std::variant<PhoneConfig, RigConfig, ActiveStereoConfig, RangeRigConfig>;
 Fields fields(DeviceConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const DeviceConfig& config);
 
-/// A preset of any kind. @throws std::invalid_argument listing the names that exist.
+/// A preset of any kind by its name, or of a file by its path, which ends with .toml: its tables
+/// say which kind it is. @throws std::invalid_argument listing the names that exist;
+/// std::runtime_error naming the file, line, key and limit.
 DeviceConfig device_preset(const std::string& name);
 std::vector<std::string> device_preset_names();
 
@@ -26,7 +29,7 @@ std::vector<std::string> device_preset_names();
 struct Streams {
   bool color = false;
   bool raw = false;       ///< 16-bit linear
-  bool infrared = false;  ///< of both imagers of a depth camera
+  bool infrared = false;  ///< of both imagers of a stereo depth camera
   bool depth = false;
   bool operator==(const Streams&) const = default;
 };

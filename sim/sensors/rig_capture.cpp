@@ -1,6 +1,7 @@
 #include "sim/sensors/rig_capture.h"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -71,14 +72,8 @@ struct RigCapture::Impl {
         rays(ray_scene),
         scene(the_scene),
         rng(stream),
-        kind(make_rig_kind(device, stream)) {
+        kind(make_rig_kind(device, capture.depth_by, stream)) {
     validate(capture);
-    const auto* depth = std::get_if<DepthRig>(&kind);
-    if (depth && config.depth_by == DepthBy::model && !depth->config.has_projector) {
-      throw std::invalid_argument(
-          "depth_by = model: the fast model needs a projector, which this rig does not have; "
-          "depth_by = matched renders and matches what the imagers see");
-    }
     reports = std::visit([](const auto& rig) { return reports_of(rig); }, kind);
     for (const SensorReport& report : reports) views.push_back({report.name, {}});
     for (std::size_t i = 0; i < scene.views.size(); ++i) {
@@ -89,6 +84,11 @@ struct RigCapture::Impl {
           kind);
       for (std::size_t s = 0; s < views.size(); ++s) views[s].views.push_back(of_frame.at(s));
     }
+  }
+
+  /// Place of the sensor that has depth.
+  std::optional<std::size_t> depth() const {
+    return std::visit([](const auto& rig) { return depth_place(rig); }, kind);
   }
 
   Rng of_frame(const char* purpose, int frame) const {
@@ -153,7 +153,7 @@ Frame RigCapture::reported(int frame) const {
 Frame RigCapture::outline(int frame, const Streams& streams) const {
   require_streams(streams, impl_->streams);
   Frame result = reported(frame);
-  const bool has_depth = std::holds_alternative<DepthRig>(impl_->kind);
+  const std::optional<std::size_t> depth = impl_->depth();
   const std::size_t cameras =
       std::visit([](const auto& rig) { return camera_count(rig); }, impl_->kind);
   for (std::size_t s = 0; s < cameras; ++s) {
@@ -161,11 +161,11 @@ Frame RigCapture::outline(int frame, const Streams& streams) const {
     if (streams.raw && impl_->reports[s].linear_raw)
       result.sensors[s].raw = Image<std::uint16_t>(1, 1);
   }
-  if (has_depth && streams.infrared) {
+  if (streams.infrared) {
     result.sensors[kLeftSensor].grey = Image<std::uint8_t>(1, 1);
     result.sensors[kRightSensor].grey = Image<std::uint8_t>(1, 1);
   }
-  if (has_depth && streams.depth) result.sensors[kDepthPlace].depth = Image<std::uint16_t>(1, 1);
+  if (depth && streams.depth) result.sensors[*depth].depth = Image<std::uint16_t>(1, 1);
   return result;
 }
 
@@ -175,20 +175,18 @@ RigFrame RigCapture::take(int frame, const Streams& streams,
   RigFrame result;
   result.frame = reported(frame);
   if (streams.color || streams.raw) impl_->take_color(frame, streams, radiance, result.frame);
-  const auto* device = std::get_if<DepthRig>(&impl_->kind);
-  if (!device || (!streams.infrared && !streams.depth)) return result;
-  const DepthRigTake from{impl_->rays, impl_->scene,
-                          impl_->scene.views[static_cast<std::size_t>(frame)].rig_from_world,
-                          impl_->rng, impl_->of_frame("sensor", frame)};
-  if (impl_->config.depth_by == DepthBy::matched || streams.infrared)
-    take_matched(*device, from, streams, impl_->config.depth_by == DepthBy::matched, result);
-  if (impl_->config.depth_by == DepthBy::model && streams.depth)
-    take_modelled(*device, from, result);
+  const DepthTake from{impl_->rays,
+                       impl_->scene,
+                       impl_->scene.views[static_cast<std::size_t>(frame)].rig_from_world,
+                       impl_->config.depth_by,
+                       impl_->rng,
+                       impl_->of_frame("sensor", frame)};
+  std::visit([&](const auto& rig) { take_depth(rig, from, streams, result); }, impl_->kind);
   return result;
 }
 
 ViewMatch RigCapture::disparity(int frame) const {
-  if (std::holds_alternative<DepthRig>(impl_->kind) || impl_->views.size() < 2) return {};
+  if (impl_->depth() || impl_->views.size() < 2) return {};
   const auto i = static_cast<std::size_t>(frame);
   const TrueView &here = impl_->views[0].views.at(i), &there = impl_->views[1].views.at(i);
   const TruthImages truth =

@@ -15,8 +15,8 @@ namespace cousin {
 
 /// Where a depth camera's images come from.
 enum class DepthBy {
-  matched,  ///< both infrared images are rendered and matched, as the device does
-  model,    ///< noise, holes and edges are put on true depth: several times as fast
+  matched,  ///< as the device does it: by stereo, both infrared images are rendered and matched
+  model,    ///< of stereo: noise, holes and edges are put on true depth: several times as fast
 };
 
 struct RigCaptureConfig {
@@ -42,13 +42,15 @@ struct RigFrame {
 /// One particular rig carried along a scene's views. A frame is a pure function of (configuration,
 /// scene, stream, frame): any subset may be taken, in any order, on any number of threads.
 ///
-/// Sensors, in this order: of a phone `rgb`; of a rig its cameras; of a depth camera `rgb`,
-/// `ir_left`, `ir_right` and `depth`, whose pixels are the left imager's.
+/// Sensors, in this order: of a phone `rgb`; of a rig its cameras; of a stereo depth camera `rgb`,
+/// `ir_left`, `ir_right` and `depth`, whose pixels are the left imager's; of one by time of flight
+/// or structured light `rgb` and `depth`.
 class RigCapture {
  public:
   /// Draws the unit and its views. @param rays, scene  must outlive this.
   /// @throws std::invalid_argument if the configuration is invalid, or depth by the model is asked
-  /// of a device without projector: the model knows nothing of a scene's own texture.
+  /// of a device without projector (the model knows nothing of a scene's own texture) or one whose
+  /// depth is not by stereo.
   RigCapture(const DeviceConfig& device, const RigCaptureConfig& config, const RayScene& rays,
              const Scene& scene, const Rng& rng);
   ~RigCapture();

@@ -10,7 +10,6 @@
 
 #include "sim/config/limits.h"
 #include "sim/render/truth_pass.h"
-#include "sim/sensors/depth_presets.h"
 #include "sim/sensors/fast_normal.h"
 #include "sim/sensors/row_occlusion.h"
 
@@ -204,14 +203,6 @@ StructuredLightDepth sense_structured_light(const StructuredLightInputs& inputs,
     }
   });
   return out;
-}
-
-std::vector<std::string> structured_light_preset_names() {
-  return preset_names(structured_light_preset_texts());
-}
-
-StructuredLightConfig structured_light_preset(const std::string& name) {
-  return read_preset<StructuredLightConfig>(name, structured_light_preset_texts());
 }
 
 }  // namespace cousin

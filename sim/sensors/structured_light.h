@@ -78,8 +78,4 @@ struct StructuredLightDepth {
 StructuredLightDepth sense_structured_light(const StructuredLightInputs& inputs,
                                             const StructuredLightConfig& config, const Rng& rng);
 
-/// A preset from sim/sensors/presets/<name>.toml. @throws std::invalid_argument listing the names.
-StructuredLightConfig structured_light_preset(const std::string& name);
-std::vector<std::string> structured_light_preset_names();
-
 }  // namespace cousin

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "sim/config/limits.h"
-#include "sim/sensors/depth_presets.h"
 
 namespace cousin {
 namespace {
@@ -84,14 +83,6 @@ double time_of_flight_sigma_m(const TimeOfFlightConfig& config, double mean_e, d
     weights += 1 / (sigma_m * sigma_m);
   }
   return 1 / std::sqrt(weights);
-}
-
-std::vector<std::string> time_of_flight_preset_names() {
-  return preset_names(time_of_flight_preset_texts());
-}
-
-TimeOfFlightConfig time_of_flight_preset(const std::string& name) {
-  return read_preset<TimeOfFlightConfig>(name, time_of_flight_preset_texts());
 }
 
 }  // namespace cousin

@@ -91,8 +91,4 @@ TimeOfFlightDepth sense_time_of_flight(const TimeOfFlightInputs& inputs,
                                        const TimeOfFlightLight& light,
                                        const TimeOfFlightConfig& config, const Rng& rng);
 
-/// A preset from sim/sensors/presets/<name>.toml. @throws std::invalid_argument listing the names.
-TimeOfFlightConfig time_of_flight_preset(const std::string& name);
-std::vector<std::string> time_of_flight_preset_names();
-
 }  // namespace cousin

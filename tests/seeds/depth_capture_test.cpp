@@ -1,6 +1,7 @@
 // Rigs other than phones in the loop: small images, an empty board.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "benchmarks/seeds/perceive.h"
@@ -79,6 +80,33 @@ TEST(DepthCaptures, ThroughFilesComesBackWhatIsInMemory) {
         same_bits(truth.images[i].noise_free_depth_m, run.truth.images[i].noise_free_depth_m));
     EXPECT_EQ(truth.images[i].invalid_reason, run.truth.images[i].invalid_reason);
     EXPECT_EQ(truth.images[i].invalid_reason.width(), 424);
+  }
+}
+
+TEST(DepthCaptures, OfTimeOfFlightAndStructuredLightComeBackFromFilesToo) {
+  const std::vector<std::vector<std::string>> rigs = {
+      {"rig=kinect_v2", "rig.time_of_flight.columns=128", "rig.time_of_flight.rows=106"},
+      {"rig=kinect_v1", "rig.structured_light.columns=160", "rig.structured_light.rows=120"}};
+  for (std::vector<std::string> rig : rigs) {
+    rig.insert(rig.end(), {"rig.rgb.width_px=96", "rig.rgb.height_px=64"});
+    const SimulatedRun run =
+        simulate(rig, {"streams=all", "ring_distances_m=[0.6, 0.6, 0.6]", "knows_pose=true"});
+    ASSERT_EQ(run.capture.rig.size(), 2U) << rig.front();
+    const TemporaryFolder folder;
+    write_capture(folder.path(), run.capture);
+    write_truth(folder.path(), run.truth);
+    expect_same(read_capture(folder.path()), run.capture);
+    const SceneTruth truth = read_truth(folder.path());
+    ASSERT_EQ(truth.other_sensors.size(), 1U);
+    EXPECT_EQ(truth.other_sensors[0].sensor, "depth");
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_TRUE(
+          same_bits(truth.images[i].noise_free_depth_m, run.truth.images[i].noise_free_depth_m));
+      EXPECT_EQ(truth.images[i].invalid_reason, run.truth.images[i].invalid_reason);
+    }
+    const Image<std::uint16_t>& depth = run.capture.frames[0].sensors[1].depth;
+    EXPECT_GT(std::count_if(depth.begin(), depth.end(), [](auto z) { return z != 0; }),
+              static_cast<std::ptrdiff_t>(depth.size() / 10));
   }
 }
 

@@ -248,6 +248,8 @@ TEST(SeedsRunConfig, RigsOfEveryKindReadBackFromTheirResolvedText) {
            {"rig=zed_hd720", "rig.rgb_right.trigger_delay_s=0.001"},
            {"rig=d405", "depth_by=matched", "streams=depth", "rig.columns=848"},
            {"rig=d457", "depth_by=model", "rig.color.photosites.read_noise_e=9"},
+           {"rig=kinect_v2", "rig.time_of_flight.side=1", "rig.rgb.photosites.prnu=0.02"},
+           {"rig=kinect_v1", "rig.structured_light.axial=barron_malik"},
            {"rig=dslr_apsc_24mp"}}) {
     const SeedsRunConfig config = seeds_run_config(sets);
     const auto file = folder.path() / "config.toml";

@@ -121,6 +121,19 @@ TEST(ScoreSeeds, AMissedSeedIsNotSolvedAndAStrangerIsSpurious) {
   EXPECT_NEAR(row_of(rows, "zhengdan958", "length.solved").value, 2.0 / 3, 1e-12);
 }
 
+TEST(ScoreSeeds, WhatAnEstimateCouldNotMeasureIsUnsolvedWhereverItStands) {
+  const SceneTruth truth = three_boxes();
+  SeedsEstimate estimate = estimate_of(truth, 0, 1e-5);
+  for (const std::size_t i : {0, 1}) estimate.traits[i].status = TraitStatus::not_solved;
+  estimate.traits[1].centroid_in_world_m += Eigen::Vector3d(0, 0.02, 0);
+  const SeedsScores scores = score_run(truth, estimate, {});
+  EXPECT_EQ(row_of(scores.rows, "run", "specimens.found").value, 2);
+  EXPECT_EQ(row_of(scores.rows, "run", "specimens.unsolved").value, 2);
+  EXPECT_EQ(row_of(scores.rows, "run", "specimens.spurious").value, 0);
+  const auto rows = pooled_rows(scores.specimens, {});
+  EXPECT_NEAR(row_of(rows, "zhengdan958", "length.solved").value, 1.0 / 3, 1e-12);
+}
+
 TEST(ScoreSeeds, TheSphereIsNotPooledWithSeeds) {
   const SceneTruth truth = three_boxes();
   const auto seeds = score_run(truth, estimate_of(truth, 1e-5, 1e-5), {}).specimens;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+#include "sim/sensors/range_rig.h"
+
 namespace cousin {
 namespace {
 

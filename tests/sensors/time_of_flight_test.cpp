@@ -6,6 +6,8 @@
 #include <cmath>
 #include <complex>
 
+#include "sim/sensors/range_rig.h"
+
 namespace cousin {
 namespace {
 

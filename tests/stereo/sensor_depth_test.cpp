@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/types/rng.h"
+
 namespace cousin {
 namespace {
 
@@ -81,6 +83,72 @@ TEST(SensorDepth, OutsideTheVolumeAndBeyondTheLargestSigmaThereIsNone) {
   EXPECT_NEAR(static_cast<double>(count(right, {})), 0.46 * static_cast<double>(all),
               0.03 * static_cast<double>(all));
   EXPECT_EQ(count(kEverything, {.sigma_px = 0.1, .max_sigma_m = 0.003}), 0);
+}
+
+/// Depth of a plate of 0.2 m, 0.5 m before a camera that looks straight at it, in its own pixels:
+/// off by `offset_m`, noisy, with an object of 20 mm on a tenth of it.
+Image<float> plate_depth(double offset_m, double sigma_m, FramePose& pose) {
+  pose.camera = pinhole(160, 120, 160);
+  pose.status = PoseStatus::ok;
+  // World z up: the camera at z = 0.5 looks down.
+  pose.camera_from_world.rotation =
+      Eigen::Quaterniond(Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX()));
+  pose.camera_from_world.translation_m = Eigen::Vector3d(0, 0, 0.5);
+  Image<float> depth_m(160, 120);
+  Rng rng(4);
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 160; ++x) {
+      const bool is_object = x > 70 && x < 86 && y > 50 && y < 66;
+      depth_m(x, y) =
+          static_cast<float>(0.5 + offset_m + sigma_m * normal(rng) - (is_object ? 0.02 : 0));
+    }
+  }
+  return depth_m;
+}
+
+TEST(SensorDepth, ThePlateTellsHowFarAFramesDepthsAreOff) {
+  FramePose pose;
+  const Image<float> depth_m = plate_depth(0.003, 0.001, pose);
+  const PlateResidual plate = plate_residual(depth_m, pose, 0.2);
+  // 0.15 m of 0.2 m at 160 px and 0.5 m: 48 px a side, 2300 pixels less 225 of the object.
+  EXPECT_NEAR(plate.pixels, 49 * 49, 100);
+  // The median of 2000 is known to 1.25 / sqrt(2000) = 2.8 % of a sigma, the robust spread to 2.6
+  // %; allow four. Clipping at 3 sigmas takes 1 % off.
+  EXPECT_NEAR(plate.offset_m, 0.003, 4 * 0.028e-3);
+  EXPECT_NEAR(plate.sigma_m, 0.001, 4 * 0.026e-3 + 0.01e-3);
+  EXPECT_EQ(plate_residual(Image<float>(160, 120, NAN), pose, 0.2).pixels, 0);
+}
+
+TEST(SensorDepth, AFrameIsMovedOntoThePlateAndItsSigmaIsAtLeastTheSpreadAboutIt) {
+  FramePose pose;
+  const Image<float> depth_m = plate_depth(0.003, 0.001, pose);
+  Capture capture;  // a sensor that says nothing of a baseline
+  capture.rig = {{.name = "depth", .camera = pose.camera, .sensor_from_rig = {}, .raw_format = {}}};
+  Frame& frame = capture.frames.emplace_back();
+  frame.sensors.resize(1);
+  frame.sensors[0].reported = pose.camera;
+  frame.sensors[0].depth_unit_m = 0.0001;
+  frame.sensors[0].depth = Image<std::uint16_t>(160, 120);
+  for (std::size_t i = 0; i < depth_m.size(); ++i) {
+    frame.sensors[0].depth.data()[i] =
+        static_cast<std::uint16_t>(std::lround(double(depth_m.data()[i]) * 1e4));
+  }
+  DepthVolume volume{Eigen::Vector3d::Constant(-1), Eigen::Vector3d::Constant(1), 0.2};
+  const auto mean_m = [&](const SensorDepthConfig& config) {
+    const Depths depths = depths_of_sensor(capture, {pose}, volume, config);
+    double sum = 0;
+    for (int y = 80; y < 90; ++y)
+      for (int x = 60; x < 100; ++x) sum += static_cast<double>(depths[0].depth_m(x, y)) / 400;
+    return sum;
+  };
+  // 400 pixels of 1 mm, and the offset's own 0.03 mm.
+  EXPECT_NEAR(mean_m({}), 0.5, 4 * 0.06e-3);
+  EXPECT_NEAR(mean_m({.level_on_plate = false}), 0.503, 4 * 0.05e-3);
+  EXPECT_NEAR(static_cast<double>(depths_of_sensor(capture, {pose}, volume)[0].sigma_m(80, 85)),
+              0.001, 0.12e-3);
+  volume.plate_m = 0;  // nothing to hold it against
+  EXPECT_NEAR(mean_m({}), 0.503, 4 * 0.05e-3);
+  EXPECT_TRUE(depths_of_sensor(capture, {pose}, volume)[0].sigma_m.empty());
 }
 
 TEST(SensorDepth, AFrameWithoutPoseOrDepthIsEmpty) {
