@@ -36,9 +36,11 @@ ObjectModel plate_model(double half_m) {
 std::vector<WallCase> fit_walls(const ActiveStereoConfig& config) {
   std::vector<WallCase> walls;
   const double texture = config.has_projector ? 0 : 0.6;
-  const std::vector<double> lights =
-      config.has_projector ? std::vector<double>{0.01, 0.1, 1} : std::vector<double>{0.03, 0.3, 3};
-  const std::vector<double> distances = depths(config, 8, 0);
+  // Without a projector the contrast is the light's alone.
+  const std::vector<double> lights = config.has_projector
+                                         ? std::vector<double>{0.01, 0.1, 1}
+                                         : std::vector<double>{0.03, 0.06, 0.15, 0.3, 0.6, 3};
+  const std::vector<double> distances = depths(config, config.has_projector ? 8 : 6, 0);
   // Fractions of the disparity by the golden section, so that all of them meet all of the light.
   double fraction = 0;
   const auto facing = [&](double z_m, double albedo, double light) {
@@ -49,13 +51,13 @@ std::vector<WallCase> fit_walls(const ActiveStereoConfig& config) {
   for (std::size_t i = 0; i < distances.size(); ++i) {
     for (const double light : lights) {
       facing(distances[i], 0.5, light);
-      if (i >= 3) facing(distances[i], 0.08, light);
+      if (config.has_projector && i >= 3) facing(distances[i], 0.08, light);
     }
   }
   for (const double z : depths(config, 3, 0.5)) {
     for (const double incidence : {0.5, 0.8, 1.05}) {
       for (const std::size_t i : {std::size_t{0}, std::size_t{1}})
-        walls.push_back({z, incidence, 0.5, lights[config.has_projector ? i : 2 - i], texture});
+        walls.push_back({z, incidence, 0.5, lights[config.has_projector ? i : 5 - 2 * i], texture});
     }
   }
   return walls;
