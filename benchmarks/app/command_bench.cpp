@@ -68,18 +68,12 @@ SeedsReport titled(const char* title, const char* summary, ScoreFile scores) {
   return report;
 }
 
-ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
-  const Options& o = context.options;
-  SeedsSuiteConfig config;
-  config.seed = o.seed;
-  config.quick = o.quick;
-  config.attribution = o.attribution;
-  config.sets = o.sets;
-  config.captures = o.captures;
-  config.report = report_scenes_folder(out);
+/// Runs a suite's jobs that `out` holds no result of; says which were there and which failed.
+std::vector<ShardResult> run_jobs(const JobContext& context, const fs::path& out,
+                                  const std::vector<ShardJob>& jobs) {
   const auto results =
-      run_shards(out / "shards", seeds_suite_jobs(config, context.progress.function()),
-                 parse_shard(o.shard), [&](const std::string& name, int done, int total) {
+      run_shards(out / "shards", jobs, parse_shard(context.options.shard),
+                 [&](const std::string& name, int done, int total) {
                    context.progress.line("job " + std::to_string(done + 1) + " of " +
                                          std::to_string(total) + ": " + name);
                  });
@@ -93,15 +87,33 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   for (const ShardResult& result : results) {
     if (!result.error.empty()) context.progress.line(result.name + " failed: " + result.error);
   }
+  return results;
+}
+
+void note_missing(const JobContext& context, const std::vector<ShardResult>& results,
+                  SeedsReport& report) {
   const auto missing = std::count_if(results.begin(), results.end(), is_missing);
+  if (missing == 0) return;
+  const std::string note =
+      std::to_string(missing) + " of " + std::to_string(results.size()) + " jobs are not there yet";
+  context.progress.line(note);
+  report.scores.header.more["note"] = note;
+}
+
+ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  SeedsSuiteConfig config;
+  config.seed = o.seed;
+  config.quick = o.quick;
+  config.attribution = o.attribution;
+  config.sets = o.sets;
+  config.captures = o.captures;
+  config.report = report_scenes_folder(out);
+  const auto results =
+      run_jobs(context, out, seeds_suite_jobs(config, context.progress.function()));
   SeedsReport report =
       titled("Cousin: bench seeds", kMeasuredAgainstTruth, pool_seeds_suite(results, config));
-  if (missing > 0) {
-    const std::string note = std::to_string(missing) + " of " + std::to_string(results.size()) +
-                             " jobs are not there yet";
-    context.progress.line(note);
-    report.scores.header.more["note"] = note;
-  }
+  note_missing(context, results, report);
   report.config_toml = suite_toml(config);
   // The pictures of the jobs on this page: a --quick run and a full one share the folder.
   std::set<std::string> shown;
@@ -135,11 +147,13 @@ ScoreFile bench_render(const JobContext& context, const fs::path& out) {
 
 ScoreFile bench_sensors(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
+  const auto results = run_jobs(context, out, sensors_suite_jobs(o.seed, o.quick));
   SeedsReport report =
       titled("Cousin: bench sensors",
              "Every sensor model against theory or the published figure. Verified against theory "
              "only: no real device has been compared with the models.",
-             sensors_suite(o.seed, o.quick, context.progress.function()));
+             pool_sensors_suite(results, o.seed));
+  note_missing(context, results, report);
   keep_scene(report, sensors_pictures(o.seed), out);
   return finish(std::move(report), context, out);
 }
@@ -187,7 +201,7 @@ constexpr std::array<Suite, 7> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
-     {"sensors", bench_sensors, {"--quick"}},
+     {"sensors", bench_sensors, {"--quick", "--shard"}},
      {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};

@@ -14,6 +14,8 @@
 namespace cousin {
 namespace {
 
+constexpr const char* kMainRig = "d457";
+
 std::string metres(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f m", value);
@@ -246,11 +248,10 @@ void add_speed_rows(const Device& device, bool quick, std::vector<ScoreRow>& row
 std::vector<ScoreRow> depth_rows_of(const std::string& rig, std::uint64_t seed, bool quick) {
   std::vector<ScoreRow> rows;
   const Device device = make_device(rig, seed, quick);
-  const bool is_main = rig == "d457";
+  const bool is_main = rig == kMainRig;
   add_distance_rows(device, rows);
   add_mode_rows(device, rows);
   add_edge_rows(device, rows);
-  if (is_main) add_speed_rows(device, quick, rows);
   if (quick && !is_main) return rows;
   add_light_rows(device, rows);
   add_incidence_rows(device, rows);
@@ -258,12 +259,9 @@ std::vector<ScoreRow> depth_rows_of(const std::string& rig, std::uint64_t seed, 
   return rows;
 }
 
-std::vector<ScoreRow> depth_rows(std::uint64_t seed, bool quick) {
+std::vector<ScoreRow> depth_speed_rows(std::uint64_t seed, bool quick) {
   std::vector<ScoreRow> rows;
-  for (const std::string& rig : active_stereo_preset_names()) {
-    const std::vector<ScoreRow> own = depth_rows_of(rig, seed, quick);
-    rows.insert(rows.end(), own.begin(), own.end());
-  }
+  add_speed_rows(make_device(kMainRig, seed, quick), quick, rows);
   return rows;
 }
 

@@ -1,8 +1,8 @@
 #include "benchmarks/sensors/sensors_suite.h"
 
-#include <exception>
 #include <functional>
-#include <vector>
+#include <string>
+#include <utility>
 
 #include "benchmarks/sensors/colour_rows.h"
 #include "benchmarks/sensors/depth_rows.h"
@@ -10,43 +10,68 @@
 #include "benchmarks/sensors/passive_rows.h"
 #include "benchmarks/sensors/ranging_rows.h"
 #include "benchmarks/sensors/sensor_row.h"
+#include "sim/sensors/active_stereo.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
 
 struct Part {
-  const char* name;
+  std::string name;  ///< of its result's file, too
   std::function<std::vector<ScoreRow>(std::uint64_t seed, bool quick)> run;
 };
 
+std::vector<Part> list_parts() {
+  std::vector<Part> parts = {{"colour-cameras", colour_rows}};
+  for (const std::string& rig : active_stereo_preset_names()) {
+    parts.push_back({"depth-" + rig, [rig](std::uint64_t seed, bool quick) {
+                       return depth_rows_of(rig, seed, quick);
+                     }});
+  }
+  parts.push_back({"depth-speed", depth_speed_rows});
+  parts.push_back({"passive-stereo", passive_stereo_rows});
+  parts.push_back({"fit-sensor", fit_sensor_rows});
+  parts.push_back({"ranging", ranging_rows});
+  return parts;
+}
+
+std::string run_part(const Part& part, std::uint64_t seed, bool quick) {
+  const StageClock clock(part.name);
+  ScoreFile file;
+  file.scores = part.run(seed, quick);
+  const double wall_s = clock.finish().wall_s;
+  ScoreRow seconds = sensor_row({part.name, seed}, "all", "seconds", wall_s, "s", 1);
+  seconds.wall_s = wall_s;
+  file.scores.push_back(std::move(seconds));
+  return to_json(file);
+}
+
 }  // namespace
 
-ScoreFile sensors_suite(std::uint64_t seed, bool quick, const Progress& progress) {
-  const std::vector<Part> parts = {{"colour cameras", colour_rows},
-                                   {"depth cameras", depth_rows},
-                                   {"passive stereo", passive_stereo_rows},
-                                   {"fit-sensor", fit_sensor_rows},
-                                   {"time of flight, structured light", ranging_rows}};
-  ScoreFile file;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (progress) progress(parts[i].name, static_cast<int>(i), static_cast<int>(parts.size()));
-    const StageClock clock(parts[i].name);
-    const SensorRows of{parts[i].name, seed};
-    try {
-      const std::vector<ScoreRow> rows = parts[i].run(seed, quick);
-      file.scores.insert(file.scores.end(), rows.begin(), rows.end());
-    } catch (const std::exception& error) {
-      ScoreRow row = sensor_row(of, "all", error.what(), ScoreRow::kNone, "1", 0);
-      row.status = ScoreStatus::error;
-      file.scores.push_back(row);
-    }
-    const double wall_s = clock.finish().wall_s;
-    ScoreRow seconds = sensor_row(of, "all", "seconds", wall_s, "s", 1);
-    seconds.wall_s = wall_s;
-    file.scores.push_back(seconds);
+std::vector<ShardJob> sensors_suite_jobs(std::uint64_t seed, bool quick) {
+  std::vector<ShardJob> jobs;
+  for (const Part& part : list_parts()) {
+    const std::string key = std::string(COUSIN_VERSION) + "/" + std::to_string(seed) +
+                            (quick ? "/quick" : "") + "/" + part.name;
+    jobs.push_back({part.name + (quick ? ".quick" : "") + ".json", key,
+                    [part, seed, quick] { return run_part(part, seed, quick); }});
   }
-  return file;
+  return jobs;
+}
+
+ScoreFile pool_sensors_suite(const std::vector<ShardResult>& results, std::uint64_t seed) {
+  ScoreFile pooled;
+  for (const ShardResult& result : results) {
+    if (!result.text.empty()) {
+      const ScoreFile part = scores_from_json(result.text, result.name);
+      pooled.scores.insert(pooled.scores.end(), part.scores.begin(), part.scores.end());
+    } else if (!result.error.empty()) {
+      ScoreRow row = sensor_row({result.name, seed}, "all", result.error, ScoreRow::kNone, "1", 0);
+      row.status = ScoreStatus::error;
+      pooled.scores.push_back(std::move(row));
+    }
+  }
+  return pooled;
 }
 
 }  // namespace cousin

@@ -1,15 +1,19 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "benchmarks/metrics/scores.h"
-#include "benchmarks/seeds/simulate.h"
+#include "benchmarks/shards/shard.h"
 
 namespace cousin {
 
-/// Every sensor model against theory or the published figure. A part that fails is an error row;
-/// the others go on.
+/// Every sensor model against theory or the published figure, in jobs of minutes: one for each
+/// depth camera, one for its speed, one for each other kind. A job's result is a ScoreFile as JSON.
 /// @param quick  fewer frames, the same rows
-ScoreFile sensors_suite(std::uint64_t seed, bool quick, const Progress& progress = {});
+std::vector<ShardJob> sensors_suite_jobs(std::uint64_t seed, bool quick);
+
+/// The rows of all jobs in their order; a job that failed is an error row.
+ScoreFile pool_sensors_suite(const std::vector<ShardResult>& results, std::uint64_t seed);
 
 }  // namespace cousin

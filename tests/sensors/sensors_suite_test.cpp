@@ -1,8 +1,12 @@
+#include "benchmarks/sensors/sensors_suite.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "benchmarks/sensors/colour_rows.h"
@@ -86,6 +90,33 @@ TEST(SensorsSuite, FitSensorKeepsItsLimits) {
     limited += row.status == ScoreStatus::pass;
   }
   EXPECT_EQ(limited, 9);  // coverage, solved, held out; three wrong models; the full model's three
+}
+
+TEST(SensorsSuite, EveryDepthCameraIsAJobOfItsOwnAndQuickOnesHaveOtherFiles) {
+  std::set<std::string> names, keys;
+  for (const bool quick : {false, true}) {
+    for (const ShardJob& job : sensors_suite_jobs(3, quick)) {
+      EXPECT_TRUE(names.insert(job.name).second) << job.name;
+      EXPECT_TRUE(keys.insert(job.key).second) << job.key;
+    }
+  }
+  for (const char* rig : {"d405", "d415", "d435i", "d455", "d457"})
+    EXPECT_TRUE(names.contains(std::string("depth-") + rig + ".json")) << rig;
+}
+
+TEST(SensorsSuite, AFailedJobIsAnErrorRowAndTheOthersStay) {
+  ScoreFile one;
+  ScoreRow row;
+  row.metric = "seconds";
+  row.value = 2;
+  one.scores = {row};
+  ShardResult good{"a.json", to_json(one), {}, {}, false}, bad{"b.json", {}, "no light", {}, false};
+  ShardResult missing{"c.json", {}, {}, {}, false};
+  const ScoreFile pooled = pool_sensors_suite({good, bad, missing}, 5);
+  ASSERT_EQ(pooled.scores.size(), 2U);
+  EXPECT_EQ(pooled.scores[0].value, 2);
+  EXPECT_EQ(pooled.scores[1].status, ScoreStatus::error);
+  EXPECT_EQ(pooled.scores[1].metric, "no light");
 }
 
 }  // namespace
