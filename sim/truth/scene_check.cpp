@@ -156,6 +156,16 @@ void check_instance(const Instance& instance, const Scene& scene, const std::str
     fail(where, "no such model");
   if (instance.material < 0 || instance.material >= static_cast<int>(scene.materials.size()))
     fail(where, "no such material");
+  const ObjectModel& model = scene.models[static_cast<std::size_t>(instance.model)];
+  if (!instance.part_materials.empty() &&
+      instance.part_materials.size() != model.part_names.size()) {
+    fail(where, "part_materials.size", static_cast<double>(instance.part_materials.size()),
+         "is not the number of its model's parts");
+  }
+  for (const int material : instance.part_materials) {
+    if (material < 0 || material >= static_cast<int>(scene.materials.size()))
+      fail(where, "no such part material", material, "in the scene");
+  }
   check_pose(where, "its pose", instance.world_from_object);
   for (std::size_t i = 0; i < instance.motion.size(); ++i) {
     const TimedPose& step = instance.motion[i];
