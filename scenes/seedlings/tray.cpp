@@ -56,7 +56,7 @@ void add_quad(Mesh& mesh, const Vector3d& a, const Vector3d& b, const Vector3d& 
 
 /// Rings of one cell's wall, from the pitch square inwards over the rim and down.
 void add_cell_walls(Mesh& mesh, const TrayConfig& config, const Vector3d& middle_m) {
-  constexpr int kSides = 48;
+  constexpr int kSides = 48;  // a multiple of 8: the square's corners are among them
   const double h = 0.5 * config.tray.pitch_m, opening = h - 0.5 * config.tray.wall_m;
   const double top = config.substrate.below_rim_m, bottom = top - config.tray.depth_m;
   const double lip = 0.15 * config.tray.wall_m;
@@ -71,7 +71,7 @@ void add_cell_walls(Mesh& mesh, const TrayConfig& config, const Vector3d& middle
   const auto first = static_cast<std::uint32_t>(mesh.vertices_m.size());
   for (const Step& step : steps) {
     for (int k = 0; k < kSides; ++k) {
-      const double angle = 2 * kPi * (k + 0.5) / kSides, c = std::cos(angle), s = std::sin(angle);
+      const double angle = 2 * kPi * k / kSides, c = std::cos(angle), s = std::sin(angle);
       const double reach =
           step.corner == 0
               ? 1 / std::max(std::abs(c), std::abs(s))

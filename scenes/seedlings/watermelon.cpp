@@ -99,7 +99,7 @@ std::vector<Rgbf> blade_albedo(const OrganSurface& surface, const BladeShape& sh
       vein = std::max(vein, on_vein(off_m, 0.7 * c.vein_m * (1 - 0.8 * out), cell_m));
       near_m = std::min(near_m, off_m + 0.0012 * out);
     }
-    vein = std::max(vein, c.halo * std::exp(-std::pow(near_m / (3.5 * c.vein_m), 2)));
+    vein = std::max(vein, c.halo * std::exp(-std::pow(near_m / (2.5 * c.vein_m), 2)));
     const double mottle =
         1 + 0.22 * fractal_noise3(
                        Vector3d(s * c.length_m, place.y() * shape.width_m * 0.5, 0.1) / 0.003, 3,
@@ -225,6 +225,7 @@ class Grower {
     shape.envelope_peak = c.outline[1];
     shape.envelope_rise = c.outline[2];
     shape.envelope_fall = c.outline[3];
+    shape.envelope_tip = c.outline[4];
     shape.fold_rad = c.fold_rad;
     shape.camber = -c.camber * old;
     const LineWalk midrib(blade.line, upper);
@@ -255,6 +256,7 @@ class Grower {
     shape.envelope_peak = l.outline[1];
     shape.envelope_rise = l.outline[2];
     shape.envelope_fall = l.outline[3];
+    shape.envelope_tip = l.outline[4];
     shape.sweep_base_rad = l.sweep_base_rad;
     shape.sweep_tip_rad = l.sweep_tip_rad;
     shape.lobes = static_cast<int>(std::lround(l.lobes[k]));
@@ -279,7 +281,7 @@ class Grower {
     colours.vein = (1 - green) * vec(l.albedo_young) + green * vec(l.albedo_vein);
     colours.base = brightest(l.albedo, l.albedo_young, l.albedo_vein);
     colours.vein_m = std::max(0.25, std::sqrt(size)) * l.vein_width_m;
-    colours.halo = 0.45;
+    colours.halo = 0.30;
     colours.length_m = line_length_m(blade);
     colours.key = own_.colour_key + 16 + static_cast<std::uint64_t>(blade.rank);
     blade.albedo = blade_albedo(blade.surface, shape, colours, c_.surface.detail_m);

@@ -48,7 +48,7 @@ Fields fields(WatermelonConfig::Cotyledon& c) {
           {"droop_rad", &c.droop_rad, "of the tip when old", -kAngle, kAngle},
           {"camber", &c.camber, "of the margins", -2, 2},
           {"fold_rad", &c.fold_rad, "of the halves about the midrib", -1.5, 1.5},
-          {"outline", &c.outline, "base, peak, rise, fall of the envelope", 0, 10},
+          {"outline", &c.outline, "base, peak, rise, fall, tip of the envelope", 0, 10},
           {"albedo", &c.albedo, "green", 0, 1},
           {"albedo_young", &c.albedo_young, "before it greens", 0, 1},
           {"albedo_vein", &c.albedo_vein, "of the veins", 0, 1},
@@ -76,7 +76,7 @@ Fields fields(WatermelonConfig::Leaf& c) {
           {"teeth_depth", &c.teeth_depth, "of the margin", 0, 0.9},
           {"sweep_base_rad", &c.sweep_base_rad, "of the rows at the base", 0, kAngle},
           {"sweep_tip_rad", &c.sweep_tip_rad, "of the rows at the tip", 0, kAngle},
-          {"outline", &c.outline, "base, peak, rise, fall of the envelope", 0, 10},
+          {"outline", &c.outline, "base, peak, rise, fall, tip of the envelope", 0, 10},
           {"young_angle_rad", &c.young_angle_rad, "petiole from the axis, young", 0, kAngle},
           {"old_angle_rad", &c.old_angle_rad, "petiole from the axis, old", 0, kAngle},
           {"angle_day", &c.angle_day, "age at which half-way between", 0, kDays},
@@ -142,8 +142,8 @@ void validate(const WatermelonConfig& config) {
                                     {"leaf.albedo_back", &l.albedo_back},
                                     {"leaf.transmittance", &l.transmittance}})
     require_count(key, *values, 3);
-  require_count("cotyledon.outline", c.outline, 4);
-  require_count("leaf.outline", l.outline, 4);
+  require_count("cotyledon.outline", c.outline, 5);
+  require_count("leaf.outline", l.outline, 5);
   for (const auto& [key, values] : {std::pair{"leaf.length_m", &l.length_m},
                                     {"leaf.lobes", &l.lobes},
                                     {"leaf.lobe_depth", &l.lobe_depth}})

@@ -120,8 +120,8 @@ double row_share(const BladeShape& shape, double along) {
     share = shape.envelope_base +
             (1 - shape.envelope_base) * std::pow(along / shape.envelope_peak, shape.envelope_rise);
   } else {
-    share = 1 - std::pow((along - shape.envelope_peak) / (1 - shape.envelope_peak),
-                         shape.envelope_fall);
+    const double beyond = (along - shape.envelope_peak) / (1 - shape.envelope_peak);
+    share = std::pow(std::max(0.0, 1 - std::pow(beyond, shape.envelope_fall)), shape.envelope_tip);
   }
   if (shape.lobes > 0)
     share *= 1 - shape.lobe_depth * (1 - lobed(along, shape.lobes, shape.lobe_round));

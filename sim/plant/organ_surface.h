@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <numbers>
 #include <vector>
 
 #include "sim/plant/centre_line.h"
@@ -28,13 +29,15 @@ OrganSurface tube_surface(const CentreLine& line, int sides);
 struct BladeShape {
   double width_m = 0.02;  ///< of the widest row, both halves, along the row
   // Half width of a row = width_m / 2 * envelope * lobes; the envelope is
-  // (base + (1 - base) * (s / peak)^rise) up to `peak`, 1 - ((s - peak) / (1 - peak))^fall beyond.
+  // (base + (1 - base) (s / peak)^rise) up to `peak`, (1 - ((s - peak) / (1 - peak))^fall)^tip
+  // beyond.
   double envelope_base = 0;  ///< at the base, over the widest
   double envelope_peak = 0.4;
   double envelope_rise = 0.5;
   double envelope_fall = 2;
-  double sweep_base_rad = 1.5708;
-  double sweep_tip_rad = 1.5708;
+  double envelope_tip = 1;  ///< 1: pointed, 0.5: round
+  double sweep_base_rad = 0.5 * std::numbers::pi;
+  double sweep_tip_rad = 0.5 * std::numbers::pi;
   int lobes = 0;           ///< a side
   double lobe_depth = 0;   ///< how far the sinuses cut, 0 .. 1
   double lobe_round = 1;   ///< above 1: narrow sinuses and broad lobes
