@@ -20,6 +20,10 @@ Scene build(const SeedlingsSceneConfig& config, std::uint64_t seed, int index) {
   return build_seedlings_scene(own, scene_rng(seed, is_series ? 0 : index).fork("build"));
 }
 
+Scene build(const MaizeSceneConfig& config, std::uint64_t seed, int index) {
+  return build_maize_scene(config, scene_rng(seed, index).fork("build"));
+}
+
 Fields scene_fields(PlantRunConfig& config) {
   return std::visit([](auto& scene) { return fields(scene); }, config.scene);
 }

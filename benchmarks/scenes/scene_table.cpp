@@ -99,6 +99,14 @@ std::span<const SceneEntry> scene_table() {
            [](const auto& sets, const auto& file) {
              return configure_plants(SeedlingsSceneConfig{}, sets, file);
            }},
+      {.name = "maize",
+       .status = "built in; no pipeline yet",
+       .help = "maize from V3 to VT, one plant or rows, with a keypoint at every node, seen by a "
+               "ZED stereo camera",
+       .configure =
+           [](const auto& sets, const auto& file) {
+             return configure_plants(MaizeSceneConfig{}, sets, file);
+           }},
   };
   return kScenes;
 }
