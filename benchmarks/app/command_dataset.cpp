@@ -196,9 +196,13 @@ ExitCode command_render(const JobContext& context) {
   if (complete) fs::remove(dataset / kPartialFile);  // last: the folder is never without an owner
   write_timings(dataset, timings);
   if (o.json) {
+    nlohmann::json seconds = nlohmann::json::object();
+    for (const StageTiming& timing : timings) seconds[timing.stage] = timing.wall_s;
     std::printf(
         "%s\n",
-        nlohmann::json{{"dataset", dataset.string()}, {"complete", complete}}.dump(2).c_str());
+        nlohmann::json{{"dataset", dataset.string()}, {"complete", complete}, {"seconds", seconds}}
+            .dump(2)
+            .c_str());
   }
   context.progress.line((complete ? "dataset: " : "shard of dataset: ") + dataset.string());
   return ExitCode::done;

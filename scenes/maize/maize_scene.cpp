@@ -205,6 +205,7 @@ std::vector<View> maize_views(const MaizeSceneConfig& config, double height_m, R
     view.time_s = i;
     view.rig_from_world = look_at(eye_m, aim_m);
     view.rig_from_world_end = view.rig_from_world;
+    view.focus_in_world_m = aim_m;
     views.push_back(view);
   }
   return views;

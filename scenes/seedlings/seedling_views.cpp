@@ -48,6 +48,7 @@ std::vector<View> seedling_views(const SeedlingsSceneConfig& config, Rng rng) {
                       Eigen::Vector3d::Zero()};
     view.rig_from_world = rolled * look_at(aim_m + distance_m * from, aim_m, up);
     view.rig_from_world_end = view.rig_from_world;
+    view.focus_in_world_m = aim_m;
     views.push_back(view);
   }
   return views;

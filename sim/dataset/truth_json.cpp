@@ -200,6 +200,8 @@ std::string scene_to_json(const Scene& scene) {
     views.push_back({{"time_s", view.time_s},
                      {"rig_from_world", to_json(view.rig_from_world)},
                      {"rig_from_world_end", to_json(view.rig_from_world_end)}});
+    if (view.focus_in_world_m != Eigen::Vector3d::Zero())
+      views.back()["focus_in_world_m"] = to_json(view.focus_in_world_m);
   }
   return to_text(Json{{"name", scene.name},
                       {"rig", scene.rig},
@@ -228,9 +230,12 @@ Scene scene_from_json(std::string_view text, const std::string& name, SceneFiles
   for (const JsonNode& node : root["lights"].elements(10'000))
     scene.lights.push_back(read_light(node, scene.lights.size(), files.environments));
   for (const JsonNode& node : root["views"].elements(kMaxViews)) {
-    node.expect_keys({"time_s", "rig_from_world", "rig_from_world_end"});
-    scene.views.push_back({node["time_s"].number(), read_pose(node["rig_from_world"]),
-                           read_pose(node["rig_from_world_end"])});
+    node.expect_keys({"time_s", "rig_from_world", "rig_from_world_end"}, {"focus_in_world_m"});
+    View& view = scene.views.emplace_back();
+    view.time_s = node["time_s"].number();
+    view.rig_from_world = read_pose(node["rig_from_world"]);
+    view.rig_from_world_end = read_pose(node["rig_from_world_end"]);
+    if (node.has("focus_in_world_m")) view.focus_in_world_m = node["focus_in_world_m"].vector<3>();
   }
   return scene;
 }

@@ -18,6 +18,7 @@ enum class OrganKind {
   ligule,
   flower,
   root,
+  fruit,
 };
 const char* to_string(OrganKind kind);
 
@@ -73,6 +74,9 @@ double leaf_area_m2(const Plant& plant);  ///< one side of blades and cotyledons
 double blade_area_m2(const Plant& plant);
 int leaf_count(const Plant& plant);   ///< blades that are there
 double height_m(const Plant& plant);  ///< of the highest vertex above the collar; 0 if below it
+/// Angle between an organ's first step and its parent's line where it begins; NaN if either has no
+/// line. Of a blade that is the leaf angle: 0 stands along the stalk.
+double insertion_angle_rad(const Plant& plant, const Organ& organ);
 /// Length along the line of an organ; 0 if it is not there.
 double line_length_m(const Organ& organ);
 

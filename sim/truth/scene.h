@@ -144,6 +144,7 @@ struct View {
   double time_s = 0;
   Pose rig_from_world;      ///< when the first row is read
   Pose rig_from_world_end;  ///< when the last row is read
+  Eigen::Vector3d focus_in_world_m = Eigen::Vector3d::Zero();  ///< what an autofocus finds
 };
 
 /// All that is known of a scene; a plain value. World: right-handed, z up, metres.

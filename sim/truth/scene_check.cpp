@@ -166,6 +166,10 @@ void check_instance(const Instance& instance, const Scene& scene, const std::str
     if (material < 0 || material >= static_cast<int>(scene.materials.size()))
       fail(where, "no such part material", material, "in the scene");
   }
+  for (const std::uint16_t part : model.triangle_part) {
+    if (!instance.part_materials.empty() && part >= instance.part_materials.size())
+      fail(where, "no material of part", part, "of its model");
+  }
   check_pose(where, "its pose", instance.world_from_object);
   for (std::size_t i = 0; i < instance.motion.size(); ++i) {
     const TimedPose& step = instance.motion[i];
@@ -249,6 +253,7 @@ void validate(const Scene& scene) {
     const std::string where = prefix + "view " + std::to_string(i);
     check_pose(where, "its pose", scene.views[i].rig_from_world);
     check_pose(where, "its pose at the end", scene.views[i].rig_from_world_end);
+    if (!scene.views[i].focus_in_world_m.allFinite()) fail(where, "its focus is not finite");
     if (!std::isfinite(scene.views[i].time_s)) fail(where, "its time is not finite");
   }
 }

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "sim/geometry/measure.h"
 
@@ -24,6 +26,24 @@ double trait(const Seedling& seedling, const std::string& name) {
   }
   ADD_FAILURE() << name;
   return std::nan("");
+}
+
+/// Every number of a TOML file says where it comes from.
+void expect_sourced(const std::string& file) {
+  std::ifstream in(std::string(COUSIN_SOURCE_DIR) + "/scenes/" + file);
+  int numbers = 0;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("#") || line.find(" = ") == line.npos) continue;
+    ++numbers;
+    EXPECT_TRUE(line.find("# free") != line.npos || line.find("# sourced: ") != line.npos)
+        << file << ": " << line;
+  }
+  EXPECT_GT(numbers, 30) << file;
+}
+
+TEST(Watermelon, EveryNumberHasItsSourceWord) {
+  expect_sourced("seedlings/watermelon.toml");
+  expect_sourced("seedlings/tray.toml");
 }
 
 TEST(Watermelon, OrgansKeepTheirIdsNamesAndParentsFromDayToDay) {
