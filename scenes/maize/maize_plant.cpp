@@ -342,6 +342,12 @@ std::vector<TrueTrait> traits_of(const MaizeDraft& draft, const LeafMaker& leave
     std::snprintf(name, sizeof name, "internode_%02d", rank);
     traits.push_back({name, "m", high_m - low_m});
   }
+  for (const Organ& organ : draft.plant.organs) {
+    if (organ.kind != OrganKind::blade || !leaves.has_collar(organ.rank)) continue;
+    char name[24];
+    std::snprintf(name, sizeof name, "leaf_angle_%02d", organ.rank);
+    traits.push_back({name, "rad", insertion_angle_rad(draft.plant, organ)});
+  }
   return traits;
 }
 

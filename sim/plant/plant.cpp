@@ -1,6 +1,9 @@
 #include "sim/plant/plant.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -26,6 +29,8 @@ const char* to_string(OrganKind kind) {
       return "flower";
     case OrganKind::root:
       return "root";
+    case OrganKind::fruit:
+      return "fruit";
   }
   return "?";
 }
@@ -126,6 +131,26 @@ double height_m(const Plant& plant) {
       highest = std::max(highest, vertex.z());
   }
   return highest;
+}
+
+double insertion_angle_rad(const Plant& plant, const Organ& organ) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (organ.parent < 0 || organ.line.points_m.size() < 2) return kNone;
+  const auto& below = plant.organs.at(static_cast<std::size_t>(organ.parent)).line.points_m;
+  if (below.size() < 2) return kNone;
+  const Eigen::Vector3d begin = organ.line.points_m[0];
+  std::size_t nearest = 1;  // segment that ends here
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < below.size(); ++i) {
+    const double distance = (0.5 * (below[i - 1] + below[i]) - begin).norm();
+    if (distance < least) {
+      least = distance;
+      nearest = i;
+    }
+  }
+  const Eigen::Vector3d along = (below[nearest] - below[nearest - 1]).normalized();
+  const Eigen::Vector3d first = (organ.line.points_m[1] - begin).normalized();
+  return std::atan2(along.cross(first).norm(), along.dot(first));
 }
 
 double line_length_m(const Organ& organ) {

@@ -51,6 +51,13 @@ TEST(PlantModel, TraitsAreThoseOfTheSurfaces) {
   EXPECT_EQ(line_length_m(plant.organs[2]), 0);
 }
 
+TEST(PlantModel, AnInsertionAngleIsThatBetweenTheLines) {
+  const Plant plant = small_plant();
+  EXPECT_NEAR(insertion_angle_rad(plant, plant.organs[1]), std::numbers::pi / 2, 1e-12);
+  EXPECT_TRUE(std::isnan(insertion_angle_rad(plant, plant.organs[0])));  // grows on nothing
+  EXPECT_TRUE(std::isnan(insertion_angle_rad(plant, plant.organs[2])));  // is not there
+}
+
 TEST(PlantModel, RefusesBrokenTopology) {
   Plant orphan = small_plant();
   orphan.organs[1].parent = 2;  // comes after it
