@@ -79,8 +79,9 @@ std::vector<Material> maize_materials(const MaizeConfig& config);
 /// the stage. Organs: per rank internode, sheath, ligule, blade; then prop roots, peduncle, tassel,
 /// ear. Keypoints: "root" where the stalk leaves the soil, "node n" on the stalk's axis for every
 /// node above the soil, "collar n", "tip n" of each blade, "tassel tip". Traits: height (m),
-/// leaf_count (collars), visible_leaf_count, leaf_area (m2), stalk_diameter (m), and internode_n
-/// (m): along the axis from node n - 1 to node n, where leaf n sits, both above the soil.
+/// leaf_count (collars), visible_leaf_count, leaf_area (m2), stalk_diameter (m); internode_nn (m):
+/// along the axis from node n - 1 to node n, where leaf n sits, both above the soil; leaf_angle_nn
+/// (rad) of leaves with a collar, from the stalk.
 struct MaizePlant {
   Plant plant;
   std::vector<TrueTrait> traits;
