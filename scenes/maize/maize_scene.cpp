@@ -11,17 +11,13 @@
 #include "sim/config/limits.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/smooth_normals.h"
+#include "sim/plant/color.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
-
-Rgbf rgb(const Vector3d& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
-Vector3d vec(const std::vector<double>& v) { return {v.at(0), v.at(1), v.at(2)}; }
 
 /// Clods whose mesh is finest in the middle: cells grow with the distance from it.
 ObjectModel soil_model(const MaizeConfig::Field& c, Rng rng) {
@@ -58,9 +54,9 @@ ObjectModel soil_model(const MaizeConfig::Field& c, Rng rng) {
 void add_soil(Scene& scene, const MaizeConfig& config, Rng rng) {
   Material soil;
   soil.name = "soil";
-  soil.albedo = rgb(vec(config.field.albedo));
-  soil.noise =
-      NoiseTexture{rgb(vec(config.field.other_albedo)), 0.7 * config.field.clod_scale_m, 9};
+  soil.albedo = to_rgb(color_vector(config.field.albedo));
+  soil.noise = NoiseTexture{to_rgb(color_vector(config.field.other_albedo)),
+                            0.7 * config.field.clod_scale_m, 9};
   soil.ior = 1;
   soil.roughness = 1;
   soil.infrared_albedo = 0.3F;
@@ -79,12 +75,12 @@ void add_light(Scene& scene, const MaizeConfig::Field& c, const std::string& lig
     sky.to_sun = {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
     sky.turbidity = c.turbidity;
     sky.scale = 0.02;
-    sky.ground_albedo = rgb(vec(c.albedo));
+    sky.ground_albedo = to_rgb(color_vector(c.albedo));
     scene.lights.emplace_back(sky);
   } else if (light == "overcast") {
-    const Vector3d zenith = vec(c.overcast);
+    const Vector3d zenith = color_vector(c.overcast);
     scene.lights.emplace_back(
-        Sky{rgb(zenith), rgb(Vector3d(zenith / 3)), rgb(Vector3d(0.1 * zenith))});
+        Sky{to_rgb(zenith), to_rgb(Vector3d(zenith / 3)), to_rgb(Vector3d(0.1 * zenith))});
   } else {
     throw std::invalid_argument("light \"" + light + "\" is not one of sun, overcast");
   }

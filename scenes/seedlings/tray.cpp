@@ -13,6 +13,7 @@
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/measure.h"
 #include "sim/geometry/smooth_normals.h"
+#include "sim/plant/color.h"
 #include "sim/render/spectrum.h"
 
 namespace cousin {
@@ -21,14 +22,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
-
-Rgbf rgb(const std::vector<double>& v) {
-  return {static_cast<float>(v.at(0)), static_cast<float>(v.at(1)), static_cast<float>(v.at(2))};
-}
-Rgbf rgb(const Vector3d& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
-Vector3d vec(const std::vector<double>& v) { return {v.at(0), v.at(1), v.at(2)}; }
 
 int add_part(Scene& scene, const std::string& name, int model, int material) {
   Instance instance;
@@ -137,7 +130,7 @@ ObjectModel substrate_model(const TrayConfig& config, int variant, Rng rng) {
   const std::uint64_t key = rng.fork("surface")();
   ObjectModel model;
   model.name = "substrate " + std::to_string(variant);
-  const Vector3d dark = vec(c.albedo_dark), light = vec(c.albedo_light);
+  const Vector3d dark = color_vector(c.albedo_dark), light = color_vector(c.albedo_light);
   for (int j = 0; j <= n; ++j) {
     for (int i = 0; i <= n; ++i) {
       const double x = half * (2.0 * i / n - 1), y = half * (2.0 * j / n - 1);
@@ -151,7 +144,7 @@ ObjectModel substrate_model(const TrayConfig& config, int variant, Rng rng) {
           std::max(0.0, 1 - 14 * std::abs(noise3(Vector3d(x / 0.009, y / 0.0016, 0.7), key + 4))),
           2);
       const double share = std::clamp(dry * dry + 0.6 * fibre * dry, 0.0, 1.0);
-      model.vertex_albedo.push_back(rgb(Vector3d((1 - share) * dark + share * light)));
+      model.vertex_albedo.push_back(to_rgb(Vector3d((1 - share) * dark + share * light)));
     }
   }
   const auto row = static_cast<std::uint32_t>(n + 1);
@@ -174,7 +167,7 @@ ObjectModel substrate_model(const TrayConfig& config, int variant, Rng rng) {
     const double shade = uniform(own, 0.6, 1);
     for (const Vector3d& vertex : mesh.vertices_m) {
       model.mesh.vertices_m.push_back(vertex);
-      model.vertex_albedo.push_back(rgb(Vector3d(shade * vec(c.perlite_albedo))));
+      model.vertex_albedo.push_back(to_rgb(Vector3d(shade * color_vector(c.perlite_albedo))));
     }
     for (const auto& t : mesh.triangles)
       model.mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
@@ -191,8 +184,9 @@ void add_floor(Scene& scene, const TrayConfig& config) {
   add_quad(model.mesh, {-h, -h, z}, {h, -h, z}, {h, h, z}, {-h, h, z});
   Material material;
   material.name = "concrete";
-  material.albedo = rgb(config.bench.albedo);
-  material.noise = NoiseTexture{rgb(config.bench.other_albedo), config.bench.noise_m, 8};
+  material.albedo = to_rgb(color_vector(config.bench.albedo));
+  material.noise =
+      NoiseTexture{to_rgb(color_vector(config.bench.other_albedo)), config.bench.noise_m, 8};
   material.ior = 1;
   material.roughness = 1;
   add_part(scene, "bench", append(scene.models, std::move(model)),
@@ -220,7 +214,7 @@ int add_tray(Scene& scene, const TrayConfig& config, Rng rng) {
   add_floor(scene, config);
   Material plastic;
   plastic.name = "tray plastic";
-  plastic.albedo = rgb(config.tray.albedo);
+  plastic.albedo = to_rgb(color_vector(config.tray.albedo));
   plastic.roughness = config.tray.roughness;
   add_part(scene, "tray", append(scene.models, tray_model(config)),
            append(scene.materials, std::move(plastic)));
@@ -267,12 +261,12 @@ void add_seedling_light(Scene& scene, const TrayConfig& config, const std::strin
     sky.to_sun = to_light(config, light);
     sky.turbidity = c.d1_turbidity;
     sky.scale = 0.02;
-    sky.ground_albedo = rgb(config.bench.albedo);
+    sky.ground_albedo = to_rgb(color_vector(config.bench.albedo));
     scene.lights.emplace_back(sky);
   } else if (light == "D2") {
-    const Vector3d zenith = vec(c.d2_zenith);
-    scene.lights.emplace_back(
-        Sky{rgb(zenith), rgb(Vector3d(c.d2_horizon_share * zenith)), rgb(Vector3d(0.1 * zenith))});
+    const Vector3d zenith = color_vector(c.d2_zenith);
+    scene.lights.emplace_back(Sky{to_rgb(zenith), to_rgb(Vector3d(c.d2_horizon_share * zenith)),
+                                  to_rgb(Vector3d(0.1 * zenith))});
   } else if (light == "D3") {
     const std::array<LedPeak, 2> peaks = {LedPeak{c.d3_blue_m, c.d3_width_m, c.d3_blue_share},
                                           {c.d3_red_m, c.d3_width_m, 1 - c.d3_blue_share}};
@@ -280,7 +274,8 @@ void add_seedling_light(Scene& scene, const TrayConfig& config, const std::strin
     const double pitch_m = config.tray.rows * config.tray.pitch_m / c.d3_lamps * 1.6;
     for (int i = 0; i < c.d3_lamps; ++i)
       scene.lights.emplace_back(bar(c, (i - 0.5 * (c.d3_lamps - 1)) * pitch_m, color));
-    scene.lights.emplace_back(Sky{rgb(c.d3_room), rgb(c.d3_room), rgb(c.d3_room)});
+    scene.lights.emplace_back(Sky{to_rgb(color_vector(c.d3_room)), to_rgb(color_vector(c.d3_room)),
+                                  to_rgb(color_vector(c.d3_room))});
   } else {
     throw std::invalid_argument("light \"" + light + "\" is not one of D1, D2, D3");
   }

@@ -8,7 +8,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "scenes/seedlings/blade_colours.h"
 #include "sim/geometry/gradient_noise.h"
+#include "sim/plant/color.h"
 #include "sim/plant/growth.h"
 
 namespace cousin {
@@ -18,11 +20,6 @@ using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLeast_m = 5e-4;  ///< leaves shorter than this are still in the bud
-
-Vector3d vec(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-Rgbf rgb(const Vector3d& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
 
 /// What one plant is, on whatever day.
 struct Individual {
@@ -61,53 +58,6 @@ Individual draw_individual(const WatermelonConfig& config, Rng rng) {
   }
   own.colour_key = rng();
   return own;
-}
-
-/// Brightest of a blade's colours, channel by channel: the material's, of which vertices take
-/// shares.
-Vector3d brightest(const std::vector<double>& a, const std::vector<double>& b,
-                   const std::vector<double>& c) {
-  return vec(a).cwiseMax(vec(b)).cwiseMax(vec(c));
-}
-
-/// How a blade is coloured.
-struct BladeColours {
-  Vector3d lamina, vein, base;  ///< base: the material's
-  double vein_m = 0;            ///< width of the midrib
-  double halo = 0;              ///< how far the veins' colour spreads into the lamina beside them
-  double length_m = 0;
-  std::uint64_t key = 0;
-};
-
-/// 1 on a vein, 0 off it; a vertex stands for `cell_m` around it.
-double on_vein(double distance_m, double width_m, double cell_m) {
-  return std::clamp((0.5 * width_m + 0.5 * cell_m - distance_m) / cell_m, 0.0, 1.0) *
-         std::min(1.0, width_m / cell_m);
-}
-
-std::vector<Rgbf> blade_albedo(const OrganSurface& surface, const BladeShape& shape,
-                               const BladeColours& c, double cell_m) {
-  const std::vector<double> veins = side_veins(shape);
-  std::vector<Rgbf> colours;
-  for (const Eigen::Vector2d& place : surface.place) {
-    const double s = place.x(), out = std::abs(place.y());
-    const double y_m = 0.5 * shape.width_m * out * row_share(shape, s);
-    double vein = on_vein(y_m, c.vein_m * (1 - 0.7 * s), cell_m);
-    double near_m = y_m;
-    for (const double at : veins) {
-      const double off_m = std::abs(s - at) * c.length_m;
-      vein = std::max(vein, on_vein(off_m, 0.7 * c.vein_m * (1 - 0.8 * out), cell_m));
-      near_m = std::min(near_m, off_m + 0.0012 * out);
-    }
-    vein = std::max(vein, c.halo * std::exp(-std::pow(near_m / (2.5 * c.vein_m), 2)));
-    const double mottle =
-        1 + 0.22 * fractal_noise3(
-                       Vector3d(s * c.length_m, place.y() * shape.width_m * 0.5, 0.1) / 0.003, 3,
-                       c.key);
-    const Vector3d colour = mottle * ((1 - vein) * c.lamina + vein * c.vein);
-    colours.push_back(rgb(colour.cwiseQuotient(c.base).cwiseMax(0.02).cwiseMin(1.0)));
-  }
-  return colours;
 }
 
 int cells(double length_m, double detail_m, int least, int most) {
@@ -168,12 +118,13 @@ class Grower {
   }
 
   void colour_stem(Organ& organ) const {
-    const Vector3d base = vec(c_.hypocotyl.albedo).cwiseMax(vec(c_.hypocotyl.albedo_base));
+    const Vector3d base =
+        color_vector(c_.hypocotyl.albedo).cwiseMax(color_vector(c_.hypocotyl.albedo_base));
     for (const Eigen::Vector2d& place : organ.surface.place) {
       const double green = organ.name == "hypocotyl" ? smoothstep(0.1, 0.75, place.x()) : 1;
-      const Vector3d colour =
-          (1 - green) * vec(c_.hypocotyl.albedo_base) + green * vec(c_.hypocotyl.albedo);
-      organ.albedo.push_back(rgb(colour.cwiseQuotient(base)));
+      const Vector3d colour = (1 - green) * color_vector(c_.hypocotyl.albedo_base) +
+                              green * color_vector(c_.hypocotyl.albedo);
+      organ.albedo.push_back(to_rgb(colour.cwiseQuotient(base)));
     }
   }
 
@@ -234,8 +185,8 @@ class Grower {
                                   2 * cells(0.5 * shape.width_m, detail_m, 4, 20));
     const double green = logistic(age_, c.green_day, 0.45);
     BladeColours colours;
-    colours.lamina = (1 - green) * vec(c.albedo_young) + green * vec(c.albedo);
-    colours.vein = (1 - green) * vec(c.albedo_young) + green * vec(c.albedo_vein);
+    colours.lamina = (1 - green) * color_vector(c.albedo_young) + green * color_vector(c.albedo);
+    colours.vein = (1 - green) * color_vector(c.albedo_young) + green * color_vector(c.albedo_vein);
     colours.base = brightest(c.albedo, c.albedo_young, c.albedo_vein);
     colours.vein_m = 0.0009;
     colours.halo = 0.35;
@@ -277,14 +228,44 @@ class Grower {
     const auto& l = c_.leaf;
     const double green = logistic(age, l.unfold_day + 0.6, 0.7);
     BladeColours colours;
-    colours.lamina = (1 - green) * vec(l.albedo_young) + green * vec(l.albedo);
-    colours.vein = (1 - green) * vec(l.albedo_young) + green * vec(l.albedo_vein);
+    colours.lamina = (1 - green) * color_vector(l.albedo_young) + green * color_vector(l.albedo);
+    colours.vein = (1 - green) * color_vector(l.albedo_young) + green * color_vector(l.albedo_vein);
     colours.base = brightest(l.albedo, l.albedo_young, l.albedo_vein);
     colours.vein_m = std::max(0.25, std::sqrt(size)) * l.vein_width_m;
     colours.halo = 0.30;
     colours.length_m = line_length_m(blade);
     colours.key = own_.colour_key + 16 + static_cast<std::uint64_t>(blade.rank);
     blade.albedo = blade_albedo(blade.surface, shape, colours, c_.surface.detail_m);
+  }
+
+  /// @param tip  heading of the petiole's tip  @param side  horizontal, away from the axis
+  void blade_of_leaf(Organ& blade, const Organ& petiole, const Vector3d& tip, const Vector3d& side,
+                     double size, double age) {
+    const auto& l = c_.leaf;
+    const auto k = static_cast<std::size_t>(blade.rank - 1);
+    const double old = logistic(age, l.angle_day, 1.0);
+    // The blade hangs on from the petiole's tip, away from the axis.
+    const Vector3d sideways = side.cross(heading_).normalized();
+    const Vector3d heading =
+        Eigen::AngleAxisd(-(0.2 + 0.8 * old) * l.blade_angle_rad, sideways) * tip;
+    const Vector3d upper = sideways.cross(heading).normalized();
+    AxisGrowth growth;
+    growth.start_m = petiole.line.points_m.back();
+    growth.heading = heading;
+    growth.length_m = size * l.length_m[k];
+    growth.radius_base_m = petiole.line.radii_m.back();
+    growth.radius_tip_m = 0.3 * growth.radius_base_m;
+    growth.segments = 24;
+    growth.curls.push_back({upper.cross(heading), old * l.droop_rad, 0});
+    blade.line = grow_axis(growth);
+    const BladeShape shape = leaf_shape(blade.rank, size, age);
+    const double detail_m = c_.surface.detail_m;
+    blade.surface = blade_surface(LineWalk(blade.line, upper), shape,
+                                  cells(growth.length_m, 0.8 * detail_m, 24, 72),
+                                  2 * cells(0.5 * shape.width_m, detail_m, 5, 28));
+    leaf_colours(blade, shape, size, age);
+    plant_.keypoints.push_back({blade.name + " base", blade.line.points_m.front()});
+    plant_.keypoints.push_back({blade.name + " tip", blade.line.points_m.back()});
   }
 
   /// Internode, petiole and blade. @return the internode's id, on which the next one grows.
@@ -329,28 +310,7 @@ class Grower {
     growth.segments = 12;
     growth.tropisms.push_back({Vector3d::UnitZ(), 0.25, 0});
     const Vector3d tip = stalk(petiole, growth);
-    // The blade hangs on from the petiole's tip, away from the axis.
-    const Vector3d sideways = side.cross(heading_).normalized();
-    const Vector3d heading =
-        Eigen::AngleAxisd(-(0.2 + 0.8 * old) * l.blade_angle_rad, sideways) * tip;
-    const Vector3d upper = sideways.cross(heading).normalized();
-    growth.tropisms.clear();
-    growth.start_m = petiole.line.points_m.back();
-    growth.heading = heading;
-    growth.length_m = size * l.length_m[k];
-    growth.radius_base_m = growth.radius_tip_m;
-    growth.radius_tip_m = 0.3 * growth.radius_base_m;
-    growth.segments = 24;
-    growth.curls.push_back({upper.cross(heading), old * l.droop_rad, 0});
-    blade.line = grow_axis(growth);
-    const BladeShape shape = leaf_shape(rank, size, age);
-    const double detail_m = c_.surface.detail_m;
-    blade.surface = blade_surface(LineWalk(blade.line, upper), shape,
-                                  cells(growth.length_m, 0.8 * detail_m, 24, 72),
-                                  2 * cells(0.5 * shape.width_m, detail_m, 5, 28));
-    leaf_colours(blade, shape, size, age);
-    plant_.keypoints.push_back({name + " base", blade.line.points_m.front()});
-    plant_.keypoints.push_back({name + " tip", blade.line.points_m.back()});
+    blade_of_leaf(blade, petiole, tip, side, size, age);
     return node;
   }
 
@@ -409,40 +369,6 @@ Seedling grow_watermelon(const WatermelonConfig& config, const SeedlingPlace& pl
   seedling.plant = Grower(config, place, own, day).grow();
   seedling.traits = seedling_traits(seedling);
   return seedling;
-}
-
-std::vector<Material> watermelon_materials(const WatermelonConfig& config) {
-  const auto& h = config.hypocotyl;
-  const auto& c = config.cotyledon;
-  const auto& l = config.leaf;
-  const auto& s = config.surface;
-  Material stem;
-  stem.name = "seedling stem";
-  stem.albedo = rgb(vec(h.albedo).cwiseMax(vec(h.albedo_base)));
-  stem.roughness = s.stem_roughness;
-  const auto sheet = [&](const char* name, const Vector3d& albedo, const std::vector<double>& back,
-                         const std::vector<double>& through) {
-    Material m;
-    m.name = name;
-    m.kind = SurfaceKind::leaf;
-    m.albedo = rgb(albedo);
-    m.back_albedo = rgb(vec(back).cwiseMax(albedo));
-    m.transmittance = rgb(vec(through));
-    m.roughness = s.leaf_roughness;
-    m.infrared_transmittance = static_cast<float>(s.infrared_transmittance);
-    return m;
-  };
-  std::vector<Material> materials = {
-      stem,
-      sheet("cotyledon", brightest(c.albedo, c.albedo_young, c.albedo_vein), c.albedo_back,
-            c.transmittance),
-      sheet("seedling leaf", brightest(l.albedo, l.albedo_young, l.albedo_vein), l.albedo_back,
-            l.transmittance)};
-  for (Material& m : materials) {
-    m.ior = s.ior;
-    m.infrared_albedo = static_cast<float>(s.infrared_albedo);
-  }
-  return materials;
 }
 
 }  // namespace cousin
