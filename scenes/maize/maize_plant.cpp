@@ -55,7 +55,7 @@ MaizeStalk grow_stalk(const MaizeConfig& c, const MaizeIndividual& own, double s
   Vector3d heading = (Vector3d::UnitZ() + std::tan(own.lean_rad) * lean).normalized();
   Vector3d point(0, 0, -c.stalk.depth_m);
   stalk.line.points_m.push_back(point);
-  stalk.line.radii_m.push_back(0.8 * stalk.youth * full_radius_m(c, 1));
+  stalk.line.radii_m.push_back(0.8 * own.vigour * stalk.youth * full_radius_m(c, 1));
   double along_m = 0;
   for (int rank = 1; rank <= c.plant.leaves; ++rank) {
     const auto r = static_cast<std::size_t>(rank - 1);
@@ -66,7 +66,7 @@ MaizeStalk grow_stalk(const MaizeConfig& c, const MaizeIndividual& own, double s
     const Vector3d side(std::cos(own.leaves[r].azimuth_rad), std::sin(own.leaves[r].azimuth_rad),
                         0);
     const int steps = std::clamp(static_cast<int>(length_m / 0.015), 1, 10);
-    const double radius_m = stalk.youth * full_radius_m(c, rank);
+    const double radius_m = own.vigour * stalk.youth * full_radius_m(c, rank);
     const double before_m = stalk.line.radii_m.back();
     for (int i = 1; i <= steps; ++i) {
       point += length_m / steps * heading;

@@ -338,11 +338,11 @@ double length_above_m(const CentreLine& line) {
   return sum;
 }
 
-std::vector<TrueTrait> seedling_traits(const Seedling& seedling) {
+std::vector<TrueTrait> seedling_traits(const Seedling& seedling, double counted_m) {
   const Plant& plant = seedling.plant;
   const double blades_m2 = blade_area_m2(plant), all_m2 = leaf_area_m2(plant);
   return {{"emergence", "1", seedling.has_emerged ? 1.0 : 0.0},
-          {"leaf_count", "1", static_cast<double>(leaf_count(plant))},
+          {"leaf_count", "1", static_cast<double>(leaf_count(plant, counted_m))},
           {"leaf_area", "m2", all_m2},
           {"cotyledon_area", "m2", all_m2 - blades_m2},
           {"height", "m", height_m(plant)},
@@ -367,7 +367,7 @@ Seedling grow_watermelon(const WatermelonConfig& config, const SeedlingPlace& pl
   // A seed that fails has its organs' places, and never an organ.
   if (!own.germinates) own.emergence_day = 10 * kLastSeedlingDay;
   seedling.plant = Grower(config, place, own, day).grow();
-  seedling.traits = seedling_traits(seedling);
+  seedling.traits = seedling_traits(seedling, config.leaf.counted_m);
   return seedling;
 }
 

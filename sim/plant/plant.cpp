@@ -118,10 +118,11 @@ double blade_area_m2(const Plant& plant) {
   return sum;
 }
 
-int leaf_count(const Plant& plant) {
-  return static_cast<int>(std::count_if(
-      plant.organs.begin(), plant.organs.end(),
-      [](const Organ& organ) { return organ.kind == OrganKind::blade && is_there(organ); }));
+int leaf_count(const Plant& plant, double least_m) {
+  return static_cast<int>(
+      std::count_if(plant.organs.begin(), plant.organs.end(), [&](const Organ& organ) {
+        return organ.kind == OrganKind::blade && is_there(organ) && line_length_m(organ) >= least_m;
+      }));
 }
 
 double height_m(const Plant& plant) {

@@ -72,7 +72,8 @@ double azimuth_rad(const Phyllotaxis& phyllotaxis, int rank, double normal_draw)
 // Traits, read off the surfaces.
 double leaf_area_m2(const Plant& plant);  ///< one side of blades and cotyledons
 double blade_area_m2(const Plant& plant);
-int leaf_count(const Plant& plant);   ///< blades that are there
+int leaf_count(const Plant& plant,
+               double least_m = 0);   ///< blades that are there, at least so long
 double height_m(const Plant& plant);  ///< of the highest vertex above the collar; 0 if below it
 /// Angle between an organ's first step and its parent's line where it begins; NaN if either has no
 /// line. Of a blade that is the leaf angle: 0 stands along the stalk.

@@ -44,6 +44,8 @@ TEST(PlantModel, HasAPartForEachOrganThereOrNot) {
 TEST(PlantModel, TraitsAreThoseOfTheSurfaces) {
   const Plant plant = small_plant();
   EXPECT_EQ(leaf_count(plant), 1);
+  EXPECT_EQ(leaf_count(plant, 0.049), 1);  // it is 50 mm long
+  EXPECT_EQ(leaf_count(plant, 0.051), 0);
   EXPECT_DOUBLE_EQ(leaf_area_m2(plant), surface_area_m2(plant.organs[1].surface.mesh));
   // The stem's end is a cap half a radius high.
   EXPECT_NEAR(height_m(plant), 0.05 + 0.5 * 0.001, 1e-12);
