@@ -146,8 +146,10 @@ OrganSurface blade_surface(const LineWalk& midrib, const BladeShape& shape, int 
   const double whole_m = midrib.length_m();
   for (int i = 0; i <= rows; ++i) {
     const double s = static_cast<double>(i) / rows;
-    const double half_m = 0.5 * shape.width_m * row_share(shape, s);
     const double sweep = shape.sweep_base_rad + s * (shape.sweep_tip_rad - shape.sweep_base_rad);
+    // No row reaches beyond the midrib's tip: the margin would fold back to it.
+    const double reach_m = (1 - s) * whole_m / std::max(std::cos(sweep), 1e-12);
+    const double half_m = std::min(0.5 * shape.width_m * row_share(shape, s), reach_m);
     for (int j = 0; j <= columns; ++j) {
       const double t = 2.0 * j / columns - 1, out = std::abs(t);
       const double x_m = s * whole_m + out * half_m * std::cos(sweep);

@@ -101,6 +101,25 @@ TEST(BladeSurface, UpperSideFacesAlongTheMidribsNormals) {
   }
 }
 
+TEST(BladeSurface, ALobedLeafDoesNotFoldBackAtItsTip) {
+  BladeShape shape;
+  shape.width_m = 0.08;
+  shape.envelope_base = 0.7;
+  shape.envelope_peak = 0.27;
+  shape.envelope_fall = 1.3;
+  shape.sweep_base_rad = 2.2;
+  shape.sweep_tip_rad = 0.8;
+  const Mesh mesh = blade_surface(straight(0.08), shape, 60, 20).mesh;
+  double flat_m2 = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vector3d& a = mesh.vertices_m[t[0]];
+    flat_m2 += 0.5 * (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a).z();
+  }
+  // Signed and unsigned areas agree: nothing lies upside down.
+  EXPECT_NEAR(flat_m2, surface_area_m2(mesh), 1e-15);
+  for (const Vector3d& vertex : mesh.vertices_m) EXPECT_LE(vertex.x(), 0.08 + 1e-12);
+}
+
 TEST(BladeSurface, LobesCutTheOutlineAsDeepAsSaid) {
   BladeShape shape = strip(0.03);
   shape.lobes = 3;
