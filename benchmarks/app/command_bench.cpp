@@ -16,6 +16,7 @@
 #include "benchmarks/render/render_suite.h"
 #include "benchmarks/renderers/renderers_page.h"
 #include "benchmarks/renderers/renderers_suite.h"
+#include "benchmarks/scenes/scenes_suite.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/seeds_report.h"
 #include "benchmarks/seeds/suite.h"
@@ -192,17 +193,27 @@ ScoreFile bench_program(const JobContext& context, const fs::path& out) {
       context, out);
 }
 
+ScoreFile bench_scenes(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  return finish(titled("Cousin: bench scenes",
+                       "What plant scenes cost and what grows in them. Their sizes are free: the "
+                       "traits are printed, not held to a population.",
+                       scenes_suite(o.seed, o.quick, context.progress.function())),
+                context, out);
+}
+
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
   std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 7> kSuites = {
+constexpr std::array<Suite, 8> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
      {"sensors", bench_sensors, {"--quick", "--shard"}},
      {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution"}},
+     {"scenes", bench_scenes, {"--quick"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/simulate.h"
 #include "benchmarks/seeds/stage_files.h"
@@ -54,9 +55,9 @@ void claim_folder(const fs::path& dataset, const std::string& hash) {
 
 /// What the folder belongs to: the program's version, configuration and seed, and the truth where
 /// it is not the default.
-std::string owner_hash(const SeedsRunConfig& config, std::uint64_t seed, const TruthNeeds& truth) {
+std::string owner_hash(const std::string& config_hash, const TruthNeeds& truth) {
   const std::string names = to_string(truth);
-  return sha256_hex(std::string(COUSIN_VERSION) + "\n" + config_hash(config, seed) +
+  return sha256_hex(std::string(COUSIN_VERSION) + "\n" + config_hash +
                     (names == "visibility" ? "" : "\ntruth = " + names) + "\n");
 }
 
@@ -68,10 +69,9 @@ struct Contents {
 
 /// Files below the scene's folder that come with one frame: its images and what is true of its
 /// depth.
-std::vector<fs::path> frame_files(const SeedsSimulation& simulation, int frame,
-                                  const Contents& contents) {
-  Capture one = simulation.capture_header();
-  one.frames.push_back(simulation.rig().outline(frame, contents.streams));
+std::vector<fs::path> frame_files(const BuiltScene& built, int frame, const Contents& contents) {
+  Capture one = built.capture_header();
+  one.frames.push_back(built.rig->outline(frame, contents.streams));
   std::vector<fs::path> files = frame_image_files(one, 0);
   char name[16];
   std::snprintf(name, sizeof name, "%06d", frame);
@@ -83,40 +83,39 @@ std::vector<fs::path> frame_files(const SeedsSimulation& simulation, int frame,
 }
 
 /// Images of the frames of one scene that are not there yet; the files are final or absent.
-void render_frames(const SeedsSimulation& simulation, const fs::path& scene_dir, int first, int end,
+void render_frames(const BuiltScene& built, const fs::path& scene_dir, int first, int end,
                    const Contents& contents, const Progress& progress) {
   for (int frame = first; frame < end; ++frame) {
     progress("render " + scene_dir.filename().string(), frame - first, end - first);
-    const std::vector<fs::path> files = frame_files(simulation, frame, contents);
+    const std::vector<fs::path> files = frame_files(built, frame, contents);
     const auto is_there = [&](const fs::path& file) { return fs::exists(scene_dir / file); };
     if (std::all_of(files.begin(), files.end(), is_there)) continue;
-    RigFrame taken = simulation.take(frame, contents.streams);
-    Capture one = simulation.capture_header();
+    RigFrame taken = built.take(frame, contents.streams);
+    Capture one = built.capture_header();
     one.frames.push_back(std::move(taken.frame));
     write_frame_images(scene_dir, one, 0);
     TruthImages of_depth;
     if (contents.truth.noise_free_depth)
       of_depth.noise_free_depth_m = std::move(taken.noise_free_depth_m);
     if (contents.truth.invalid_reason) of_depth.invalid_reason = std::move(taken.invalid_reason);
-    write_truth_images(scene_dir, simulation.scene(), frame, of_depth);
+    write_truth_images(scene_dir, *built.scene, frame, of_depth);
   }
 }
 
 /// Index and truth of a scene: both are pure functions of configuration and seed, whichever shard
 /// rendered the images.
-void write_index(const SeedsSimulation& simulation, const fs::path& scene_dir,
-                 const Contents& contents) {
-  Capture capture = simulation.capture_header();
-  SceneTruth truth = simulation.scene_truth();
+void write_index(const BuiltScene& built, const fs::path& scene_dir, const Contents& contents) {
+  Capture capture = built.capture_header();
+  SceneTruth truth = built.scene_truth();
   // Pixels stand for the images: the index names them, whichever shard writes them and when.
-  for (const TrueView& view : simulation.views())
-    capture.frames.push_back(simulation.rig().outline(view.frame, contents.streams));
+  for (const TrueView& view : *built.views)
+    capture.frames.push_back(built.rig->outline(view.frame, contents.streams));
   if (to_string(contents.truth) != "none") {
     // The images of all views together need gigabytes: each is written as it is made.
     truth.images.resize(truth.views.size());
     for_each_frame(truth.views.size(), [&](std::size_t i) {
       const int frame = truth.views[i].frame;
-      TruthImages images = simulation.truth(frame, contents.truth);
+      TruthImages images = built.truth(frame, contents.truth);
       write_truth_images(scene_dir, truth.scene, frame, images);
       truth.images[i].visibility = std::move(images.visibility);
       truth.images[i].keypoints = std::move(images.keypoints);
@@ -141,48 +140,48 @@ std::vector<fs::path> index_files(const fs::path& scene_dir) {
 
 ExitCode command_render(const JobContext& context) {
   const Options& o = context.options;
-  if (o.arguments.at(0) != "seeds") {
-    throw std::invalid_argument("scene \"" + o.arguments[0] + "\" is not one of: seeds");
-  }
+  const SceneEntry& entry = scene_entry(o.arguments.at(0));
   std::vector<std::string> sets = o.sets;
   if (o.frames > 0) sets.push_back("views=" + std::to_string(o.frames));
   if (!o.streams.empty()) sets.push_back("streams=" + o.streams);
-  const SeedsRunConfig config = seeds_run_config(sets, o.config);
+  const SceneJob job = entry.configure(sets, o.config);
   if (o.keys) {
-    SeedsRunConfig copy = config;
-    std::printf("%s", describe(fields(copy)).c_str());
+    std::printf("%s", job.keys.c_str());
     return ExitCode::done;
   }
   const Shard shard = parse_shard(o.shard);
-  const fs::path dataset = o.out.empty() ? fs::path("out") / "seeds_dataset" : fs::path(o.out);
+  const fs::path dataset =
+      o.out.empty() ? fs::path("out") / (entry.name + "_dataset") : fs::path(o.out);
   Contents contents;
-  contents.streams = planned_streams(config, Reader::anybody);
-  contents.truth = o.truth.empty() ? default_truth(contents.streams)
-                                   : truth_needs_from_string(
-                                         o.truth, truth_there_is(config.rig, contents.streams));
-  const std::string hash = owner_hash(config, o.seed, contents.truth);
+  contents.streams = job.streams;
+  contents.truth =
+      o.truth.empty() ? default_truth(contents.streams)
+                      : truth_needs_from_string(o.truth, truth_there_is(job.rig, contents.streams));
+  const std::string hash = owner_hash(job.hash(o.seed), contents.truth);
   require_writable(dataset);
   check_owner(dataset, hash);
 
-  const int frames = config.scene.views;
+  const int frames = job.views;
   const auto [first, end] = shard_range(shard, o.scenes * frames);
   std::vector<fs::path> written;
   std::vector<StageTiming> timings;
   for (int scene = first / frames; scene * frames < end; ++scene) {
+    const StageClock build_clock("build " + scene_id(scene));
+    const BuiltScene built = job.build(o.seed, scene);
+    timings.push_back(build_clock.finish());
     const StageClock clock("render " + scene_id(scene));
-    const SeedsSimulation simulation(config, o.seed, scene);
     claim_folder(dataset, hash);  // not before: a scene that cannot be built leaves no trace
     const fs::path scene_dir = dataset / scene_id(scene);
     const int from = std::max(0, first - scene * frames);
     const int to = std::min(frames, end - scene * frames);
-    render_frames(simulation, scene_dir, from, to, contents, context.progress.function());
+    render_frames(built, scene_dir, from, to, contents, context.progress.function());
     // The shard that renders a scene's first frame writes its index and truth.
-    if (from == 0) write_index(simulation, scene_dir, contents);
+    if (from == 0) write_index(built, scene_dir, contents);
     const auto add = [&](const std::vector<fs::path>& files) {
       for (const fs::path& file : files) written.push_back(fs::path(scene_id(scene)) / file);
     };
     if (shard.count > 1) {
-      for (int frame = from; frame < to; ++frame) add(frame_files(simulation, frame, contents));
+      for (int frame = from; frame < to; ++frame) add(frame_files(built, frame, contents));
       if (from == 0) add(index_files(scene_dir));
     }
     timings.push_back(clock.finish());
@@ -190,16 +189,20 @@ ExitCode command_render(const JobContext& context) {
   Manifest header;
   header.program_version = COUSIN_VERSION;
   header.config_hash = hash;
-  header.pipeline = "seeds";
+  header.pipeline = entry.name;
   if (shard.count > 1) write_shard_manifest(dataset, header, shard.index, shard.count, written);
   const bool complete = shard.count <= 1 || fs::exists(dataset / "manifest.json");
   if (shard.count <= 1) write_manifest(dataset, header);
   if (complete) fs::remove(dataset / kPartialFile);  // last: the folder is never without an owner
   write_timings(dataset, timings);
   if (o.json) {
+    nlohmann::json seconds = nlohmann::json::object();
+    for (const StageTiming& timing : timings) seconds[timing.stage] = timing.wall_s;
     std::printf(
         "%s\n",
-        nlohmann::json{{"dataset", dataset.string()}, {"complete", complete}}.dump(2).c_str());
+        nlohmann::json{{"dataset", dataset.string()}, {"complete", complete}, {"seconds", seconds}}
+            .dump(2)
+            .c_str());
   }
   context.progress.line((complete ? "dataset: " : "shard of dataset: ") + dataset.string());
   return ExitCode::done;

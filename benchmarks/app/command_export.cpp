@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
-#include "benchmarks/seeds/simulate.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/truth_io.h"
 #include "sim/render/cycles/cycles.h"
@@ -38,9 +38,10 @@ bool same_places(const Scene& a, const Scene& b) {
 Scene shaded_scene(const SceneTruth& truth, const fs::path& scene_dir, ProgressPrinter& progress) {
   std::string why;
   try {
-    const SeedsRunConfig config = seeds_run_config({}, scene_dir / "truth" / "config.toml");
+    const SceneJob job =
+        scene_entry(truth.scene.name).configure({}, scene_dir / "truth" / "config.toml");
     const int index = std::stoi(scene_dir.filename().string());
-    Scene made = SeedsSimulation(config, truth.seed, index).scene();
+    Scene made = *job.build(truth.seed, index).scene;
     if (same_places(made, truth.scene)) return made;
     why = "this version of the program makes another scene of its configuration";
   } catch (const std::exception& error) {

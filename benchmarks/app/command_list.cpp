@@ -9,7 +9,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/report/javascript_libraries.h"
-#include "scenes/seeds/seeds_scene.h"
+#include "benchmarks/scenes/scene_table.h"
 #include "sim/sensors/active_stereo.h"
 #include "sim/sensors/phone.h"
 #include "sim/sensors/range_rig.h"
@@ -44,13 +44,10 @@ std::string built(bool is_built, const char* option) {
 }  // namespace
 
 ExitCode command_scenes(const JobContext& context) {
-  std::string cultivars;
-  for (const std::string& name : cultivar_names())
-    cultivars += (cultivars.empty() ? "" : ", ") + name;
-  print({{"seeds", built(COUSIN_WITH_MUJOCO, "WITH_MUJOCO"),
-          "ten seeds dropped on a calibration board before a green screen, three camera rings (" +
-              cultivars + ")"}},
-        context.options.json);
+  std::vector<Entry> entries;
+  for (const SceneEntry& scene : scene_table())
+    entries.push_back({scene.name, scene.status, scene.help});
+  print(entries, context.options.json);
   return ExitCode::done;
 }
 

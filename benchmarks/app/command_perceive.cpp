@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/run_config.h"
 #include "sim/dataset/atomic_file.h"
@@ -36,6 +37,11 @@ std::string pipeline_of(const Options& options, const Capture& capture, const fs
   }
   if (name.empty())
     throw std::invalid_argument("a real capture names no pipeline: give --pipeline seeds");
+  for (const SceneEntry& scene : scene_table()) {
+    if (scene.name != name || scene.has_pipeline) continue;
+    throw std::invalid_argument(dataset.string() + " is of scene \"" + name +
+                                "\", which has no pipeline yet");
+  }
   if (name != "seeds")
     throw std::invalid_argument("--pipeline \"" + name + "\" is not one of: seeds");
   return name;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/plan.h"
@@ -194,13 +195,40 @@ bool run_scenes(const JobContext& context, const SeedsRunConfig& config,
   return resumed;
 }
 
+void print_plan(const Options& o, const std::vector<PlanEntry>& plan) {
+  if (!o.json) {
+    std::printf("%s", describe(plan).c_str());
+    return;
+  }
+  nlohmann::json rows = nlohmann::json::array();
+  for (const PlanEntry& entry : plan)
+    rows.push_back({{"pass", entry.pass}, {"runs", entry.runs}, {"why", entry.why}});
+  std::printf("%s\n", rows.dump(2).c_str());
+}
+
+/// Of a scene that can be rendered only: its keys and its plan.
+ExitCode run_without_pipeline(const JobContext& context, const SceneEntry& entry) {
+  const Options& o = context.options;
+  const SceneJob job = entry.configure(assignments(o), o.config);
+  if (o.keys) {
+    std::printf("%s", job.keys.c_str());
+  } else if (o.plan) {
+    print_plan(o, job.plan());
+  } else {
+    throw std::invalid_argument("scene \"" + entry.name +
+                                "\" has no pipeline yet, so there is nothing to run on it; "
+                                "`cousin render " +
+                                entry.name + "` writes its images and truth");
+  }
+  return ExitCode::done;
+}
+
 }  // namespace
 
 ExitCode command_run(const JobContext& context) {
   const Options& o = context.options;
-  if (o.arguments.at(0) != "seeds") {
-    throw std::invalid_argument("scene \"" + o.arguments[0] + "\" is not one of: seeds");
-  }
+  const SceneEntry& entry = scene_entry(o.arguments.at(0));
+  if (!entry.has_pipeline) return run_without_pipeline(context, entry);
   const StageClock total("run");
   const SeedsRunConfig config = seeds_run_config(assignments(o), o.config);
   if (o.keys) {
@@ -213,15 +241,7 @@ ExitCode command_run(const JobContext& context) {
   for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
   const std::vector<PlanEntry> plan = seeds_plan(config, o.attribution, sources);
   if (o.plan) {
-    if (o.json) {
-      nlohmann::json rows = nlohmann::json::array();
-      for (const PlanEntry& entry : plan) {
-        rows.push_back({{"pass", entry.pass}, {"runs", entry.runs}, {"why", entry.why}});
-      }
-      std::printf("%s\n", rows.dump(2).c_str());
-    } else {
-      std::printf("%s", describe(plan).c_str());
-    }
+    print_plan(o, plan);
     return ExitCode::done;
   }
   const fs::path out = o.out.empty() ? fs::path("out") / "seeds" : fs::path(o.out);

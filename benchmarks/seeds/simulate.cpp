@@ -95,17 +95,23 @@ RigFrame SeedsSimulation::take(int frame, const Streams& streams) const {
 }
 
 TruthImages SeedsSimulation::truth(int frame, const TruthNeeds& needs) const {
-  const TrueView& view = impl_->views().at(static_cast<std::size_t>(frame));
+  return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs);
+}
+
+TruthImages true_images(const RayScene& rays, const Scene& scene, const RigCapture& rig, int frame,
+                        const TruthNeeds& needs) {
+  const std::vector<TrueView>& views = rig.views().front().views;
+  const TrueView& view = views.at(static_cast<std::size_t>(frame));
   const auto next = static_cast<std::size_t>(frame) + 1;
-  const bool flow = needs.flow && next < impl_->views().size();
+  const bool flow = needs.flow && next < views.size();
   TruthNeeds more = needs;
   if (flow) more.depth = more.instance = true;
-  TruthImages truth = render_truth(impl_->rays, impl_->scene, view, more);
+  TruthImages truth = render_truth(rays, scene, view, more);
   if (flow) {
-    truth.flow = match_views(impl_->scene, {impl_->rays, view}, truth.depth_m, truth.instance,
-                             {impl_->rays, impl_->views()[next]});
+    truth.flow =
+        match_views(scene, {rays, view}, truth.depth_m, truth.instance, {rays, views[next]});
   }
-  if (needs.disparity) truth.stereo = impl_->rig.disparity(frame);
+  if (needs.disparity) truth.stereo = rig.disparity(frame);
   if (!needs.depth) truth.depth_m = {};
   if (!needs.instance) truth.instance = {};
   return truth;

@@ -52,6 +52,11 @@ class SeedsSimulation {
   std::unique_ptr<Impl> impl_;
 };
 
+/// What the rig's first sensor sees in one frame, of what is asked for; the depth sensor's truth
+/// comes with RigCapture::take.
+TruthImages true_images(const RayScene& rays, const Scene& scene, const RigCapture& rig, int frame,
+                        const TruthNeeds& needs);
+
 /// All frames of a scene and the truth that `needs` asks for, in memory, with the seconds of each
 /// pass. Streams are those of planned_streams().
 struct SimulatedRun {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/seeds/noise.h"
 #include "scenes/seeds/setting.h"
+#include "sim/geometry/gradient_noise.h"
 
 namespace cousin {
 

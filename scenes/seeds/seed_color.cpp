@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/seeds/noise.h"
+#include "sim/geometry/gradient_noise.h"
 
 namespace cousin {
 namespace {

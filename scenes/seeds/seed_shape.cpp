@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "scenes/seeds/cube_sphere.h"
-#include "scenes/seeds/noise.h"
+#include "sim/geometry/gradient_noise.h"
 
 namespace cousin {
 namespace {

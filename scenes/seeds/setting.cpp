@@ -7,9 +7,10 @@
 #include <stdexcept>
 
 #include "scenes/seeds/cube_sphere.h"
-#include "scenes/seeds/noise.h"
 #include "scenes/seeds/specimen.h"
 #include "scenes/seeds/toml_text.h"
+#include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/smooth_normals.h"
 
 namespace cousin {
 namespace {

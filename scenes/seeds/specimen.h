@@ -7,9 +7,6 @@
 
 namespace cousin {
 
-/// Unit normals at the vertices: the triangles' normals weighted by area.
-std::vector<Eigen::Vector3f> smooth_normals(const Mesh& mesh);
-
 /// Length, width, height of the minimum-volume box (m), area (m2), volume (m3) and mass (kg).
 std::vector<TrueTrait> measure_traits(const Mesh& mesh, double mass_kg);
 

@@ -27,20 +27,23 @@ Json json_of(const Instance& instance) {
     motion.push_back(
         {{"time_s", step.time_s}, {"world_from_object", to_json(step.world_from_object)}});
   }
-  return {{"id", instance.id},
-          {"name", instance.name},
-          {"category", instance.category},
-          {"is_specimen", instance.is_specimen},
-          {"model", instance.model},
-          {"material", instance.material},
-          {"mass_kg", instance.mass_kg},
-          {"world_from_object", to_json(instance.world_from_object)},
-          {"motion", motion}};
+  Json json = {{"id", instance.id},
+               {"name", instance.name},
+               {"category", instance.category},
+               {"is_specimen", instance.is_specimen},
+               {"model", instance.model},
+               {"material", instance.material},
+               {"mass_kg", instance.mass_kg},
+               {"world_from_object", to_json(instance.world_from_object)},
+               {"motion", motion}};
+  if (!instance.part_materials.empty()) json["part_materials"] = instance.part_materials;
+  return json;
 }
 
 Instance read_instance(const JsonNode& node) {
   node.expect_keys({"id", "name", "category", "is_specimen", "model", "material", "mass_kg",
-                    "world_from_object", "motion"});
+                    "world_from_object", "motion"},
+                   {"part_materials"});
   Instance instance;
   instance.id = static_cast<int>(node["id"].integer(0, kMaxId));
   instance.name = node["name"].text();
@@ -48,6 +51,10 @@ Instance read_instance(const JsonNode& node) {
   instance.is_specimen = node["is_specimen"].boolean();
   instance.model = static_cast<int>(node["model"].integer(0, kMaxId));
   instance.material = static_cast<int>(node["material"].integer(0, kMaxId));
+  if (node.has("part_materials")) {
+    for (const JsonNode& part : node["part_materials"].elements(65535))
+      instance.part_materials.push_back(static_cast<int>(part.integer(0, kMaxId)));
+  }
   instance.mass_kg = node["mass_kg"].number(0);
   instance.world_from_object = read_pose(node["world_from_object"]);
   for (const JsonNode& step : node["motion"].elements(10'000'000)) {
@@ -193,6 +200,8 @@ std::string scene_to_json(const Scene& scene) {
     views.push_back({{"time_s", view.time_s},
                      {"rig_from_world", to_json(view.rig_from_world)},
                      {"rig_from_world_end", to_json(view.rig_from_world_end)}});
+    if (view.focus_in_world_m != Eigen::Vector3d::Zero())
+      views.back()["focus_in_world_m"] = to_json(view.focus_in_world_m);
   }
   return to_text(Json{{"name", scene.name},
                       {"rig", scene.rig},
@@ -221,9 +230,12 @@ Scene scene_from_json(std::string_view text, const std::string& name, SceneFiles
   for (const JsonNode& node : root["lights"].elements(10'000))
     scene.lights.push_back(read_light(node, scene.lights.size(), files.environments));
   for (const JsonNode& node : root["views"].elements(kMaxViews)) {
-    node.expect_keys({"time_s", "rig_from_world", "rig_from_world_end"});
-    scene.views.push_back({node["time_s"].number(), read_pose(node["rig_from_world"]),
-                           read_pose(node["rig_from_world_end"])});
+    node.expect_keys({"time_s", "rig_from_world", "rig_from_world_end"}, {"focus_in_world_m"});
+    View& view = scene.views.emplace_back();
+    view.time_s = node["time_s"].number();
+    view.rig_from_world = read_pose(node["rig_from_world"]);
+    view.rig_from_world_end = read_pose(node["rig_from_world_end"]);
+    if (node.has("focus_in_world_m")) view.focus_in_world_m = node["focus_in_world_m"].vector<3>();
   }
   return scene;
 }

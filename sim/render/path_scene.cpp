@@ -24,9 +24,13 @@ Placement placement_at(const PathTracer::Impl& impl, const SurfacePoint& point, 
   return {pose.rotation.toRotationMatrix().cast<float>(), pose.translation_m.cast<float>()};
 }
 
-Vector3f albedo_at(const PathInstance& instance, const SurfacePoint& point,
+const PathMaterial& material_at(const PathInstance& instance, const SurfacePoint& point) {
+  return instance.part_materials.empty() ? *instance.material
+                                         : *instance.part_materials[point.part];
+}
+
+Vector3f albedo_at(const PathInstance& instance, const PathMaterial& m, const SurfacePoint& point,
                    const Placement& placement) {
-  const PathMaterial& m = *instance.material;
   Vector3f albedo = point.is_back ? m.back_albedo : m.albedo;
   if (!instance.model->vertex_albedo.empty()) {
     const auto& a = instance.model->vertex_albedo;
@@ -77,14 +81,15 @@ PathHit PathTracer::Impl::hit(unsigned int inst_id, unsigned int geom_id, unsign
   hit.face_normal = point.face_normal;
   hit.offset_m = point.offset_m;
   hit.frame = frame_about(shading_normal(instance, point, placement, direction));
-  hit.bsdf.material = instance.material;
+  const PathMaterial& material = material_at(instance, point);
+  hit.bsdf.material = &material;
   hit.bsdf.out = hit.frame.transpose() * -direction;
   hit.bsdf.out.z() = std::max(hit.bsdf.out.z(), 1e-4F);
-  const SurfaceKind kind = instance.material->kind;
+  const SurfaceKind kind = material.kind;
   const bool is_glass = kind == SurfaceKind::glass || kind == SurfaceKind::clear;
   hit.bsdf.is_inside = point.is_back && is_glass;
   hit.is_dark = point.is_back && !instance.is_open && !is_glass && kind != SurfaceKind::leaf;
-  hit.bsdf.albedo = albedo_at(instance, point, placement);
+  hit.bsdf.albedo = albedo_at(instance, material, point, placement);
   return hit;
 }
 
@@ -112,6 +117,8 @@ PathTracer::PathTracer(const RayScene& rays, const Scene& scene) : impl_(std::ma
     const Pose pose = object_pose(geometry, 0);
     PathInstance& p = impl.instances.emplace_back();
     p.material = &impl.materials[static_cast<std::size_t>(instance.material)];
+    for (const int part : instance.part_materials)
+      p.part_materials.push_back(&impl.materials[static_cast<std::size_t>(part)]);
     p.model = &impl.models[static_cast<std::size_t>(instance.model)];
     p.is_open = impl.rays->mesh_of(geometry).is_open;
     p.moves = geometry.steps.size() > 1;

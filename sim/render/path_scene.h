@@ -19,6 +19,7 @@ struct PathModel {
 
 struct PathInstance {
   const PathMaterial* material = nullptr;
+  std::vector<const PathMaterial*> part_materials;  ///< or empty: `material` everywhere
   const PathModel* model = nullptr;
   bool is_open = false;
   bool moves = false;  ///< its pose depends on the ray's time

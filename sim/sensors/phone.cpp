@@ -151,8 +151,9 @@ TrueView true_view(const PhoneConfig& config, const PhoneUnit& unit, const Scene
 
   if (config.autofocus) {
     Rng focus = rng.fork("focus");
-    const double distance_m = centre_in_world_m(seen.rig_from_world).norm() *
-                              (1 + truncated_normal(focus, 0, config.focus_error));
+    const double distance_m =
+        (centre_in_world_m(seen.rig_from_world) - seen.focus_in_world_m).norm() *
+        (1 + truncated_normal(focus, 0, config.focus_error));
     view.camera = with_focus(view.camera, focus_breathing(config.focal_m, distance_m));
   }
   if (config.readout_s > 0) {

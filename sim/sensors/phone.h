@@ -68,7 +68,7 @@ struct PhoneUnit {
 PhoneUnit make_phone(const PhoneConfig& config, Rng rng);
 
 /// The true lens and motion of frame `frame` of the scene's views: autofocus on the distance to the
-/// scene's origin, hand motion during readout added to the scene's own. Distortion coefficients and
+/// view's focus, hand motion during readout added to the scene's own. Distortion coefficients and
 /// principal point keep their values at infinity. Motion within the exposure of a row is not
 /// modelled (0.2 px for the presets).
 /// @throws std::invalid_argument if the scene has no such view.

@@ -197,7 +197,8 @@ std::vector<TrueView> true_views(const RigConfig& config, const RigUnit& unit, c
     view.readout_s = photosites.readout_s;
     view.camera_from_world = pose_at(start_s);
     view.camera_from_world_end = pose_at(start_s + photosites.readout_s);
-    const double distance_m = centre_in_world_m(view.camera_from_world).norm();
+    const double distance_m =
+        (centre_in_world_m(view.camera_from_world) - seen.focus_in_world_m).norm();
     const FocusedLens focused = focused_lens(sensor.camera, unit.sensors.at(i), distance_m, own);
     view.camera = focused.camera;
     view.focus_m = focused.focus_m;

@@ -55,7 +55,7 @@ RigUnit make_rig(const RigConfig& config, const Rng& rng);
 /// The true lens and motion of each sensor in frame `frame` of the scene's views. The body's motion
 /// is the hand's after the scene's own, which lasts as long as the longest readout of the rig (none
 /// if all shutters are global). Each sensor starts at its trigger delay plus a synchronisation
-/// error; autofocus is on the distance to the scene's origin. A frame is a pure function of `rng`.
+/// error; autofocus is on the distance to the view's focus. A frame is a pure function of `rng`.
 /// @throws std::invalid_argument if the scene has no such view.
 std::vector<TrueView> true_views(const RigConfig& config, const RigUnit& unit, const Scene& scene,
                                  int frame, const Rng& rng);

@@ -156,6 +156,20 @@ void check_instance(const Instance& instance, const Scene& scene, const std::str
     fail(where, "no such model");
   if (instance.material < 0 || instance.material >= static_cast<int>(scene.materials.size()))
     fail(where, "no such material");
+  const ObjectModel& model = scene.models[static_cast<std::size_t>(instance.model)];
+  if (!instance.part_materials.empty() &&
+      instance.part_materials.size() != model.part_names.size()) {
+    fail(where, "part_materials.size", static_cast<double>(instance.part_materials.size()),
+         "is not the number of its model's parts");
+  }
+  for (const int material : instance.part_materials) {
+    if (material < 0 || material >= static_cast<int>(scene.materials.size()))
+      fail(where, "no such part material", material, "in the scene");
+  }
+  for (const std::uint16_t part : model.triangle_part) {
+    if (!instance.part_materials.empty() && part >= instance.part_materials.size())
+      fail(where, "no material of part", part, "of its model");
+  }
   check_pose(where, "its pose", instance.world_from_object);
   for (std::size_t i = 0; i < instance.motion.size(); ++i) {
     const TimedPose& step = instance.motion[i];
@@ -245,6 +259,7 @@ void validate(const Scene& scene) {
     const std::string where = prefix + "view " + std::to_string(i);
     check_pose(where, "its pose", scene.views[i].rig_from_world);
     check_pose(where, "its pose at the end", scene.views[i].rig_from_world_end);
+    if (!scene.views[i].focus_in_world_m.allFinite()) fail(where, "its focus is not finite");
     if (!std::isfinite(scene.views[i].time_s)) fail(where, "its time is not finite");
   }
 }

@@ -50,11 +50,13 @@ Scene sample_scene(Rng& rng) {
       instance.traits = {{"volume", "m3", 1e-8 / 3}, {"length", "m", 0.01 / 7}};
     scene.instances.push_back(instance);
   }
+  scene.instances[0].part_materials = {1, 0};
   scene.instances[0].motion = {{0, odd_pose(rng)}, {1 / 3.0, odd_pose(rng)}};
   scene.lights = {Sun{Eigen::Vector3d(1, 2, 3).normalized(), 0.005, {1, 2, 3}},
                   Sky{{1, 1, 2}, {1, 1, 1}, {0.1F, 0.1F, 0.1F}},
                   Lamp{{0, 0, 1}, {0.1, 0, 0}, {0, 0.1, 0}, {10, 10, 9.9F}}};
   scene.views = {{0.5, odd_pose(rng), odd_pose(rng)}, {1 / 3.0, odd_pose(rng), odd_pose(rng)}};
+  scene.views[1].focus_in_world_m = {1 / 3.0, -1 / 7.0, 2};
   return scene;
 }
 
@@ -148,6 +150,7 @@ void expect_equal(const Scene& a, const Scene& b) {
   for (std::size_t i = 0; i < a.instances.size(); ++i) {
     const Instance& x = a.instances[i];
     const Instance& y = b.instances[i];
+    EXPECT_EQ(x.part_materials, y.part_materials);
     EXPECT_EQ(std::tie(x.id, x.name, x.category, x.is_specimen, x.model, x.material, x.mass_kg),
               std::tie(y.id, y.name, y.category, y.is_specimen, y.model, y.material, y.mass_kg));
     EXPECT_TRUE(same_pose(x.world_from_object, y.world_from_object));
@@ -171,6 +174,7 @@ void expect_equal(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.views[i].time_s, b.views[i].time_s);
     EXPECT_TRUE(same_pose(a.views[i].rig_from_world, b.views[i].rig_from_world));
     EXPECT_TRUE(same_pose(a.views[i].rig_from_world_end, b.views[i].rig_from_world_end));
+    EXPECT_EQ(a.views[i].focus_in_world_m, b.views[i].focus_in_world_m);
   }
 }
 

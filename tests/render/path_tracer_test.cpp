@@ -290,6 +290,28 @@ TEST(PathTracer, ABodyDarkInsideEndsPathsAndLeafDoesNot) {
   EXPECT_GT(mean_green(PathTracer(rays, scene).render(view, {}, Rng(1)).radiance), 0.1);
 }
 
+TEST(PathTracer, APartHasItsOwnMaterial) {
+  Scene scene;
+  add(scene, square(1), matt(0.2F));
+  scene.materials.push_back(matt(0.8F));
+  scene.models[0].part_names = {"left", "right"};
+  scene.models[0].triangle_part = {0, 1};
+  scene.instances[0].part_materials = {0, 1};
+  scene.lights.emplace_back(even_sky(1));
+  const RayScene rays(scene);
+  const TrueView view = view_from(small_camera(16, 16, 40), {0, 0, 3}, {0, 0, 0}, {0, 1, 0});
+  const Image<Rgbf> image = PathTracer(rays, scene).render(view, {}, Rng(1)).radiance;
+  // Under an even sky a flat matt surface shines with its albedo; draws by the cosine have one
+  // weight, so only rounding is left. Half of the pixels show each triangle, but for the diagonal.
+  int dark = 0, bright = 0;
+  for (const Rgbf& c : image) {
+    dark += std::abs(c.g - 0.2F) < 1e-3F;
+    bright += std::abs(c.g - 0.8F) < 1e-3F;
+  }
+  EXPECT_EQ(dark + bright, 16 * 16 - 16);
+  EXPECT_EQ(dark, bright);
+}
+
 TEST(PathTracer, CameraInALeafAndLightlessScenesGiveNumbers) {
   Scene scene;
   Material leaf = matt(0.4F);

@@ -77,6 +77,26 @@ TEST(PlainScene, APrintBecomesVertexColoursOfTheSameAreas) {
   EXPECT_NEAR(ink_m2, black * 25e-10, 1e-9);
 }
 
+TEST(PlainScene, PartsOfOtherMaterialsBecomeInstances) {
+  Scene scene = printed_plate();
+  scene.models[0].part_names = {"face", "back"};
+  scene.models[0].triangle_part = {0, 0, 1, 1};
+  scene.instances[1].part_materials = {1, 1};  // one material: one instance
+  Instance both{.id = 5, .name = "plant"};
+  both.part_materials = {1, 0};
+  scene.instances.push_back(both);
+  const PlainScene plain = plain_scene(scene, lens_view());
+  ASSERT_EQ(plain.scene.instances.size(), 4U);
+  EXPECT_NO_THROW(validate(plain.scene));
+  std::size_t triangles = 0;
+  for (const Instance& instance : plain.scene.instances) {
+    EXPECT_TRUE(instance.part_materials.empty());
+    if (instance.name != "plant" || instance.material != 1) continue;
+    triangles += plain.scene.models[static_cast<std::size_t>(instance.model)].mesh.triangles.size();
+  }
+  EXPECT_EQ(triangles, 2U);
+}
+
 TEST(PlainScene, WhatCannotBeSaidIsLeftOutAndNamed) {
   const PlainScene plain = plain_scene(printed_plate(), lens_view());
   EXPECT_EQ(plain.changes.size(), 4U);  // print, noise, projector, lens

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "scenes/seeds/noise.h"
+#include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/measure.h"
 
 namespace cousin {

@@ -81,6 +81,23 @@ TEST(SceneCheck, TrianglesWithoutAreaAreTaken) {
 TEST(SceneCheck, NamesTheInstance) {
   EXPECT_THAT(said([](Scene& s) { s.instances[0].material = 1; }),
               HasSubstr("instance \"leaf 1\": no such material"));
+  EXPECT_THAT(said([](Scene& s) { s.instances[0].part_materials = {0}; }),
+              HasSubstr("part_materials.size = 1 is not the number of its model's parts"));
+  const auto in_parts = [](Scene& s) {
+    s.models[0].part_names = {"stem", "blade"};
+    s.instances[0].part_materials = {0, 0};
+  };
+  EXPECT_EQ(said(in_parts), "");
+  EXPECT_THAT(said([&](Scene& s) {
+                in_parts(s);
+                s.instances[0].part_materials[1] = 7;
+              }),
+              HasSubstr("no such part material = 7"));
+  EXPECT_THAT(said([&](Scene& s) {
+                in_parts(s);
+                s.models[0].triangle_part = {2};
+              }),
+              HasSubstr("no material of part = 2"));
   EXPECT_THAT(said([](Scene& s) { s.instances[0].id = -1; }), HasSubstr("\"leaf 1\": its id"));
   EXPECT_THAT(
       said([](Scene& s) { s.instances[0].world_from_object.translation_m.x() = kInfinity; }),

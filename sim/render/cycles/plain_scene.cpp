@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -83,6 +84,48 @@ void paint_prints(PlainScene& plain, double cell_m) {
   }
 }
 
+/// The triangles of one material of an instance, with all vertices.
+ObjectModel of_material(const ObjectModel& model, const Instance& instance, int material) {
+  ObjectModel out = model;
+  out.name += " " + std::to_string(material);
+  out.mesh.triangles.clear();
+  out.triangle_part.clear();
+  for (std::size_t i = 0; i < model.mesh.triangles.size(); ++i) {
+    const std::uint16_t part = model.triangle_part.empty() ? 0 : model.triangle_part[i];
+    if (instance.part_materials[part] != material) continue;
+    out.mesh.triangles.push_back(model.mesh.triangles[i]);
+    out.triangle_part.push_back(part);
+  }
+  return out;
+}
+
+/// One instance for each material of an instance whose parts differ in theirs.
+void split_materials(PlainScene& plain) {
+  std::vector<Instance> whole;
+  whole.swap(plain.scene.instances);
+  int next_id = 0;
+  for (const Instance& instance : whole) next_id = std::max(next_id, instance.id + 1);
+  for (const Instance& instance : whole) {
+    if (instance.part_materials.empty()) {
+      plain.scene.instances.push_back(instance);
+      continue;
+    }
+    const std::set<int> materials(instance.part_materials.begin(), instance.part_materials.end());
+    for (const int material : materials) {
+      Instance part = instance;
+      if (material != *materials.begin()) part.id = next_id++;
+      part.material = material;
+      part.part_materials.clear();
+      ObjectModel model = of_material(plain.scene.models[static_cast<std::size_t>(instance.model)],
+                                      instance, material);
+      if (model.mesh.triangles.empty()) continue;
+      part.model = static_cast<int>(plain.scene.models.size());
+      plain.scene.models.push_back(std::move(model));
+      plain.scene.instances.push_back(std::move(part));
+    }
+  }
+}
+
 void plain_materials(PlainScene& plain) {
   for (Material& material : plain.scene.materials) {
     if (material.noise)
@@ -122,6 +165,7 @@ PlainScene plain_scene(const Scene& scene, const TrueView& view, double print_ce
                                 " must be positive");
   }
   PlainScene plain{scene, view, {}};
+  split_materials(plain);
   paint_prints(plain, print_cell_m);
   plain_materials(plain);
   plain_lights(plain);

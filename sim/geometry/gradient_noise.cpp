@@ -1,4 +1,4 @@
-#include "scenes/seeds/noise.h"
+#include "sim/geometry/gradient_noise.h"
 
 #include <algorithm>
 #include <cmath>

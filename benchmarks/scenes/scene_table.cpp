@@ -1,0 +1,123 @@
+#include "benchmarks/scenes/scene_table.h"
+
+#include <stdexcept>
+
+#include "benchmarks/scenes/plant_simulation.h"
+#include "benchmarks/seeds/simulate.h"
+
+namespace cousin {
+namespace {
+
+template <class Simulation>
+BuiltScene built(Simulation made) {
+  const auto simulation = std::make_shared<const Simulation>(std::move(made));
+  const Simulation* s = simulation.get();
+  BuiltScene built;
+  built.owner = simulation;
+  built.scene = &s->scene();
+  built.rig = &s->rig();
+  built.views = &s->views();
+  built.take = [s](int frame, const Streams& streams) { return s->take(frame, streams); };
+  built.truth = [s](int frame, const TruthNeeds& needs) { return s->truth(frame, needs); };
+  built.capture_header = [s] { return s->capture_header(); };
+  built.scene_truth = [s] { return s->scene_truth(); };
+  return built;
+}
+
+SceneJob configure_seeds(const std::vector<std::string>& assignments,
+                         const std::filesystem::path& file) {
+  SeedsRunConfig config = seeds_run_config(assignments, file);
+  SceneJob job;
+  job.keys = describe(fields(config));
+  job.rig = config.rig;
+  job.streams = planned_streams(config, Reader::anybody);
+  job.views = config.scene.views;
+  job.hash = [config](std::uint64_t seed) { return config_hash(config, seed); };
+  job.plan = [config] { return seeds_plan(config, false); };
+  job.build = [config](std::uint64_t seed, int index) {
+    return built(SeedsSimulation(config, seed, index));
+  };
+  return job;
+}
+
+std::vector<PlanEntry> plant_plan(const PlantRunConfig& config) {
+  const Streams streams = planned_streams(config);
+  const bool light = streams.color || streams.raw;
+  const std::string nobody = "not among the streams";
+  const bool infrared =
+      streams.infrared || (streams.depth && config.capture.depth_by == DepthBy::matched);
+  return {
+      {"scene", true, "plants grown, organ by organ, and what they stand in"},
+      {"physics", false, "nothing moves: the plants stand as they grew"},
+      {"radiance", light, light ? "paths: leaves let light through, so it is not cached" : nobody},
+      {"sensor", light, light ? "lens, noise and processing of the camera" : nobody},
+      {"infrared", infrared, infrared ? "infrared images, or the depth matched from them" : nobody},
+      {"sensor depth", streams.depth, streams.depth ? "the depth sensor's own depth" : nobody},
+      {"perceive", false, "there is no pipeline for this scene yet"},
+      {"score", false, "there is no estimate"},
+  };
+}
+
+SceneJob configure_plants(PlantSceneConfig base, const std::vector<std::string>& assignments,
+                          const std::filesystem::path& file) {
+  PlantRunConfig config = plant_run_config(std::move(base), assignments, file);
+  SceneJob job;
+  job.keys = describe(fields(config));
+  job.rig = config.rig;
+  job.streams = planned_streams(config);
+  job.views = view_count(config.scene);
+  job.hash = [config](std::uint64_t seed) { return config_hash(config, seed); };
+  job.plan = [config] { return plant_plan(config); };
+  job.build = [config](std::uint64_t seed, int index) {
+    return built(PlantSimulation(config, seed, index));
+  };
+  return job;
+}
+
+std::string cultivars() {
+  std::string names;
+  for (const std::string& name : cultivar_names()) names += (names.empty() ? "" : ", ") + name;
+  return names;
+}
+
+}  // namespace
+
+std::span<const SceneEntry> scene_table() {
+  static const std::vector<SceneEntry> kScenes = {
+      {.name = "seeds",
+       .status = COUSIN_WITH_MUJOCO ? "built in" : "not built in: WITH_MUJOCO is OFF",
+       .help = "ten seeds dropped on a calibration board before a green screen, three camera rings "
+               "(" +
+               cultivars() + ")",
+       .has_pipeline = true,
+       .configure = configure_seeds},
+      {.name = "seedlings",
+       .status = "built in; no pipeline yet",
+       .help = "watermelon seedlings of day 0 to 12 in a tray of 50 cells, hand-held views, three "
+               "lights (D1 sun, D2 overcast, D3 violet LED)",
+       .configure =
+           [](const auto& sets, const auto& file) {
+             return configure_plants(SeedlingsSceneConfig{}, sets, file);
+           }},
+      {.name = "maize",
+       .status = "built in; no pipeline yet",
+       .help = "maize from V3 to VT, one plant or rows, with a keypoint at every node, seen by a "
+               "ZED stereo camera",
+       .configure =
+           [](const auto& sets, const auto& file) {
+             return configure_plants(MaizeSceneConfig{}, sets, file);
+           }},
+  };
+  return kScenes;
+}
+
+const SceneEntry& scene_entry(const std::string& name) {
+  std::string names;
+  for (const SceneEntry& entry : scene_table()) {
+    if (entry.name == name) return entry;
+    names += (names.empty() ? "" : ", ") + entry.name;
+  }
+  throw std::invalid_argument("scene \"" + name + "\" is not one of: " + names);
+}
+
+}  // namespace cousin

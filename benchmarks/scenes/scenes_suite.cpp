@@ -1,0 +1,152 @@
+#include "benchmarks/scenes/scenes_suite.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/scenes/plant_run.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+constexpr double kTrayLimit_s = 1, kRowsLimit_s = 2;
+
+ScoreRow row_of(const char* scene, const std::string& case_name, const std::string& metric,
+                const char* unit, std::uint64_t seed) {
+  ScoreRow row;
+  row.suite = "scenes";
+  row.scene = scene;
+  row.case_name = case_name;
+  row.method = "build";
+  row.metric = metric;
+  row.unit = unit;
+  row.seed = seed;
+  return row;
+}
+
+double triangles_of(const Scene& scene) {
+  double sum = 0;
+  for (const Instance& instance : scene.instances)
+    sum += static_cast<double>(
+        scene.models[static_cast<std::size_t>(instance.model)].mesh.triangles.size());
+  return sum;
+}
+
+struct BuildCase {
+  const char* scene;
+  std::string name;
+  PlantSceneConfig config;
+  double limit_s;
+};
+
+std::vector<BuildCase> build_cases() {
+  SeedlingsSceneConfig tray;
+  tray.day = 12;
+  MaizeSceneConfig rows;
+  rows.stage = "V12";
+  rows.rows = 5;
+  rows.plants = 9;
+  return {{"seedlings", "tray of 50, day 12", tray, kTrayLimit_s},
+          {"maize", "5 rows of 9, V12", rows, kRowsLimit_s}};
+}
+
+void add_build_rows(ScoreFile& file, const BuildCase& c, int repeats, std::uint64_t seed) {
+  std::vector<double> seconds, cpu;
+  double triangles = 0;
+  for (int i = 0; i < repeats; ++i) {
+    const StageClock clock("build");
+    const Scene scene = build_scene(c.config, seed, i);
+    const StageTiming timing = clock.finish();
+    seconds.push_back(timing.wall_s);
+    cpu.push_back(timing.cpu_s);
+    triangles = triangles_of(scene);
+  }
+  ScoreRow row = row_of(c.scene, c.name, "seconds.build", "s", seed);
+  row.value = row.wall_s = quantile(seconds, 0.5);
+  row.cpu_s = quantile(cpu, 0.5);
+  row.n = repeats;
+  file.scores.push_back(limited(row, row.value <= c.limit_s));
+  row = row_of(c.scene, c.name, "triangles", "1", seed);
+  row.value = triangles;
+  row.n = 1;
+  file.scores.push_back(row);
+}
+
+/// Means over plants, trait by trait, of one day or stage.
+void add_trait_rows(ScoreFile& file, const char* scene, const std::string& case_name,
+                    const std::vector<std::vector<TrueTrait>>& plants, std::uint64_t seed) {
+  std::map<std::string, std::vector<double>> values;
+  std::map<std::string, std::string> units;
+  for (const auto& traits : plants) {
+    for (const TrueTrait& trait : traits) {
+      values[trait.name].push_back(trait.value);
+      units[trait.name] = trait.unit;
+    }
+  }
+  for (const auto& [name, list] : values) {
+    const auto n = static_cast<double>(list.size());
+    const double middle = mean(list);
+    double squares = 0;
+    for (const double v : list) squares += (v - middle) * (v - middle);
+    const double half = n > 1 ? 1.96 * std::sqrt(squares / (n - 1) / n) : ScoreRow::kNone;
+    ScoreRow row = row_of(scene, case_name, name + ".mean", "", seed);
+    row.unit = units[name];
+    row.value = middle;
+    row.n = static_cast<std::int64_t>(list.size());
+    row.ci_low = middle - half;
+    row.ci_high = middle + half;
+    file.scores.push_back(row);
+  }
+}
+
+void add_seedling_traits(ScoreFile& file, double day, int plants, std::uint64_t seed) {
+  std::vector<std::vector<TrueTrait>> grown;
+  for (int i = 0; i < plants; ++i) {
+    const Rng rng = Rng(seed).fork("seedlings").fork(static_cast<std::uint64_t>(i));
+    Seedling seedling = grow_watermelon(watermelon(), {}, day, rng);
+    if (seedling.germinates) grown.push_back(std::move(seedling.traits));
+  }
+  add_trait_rows(file, "seedlings", "day " + std::to_string(static_cast<int>(day)), grown, seed);
+}
+
+void add_maize_traits(ScoreFile& file, int stage, int plants, std::uint64_t seed) {
+  std::vector<std::vector<TrueTrait>> grown;
+  for (int i = 0; i < plants; ++i) {
+    const Rng rng = Rng(seed).fork("maize").fork(static_cast<std::uint64_t>(i));
+    grown.push_back(grow_maize(maize(), stage, rng).traits);
+  }
+  const std::string name = stage > maize().plant.leaves ? "VT" : "V" + std::to_string(stage);
+  add_trait_rows(file, "maize", name, grown, seed);
+}
+
+}  // namespace
+
+ScoreFile scenes_suite(std::uint64_t seed, bool quick,
+                       const std::function<void(const std::string&, int, int)>& progress) {
+  const std::vector<BuildCase> builds = build_cases();
+  const std::vector<int> days =
+      quick ? std::vector<int>{4, 8, 12} : std::vector<int>{2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  const std::vector<int> stages =
+      quick ? std::vector<int>{6, 12, 19} : std::vector<int>{3, 4, 6, 8, 10, 12, 14, 16, 18, 19};
+  const int total = static_cast<int>(builds.size() + days.size() + stages.size());
+  int done = 0;
+  ScoreFile file;
+  for (const BuildCase& c : builds) {
+    if (progress) progress("build " + std::string(c.scene), done++, total);
+    add_build_rows(file, c, quick ? 3 : 9, seed);
+  }
+  for (const int day : days) {
+    if (progress) progress("seedlings, day " + std::to_string(day), done++, total);
+    add_seedling_traits(file, day, quick ? 50 : 200, seed);
+  }
+  for (const int stage : stages) {
+    if (progress) progress("maize, stage " + std::to_string(stage), done++, total);
+    add_maize_traits(file, stage, quick ? 10 : 40, seed);
+  }
+  return file;
+}
+
+}  // namespace cousin

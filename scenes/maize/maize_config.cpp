@@ -1,0 +1,180 @@
+#include <stdexcept>
+#include <string>
+
+#include "scenes/maize/maize_plant.h"
+#include "scenes/maize/toml_text.h"
+#include "sim/config/limits.h"
+
+namespace cousin {
+namespace {
+
+constexpr double kFar_m = 100, kAngle = 7;
+
+Fields fields(MaizeConfig::PlantNumbers& c) {
+  return {{"leaves", &c.leaves, "in all", 4, 40},
+          {"spread", &c.spread, "sigma of a plant's vigour", 0, 0.3},
+          {"divergence_rad", &c.divergence_rad, "from leaf to leaf", 0, kAngle},
+          {"divergence_spread_rad", &c.divergence_spread_rad, "sigma of it", 0, 2},
+          {"lean_rad", &c.lean_rad, "sigma of the stalk's lean", 0, 1},
+          {"zigzag_rad", &c.zigzag_rad, "between internodes", 0, 0.5}};
+}
+
+Fields fields(MaizeConfig::Stalk& c) {
+  return {{"internode_m", &c.internode_m, "full length below each leaf", 1e-4, 2},
+          {"begin_before", &c.begin_before, "stages before its collar", 0, 20},
+          {"end_after", &c.end_after, "stages after its collar", 0, 20},
+          {"radius_m", &c.radius_m, "of the lowest long internode", 1e-4, 0.1},
+          {"radius_tip_m", &c.radius_tip_m, "of the uppermost", 1e-4, 0.1},
+          {"young_share", &c.young_share, "of the radius at V3", 0.01, 1},
+          {"swelling", &c.swelling, "of a node over the stalk", 0, 1},
+          {"depth_m", &c.depth_m, "crown below the soil", 1e-3, 1},
+          {"albedo", &c.albedo, "of the stalk", 0, 1},
+          {"albedo_node", &c.albedo_node, "of its nodes", 0, 1}};
+}
+
+Fields fields(MaizeConfig::Sheath& c) {
+  return {{"length_m", &c.length_m, "full, of each leaf", 1e-3, 2},
+          {"thickness_m", &c.thickness_m, "of one", 1e-5, 0.01},
+          {"ligule_m", &c.ligule_m, "height of the pale band", 1e-4, 0.1},
+          {"albedo", &c.albedo, "of sheaths", 0, 1},
+          {"albedo_low", &c.albedo_low, "of the lowest", 0, 1},
+          {"ligule_albedo", &c.ligule_albedo, "of the collar", 0, 1}};
+}
+
+Fields fields(MaizeConfig::Blade& c) {
+  return {{"length_m", &c.length_m, "full, of each leaf", 1e-3, 5},
+          {"width_m", &c.width_m, "full, of each leaf", 1e-3, 1},
+          {"tips_ahead", &c.tips_ahead, "stages between tip and collar", 0.1, 20},
+          {"outline", &c.outline, "base, peak, rise, fall, tip of the envelope", 0, 10},
+          {"angle_low_rad", &c.angle_low_rad, "of the lowest from the stalk", 0, 3},
+          {"angle_high_rad", &c.angle_high_rad, "of the uppermost", 0, 3},
+          {"droop_rad", &c.droop_rad, "of a long leaf", -kAngle, kAngle},
+          {"droop_begin", &c.droop_begin, "share of the length", 0, 0.9},
+          {"fold_rad", &c.fold_rad, "halves up about the midrib", -1.5, 1.5},
+          {"camber", &c.camber, "of the margins", -2, 2},
+          {"wave_m", &c.wave_m, "of the widest leaf's margin", 0, 0.2},
+          {"wave_count", &c.wave_count, "along a blade", 0, 50},
+          {"twist_rad", &c.twist_rad, "sigma of the tip's twist", 0, kAngle},
+          {"midrib_share", &c.midrib_share, "of the half width", 0, 1},
+          {"albedo", &c.albedo, "of the lamina", 0, 1},
+          {"albedo_midrib", &c.albedo_midrib, "of the midrib", 0, 1},
+          {"albedo_young", &c.albedo_young, "in the whorl", 0, 1},
+          {"albedo_dry", &c.albedo_dry, "of a dead leaf", 0, 1},
+          {"albedo_back", &c.albedo_back, "of the lower side's midrib", 0, 1},
+          {"transmittance", &c.transmittance, "of the lamina", 0, 1},
+          {"dry_after", &c.dry_after, "stages after its collar", 0, 50},
+          {"fall_after", &c.fall_after, "stages after its collar", 0, 50},
+          {"last_to_fall", &c.last_to_fall, "rank of the highest leaf that dries", 0, 40}};
+}
+
+Fields fields(MaizeConfig::Root& c) {
+  return {{"count", &c.count, "prop roots a whorl", 0, 100},
+          {"whorls", &c.whorls, "of them", 0, 5},
+          {"begin_stage", &c.begin_stage, "at which they show", 0, 50},
+          {"full_stage", &c.full_stage, "at which they are full", 0, 50},
+          {"radius_m", &c.radius_m, "of one", 1e-4, 0.05},
+          {"angle_rad", &c.angle_rad, "from straight down", 0, 1.5},
+          {"height_m", &c.height_m, "of the upper whorl", 1e-3, 1},
+          {"albedo", &c.albedo, "of them", 0, 1}};
+}
+
+Fields fields(MaizeConfig::Flower& c) {
+  return {{"peduncle_m", &c.peduncle_m, "above the last node", 1e-3, 1},
+          {"spike_m", &c.spike_m, "central spike", 1e-3, 1},
+          {"branches", &c.branches, "of the tassel", 0, 100},
+          {"branch_m", &c.branch_m, "length of one", 1e-3, 1},
+          {"branch_angle_rad", &c.branch_angle_rad, "from the spike", 0, 2},
+          {"spikelet_m", &c.spikelet_m, "radius with spikelets", 1e-4, 0.05},
+          {"albedo", &c.albedo, "of the tassel", 0, 1},
+          {"ear_rank", &c.ear_rank, "leaf in whose axil it stands; 0 = none", 0, 40},
+          {"ear_m", &c.ear_m, "length of the ear", 1e-3, 1},
+          {"ear_radius_m", &c.ear_radius_m, "of the ear", 1e-3, 0.2},
+          {"ear_albedo", &c.ear_albedo, "of the husk", 0, 1},
+          {"silk_albedo", &c.silk_albedo, "of the silk", 0, 1}};
+}
+
+Fields fields(MaizeConfig::Surface& c) {
+  return {{"detail_m", &c.detail_m, "length of a blade's rows", 5e-4, 1},
+          {"columns", &c.columns, "cells across a blade, even", 2, 200},
+          {"sides", &c.sides, "of the stalk", 3, 200},
+          {"ior", &c.ior, "of the wax", 1, 2},
+          {"leaf_roughness", &c.leaf_roughness, "of blades", 0.05, 1},
+          {"stem_roughness", &c.stem_roughness, "of stalk and sheaths", 0.05, 1},
+          {"infrared_albedo", &c.infrared_albedo, "at 850 nm", 0, 1},
+          {"infrared_transmittance", &c.infrared_transmittance, "of blades at 850 nm", 0, 1}};
+}
+
+Fields fields(MaizeConfig::Field& c) {
+  return {{"row_m", &c.row_m, "between rows", 0.05, kFar_m},
+          {"plant_m", &c.plant_m, "between plants of a row", 0.02, kFar_m},
+          {"scatter_m", &c.scatter_m, "sigma of a plant's place", 0, 1},
+          {"variants", &c.variants, "different plants", 1, 1000},
+          {"half_m", &c.half_m, "of the square of soil", 1, kFar_m},
+          {"cell_m", &c.cell_m, "of its triangles near the plants", 2e-3, 1},
+          {"clod_m", &c.clod_m, "amplitude of clods", 0, 0.5},
+          {"clod_scale_m", &c.clod_scale_m, "their size", 1e-3, 10},
+          {"albedo", &c.albedo, "of the soil", 0, 1},
+          {"other_albedo", &c.other_albedo, "of its darker parts", 0, 1},
+          {"sun_elevation_rad", &c.sun_elevation_rad, "above the horizon", 0.05, 1.57},
+          {"sun_azimuth_rad", &c.sun_azimuth_rad, "about +z", -kAngle, kAngle},
+          {"turbidity", &c.turbidity, "of the air", 1.7, 10},
+          {"overcast", &c.overcast, "radiance at the zenith", 0, 1e6}};
+}
+
+}  // namespace
+
+Fields fields(MaizeConfig& c) {
+  return nested("plant", fields(c.plant)) + nested("stalk", fields(c.stalk)) +
+         nested("sheath", fields(c.sheath)) + nested("blade", fields(c.blade)) +
+         nested("root", fields(c.root)) + nested("flower", fields(c.flower)) +
+         nested("surface", fields(c.surface)) + nested("field", fields(c.field));
+}
+
+void validate(const MaizeConfig& config) {
+  MaizeConfig copy = config;
+  check_limits(fields(copy), "maize");
+  const auto require = [](const char* key, const std::vector<double>& values, int count) {
+    if (values.size() == static_cast<std::size_t>(count)) return;
+    throw std::invalid_argument("maize: " + std::string(key) + " has " +
+                                std::to_string(values.size()) + " numbers; it needs " +
+                                std::to_string(count));
+  };
+  require("stalk.internode_m", config.stalk.internode_m, config.plant.leaves);
+  require("sheath.length_m", config.sheath.length_m, config.plant.leaves);
+  require("blade.length_m", config.blade.length_m, config.plant.leaves);
+  require("blade.width_m", config.blade.width_m, config.plant.leaves);
+  require("blade.outline", config.blade.outline, 5);
+  const auto& s = config.stalk;
+  const auto& b = config.blade;
+  const auto& f = config.flower;
+  for (const auto* color :
+       {&s.albedo, &s.albedo_node, &config.sheath.albedo, &config.sheath.albedo_low,
+        &config.sheath.ligule_albedo, &b.albedo, &b.albedo_midrib, &b.albedo_young, &b.albedo_dry,
+        &b.albedo_back, &b.transmittance, &config.root.albedo, &f.albedo, &f.ear_albedo,
+        &f.silk_albedo, &config.field.albedo, &config.field.other_albedo, &config.field.overcast})
+    require("a colour", *color, 3);
+  if (config.surface.columns % 2 != 0)
+    throw std::invalid_argument(
+        "maize: surface.columns = " + std::to_string(config.surface.columns) + " is not even");
+}
+
+const MaizeConfig& maize() {
+  static const MaizeConfig kConfig = [] {
+    MaizeConfig config;
+    read_toml_text(maize_toml(), "scenes/maize/maize.toml", fields(config), MissingKeys::error);
+    validate(config);
+    return config;
+  }();
+  return kConfig;
+}
+
+double maize_stage(const std::string& text, int leaves) {
+  if (text == "VT") return leaves + 1;
+  for (int stage = 3; stage <= leaves; ++stage) {
+    if (text == "V" + std::to_string(stage)) return stage;
+  }
+  throw std::invalid_argument("stage \"" + text + "\" is not one of V3 .. V" +
+                              std::to_string(leaves) + ", VT");
+}
+
+}  // namespace cousin

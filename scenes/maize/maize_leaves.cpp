@@ -1,0 +1,202 @@
+#include "scenes/maize/maize_leaves.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/geometry/gradient_noise.h"
+#include "sim/plant/color.h"
+#include "sim/plant/growth.h"
+
+namespace cousin {
+
+using Eigen::Vector3d;
+
+LeafMaker::LeafMaker(MaizeDraft& draft, const LineWalk& axis)
+    : d_(draft), c_(draft.config), axis_(axis) {
+  for (int rank = 1; rank <= c_.plant.leaves; ++rank) {
+    if (rank <= d_.stage) top_collar_m_ = std::max(top_collar_m_, collar_m(rank));
+  }
+}
+
+void LeafMaker::add(int rank, int parent) {
+  const std::string number = std::to_string(rank);
+  const int sheath = add_organ(d_.plant, OrganKind::sheath, "sheath " + number, parent, rank).id;
+  grow_sheath(d_.plant.organs.back());
+  add_organ(d_.plant, OrganKind::ligule, "ligule " + number, sheath, rank);
+  grow_ligule(d_.plant.organs.back());
+  add_organ(d_.plant, OrganKind::blade, "leaf " + number, sheath, rank);
+  grow_blade(d_.plant.organs.back());
+}
+
+bool LeafMaker::has_collar(int rank) const { return rank <= d_.stage && !has_fallen(rank); }
+
+double LeafMaker::sheath_share(int rank) const { return grown_share(d_.stage, rank - 1.6, rank); }
+
+double LeafMaker::sheath_m(int rank) const {
+  return d_.own.vigour * sheath_share(rank) *
+         c_.sheath.length_m[static_cast<std::size_t>(rank - 1)];
+}
+
+double LeafMaker::node_m(int rank) const {
+  return d_.stalk.nodes_m[static_cast<std::size_t>(rank - 1)];
+}
+
+double LeafMaker::collar_m(int rank) const { return node_m(rank) + sheath_m(rank); }
+
+double LeafMaker::dryness(int rank) const {
+  if (rank > c_.blade.last_to_fall) return 0;
+  return logistic(d_.stage, rank + c_.blade.dry_after, 0.5);
+}
+
+bool LeafMaker::has_fallen(int rank) const {
+  return rank <= c_.blade.last_to_fall && d_.stage > rank + c_.blade.fall_after;
+}
+
+/// What the sheath of `rank` wraps at a place along the axis: stalk, or the whorl above it, and
+/// younger sheaths; and itself.
+
+double LeafMaker::wrapped_m(int rank, double along_m) const {
+  double radius = axis_.at_m(along_m).radius_m;
+  if (along_m > axis_.length_m()) {
+    const double above = (along_m - axis_.length_m()) / 0.15;
+    radius = std::max(radius, d_.stalk.youth * 0.6 * c_.stalk.radius_m) *
+             (1 - 0.25 * std::min(1.0, above));
+  }
+  double swelling = 0;
+  for (int other = rank; other <= c_.plant.leaves; ++other) {
+    swelling = std::max(swelling, std::exp(-std::pow((along_m - node_m(other)) / 0.007, 2)));
+    if (along_m >= node_m(other) && along_m <= collar_m(other) + 1e-9)
+      radius += c_.sheath.thickness_m;
+  }
+  return radius * (1 + c_.stalk.swelling * swelling);
+}
+
+CentreLine LeafMaker::along_axis(int rank, double from_m, double to_m, int steps,
+                                 double wider_m) const {
+  CentreLine line;
+  for (int i = 0; i <= steps; ++i) {
+    const double along_m = from_m + (to_m - from_m) * i / steps;
+    line.points_m.push_back(axis_.at_m(along_m).point_m);
+    line.radii_m.push_back(wrapped_m(rank, along_m) + wider_m);
+  }
+  return line;
+}
+
+void LeafMaker::grow_sheath(Organ& organ) const {
+  organ.look = kStalkLook;
+  organ.age_days = d_.stage - organ.rank;
+  const double length_m = sheath_m(organ.rank);
+  if (length_m < 2e-3) return;
+  const double base_m = node_m(organ.rank);
+  organ.line = along_axis(organ.rank, base_m, base_m + length_m, 12, 0);
+  organ.surface = tube_surface(organ.line, c_.surface.sides);
+  const double low = std::clamp(1.3 - organ.rank / 5.0, 0.0, 1.0), dry = dryness(organ.rank);
+  Vector3d colour =
+      (1 - low) * color_vector(c_.sheath.albedo) + low * color_vector(c_.sheath.albedo_low);
+  colour = (1 - dry) * colour + dry * color_vector(c_.blade.albedo_dry);
+  for (const Eigen::Vector2d& place : organ.surface.place) {
+    const double streak =
+        1 + 0.25 * noise3(Vector3d(3 * place.x(), 40 * place.y(), organ.rank), d_.own.colour_key);
+    organ.albedo.push_back(to_rgb(
+        (streak * colour).cwiseQuotient(maize_base(c_, kStalkLook)).cwiseMin(1.0).cwiseMax(0.02)));
+  }
+}
+
+void LeafMaker::grow_ligule(Organ& organ) const {
+  organ.look = kStalkLook;
+  organ.age_days = d_.stage - organ.rank;
+  if (!has_collar(organ.rank)) return;
+  const double top_m = collar_m(organ.rank);
+  organ.line = along_axis(organ.rank, top_m - c_.sheath.ligule_m, top_m, 3, 3e-4);
+  finish_tube(c_, organ, c_.surface.sides, c_.sheath.ligule_albedo);
+  d_.plant.keypoints.push_back({"collar " + std::to_string(organ.rank), axis_.at_m(top_m).point_m});
+}
+
+BladeShape LeafMaker::shape_of(int rank, double out, double length_share) const {
+  const auto r = static_cast<std::size_t>(rank - 1);
+  const auto& b = c_.blade;
+  const MaizeIndividual::Leaf& own = d_.own.leaves[r];
+  const double widest_m = *std::max_element(b.width_m.begin(), b.width_m.end());
+  BladeShape shape;
+  shape.width_m = d_.own.vigour * own.size * b.width_m[r] * (0.35 + 0.65 * length_share);
+  shape.envelope_base = b.outline[0];
+  shape.envelope_peak = b.outline[1];
+  shape.envelope_rise = b.outline[2];
+  shape.envelope_fall = b.outline[3];
+  shape.envelope_tip = b.outline[4];
+  shape.fold_rad = (1 - out) * 1.25 + out * b.fold_rad;
+  shape.camber = -b.camber * out;
+  shape.wave_m = b.wave_m * out * shape.width_m / widest_m;
+  shape.wave_count = b.wave_count * std::max(0.3, length_share);
+  shape.wave_phase_rad = own.phase_rad;
+  shape.twist_rad = out * own.twist_rad;
+  return shape;
+}
+
+void LeafMaker::grow_blade(Organ& organ) const {
+  const int rank = organ.rank;
+  const auto r = static_cast<std::size_t>(rank - 1);
+  const auto& b = c_.blade;
+  const MaizeIndividual::Leaf& own = d_.own.leaves[r];
+  organ.look = kBladeLook;
+  organ.age_days = d_.stage - rank + b.tips_ahead;
+  const double share = grown_share(d_.stage, rank - b.tips_ahead - 1, rank);
+  if (share < 0.03 || has_fallen(rank)) return;
+  // Out of the whorl, and leaned out to its final angle.
+  const double out = grown_share(d_.stage, rank - 1.8, rank + 0.8), dry = dryness(rank);
+  const double base_m = std::max(collar_m(rank), top_collar_m_ * (rank > d_.stage) - 0.02);
+  const LinePoint base = axis_.at_m(base_m);
+  const Vector3d side =
+      (Vector3d(std::cos(own.azimuth_rad), std::sin(own.azimuth_rad), 0) -
+       base.axes.col(0) *
+           base.axes.col(0).dot(Vector3d(std::cos(own.azimuth_rad), std::sin(own.azimuth_rad), 0)))
+          .normalized();
+  const double up = (rank - 1.0) / (c_.plant.leaves - 1);
+  const double angle = (0.06 + 0.94 * out) * own.angle *
+                           (b.angle_low_rad + up * (b.angle_high_rad - b.angle_low_rad)) +
+                       0.8 * dry;
+  AxisGrowth growth;
+  growth.start_m = base.point_m + (0.15 + 0.75 * out) * wrapped_m(rank, base_m) * side;
+  growth.heading = (std::cos(angle) * base.axes.col(0) + std::sin(angle) * side).normalized();
+  growth.length_m = std::max(4e-3, d_.own.vigour * own.size * share * b.length_m[r]);
+  growth.radius_base_m = 0.0032 * std::sqrt(b.length_m[r] / 0.8);
+  growth.radius_tip_m = 0.0004;
+  growth.segments = 40;
+  // Long leaves hang over; what still stands in the whorl is stiff.
+  const double droop =
+      b.droop_rad * own.droop * std::min(1.1, growth.length_m / 0.7) * (0.12 + 0.88 * out) +
+      1.5 * dry;
+  growth.tropisms.push_back({-Vector3d::UnitZ(), droop, b.droop_begin});
+  organ.line = grow_axis(growth);
+  const BladeShape shape = shape_of(rank, out, share);
+  const Vector3d upper = std::sin(angle) * base.axes.col(0) - std::cos(angle) * side;
+  const int rows = std::clamp(static_cast<int>(growth.length_m / c_.surface.detail_m), 10, 120);
+  organ.surface = blade_surface(LineWalk(organ.line, upper), shape, rows, c_.surface.columns);
+  colour_blade(organ, out, dry);
+  d_.plant.keypoints.push_back({"tip " + std::to_string(rank), organ.line.points_m.back()});
+}
+
+void LeafMaker::colour_blade(Organ& organ, double out, double dry) const {
+  const auto& b = c_.blade;
+  const Vector3d base = maize_base(c_, kBladeLook);
+  for (const Eigen::Vector2d& place : organ.surface.place) {
+    const double s = place.x(), t = std::abs(place.y());
+    const double rib = 1 - smoothstep(0.6, 1.4, t / (b.midrib_share * (1.15 - s) + 1e-3));
+    // Young and rolled: paler towards the base.
+    const double young = (1 - out) * (0.45 + 0.55 * (1 - s));
+    Vector3d colour = (1 - young) * color_vector(b.albedo) + young * color_vector(b.albedo_young);
+    // Dries from the tip and the margins.
+    const double dead = std::clamp(
+        dry * 1.5 +
+            0.5 * noise3(Vector3d(4 * s, 2 * place.y(), organ.rank), d_.own.colour_key) * dry,
+        0.0, 1.0);
+    const double streak =
+        1 + 0.22 * noise3(Vector3d(2 * s, 12 * place.y(), 3.0 * organ.rank), d_.own.colour_key + 1);
+    colour = (1 - rib) * streak * colour + rib * color_vector(b.albedo_midrib);
+    colour = (1 - dead) * colour + dead * color_vector(b.albedo_dry);
+    organ.albedo.push_back(to_rgb(colour.cwiseQuotient(base).cwiseMin(1.0).cwiseMax(0.02)));
+  }
+}
+
+}  // namespace cousin

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "scenes/maize/maize_grower.h"
+
+namespace cousin {
+
+/// Private to scenes/maize: makes the leaves of a draft whose stalk has grown.
+class LeafMaker {
+ public:
+  LeafMaker(MaizeDraft& draft, const LineWalk& axis);
+  /// Sheath, ligule and blade on the internode `parent`.
+  void add(int rank, int parent);
+  bool has_collar(int rank) const;
+
+ private:
+  double sheath_share(int rank) const;
+  double sheath_m(int rank) const;
+  double node_m(int rank) const;    ///< along the axis
+  double collar_m(int rank) const;  ///< along the axis
+  double dryness(int rank) const;
+  bool has_fallen(int rank) const;
+  double wrapped_m(int rank, double along_m) const;
+  CentreLine along_axis(int rank, double from_m, double to_m, int steps, double wider_m) const;
+  void grow_sheath(Organ& organ) const;
+  void grow_ligule(Organ& organ) const;
+  BladeShape shape_of(int rank, double out, double length_share) const;
+  void grow_blade(Organ& organ) const;
+  void colour_blade(Organ& organ, double out, double dry) const;
+
+  MaizeDraft& d_;
+  const MaizeConfig& c_;
+  const LineWalk& axis_;
+  double top_collar_m_ = 0;  ///< of the highest collar, along the axis
+};
+
+}  // namespace cousin

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/config/fields.h"
+#include "sim/plant/plant.h"
+#include "sim/types/rng.h"
+
+namespace cousin {
+
+/// maize.toml, which says what each number is and where it comes from. Every value is given there.
+struct MaizeConfig {
+  struct PlantNumbers {
+    int leaves = 0;
+    double spread = 0, divergence_rad = 0, divergence_spread_rad = 0, lean_rad = 0, zigzag_rad = 0;
+  } plant;
+  struct Stalk {
+    std::vector<double> internode_m;
+    double begin_before = 0, end_after = 0, radius_m = 0, radius_tip_m = 0, young_share = 0;
+    double swelling = 0, depth_m = 0;
+    std::vector<double> albedo, albedo_node;
+  } stalk;
+  struct Sheath {
+    std::vector<double> length_m;
+    double thickness_m = 0, ligule_m = 0;
+    std::vector<double> albedo, albedo_low, ligule_albedo;
+  } sheath;
+  struct Blade {
+    std::vector<double> length_m, width_m, outline;
+    double tips_ahead = 0, angle_low_rad = 0, angle_high_rad = 0, droop_rad = 0, droop_begin = 0;
+    double fold_rad = 0, camber = 0, wave_m = 0, wave_count = 0, twist_rad = 0, midrib_share = 0;
+    std::vector<double> albedo, albedo_midrib, albedo_young, albedo_dry, albedo_back, transmittance;
+    double dry_after = 0, fall_after = 0;
+    int last_to_fall = 0;
+  } blade;
+  struct Root {
+    int count = 0, whorls = 0;
+    double begin_stage = 0, full_stage = 0, radius_m = 0, angle_rad = 0, height_m = 0;
+    std::vector<double> albedo;
+  } root;
+  struct Flower {
+    double peduncle_m = 0, spike_m = 0;
+    int branches = 0;
+    double branch_m = 0, branch_angle_rad = 0, spikelet_m = 0;
+    std::vector<double> albedo;
+    int ear_rank = 0;
+    double ear_m = 0, ear_radius_m = 0;
+    std::vector<double> ear_albedo, silk_albedo;
+  } flower;
+  struct Surface {
+    double detail_m = 0;
+    int columns = 0, sides = 0;
+    double ior = 0, leaf_roughness = 0, stem_roughness = 0;
+    double infrared_albedo = 0, infrared_transmittance = 0;
+  } surface;
+  struct Field {
+    double row_m = 0, plant_m = 0, scatter_m = 0;
+    int variants = 0;
+    double half_m = 0, cell_m = 0, clod_m = 0, clod_scale_m = 0;
+    std::vector<double> albedo, other_albedo;
+    double sun_elevation_rad = 0, sun_azimuth_rad = 0, turbidity = 0;
+    std::vector<double> overcast;
+  } field;
+};
+Fields fields(MaizeConfig& config);
+/// @throws std::invalid_argument naming key, value and limit.
+void validate(const MaizeConfig& config);
+const MaizeConfig& maize();  ///< of maize.toml
+
+/// "V3" .. "V18" or "VT" as the number of leaves with a collar; VT is one more than `leaves`.
+/// @throws std::invalid_argument naming the text and the stages that there are.
+double maize_stage(const std::string& text, int leaves);
+
+enum MaizeLook { kStalkLook, kBladeLook, kFlowerLook };
+std::vector<Material> maize_materials(const MaizeConfig& config);
+
+/// One plant at one stage, the soil's surface at z = 0; deterministic in (config, rng), whatever
+/// the stage. Organs: per rank internode, sheath, ligule, blade; then prop roots, peduncle, tassel,
+/// ear. Keypoints: "root" where the stalk leaves the soil, "node n" on the stalk's axis for every
+/// node above the soil, "collar n", "tip n" of each blade, "tassel tip". Traits: height (m),
+/// leaf_count (collars), visible_leaf_count, leaf_area (m2), stalk_diameter (m); internode_nn (m):
+/// along the axis from node n - 1 to node n, where leaf n sits, both above the soil; leaf_angle_nn
+/// (rad) of leaves with a collar, from the stalk.
+struct MaizePlant {
+  Plant plant;
+  std::vector<TrueTrait> traits;
+};
+/// @param stage  of maize_stage(); between two whole ones the plant is between them.
+MaizePlant grow_maize(const MaizeConfig& config, double stage, Rng rng);
+
+}  // namespace cousin

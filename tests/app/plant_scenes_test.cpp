@@ -1,0 +1,128 @@
+// The scenes of plants, as a user meets them: rendered, verified, exported; not yet measured.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/dataset/atomic_file.h"
+#include "tests/app/program.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Four cells and two small photographs of them: a second.
+Words tiny_tray() {
+  return {"--set", "tray.columns=2",
+          "--set", "tray.rows=2",
+          "--set", "views=2",
+          "--set", "coverage=0.2",
+          "--set", "rig.width_px=160",
+          "--set", "rig.height_px=90",
+          "--set", "render.pixel_samples=2",
+          "--set", "substrate.detail_m=0.004"};
+}
+
+nlohmann::json json_in(const fs::path& file) {
+  return nlohmann::json::parse(read_file(file), nullptr, false);
+}
+
+TEST(PlantScenes, AreListedWithWhatTheyLack) {
+  const Outcome listed = Program().run({"scenes"});
+  EXPECT_EQ(listed.code, 0);
+  EXPECT_THAT(listed.out, AllOf(HasSubstr("seeds "), HasSubstr("seedlings "), HasSubstr("maize "),
+                                HasSubstr("no pipeline yet")));
+}
+
+TEST(PlantScenes, SeedlingsAreRenderedVerifiedAndRefusedByThePipelines) {
+  const Program program;
+  const Outcome rendered = program.run(
+      Words{"render", "seedlings", "--out", "tray", "--json", "--truth", "part,keypoints"} +
+      tiny_tray());
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  EXPECT_TRUE(nlohmann::json::parse(rendered.out)["seconds"].contains("build 000000"));
+  EXPECT_EQ(program.run({"verify", "tray"}).out, "tray: no problems\n");
+  const nlohmann::json traits = json_in(program.path("tray/000000/truth/traits.json"));
+  EXPECT_GE(traits["instances"].size(), 4U);  // each cell's, and each plant's
+  EXPECT_FALSE(json_in(program.path("tray/000000/truth/keypoints.json")).is_discarded());
+
+  const Outcome perceived = program.run({"perceive", "tray", "--out", "est"});
+  EXPECT_EQ(perceived.code, 2);
+  EXPECT_THAT(perceived.err, HasSubstr("is of scene \"seedlings\", which has no pipeline yet"));
+  const Outcome run = program.run({"run", "seedlings"});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("no pipeline yet"), HasSubstr("cousin render seedlings")));
+  const Outcome plan = program.run({"run", "seedlings", "--plan"});
+  EXPECT_EQ(plan.code, 0);
+  EXPECT_THAT(plan.out, AllOf(HasSubstr("radiance"), HasSubstr("left out:"),
+                              HasSubstr("there is no pipeline for this scene yet")));
+}
+
+TEST(PlantScenes, ShardsOfATrayMakeTheDatasetOfOneRunOnOtherThreads) {
+  const Program program;
+  const Words render = Words{"render", "seedlings"} + tiny_tray();
+  ASSERT_EQ(program.run(render + Words{"--out", "whole", "--threads", "1"}).code, 0);
+  ASSERT_EQ(program.run(render + Words{"--out", "data", "--shard", "1/2"}).code, 0);
+  ASSERT_EQ(program.run(render + Words{"--out", "data", "--shard", "0/2"}).code, 0);
+  auto files = contents(program.path("data"));
+  EXPECT_EQ(files.erase("manifest.0-of-2.json") + files.erase("manifest.1-of-2.json"), 2U);
+  EXPECT_EQ(files, contents(program.path("whole")));
+}
+
+TEST(PlantScenes, AGrowthSeriesIsOneTrayOnOneDayAfterAnother) {
+  const Program program;
+  ASSERT_EQ(program
+                .run(Words{"render", "seedlings", "--out", "days", "--scenes", "3", "--streams",
+                           "color", "--truth", "none", "--set", "day=3", "--set", "day_step=4"} +
+                     tiny_tray())
+                .code,
+            0);
+  std::map<int, double> before;
+  for (const char* scene : {"000000", "000001", "000002"}) {
+    std::map<int, double> area;
+    const nlohmann::json traits = json_in(program.path("days") / scene / "truth" / "traits.json");
+    for (const auto& instance : traits["instances"]) {
+      for (const auto& trait : instance["traits"]) {
+        if (trait["name"] == "leaf_area") area[instance["instance"]] = trait["value"];
+      }
+    }
+    ASSERT_FALSE(area.empty());
+    for (const auto& [id, value] : before) EXPECT_GE(area[id], value) << id;
+    before = area;
+  }
+}
+
+TEST(PlantScenes, MaizeIsSeenByTwoCamerasWithAllItsTruth) {
+  const Program program;
+  const Outcome rendered =
+      program.run({"render", "maize", "--out", "field", "--frames", "1", "--set", "stage=V6",
+                   "--set", "rig=zed_hd720", "--set", "render.pixel_samples=1", "--set",
+                   "maize.field.cell_m=0.2", "--truth", "part,keypoints,disparity", "--json"});
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  EXPECT_TRUE(fs::exists(program.path("field/000000/truth/disparity/000000.exr")));
+  EXPECT_THAT(read_file(program.path("field/000000/truth/keypoints.json")), HasSubstr("node "));
+  EXPECT_EQ(program.run({"verify", "field"}).code, 0);
+}
+
+TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
+  const Program program;
+  const auto refusal = [&](const std::string& scene, const std::string& set) {
+    const Outcome outcome = program.run({"render", scene, "--out", "x", "--set", set});
+    EXPECT_EQ(outcome.code, 2) << set;
+    EXPECT_FALSE(fs::exists(program.path("x"))) << set;
+    return outcome.err;
+  };
+  EXPECT_THAT(refusal("seedlings", "day=-1"), HasSubstr("day"));
+  EXPECT_THAT(refusal("seedlings", "day=1000"), AllOf(HasSubstr("1000"), HasSubstr("20")));
+  EXPECT_THAT(refusal("seedlings", "light=D9"), HasSubstr("D1, D2, D3"));
+  EXPECT_THAT(refusal("seedlings", "rig=none"), HasSubstr("none"));
+  EXPECT_THAT(refusal("seedlings", "watermelon.leaf.lobes=[1]"), HasSubstr("leaf.lobes"));
+  EXPECT_THAT(refusal("maize", "stage=V1"), HasSubstr("V3 .. V18, VT"));
+  EXPECT_THAT(refusal("maize", "rows=0"), HasSubstr("rows"));
+}
+
+}  // namespace
+}  // namespace cousin

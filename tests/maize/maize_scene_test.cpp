@@ -1,0 +1,92 @@
+#include "scenes/maize/maize_scene.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+namespace cousin {
+namespace {
+
+MaizeSceneConfig field(int rows, int plants) {
+  MaizeSceneConfig config;
+  config.rows = rows;
+  config.plants = plants;
+  config.plant.field.cell_m = 0.2;  // the soil is not what is tested
+  return config;
+}
+
+TEST(MaizeScene, RowsShareMeshesAndEveryPlantIsASpecimen) {
+  MaizeSceneConfig config = field(3, 7);
+  config.plant.field.variants = 4;
+  const Scene scene = build_maize_scene(config, Rng(1));
+  std::set<int> models, ids;
+  int specimens = 0;
+  for (const Instance& instance : scene.instances) {
+    ids.insert(instance.id);
+    if (!instance.is_specimen) continue;
+    ++specimens;
+    models.insert(instance.model);
+    EXPECT_FALSE(instance.traits.empty());
+  }
+  EXPECT_EQ(specimens, 21);
+  EXPECT_EQ(models.size(), 4U);
+  EXPECT_EQ(ids.size(), scene.instances.size());
+}
+
+TEST(MaizeScene, TheMiddlePlantStandsAtTheOriginAloneOrInAField) {
+  const auto middle = [](const Scene& scene) {
+    for (const Instance& instance : scene.instances) {
+      if (instance.is_specimen && instance.world_from_object.translation_m.norm() == 0)
+        return scene.models[static_cast<std::size_t>(instance.model)].mesh.vertices_m;
+    }
+    return std::vector<Eigen::Vector3d>();
+  };
+  const auto alone = middle(build_maize_scene(field(1, 1), Rng(2)));
+  EXPECT_FALSE(alone.empty());
+  EXPECT_EQ(alone, middle(build_maize_scene(field(3, 5), Rng(2))));
+}
+
+TEST(MaizeScene, IsTheSameOnAnyNumberOfThreads) {
+  const auto build = [](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return build_maize_scene(field(2, 3), Rng(5));
+  };
+  const Scene a = build(1), b = build(8);
+  ASSERT_EQ(a.models.size(), b.models.size());
+  for (std::size_t i = 0; i < a.models.size(); ++i)
+    EXPECT_EQ(a.models[i].mesh.vertices_m, b.models[i].mesh.vertices_m) << a.models[i].name;
+}
+
+TEST(MaizeScene, ViewsKeepTheirDistanceAndStayAboveTheSoil) {
+  MaizeSceneConfig config = field(1, 1);
+  config.views = 50;
+  for (const View& view : maize_views(config, 1.5, Rng(3))) {
+    const Eigen::Vector3d eye = centre_in_world_m(view.rig_from_world);
+    EXPECT_GE(eye.z(), 0.1 - 1e-12);
+    EXPECT_LE(eye.head<2>().norm(), config.distance_max_m + 1e-12);
+    EXPECT_GE(eye.head<2>().norm(), config.distance_min_m * std::cos(config.pitch_max_rad) - 1e-12);
+  }
+}
+
+TEST(MaizeScene, RefusesStagesLightsAndOrders) {
+  MaizeSceneConfig config = field(1, 1);
+  config.stage = "V99";
+  EXPECT_THROW(validate(config), std::invalid_argument);
+  config = field(1, 1);
+  config.light = "moon";
+  EXPECT_THROW(validate(config), std::invalid_argument);
+  config = field(0, 1);
+  EXPECT_THROW(validate(config), std::invalid_argument);
+  config = field(1, 1);
+  config.distance_min_m = 3;
+  EXPECT_THROW(validate(config), std::invalid_argument);
+  config = field(1, 1);
+  config.plant.blade.width_m.pop_back();
+  EXPECT_THROW(validate(config), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cousin
