@@ -126,7 +126,10 @@ PathTracer::PathTracer(const RayScene& rays, const Scene& scene) : impl_(std::ma
     p.origin_m = pose.translation_m.cast<float>();
     const auto& corners = geometry.box_corners_in_object_m;
     p.size_m = static_cast<float>((corners[7] - corners[0]).norm());
-    if (p.is_open && p.material->mean_free_path_m.maxCoeff() > 0) {
+    const auto is_flesh = [](const PathMaterial* m) { return m->mean_free_path_m.maxCoeff() > 0; };
+    const bool has_flesh = is_flesh(p.material) ||
+                           std::any_of(p.part_materials.begin(), p.part_materials.end(), is_flesh);
+    if (p.is_open && has_flesh) {
       throw std::invalid_argument("path tracer: instance \"" + instance.name +
                                   "\" has a mean_free_path_m and is not closed");
     }

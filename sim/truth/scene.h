@@ -93,7 +93,8 @@ struct Instance {
   int model = 0;             ///< index into Scene::models
   int material = 0;          ///< index into Scene::materials
   /// Index into Scene::materials for each of the model's parts: a plant's stems are not its leaves.
-  /// Empty = `material` everywhere. The infrared pass takes `material` for all parts.
+  /// None is clear. Empty = `material` everywhere. The infrared pass takes `material` for all
+  /// parts.
   std::vector<int> part_materials;
   Pose world_from_object;
   std::vector<TimedPose> motion;  ///< sorted by time; empty = static at world_from_object
@@ -147,8 +148,8 @@ using Light = std::variant<Sun, Sky, Lamp, ClearSky, Projector, Environment>;
 /// readout.
 struct View {
   double time_s = 0;
-  Pose rig_from_world;      ///< when the first row is read
-  Pose rig_from_world_end;  ///< when the last row is read
+  Pose rig_from_world;                                         ///< when the first row is read
+  Pose rig_from_world_end;                                     ///< when the last row is read
   Eigen::Vector3d focus_in_world_m = Eigen::Vector3d::Zero();  ///< what an autofocus finds
 };
 

@@ -165,6 +165,8 @@ void check_instance(const Instance& instance, const Scene& scene, const std::str
   for (const int material : instance.part_materials) {
     if (material < 0 || material >= static_cast<int>(scene.materials.size()))
       fail(where, "no such part material", material, "in the scene");
+    if (scene.materials[static_cast<std::size_t>(material)].kind == SurfaceKind::clear)
+      fail(where, "part material", material, "is clear: water is an instance of its own");
   }
   for (const std::uint16_t part : model.triangle_part) {
     if (!instance.part_materials.empty() && part >= instance.part_materials.size())

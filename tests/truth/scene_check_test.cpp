@@ -95,6 +95,11 @@ TEST(SceneCheck, NamesTheInstance) {
               HasSubstr("no such part material = 7"));
   EXPECT_THAT(said([&](Scene& s) {
                 in_parts(s);
+                s.materials[0].kind = SurfaceKind::clear;
+              }),
+              HasSubstr("part material = 0 is clear"));
+  EXPECT_THAT(said([&](Scene& s) {
+                in_parts(s);
                 s.models[0].triangle_part = {2};
               }),
               HasSubstr("no material of part = 2"));
