@@ -36,7 +36,7 @@ struct BendingLoad {
   Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();  ///< unloaded, in the world
   /// Its shape: convex parts in its own frame, with the centroid as origin. Empty: a point that
   /// touches nothing.
-  std::vector<Mesh> hulls;
+  std::vector<Mesh> hulls = {};
   Eigen::Quaterniond world_from_hulls = Eigen::Quaterniond::Identity();  ///< unloaded
   double drag_area_m2 = 0;  ///< drag coefficient times area, for wind
 };

@@ -75,7 +75,7 @@ class Writer {
 
   std::string head() const {
     const double h = engine_.step_s;
-    const std::size_t touching = contacts_ ? 40 * (plant_.loads.size() + 1) + hinges_.size() : 1;
+    const std::size_t touching = contacts_ ? 40 * (plant_.loads.size() + 1) + hinges_.size() : 100;
     return "<mujoco><compiler angle=\"radian\" balanceinertia=\"false\"/><option timestep=\"" +
            xml_numbers({h}) + "\" gravity=\"0 0 " + xml_numbers({-engine_.gravity_m_s2}) +
            "\" integrator=\"" + engine_.integrator +
