@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 #include "sim/geometry/measure.h"
@@ -65,6 +66,56 @@ double red_share(const Mesh& mesh, const std::vector<Rgbf>& vertex_albedo) {
     whole += area;
   }
   return whole > 0 ? red / whole : 0;
+}
+
+namespace {
+
+/// The value below which `share` of the mesh's area lies, by vertices.
+double area_quantile(const Mesh& mesh, const std::vector<double>& values, double share) {
+  std::vector<double> area(values.size(), 0);
+  double whole = 0;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d& a = mesh.vertices_m[t[0]];
+    const double third = (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a).norm();
+    for (const std::uint32_t k : t) area[k] += third;
+    whole += 3 * third;
+  }
+  std::vector<std::uint32_t> order(values.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return values[a] < values[b]; });
+  double sum = 0;
+  for (const std::uint32_t k : order) {
+    sum += area[k];
+    if (sum >= share * whole) return values[k];
+  }
+  return values[order.back()];
+}
+
+}  // namespace
+
+std::vector<Rgbf> color_to_share(const Mesh& mesh, const std::vector<double>& early, double width,
+                                 double turning, double wanted,
+                                 const std::function<Rgbf(std::size_t, double)>& color) {
+  const auto colors_at = [&](double front) {
+    std::vector<Rgbf> colors;
+    colors.reserve(early.size());
+    for (std::size_t i = 0; i < early.size(); ++i)
+      colors.push_back(color(i, (early[i] - front) / width));
+    return colors;
+  };
+  const auto [least, most] = std::minmax_element(early.begin(), early.end());
+  if (wanted >= 1) return colors_at(*least - (turning + 1.2) * width);
+  if (wanted <= 0) return colors_at(*most - (turning - 1.2) * width);
+  // Colours run straight between vertices, not ripeness, and are cut to what a surface can have:
+  // two corrections of the quantile's share.
+  double aim = wanted;
+  std::vector<Rgbf> colors;
+  for (int i = 0; i < 3; ++i) {
+    colors = colors_at(area_quantile(mesh, early, 1 - aim) - turning * width);
+    aim = std::clamp(aim + wanted - red_share(mesh, colors), 0.0, 1.0);
+  }
+  return colors;
 }
 
 Mesh tube(const std::vector<Eigen::Vector3d>& points_m, const std::vector<double>& radii_m,
@@ -129,6 +180,12 @@ std::vector<double> harmonic_radii(const std::vector<Eigen::Vector3d>& direction
     radii.push_back(std::max(0.3, radius));
   }
   return radii;
+}
+
+double cut_normal(Rng& rng, double mean, double sigma) {
+  // sqrt(1 - 2 * 2 phi(2) / (2 Phi(2) - 1)) of the spread is left.
+  constexpr double kCutSigma = 0.87963;
+  return truncated_normal(rng, mean, sigma / kCutSigma, 2);
 }
 
 void fit_shape(Mesh& mesh, double length_over_width, double volume_m3) {

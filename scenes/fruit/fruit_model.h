@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,11 @@
 #include "sim/types/rng.h"
 
 namespace cousin {
+
+enum class FruitFamily {
+  botanical,  ///< the species' own outlines
+  harmonics   ///< radii of random spherical harmonics of the same size: nothing of the species'
+};
 
 /// A shape and what it is made of.
 struct FruitPart {
@@ -42,6 +48,13 @@ double red_share(const Mesh& mesh, const std::vector<Rgbf>& vertex_albedo);
 /// Whether a colour counts as red there.
 inline constexpr double kRedOverGreen = 2;
 
+/// Colours of a mesh by how early each vertex ripens: vertex i gets color(i, ripe) with ripe =
+/// (early[i] - front) / width, for the front at which `wanted` of the area is red, where color
+/// turns red at ripe = `turning`. 0 and 1 put the front beyond the last and the first vertex.
+std::vector<Rgbf> color_to_share(const Mesh& mesh, const std::vector<double>& early, double width,
+                                 double turning, double wanted,
+                                 const std::function<Rgbf(std::size_t, double)>& color);
+
 /// A closed tube about a centre line.
 /// @param radii_m  one for each point
 Mesh tube(const std::vector<Eigen::Vector3d>& points_m, const std::vector<double>& radii_m,
@@ -52,6 +65,9 @@ Mesh tube(const std::vector<Eigen::Vector3d>& points_m, const std::vector<double
 /// Nothing of the fruits' own family is in it. The least radius is 0.3.
 std::vector<double> harmonic_radii(const std::vector<Eigen::Vector3d>& directions, int degrees,
                                    double strength, Rng rng);
+
+/// A normal cut at two standard deviations and widened so that the cut leaves `sigma` as stated.
+double cut_normal(Rng& rng, double mean, double sigma);
 
 /// Stretches a closed mesh along and across z to a ratio of length to mean width, then evenly to a
 /// volume, and moves its centroid to the origin.

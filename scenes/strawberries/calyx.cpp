@@ -74,6 +74,7 @@ void keep_off(Mesh& sheets, const StrawberryFlesh& flesh, double gap_m) {
     std::size_t nearest = 0;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < points.size(); ++i) {
+      if (flesh.along[i] < 0.5) continue;
       const double d = (points[i] - p).squaredNorm();
       if (d < least) {
         least = d;

@@ -109,11 +109,9 @@ FruitModel make_strawberry(const StrawberryConfig& config, Rng rng) {
   validate(config);
   const StrawberryVariety& v = strawberry_variety(config.variety);
   Rng draw = rng.fork("size");
-  const double ripe_kg = v.mass_kg * truncated_normal(draw, 1, v.cv_mass / 0.87963, 2);
-  const double shape_index =
-      truncated_normal(draw, v.shape_index, v.sigma_shape_index / 0.87963, 2);
-  const double density =
-      truncated_normal(draw, v.density_kg_m3, v.sigma_density_kg_m3 / 0.87963, 2);
+  const double ripe_kg = v.mass_kg * cut_normal(draw, 1, v.cv_mass);
+  const double shape_index = cut_normal(draw, v.shape_index, v.sigma_shape_index);
+  const double density = cut_normal(draw, v.density_kg_m3, v.sigma_density_kg_m3);
   const double size = config.growth * std::cbrt(ripe_kg / v.mass_kg);
   FruitModel fruit;
   fruit.mass_kg = ripe_kg * std::pow(config.growth, 3);

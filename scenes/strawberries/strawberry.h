@@ -10,11 +10,6 @@
 
 namespace cousin {
 
-enum class FruitFamily {
-  botanical,  ///< the species' own outlines
-  harmonics   ///< radii of random spherical harmonics of the same size: nothing of the species'
-};
-
 /// What of a strawberry is asked for, beside its variety.
 struct StrawberryConfig {
   std::string variety = "benihoppe";

@@ -35,31 +35,28 @@ std::vector<Rgbf> color_strawberry(const StrawberryVariety& v, const StrawberryF
   // Before a third is red the rest goes from green to white.
   const Eigen::Vector3d unripe =
       blend(to_vector(v.albedo_green), to_vector(v.albedo_white), 0.15 + wanted / 0.35);
-  const auto color = [&](double front) {
-    std::vector<Rgbf> colors;
-    colors.reserve(early.size());
-    for (std::size_t i = 0; i < early.size(); ++i) {
-      const double ripe = (early[i] - front) / v.colour_width;
-      Eigen::Vector3d rgb = blend(unripe, to_vector(v.albedo_blush), smoothstep(-0.6, 0.4, ripe));
-      rgb = blend(rgb, to_vector(v.albedo_red), smoothstep(0.0, 1.1, ripe));
-      // Deeper where ripe longest.
-      rgb *= tone * (1 - 0.22 * smoothstep(1.0, 4.0, ripe)) * (1 + 0.10 * fine[i]);
-      rgb = rgb.cwiseMax(0.004).cwiseMin(0.95);
-      colors.push_back(
-          {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])});
-    }
-    return colors;
+  const Eigen::Vector3d blush = to_vector(v.albedo_blush);
+  const Eigen::Vector3d red = to_vector(v.albedo_red);
+  const auto color_of = [&](double ripe) {
+    const Eigen::Vector3d pale = blend(unripe, blush, smoothstep(-0.6, 0.4, ripe));
+    return blend(pale, red, smoothstep(0.0, 1.1, ripe));
   };
-  const auto [least, most] = std::minmax_element(early.begin(), early.end());
-  double low = *least - 3 * v.colour_width;  // all red
-  double high = *most + 3 * v.colour_width;  // none
-  if (wanted >= 1) return color(*least - 1.5 * v.colour_width);
-  if (wanted <= 0) return color(high);
-  for (int i = 0; i < 22; ++i) {
-    const double front = 0.5 * (low + high);
-    (red_share(flesh.mesh, color(front)) > wanted ? low : high) = front;
+  // Red begins where R = kRedOverGreen G.
+  double low = -0.6;
+  double high = 1.1;
+  for (int i = 0; i < 40; ++i) {
+    const double ripe = 0.5 * (low + high);
+    const Eigen::Vector3d rgb = color_of(ripe);
+    (rgb[0] < kRedOverGreen * rgb[1] ? low : high) = ripe;
   }
-  return color(high);
+  return color_to_share(
+      flesh.mesh, early, v.colour_width, high, wanted, [&](std::size_t i, double ripe) {
+        // Deeper where ripe longest.
+        const double depth = tone * (1 - 0.22 * smoothstep(1.0, 4.0, ripe)) * (1 + 0.10 * fine[i]);
+        const Eigen::Vector3d rgb = (depth * color_of(ripe)).cwiseMax(0.004).cwiseMin(0.95);
+        return Rgbf{static_cast<float>(rgb[0]), static_cast<float>(rgb[1]),
+                    static_cast<float>(rgb[2])};
+      });
 }
 
 }  // namespace cousin
