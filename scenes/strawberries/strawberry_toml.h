@@ -6,5 +6,6 @@ namespace cousin {
 
 /// The scene's TOML files, compiled in so that the program needs no data folder.
 std::string_view varieties_toml();
+std::string_view truss_toml();
 
 }  // namespace cousin
