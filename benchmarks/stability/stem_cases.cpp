@@ -184,7 +184,7 @@ void theory_rows(std::vector<StabilityRow>& rows) {
                             std::abs(modes_of(swing).first_rad_s / theory_rad_s(1e10) - 1)));
     const double mass_kg = 0.0005;
     plant.loads = {{.stem = 0, .share = 1, .mass_kg = mass_kg, .centroid_m = {kLength_m, 0, 0}}};
-    const SagResult result = sag(plant, {.rest_speed_m_s = 1e-6});
+    const SagResult result = sag(plant, {.rest_m = 1e-7});
     const double weight_n_m = kDensity * kPi * kRadius_m * kRadius_m * 9.81;
     const double theory_m =
         (mass_kg * 9.81 * std::pow(kLength_m, 3) / 3 + weight_n_m * std::pow(kLength_m, 4) / 8) /

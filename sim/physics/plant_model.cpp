@@ -79,12 +79,13 @@ class Writer {
     return "<mujoco><compiler angle=\"radian\" balanceinertia=\"false\"/><option timestep=\"" +
            xml_numbers({h}) + "\" gravity=\"0 0 " + xml_numbers({-engine_.gravity_m_s2}) +
            "\" integrator=\"" + engine_.integrator +
-           "\" cone=\"elliptic\" solver=\"Newton\" iterations=\"60\" tolerance=\"1e-12\" "
+           "\" cone=\"elliptic\" solver=\"PGS\" iterations=\"50\" tolerance=\"1e-10\" "
            "impratio=\"10\" noslip_iterations=\"3\" "
            "mpr_tolerance=\"1e-9\" mpr_iterations=\"200\"/><size nconmax=\"" +
            std::to_string(touching) + "\" njmax=\"" + std::to_string(3 * touching) +
            "\"/><default><geom condim=\"3\" solref=\"" + xml_numbers({2 * h, 1}) +
-           "\" solimp=\".99 .999 .0001\" friction=\"0.5 0 0\"/></default>";
+           "\" solimp=\".99 .999 .0001\" friction=\"" + xml_numbers({engine_.friction, 0, 0}) +
+           "\"/></default>";
   }
 
   std::string assets() const {

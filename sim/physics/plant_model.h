@@ -14,7 +14,8 @@ struct PlantEngine {
   double step_s = 0.001;
   std::string integrator = "Euler";  ///< Euler, implicit, RK4
   double gravity_m_s2 = 9.81;
-  bool contacts = true;
+  bool contacts = true;  ///< by the engine's PGS: a few contacts on many hinges
+  double friction = 0.3;
   bool twists = true;  ///< false: hinges bend only
   /// T of an inertia T^2 k added to every hinge: slows a mode to omega / sqrt(1 + (T omega)^2) and
   /// leaves rest where it is. The engine reckons contacts without the damping that its step takes

@@ -12,8 +12,10 @@
 namespace cousin {
 namespace {
 
-constexpr double kHold_s = 0.1;    // rest must last as long
-constexpr double kGust_s = 0.002;  // wind is held for about as long: gusts are slower
+constexpr double kHold_s = 0.2;     // rest must last as long
+constexpr double kSoft_s = 1;       // contacts harden for as long
+constexpr double kSoftest_s = 0.2;  // time constant of the softest
+constexpr double kGust_s = 0.002;   // wind is held for about as long: gusts are slower
 
 StemStrain strain_of(const PlantStress& stress) {
   return {stress.stress_pa, stress.ratio, stress.stem, stress.share};
@@ -23,19 +25,22 @@ Eigen::Vector3d vector_at(const mjtNum* values, int body) {
   return Eigen::Map<const Eigen::Vector3d>(values + 3 * static_cast<std::ptrdiff_t>(body));
 }
 
-/// Largest speed of a section's or load's origin since the positions kept, which are renewed.
-double largest_speed_m_s(const mjModel& model, const mjData& data, std::vector<double>& kept_m,
-                         double since_s) {
-  const auto count = static_cast<std::size_t>(3 * model.nbody);
-  const bool known = kept_m.size() == count;
-  kept_m.resize(count);
-  double largest = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (known) largest = std::max(largest, std::abs(data.xpos[i] - kept_m[i]));
-    kept_m[i] = data.xpos[i];
+/// How far bodies have strayed from where they were when it was last set.
+class Anchor {
+ public:
+  void set(const mjModel& model, const mjData& data) {
+    kept_m_.assign(data.xpos, data.xpos + 3 * static_cast<std::ptrdiff_t>(model.nbody));
   }
-  return known ? largest / since_s : std::numeric_limits<double>::infinity();
-}
+  double strayed_m(const mjData& data) const {
+    double farthest = 0;
+    for (std::size_t i = 0; i < kept_m_.size(); ++i)
+      farthest = std::max(farthest, std::abs(data.xpos[i] - kept_m_[i]));
+    return farthest;
+  }
+
+ private:
+  std::vector<double> kept_m_;
+};
 
 /// The convex bodies of a load, and where they are.
 struct LoadShape {
@@ -104,28 +109,51 @@ double max_penetration_m(const BendingPlant& plant, const BentPlant& bent) {
 
 }  // namespace
 
+namespace {
+
+/// Contacts as soft as `timeconst_s`.
+void set_softness(mjModel& model, double timeconst_s) {
+  for (int i = 0; i < model.ngeom; ++i) model.geom_solref[mjNREF * i] = timeconst_s;
+}
+
+}  // namespace
+
 SagResult sag(const BendingPlant& plant, const SagConfig& config) {
   validate(config);
   SagResult result;
   const EngineWatch watch;
   const PlantModel engine = make_plant_model(plant, {.step_s = config.step_s,
                                                      .gravity_m_s2 = config.gravity_m_s2,
+                                                     .friction = config.friction,
                                                      .inertia_time_s = config.inertia_time_s,
                                                      .least_damping_s = config.step_s});
   const EngineData data = make_data(*engine.model);
   const auto steps = static_cast<long>(config.max_time_s / config.step_s);
-  constexpr int kLook = 10;  // steps between looks at the speed
-  const auto hold = static_cast<long>(std::ceil(kHold_s / (kLook * config.step_s)));
-  std::vector<double> kept_m;
-  long quiet = 0;
+  const auto hold = static_cast<long>(std::ceil(kHold_s / config.step_s));
   mj_forward(engine.model.get(), data.get());
+  Anchor anchor;
+  anchor.set(*engine.model, *data);
+  // Weight comes slowly: falling and spinning fruits drive the engine's explicit terms. Unloaded,
+  // fruits may overlap: contacts that part them at once would fling them away.
+  const double hard_s = 2 * config.step_s;
+  const auto soft = plant.loads.size() > 1 ? static_cast<long>(kSoft_s / config.step_s) : 0;
+  long quiet = 0;
   for (long step = 0; step < steps && quiet < hold && watch.warnings(*data) == 0; ++step) {
+    if (step <= soft && soft > 0) {
+      const double share = static_cast<double>(step) / static_cast<double>(soft);
+      engine.model->opt.gravity[2] = -config.gravity_m_s2 * share;
+      set_softness(*engine.model, hard_s * std::pow(kSoftest_s / hard_s, 1 - share));
+      quiet = 0;
+    }
     mj_mulM(engine.model.get(), data.get(), data->qfrc_applied, data->qvel);
     mju_scl(data->qfrc_applied, data->qfrc_applied, -config.damping_per_s, engine.model->nv);
     mj_step(engine.model.get(), data.get());
-    if (step % kLook != 0) continue;
-    result.speed_m_s = largest_speed_m_s(*engine.model, *data, kept_m, kLook * config.step_s);
-    quiet = result.speed_m_s < config.rest_speed_m_s ? quiet + 1 : 0;
+    const double strayed_m = anchor.strayed_m(*data);
+    result.moved_m = std::max(quiet > 0 ? result.moved_m : 0, strayed_m);
+    ++quiet;
+    if (strayed_m <= config.rest_m) continue;
+    anchor.set(*engine.model, *data);
+    quiet = 0;
   }
   mj_kinematics(engine.model.get(), data.get());
   result.bent = bent_plant(plant, engine, *data);

@@ -24,12 +24,13 @@ std::string_view to_string(PlantStatus status);
 /// How weight and loads are let bend a plant to rest. Damping and inertia are not the plant's own
 /// but what ends the motion soon; where it rests does not depend on them.
 struct SagConfig {
-  double step_s = 0.001;
-  double inertia_time_s = 0.004;  ///< T of the inertia T^2 k added to every hinge: no mode is
-                                  ///< faster than 1 / T
-  double damping_per_s = 12;      ///< decay rate of all motion, as in a thick fluid
+  double step_s = 0.002;
+  double inertia_time_s = 0.02;  ///< T of the inertia T^2 k added to every hinge: no mode is
+                                 ///< faster than 1 / T
+  double damping_per_s = 16;     ///< decay rate of all motion, as in a thick fluid
   double max_time_s = 10;
-  double rest_speed_m_s = 2e-5;  ///< of every section, held for 0.1 s
+  double rest_m = 2e-5;  ///< no section leaves where it was by more for 0.2 s
+  double friction = 0.3;
   double max_penetration_m = 5e-4;
   double gravity_m_s2 = 9.81;
 };
@@ -49,7 +50,7 @@ struct SagResult {
   PlantStatus status = PlantStatus::not_at_rest;
   BentPlant bent;
   double time_s = 0;             ///< simulated
-  double speed_m_s = 0;          ///< largest of a section at the end
+  double moved_m = 0;            ///< farthest of a section within the last 0.2 s
   double max_penetration_m = 0;  ///< of loads into loads, stems and obstacles, of stems into
                                  ///< obstacles
   StemStrain strain;

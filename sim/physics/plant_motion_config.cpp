@@ -31,7 +31,8 @@ Fields fields(SagConfig& c) {
       {"inertia_time_s", &c.inertia_time_s, "T of the inertia T^2 k of every hinge", 1e-6, 1},
       {"damping_per_s", &c.damping_per_s, "decay rate of all motion", 0, 1000},
       {"max_time_s", &c.max_time_s, "simulated time before giving up", 0.1, 100},
-      {"rest_speed_m_s", &c.rest_speed_m_s, "of every section, held for 0.1 s", 1e-9, 1},
+      {"rest_m", &c.rest_m, "how far a section may stray in 0.2 s of rest", 1e-9, 0.01},
+      {"friction", &c.friction, "sliding friction coefficient", 0, 10},
       {"max_penetration_m", &c.max_penetration_m, "deepest allowed overlap", 0, 0.01},
       {"gravity_m_s2", &c.gravity_m_s2, "downwards", 0, 100},
   };

@@ -40,13 +40,13 @@ TEST(BendingPlant, ACantileverSagsAsTheory) {
   const double mass_kg = 0.001;
   plant.loads = {{.stem = 0, .share = 1, .mass_kg = mass_kg, .centroid_m = {0.3, 0, 0}}};
   const SagResult result = sag(plant);
-  ASSERT_EQ(result.status, PlantStatus::ok) << result.speed_m_s;
+  ASSERT_EQ(result.status, PlantStatus::ok) << result.moved_m;
   // Tip load P L^3 / 3 E I and own weight w L^4 / 8 E I.
   const double ei = 20e9 * second_moment_m4(0.0015);
   const double own_n_m = 900 * kPi * 0.0015 * 0.0015 * 9.81;
   const double theory_m =
       mass_kg * 9.81 * std::pow(0.3, 3) / (3 * ei) + own_n_m * std::pow(0.3, 4) / (8 * ei);
-  // The chain is short by 1 / (4 N^2) = 0.06 %; rest is reached to 0.02 mm/s x 0.1 s.
+  // The chain is short by 1 / (4 N^2) = 0.06 %; rest is reached to 0.02 mm in 0.2 s.
   EXPECT_NEAR(-tip_m(plant, result.bent), theory_m, 0.003 * theory_m);
   EXPECT_LT(theory_m, 0.01);  // small against its length, or theory does not hold
 }
@@ -246,8 +246,8 @@ TEST(Sway, RestUnderWeightStaysRestInStillAir) {
   const SwayResult motion = sway(plant, rest.bent, {}, {.duration_s = 0.3}, Rng(1));
   ASSERT_EQ(motion.status, PlantStatus::ok);
   EXPECT_EQ(motion.frames.size(), 31U);
-  // What sag leaves: 0.02 mm/s for as long.
-  EXPECT_NEAR(tip_m(plant, motion.frames.back()), tip_m(plant, rest.bent), 2e-5);
+  // What sag leaves, 0.02 mm in 0.2 s, for as long again.
+  EXPECT_NEAR(tip_m(plant, motion.frames.back()), tip_m(plant, rest.bent), 5e-5);
 }
 
 TEST(Sway, WindBendsDownwindByDragAndHandsPush) {
