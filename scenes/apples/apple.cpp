@@ -100,19 +100,25 @@ void validate(const AppleConfig& config) {
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
 }
 
+FruitSize draw_size(const AppleCultivar& c, Rng rng) {
+  FruitSize size;
+  size.mass_kg = c.mass_kg * cut_normal(rng, 1, c.cv_mass);
+  size.shape_index = cut_normal(rng, c.shape_index, c.sigma_shape_index);
+  size.density_kg_m3 = cut_normal(rng, c.density_kg_m3, c.sigma_density_kg_m3);
+  return size;
+}
+
 FruitModel make_apple(const AppleConfig& config, Rng rng) {
   validate(config);
   const AppleCultivar& c = apple_cultivar(config.cultivar);
-  Rng draw = rng.fork("size");
-  const double ripe_kg = c.mass_kg * cut_normal(draw, 1, c.cv_mass);
-  const double shape_index = cut_normal(draw, c.shape_index, c.sigma_shape_index);
-  const double density = cut_normal(draw, c.density_kg_m3, c.sigma_density_kg_m3);
-  const double drawn_red = std::clamp(cut_normal(draw, c.red_share, c.sigma_red_share), 0.0, 1.0);
-  const double size = config.growth * std::cbrt(ripe_kg / c.mass_kg);
+  const FruitSize drawn = draw_size(c, rng.fork("size"));
+  Rng red = rng.fork("red");
+  const double drawn_red = std::clamp(cut_normal(red, c.red_share, c.sigma_red_share), 0.0, 1.0);
+  const double size = config.growth * std::cbrt(drawn.mass_kg / c.mass_kg);
   FruitModel fruit;
-  fruit.mass_kg = ripe_kg * std::pow(config.growth, 3);
-  AppleFlesh flesh =
-      make_apple_flesh(c, config.family, shape_index, fruit.mass_kg / density, rng.fork("flesh"));
+  fruit.mass_kg = drawn.mass_kg * std::pow(config.growth, 3);
+  AppleFlesh flesh = make_apple_flesh(c, config.family, drawn.shape_index,
+                                      fruit.mass_kg / drawn.density_kg_m3, rng.fork("flesh"));
   ObjectModel& model = fruit.flesh.model;
   model.name = config.cultivar;
   model.vertex_albedo =

@@ -66,6 +66,13 @@ Mesh tube(const std::vector<Eigen::Vector3d>& points_m, const std::vector<double
 std::vector<double> harmonic_radii(const std::vector<Eigen::Vector3d>& directions, int degrees,
                                    double strength, Rng rng);
 
+/// What of a ripe fruit is drawn before its shape.
+struct FruitSize {
+  double mass_kg = 0;
+  double shape_index = 0;  ///< length over diameter
+  double density_kg_m3 = 0;
+};
+
 /// A normal cut at two standard deviations and widened so that the cut leaves `sigma` as stated.
 double cut_normal(Rng& rng, double mean, double sigma);
 

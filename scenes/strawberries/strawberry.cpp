@@ -101,22 +101,27 @@ Stalk make_stalk(const StrawberryVariety& v, const Eigen::Vector3d& base_m, doub
 void validate(const StrawberryConfig& config) {
   strawberry_variety(config.variety);
   require("red_share", config.red_share, 0, 1);
-  require("growth", config.growth, 0.1, 1);
+  require("growth", config.growth, 0.1, 1.5);
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
+}
+
+FruitSize draw_size(const StrawberryVariety& v, Rng rng) {
+  FruitSize size;
+  size.mass_kg = v.mass_kg * cut_normal(rng, 1, v.cv_mass);
+  size.shape_index = cut_normal(rng, v.shape_index, v.sigma_shape_index);
+  size.density_kg_m3 = cut_normal(rng, v.density_kg_m3, v.sigma_density_kg_m3);
+  return size;
 }
 
 FruitModel make_strawberry(const StrawberryConfig& config, Rng rng) {
   validate(config);
   const StrawberryVariety& v = strawberry_variety(config.variety);
-  Rng draw = rng.fork("size");
-  const double ripe_kg = v.mass_kg * cut_normal(draw, 1, v.cv_mass);
-  const double shape_index = cut_normal(draw, v.shape_index, v.sigma_shape_index);
-  const double density = cut_normal(draw, v.density_kg_m3, v.sigma_density_kg_m3);
-  const double size = config.growth * std::cbrt(ripe_kg / v.mass_kg);
+  const FruitSize drawn = draw_size(v, rng.fork("size"));
+  const double size = config.growth * std::cbrt(drawn.mass_kg / v.mass_kg);
   FruitModel fruit;
-  fruit.mass_kg = ripe_kg * std::pow(config.growth, 3);
-  const StrawberryFlesh flesh = make_strawberry_flesh(v, config.family, shape_index,
-                                                      fruit.mass_kg / density, rng.fork("flesh"));
+  fruit.mass_kg = drawn.mass_kg * std::pow(config.growth, 3);
+  const StrawberryFlesh flesh = make_strawberry_flesh(
+      v, config.family, drawn.shape_index, fruit.mass_kg / drawn.density_kg_m3, rng.fork("flesh"));
   ObjectModel& model = fruit.flesh.model;
   model.name = config.variety;
   model.mesh = flesh.mesh;

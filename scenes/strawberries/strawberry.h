@@ -14,7 +14,7 @@ namespace cousin {
 struct StrawberryConfig {
   std::string variety = "benihoppe";
   double red_share = 1;  ///< of the flesh's surface; reached to 0.002 or to what the front allows
-  double growth = 1;     ///< size over a ripe fruit's, 0.1..1
+  double growth = 1;     ///< size over what is drawn for a ripe fruit, 0.1..1.5
   Eigen::Vector3d to_sun = {1, 0, 0.5};  ///< in the fruit's frame: the side that ripens first
   FruitFamily family = FruitFamily::botanical;
 };
@@ -28,6 +28,9 @@ void validate(const StrawberryConfig& config);
 FruitModel make_strawberry(const StrawberryConfig& config, Rng rng);
 
 // The steps of make_strawberry.
+
+/// Cut normals, as the variety says.
+FruitSize draw_size(const StrawberryVariety& variety, Rng rng);
 
 /// The flesh before colour: closed, centred, dimpled.
 struct StrawberryFlesh {

@@ -121,7 +121,7 @@ BendingObstacle bed(const TrussShape& shape) {
 
 /// What a fruit of a rank is like: later ranks are smaller and behind.
 StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config, int rank,
-                              const Eigen::Quaterniond& world_from_fruit, Rng rng) {
+                              Rng rng) {
   StrawberryConfig fruit;
   fruit.variety = config.variety;
   const double stage = config.ripeness - shape.lag_by_rank * rank +
@@ -129,9 +129,8 @@ StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config
   fruit.red_share = std::clamp(stage, 0.0, 1.0);
   const auto k = static_cast<std::size_t>(std::min(rank, 3));
   const double grown = std::clamp(1 + 0.45 * std::min(0.0, stage - 0.3), 0.35, 1.0);
-  fruit.growth =
-      std::clamp(std::cbrt(shape.mass_by_rank[k] / shape.mass_by_rank[0]) * grown, 0.1, 1.0);
-  fruit.to_sun = world_from_fruit.conjugate() * config.to_sun;
+  fruit.growth = std::clamp(std::cbrt(shape.mass_by_rank[k]) * grown, 0.1, 1.5);
+  fruit.to_sun = config.to_sun;  // it hangs nearly upright
   return fruit;
 }
 
@@ -159,18 +158,15 @@ Truss make_truss(const TrussConfig& config, Rng rng) {
     // Its stalk's end points into it, from its calyx to its tip.
     unloaded[i].rotation =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -places[i].along);
-    // Which side the sun sees is that of the hanging fruit: nearly upright.
-    truss.fruits[i] =
-        make_strawberry(fruit_config(shape, config, places[i].rank, Eigen::Quaterniond::Identity(),
-                                     one.fork("stage")),
-                        one.fork("model"));
+    truss.fruits[i] = make_strawberry(
+        fruit_config(shape, config, places[i].rank, one.fork("stage")), one.fork("model"));
     unloaded[i].translation_m =
         places[i].end_m - unloaded[i].rotation * truss.fruits[i].stalk_base_m;
   });
   for (std::size_t i = 0; i < places.size(); ++i) {
     BendingLoad load;
     load.stem = places[i].stem;
-    load.mass_kg = truss.fruits[i].mass_kg * shape.mass_by_rank[0] * config.heavier;
+    load.mass_kg = truss.fruits[i].mass_kg * config.heavier;
     load.centroid_m = unloaded[i].translation_m;
     load.hulls = {truss.fruits[i].hull};
     load.world_from_hulls = unloaded[i].rotation;
