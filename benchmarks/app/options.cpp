@@ -205,7 +205,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       ->required();
 
   CLI::App* bench = verb("bench", "The papers' tables, error against time, stability cases");
-  takes(bench, "SUITE", "seeds, stability, render, renderers, sensors, real, program; none = all",
+  takes(bench, "SUITE", "seeds, stability, render, renderers, sensors, plants, real, program; none = all",
         0, -1);
   bench->add_flag("--quick", o.quick,
                   "Smaller samples: each suite ends within ten minutes, same columns");

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "scenes/seeds/specimen.h"
-#include "sim/physics/convex_parts.h"
 
 namespace cousin {
 namespace {
@@ -125,7 +124,7 @@ FruitModel make_apple(const AppleConfig& config, Rng rng) {
       color_apple(c, flesh, config.red_share.value_or(drawn_red), config.to_sun, rng.fork("color"));
   fruit.traits =
       fruit_traits(flesh.mesh, red_share(flesh.mesh, model.vertex_albedo), fruit.mass_kg);
-  fruit.hull = convex_parts(flesh.mesh, {.max_parts = 1, .follow_m = 2e-4}).hulls.at(0);
+  fruit.hull = contact_hull(flesh.mesh);
   for (const Eigen::Vector3d& n : flesh.normals) model.vertex_normals.emplace_back(n.cast<float>());
   fruit.flesh.material.name = config.cultivar;
   fruit.flesh.material.albedo = {1, 1, 1};

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "sim/geometry/measure.h"
+#include "sim/physics/convex_parts.h"
 
 namespace cousin {
 
@@ -180,6 +181,14 @@ std::vector<double> harmonic_radii(const std::vector<Eigen::Vector3d>& direction
     radii.push_back(std::max(0.3, radius));
   }
   return radii;
+}
+
+Mesh contact_hull(const Mesh& flesh) {
+  std::vector<Eigen::Vector3d> some;
+  for (std::size_t i = 0; i < flesh.vertices_m.size(); i += 5) some.push_back(flesh.vertices_m[i]);
+  const ConvexParts parts =
+      convex_parts(convex_hull(some), {.max_gap_m = 2e-5, .max_parts = 1, .follow_m = 2e-4});
+  return parts.hulls.at(0);
 }
 
 double cut_normal(Rng& rng, double mean, double sigma) {

@@ -73,7 +73,7 @@ void keep_off(Mesh& sheets, const StrawberryFlesh& flesh, double gap_m) {
   for (Eigen::Vector3d& p : sheets.vertices_m) {
     std::size_t nearest = 0;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t i = 0; i < points.size(); i += 2) {
       if (flesh.along[i] < 0.5) continue;
       const double d = (points[i] - p).squaredNorm();
       if (d < least) {

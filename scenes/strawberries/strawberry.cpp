@@ -8,7 +8,6 @@
 
 #include "scenes/seeds/cube_sphere.h"
 #include "scenes/seeds/specimen.h"
-#include "sim/physics/convex_parts.h"
 
 namespace cousin {
 namespace {
@@ -129,7 +128,7 @@ FruitModel make_strawberry(const StrawberryConfig& config, Rng rng) {
       color_strawberry(v, flesh, config.red_share, config.to_sun, rng.fork("color"));
   fruit.traits =
       fruit_traits(flesh.mesh, red_share(flesh.mesh, model.vertex_albedo), fruit.mass_kg);
-  fruit.hull = convex_parts(flesh.mesh, {.max_parts = 1, .follow_m = 2e-4}).hulls.at(0);
+  fruit.hull = contact_hull(flesh.mesh);
   // The vertices nearest the axis at both ends.
   const auto& points = flesh.mesh.vertices_m;
   std::size_t tip = 0;
