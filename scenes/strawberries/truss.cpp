@@ -119,6 +119,14 @@ BendingObstacle bed(const TrussShape& shape) {
   return box;
 }
 
+/// The ground beside the bed, on which long trusses lie.
+BendingObstacle path(const TrussShape& shape) {
+  BendingObstacle box;
+  box.half_m = {3, 3, 0.2};
+  box.world_from_box.translation_m = {0, 0, -shape.bed_height_m - 0.2};
+  return box;
+}
+
 /// What a fruit of a rank is like: later ranks are smaller and behind.
 StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config, int rank,
                               Rng rng) {
@@ -176,7 +184,7 @@ Truss make_truss(const TrussConfig& config, Rng rng) {
     truss.plant.loads.push_back(std::move(load));
     truss.rank.push_back(places[i].rank);
   }
-  truss.plant.obstacles = {bed(shape)};
+  truss.plant.obstacles = {bed(shape), path(shape)};
   truss.sag = sag(truss.plant);
   truss.status = truss.sag.status;
   const double cut_m = strawberry_variety(config.variety).cut_point_m;

@@ -1,6 +1,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
+#include "scenes/seeds/cube_sphere.h"
 #include "scenes/seeds/specimen.h"
 #include "scenes/strawberries/truss.h"
 
@@ -43,6 +46,22 @@ FruitPart bent_tube(const Truss& truss, std::size_t index, const Material& mater
   return part;
 }
 
+/// The swollen node at which a stem ends and others begin.
+FruitPart fork_node(const Truss& truss, std::size_t index, const Material& material) {
+  const BendingStem& stem = truss.plant.stems[index];
+  const Eigen::Vector3d at =
+      bend_m(truss.plant, truss.sag.bent, static_cast<int>(index), 1, stem.points_m.back());
+  FruitPart part;
+  part.model.name = "node";
+  part.model.mesh = cube_sphere(6);
+  for (Eigen::Vector3d& p : part.model.mesh.vertices_m) {
+    part.model.vertex_normals.emplace_back(p.cast<float>());
+    p = at + 1.35 * stem.radii_m.back() * p;
+  }
+  part.material = material;
+  return part;
+}
+
 /// The bed's outline, its edges rounded, drawn out along y.
 FruitPart bed_part(const BendingObstacle& bed) {
   FruitPart part;
@@ -52,7 +71,7 @@ FruitPart bed_part(const BendingObstacle& bed) {
   constexpr int kArc = 10;
   for (int corner = 0; corner < 2; ++corner) {
     for (int i = 0; i <= kArc; ++i) {
-      const double angle = 0.5 * 3.14159265358979 * (corner + static_cast<double>(i) / kArc);
+      const double angle = 0.5 * std::numbers::pi * (corner + static_cast<double>(i) / kArc);
       const double side = corner == 0 ? 1 : -1;
       outline.emplace_back(side * (bed.half_m.x() - bed.round_m) + bed.round_m * std::cos(angle),
                            bed.half_m.z() - bed.round_m + bed.round_m * std::sin(angle));
@@ -106,8 +125,13 @@ Scene truss_scene(const Truss& truss, const std::vector<BentPlant>& frames) {
   stalk.albedo = {0.20F, 0.33F, 0.07F};
   stalk.roughness = 0.6;
   stalk.ior = 1.4;
-  for (std::size_t s = 0; s < truss.plant.stems.size(); ++s)
+  for (std::size_t s = 0; s < truss.plant.stems.size(); ++s) {
     add(scene, bent_tube(truss, s, stalk), "stem " + std::to_string(s), "stem", {});
+    const bool forks =
+        std::any_of(truss.plant.stems.begin(), truss.plant.stems.end(),
+                    [&](const BendingStem& other) { return other.parent == static_cast<int>(s); });
+    if (forks) add(scene, fork_node(truss, s, stalk), "node " + std::to_string(s), "stem", {});
+  }
   for (std::size_t i = 0; i < truss.fruits.size(); ++i) {
     const FruitModel& fruit = truss.fruits[i];
     const Pose& at = truss.world_from_fruit[i];
