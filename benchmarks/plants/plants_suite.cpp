@@ -1,6 +1,8 @@
 #include "benchmarks/plants/plants_suite.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <string>
 
@@ -93,6 +95,38 @@ void size_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
   }
 }
 
+/// Trusses of 1 to 10 fruits, as the paper's images have them, ripe as drawn: shares of the three
+/// classes of maturity beside its 4776, 2452 and 1399 fruits.
+void maturity_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
+  const TrussShape& shape = truss_shape();
+  const Rng rng = Rng(seed).fork("maturity");
+  std::array<std::int64_t, 3> counts{};
+  for (std::uint64_t i = 0; i < kDraws; ++i) {
+    const Rng one = rng.fork(i);
+    Rng count = one.fork("count");
+    const int fruits = 1 + static_cast<int>(uniform_index(count, 10));
+    const double first = draw_ripeness(shape, one.fork("first"));
+    for (int k = 0; k < fruits; ++k) {
+      const double red = ripeness_of_rank(shape, first, rank_of(k),
+                                          one.fork("fruit").fork(static_cast<std::uint64_t>(k)));
+      ++counts[red < 0.3 ? 0 : (red <= 0.8 ? 1 : 2)];
+    }
+  }
+  const std::int64_t all = counts[0] + counts[1] + counts[2];
+  constexpr std::array<const char*, 3> kNames = {"low (red share below 0.3)", "medium", "high"};
+  constexpr std::array<double, 3> kPaper = {4776.0 / 8627, 2452.0 / 8627, 1399.0 / 8627};
+  for (std::size_t k = 0; k < 3; ++k) {
+    ScoreRow row = base_row("strawberries", "maturity", seed);
+    char metric[80];
+    std::snprintf(metric, sizeof metric, "share of %s (%.3f +- 0.05: Strawberries 2.1)", kNames[k],
+                  kPaper[k]);
+    row.metric = metric;
+    row.n = all;
+    row.value = static_cast<double>(counts[k]) / static_cast<double>(all);
+    rows.push_back(limited(row, std::abs(row.value - kPaper[k]) <= 0.05));
+  }
+}
+
 void built_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int count) {
   const Rng rng = Rng(seed).fork("built");
   ScoreRow berry = base_row("strawberries", "one fruit", seed);
@@ -130,6 +164,7 @@ void built_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int count) {
 void truss_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int fruits) {
   TrussConfig config;
   config.fruits = fruits;
+  config.ripeness = 1.2;
   ScoreRow row = base_row("strawberries", "truss of " + std::to_string(fruits), seed);
   const StageClock clock("truss");
   const Truss truss = make_truss(config, Rng(seed).fork("truss"));
@@ -173,6 +208,7 @@ ScoreFile plants_suite(std::uint64_t seed, bool quick, const Progress& progress)
   };
   tell("sizes");
   size_rows(file.scores, seed);
+  maturity_rows(file.scores, seed);
   tell("fruits");
   built_rows(file.scores, seed, quick ? 3 : 12);
   for (const int fruits : trusses) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -128,12 +129,11 @@ BendingObstacle path(const TrussShape& shape) {
 }
 
 /// What a fruit of a rank is like: later ranks are smaller and behind.
-StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config, int rank,
-                              Rng rng) {
+StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config, double ripeness,
+                              int rank, Rng rng) {
   StrawberryConfig fruit;
   fruit.variety = config.variety;
-  const double stage = config.ripeness - shape.lag_by_rank * rank +
-                       shape.lag_spread * truncated_normal(rng, 0, 1, 2);
+  const double stage = ripeness_of_rank(shape, ripeness, rank, rng);
   fruit.red_share = std::clamp(stage, 0.0, 1.0);
   const auto k = static_cast<std::size_t>(std::min(rank, 3));
   const double grown = std::clamp(1 + 0.45 * std::min(0.0, stage - 0.3), 0.35, 1.0);
@@ -153,12 +153,23 @@ Eigen::Vector3d cut_point_m(const Truss& truss, std::size_t fruit, double above_
 
 }  // namespace
 
+double draw_ripeness(const TrussShape& shape, Rng rng) {
+  return uniform(rng, shape.ripeness_low, shape.ripeness_high);
+}
+
+double ripeness_of_rank(const TrussShape& shape, double first, int rank, Rng rng) {
+  return first - shape.lag_by_rank * rank + shape.lag_spread * truncated_normal(rng, 0, 1, 2);
+}
+
+int rank_of(int fruit) { return std::bit_width(static_cast<unsigned>(fruit) + 1) - 1; }
+
 Truss make_truss(const TrussConfig& config, Rng rng) {
   validate(config);
   const TrussShape& shape = truss_shape();
   Truss truss;
   Grower grower(shape, config, rng.fork("stems"));
   const std::vector<Grower::Place> places = grower.grow(truss.plant);
+  const double ripeness = config.ripeness.value_or(draw_ripeness(shape, rng.fork("ripeness")));
   truss.fruits.resize(places.size());
   std::vector<Pose> unloaded(places.size());
   tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
@@ -166,8 +177,9 @@ Truss make_truss(const TrussConfig& config, Rng rng) {
     // Its stalk's end points into it, from its calyx to its tip.
     unloaded[i].rotation =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -places[i].along);
-    truss.fruits[i] = make_strawberry(
-        fruit_config(shape, config, places[i].rank, one.fork("stage")), one.fork("model"));
+    truss.fruits[i] =
+        make_strawberry(fruit_config(shape, config, ripeness, places[i].rank, one.fork("stage")),
+                        one.fork("model"));
     unloaded[i].translation_m =
         places[i].end_m - unloaded[i].rotation * truss.fruits[i].stalk_base_m;
   });

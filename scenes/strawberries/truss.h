@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct TrussShape {
   double young_modulus_pa = 0, density_kg_m3 = 0, strength_pa = 0, damping_time_s = 0;
   double fork_rad = 0, rise_rad = 0;
   std::vector<double> mass_by_rank;
-  double lag_by_rank = 0, lag_spread = 0;
+  double lag_by_rank = 0, lag_spread = 0, ripeness_low = 0, ripeness_high = 0;
   double crown_m = 0, bed_half_width_m = 0, bed_height_m = 0, bed_round_m = 0;
 };
 Fields fields(TrussShape& shape);
@@ -24,11 +25,19 @@ void validate(const TrussShape& shape);
 /// As truss.toml says.
 const TrussShape& truss_shape();
 
+/// Ripeness of a truss's first fruit in the field, and of one of its fruits of a rank: see
+/// TrussConfig.
+double draw_ripeness(const TrussShape& shape, Rng rng);
+double ripeness_of_rank(const TrussShape& shape, double first, int rank, Rng rng);
+/// Rank of the fruits of a truss in their order: 0, 1, 1, 2, 2, 2, 2, 3, ...
+int rank_of(int fruit);
+
 struct TrussConfig {
   std::string variety = "benihoppe";
-  int fruits = 5;         ///< 1..15
-  double ripeness = 1.2;  ///< of the first fruit: below 0 green, 0..1 its red share, above 1 ripe
-  double heavier = 1;     ///< times the fruits' masses: what stalks can hold
+  int fruits = 5;  ///< 1..15
+  /// Of the first fruit: below 0 green, 0..1 its red share, above 1 ripe; absent: drawn.
+  std::optional<double> ripeness;
+  double heavier = 1;                         ///< times the fruits' masses: what stalks can hold
   Eigen::Vector3d to_sun = {0.4, -0.5, 0.8};  ///< in the world
 };
 /// @throws std::invalid_argument naming key, value and limit.

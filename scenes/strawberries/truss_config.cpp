@@ -25,6 +25,8 @@ Fields fields(TrussShape& s) {
        5},
       {"lag_by_rank", &s.lag_by_rank, "of ripeness behind the rank before", 0, 5},
       {"lag_spread", &s.lag_spread, "its standard deviation", 0, 1},
+      {"ripeness_low", &s.ripeness_low, "of the first fruit, where none is asked for", -1, 5},
+      {"ripeness_high", &s.ripeness_high, "of the first fruit, where none is asked for", -1, 5},
       {"crown_m", &s.crown_m, "of the crown from the bed's edge", 0.01, 1},
       {"bed_half_width_m", &s.bed_half_width_m, "of the bed", 0.05, 5},
       {"bed_height_m", &s.bed_height_m, "of the bed", 0.05, 5},
@@ -35,6 +37,8 @@ Fields fields(TrussShape& s) {
 void validate(const TrussShape& shape) {
   TrussShape copy = shape;
   check_limits(fields(copy));
+  if (shape.ripeness_low > shape.ripeness_high)
+    throw std::invalid_argument("ripeness_low is above ripeness_high");
   if (shape.mass_by_rank.size() != 4) throw std::invalid_argument("mass_by_rank needs 4 numbers");
 }
 
@@ -58,7 +62,7 @@ void validate(const TrussConfig& config) {
                                 std::to_string(high) + "]");
   };
   require("fruits", config.fruits, 1, 15);
-  require("ripeness", config.ripeness, -1, 5);
+  if (config.ripeness) require("ripeness", *config.ripeness, -1, 5);
   require("heavier", config.heavier, 0.01, 1000);
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
 }

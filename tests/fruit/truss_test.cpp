@@ -11,7 +11,7 @@ namespace cousin {
 namespace {
 
 TEST(Truss, HangsOverTheEdgeWithoutOverlaps) {
-  const Truss truss = make_truss({.fruits = 5}, Rng(1));
+  const Truss truss = make_truss({.fruits = 5, .ripeness = 1.2}, Rng(1));
   ASSERT_EQ(truss.status, PlantStatus::ok) << truss.sag.first_warning;
   EXPECT_LT(truss.sag.max_penetration_m, 5e-4);
   ASSERT_EQ(truss.fruits.size(), 5U);
@@ -76,7 +76,7 @@ TEST(Truss, ItSwaysInTheWindAndItsFruitsMoveInTheScene) {
 }
 
 TEST(Truss, FruitsTooHeavyForTheirStalksBreakThem) {
-  const Truss truss = make_truss({.fruits = 1, .heavier = 60}, Rng(3));
+  const Truss truss = make_truss({.fruits = 1, .ripeness = 1.2, .heavier = 60}, Rng(3));
   EXPECT_EQ(truss.status, PlantStatus::broke);
 }
 
@@ -89,6 +89,13 @@ TEST(Truss, IsTheSameOnAnyNumberOfThreads) {
     EXPECT_EQ(first.fruits[i].flesh.model.mesh.vertices_m,
               again.fruits[i].flesh.model.mesh.vertices_m);
   }
+}
+
+TEST(Truss, RanksAreThoseOfACyme) {
+  const Truss truss = make_truss({.fruits = 4}, Rng(6));
+  EXPECT_EQ(truss.rank, (std::vector<int>{0, 1, 1, 2}));
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(rank_of(i), truss.rank[static_cast<std::size_t>(i)]);
+  EXPECT_EQ(rank_of(14), 3);
 }
 
 TEST(Truss, ItsNumbersAreRefusedBeyondTheirLimits) {
