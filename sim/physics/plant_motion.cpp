@@ -295,11 +295,17 @@ void check(const BendingPlant& plant, const std::vector<HandPush>& pushes,
 SwayResult sway(const BendingPlant& plant, const BentPlant& from,
                 const std::vector<HandPush>& pushes, const SwayConfig& config, Rng rng) {
   check(plant, pushes, config);
+  const bool touches =
+      config.contacts && (!plant.obstacles.empty() ||
+                          std::any_of(plant.loads.begin(), plant.loads.end(),
+                                      [](const BendingLoad& load) { return !load.hulls.empty(); }));
   SwayResult result;
   const EngineWatch watch;
-  const PlantModel engine = make_plant_model(
-      plant,
-      {.step_s = config.step_s, .gravity_m_s2 = config.gravity_m_s2, .contacts = config.contacts});
+  const PlantModel engine =
+      make_plant_model(plant, {.step_s = config.step_s,
+                               .gravity_m_s2 = config.gravity_m_s2,
+                               .contacts = touches,
+                               .inertia_time_s = touches ? 2 * config.step_s : 0});
   const EngineData data = make_data(*engine.model);
   set_bent(engine, from, *data);
   mj_forward(engine.model.get(), data.get());

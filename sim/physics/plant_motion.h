@@ -78,9 +78,11 @@ struct SwayConfig {
   double air_density_kg_m3 = 1.2;
   double drag_coefficient = 1.1;  ///< of a cylinder across the wind, Reynolds' number 1e2..1e4
   double gravity_m_s2 = 9.81;
-  /// Loads, stems and obstacles touch. Hinges then get the inertia (2 step)^2 k, which slows a mode
-  /// of f Hz by the share (4 pi f step)^2 / 2, and stems do not ring on what they touch.
-  bool contacts = false;
+  /// Loads with a shape, stems and obstacles touch. Where there are such, hinges get the inertia
+  /// (2 step)^2 k, which slows a mode of f Hz by the share (4 pi f step)^2 / 2: chains stiffer than
+  /// the step ring on what they touch. false: all pass through each other, and what rests on
+  /// something falls.
+  bool contacts = true;
   WindConfig wind;
 };
 Fields fields(SwayConfig& config);

@@ -75,6 +75,23 @@ TEST(Truss, ItSwaysInTheWindAndItsFruitsMoveInTheScene) {
   }
 }
 
+TEST(Truss, InTheWindNothingPassesThroughTheBed) {
+  const Truss truss = make_truss({.fruits = 3, .ripeness = 1.2}, Rng(7));
+  SwayConfig config{.sample_s = 0.05, .duration_s = 0.5};
+  config.wind.mean_speed_m_s = 5;
+  config.wind.azimuth_rad = 3.1;  // towards the bed
+  const SwayResult motion = sway(truss.plant, truss.sag.bent, {}, config, Rng(8));
+  ASSERT_EQ(motion.status, PlantStatus::ok) << motion.first_warning;
+  for (const BentPlant& frame : motion.frames) {
+    for (const BendingLoad& load : truss.plant.loads) {
+      const Pose world_from_hull = bent_from_unbent(truss.plant, frame, load.stem, load.share) *
+                                   Pose{load.world_from_hulls, load.centroid_m};
+      for (const Eigen::Vector3d& v : load.hulls[0].vertices_m)
+        EXPECT_LT(depth_m(truss.plant.obstacles[0], world_from_hull * v), 5e-4);
+    }
+  }
+}
+
 TEST(Truss, FruitsTooHeavyForTheirStalksBreakThem) {
   const Truss truss = make_truss({.fruits = 1, .ripeness = 1.2, .heavier = 60}, Rng(3));
   EXPECT_EQ(truss.status, PlantStatus::broke);
