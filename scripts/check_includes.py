@@ -40,7 +40,8 @@ TRUTH_FILES = (
 )
 TRUTH = "sim/truth"
 NEVER_TRUTH = ("calibration", "perception")
-TRUTH_TARGETS = {"truth", "dataset_truth", "render", "sensors", "physics", "scene_seeds"}
+TRUTH_TARGETS = {"truth", "dataset_truth", "render", "sensors", "physics", "scene_seeds", "scene_fruit", "scene_strawberries",
+                 "scene_apples"}
 ROOTS = ("sim", "scenes", "calibration", "perception", "benchmarks")
 SUFFIXES = (".h", ".hh", ".hpp", ".hxx", ".inl", ".ipp", ".tpp", ".c", ".cc", ".cpp", ".cxx", ".cu")
 # Between brackets only what starts with a folder of ours: the rest is a library's.

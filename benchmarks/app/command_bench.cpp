@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/plants/plants_suite.h"
 #include "benchmarks/program/program_suite.h"
 #include "benchmarks/real/real_report.h"
 #include "benchmarks/real/real_suite.h"
@@ -202,18 +203,29 @@ ScoreFile bench_scenes(const JobContext& context, const fs::path& out) {
                 context, out);
 }
 
+ScoreFile bench_plants(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  return finish(
+      titled("Cousin: bench plants",
+             "Fruits and trusses: sizes beside the published ones, red shares, seconds to build, "
+             "overlaps at rest. Verified against theory and publications only.",
+             plants_suite(o.seed, o.quick, context.progress.function())),
+      context, out);
+}
+
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
   std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 8> kSuites = {
+constexpr std::array<Suite, 9> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
      {"sensors", bench_sensors, {"--quick", "--shard"}},
      {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution"}},
      {"scenes", bench_scenes, {"--quick"}},
+     {"plants", bench_plants, {"--quick"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
 

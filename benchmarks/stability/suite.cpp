@@ -11,6 +11,7 @@
 #include "benchmarks/stability/mesh_ray_cases.h"
 #include "benchmarks/stability/path_cases.h"
 #include "benchmarks/stability/ray_cases.h"
+#include "benchmarks/stability/stem_cases.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/types/stage_clock.h"
 
@@ -49,7 +50,8 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       {"rays at bad meshes", mesh_ray_cases},
       {"light at its limits", [&] { return path_cases(quick); }},
       {"watertight seeds", [&] { return watertight_seeds(quick); }},
-      {"contacts", [&] { return contact_cases(quick); }}};
+      {"contacts", [&] { return contact_cases(quick); }},
+      {"stems", [&] { return stem_cases(quick); }}};
   ScoreFile file;
   for (std::size_t i = 0; i < modules.size(); ++i) {
     if (progress) progress(modules[i].name, static_cast<int>(i), static_cast<int>(modules.size()));

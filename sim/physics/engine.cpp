@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <mutex>
 #include <numbers>
 #include <stdexcept>
@@ -104,6 +105,16 @@ int EngineWatch::warnings(const mjData& data) const {
 }
 
 const std::string& EngineWatch::first_warning() const { return first_message; }
+
+std::string xml_numbers(std::initializer_list<double> values) {
+  std::string text;
+  for (const double value : values) {
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%.17g ", value);
+    text += digits.data();
+  }
+  return text;
+}
 
 EngineModel load_model(const std::string& xml) {
   const auto files = std::make_unique<mjVFS>();  // 2 MB: not for the stack

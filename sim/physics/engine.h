@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <initializer_list>
 #include <memory>
 #include <string>
 
@@ -29,6 +30,9 @@ class EngineWatch {
   /// Text of the first of them; empty if there was none.
   const std::string& first_warning() const;
 };
+
+/// Numbers for the engine's XML, a space after each, that read back equal.
+std::string xml_numbers(std::initializer_list<double> values);
 
 /// @throws std::runtime_error with the engine's message.
 EngineModel load_model(const std::string& xml);

@@ -4,9 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -14,6 +12,7 @@
 #include "sim/geometry/measure.h"
 #include "sim/physics/convex_parts.h"
 #include "sim/physics/engine.h"
+#include "sim/physics/penetration.h"
 
 namespace cousin {
 namespace {
@@ -76,22 +75,12 @@ std::vector<Pose> release_poses(const std::vector<Body>& bodies, double drop_hei
   return poses;
 }
 
-std::string numbers(std::initializer_list<double> values) {
-  std::string text;
-  for (const double value : values) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.17g ", value);
-    text += digits.data();
-  }
-  return text;
-}
-
 std::string model_xml(const std::vector<Body>& bodies, const std::vector<Pose>& poses,
                       const SettleConfig& config) {
   const double h = config.step_s;
   std::string xml =
       "<mujoco><compiler angle=\"radian\" balanceinertia=\"false\"/><option timestep=\"" +
-      numbers({h}) +
+      xml_numbers({h}) +
       "\" gravity=\"0 0 -9.81\" integrator=\"Euler\" cone=\"elliptic\" solver=\"Newton\" "
       "iterations=\"60\""
       " tolerance=\"1e-12\" impratio=\"10\" noslip_tolerance=\"1e-12\" noslip_iterations=\"" +
@@ -100,15 +89,15 @@ std::string model_xml(const std::vector<Body>& bodies, const std::vector<Pose>& 
       "<size nconmax=\"" +
       std::to_string(kContacts * bodies.size() + 20) + "\" njmax=\"" +
       std::to_string(6 * (kContacts * bodies.size() + 20)) +
-      "\"/><default><geom condim=\"6\" solref=\"" + numbers({2 * h, 1}) +
+      "\"/><default><geom condim=\"6\" solref=\"" + xml_numbers({2 * h, 1}) +
       "\" solimp=\".99 .999 .0001\" friction=\"" +
-      numbers({config.friction, config.spinning_friction_m, config.rolling_friction_m}) +
+      xml_numbers({config.friction, config.spinning_friction_m, config.rolling_friction_m}) +
       "\"/></default><asset>";
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (std::size_t k = 0; k < bodies[i].parts.hulls.size(); ++k) {
       xml += "<mesh name=\"m" + std::to_string(i) + "_" + std::to_string(k) + "\" vertex=\"";
       for (const Eigen::Vector3d& v : bodies[i].parts.hulls[k].vertices_m)
-        xml += numbers({v.x(), v.y(), v.z()});
+        xml += xml_numbers({v.x(), v.y(), v.z()});
       xml += "\"/>";
     }
   }
@@ -117,12 +106,12 @@ std::string model_xml(const std::vector<Body>& bodies, const std::vector<Pose>& 
     const Eigen::Vector3d& t = poses[i].translation_m;
     const Eigen::Quaterniond& q = poses[i].rotation;
     const Eigen::Matrix3d& inertia = bodies[i].inertia_kg_m2;
-    xml += "<body pos=\"" + numbers({t.x(), t.y(), t.z()}) + "\" quat=\"" +
-           numbers({q.w(), q.x(), q.y(), q.z()}) +
-           "\"><freejoint/><inertial pos=\"0 0 0\" mass=\"" + numbers({bodies[i].given->mass_kg}) +
-           "\" fullinertia=\"" +
-           numbers({inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2),
-                    inertia(1, 2)}) +
+    xml += "<body pos=\"" + xml_numbers({t.x(), t.y(), t.z()}) + "\" quat=\"" +
+           xml_numbers({q.w(), q.x(), q.y(), q.z()}) +
+           "\"><freejoint/><inertial pos=\"0 0 0\" mass=\"" +
+           xml_numbers({bodies[i].given->mass_kg}) + "\" fullinertia=\"" +
+           xml_numbers({inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2),
+                        inertia(1, 2)}) +
            "\"/>";
     for (std::size_t k = 0; k < bodies[i].parts.hulls.size(); ++k) {
       xml += "<geom type=\"mesh\" mesh=\"m" + std::to_string(i) + "_" + std::to_string(k) + "\"/>";
@@ -168,25 +157,11 @@ void set_drag(const std::vector<Body>& bodies, mjModel& model, double drag_per_s
 /// How deep the deepest vertex of `a` is inside the convex `hull` of another body; 0 if none is.
 double depth_in_hull_m(const Mesh& a, const Pose& hull_from_a, double a_radius_m,
                        const Mesh& hull) {
-  std::vector<Eigen::Vector3d> normals;
-  std::vector<double> offsets_m;
-  for (const auto& t : hull.triangles) {
-    const Eigen::Vector3d& p = hull.vertices_m[t[0]];
-    const Eigen::Vector3d n = (hull.vertices_m[t[1]] - p).cross(hull.vertices_m[t[2]] - p);
-    if (n.norm() < 1e-18) continue;
-    normals.push_back(n.normalized());
-    offsets_m.push_back(normals.back().dot(p));
-    if (normals.back().dot(hull_from_a.translation_m) - offsets_m.back() > a_radius_m) return 0;
-  }
+  const ConvexBody body(hull);
+  if (body.depth_m(hull_from_a.translation_m, -a_radius_m) < -a_radius_m) return 0;
   double deepest = 0;
-  for (const Eigen::Vector3d& vertex : a.vertices_m) {
-    const Eigen::Vector3d p = hull_from_a * vertex;
-    double depth = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < normals.size() && depth > deepest; ++k) {
-      depth = std::min(depth, offsets_m[k] - normals[k].dot(p));
-    }
-    deepest = std::max(deepest, depth);
-  }
+  for (const Eigen::Vector3d& vertex : a.vertices_m)
+    deepest = std::max(deepest, body.depth_m(hull_from_a * vertex, deepest));
   return deepest;
 }
 

@@ -1,0 +1,215 @@
+#include "scenes/strawberries/truss.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace cousin {
+namespace {
+
+/// A place from which stems grow on.
+struct Fork {
+  int stem = -1;
+  Eigen::Vector3d at_m;
+  Eigen::Vector3d along;   ///< unit
+  Eigen::Vector3d across;  ///< unit: in the plane of the next fork
+};
+
+class Grower {
+ public:
+  Grower(const TrussShape& shape, const TrussConfig& config, Rng rng)
+      : shape_(shape), config_(config), rng_(rng) {}
+
+  /// Stems and places of fruits, rank by rank; `plant.loads` is left to the fruits.
+  struct Place {
+    int stem = 0;
+    int rank = 0;
+    Eigen::Vector3d end_m;
+    Eigen::Vector3d along;
+  };
+  std::vector<Place> grow(BendingPlant& plant) {
+    const Eigen::Vector3d out =
+        Eigen::AngleAxisd(0.2 * normal(rng_), Eigen::Vector3d::UnitZ()) * Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    const Fork crown{-1,
+                     {-shape_.crown_m, 0, 2 * shape_.peduncle_radius_m},
+                     std::cos(shape_.rise_rad) * out + std::sin(shape_.rise_rad) * up,
+                     up.cross(out)};
+    const double thick = shape_.peduncle_radius_m;
+    const double thin = shape_.pedicel_radius_m;
+    std::vector<Fork> forks = {
+        add(plant, crown, shape_.peduncle_length_m, thick, 0.85 * thick, 14, -0.5)};
+    std::vector<Place> places;
+    for (int rank = 0; static_cast<int>(places.size()) < config_.fruits; ++rank) {
+      std::vector<Fork> next;
+      for (const Fork& fork : forks) {
+        if (static_cast<int>(places.size()) == config_.fruits) break;
+        const double length_m = shape_.pedicel_length_m * std::max(0.6, 1 - 0.1 * rank);
+        const Fork end = add(plant, fork, length_m, 1.15 * thin, thin, 7, -0.3);
+        places.push_back({end.stem, rank, end.at_m, end.along});
+        for (const int side : {-1, 1}) {
+          const Fork turned{fork.stem, fork.at_m,
+                            Eigen::AngleAxisd(side * shape_.fork_rad,
+                                              fork.along.cross(fork.across).normalized()) *
+                                fork.along,
+                            fork.across};
+          next.push_back(turned);
+        }
+      }
+      if (static_cast<int>(places.size()) == config_.fruits) break;
+      // Branches only for fruits that come.
+      const std::size_t left = static_cast<std::size_t>(config_.fruits) - places.size();
+      next.resize(std::min(next.size(), left));
+      forks.clear();
+      for (const Fork& fork : next) {
+        Fork end = add(plant, fork, shape_.branch_length_m, 0.8 * thick, 0.75 * thick, 4, 0);
+        // The next fork stands crosswise.
+        end.across = Eigen::AngleAxisd(1.2 + 0.3 * normal(rng_), end.along) * end.across;
+        forks.push_back(end);
+      }
+    }
+    return places;
+  }
+
+ private:
+  Fork add(BendingPlant& plant, const Fork& from, double mean_length_m, double radius_begin_m,
+           double radius_end_m, int segments, double droop_rad) {
+    const double length_m = mean_length_m * truncated_normal(rng_, 1, shape_.cv_length, 2);
+    BendingStem stem;
+    stem.parent = from.stem;
+    stem.young_modulus_pa = shape_.young_modulus_pa;
+    stem.density_kg_m3 = shape_.density_kg_m3;
+    stem.strength_pa = shape_.strength_pa;
+    stem.damping_time_s = shape_.damping_time_s;
+    stem.segments = segments;
+    const Eigen::Vector3d down_axis =
+        from.along.cross(Eigen::Vector3d::UnitZ()).norm() > 1e-6
+            ? Eigen::Vector3d(from.along.cross(Eigen::Vector3d::UnitZ()).normalized())
+            : from.across;
+    Fork end = from;
+    constexpr int kPieces = 12;
+    stem.points_m.push_back(end.at_m);
+    stem.radii_m.push_back(radius_begin_m);
+    for (int i = 1; i <= kPieces; ++i) {
+      end.along = Eigen::AngleAxisd(droop_rad / kPieces, down_axis) * end.along;
+      end.at_m += length_m / kPieces * end.along;
+      stem.points_m.push_back(end.at_m);
+      stem.radii_m.push_back(
+          std::lerp(radius_begin_m, radius_end_m, static_cast<double>(i) / kPieces));
+    }
+    end.across = (end.across - end.across.dot(end.along) * end.along).normalized();
+    end.stem = static_cast<int>(plant.stems.size());
+    plant.stems.push_back(std::move(stem));
+    return end;
+  }
+
+  const TrussShape& shape_;
+  const TrussConfig& config_;
+  Rng rng_;
+};
+
+BendingObstacle bed(const TrussShape& shape) {
+  BendingObstacle box;
+  box.half_m = {shape.bed_half_width_m, 0.6, 0.5 * shape.bed_height_m};
+  box.world_from_box.translation_m = {-shape.bed_half_width_m, 0, -0.5 * shape.bed_height_m};
+  box.round_m = shape.bed_round_m;
+  return box;
+}
+
+/// The ground beside the bed, on which long trusses lie.
+BendingObstacle path(const TrussShape& shape) {
+  BendingObstacle box;
+  box.half_m = {3, 3, 0.2};
+  box.world_from_box.translation_m = {0, 0, -shape.bed_height_m - 0.2};
+  return box;
+}
+
+/// What a fruit of a rank is like: later ranks are smaller and behind.
+StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config, double ripeness,
+                              int rank, Rng rng) {
+  StrawberryConfig fruit;
+  fruit.variety = config.variety;
+  const double stage = ripeness_of_rank(shape, ripeness, rank, rng);
+  fruit.red_share = std::clamp(stage, 0.0, 1.0);
+  const auto k = static_cast<std::size_t>(std::min(rank, 3));
+  const double grown = std::clamp(1 + 0.45 * std::min(0.0, stage - 0.3), 0.35, 1.0);
+  fruit.growth = std::clamp(std::cbrt(shape.mass_by_rank[k]) * grown, 0.1, 1.5);
+  fruit.to_sun = config.to_sun;  // it hangs nearly upright
+  return fruit;
+}
+
+/// The point of the hanging stalk that is cut, in the fruit's frame.
+Eigen::Vector3d cut_point_m(const Truss& truss, std::size_t fruit, double above_m) {
+  const BendingLoad& load = truss.plant.loads[fruit];
+  const BendingStem& stem = truss.plant.stems[static_cast<std::size_t>(load.stem)];
+  const double share = std::max(0.0, 1 - above_m / length_m(stem));
+  return inverse(truss.world_from_fruit[fruit]) *
+         bend_m(truss.plant, truss.sag.bent, load.stem, share, point_at_m(stem, share));
+}
+
+}  // namespace
+
+double draw_ripeness(const TrussShape& shape, Rng rng) {
+  return uniform(rng, shape.ripeness_low, shape.ripeness_high);
+}
+
+double ripeness_of_rank(const TrussShape& shape, double first, int rank, Rng rng) {
+  return first - shape.lag_by_rank * rank + shape.lag_spread * truncated_normal(rng, 0, 1, 2);
+}
+
+int rank_of(int fruit) { return std::bit_width(static_cast<unsigned>(fruit) + 1) - 1; }
+
+Truss make_truss(const TrussConfig& config, Rng rng) {
+  validate(config);
+  const TrussShape& shape = truss_shape();
+  Truss truss;
+  Grower grower(shape, config, rng.fork("stems"));
+  const std::vector<Grower::Place> places = grower.grow(truss.plant);
+  const double ripeness = config.ripeness.value_or(draw_ripeness(shape, rng.fork("ripeness")));
+  truss.fruits.resize(places.size());
+  std::vector<Pose> unloaded(places.size());
+  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+    const Rng one = rng.fork("fruit").fork(i);
+    // Its stalk's end points into it, from its calyx to its tip.
+    unloaded[i].rotation =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -places[i].along);
+    truss.fruits[i] =
+        make_strawberry(fruit_config(shape, config, ripeness, places[i].rank, one.fork("stage")),
+                        one.fork("model"));
+    unloaded[i].translation_m =
+        places[i].end_m - unloaded[i].rotation * truss.fruits[i].stalk_base_m;
+  });
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    BendingLoad load;
+    load.stem = places[i].stem;
+    load.mass_kg = truss.fruits[i].mass_kg * config.heavier;
+    load.centroid_m = unloaded[i].translation_m;
+    load.hulls = {truss.fruits[i].hull};
+    load.world_from_hulls = unloaded[i].rotation;
+    // A sphere's drag coefficient at Reynolds' numbers of 1e3 to 1e5, and its shadow.
+    load.drag_area_m2 =
+        0.47 * std::numbers::pi / 4 * std::pow(trait(truss.fruits[i], "diameter"), 2);
+    truss.plant.loads.push_back(std::move(load));
+    truss.rank.push_back(places[i].rank);
+  }
+  truss.plant.obstacles = {bed(shape), path(shape)};
+  truss.sag = sag(truss.plant);
+  truss.status = truss.sag.status;
+  const double cut_m = strawberry_variety(config.variety).cut_point_m;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    truss.world_from_fruit.push_back(
+        bent_from_unbent(truss.plant, truss.sag.bent, truss.plant.loads[i].stem, 1) * unloaded[i]);
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (Keypoint& keypoint : truss.fruits[i].flesh.model.keypoints) {
+      if (keypoint.name == "cut_point") keypoint.in_object_m = cut_point_m(truss, i, cut_m);
+    }
+  }
+  return truss;
+}
+
+}  // namespace cousin

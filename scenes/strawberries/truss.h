@@ -1,0 +1,65 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenes/strawberries/strawberry.h"
+#include "sim/config/fields.h"
+#include "sim/physics/plant_motion.h"
+
+namespace cousin {
+
+/// truss.toml, which says what each number is and where it comes from. Every value is given there.
+struct TrussShape {
+  double peduncle_length_m = 0, branch_length_m = 0, pedicel_length_m = 0, cv_length = 0;
+  double peduncle_radius_m = 0, pedicel_radius_m = 0;
+  double young_modulus_pa = 0, density_kg_m3 = 0, strength_pa = 0, damping_time_s = 0;
+  double fork_rad = 0, rise_rad = 0;
+  std::vector<double> mass_by_rank;
+  double lag_by_rank = 0, lag_spread = 0, ripeness_low = 0, ripeness_high = 0;
+  double crown_m = 0, bed_half_width_m = 0, bed_height_m = 0, bed_round_m = 0;
+};
+Fields fields(TrussShape& shape);
+void validate(const TrussShape& shape);
+/// As truss.toml says.
+const TrussShape& truss_shape();
+
+/// Ripeness of a truss's first fruit in the field, and of one of its fruits of a rank: see
+/// TrussConfig.
+double draw_ripeness(const TrussShape& shape, Rng rng);
+double ripeness_of_rank(const TrussShape& shape, double first, int rank, Rng rng);
+/// Rank of the fruits of a truss in their order: 0, 1, 1, 2, 2, 2, 2, 3, ...
+int rank_of(int fruit);
+
+struct TrussConfig {
+  std::string variety = "benihoppe";
+  int fruits = 5;  ///< 1..15
+  /// Of the first fruit: below 0 green, 0..1 its red share, above 1 ripe; absent: drawn.
+  std::optional<double> ripeness;
+  double heavier = 1;                         ///< times the fruits' masses: what stalks can hold
+  Eigen::Vector3d to_sun = {0.4, -0.5, 0.8};  ///< in the world
+};
+/// @throws std::invalid_argument naming key, value and limit.
+void validate(const TrussConfig& config);
+
+/// A truss that hangs over the edge of a bed at rest. World: the bed's top is z = 0, its edge x = 0
+/// with the path on the side +x.
+struct Truss {
+  PlantStatus status = PlantStatus::not_at_rest;  ///< ok, or why it does not hang so
+  std::vector<FruitModel>
+      fruits;  ///< cut_point is moved to the hanging stalk; no stalk of their own
+  std::vector<Pose> world_from_fruit;
+  std::vector<int> rank;  ///< 0 = the first fruit, 1, 1, 2, ...
+  BendingPlant plant;     ///< unloaded; the last stem before each load's end carries the fruit
+  SagResult sag;
+};
+Truss make_truss(const TrussConfig& config, Rng rng);
+
+/// The truss, its bed under black film and the ground, without lights and views. Fruits are
+/// specimens with their traits and keypoints; calyces and stems are not.
+/// @param frames  of the truss's motion, as sway() gives them; empty = at rest. Fruits and calyces
+/// move; stems, whose meshes bend, stay as at rest.
+Scene truss_scene(const Truss& truss, const std::vector<BentPlant>& frames = {});
+
+}  // namespace cousin

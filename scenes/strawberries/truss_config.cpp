@@ -1,0 +1,70 @@
+#include <stdexcept>
+#include <string>
+
+#include "scenes/strawberries/strawberry_toml.h"
+#include "scenes/strawberries/truss.h"
+#include "sim/config/limits.h"
+
+namespace cousin {
+
+Fields fields(TrussShape& s) {
+  return {
+      {"peduncle_length_m", &s.peduncle_length_m, "from the crown to the first fork", 0.01, 1},
+      {"branch_length_m", &s.branch_length_m, "from fork to fork", 0.005, 0.5},
+      {"pedicel_length_m", &s.pedicel_length_m, "from the last fork to the fruit", 0.005, 0.5},
+      {"cv_length", &s.cv_length, "of all lengths: standard deviation over mean", 0, 0.3},
+      {"peduncle_radius_m", &s.peduncle_radius_m, "at the crown", 5e-4, 0.01},
+      {"pedicel_radius_m", &s.pedicel_radius_m, "at the fruit", 3e-4, 0.01},
+      {"young_modulus_pa", &s.young_modulus_pa, "of stalks in bending", 1e6, 1e11},
+      {"density_kg_m3", &s.density_kg_m3, "of stalks", 100, 2000},
+      {"strength_pa", &s.strength_pa, "stress at which a stalk breaks", 1e4, 1e10},
+      {"damping_time_s", &s.damping_time_s, "tau: the damping ratio at f is pi f tau", 0, 1},
+      {"fork_rad", &s.fork_rad, "between a branch and what it leaves", 0, 1.5},
+      {"rise_rad", &s.rise_rad, "of the peduncle over the bed, unloaded", 0, 1.5},
+      {"mass_by_rank", &s.mass_by_rank, "mass over the variety's mean, of ranks 0, 1, ...", 0.01,
+       5},
+      {"lag_by_rank", &s.lag_by_rank, "of ripeness behind the rank before", 0, 5},
+      {"lag_spread", &s.lag_spread, "its standard deviation", 0, 1},
+      {"ripeness_low", &s.ripeness_low, "of the first fruit, where none is asked for", -1, 5},
+      {"ripeness_high", &s.ripeness_high, "of the first fruit, where none is asked for", -1, 5},
+      {"crown_m", &s.crown_m, "of the crown from the bed's edge", 0.01, 1},
+      {"bed_half_width_m", &s.bed_half_width_m, "of the bed", 0.05, 5},
+      {"bed_height_m", &s.bed_height_m, "of the bed", 0.05, 5},
+      {"bed_round_m", &s.bed_round_m, "radius of the bed's edge", 1e-3, 0.2},
+  };
+}
+
+void validate(const TrussShape& shape) {
+  TrussShape copy = shape;
+  check_limits(fields(copy));
+  if (shape.ripeness_low > shape.ripeness_high)
+    throw std::invalid_argument("ripeness_low is above ripeness_high");
+  if (shape.mass_by_rank.size() != 4) throw std::invalid_argument("mass_by_rank needs 4 numbers");
+}
+
+const TrussShape& truss_shape() {
+  static const TrussShape shape = [] {
+    TrussShape read;
+    read_toml_text(truss_toml(), "scenes/strawberries/truss.toml", fields(read),
+                   MissingKeys::error);
+    validate(read);
+    return read;
+  }();
+  return shape;
+}
+
+void validate(const TrussConfig& config) {
+  strawberry_variety(config.variety);
+  const auto require = [](const char* key, double value, double low, double high) {
+    if (value >= low && value <= high) return;
+    throw std::invalid_argument("truss: " + std::string(key) + " is " + std::to_string(value) +
+                                "; it must be in [" + std::to_string(low) + ", " +
+                                std::to_string(high) + "]");
+  };
+  require("fruits", config.fruits, 1, 15);
+  if (config.ripeness) require("ripeness", *config.ripeness, -1, 5);
+  require("heavier", config.heavier, 0.01, 1000);
+  require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
+}
+
+}  // namespace cousin
