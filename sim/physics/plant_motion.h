@@ -29,7 +29,7 @@ struct SagConfig {
                                  ///< faster than 1 / T
   double damping_per_s = 16;     ///< decay rate of all motion, as in a thick fluid
   double max_time_s = 10;
-  double rest_m = 2e-5;  ///< no section leaves where it was by more for 0.2 s
+  double rest_m = 5e-5;  ///< no section leaves where it was by more for 0.2 s
   double friction = 0.3;
   double max_penetration_m = 5e-4;
   double gravity_m_s2 = 9.81;
