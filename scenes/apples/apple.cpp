@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "scenes/seeds/specimen.h"
+#include "sim/geometry/smooth_normals.h"
 
 namespace cousin {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "scenes/apples/apple.h"
-#include "scenes/seeds/noise.h"
+#include "sim/geometry/gradient_noise.h"
 
 namespace cousin {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "scenes/apples/apple.h"
 #include "scenes/seeds/cube_sphere.h"
-#include "scenes/seeds/noise.h"
-#include "scenes/seeds/specimen.h"
+#include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/smooth_normals.h"
 
 namespace cousin {
 namespace {

@@ -4,9 +4,9 @@
 #include <limits>
 #include <numbers>
 
-#include "scenes/seeds/noise.h"
-#include "scenes/seeds/specimen.h"
 #include "scenes/strawberries/strawberry.h"
+#include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/smooth_normals.h"
 
 namespace cousin {
 namespace {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "scenes/seeds/cube_sphere.h"
-#include "scenes/seeds/specimen.h"
+#include "sim/geometry/smooth_normals.h"
 
 namespace cousin {
 namespace {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scenes/seeds/noise.h"
 #include "scenes/strawberries/strawberry.h"
+#include "sim/geometry/gradient_noise.h"
 
 namespace cousin {
 namespace {

@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "scenes/seeds/cube_sphere.h"
-#include "scenes/seeds/noise.h"
-#include "scenes/seeds/specimen.h"
 #include "scenes/strawberries/strawberry.h"
+#include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/smooth_normals.h"
 
 namespace cousin {
 namespace {

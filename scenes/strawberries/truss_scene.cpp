@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "scenes/seeds/cube_sphere.h"
-#include "scenes/seeds/specimen.h"
 #include "scenes/strawberries/truss.h"
+#include "sim/geometry/smooth_normals.h"
 
 namespace cousin {
 namespace {
