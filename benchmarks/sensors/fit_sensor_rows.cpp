@@ -82,7 +82,8 @@ void add_wrong_models(const SensorRows& of, std::vector<ScoreRow>& rows) {
   for (const Wrong& wrong : {Wrong{"sigma_Z grows as Z", linear}, Wrong{"a wall that bends", bent},
                              Wrong{"saturated flat fields", saturated}}) {
     const Rng rng = Rng(of.seed).fork("wrong models").fork(wrong.name);
-    const HiddenDevice device = draw_hidden_device(kRig, rng);
+    HiddenDevice device = draw_hidden_device(kRig, rng);
+    device.spatial_exponent = device.temporal_exponent = 0;  // sigma_Z grows as the plan says
     RecordedFrames frames = record(device, wrong.plan, rng);
     if (wrong.plan.distances_m.size() == 1) frames.walls.clear();
     const SensorFit fit =
