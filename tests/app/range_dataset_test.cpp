@@ -76,8 +76,8 @@ TEST(AppRangeDataset, RigsAreListedWithTheirWordAndRefuseWhatTheyCannot) {
   const Outcome rigs = program.run({"rigs"});
   EXPECT_THAT(rigs.out, HasSubstr("Kinect for Xbox One, time of flight, depth 512 x 424"));
   EXPECT_THAT(rigs.out, HasSubstr("Kinect for Xbox 360, structured light, depth 640 x 480"));
-  const Outcome model =
-      program.run({"render", "seeds", "--set", "rig=kinect_v2", "--set", "depth_by=model"});
+  const Outcome model = program.run(Words{"render", "seeds"} + tiny("kinect_v2", "time_of_flight") +
+                                    Words{"--set", "depth_by=model"});
   EXPECT_EQ(model.code, 2);
   EXPECT_THAT(model.err, HasSubstr("the fast model is of stereo depth cameras"));
   const Outcome infrared =
