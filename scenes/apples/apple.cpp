@@ -99,14 +99,6 @@ void validate(const AppleConfig& config) {
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
 }
 
-FruitSize draw_size(const AppleCultivar& c, Rng rng) {
-  FruitSize size;
-  size.mass_kg = c.mass_kg * cut_normal(rng, 1, c.cv_mass);
-  size.shape_index = cut_normal(rng, c.shape_index, c.sigma_shape_index);
-  size.density_kg_m3 = cut_normal(rng, c.density_kg_m3, c.sigma_density_kg_m3);
-  return size;
-}
-
 FruitModel make_apple(const AppleConfig& config, Rng rng) {
   validate(config);
   const AppleCultivar& c = apple_cultivar(config.cultivar);

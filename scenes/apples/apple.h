@@ -29,9 +29,6 @@ FruitModel make_apple(const AppleConfig& config, Rng rng);
 
 // The steps of make_apple.
 
-/// Cut normals, as the cultivar says.
-FruitSize draw_size(const AppleCultivar& cultivar, Rng rng);
-
 struct AppleFlesh {
   Mesh mesh;                                ///< closed, centred
   std::vector<Eigen::Vector3d> directions;  ///< unit, of each vertex on the sphere it was

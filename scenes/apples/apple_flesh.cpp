@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "scenes/apples/apple.h"
-#include "scenes/seeds/cube_sphere.h"
+#include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/smooth_normals.h"
 

@@ -76,6 +76,16 @@ struct FruitSize {
 /// A normal cut at two standard deviations and widened so that the cut leaves `sigma` as stated.
 double cut_normal(Rng& rng, double mean, double sigma);
 
+/// Cut normals, as a variety or cultivar says.
+template <class Kind>
+FruitSize draw_size(const Kind& kind, Rng rng) {
+  FruitSize size;
+  size.mass_kg = kind.mass_kg * cut_normal(rng, 1, kind.cv_mass);
+  size.shape_index = cut_normal(rng, kind.shape_index, kind.sigma_shape_index);
+  size.density_kg_m3 = cut_normal(rng, kind.density_kg_m3, kind.sigma_density_kg_m3);
+  return size;
+}
+
 /// Convex hull of a finely meshed fruit for contacts: of every fifth vertex, thinned to 0.2 mm.
 Mesh contact_hull(const Mesh& flesh);
 

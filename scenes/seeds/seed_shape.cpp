@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/seeds/cube_sphere.h"
+#include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/gradient_noise.h"
 
 namespace cousin {

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "scenes/seeds/cube_sphere.h"
 #include "scenes/seeds/specimen.h"
 #include "scenes/seeds/toml_text.h"
+#include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/smooth_normals.h"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "scenes/seeds/cube_sphere.h"
+#include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/smooth_normals.h"
 
 namespace cousin {
@@ -102,14 +102,6 @@ void validate(const StrawberryConfig& config) {
   require("red_share", config.red_share, 0, 1);
   require("growth", config.growth, 0.1, 1.5);
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
-}
-
-FruitSize draw_size(const StrawberryVariety& v, Rng rng) {
-  FruitSize size;
-  size.mass_kg = v.mass_kg * cut_normal(rng, 1, v.cv_mass);
-  size.shape_index = cut_normal(rng, v.shape_index, v.sigma_shape_index);
-  size.density_kg_m3 = cut_normal(rng, v.density_kg_m3, v.sigma_density_kg_m3);
-  return size;
 }
 
 FruitModel make_strawberry(const StrawberryConfig& config, Rng rng) {

@@ -29,9 +29,6 @@ FruitModel make_strawberry(const StrawberryConfig& config, Rng rng);
 
 // The steps of make_strawberry.
 
-/// Cut normals, as the variety says.
-FruitSize draw_size(const StrawberryVariety& variety, Rng rng);
-
 /// The flesh before colour: closed, centred, dimpled.
 struct StrawberryFlesh {
   Mesh mesh;

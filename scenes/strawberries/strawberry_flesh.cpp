@@ -4,8 +4,8 @@
 #include <limits>
 #include <numbers>
 
-#include "scenes/seeds/cube_sphere.h"
 #include "scenes/strawberries/strawberry.h"
+#include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/smooth_normals.h"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/seeds/cube_sphere.h"
 #include "scenes/strawberries/truss.h"
+#include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/smooth_normals.h"
 
 namespace cousin {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/seeds/cube_sphere.h"
+#include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/measure.h"
 
 namespace cousin {

@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "scenes/seeds/cube_sphere.h"
 #include "sim/config/fields.h"
+#include "sim/geometry/cube_sphere.h"
 
 namespace cousin {
 namespace {

@@ -86,6 +86,21 @@ class CheckIncludes(unittest.TestCase):
                     f"perception/mvs/CMakeLists.txt: perception must not link {target}",
                 )
 
+    def test_perception_does_not_link_what_links_the_truth(self):
+        tree = {
+            "sim/plant/CMakeLists.txt": "cousin_library(plant SOURCES plant.cpp\n  PUBLIC types truth PRIVATE geometry)\n",
+            "scenes/maize/CMakeLists.txt": "cousin_library(scene_maize SOURCES maize.cpp PUBLIC plant)\n",
+            "sim/geometry/CMakeLists.txt": "cousin_library(geometry SOURCES hull.cpp PUBLIC types)\n",
+        }
+        for target in ("plant", "scene_maize"):
+            with self.subTest(target=target):
+                self.assert_refused(
+                    tree | {"perception/mvs/CMakeLists.txt": f"cousin_library(mvs SOURCES a.cpp PRIVATE {target})\n"},
+                    f"perception/mvs/CMakeLists.txt: perception must not link {target}",
+                )
+        result = check(tree | {"perception/mvs/CMakeLists.txt": "cousin_library(mvs SOURCES a.cpp PRIVATE geometry)\n"})
+        self.assertEqual(result.returncode, 0, result.stdout)
+
     def test_an_include_of_nothing_is_named(self):
         self.assert_refused(
             {"sim/types/pose.h": '#include "pose_detail.h"\n'},

@@ -1,4 +1,4 @@
-#include "scenes/seeds/cube_sphere.h"
+#include "sim/geometry/cube_sphere.h"
 
 #include <gtest/gtest.h>
 
