@@ -169,11 +169,13 @@ ScoreFile bench_renderers(const JobContext& context, const fs::path& out) {
       o.threads > 0 ? o.threads : static_cast<int>(std::thread::hardware_concurrency());
   if (o.quick) config = quick(config);
   RenderersResult result = renderers_suite(config, context.progress.function());
-  SeedsReport report = titled(
-      "Cousin: bench renderers",
-      "The path tracer beside closed forms and beside Cycles: agreement, error against time. "
-      "Cross-checked with Cycles; errors are each renderer's own, against its own converged image.",
-      std::move(result.file));
+  const char* summary =
+      o.quick ? "The path tracer beside closed forms and beside Cycles: agreement, error against "
+                "time. Cross-checked with Cycles; errors are the noise between two images of each."
+              : "The path tracer beside closed forms and beside Cycles: agreement, error against "
+                "time. Cross-checked with Cycles; errors are each renderer's own, against its own "
+                "converged image.";
+  SeedsReport report = titled("Cousin: bench renderers", summary, std::move(result.file));
   report.config_toml = to_toml(fields(config));
   keep_scene(report, result.pictures, out);
   return finish(std::move(report), context, out);
