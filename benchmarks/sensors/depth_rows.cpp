@@ -63,13 +63,29 @@ Device make_device(const std::string& name, std::uint64_t seed, bool quick) {
   return device;
 }
 
-/// Walls at distances where the pattern is bright and the depth's unit is small beside the noise.
-/// The noise goes with the fraction of the disparity as well, so each distance is seen at a whole
-/// disparity and half-way between two: what goes as cos(2 pi d) is as much at all of them.
+/// Slope of log sigma over log distance, least squares.
+double fit_exponent(const std::vector<double>& z_m, const std::vector<double>& sigma_m) {
+  const double n = static_cast<double>(z_m.size());
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t i = 0; i < z_m.size(); ++i) {
+    const double x = std::log(z_m[i]), y = std::log(sigma_m[i]);
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+/// Walls at distances where the pattern is bright. The law is the matcher's: the limit is on what
+/// is left of sigma without the rounding to the depth's unit, unit^2 / 12 (Sheppard's correction),
+/// which is a fourth of the D435i's variance at the nearest wall; the exponent as handed over
+/// stands beside. The noise goes with the fraction of the disparity as well, so each distance is
+/// seen at a whole disparity and half-way between two: what goes as cos(2 pi d) is as much at all
+/// of them.
 void add_distance_rows(const Device& device, std::vector<ScoreRow>& rows) {
   const double nearest = least_depth_m(device.config);
-  std::vector<double> log_z, log_sigma;
-  std::vector<double> distances;
+  std::vector<double> distances, sigmas_m, matched_m;
   for (const double factor : {2.4, 3.4, 4.8, 6.8}) {
     for (const double fraction : {0.0, 0.5})
       distances.push_back(at_fraction_m(device.config, factor * nearest, fraction));
@@ -90,21 +106,16 @@ void add_distance_rows(const Device& device, std::vector<ScoreRow>& rows) {
     rows.push_back(
         limited(device.row(name, "band_over_disparity", s.band_px - s.disparity_px, "px", s.pixels),
                 std::abs(s.band_px - s.disparity_px) <= window));
-    log_z.push_back(std::log(z));
-    log_sigma.push_back(std::log(s.sigma_m));
+    sigmas_m.push_back(s.sigma_m);
+    const double unit = device.config.depth_unit_m;
+    matched_m.push_back(std::sqrt(std::max(0.0, s.sigma_m * s.sigma_m - unit * unit / 12)));
   }
-  const double n = static_cast<double>(log_z.size());
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (std::size_t i = 0; i < log_z.size(); ++i) {
-    sx += log_z[i];
-    sy += log_sigma[i];
-    sxx += log_z[i] * log_z[i];
-    sxy += log_z[i] * log_sigma[i];
-  }
-  const double exponent = (n * sxy - sx * sy) / (n * sxx - sx * sx);
-  rows.push_back(
-      limited(device.row("walls over distance", "sigma_z_exponent", exponent, "1", log_z.size()),
-              std::abs(exponent - 2) <= 0.1));
+  rows.push_back(device.row("walls over distance", "sigma_z_exponent.with_rounding",
+                            fit_exponent(distances, sigmas_m), "1", distances.size()));
+  const double exponent = fit_exponent(distances, matched_m);
+  rows.push_back(limited(
+      device.row("walls over distance", "sigma_z_exponent", exponent, "1", distances.size()),
+      std::abs(exponent - 2) <= 0.1));
 }
 
 void add_light_rows(const Device& device, std::vector<ScoreRow>& rows) {
