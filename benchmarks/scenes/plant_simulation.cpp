@@ -20,7 +20,7 @@ struct PlantSimulation::Impl {
   Impl(const PlantRunConfig& run_config, std::uint64_t run_seed, int index)
       : config(run_config),
         seed(run_seed),
-        scene(build_scene(config.scene, seed, index)),
+        scene(build_scene(seen_by(config.scene, config.rig), seed, index)),
         rays(scene),
         rig(config.rig, config.capture, rays, scene,
             Rng(seed).fork("scene").fork(static_cast<std::uint64_t>(index))) {}
