@@ -47,8 +47,8 @@ std::vector<PlanEntry> plant_plan(const PlantRunConfig& config) {
   const bool infrared =
       streams.infrared || (streams.depth && config.capture.depth_by == DepthBy::matched);
   return {
-      {"scene", true, "plants grown, organ by organ, and what they stand in"},
-      {"physics", false, "nothing moves: the plants stand as they grew"},
+      {"scene", true, "what is photographed, with its exact measures, and what it stands in"},
+      {"physics", false, "nothing settles or bends"},
       {"radiance", light, light ? "paths: leaves let light through, so it is not cached" : nobody},
       {"sensor", light, light ? "lens, noise and processing of the camera" : nobody},
       {"infrared", infrared, infrared ? "infrared images, or the depth matched from them" : nobody},
@@ -111,6 +111,7 @@ std::span<const SceneEntry> scene_table() {
        .status = "built in; no pipeline yet",
        .help = "calibration boards (" + names_of(board_names()) +
                ") with warp, stretch and gloss, on a table, on a stand or held by hand",
+       .has_points = true,
        .configure =
            [](const auto& sets, const auto& file) {
              return configure_plants(BoardsSceneConfig{}, sets, file);
