@@ -157,6 +157,7 @@ ExitCode command_render(const JobContext& context) {
   contents.truth =
       o.truth.empty() ? default_truth(contents.streams)
                       : truth_needs_from_string(o.truth, truth_there_is(job.rig, contents.streams));
+  if (o.truth.empty() && entry.has_points) contents.truth.keypoints = true;
   const std::string hash = owner_hash(job.hash(o.seed), contents.truth);
   require_writable(dataset);
   check_owner(dataset, hash);

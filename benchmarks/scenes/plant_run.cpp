@@ -24,6 +24,10 @@ Scene build(const MaizeSceneConfig& config, std::uint64_t seed, int index) {
   return build_maize_scene(config, scene_rng(seed, index).fork("build"));
 }
 
+Scene build(const BoardsSceneConfig& config, std::uint64_t seed, int index) {
+  return build_boards_scene(config, scene_rng(seed, index).fork("build"));
+}
+
 Fields scene_fields(PlantRunConfig& config) {
   return std::visit([](auto& scene) { return fields(scene); }, config.scene);
 }
@@ -95,6 +99,22 @@ int view_count(const PlantSceneConfig& scene) {
 
 std::string rig_name(const PlantSceneConfig& scene) {
   return std::visit([](const auto& s) { return s.rig; }, scene);
+}
+
+PlantSceneConfig seen_by(PlantSceneConfig scene, const DeviceConfig& rig) {
+  if (auto* boards = std::get_if<BoardsSceneConfig>(&scene)) {
+    // What the rig reports does not depend on what it sees.
+    Scene nothing;
+    nothing.models.push_back({});
+    nothing.models[0].mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+    nothing.materials.push_back({});
+    nothing.instances.push_back({});
+    const RayScene rays(nothing);
+    const Camera camera = RigCapture(rig, {}, rays, nothing, Rng(0)).reports().front().camera;
+    boards->half_view = {0.5 * camera.width_px / camera.fx_px,
+                         0.5 * camera.height_px / camera.fy_px};
+  }
+  return scene;
 }
 
 Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index) {

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "scenes/boards/boards_scene.h"
 #include "scenes/maize/maize_scene.h"
 #include "scenes/seedlings/seedlings_scene.h"
 #include "sim/config/fields.h"
@@ -14,8 +15,9 @@
 
 namespace cousin {
 
-/// A scene of plants of any kind; to add a kind, add it here and to plant_run.cpp's overloads.
-using PlantSceneConfig = std::variant<SeedlingsSceneConfig, MaizeSceneConfig>;
+/// A scene of plants of any kind, or of a calibration board; to add a kind, add it here and to
+/// plant_run.cpp's overloads.
+using PlantSceneConfig = std::variant<SeedlingsSceneConfig, MaizeSceneConfig, BoardsSceneConfig>;
 
 /// Everything that decides the images of a plant scene, apart from the seed: light is traced path
 /// by path, for leaves let it through. Keys as for SeedsRunConfig.
@@ -38,6 +40,10 @@ PlantRunConfig plant_run_config(PlantSceneConfig base, const std::vector<std::st
 Streams planned_streams(const PlantRunConfig& config);
 int view_count(const PlantSceneConfig& scene);
 std::string rig_name(const PlantSceneConfig& scene);
+
+/// `scene` with what it must know of the rig that takes it: views of a board are planned in the
+/// picture.
+PlantSceneConfig seen_by(PlantSceneConfig scene, const DeviceConfig& rig);
 
 /// Scene number `index` of a run.
 Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index);

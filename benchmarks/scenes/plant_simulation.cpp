@@ -1,5 +1,6 @@
 #include "benchmarks/scenes/plant_simulation.h"
 
+#include <algorithm>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -8,22 +9,61 @@
 
 namespace cousin {
 
+namespace {
+
+Rng rig_rng(std::uint64_t seed, int index) {
+  return Rng(seed).fork("scene").fork(static_cast<std::uint64_t>(index));
+}
+
+/// From the first row's begin to the last row's end, of all sensors.
+TimeSpan span_of(const RigCapture& rig, int frame) {
+  const auto i = static_cast<std::size_t>(frame);
+  const double start_s = rig.views().front().views.at(i).time_s;
+  TimeSpan span{start_s, start_s};
+  for (const SensorViews& sensor : rig.views()) {
+    const TrueView& view = sensor.views.at(i);
+    span.begin_s = std::min(span.begin_s, view.time_s - 0.5 * view.exposure_s);
+    span.end_s = std::max(span.end_s, view.time_s + view.readout_s + 0.5 * view.exposure_s);
+  }
+  return span;
+}
+
+/// The scene during one frame, where something moves.
+struct Moment {
+  RayScene rays;
+  RigCapture rig;
+
+  Moment(const PlantRunConfig& config, const Scene& scene, const TimeSpan& span, const Rng& rng)
+      : rays(scene, span), rig(config.rig, config.capture, rays, scene, rng) {}
+};
+
+}  // namespace
+
 struct PlantSimulation::Impl {
   PlantRunConfig config;
   std::uint64_t seed;
+  int index;
   Scene scene;
   RayScene rays;
   RigCapture rig;
   mutable std::once_flag tracer_once;
-  mutable std::optional<PathTracer> tracer;  ///< made on the first photograph
+  mutable std::optional<PathTracer> tracer;  ///< made on the first photograph, if nothing moves
 
-  Impl(const PlantRunConfig& run_config, std::uint64_t run_seed, int index)
+  Impl(const PlantRunConfig& run_config, std::uint64_t run_seed, int scene_index)
       : config(run_config),
         seed(run_seed),
-        scene(build_scene(config.scene, seed, index)),
+        index(scene_index),
+        scene(build_scene(seen_by(config.scene, config.rig), seed, index)),
         rays(scene),
-        rig(config.rig, config.capture, rays, scene,
-            Rng(seed).fork("scene").fork(static_cast<std::uint64_t>(index))) {}
+        rig(config.rig, config.capture, rays, scene, rig_rng(seed, index)) {}
+
+  bool moves() const {
+    return std::any_of(scene.instances.begin(), scene.instances.end(),
+                       [](const Instance& instance) { return !instance.motion.empty(); });
+  }
+  Moment moment(int frame) const {
+    return {config, scene, span_of(rig, frame), rig_rng(seed, index)};
+  }
 
   const PathTracer& path_tracer() const {
     std::call_once(tracer_once, [&] { tracer.emplace(rays, scene); });
@@ -44,12 +84,23 @@ const RigCapture& PlantSimulation::rig() const { return impl_->rig; }
 
 RigFrame PlantSimulation::take(int frame, const Streams& streams) const {
   const Impl* impl = impl_.get();
+  if (impl->moves()) {
+    const Moment moment = impl->moment(frame);
+    const PathTracer tracer(moment.rays, impl->scene);
+    return moment.rig.take(frame, streams, [&](const TrueView& view, const Rng& rng) {
+      return tracer.render(view, impl->config.render, rng).radiance;
+    });
+  }
   return impl_->rig.take(frame, streams, [impl](const TrueView& view, const Rng& rng) {
     return impl->path_tracer().render(view, impl->config.render, rng).radiance;
   });
 }
 
 TruthImages PlantSimulation::truth(int frame, const TruthNeeds& needs) const {
+  if (impl_->moves()) {
+    const Moment moment = impl_->moment(frame);
+    return true_images(moment.rays, impl_->scene, moment.rig, frame, needs);
+  }
   return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs);
 }
 

@@ -47,8 +47,8 @@ std::vector<PlanEntry> plant_plan(const PlantRunConfig& config) {
   const bool infrared =
       streams.infrared || (streams.depth && config.capture.depth_by == DepthBy::matched);
   return {
-      {"scene", true, "plants grown, organ by organ, and what they stand in"},
-      {"physics", false, "nothing moves: the plants stand as they grew"},
+      {"scene", true, "what is photographed, with its exact measures, and what it stands in"},
+      {"physics", false, "nothing settles or bends"},
       {"radiance", light, light ? "paths: leaves let light through, so it is not cached" : nobody},
       {"sensor", light, light ? "lens, noise and processing of the camera" : nobody},
       {"infrared", infrared, infrared ? "infrared images, or the depth matched from them" : nobody},
@@ -74,9 +74,9 @@ SceneJob configure_plants(PlantSceneConfig base, const std::vector<std::string>&
   return job;
 }
 
-std::string cultivars() {
+std::string names_of(const std::vector<std::string>& list) {
   std::string names;
-  for (const std::string& name : cultivar_names()) names += (names.empty() ? "" : ", ") + name;
+  for (const std::string& name : list) names += (names.empty() ? "" : ", ") + name;
   return names;
 }
 
@@ -88,7 +88,7 @@ std::span<const SceneEntry> scene_table() {
        .status = COUSIN_WITH_MUJOCO ? "built in" : "not built in: WITH_MUJOCO is OFF",
        .help = "ten seeds dropped on a calibration board before a green screen, three camera rings "
                "(" +
-               cultivars() + ")",
+               names_of(cultivar_names()) + ")",
        .has_pipeline = true,
        .configure = configure_seeds},
       {.name = "seedlings",
@@ -106,6 +106,15 @@ std::span<const SceneEntry> scene_table() {
        .configure =
            [](const auto& sets, const auto& file) {
              return configure_plants(MaizeSceneConfig{}, sets, file);
+           }},
+      {.name = "boards",
+       .status = "built in; no pipeline yet",
+       .help = "calibration boards (" + names_of(board_names()) +
+               ") with warp, stretch and gloss, on a table, on a stand or held by hand",
+       .has_points = true,
+       .configure =
+           [](const auto& sets, const auto& file) {
+             return configure_plants(BoardsSceneConfig{}, sets, file);
            }},
   };
   return kScenes;

@@ -44,6 +44,7 @@ struct SceneEntry {
   std::string status;  ///< "built in", or why not
   std::string help;
   bool has_pipeline = false;  ///< `run`, `perceive` and `score` know it
+  bool has_points = false;    ///< keypoints are what its views are for: part of the default truth
   /// @throws as seeds_run_config.
   std::function<SceneJob(const std::vector<std::string>& assignments,
                          const std::filesystem::path& file)>

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/json_interop.h"
+#include "sim/types/calibration_target.h"
 
 namespace cousin {
 namespace {
@@ -280,10 +281,15 @@ Capture rig_from_json(std::string_view text, const std::string& name) {
   Capture capture;
   if (root.has("pipeline")) capture.pipeline = root["pipeline"].text(64);
   if (root.has("board")) {
-    capture.board = root["board"].text(16);
+    capture.board = root["board"].text(200);
     if (capture.board != "" && capture.board != "markers" && capture.board != "plain" &&
         capture.board != "none") {
-      root["board"].fail("is not one of markers, plain, none or empty");
+      try {
+        target_from_text(capture.board);
+      } catch (const std::invalid_argument& error) {
+        root["board"].fail("is not one of markers, plain, none or empty, nor a target: " +
+                           std::string(error.what()));
+      }
     }
   }
   if (root.has("warnings")) {

@@ -107,6 +107,24 @@ TEST(PlantScenes, MaizeIsSeenByTwoCamerasWithAllItsTruth) {
   EXPECT_EQ(program.run({"verify", "field"}).code, 0);
 }
 
+TEST(PlantScenes, ABoardNamesItsDesignAndHasItsCornersInEveryView) {
+  const Program program;
+  const Outcome rendered = program.run(
+      {"render", "boards", "--out", "board", "--frames", "2", "--set", "place=hand", "--set",
+       "board=chessboard_a4", "--set", "flaws.warp_x_m=0.003", "--set", "rig.width_px=160", "--set",
+       "rig.height_px=90", "--set", "render.pixel_samples=1"});
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  EXPECT_EQ(json_in(program.path("board/000000/rig.json"))["board"],
+            "chessboard columns=10 rows=7 pitch_m=0.025");
+  const nlohmann::json keypoints = json_in(program.path("board/000000/truth/keypoints.json"));
+  for (const char* frame : {"0", "1"}) {
+    ASSERT_EQ(keypoints["frames"][frame].size(), 54U);
+    for (const auto& point : keypoints["frames"][frame]) EXPECT_EQ(point["state"], "visible");
+  }
+  EXPECT_NE(keypoints["frames"]["0"][0]["u_px"], keypoints["frames"]["1"][0]["u_px"]);
+  EXPECT_EQ(program.run({"verify", "board"}).code, 0);
+}
+
 TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
   const Program program;
   const auto refusal = [&](const std::string& scene, const std::string& set) {
@@ -122,6 +140,8 @@ TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
   EXPECT_THAT(refusal("seedlings", "watermelon.leaf.lobes=[1]"), HasSubstr("leaf.lobes"));
   EXPECT_THAT(refusal("maize", "stage=V1"), HasSubstr("V3 .. V18, VT"));
   EXPECT_THAT(refusal("maize", "rows=0"), HasSubstr("rows"));
+  EXPECT_THAT(refusal("boards", "board=a5"), HasSubstr("charuco_a4"));
+  EXPECT_THAT(refusal("boards", "poses.fill_max=1.5"), HasSubstr("outside is 0"));
 }
 
 }  // namespace

@@ -1,0 +1,210 @@
+#include "scenes/boards/boards_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+namespace cousin {
+namespace {
+
+using ::testing::HasSubstr;
+
+BoardsSceneConfig with_board(const std::string& name) {
+  BoardsSceneConfig config;
+  config.board = name;
+  config.target = board_preset(name);
+  return config;
+}
+
+const Instance& board_of(const Scene& scene) {
+  for (const Instance& instance : scene.instances) {
+    if (instance.is_specimen) return instance;
+  }
+  throw std::runtime_error("no board");
+}
+
+TEST(BoardsScene, EveryNumberHasItsSourceWord) {
+  for (const char* file : {"boards.toml", "presets.toml"}) {
+    std::ifstream in(std::string(COUSIN_SOURCE_DIR) + "/scenes/boards/" + file);
+    int numbers = 0;
+    for (std::string line; std::getline(in, line);) {
+      const std::size_t equals = line.find(" = ");
+      if (line.starts_with("#") || equals == line.npos || line[equals + 3] == '"') continue;
+      ++numbers;
+      EXPECT_TRUE(line.find("# free") != line.npos || line.find("# sourced: ") != line.npos)
+          << file << ": " << line;
+    }
+    EXPECT_GT(numbers, 30) << file;
+  }
+}
+
+TEST(BoardsScene, NamesTheTargetAsDesignedWhateverItsFlaws) {
+  BoardsSceneConfig config = with_board("charuco_a4");
+  config.flaws.warp_x_m = 0.002;
+  config.flaws.stretch_x = 1.01;
+  const Scene scene = build_boards_scene(config, Rng(1));
+  EXPECT_EQ(target_from_text(scene.board), config.target);
+}
+
+TEST(BoardsScene, KeypointsAreTheDesignStretchedAndBent) {
+  BoardsSceneConfig config = with_board("chessboard_a4");
+  config.flaws = {.warp_x_m = 0.003,
+                  .warp_y_m = -0.001,
+                  .wave_m = 0,
+                  .stretch_x = 1.002,
+                  .stretch_y = 0.999,
+                  .shear = 0.001};
+  const Scene scene = build_boards_scene(config, Rng(1));
+  const auto& keypoints = scene.models[static_cast<std::size_t>(board_of(scene).model)].keypoints;
+  const auto points = target_points(config.target);
+  ASSERT_EQ(keypoints.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d at = points[i].at_m;
+    const double x = 1.002 * at.x() + 0.001 * at.y(), y = 0.999 * at.y();
+    const double u = x / 0.125, v = y / 0.0875;  // over half of 10 x 7 squares of 25 mm
+    const Eigen::Vector3d expected(x, y, 0.003 * (1 - u * u) - 0.001 * (1 - v * v));
+    EXPECT_LT((keypoints[i].in_object_m - expected).norm(), 1e-15);
+    EXPECT_EQ(keypoints[i].name, "corner " + std::to_string(i));
+  }
+}
+
+TEST(BoardsScene, EveryKeypointIsAVertexOfTheBentFace) {
+  BoardsSceneConfig config = with_board("charuco_a4");
+  config.flaws.warp_x_m = 0.004;
+  config.flaws.wave_m = 0.0005;
+  const Scene scene = build_boards_scene(config, Rng(1));
+  const ObjectModel& model = scene.models[static_cast<std::size_t>(board_of(scene).model)];
+  for (const Keypoint& keypoint : model.keypoints) {
+    double nearest = 1;
+    for (const Eigen::Vector3d& vertex : model.mesh.vertices_m)
+      nearest = std::min(nearest, (vertex - keypoint.in_object_m).norm());
+    EXPECT_LT(nearest, 1e-14) << keypoint.name;
+  }
+}
+
+/// Share of the print's points outside a pinhole's picture.
+double share_outside(const BoardsSceneConfig& config, const Pose& camera_from_board) {
+  int out = 0, all = 0;
+  for (const TargetPoint& point : target_points(config.target)) {
+    const Eigen::Vector3d p =
+        camera_from_board * Eigen::Vector3d(point.at_m.x(), point.at_m.y(), 0);
+    const Eigen::Vector2d u = p.head<2>().cwiseQuotient(config.half_view) / p.z();
+    out += p.z() <= 0 || u.cwiseAbs().maxCoeff() > 1;
+    ++all;
+  }
+  return static_cast<double>(out) / all;
+}
+
+TEST(BoardPoses, KeepTheWholePrintInThePictureUnlessTheyMayLeaveIt) {
+  for (const char* plan : {"planned", "random"}) {
+    BoardsSceneConfig config = with_board("aprilgrid_a4");
+    config.plan = plan;
+    config.views = 60;
+    const auto anywhere = [](const Pose&) { return true; };
+    for (const Pose& pose : board_poses(config, anywhere, Rng(2)))
+      EXPECT_EQ(share_outside(config, pose), 0) << plan;
+    config.outside = 0.5;
+    int cut = 0;
+    for (const Pose& pose : board_poses(config, anywhere, Rng(2))) {
+      // A lattice of 13 x 13 points measures an area to about 1 / 13.
+      EXPECT_LE(share_outside(config, pose), 0.5 + 0.08) << plan;
+      cut += share_outside(config, pose) > 0.1;
+    }
+    EXPECT_GT(cut, 10) << plan;
+  }
+}
+
+TEST(BoardPoses, CoverageAndTiltReachWhatIsAsked) {
+  BoardsSceneConfig config = with_board("chessboard_a4");
+  config.views = 100;
+  const auto anywhere = [](const Pose&) { return true; };
+  const auto spread = [&] {
+    double most = 0;
+    for (const Pose& pose : board_poses(config, anywhere, Rng(3)))
+      most = std::max(most, (pose.translation_m.head<2>() / pose.translation_m.z()).norm());
+    return most;
+  };
+  EXPECT_GT(spread(), 0.25);
+  config.coverage = 0;
+  EXPECT_LT(spread(), 1e-12);
+  config.setting.poses.tilt_min_rad = 0.5;
+  config.setting.poses.tilt_max_rad = 0.6;
+  for (const Pose& pose : board_poses(config, anywhere, Rng(3))) {
+    const double tilt = std::acos(-(pose.rotation * Eigen::Vector3d::UnitZ()).z());
+    EXPECT_GE(tilt, 0.5 - 1e-9);
+    EXPECT_LE(tilt, 0.6 + 1e-9);
+  }
+}
+
+TEST(BoardsScene, EveryPlaceAndLightBuildsAndTheSameTwice) {
+  for (const char* place : {"table", "stand", "hand"}) {
+    for (const char* light : {"soft", "hard", "sun"}) {
+      BoardsSceneConfig config = with_board("aprilgrid_a4");
+      config.place = place;
+      config.light = light;
+      config.views = 7;
+      const Scene a = build_boards_scene(config, Rng(4)), b = build_boards_scene(config, Rng(4));
+      ASSERT_EQ(a.views.size(), 7U);
+      for (std::size_t i = 0; i < a.views.size(); ++i) {
+        EXPECT_EQ(a.views[i].rig_from_world.translation_m, b.views[i].rig_from_world.translation_m);
+        // The camera sees the face.
+        const Pose camera_from_board =
+            a.views[i].rig_from_world * world_from_object(board_of(a), a.views[i].time_s);
+        EXPECT_GT(centre_in_world_m(camera_from_board).z(), 0.02) << place;
+        EXPECT_EQ(share_outside(config, camera_from_board), 0) << place;
+      }
+    }
+  }
+}
+
+TEST(BoardsScene, AHeldBoardRestsAboutEachViewsTime) {
+  BoardsSceneConfig config = with_board("charuco_a4");
+  config.place = "hand";
+  config.views = 5;
+  const Scene scene = build_boards_scene(config, Rng(5));
+  const Instance& board = board_of(scene);
+  for (std::size_t i = 0; i < scene.views.size(); ++i) {
+    const double t = scene.views[i].time_s;
+    const Pose early = world_from_object(board, t - 0.5), late = world_from_object(board, t + 0.5);
+    EXPECT_LT((early.translation_m - late.translation_m).norm(), 1e-12);
+    if (i > 0) {
+      const Pose before = world_from_object(board, scene.views[i - 1].time_s);
+      EXPECT_GT((before.translation_m - early.translation_m).norm(), 1e-3);
+    }
+  }
+}
+
+std::string refusal(const BoardsSceneConfig& config) {
+  try {
+    validate(config);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(BoardsScene, RefusesByName) {
+  BoardsSceneConfig config;
+  EXPECT_EQ(refusal(config), "accepted");
+  config.place = "moon";
+  EXPECT_THAT(refusal(config), HasSubstr("place \"moon\""));
+  config = {};
+  config.setting.poses.tilt_min_rad = 1.0;
+  EXPECT_THAT(refusal(config), HasSubstr("poses.tilt_min_rad"));
+  config = {};
+  config.setting.poses.fill_max = 1.5;
+  EXPECT_THAT(refusal(config), HasSubstr("outside is 0"));
+  config = {};
+  config.target.dictionary = "DICT_3X3";
+  EXPECT_THAT(refusal(config), HasSubstr("DICT_3X3"));
+  config = {};
+  config.flaws.stretch_x = std::nan("");
+  EXPECT_THAT(refusal(config), HasSubstr("stretch_x"));
+  EXPECT_THROW(board_preset("a5"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cousin
