@@ -24,6 +24,37 @@ Scene build(const MaizeSceneConfig& config, std::uint64_t seed, int index) {
   return build_maize_scene(config, scene_rng(seed, index).fork("build"));
 }
 
+Scene build(const ApplesSceneConfig& config, std::uint64_t seed, int index) {
+  return build_apples_scene(config, scene_rng(seed, index).fork("build"));
+}
+
+/// The camera that a rig's first images come from, as its preset has it.
+RigEye eye_of(const PhoneConfig& rig) {
+  RigEye eye;
+  eye.camera.width_px = rig.width_px;
+  eye.camera.height_px = rig.height_px;
+  eye.camera.fx_px = eye.camera.fy_px = rig.focal_px_per_width * rig.width_px;
+  eye.camera.cx_px = 0.5 * (rig.width_px - 1);
+  eye.camera.cy_px = 0.5 * (rig.height_px - 1);
+  return eye;
+}
+RigEye eye_of(const RigConfig& rig) {
+  const RigSensor& first = rig.sensors.at(0);
+  return {nominal_camera(first.camera), sensor_from_rig(first)};
+}
+RigEye eye_of(const ActiveStereoConfig& rig) {
+  RigEye eye{color_camera(rig), {}};
+  eye.eye_from_rig.translation_m.x() = -rig.color_x_m;
+  return eye;
+}
+RigEye eye_of(const RangeRigConfig& rig) { return eye_of(rig.body); }
+
+/// What of the rig a scene must know to place its views.
+void tell_of_rig(PlantRunConfig& config) {
+  if (auto* apples = std::get_if<ApplesSceneConfig>(&config.scene))
+    apples->eye = std::visit([](const auto& rig) { return eye_of(rig); }, config.rig);
+}
+
 Fields scene_fields(PlantRunConfig& config) {
   return std::visit([](auto& scene) { return fields(scene); }, config.scene);
 }
@@ -80,6 +111,7 @@ PlantRunConfig plant_run_config(PlantSceneConfig base, const std::vector<std::st
   const Fields all = fields(config);
   for (const std::string& assignment : assignments) set_field(all, assignment);
   validate(config);
+  tell_of_rig(config);
   return config;
 }
 
