@@ -98,7 +98,7 @@ PlantModel apple_leaf(const OrchardConfig& config, int detail, Rng rng) {
                                    c.petiole_radius_m, uniform(rng, 0.1, 0.5), detail ? 6 : 2);
   Organ& stalk = add_organ(leaf, OrganKind::petiole, "petiole", -1, 1);
   stalk.line = petiole;
-  stalk.look = kPetioleLook;
+  stalk.look = kApplePetioleLook;
   stalk.surface = tube_surface(petiole, detail ? 6 : 3);
   const Vector3d end = petiole.points_m.back();
   const Vector3d heading = (end - petiole.points_m[petiole.points_m.size() - 2]).normalized();
@@ -123,7 +123,7 @@ PlantModel apple_leaf(const OrchardConfig& config, int detail, Rng rng) {
   shape.twist_rad = 0.25 * truncated_normal(rng, 0, 1, 2);
   Organ& blade = add_organ(leaf, OrganKind::blade, "blade", 0, 1);
   blade.line = midrib;
-  blade.look = kBladeLook;
+  blade.look = kAppleBladeLook;
   const int rows = detail ? (c.teeth > 0 ? 4 * c.teeth : 32) : 5;
   blade.surface = blade_surface(LineWalk(midrib, Vector3d::UnitZ()), shape, rows, detail ? 8 : 2);
   blade.albedo =

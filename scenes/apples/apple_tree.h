@@ -81,7 +81,7 @@ void clear_leaves(AppleTree& tree, const std::vector<FruitModel>& fruits,
                   const std::vector<PlantModel>& leaves);
 
 /// Looks of the parts of a tree's and of a leaf's model, in the order of orchard_materials().
-enum OrchardLook { kBarkLook, kShootLook, kPetioleLook, kBladeLook };
+enum OrchardLook { kAppleBarkLook, kAppleShootLook, kApplePetioleLook, kAppleBladeLook };
 std::vector<Material> orchard_materials(const OrchardConfig& config);
 
 /// One leaf: petiole from the origin along +x, then the blade. @param detail  1: with teeth; 0: of

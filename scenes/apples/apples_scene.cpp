@@ -56,7 +56,7 @@ double leaf_area_of(const PlantModel& leaf) {
   double sum = 0;
   const Mesh& mesh = leaf.model.mesh;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (leaf.part_looks[leaf.model.triangle_part[i]] != kBladeLook) continue;
+    if (leaf.part_looks[leaf.model.triangle_part[i]] != kAppleBladeLook) continue;
     const auto& t = mesh.triangles[i];
     const Vector3d& a = mesh.vertices_m[t[0]];
     sum += 0.5 * (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a).norm();
@@ -169,7 +169,7 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng) {
   GrownTree grown = grow_scene_tree(config, rng.fork("tree"));
   PlantModel wood = tree_wood(grown.tree, c, 1, rng.fork("bark"));
   scene.models.push_back(std::move(wood.model));
-  Instance& tree = add_instance(scene, "tree", "tree", 0, kBarkLook, {});
+  Instance& tree = add_instance(scene, "tree", "tree", 0, kAppleBarkLook, {});
   tree.part_materials = wood.part_looks;
   tree.traits = tree_traits(grown);
   const FruitModels models = add_fruit_models(scene, grown.fruits);
@@ -186,7 +186,7 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng) {
     char name[24];
     std::snprintf(name, sizeof name, "leaf %04d", static_cast<int>(i));
     add_instance(scene, name, "leaf", leaf_models[static_cast<std::size_t>(leaf.variant)],
-                 kBladeLook, leaf.tree_from_leaf)
+                 kAppleBladeLook, leaf.tree_from_leaf)
         .part_materials = leaf_parts;
   }
   add_orchard_ground(scene, c, leaf_models, leaf_parts, rng.fork("ground"));

@@ -29,7 +29,7 @@ struct ApplesSceneConfig {
   double heavier = 1;  ///< times the fruits' masses: what stalks and branches can hold
   std::string family = "botanical";  ///< of the fruits' shapes, or harmonics
   bool sag = true;                   ///< branches bend under their fruits (MuJoCo)
-  int neighbours = 4;                ///< trees of the row whose fruits are specimens too
+  int neighbours = 2;                ///< trees of the row whose fruits are specimens too
   int trees = 11;                    ///< a row
   int rows = 3;
   std::string light = "front";                         ///< front, back, side, shade

@@ -39,14 +39,14 @@ ObjectModel coarse_tree(const AppleTree& tree, const OrchardConfig& config,
   model.name = "neighbour";
   model.part_names = {"bark", "shoots", "petioles", "leaves"};
   const PlantModel wood = tree_wood(tree, config, 0, rng);
-  append(model, wood.model, {}, kBarkLook);
+  append(model, wood.model, {}, kAppleBarkLook);
   for (std::size_t i = 0; i < wood.model.triangle_part.size(); ++i)
     model.triangle_part[i] =
         static_cast<std::uint16_t>(wood.part_looks[wood.model.triangle_part[i]]);
   for (const LeafPlace& leaf : tree.leaves) {
     const PlantModel& own = leaves[static_cast<std::size_t>(leaf.variant)];
     const std::size_t first = model.triangle_part.size();
-    append(model, own.model, leaf.tree_from_leaf, kBladeLook);
+    append(model, own.model, leaf.tree_from_leaf, kAppleBladeLook);
     for (std::size_t i = 0; i < own.model.triangle_part.size(); ++i)
       model.triangle_part[first + i] =
           static_cast<std::uint16_t>(own.part_looks[own.model.triangle_part[i]]);
@@ -182,8 +182,8 @@ void add_neighbours(Scene& scene, const ApplesSceneConfig& config,
       const int model = first_model + 2 * static_cast<int>(kind);
       std::vector<int> looks;
       for (int look = 0; look < 4; ++look) looks.push_back(first_material + look);
-      add_instance(scene, name, "tree", model, first_material + kBladeLook, pose).part_materials =
-          looks;
+      add_instance(scene, name, "tree", model, first_material + kAppleBladeLook, pose)
+          .part_materials = looks;
       const bool is_near = across == 0 && std::abs(place) <= (config.neighbours + 1) / 2;
       if (is_near) {
         add_fruits(scene, name + " ", kinds[kind].tree, pose, fruits, models);

@@ -87,7 +87,7 @@ PlantModel tree_wood(const AppleTree& tree, const OrchardConfig& config, int det
         add_organ(plant, OrganKind::stem, wood_name(tree, i, numbers), axis.parent, numbers[i]);
     if (axis.is_pruned) continue;
     organ.line = axis.line;
-    organ.look = axis.kind == WoodKind::shoot ? kShootLook : kBarkLook;
+    organ.look = axis.kind == WoodKind::shoot ? kAppleShootLook : kAppleBarkLook;
     switch (axis.kind) {
       case WoodKind::trunk: {
         const CentreLine line = refined(axis.line, detail ? 8 : 1);
