@@ -28,6 +28,31 @@ Scene build(const BoardsSceneConfig& config, std::uint64_t seed, int index) {
   return build_boards_scene(config, scene_rng(seed, index).fork("build"));
 }
 
+Scene build(const ApplesSceneConfig& config, std::uint64_t seed, int index) {
+  return build_apples_scene(config, scene_rng(seed, index).fork("build"));
+}
+
+/// The camera that a rig's first images come from, as its preset has it.
+RigEye eye_of(const PhoneConfig& rig) {
+  RigEye eye;
+  eye.camera.width_px = rig.width_px;
+  eye.camera.height_px = rig.height_px;
+  eye.camera.fx_px = eye.camera.fy_px = rig.focal_px_per_width * rig.width_px;
+  eye.camera.cx_px = 0.5 * (rig.width_px - 1);
+  eye.camera.cy_px = 0.5 * (rig.height_px - 1);
+  return eye;
+}
+RigEye eye_of(const RigConfig& rig) {
+  const RigSensor& first = rig.sensors.at(0);
+  return {nominal_camera(first.camera), sensor_from_rig(first)};
+}
+RigEye eye_of(const ActiveStereoConfig& rig) {
+  RigEye eye{color_camera(rig), {}};
+  eye.eye_from_rig.translation_m.x() = -rig.color_x_m;
+  return eye;
+}
+RigEye eye_of(const RangeRigConfig& rig) { return eye_of(rig.body); }
+
 Fields scene_fields(PlantRunConfig& config) {
   return std::visit([](auto& scene) { return fields(scene); }, config.scene);
 }
@@ -84,6 +109,7 @@ PlantRunConfig plant_run_config(PlantSceneConfig base, const std::vector<std::st
   const Fields all = fields(config);
   for (const std::string& assignment : assignments) set_field(all, assignment);
   validate(config);
+  config.scene = seen_by(std::move(config.scene), config.rig);
   return config;
 }
 
@@ -102,17 +128,11 @@ std::string rig_name(const PlantSceneConfig& scene) {
 }
 
 PlantSceneConfig seen_by(PlantSceneConfig scene, const DeviceConfig& rig) {
+  const RigEye eye = std::visit([](const auto& r) { return eye_of(r); }, rig);
+  if (auto* apples = std::get_if<ApplesSceneConfig>(&scene)) apples->eye = eye;
   if (auto* boards = std::get_if<BoardsSceneConfig>(&scene)) {
-    // What the rig reports does not depend on what it sees.
-    Scene nothing;
-    nothing.models.push_back({});
-    nothing.models[0].mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-    nothing.materials.push_back({});
-    nothing.instances.push_back({});
-    const RayScene rays(nothing);
-    const Camera camera = RigCapture(rig, {}, rays, nothing, Rng(0)).reports().front().camera;
-    boards->half_view = {0.5 * camera.width_px / camera.fx_px,
-                         0.5 * camera.height_px / camera.fy_px};
+    boards->half_view = {0.5 * eye.camera.width_px / eye.camera.fx_px,
+                         0.5 * eye.camera.height_px / eye.camera.fy_px};
   }
   return scene;
 }

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "scenes/apples/apples_scene.h"
 #include "scenes/boards/boards_scene.h"
 #include "scenes/maize/maize_scene.h"
 #include "scenes/seedlings/seedlings_scene.h"
@@ -17,7 +18,8 @@ namespace cousin {
 
 /// A scene of plants of any kind, or of a calibration board; to add a kind, add it here and to
 /// plant_run.cpp's overloads.
-using PlantSceneConfig = std::variant<SeedlingsSceneConfig, MaizeSceneConfig, BoardsSceneConfig>;
+using PlantSceneConfig =
+    std::variant<SeedlingsSceneConfig, MaizeSceneConfig, ApplesSceneConfig, BoardsSceneConfig>;
 
 /// Everything that decides the images of a plant scene, apart from the seed: light is traced path
 /// by path, for leaves let it through. Keys as for SeedsRunConfig.

@@ -107,6 +107,15 @@ std::span<const SceneEntry> scene_table() {
            [](const auto& sets, const auto& file) {
              return configure_plants(MaizeSceneConfig{}, sets, file);
            }},
+      {.name = "apples",
+       .status = "built in; no pipeline yet",
+       .help =
+           "a Fuji spindle tree in its row, seen from 0.1 to 1 m of a fruit; four lights (front, "
+           "back, side, shade); occlusion on demand",
+       .configure =
+           [](const auto& sets, const auto& file) {
+             return configure_plants(ApplesSceneConfig{}, sets, file);
+           }},
       {.name = "boards",
        .status = "built in; no pipeline yet",
        .help = "calibration boards (" + names_of(board_names()) +

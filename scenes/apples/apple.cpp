@@ -96,12 +96,14 @@ void validate(const AppleConfig& config) {
   apple_cultivar(config.cultivar);
   if (config.red_share) require("red_share", *config.red_share, 0, 1);
   require("growth", config.growth, 0.1, 1);
+  if (config.grid != 0) require("grid", config.grid, 4, 200);
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
 }
 
 FruitModel make_apple(const AppleConfig& config, Rng rng) {
   validate(config);
-  const AppleCultivar& c = apple_cultivar(config.cultivar);
+  AppleCultivar c = apple_cultivar(config.cultivar);
+  if (config.grid != 0) c.grid = config.grid;
   const FruitSize drawn = draw_size(c, rng.fork("size"));
   Rng red = rng.fork("red");
   const double drawn_red = std::clamp(cut_normal(red, c.red_share, c.sigma_red_share), 0.0, 1.0);

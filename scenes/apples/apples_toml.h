@@ -4,7 +4,8 @@
 
 namespace cousin {
 
-/// The scene's TOML file, compiled in so that the program needs no data folder.
-std::string_view apples_toml();
+/// The scene's TOML files, compiled in so that the program needs no data folder.
+std::string_view apples_toml();  ///< cultivars.toml
+std::string_view orchard_toml();
 
 }  // namespace cousin

@@ -1,0 +1,197 @@
+#include "scenes/apples/apple_views.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <stdexcept>
+
+#include "sim/geometry/share_search.h"
+#include "sim/render/visible_share.h"
+
+namespace cousin {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kWithin = 0.03;      // of the share asked for: met
+constexpr int kStarts = 32;           // views that are drawn for one
+constexpr int kSide_px = 96;          // across the target where its share is counted
+constexpr double kFromLens_m = 0.03;  // nothing stands nearer to the lens
+
+/// A camera about a target: azimuth, pitch (looking down), distance.
+using Place = Eigen::VectorXd;
+
+struct Range {
+  double low = 0, high = 0;
+};
+
+Range pitch_range(const ApplesSceneConfig& config, int view) {
+  const auto& v = config.orchard.views;
+  const std::array<const std::vector<double>*, 3> ranges = {&v.level_rad, &v.up_rad, &v.down_rad};
+  const int kind = config.look == "level"  ? 0
+                   : config.look == "up"   ? 1
+                   : config.look == "down" ? 2
+                                           : view % 3;
+  const std::vector<double>& range = *ranges[static_cast<std::size_t>(kind)];
+  return {range[0], range[1]};
+}
+
+Vector3d eye_m(const Vector3d& target_m, const Place& place) {
+  const double a = place[0], p = place[1];
+  return target_m +
+         place[2] * Vector3d(std::cos(p) * std::cos(a), std::cos(p) * std::sin(a), std::sin(p));
+}
+
+std::vector<Place> draw_places(const ApplesSceneConfig& config, int view, const Rng& rng) {
+  const Range pitch = pitch_range(config, view);
+  std::vector<Place> places;
+  for (int k = 0; k < kStarts; ++k) {
+    Rng own = rng.fork(static_cast<std::uint64_t>(k));
+    Place place(3);
+    // The photographer stands in the alley on the side of -y.
+    place[0] = -0.5 * std::numbers::pi + config.orchard.views.azimuth_rad * uniform(own, -1, 1);
+    place[1] = uniform(own, pitch.low, pitch.high);
+    place[2] = uniform(own, config.distance_min_m, config.distance_max_m);
+    places.push_back(place);
+  }
+  return places;
+}
+
+/// Whether a camera may stand there: above the ground, outside fruits, with nothing on its lens.
+class Room {
+ public:
+  explicit Room(const Scene& scene) {
+    for (const Instance& instance : scene.instances) {
+      if (instance.is_specimen) {
+        const Mesh& mesh = scene.models[static_cast<std::size_t>(instance.model)].mesh;
+        double radius_m = 0;
+        for (const Vector3d& p : mesh.vertices_m) radius_m = std::max(radius_m, p.norm());
+        balls_.push_back({instance.world_from_object.translation_m, radius_m});
+      } else if (instance.category == "leaf") {
+        balls_.push_back({instance.world_from_object * Vector3d(0.06, 0, 0), 0.035});
+      }
+    }
+  }
+  bool is_free(const Vector3d& eye_m) const {
+    if (eye_m.z() < 0.15) return false;
+    return std::none_of(balls_.begin(), balls_.end(), [&](const Ball& ball) {
+      return (ball.centre_m - eye_m).norm() < ball.radius_m + kFromLens_m;
+    });
+  }
+
+ private:
+  struct Ball {
+    Vector3d centre_m;
+    double radius_m;
+  };
+  std::vector<Ball> balls_;
+};
+
+/// The camera, with the target a little beside the middle of its image.
+Pose camera_pose(const RigEye& eye, const Vector3d& target_m, const Place& place, Rng rng) {
+  const Vector3d from = eye_m(target_m, place);
+  const double half = 0.5 * std::min(eye.camera.width_px / eye.camera.fx_px,
+                                     eye.camera.height_px / eye.camera.fy_px);
+  const double off_m = 0.12 * half * place[2];
+  const Vector3d aim =
+      target_m + off_m * Vector3d(normal(rng), 0, normal(rng)).cwiseMax(-1.5).cwiseMin(1.5);
+  const Pose rolled{
+      Eigen::Quaterniond(Eigen::AngleAxisd(truncated_normal(rng, 0, 0.05, 2.5), Vector3d::UnitZ())),
+      Vector3d::Zero()};
+  return rolled * look_at(from, aim);
+}
+
+std::vector<std::size_t> targets_of(const Scene& scene, const ApplesSceneConfig& config,
+                                    const std::vector<std::size_t>& apples, Rng rng) {
+  const auto& v = config.orchard.views;
+  std::vector<std::size_t> targets;
+  for (const std::size_t apple : apples) {
+    const Vector3d& at = scene.instances[apple].world_from_object.translation_m;
+    if (at.z() >= v.fruit_low_m && at.z() <= v.fruit_high_m && at.y() < 0.1)
+      targets.push_back(apple);
+  }
+  if (targets.empty()) targets = apples;
+  for (std::size_t i = targets.size(); i > 1; --i)
+    std::swap(targets[i - 1], targets[uniform_index(rng, i)]);
+  return targets;
+}
+
+std::string numbered(const char* what, int view) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%s %06d", what, view);
+  return text;
+}
+
+/// The place of the first that is free, or of the one that the occlusion asked for is met at.
+ShareFound place_camera(const Scene& scene, const ApplesSceneConfig& config, std::size_t target,
+                        const Room& room, int view, const Rng& rng) {
+  const std::vector<Place> starts = draw_places(config, view, rng.fork("places"));
+  const Vector3d centre = scene.instances[target].world_from_object.translation_m;
+  if (config.occlusion < 0) {
+    ShareFound found;
+    for (const Place& start : starts) {
+      if (!room.is_free(eye_m(centre, start))) continue;
+      found.at = start;
+      break;
+    }
+    return found;
+  }
+  const VisibleShare visible(scene, target, config.distance_max_m + 0.1);
+  const auto share = [&](const Place& place) {
+    if (!room.is_free(eye_m(centre, place))) return std::numeric_limits<double>::quiet_NaN();
+    const Pose camera = camera_pose(config.eye, centre, place, rng.fork("aim"));
+    return visible.seen(view_about(config.eye.camera, camera, visible.centre_in_world_m(),
+                                   visible.radius_m(), kSide_px));
+  };
+  return find_share(starts, share, {.wanted = 1 - config.occlusion});
+}
+
+}  // namespace
+
+void add_apple_views(Scene& scene, const ApplesSceneConfig& config,
+                     const std::vector<std::size_t>& apples, std::size_t tree, const Rng& rng) {
+  if (apples.empty())
+    throw std::invalid_argument("apples: fruits = 0 leaves no target for the views");
+  const std::vector<std::size_t> targets = targets_of(scene, config, apples, rng.fork("targets"));
+  const Room room(scene);
+  std::vector<TrueTrait> notes;
+  for (int i = 0; i < config.views; ++i) {
+    const std::size_t target = targets[static_cast<std::size_t>(i) % targets.size()];
+    const Rng own = rng.fork("view").fork(static_cast<std::uint64_t>(i));
+    const ShareFound found = place_camera(scene, config, target, room, i, own);
+    const Instance& fruit = scene.instances[target];
+    if (found.at.size() == 0) {
+      throw std::invalid_argument("apples: view " + std::to_string(i) +
+                                  ": no room for the camera within distance_min_m " +
+                                  std::to_string(config.distance_min_m) + " .. distance_max_m " +
+                                  std::to_string(config.distance_max_m) + " of " + fruit.name);
+    }
+    notes.push_back({numbered("target", i), "1", static_cast<double>(fruit.id)});
+    if (config.occlusion >= 0) {
+      const bool met = std::abs(found.share - (1 - config.occlusion)) <= kWithin;
+      if (!met && config.unmet == "refuse") {
+        throw std::invalid_argument("apples: occlusion = " + std::to_string(config.occlusion) +
+                                    " of " + fruit.name + " is not met in view " +
+                                    std::to_string(i) + ": the nearest hides " +
+                                    std::to_string(1 - found.share));
+      }
+      notes.push_back({numbered("visible", i), "1", found.share});
+      notes.push_back({numbered("met", i), "1", met ? 1.0 : 0.0});
+    }
+    const Vector3d centre = fruit.world_from_object.translation_m;
+    View view;
+    view.time_s = 2.0 * i;
+    view.rig_from_world = inverse(config.eye.eye_from_rig) *
+                          camera_pose(config.eye, centre, found.at, own.fork("aim"));
+    view.rig_from_world_end = view.rig_from_world;
+    view.focus_in_world_m = centre;
+    scene.views.push_back(view);
+  }
+  auto& traits = scene.instances[tree].traits;
+  traits.insert(traits.end(), notes.begin(), notes.end());
+}
+
+}  // namespace cousin

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "scenes/apples/apples_scene.h"
+
+namespace cousin {
+
+/// Private to scenes/apples. Appends the scene's views, each of a fruit of its own as far as there
+/// are such in sight, and what is known of them to the traits of `tree`.
+/// @param apples  places in scene.instances of the tree's fruits
+/// @param tree  place of the tree's wood
+void add_apple_views(Scene& scene, const ApplesSceneConfig& config,
+                     const std::vector<std::size_t>& apples, std::size_t tree, const Rng& rng);
+
+}  // namespace cousin

@@ -1,0 +1,199 @@
+#include "scenes/apples/apples_scene.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <stdexcept>
+
+#include "scenes/apples/apple.h"
+#include "scenes/apples/apple_views.h"
+#include "scenes/apples/neighbours.h"
+#include "scenes/apples/orchard_ground.h"
+#include "sim/config/limits.h"
+#include "sim/plant/color.h"
+
+namespace cousin {
+namespace {
+
+using Eigen::Vector3d;
+constexpr double kPi = std::numbers::pi;
+constexpr double kNearest_m = 0.07;  // no fruit is larger from its centre
+
+void add_light(Scene& scene, const OrchardConfig& c, const std::string& light) {
+  ClearSky sky;
+  // The photographer stands on the side of -y.
+  double azimuth = 0;
+  if (light == "front") {
+    azimuth = -0.5 * kPi + 0.45;
+  } else if (light == "back") {
+    azimuth = 0.5 * kPi - 0.45;
+  } else if (light == "side" || light == "shade") {
+    azimuth = 0.1;
+  } else {
+    throw std::invalid_argument("light \"" + light + "\" is not one of front, back, side, shade");
+  }
+  const double e = c.light.elevation_rad;
+  sky.to_sun = {std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), std::sin(e)};
+  sky.turbidity = c.light.turbidity;
+  sky.scale = c.light.scale;
+  sky.has_sun = light != "shade";
+  sky.ground_albedo =
+      to_rgb(Vector3d(0.5 * (color_vector(c.ground.soil) + color_vector(c.ground.grass))));
+  scene.lights.emplace_back(sky);
+}
+
+FruitFamily family_of(const std::string& name) {
+  if (name == "botanical") return FruitFamily::botanical;
+  if (name == "harmonics") return FruitFamily::harmonics;
+  throw std::invalid_argument("family \"" + name + "\" is not one of botanical, harmonics");
+}
+
+double leaf_area_of(const PlantModel& leaf) {
+  double sum = 0;
+  const Mesh& mesh = leaf.model.mesh;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (leaf.part_looks[leaf.model.triangle_part[i]] != kAppleBladeLook) continue;
+    const auto& t = mesh.triangles[i];
+    const Vector3d& a = mesh.vertices_m[t[0]];
+    sum += 0.5 * (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a).norm();
+  }
+  return sum;
+}
+
+std::vector<TrueTrait> tree_traits(const GrownTree& grown) {
+  const TreeRest& rest = grown.tree.rest;
+  double area_m2 = 0, mass_kg = 0;
+  for (const LeafPlace& leaf : grown.tree.leaves)
+    area_m2 += leaf_area_of(grown.leaves[static_cast<std::size_t>(leaf.variant)]);
+  for (const FruitPlace& fruit : grown.tree.fruits) mass_kg += fruit.mass_kg;
+  return {{"height", "m", height_m(grown.tree)},
+          {"leaf_count", "1", static_cast<double>(grown.tree.leaves.size())},
+          {"leaf_area", "m2", area_m2},
+          {"fruit_count", "1", static_cast<double>(grown.tree.fruits.size())},
+          {"fruit_mass", "kg", mass_kg},
+          {"fruits_thinned", "1", static_cast<double>(rest.thinned)},
+          {"is_bent", "1", rest.is_bent ? 1.0 : 0.0},
+          {"branches_not_at_rest", "1", static_cast<double>(rest.not_at_rest)},
+          {"branch_sag", "m", rest.sag_m}};
+}
+
+}  // namespace
+
+Fields fields(ApplesSceneConfig& c) {
+  constexpr double kFar_m = 5;
+  return Fields{{"fruits", &c.fruits, "on the tree", 1, 2000},
+                {"heavier", &c.heavier, "times the fruits' masses: what stalks hold", 0.01, 1000},
+                {"family", &c.family, "of the fruits' shapes: botanical or harmonics"},
+                {"sag", &c.sag, "branches bend under their fruits"},
+                {"neighbours", &c.neighbours, "trees of the row whose fruits are specimens too", 0,
+                 20},
+                {"trees", &c.trees, "a row", 1, 41},
+                {"rows", &c.rows, "of the orchard", 1, 9},
+                {"light", &c.light, "sun at the front, back or side, or shade"},
+                {"views", &c.views, "each of a fruit of its own", 1, 10000},
+                {"look", &c.look, "up, level, down or any"},
+                {"distance_min_m", &c.distance_min_m, "of the camera from the fruit's centre",
+                 kNearest_m, kFar_m},
+                {"distance_max_m", &c.distance_max_m, "of the camera from the fruit's centre",
+                 kNearest_m, kFar_m},
+                {"occlusion", &c.occlusion, "hidden share of the target; negative: as it comes", -1,
+                 0.98},
+                {"unmet", &c.unmet, "what becomes of a view that misses it: state or refuse"},
+                {"rig", &c.rig, "sensor preset"}} +
+         nested("orchard", fields(c.orchard));
+}
+
+void validate(const ApplesSceneConfig& config) {
+  ApplesSceneConfig copy = config;
+  if (config.distance_min_m < kNearest_m) {
+    throw std::invalid_argument("apples: distance_min_m " + std::to_string(config.distance_min_m) +
+                                " puts the camera inside a fruit; it must be at least " +
+                                std::to_string(kNearest_m));
+  }
+  check_limits(fields(copy), "apples");
+  validate(config.orchard);
+  family_of(config.family);
+  if (config.distance_min_m > config.distance_max_m) {
+    throw std::invalid_argument("distance_min_m " + std::to_string(config.distance_min_m) +
+                                " is above distance_max_m " +
+                                std::to_string(config.distance_max_m));
+  }
+  const auto one_of = [](const char* key, const std::string& value,
+                         const std::vector<std::string>& names) {
+    std::string list;
+    for (const std::string& name : names) {
+      if (name == value) return;
+      list += (list.empty() ? "" : ", ") + name;
+    }
+    throw std::invalid_argument(std::string(key) + " \"" + value + "\" is not one of " + list);
+  };
+  one_of("look", config.look, {"up", "level", "down", "any"});
+  one_of("unmet", config.unmet, {"state", "refuse"});
+  Scene scene;
+  add_light(scene, config.orchard, config.light);  // throws, naming those that exist
+}
+
+GrownTree grow_scene_tree(const ApplesSceneConfig& config, const Rng& rng) {
+  const OrchardConfig& c = config.orchard;
+  GrownTree grown;
+  grown.leaves.resize(static_cast<std::size_t>(c.leaf.variants));
+  grown.fruits.resize(static_cast<std::size_t>(std::min(c.fruit.variants, config.fruits)));
+  tbb::parallel_for(std::size_t{0}, grown.leaves.size(), [&](std::size_t i) {
+    grown.leaves[i] = apple_leaf(c, 1, rng.fork("leaf").fork(i));
+  });
+  tbb::parallel_for(std::size_t{0}, grown.fruits.size(), [&](std::size_t i) {
+    AppleConfig fruit;
+    fruit.grid = c.fruit.grid;
+    fruit.family = family_of(config.family);
+    grown.fruits[i] = make_apple(fruit, rng.fork("fruit").fork(i));
+  });
+  grown.tree = grow_apple_tree(c, c.leaf.variants, rng.fork("tree"));
+  bear_fruits(grown.tree, c, grown.fruits, config.fruits, config.heavier, rng.fork("bear"));
+  hang_fruits(grown.tree, c, grown.fruits, config.sag);
+  clear_leaves(grown.tree, grown.fruits, grown.leaves);
+  return grown;
+}
+
+Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng) {
+  validate(config);
+  const OrchardConfig& c = config.orchard;
+  Scene scene;
+  scene.name = "apples";
+  scene.rig = config.rig;
+  add_light(scene, c, config.light);
+  for (Material& material : orchard_materials(c)) scene.materials.push_back(std::move(material));
+  GrownTree grown = grow_scene_tree(config, rng.fork("tree"));
+  PlantModel wood = tree_wood(grown.tree, c, 1, rng.fork("bark"));
+  scene.models.push_back(std::move(wood.model));
+  Instance& tree = add_instance(scene, "tree", "tree", 0, kAppleBarkLook, {});
+  tree.part_materials = wood.part_looks;
+  tree.traits = tree_traits(grown);
+  const FruitModels models = add_fruit_models(scene, grown.fruits);
+  const std::vector<std::size_t> apples =
+      add_fruits(scene, "", grown.tree, {}, grown.fruits, models);
+  std::vector<int> leaf_models;
+  for (PlantModel& leaf : grown.leaves) {
+    leaf_models.push_back(static_cast<int>(scene.models.size()));
+    scene.models.push_back(leaf.model);
+  }
+  const std::vector<int> leaf_parts = grown.leaves.front().part_looks;
+  for (std::size_t i = 0; i < grown.tree.leaves.size(); ++i) {
+    const LeafPlace& leaf = grown.tree.leaves[i];
+    char name[24];
+    std::snprintf(name, sizeof name, "leaf %04d", static_cast<int>(i));
+    add_instance(scene, name, "leaf", leaf_models[static_cast<std::size_t>(leaf.variant)],
+                 kAppleBladeLook, leaf.tree_from_leaf)
+        .part_materials = leaf_parts;
+  }
+  add_orchard_ground(scene, c, leaf_models, leaf_parts, rng.fork("ground"));
+  add_neighbours(scene, config, grown.fruits, models, 0, rng.fork("neighbours"));
+  add_apple_views(scene, config, apples, 0, rng.fork("views"));
+  validate(scene);
+  return scene;
+}
+
+}  // namespace cousin
