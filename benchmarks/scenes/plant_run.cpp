@@ -24,6 +24,12 @@ Scene build(const MaizeSceneConfig& config, std::uint64_t seed, int index) {
   return build_maize_scene(config, scene_rng(seed, index).fork("build"));
 }
 
+std::vector<std::string> shared(const SeedlingsSceneConfig& config) {
+  return config.day_step > 0 ? std::vector<std::string>{"tray"} : std::vector<std::string>{};
+}
+
+std::vector<std::string> shared(const MaizeSceneConfig&) { return {}; }
+
 Fields scene_fields(PlantRunConfig& config) {
   return std::visit([](auto& scene) { return fields(scene); }, config.scene);
 }
@@ -99,6 +105,10 @@ std::string rig_name(const PlantSceneConfig& scene) {
 
 Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index) {
   return std::visit([&](const auto& scene) { return build(scene, seed, index); }, config);
+}
+
+std::vector<std::string> shared_plants(const PlantSceneConfig& config) {
+  return std::visit([](const auto& scene) { return shared(scene); }, config);
 }
 
 std::string resolved_toml(const PlantRunConfig& config) {
