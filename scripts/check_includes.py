@@ -37,6 +37,7 @@ TRUTH_FILES = (
     "sim/dataset/truth_json",
     "sim/dataset/scene_look_json",
     "sim/dataset/environment_io",
+    "sim/dataset/export/",
 )
 TRUTH = "sim/truth"
 NEVER_TRUTH = ("calibration", "perception")

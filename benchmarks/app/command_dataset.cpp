@@ -215,13 +215,17 @@ ExitCode command_import(const JobContext& context) {
   Capture capture;
   if (o.format == "nerfstudio") {
     capture = import_nerfstudio(fs::is_directory(source) ? source / "transforms.json" : source);
+  } else if (o.format == "colmap") {
+    capture = import_colmap(source);
+  } else if (o.format == "tum") {
+    capture = import_tum(source, o.intrinsics);
   } else if (o.format == "phenomenal") {
     capture = import_phenomenal(source);
   } else if (o.format == "folder") {
     capture = import_folder(source, o.intrinsics);
   } else {
     throw std::invalid_argument("--format \"" + o.format +
-                                "\" is not one of nerfstudio, phenomenal, folder");
+                                "\" is not one of nerfstudio, colmap, tum, phenomenal, folder");
   }
   for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
   const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);

@@ -1,4 +1,4 @@
-// export: a dataset's scenes for other programs.
+// export: a dataset as other programs read it.
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -8,6 +8,7 @@
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/export/export_dataset.h"
 #include "sim/dataset/truth_io.h"
 #include "sim/render/cycles/cycles.h"
 #include "sim/render/cycles/plain_scene.h"
@@ -16,10 +17,17 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-SceneFile scene_file_of(const std::string& format) {
-  if (format == "blend") return SceneFile::blend;
-  if (format == "gltf") return SceneFile::gltf;
-  throw std::invalid_argument("--format \"" + format + "\" is not one of blend, gltf");
+const ExportFormat* find_format(const std::string& name) {
+  for (const ExportFormat& format : export_formats()) {
+    if (format.name == name) return &format;
+  }
+  return nullptr;
+}
+
+[[noreturn]] void refuse_format(const std::string& name) {
+  std::string names;
+  for (const ExportFormat& format : export_formats()) names += format.name + ", ";
+  throw std::invalid_argument("--format \"" + name + "\" is not one of " + names + "gltf, blend");
 }
 
 bool same_places(const Scene& a, const Scene& b) {
@@ -52,11 +60,10 @@ Scene shaded_scene(const SceneTruth& truth, const fs::path& scene_dir, ProgressP
   return truth.scene;
 }
 
-}  // namespace
-
-ExitCode command_export(const JobContext& context) {
+/// blend and gltf: written by Blender.
+ExitCode export_scenes(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  const SceneFile format = scene_file_of(o.format);
+  const SceneFile format = o.format == "blend" ? SceneFile::blend : SceneFile::gltf;
   const fs::path dataset = o.arguments.at(0);
   const std::vector<fs::path> scenes = scene_folders(dataset);
   if (scenes.empty())
@@ -74,8 +81,6 @@ ExitCode command_export(const JobContext& context) {
                              cycles.program +
                              "\" cannot be started: install Blender 3.4 (apt install blender)");
   }
-  const fs::path out =
-      o.out.empty() ? fs::path(dataset.string() + "_" + o.format) : fs::path(o.out);
   require_writable(out);
   nlohmann::json files = nlohmann::json::array();
   for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -96,6 +101,42 @@ ExitCode command_export(const JobContext& context) {
   }
   if (o.json) std::printf("%s\n", nlohmann::json{{"files", files}}.dump(2).c_str());
   return ExitCode::done;
+}
+
+ExitCode export_view(const JobContext& context, const ExportFormat& format, const fs::path& out) {
+  const Options& o = context.options;
+  ExportOptions options;
+  options.undistort = o.undistort;
+  options.true_cameras = o.true_cameras;
+  options.split = split_from_string(o.split);
+  options.masks = mask_code_from_string(o.masks);
+  options.task = yolo_task_from_string(o.task);
+  options.least_visible = o.least_visible;
+  const ExportSummary summary = export_dataset(o.arguments.at(0), format, options, out,
+                                               COUSIN_VERSION, context.progress.function());
+  for (const std::string& warning : summary.warnings) context.progress.line("warning: " + warning);
+  if (o.json) {
+    std::printf("%s\n", nlohmann::json{{"folder", out.string()},
+                                       {"scenes", summary.scenes},
+                                       {"pictures", summary.pictures},
+                                       {"warnings", summary.warnings}}
+                            .dump(2)
+                            .c_str());
+  }
+  context.progress.line(format.name + ": " + out.string() + ", " + std::to_string(summary.scenes) +
+                        " scenes, " + std::to_string(summary.pictures) + " pictures");
+  return ExitCode::done;
+}
+
+}  // namespace
+
+ExitCode command_export(const JobContext& context) {
+  const Options& o = context.options;
+  const ExportFormat* format = find_format(o.format);
+  if (format == nullptr && o.format != "blend" && o.format != "gltf") refuse_format(o.format);
+  const fs::path out =
+      o.out.empty() ? fs::path(o.arguments.at(0) + "_" + o.format) : fs::path(o.out);
+  return format != nullptr ? export_view(context, *format, out) : export_scenes(context, out);
 }
 
 }  // namespace cousin

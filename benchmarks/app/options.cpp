@@ -32,6 +32,52 @@ void add_stages(CLI::App& verb, Options& o) {
       ->allow_extra_args(false);
 }
 
+constexpr const char* kExportHelp =
+    "Write a dataset as other programs read it; the dataset stays the source of truth.\n\n"
+    "  Labels of the first sensor's pictures (render with --truth visibility,instance,keypoints)\n"
+    "  bop          train|val|test/000000 with masks, poses and depth, models in mm, true pinhole\n"
+    "               cameras\n"
+    "  coco         annotations/train.json, ...: boxes, masks, keypoints, visible_fraction\n"
+    "  yolo         data.yaml, images/ and labels/ for --task detect, segment or pose\n"
+    "  Posed pictures, a folder a scene (--true-cameras where the rig knows no poses)\n"
+    "  colmap       images/, sparse/0 binary, sparse_txt text\n"
+    "  nerfstudio   images/, transforms.json\n"
+    "  tum          rgb.txt, depth.txt, groundtruth.txt, camera.yaml\n"
+    "  Calibrations, a folder a scene\n"
+    "  opencv       SENSOR.yaml of FileStorage, with R and T from the first camera\n"
+    "  ros          SENSOR.yaml of camera_info\n"
+    "  kalibr       camchain.yaml\n"
+    "  mrcal        SENSOR.cameramodel\n"
+    "  Scenes, by Blender, which must be installed\n"
+    "  gltf, blend  000000.glb or .blend: meshes, materials, lights, the first view's camera\n\n"
+    "docs/formats.md says what each can and cannot hold.";
+
+void add_export(CLI::App& verb, Options& o) {
+  verb.add_option("DATASET", o.arguments, "Dataset, simulated or imported")
+      ->expected(1, 1)
+      ->required();
+  verb.add_option("--format", o.format,
+                  "bop, coco, yolo, colmap, nerfstudio, tum, opencv, ros, kalibr, mrcal, gltf or "
+                  "blend")
+      ->required();
+  verb.add_flag("--undistort", o.undistort,
+                "Pictures, labels and cameras as a pinhole camera in the same place would have "
+                "them");
+  verb.add_flag("--true-cameras", o.true_cameras,
+                "True lenses and poses in place of what the rig reports");
+  verb.add_option("--split", o.split,
+                  "bop, coco, yolo: shares of train, val and test. Scenes of the same plants stay "
+                  "together")
+      ->capture_default_str();
+  verb.add_option("--masks", o.masks, "coco: rle or polygon, both of the very pixels")
+      ->capture_default_str();
+  verb.add_option("--task", o.task, "yolo: detect, segment or pose")->capture_default_str();
+  verb.add_option("--least-visible", o.least_visible,
+                  "coco, yolo: leave out objects of which a smaller share is seen")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+}
+
 /// Least number of letters put in, left out or changed between two words.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -219,19 +265,22 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       "changes. --attribution needs more truth and renders its own");
   add_set(*bench, o);
 
-  CLI::App* import = verb("import", "Make a dataset of another program's capture");
+  CLI::App* import =
+      verb("import",
+           "Make a dataset of another program's capture.\n\n"
+           "  nerfstudio   transforms.json of nerfstudio or instant-ngp, with its images\n"
+           "  colmap       a workspace: images/ and a sparse model, text or binary\n"
+           "  tum          a TUM RGB-D sequence: rgb.txt, depth.txt, groundtruth.txt\n"
+           "  phenomenal   a turntable cabin's calibration and silhouettes\n"
+           "  folder       photographs of one camera, without poses");
   takes(import, "SOURCE", "File or folder", 1, 1);
-  import->add_option("--format", o.format, "nerfstudio, phenomenal or folder")->required();
-  import->add_option("--intrinsics", o.intrinsics,
-                     "For a folder: a YAML file or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"");
-
-  CLI::App* exported = verb("export", "Write a dataset's scenes for other programs");
-  takes(exported, "DATASET", "Simulated dataset, with its truth/", 1, 1);
-  exported
-      ->add_option("--format", o.format,
-                   "blend (Blender) or gltf (.glb): meshes, materials, lights and the first view's "
-                   "camera; both are written by Blender, which must be installed")
+  import->add_option("--format", o.format, "nerfstudio, colmap, tum, phenomenal or folder")
       ->required();
+  import->add_option("--intrinsics", o.intrinsics,
+                     "For folder and tum: a YAML file (OpenCV, ROS, Kalibr), a .cameramodel, a "
+                     "rig.json or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"");
+
+  add_export(*verb("export", kExportHelp), o);
 
   takes(verb("verify", "Re-hash a dataset"), "DATASET", "Dataset folder", 1, 1);
   takes(verb("report", "Make the HTML report of a folder of scores"), "FOLDER",

@@ -32,7 +32,13 @@ struct Options {
   std::vector<std::string> gates;
   std::string format;
   std::string intrinsics;
-  std::string rig;  ///< preset, or the path of one, that `fit-sensor` starts from
+  bool undistort = false;             ///< `export` makes pinhole pictures
+  bool true_cameras = false;          ///< `export` takes the truth's lenses and poses
+  std::string split = "0.8,0.1,0.1";  ///< shares of train, val and test
+  std::string masks = "rle";
+  std::string task = "detect";
+  double least_visible = 0;  ///< share of an object's pixels below which labels leave it out
+  std::string rig;           ///< preset, or the path of one, that `fit-sensor` starts from
   bool plan = false;
   bool quick = false;
   bool attribution = false;

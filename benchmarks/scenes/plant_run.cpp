@@ -53,6 +53,16 @@ RigEye eye_of(const ActiveStereoConfig& rig) {
 }
 RigEye eye_of(const RangeRigConfig& rig) { return eye_of(rig.body); }
 
+std::vector<std::string> shared(const SeedlingsSceneConfig& config) {
+  return config.day_step > 0 ? std::vector<std::string>{"tray"} : std::vector<std::string>{};
+}
+
+/// Plants of their own in each scene.
+template <class Config>
+std::vector<std::string> shared(const Config&) {
+  return {};
+}
+
 Fields scene_fields(PlantRunConfig& config) {
   return std::visit([](auto& scene) { return fields(scene); }, config.scene);
 }
@@ -139,6 +149,10 @@ PlantSceneConfig seen_by(PlantSceneConfig scene, const DeviceConfig& rig) {
 
 Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index) {
   return std::visit([&](const auto& scene) { return build(scene, seed, index); }, config);
+}
+
+std::vector<std::string> shared_plants(const PlantSceneConfig& config) {
+  return std::visit([](const auto& scene) { return shared(scene); }, config);
 }
 
 std::string resolved_toml(const PlantRunConfig& config) {

@@ -50,6 +50,9 @@ PlantSceneConfig seen_by(PlantSceneConfig scene, const DeviceConfig& rig);
 /// Scene number `index` of a run.
 Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index);
 
+/// Names of the plants that other scenes of the run show too; empty where each scene has its own.
+std::vector<std::string> shared_plants(const PlantSceneConfig& config);
+
 std::string resolved_toml(const PlantRunConfig& config);
 /// SHA-256 of the resolved configuration and the seed.
 std::string config_hash(const PlantRunConfig& config, std::uint64_t seed);

@@ -5,9 +5,11 @@
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/camera_files.h"
 #include "sim/dataset/capture_json.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/import.h"
+#include "sim/dataset/import_images.h"
 #include "sim/imaging/image_io.h"
 
 namespace cousin {
@@ -69,14 +71,28 @@ std::optional<Camera> camera_from_file(const std::string& intrinsics) {
   const std::string text = read_file(intrinsics, std::size_t{1} << 24);
   if (fs::path(intrinsics).extension() == ".json")
     return rig_from_json(text, intrinsics).rig.front().camera;
+  if (fs::path(intrinsics).extension() == ".cameramodel")
+    return camera_from_mrcal(text, intrinsics).camera;
   return camera_from_yaml(text, intrinsics);
 }
 
 }  // namespace
 
+Camera camera_from_intrinsics(const std::string& intrinsics, int width_px, int height_px) {
+  if (const std::optional<Camera> from_file = camera_from_file(intrinsics)) return *from_file;
+  Camera camera = camera_from_text(intrinsics);
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  try {
+    validate(camera);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error("intrinsics \"" + intrinsics + "\": " + error.what());
+  }
+  return camera;
+}
+
 Capture import_folder(const fs::path& folder, const std::string& intrinsics) {
   const std::vector<fs::path> images = images_in(folder);
-  const std::optional<Camera> from_file = camera_from_file(intrinsics);
   Capture capture;
   capture.frames.resize(images.size());
   for_each_frame(images.size(), [&](std::size_t i) {
@@ -87,26 +103,13 @@ Capture import_folder(const fs::path& folder, const std::string& intrinsics) {
     frame.sensors.front().color = read_color(images[i]);
   });
 
-  Camera camera = from_file ? *from_file : camera_from_text(intrinsics);
-  if (!from_file) {
-    camera.width_px = capture.frames.front().sensors.front().color.width();
-    camera.height_px = capture.frames.front().sensors.front().color.height();
-    try {
-      validate(camera);
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error("intrinsics \"" + intrinsics + "\": " + error.what());
-    }
-  }
+  const Image<Rgb8>& first = capture.frames.front().sensors.front().color;
+  const Camera camera = camera_from_intrinsics(intrinsics, first.width(), first.height());
   for (Frame& frame : capture.frames) {
     SensorFrame& sensor = frame.sensors.front();
     sensor.reported = camera;
-    if (sensor.color.width() == camera.width_px && sensor.color.height() == camera.height_px)
-      continue;
-    throw std::runtime_error(
-        images[static_cast<std::size_t>(frame.id)].string() + " (frame " +
-        std::to_string(frame.id) + "): the image is " + std::to_string(sensor.color.width()) +
-        " x " + std::to_string(sensor.color.height()) + " pixels; its camera has " +
-        std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
+    check_image_size(images[static_cast<std::size_t>(frame.id)], frame.id, sensor.color.width(),
+                     sensor.color.height(), camera);
   }
   capture.rig.push_back({.camera = camera});
   return capture;

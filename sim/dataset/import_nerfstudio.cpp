@@ -13,10 +13,9 @@
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
-#include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/import.h"
+#include "sim/dataset/import_images.h"
 #include "sim/dataset/json_interop.h"
-#include "sim/imaging/image_io.h"
 
 namespace cousin {
 namespace {
@@ -225,19 +224,7 @@ Capture import_nerfstudio(const fs::path& transforms_json) {
   if (capture.frames.empty())
     throw std::runtime_error(transforms_json.string() + ": none of the listed images is there");
   capture.rig.push_back({.camera = capture.frames.front().sensors.front().reported});
-  for_each_frame(images.size(), [&](std::size_t i) {
-    SensorFrame& sensor = capture.frames[i].sensors.front();
-    sensor.color = read_color(images[i]);
-    if (sensor.color.width() != sensor.reported.width_px ||
-        sensor.color.height() != sensor.reported.height_px) {
-      throw std::runtime_error(images[i].string() + " (frame " +
-                               std::to_string(capture.frames[i].id) + "): the image is " +
-                               std::to_string(sensor.color.width()) + " x " +
-                               std::to_string(sensor.color.height()) + " pixels; its camera has " +
-                               std::to_string(sensor.reported.width_px) + " x " +
-                               std::to_string(sensor.reported.height_px));
-    }
-  });
+  read_frame_colors(capture, images);
   return capture;
 }
 

@@ -1,7 +1,9 @@
 // SCENE_DIR/truth/ (POSE and CAMERA as in rig.json; frames are those of the capture)
 //   config.toml        the resolved configuration
 //   seed               a decimal number
-//   camera.json        {"views": [{"frame", "time_s", "camera": CAMERA, "camera_from_world": POSE,
+//   shared_plants.json {"shared_plants": ["..."]}: other scenes show these plants too; may be
+//   absent camera.json        {"views": [{"frame", "time_s", "camera": CAMERA, "camera_from_world":
+//   POSE,
 //                                  "camera_from_world_end": POSE, "exposure_s", "readout_s",
 //                                  "aperture_radius_m", "focus_m": null = infinity}],
 //                       "other_sensors": [{"sensor", "views"}] if the rig has more than one}
@@ -318,6 +320,8 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
   });
   write_file(dir / "config.toml", truth.config_toml);
   write_file(dir / "seed", std::to_string(truth.seed) + "\n");
+  if (!truth.shared_plants.empty())
+    write_file(dir / "shared_plants.json", shared_plants_to_json(truth.shared_plants));
   write_file(dir / "camera.json", views_to_json(truth.views, truth.other_sensors));
   write_file(dir / "scene.json", scene_to_json(truth.scene));
   write_file(dir / "scene_gt.json", scene_gt_to_json(truth.scene, truth.views));
@@ -343,6 +347,10 @@ SceneTruth read_truth(const fs::path& scene_dir) {
   SceneTruth truth;
   truth.config_toml = text("config.toml");
   truth.seed = read_seed(dir / "seed");
+  if (fs::exists(dir / "shared_plants.json")) {
+    truth.shared_plants =
+        shared_plants_from_json(text("shared_plants.json"), name("shared_plants.json"));
+  }
   truth.views = views_from_json(text("camera.json"), name("camera.json"), truth.other_sensors);
   SceneFiles files;
   truth.scene = scene_from_json(text("scene.json"), name("scene.json"), files);

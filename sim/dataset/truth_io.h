@@ -13,17 +13,21 @@ namespace cousin {
 /// All truth of one scene, apart from per-frame images.
 struct SceneTruth {
   std::uint64_t seed = 0;
-  std::string config_toml;                 ///< resolved
-  Scene scene;                             ///< with instances where they came to rest
+  std::string config_toml;  ///< resolved
+  Scene scene;              ///< with instances where they came to rest
+  /// Names of plants that other scenes of the dataset show too, on another day or in another light:
+  /// exports keep those scenes on one side of a split.
+  std::vector<std::string> shared_plants;
   std::vector<TrueView> views;             ///< of the rig's first sensor
   std::vector<SensorViews> other_sensors;  ///< in the rig's order, as many views each
   std::vector<TruthImages> images;  ///< one for each view, or empty; what was not planned is empty
 };
 
-/// SCENE_DIR/truth: config.toml, seed, camera.json, scene_gt.json, scene_gt_info.json (BOP),
-/// traits.json, keypoints.json, models/*.ply, and image folders for what is there. Library target
-/// of its own: perception cannot link it. `images` is empty or one for each view; visibility of an
-/// image is empty or of all specimens by id, and so are shares.
+/// SCENE_DIR/truth: config.toml, seed, shared_plants.json (if there are some), camera.json,
+/// scene_gt.json, scene_gt_info.json (BOP), traits.json, keypoints.json, models/*.ply, and image
+/// folders for what is there. Library target of its own: perception cannot link it. `images` is
+/// empty or one for each view; visibility of an image is empty or of all specimens by id, and so
+/// are shares.
 /// @throws std::invalid_argument otherwise or if the scene is not valid, std::runtime_error if a
 /// file cannot be written.
 void write_truth(const std::filesystem::path& scene_dir, const SceneTruth& truth);

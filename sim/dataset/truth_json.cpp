@@ -180,6 +180,21 @@ std::vector<TrueView> views_from_json(std::string_view text, const std::string& 
   return views;
 }
 
+// ---- shared_plants.json -------------------------------------------------------------------------
+
+std::string shared_plants_to_json(const std::vector<std::string>& plants) {
+  return to_text(Json{{"shared_plants", plants}});
+}
+
+std::vector<std::string> shared_plants_from_json(std::string_view text, const std::string& name) {
+  const JsonDocument document(text, name);
+  document.root().expect_keys({"shared_plants"});
+  std::vector<std::string> plants;
+  for (const JsonNode& plant : document.root()["shared_plants"].elements(kMaxInstances))
+    plants.push_back(plant.text());
+  return plants;
+}
+
 // ---- scene.json ---------------------------------------------------------------------------------
 
 std::string mesh_file(std::size_t model) {

@@ -23,6 +23,9 @@ std::string views_to_json(const std::vector<TrueView>& views,
 std::vector<TrueView> views_from_json(std::string_view text, const std::string& name,
                                       std::vector<SensorViews>& others);
 
+std::string shared_plants_to_json(const std::vector<std::string>& plants);  ///< shared_plants.json
+std::vector<std::string> shared_plants_from_json(std::string_view text, const std::string& name);
+
 std::string scene_to_json(const Scene& scene);  ///< scene.json: all but meshes, keypoints, traits
 /// Files that scene.json names, below truth/.
 struct SceneFiles {

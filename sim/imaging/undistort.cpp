@@ -33,7 +33,9 @@ Taps taps(double x, int size, UndistortConfig::Interpolation interpolation) {
     result.at[k] = std::clamp(at, 0, size - 1);
     result.weight[k] = weight;
   };
-  if (interpolation == UndistortConfig::Interpolation::bilinear) {
+  if (interpolation == UndistortConfig::Interpolation::nearest) {
+    add(t < 0.5 ? i : i + 1, 1);
+  } else if (interpolation == UndistortConfig::Interpolation::bilinear) {
     add(i, 1 - t);
     add(i + 1, t);
   } else {
@@ -73,6 +75,10 @@ std::uint8_t sample(const Image<std::uint8_t>& image, const Taps& x, const Taps&
 }
 float sample(const Image<float>& image, const Taps& x, const Taps& y) {
   return static_cast<float>(sum_of(image, x, y, [](float v) { return v; }));
+}
+
+std::uint16_t sample(const Image<std::uint16_t>& image, const Taps& x, const Taps& y) {
+  return image(x.at[0], y.at[0]);
 }
 
 template <class Pixel>
@@ -149,6 +155,12 @@ Undistorted<std::uint8_t> undistort(const Image<std::uint8_t>& image, const Came
 }
 Undistorted<float> undistort(const Image<float>& image, const Camera& lens,
                              const UndistortConfig& config, float border) {
+  return undistort_any(image, lens, config, border);
+}
+Undistorted<std::uint16_t> undistort(const Image<std::uint16_t>& image, const Camera& lens,
+                                     const UndistortConfig& config, std::uint16_t border) {
+  if (config.interpolation != UndistortConfig::Interpolation::nearest)
+    throw std::invalid_argument("undistort: 16-bit values do not mix; interpolation = nearest");
   return undistort_any(image, lens, config, border);
 }
 

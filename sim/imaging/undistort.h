@@ -10,6 +10,7 @@ namespace cousin {
 /// The pinhole image that is wanted. Zeros: as the lens has it.
 struct UndistortConfig {
   enum class Interpolation {
+    nearest,  ///< the pixel itself: for labels and depth, which must not mix
     bilinear,
     cubic  ///< Catmull-Rom: sharper; eight-bit values are clamped to 0..255
   };
@@ -41,12 +42,17 @@ struct Undistorted {
 /// codes; a NaN spreads to the pixels that touch it. TBB over rows; the same bytes on any number of
 /// threads.
 /// @throws std::invalid_argument if the lens or the configuration is invalid, or the image has
-/// another size than the lens.
+/// another size than the lens, or 16-bit values are asked to mix.
 Undistorted<Rgb8> undistort(const Image<Rgb8>& image, const Camera& lens,
                             const UndistortConfig& config = {}, Rgb8 border = {});
 Undistorted<std::uint8_t> undistort(const Image<std::uint8_t>& image, const Camera& lens,
                                     const UndistortConfig& config = {}, std::uint8_t border = 0);
 Undistorted<float> undistort(const Image<float>& image, const Camera& lens,
                              const UndistortConfig& config = {}, float border = 0);
+/// Sixteen bits are ids or depth: `nearest` alone.
+Undistorted<std::uint16_t> undistort(
+    const Image<std::uint16_t>& image, const Camera& lens,
+    const UndistortConfig& config = {.interpolation = UndistortConfig::Interpolation::nearest},
+    std::uint16_t border = 0);
 
 }  // namespace cousin

@@ -94,9 +94,13 @@ TEST(AppExport, NamesWhatItCannotDo) {
   const Outcome rendered =
       program.run(Words{"render", "seeds", "--streams", "depth", "--out", "d"} + tiny_d405());
   ASSERT_EQ(rendered.code, 0) << rendered.err;
-  const Outcome format = program.run({"export", "d", "--format", "coco"});
+  const Outcome format = program.run({"export", "d", "--format", "pcd"});
   EXPECT_EQ(format.code, 2);
-  EXPECT_THAT(format.err, HasSubstr("--format \"coco\" is not one of blend, gltf"));
+  EXPECT_THAT(format.err, AllOf(HasSubstr("--format \"pcd\" is not one of bop, coco, yolo"),
+                                HasSubstr("gltf, blend")));
+  const Outcome no_pictures = program.run({"export", "d", "--format", "coco"});
+  EXPECT_EQ(no_pictures.code, 3);
+  EXPECT_THAT(no_pictures.err, HasSubstr("--truth visibility,instance"));
   const Outcome absent = program.run({"export", "absent", "--format", "gltf"});
   EXPECT_EQ(absent.code, 3);
   fs::rename(program.path("d/000000/truth"), program.path("truth"));

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "sim/types/camera.h"
+#include "sim/types/pose.h"
+
+namespace cousin {
+
+/// A photograph of a COLMAP model.
+struct ColmapImage {
+  std::string name;  ///< path below the folder of images
+  int camera = 0;    ///< key of ColmapModel::cameras
+  Pose camera_from_world;
+};
+
+/// What COLMAP's sparse model says of cameras; its points are not kept. Keys are COLMAP's ids.
+struct ColmapModel {
+  std::map<int, Camera> cameras;  ///< as ours: pixel centres are integers
+  std::map<int, ColmapImage> images;
+};
+
+/// The three files of a model, as text (cameras.txt, ...) or binary (cameras.bin, ...). COLMAP
+/// counts pixels from the image's corner, so that principal points are half a pixel larger there
+/// [colmap.github.io/format.html].
+struct ColmapFiles {
+  std::string cameras;
+  std::string images;
+  std::string points;
+};
+
+/// Numbers of the text read back equal. There are no points.
+/// @throws std::invalid_argument naming the camera whose lens COLMAP has no model for (thin prism
+/// and splines).
+ColmapFiles colmap_text(const ColmapModel& model);
+ColmapFiles colmap_binary(const ColmapModel& model);
+
+/// Reads SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE,
+/// SIMPLE_RADIAL_FISHEYE and RADIAL_FISHEYE. `points` is not read.
+/// @param name  of the model's folder, for errors. @throws std::runtime_error naming file, line or
+/// byte, value and limit.
+ColmapModel colmap_from_text(const ColmapFiles& files, const std::string& name);
+ColmapModel colmap_from_binary(const ColmapFiles& files, const std::string& name);
+
+}  // namespace cousin

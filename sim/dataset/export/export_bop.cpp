@@ -1,0 +1,270 @@
+// BOP, scenewise [thodan/bop_toolkit, docs/bop_datasets_format.md]: true cameras, millimetres
+//   OUT/camera.json  models/obj_000001.ply  models/models_info.json  test_targets_bop19.json
+//   OUT/train/000000/  and val/, test/: rgb or gray, depth, mask, mask_visib, scene_camera.json,
+//                      scene_gt.json, scene_gt_info.json
+// An object is a mesh: instances whose files are equal share one. Poses are those of the middle
+// row. depth/ is the sensor's own, brought to the picture's pixels; where there is none, that of
+// truth/depth in steps of 0.1 mm.
+
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/export/export_dataset.h"
+#include "sim/dataset/export/export_pictures.h"
+#include "sim/dataset/export/for_each_picture.h"
+#include "sim/dataset/export/labels.h"
+#include "sim/dataset/export/splits.h"
+#include "sim/dataset/json_interop.h"
+#include "sim/dataset/manifest.h"
+#include "sim/geometry/measure.h"
+#include "sim/geometry/mesh_io.h"
+#include "sim/imaging/image_io.h"
+#include "sim/imaging/undistort.h"
+#include "sim/truth/specimens.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+using Interpolation = UndistortConfig::Interpolation;
+
+/// Objects of the whole dataset.
+struct BopObjects {
+  std::map<std::string, int> id_of_hash;
+  std::vector<std::map<int, int>> id_of_model;  ///< of each scene: by model
+  Json info = Json::object();
+};
+
+/// Writes a model in millimetres and says its size.
+Json write_model(const fs::path& from, const fs::path& to) {
+  Mesh mesh = read_mesh(from);
+  for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex *= 1000;
+  write_ply(to, mesh);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : mesh.vertices_m) box.extend(vertex);
+  const Eigen::Vector3d low = box.min(), size = box.sizes();
+  return {{"diameter", caliper_diameters(mesh.vertices_m).maximum_m},
+          {"min_x", low.x()},
+          {"min_y", low.y()},
+          {"min_z", low.z()},
+          {"size_x", size.x()},
+          {"size_y", size.y()},
+          {"size_z", size.z()}};
+}
+
+BopObjects write_objects(const ExportJob& job) {
+  BopObjects objects;
+  for (const ExportScene& scene : job.scenes) {
+    const ExportTruth& truth = truth_of(scene, "bop");
+    std::map<int, int>& ids = objects.id_of_model.emplace_back();
+    const std::vector<const Instance*> specimens = specimens_of(truth.scene);
+    for (std::size_t i = 0; i < specimens.size(); ++i) {
+      job.progress("models of " + six_digits(scene.number), static_cast<int>(i),
+                   static_cast<int>(specimens.size()));
+      const int model = specimens[i]->model;
+      if (ids.contains(model)) continue;
+      const fs::path file =
+          resolve_inside(scene.folder / "truth", truth.mesh_files[static_cast<std::size_t>(model)]);
+      const int next = static_cast<int>(objects.id_of_hash.size()) + 1;
+      const auto [known, is_new] = objects.id_of_hash.emplace(sha256_hex_of_file(file), next);
+      ids[model] = known->second;
+      if (!is_new) continue;
+      Json info = write_model(file, job.out / "models" / ("obj_" + six_digits(next) + ".ply"));
+      info["name"] = specimens[i]->name;
+      info["category"] = specimens[i]->category;
+      objects.info[std::to_string(next)] = info;
+    }
+  }
+  write_once(job.out / "models/models_info.json", to_text(objects.info));
+  return objects;
+}
+
+/// One frame of one scene's JSON files.
+struct BopFrame {
+  int id = 0;
+  Json camera, gt = Json::array(), info = Json::array();
+};
+
+Json matrix_of(const Camera& c) {
+  return {c.fx_px, 0.0, c.cx_px, 0.0, c.fy_px, c.cy_px, 0.0, 0.0, 1.0};
+}
+
+/// Pixels inside, their box, and how many of them have depth.
+struct MaskCount {
+  std::int64_t pixels = 0, with_depth = 0;
+  Json box = {-1, -1, -1, -1};
+};
+MaskCount count(const Image<std::uint8_t>& mask, const Image<std::uint16_t>& depth) {
+  MaskCount result;
+  int low_x = mask.width(), low_y = mask.height(), high_x = -1, high_y = -1;
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      if (mask(x, y) == 0) continue;
+      ++result.pixels;
+      if (!depth.empty() && depth(x, y) > 0) ++result.with_depth;
+      low_x = std::min(low_x, x);
+      low_y = std::min(low_y, y);
+      high_x = std::max(high_x, x);
+      high_y = std::max(high_y, y);
+    }
+  }
+  if (result.pixels > 0) result.box = {low_x, low_y, high_x - low_x + 1, high_y - low_y + 1};
+  return result;
+}
+
+/// The sensor's depth, else the true one in steps of 0.1 mm; empty where neither is there.
+ExportDepth depth_for(const ExportScene& scene, const ExportPicture& picture, const Camera& lens,
+                      const ExportOptions& options) {
+  ExportDepth depth = depth_of(scene, picture, options);
+  const int frame = scene.capture.frames[picture.frame].id;
+  const fs::path relative = "truth/depth/" + six_digits(frame) + ".exr";
+  if (!depth.depth.empty() || !fs::exists(scene.folder / relative)) return depth;
+  Image<float> depth_m = read_exr(resolve_inside(scene.folder, relative));
+  if (options.undistort)
+    depth_m = undistort(depth_m, lens, {.interpolation = Interpolation::nearest}).image;
+  depth.unit_m = 1e-4;
+  depth.depth = Image<std::uint16_t>(depth_m.width(), depth_m.height());
+  for (std::size_t i = 0; i < depth_m.size(); ++i) {
+    const double value = std::round(static_cast<double>(depth_m.data()[i]) / depth.unit_m);
+    if (value > 0 && value <= 65535) depth.depth.data()[i] = static_cast<std::uint16_t>(value);
+  }
+  return depth;
+}
+
+/// A mask of the dataset as handed over.
+Image<std::uint8_t> write_mask(const ExportScene& scene, const char* folder,
+                               const std::string& name, const Camera& lens, const fs::path& out,
+                               const ExportOptions& options) {
+  const fs::path relative = fs::path("truth") / folder / name;
+  const fs::path file = resolve_inside(scene.folder, relative);
+  if (!fs::exists(file))
+    throw std::runtime_error(file.string() +
+                             " is missing; render with --truth visibility,instance");
+  Image<std::uint8_t> mask = read_png8(file);
+  if (options.undistort)
+    mask = undistort(mask, lens, {.interpolation = Interpolation::nearest}).image;
+  fs::create_directories(out / folder);
+  write_png(out / folder / name, mask);
+  return mask;
+}
+
+BopFrame write_frame(const ExportJob& job, const ExportScene& scene, const ExportPicture& picture,
+                     const std::map<int, int>& objects, const fs::path& out) {
+  const ExportTruth& truth = *scene.truth;
+  const ExportCamera taken = camera_of(scene, picture, true);
+  const Camera camera = handed_over(taken.camera, job.options);
+  BopFrame frame;
+  frame.id = scene.capture.frames[picture.frame].id;
+  const std::string name = six_digits(frame.id);
+  write_picture(picture, taken.camera, out / (picture.is_grey ? "gray" : "rgb") / name,
+                job.options);
+  const ExportDepth depth = depth_for(scene, picture, taken.camera, job.options);
+  if (!depth.depth.empty()) {
+    fs::create_directories(out / "depth");
+    write_png(out / "depth" / (name + ".png"), depth.depth);
+  }
+  const Pose& camera_from_world = *taken.camera_from_world;
+  frame.camera = {{"cam_K", matrix_of(camera)},
+                  {"cam_R_w2c", to_json(camera_from_world.rotation.toRotationMatrix())},
+                  {"cam_t_w2c", to_json(1000 * camera_from_world.translation_m)},
+                  {"depth_scale", 1000 * depth.unit_m}};
+  const std::vector<const Instance*> specimens = specimens_of(truth.scene);
+  for (std::size_t k = 0; k < specimens.size(); ++k) {
+    const Instance& instance = *specimens[k];
+    const Pose pose = camera_from_world * world_from_object(instance, taken.time_s);
+    frame.gt.push_back({{"cam_R_m2c", to_json(pose.rotation.toRotationMatrix())},
+                        {"cam_t_m2c", to_json(1000 * pose.translation_m)},
+                        {"obj_id", objects.at(instance.model)},
+                        {"instance_id", instance.id}});
+    const std::string file = name + "_" + six_digits(static_cast<std::int64_t>(k)) + ".png";
+    const MaskCount whole =
+        count(write_mask(scene, "mask", file, taken.camera, out, job.options), depth.depth);
+    const MaskCount seen =
+        count(write_mask(scene, "mask_visib", file, taken.camera, out, job.options), depth.depth);
+    frame.info.push_back({{"bbox_obj", whole.box},
+                          {"bbox_visib", seen.box},
+                          {"px_count_all", whole.pixels},
+                          {"px_count_valid", whole.with_depth},
+                          {"px_count_visib", seen.pixels},
+                          {"visib_fract", whole.pixels > 0 ? static_cast<double>(seen.pixels) /
+                                                                 static_cast<double>(whole.pixels)
+                                                           : 0.0}});
+  }
+  return frame;
+}
+
+/// Objects to look for in a frame: those of which at least a tenth is seen, as in BOP 2019.
+void add_targets(const BopFrame& frame, int scene, Json& targets) {
+  std::map<int, int> count_of;
+  for (std::size_t k = 0; k < frame.gt.size(); ++k) {
+    if (frame.info[k]["visib_fract"] >= 0.1) ++count_of[frame.gt[k]["obj_id"].get<int>()];
+  }
+  for (const auto& [object, number] : count_of) {
+    targets.push_back(
+        {{"im_id", frame.id}, {"inst_count", number}, {"obj_id", object}, {"scene_id", scene}});
+  }
+}
+
+void require_pinhole(const ExportJob& job) {
+  for (const ExportScene& scene : job.scenes) {
+    require_labels(scene, false);
+    for (const ExportPicture* picture : labelled_pictures(scene)) {
+      const Camera camera = handed_over(camera_of(scene, *picture, true).camera, job.options);
+      if (camera.model == LensModel::pinhole) continue;
+      throw std::invalid_argument(
+          scene.folder.string() + " (frame " +
+          std::to_string(scene.capture.frames[picture->frame].id) + "): sensor \"" +
+          scene.capture.rig.front().name + "\" has the lens model " +
+          std::string(to_string(camera.model)) +
+          ", and BOP has pinhole cameras alone; --undistort makes pinhole pictures");
+    }
+  }
+}
+
+}  // namespace
+
+void export_bop(ExportJob& job) {
+  job.options.true_cameras = true;
+  require_pinhole(job);
+  const BopObjects objects = write_objects(job);
+  const std::vector<Split> splits = splits_of(job.scenes, job.options.split);
+  if (const std::string empty = empty_splits(splits, job.options.split); !empty.empty())
+    job.warnings.push_back(empty);
+  Json targets = Json::array(), first_camera;
+  int done = 0;
+  for (std::size_t s = 0; s < job.scenes.size(); ++s) {
+    const ExportScene& scene = job.scenes[s];
+    const fs::path out = job.out / to_string(splits[s]) / six_digits(scene.number);
+    std::vector<BopFrame> frames(scene.capture.frames.size());
+    for_each_picture(job, scene, done, [&](std::size_t i, const ExportPicture& picture) {
+      frames[i] = write_frame(job, scene, picture, objects.id_of_model[s], out);
+    });
+    Json cameras = Json::object(), gt = Json::object(), info = Json::object();
+    for (const BopFrame& frame : frames) {
+      if (frame.camera.is_null()) continue;
+      cameras[std::to_string(frame.id)] = frame.camera;
+      gt[std::to_string(frame.id)] = frame.gt;
+      info[std::to_string(frame.id)] = frame.info;
+      if (first_camera.is_null()) first_camera = frame.camera;
+      if (splits[s] == Split::test) add_targets(frame, scene.number, targets);
+    }
+    write_once(out / "scene_camera.json", to_text(cameras));
+    write_once(out / "scene_gt.json", to_text(gt));
+    write_once(out / "scene_gt_info.json", to_text(info));
+  }
+  write_once(job.out / "test_targets_bop19.json", to_text(targets));
+  if (first_camera.is_null()) return;
+  const Camera size = job.scenes.front().capture.rig.front().camera;
+  const Json& k = first_camera["cam_K"];
+  write_once(job.out / "camera.json", to_text(Json{{"fx", k[0]},
+                                                   {"fy", k[4]},
+                                                   {"cx", k[2]},
+                                                   {"cy", k[5]},
+                                                   {"width", size.width_px},
+                                                   {"height", size.height_px},
+                                                   {"depth_scale", first_camera["depth_scale"]}}));
+}
+
+}  // namespace cousin

@@ -1,0 +1,112 @@
+// OUT/export.json: {"export": SHA-256 of program version, dataset, format and options, "format",
+// "options": {...}}; OUT/partial.json has the first while the export is being written.
+
+#include "sim/dataset/export/export_dataset.h"
+
+#include <array>
+#include <stdexcept>
+
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/dataset/json_interop.h"
+#include "sim/dataset/manifest.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+Json to_json(const ExportOptions& o) {
+  return {{"undistort", o.undistort},  {"true_cameras", o.true_cameras},
+          {"split", o.split},          {"masks", to_string(o.masks)},
+          {"task", to_string(o.task)}, {"least_visible", o.least_visible}};
+}
+
+/// What a dataset is: its manifest, or the indices of a real capture's scenes.
+std::string identity(const fs::path& dataset, const std::vector<fs::path>& scenes) {
+  if (fs::exists(dataset / "manifest.json")) return sha256_hex_of_file(dataset / "manifest.json");
+  std::string hashes;
+  for (const fs::path& scene : scenes) {
+    for (const char* name : {"rig.json", "scene_camera.json"})
+      hashes += sha256_hex_of_file(scene / name) + "\n";
+  }
+  return sha256_hex(hashes);
+}
+
+/// @throws std::invalid_argument if the folder holds anything but this export.
+void claim_folder(const fs::path& out, const std::string& key) {
+  for (const char* name : {"export.json", kPartialFile}) {
+    const fs::path file = out / name;
+    if (!fs::exists(file)) continue;
+    const auto json = nlohmann::json::parse(read_file(file), nullptr, false);
+    if (json.is_object() && json.contains("export") && json["export"] == key) return;
+    throw std::invalid_argument(file.string() +
+                                " is of another dataset, format or choice of options, or of "
+                                "another version of the program; choose another --out");
+  }
+  if (fs::exists(out) && !fs::is_empty(out)) {
+    throw std::invalid_argument(out.string() +
+                                " holds files that are no export's; choose another --out");
+  }
+  write_file(out / kPartialFile, to_text(Json{{"export", key}}));
+}
+
+}  // namespace
+
+std::span<const ExportFormat> export_formats() {
+  static const std::array<ExportFormat, 10> kFormats = {{{"bop", export_bop},
+                                                         {"coco", export_coco},
+                                                         {"yolo", export_yolo},
+                                                         {"colmap", export_colmap},
+                                                         {"nerfstudio", export_nerfstudio},
+                                                         {"tum", export_tum},
+                                                         {"opencv", export_opencv},
+                                                         {"ros", export_ros},
+                                                         {"kalibr", export_kalibr},
+                                                         {"mrcal", export_mrcal}}};
+  return kFormats;
+}
+
+ExportSummary export_dataset(const fs::path& dataset, const ExportFormat& format,
+                             const ExportOptions& options, const fs::path& out,
+                             const std::string& program_version, const ExportProgress& progress) {
+  const std::vector<fs::path> folders = scene_folders(dataset);
+  if (folders.empty())
+    throw std::runtime_error(dataset.string() + ": holds no scene (000000/rig.json)");
+  ExportJob job{.scenes = {}, .options = options, .out = out, .progress = progress, .warnings = {}};
+  for (const fs::path& folder : folders) job.scenes.push_back(read_export_scene(folder));
+  const Json chosen = to_json(options);
+  const std::string key = sha256_hex(program_version + "\n" + identity(dataset, folders) + "\n" +
+                                     format.name + "\n" + chosen.dump());
+  claim_folder(out, key);
+  format.write(job);
+  Json root = {{"export", key}, {"format", format.name}, {"options", chosen}};
+  write_file(out / "export.json", to_text(root));
+  fs::remove(out / kPartialFile);
+  return {static_cast<int>(job.scenes.size()), picture_count(job.scenes), std::move(job.warnings)};
+}
+
+std::vector<const ExportPicture*> labelled_pictures(const ExportScene& scene) {
+  std::vector<const ExportPicture*> pictures;
+  for (const ExportPicture& picture : scene.pictures) {
+    if (picture.sensor == 0) pictures.push_back(&picture);
+  }
+  if (pictures.empty() && !scene.capture.frames.empty()) {
+    throw std::runtime_error(scene.folder.string() + ": the first sensor, \"" +
+                             scene.capture.rig.front().name +
+                             "\", has no pictures, and labels are of these");
+  }
+  return pictures;
+}
+
+std::string picture_name(const ExportScene& scene, const ExportPicture& picture) {
+  return six_digits(scene.number) + "_" + six_digits(scene.capture.frames[picture.frame].id);
+}
+
+int picture_count(const std::vector<ExportScene>& scenes) {
+  std::size_t count = 0;
+  for (const ExportScene& scene : scenes) count += scene.pictures.size();
+  return static_cast<int>(count);
+}
+
+}  // namespace cousin
