@@ -1,5 +1,6 @@
 #include "benchmarks/scenes/plant_simulation.h"
 
+#include <algorithm>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -11,15 +12,17 @@ namespace cousin {
 struct PlantSimulation::Impl {
   PlantRunConfig config;
   std::uint64_t seed;
+  int index;  ///< of the scene
   Scene scene;
   RayScene rays;
   RigCapture rig;
   mutable std::once_flag tracer_once;
   mutable std::optional<PathTracer> tracer;  ///< made on the first photograph
 
-  Impl(const PlantRunConfig& run_config, std::uint64_t run_seed, int index)
+  Impl(const PlantRunConfig& run_config, std::uint64_t run_seed, int scene_index)
       : config(run_config),
         seed(run_seed),
+        index(scene_index),
         scene(build_scene(config.scene, seed, index)),
         rays(scene),
         rig(config.rig, config.capture, rays, scene,
@@ -29,6 +32,35 @@ struct PlantSimulation::Impl {
     std::call_once(tracer_once, [&] { tracer.emplace(rays, scene); });
     return *tracer;
   }
+
+  bool moves() const {
+    return std::any_of(scene.instances.begin(), scene.instances.end(),
+                       [](const Instance& instance) { return !instance.motion.empty(); });
+  }
+
+  /// From the first row's exposure to the last's, of all the rig's sensors.
+  TimeSpan span_of(int frame) const {
+    constexpr double kInfrared_s = 0.05;  // exposures that views do not tell
+    TimeSpan span{1e300, -1e300};
+    for (const SensorViews& sensor : rig.views()) {
+      const TrueView& view = sensor.views.at(static_cast<std::size_t>(frame));
+      span.begin_s = std::min(span.begin_s, view.time_s - 0.5 * view.exposure_s);
+      span.end_s =
+          std::max(span.end_s, view.time_s + view.readout_s + 0.5 * view.exposure_s + kInfrared_s);
+    }
+    return span;
+  }
+};
+
+/// The scene in the time of one frame, where it moves.
+struct PlantSimulation::Moving {
+  RayScene rays;
+  RigCapture rig;
+
+  Moving(const Impl& impl, const TimeSpan& span_s, int index)
+      : rays(impl.scene, span_s),
+        rig(impl.config.rig, impl.config.capture, rays, impl.scene,
+            Rng(impl.seed).fork("scene").fork(static_cast<std::uint64_t>(index))) {}
 };
 
 PlantSimulation::PlantSimulation(const PlantRunConfig& config, std::uint64_t seed, int scene_index)
@@ -44,12 +76,27 @@ const RigCapture& PlantSimulation::rig() const { return impl_->rig; }
 
 RigFrame PlantSimulation::take(int frame, const Streams& streams) const {
   const Impl* impl = impl_.get();
+  if (impl->moves()) {
+    const Moving moving(*impl, impl->span_of(frame), impl->index);
+    const PathTracer tracer(moving.rays, impl->scene);
+    return moving.rig.take(frame, streams, [&](const TrueView& view, const Rng& rng) {
+      return tracer.render(view, impl->config.render, rng).radiance;
+    });
+  }
   return impl_->rig.take(frame, streams, [impl](const TrueView& view, const Rng& rng) {
     return impl->path_tracer().render(view, impl->config.render, rng).radiance;
   });
 }
 
 TruthImages PlantSimulation::truth(int frame, const TruthNeeds& needs) const {
+  if (impl_->moves()) {
+    TimeSpan span = impl_->span_of(frame);
+    // Flow looks at the next view's time too.
+    const bool is_last = static_cast<std::size_t>(frame) + 1 == views().size();
+    if (needs.flow && !is_last) span.end_s = std::max(span.end_s, impl_->span_of(frame + 1).end_s);
+    const Moving moving(*impl_, span, impl_->index);
+    return true_images(moving.rays, impl_->scene, moving.rig, frame, needs);
+  }
   return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs);
 }
 

@@ -108,7 +108,8 @@ void LeafMaker::grow_ligule(Organ& organ) const {
   organ.age_days = d_.stage - organ.rank;
   if (!has_collar(organ.rank)) return;
   const double top_m = collar_m(organ.rank);
-  organ.line = along_axis(organ.rank, top_m - c_.sheath.ligule_m, top_m, 3, 3e-4);
+  // A membrane that stands in the mouth of the sheath, between blade and stalk.
+  organ.line = along_axis(organ.rank, top_m, top_m + c_.sheath.ligule_m, 3, 4e-4);
   finish_tube(c_, organ, c_.surface.sides, c_.sheath.ligule_albedo);
   d_.plant.keypoints.push_back({"collar " + std::to_string(organ.rank), axis_.at_m(top_m).point_m});
 }
@@ -173,15 +174,42 @@ void LeafMaker::grow_blade(Organ& organ) const {
   const Vector3d upper = std::sin(angle) * base.axes.col(0) - std::cos(angle) * side;
   const int rows = std::clamp(static_cast<int>(growth.length_m / c_.surface.detail_m), 10, 120);
   organ.surface = blade_surface(LineWalk(organ.line, upper), shape, rows, c_.surface.columns);
+  const Vector3d across = LineWalk(organ.line, upper).at_m(0).axes.col(1);
+  if (rank <= d_.stage) clasp(organ, {base_m, wrapped_m(rank, base_m) + 6e-4, side, across, out});
   colour_blade(organ, out, dry);
   d_.plant.keypoints.push_back({"tip " + std::to_string(rank), organ.line.points_m.back()});
+}
+
+/// A blade does not begin flat: it goes on from its sheath, and its margins, as auricles, reach
+/// about the stalk. The base's rows lie on a cylinder about the axis, as wide along it as they are
+/// flat, and leave it over the clasp's length.
+void LeafMaker::clasp(Organ& organ, const Clasp& clasp) const {
+  const double length_m = line_length_m(organ);
+  const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m);
+  const LineWalk midrib(organ.line, clasp.across.cross(clasp.side));
+  auto& vertices = organ.surface.mesh.vertices_m;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const double along_m = organ.surface.place[i].x() * length_m;
+    const double share = clasp.out * (1 - smoothstep(0, 1, along_m / over_m));
+    if (!(share > 0)) continue;
+    const double flat_m = (vertices[i] - midrib.at_m(along_m).point_m).norm();
+    constexpr double kMost_rad = 2.9;  // margins do not meet behind the stalk
+    const double turn =
+        std::min(kMost_rad, flat_m / clasp.radius_m) * (organ.surface.place[i].y() < 0 ? -1 : 1);
+    const LinePoint at = axis_.at_m(clasp.base_m + 0.8 * along_m);
+    const Vector3d round =
+        at.point_m + clasp.radius_m * (std::cos(turn) * clasp.side + std::sin(turn) * clasp.across);
+    vertices[i] = (1 - share) * vertices[i] + share * round;
+  }
 }
 
 void LeafMaker::colour_blade(Organ& organ, double out, double dry) const {
   const auto& b = c_.blade;
   const Vector3d base = maize_base(c_, kBladeLook);
+  const double length_m = line_length_m(organ);
   for (const Eigen::Vector2d& place : organ.surface.place) {
     const double s = place.x(), t = std::abs(place.y());
+    const double collar = 1 - smoothstep(0.4, 1.0, s * length_m / c_.blade.collar_m);
     const double rib = 1 - smoothstep(0.6, 1.4, t / (b.midrib_share * (1.15 - s) + 1e-3));
     // Young and rolled: paler towards the base.
     const double young = (1 - out) * (0.45 + 0.55 * (1 - s));
@@ -194,6 +222,7 @@ void LeafMaker::colour_blade(Organ& organ, double out, double dry) const {
     const double streak =
         1 + 0.22 * noise3(Vector3d(2 * s, 12 * place.y(), 3.0 * organ.rank), d_.own.colour_key + 1);
     colour = (1 - rib) * streak * colour + rib * color_vector(b.albedo_midrib);
+    colour = (1 - collar) * colour + collar * color_vector(c_.sheath.ligule_albedo);
     colour = (1 - dead) * colour + dead * color_vector(b.albedo_dry);
     organ.albedo.push_back(to_rgb(colour.cwiseQuotient(base).cwiseMin(1.0).cwiseMax(0.02)));
   }

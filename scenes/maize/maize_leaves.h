@@ -13,6 +13,13 @@ class LeafMaker {
   bool has_collar(int rank) const;
 
  private:
+  /// Where a blade's base lies about the stalk.
+  struct Clasp {
+    double base_m = 0;             ///< of the collar, along the axis
+    double radius_m = 0;           ///< of the sheath's mouth
+    Eigen::Vector3d side, across;  ///< unit, across the axis: to the midrib, and to its left margin
+    double out = 0;                ///< 1: it has left the whorl
+  };
   double sheath_share(int rank) const;
   double sheath_m(int rank) const;
   double node_m(int rank) const;    ///< along the axis
@@ -25,6 +32,7 @@ class LeafMaker {
   void grow_ligule(Organ& organ) const;
   BladeShape shape_of(int rank, double out, double length_share) const;
   void grow_blade(Organ& organ) const;
+  void clasp(Organ& organ, const Clasp& clasp) const;
   void colour_blade(Organ& organ, double out, double dry) const;
 
   MaizeDraft& d_;
