@@ -11,6 +11,7 @@
 namespace cousin {
 
 using Eigen::Vector3d;
+constexpr double kLeastShare = 0.03;  ///< of its length, below which a blade is not there yet
 
 LeafMaker::LeafMaker(MaizeDraft& draft, const LineWalk& axis)
     : d_(draft), c_(draft.config), axis_(axis) {
@@ -47,6 +48,17 @@ double LeafMaker::collar_m(int rank) const { return node_m(rank) + sheath_m(rank
 double LeafMaker::dryness(int rank) const {
   if (rank > c_.blade.last_to_fall) return 0;
   return logistic(d_.stage, rank + c_.blade.dry_after, 0.5);
+}
+
+double LeafMaker::blade_share(int rank) const {
+  return grown_share(d_.stage, rank - c_.blade.tips_ahead - 1, rank);
+}
+
+int LeafMaker::leaves_inside(int rank) const {
+  int count = 0;
+  for (int other = rank + 1; other <= c_.plant.leaves; ++other)
+    count += blade_share(other) >= kLeastShare ? 1 : 0;
+  return count;
 }
 
 bool LeafMaker::has_fallen(int rank) const {
@@ -126,7 +138,7 @@ BladeShape LeafMaker::shape_of(int rank, double out, double length_share) const 
   shape.envelope_rise = b.outline[2];
   shape.envelope_fall = b.outline[3];
   shape.envelope_tip = b.outline[4];
-  shape.fold_rad = (1 - out) * 1.25 + out * b.fold_rad;
+  shape.fold_rad = b.fold_rad;
   shape.camber = -b.camber * out;
   shape.wave_m = b.wave_m * out * shape.width_m / widest_m;
   shape.wave_count = b.wave_count * std::max(0.3, length_share);
@@ -142,8 +154,8 @@ void LeafMaker::grow_blade(Organ& organ) const {
   const MaizeIndividual::Leaf& own = d_.own.leaves[r];
   organ.look = kBladeLook;
   organ.age_days = d_.stage - rank + b.tips_ahead;
-  const double share = grown_share(d_.stage, rank - b.tips_ahead - 1, rank);
-  if (share < 0.03 || has_fallen(rank)) return;
+  const double share = blade_share(rank);
+  if (share < kLeastShare || has_fallen(rank)) return;
   // Out of the whorl, and leaned out to its final angle.
   const double out = grown_share(d_.stage, rank - 1.8, rank + 0.8), dry = dryness(rank);
   const double base_m = std::max(collar_m(rank), top_collar_m_ * (rank > d_.stage) - 0.02);
@@ -175,30 +187,38 @@ void LeafMaker::grow_blade(Organ& organ) const {
   const int rows = std::clamp(static_cast<int>(growth.length_m / c_.surface.detail_m), 10, 120);
   organ.surface = blade_surface(LineWalk(organ.line, upper), shape, rows, c_.surface.columns);
   const Vector3d across = LineWalk(organ.line, upper).at_m(0).axes.col(1);
-  if (rank <= d_.stage) clasp(organ, {base_m, wrapped_m(rank, base_m) + 6e-4, side, across, out});
+  // Leaves of the whorl are rolled about each other, inside the mouth of the last sheath.
+  const auto last = static_cast<int>(std::min(d_.stage, static_cast<double>(c_.plant.leaves)));
+  const double mouth_m = wrapped_m(std::min(rank, last), base_m) + 6e-4;
+  const double apart_m = 0.65 * mouth_m / std::max(1, leaves_inside(last));
+  const double radius_m = rank <= last ? mouth_m : 0.25 * mouth_m + apart_m * leaves_inside(rank);
+  constexpr double kMargin = 0.06;  // of the way to the next leaf, a radian
+  clasp(organ, {base_m, radius_m, kMargin * apart_m, side, across, out});
   colour_blade(organ, out, dry);
   d_.plant.keypoints.push_back({"tip " + std::to_string(rank), organ.line.points_m.back()});
 }
 
 /// A blade does not begin flat: it goes on from its sheath, and its margins, as auricles, reach
 /// about the stalk. The base's rows lie on a cylinder about the axis, as wide along it as they are
-/// flat, and leave it over the clasp's length.
+/// flat, and leave it over the clasp's length. A blade in the whorl is rolled about the younger
+/// ones and opens from its tip down: the clasp is as long as it then is.
 void LeafMaker::clasp(Organ& organ, const Clasp& clasp) const {
-  const double length_m = line_length_m(organ);
-  const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m);
+  const double length_m = line_length_m(organ), in = 1 - clasp.out;
+  const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m) + 1.15 * in * length_m;
   const LineWalk midrib(organ.line, clasp.across.cross(clasp.side));
   auto& vertices = organ.surface.mesh.vertices_m;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const double along_m = organ.surface.place[i].x() * length_m;
-    const double share = clasp.out * (1 - smoothstep(0, 1, along_m / over_m));
+    const double share = 1 - smoothstep(0.6 * in, 1, along_m / over_m);
     if (!(share > 0)) continue;
     const double flat_m = (vertices[i] - midrib.at_m(along_m).point_m).norm();
-    constexpr double kMost_rad = 2.9;  // margins do not meet behind the stalk
+    const double most_rad = 2.9 + 3 * in;  // margins that have left the whorl do not meet
     const double turn =
-        std::min(kMost_rad, flat_m / clasp.radius_m) * (organ.surface.place[i].y() < 0 ? -1 : 1);
-    const LinePoint at = axis_.at_m(clasp.base_m + 0.8 * along_m);
+        std::min(most_rad, flat_m / clasp.radius_m) * (organ.surface.place[i].y() < 0 ? -1 : 1);
+    const double radius_m = clasp.radius_m + in * clasp.roll_m * turn;
+    const LinePoint at = axis_.at_m(clasp.base_m + (0.8 + 0.2 * in) * along_m);
     const Vector3d round =
-        at.point_m + clasp.radius_m * (std::cos(turn) * clasp.side + std::sin(turn) * clasp.across);
+        at.point_m + radius_m * (std::cos(turn) * clasp.side + std::sin(turn) * clasp.across);
     vertices[i] = (1 - share) * vertices[i] + share * round;
   }
 }

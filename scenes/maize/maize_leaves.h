@@ -13,10 +13,11 @@ class LeafMaker {
   bool has_collar(int rank) const;
 
  private:
-  /// Where a blade's base lies about the stalk.
+  /// Where a blade's base, and all of it that is still rolled in the whorl, lies about the stalk.
   struct Clasp {
-    double base_m = 0;             ///< of the collar, along the axis
-    double radius_m = 0;           ///< of the sheath's mouth
+    double base_m = 0;    ///< of the collar, along the axis
+    double radius_m = 0;  ///< of the sheath's mouth, or of the younger leaves that it wraps
+    double roll_m = 0;    ///< by which it grows a radian, so that one margin lies on the other
     Eigen::Vector3d side, across;  ///< unit, across the axis: to the midrib, and to its left margin
     double out = 0;                ///< 1: it has left the whorl
   };
@@ -25,6 +26,8 @@ class LeafMaker {
   double node_m(int rank) const;    ///< along the axis
   double collar_m(int rank) const;  ///< along the axis
   double dryness(int rank) const;
+  double blade_share(int rank) const;  ///< of its length
+  int leaves_inside(int rank) const;   ///< younger ones that it may wrap
   bool has_fallen(int rank) const;
   double wrapped_m(int rank, double along_m) const;
   CentreLine along_axis(int rank, double from_m, double to_m, int steps, double wider_m) const;

@@ -202,7 +202,7 @@ TEST(SeedsScene, AWarningOfTheEngineEndsTheSceneAndIsNamed) {
       cube_sphere(4);  // its centre rests beyond 1e10, which the engine takes for diverged
   for (Eigen::Vector3d& v : planet.vertices_m) v *= 1e11;
   try {
-    build_seeds_scene(config, Rng(1), planet);
+    build_seeds_scene(config, Rng(1), UserMesh{.mesh = planet});
     FAIL() << "the warning was not fatal";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what())
