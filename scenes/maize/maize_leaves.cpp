@@ -199,9 +199,9 @@ void LeafMaker::grow_blade(Organ& organ) const {
 }
 
 /// A blade does not begin flat: it goes on from its sheath, and its margins, as auricles, reach
-/// about the stalk. The base's rows lie on a cylinder about the axis, as wide along it as they are
-/// flat, and leave it over the clasp's length. A blade in the whorl is rolled about the younger
-/// ones and opens from its tip down: the clasp is as long as it then is.
+/// about the stalk. The base's rows are arcs about the axis, as long as they are wide when flat,
+/// and unroll over the clasp's length. A blade in the whorl is rolled about the younger ones and
+/// opens from its tip down: the clasp is as long as it then is.
 void LeafMaker::clasp(Organ& organ, const Clasp& clasp) const {
   const double length_m = line_length_m(organ), in = 1 - clasp.out;
   const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m) + 1.15 * in * length_m;
@@ -211,15 +211,21 @@ void LeafMaker::clasp(Organ& organ, const Clasp& clasp) const {
     const double along_m = organ.surface.place[i].x() * length_m;
     const double share = 1 - smoothstep(0.6 * in, 1, along_m / over_m);
     if (!(share > 0)) continue;
-    const double flat_m = (vertices[i] - midrib.at_m(along_m).point_m).norm();
+    const Vector3d flat_m = midrib.at_m(along_m).point_m, off_m = vertices[i] - flat_m;
+    // The midrib leaves the cylinder, and never for its inside.
+    const Vector3d axis_m = axis_.at_m(clasp.base_m + (0.8 + 0.2 * in) * along_m).point_m;
+    Vector3d rib_m = (1 - share) * flat_m + share * (axis_m + clasp.radius_m * clasp.side);
+    rib_m += std::max(0.0, clasp.radius_m - clasp.side.dot(rib_m - axis_m)) * clasp.side;
     const double most_rad = 2.9 + 3 * in;  // margins that have left the whorl do not meet
-    const double turn =
-        std::min(most_rad, flat_m / clasp.radius_m) * (organ.surface.place[i].y() < 0 ? -1 : 1);
-    const double radius_m = clasp.radius_m + in * clasp.roll_m * turn;
-    const LinePoint at = axis_.at_m(clasp.base_m + (0.8 + 0.2 * in) * along_m);
-    const Vector3d round =
-        at.point_m + radius_m * (std::cos(turn) * clasp.side + std::sin(turn) * clasp.across);
-    vertices[i] = (1 - share) * vertices[i] + share * round;
+    const double left = organ.surface.place[i].y() < 0 ? -1 : 1;
+    const double full_rad = left * std::min(most_rad, off_m.norm() / clasp.radius_m);
+    const double turn = share * full_rad;
+    const double radius_m = (clasp.radius_m + in * clasp.roll_m * full_rad) / share;
+    const Vector3d arc_m =
+        radius_m * (std::sin(turn) * clasp.across - (1 - std::cos(turn)) * clasp.side);
+    constexpr double kNearlyFlat = 0.3;  // from here on fold and waves come
+    const double rolled = smoothstep(0, kNearlyFlat, share);
+    vertices[i] = rib_m + (1 - rolled) * off_m + rolled * arc_m;
   }
 }
 
