@@ -119,6 +119,7 @@ void write_index(const BuiltScene& built, const fs::path& scene_dir, const Conte
       write_truth_images(scene_dir, truth.scene, frame, images);
       truth.images[i].visibility = std::move(images.visibility);
       truth.images[i].keypoints = std::move(images.keypoints);
+      truth.images[i].leaf_areas = std::move(images.leaf_areas);
     });
   }
   write_capture_index(scene_dir, capture);

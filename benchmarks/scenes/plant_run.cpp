@@ -24,6 +24,13 @@ Scene build(const MaizeSceneConfig& config, std::uint64_t seed, int index) {
   return build_maize_scene(config, scene_rng(seed, index).fork("build"));
 }
 
+Scene build(const SpecimenSceneConfig& config, std::uint64_t seed, int index) {
+  if (config.mesh.empty())
+    throw std::invalid_argument("mesh is not set: --set mesh=FILE names the specimen's file");
+  return build_specimen_scene(config, read_user_mesh(config.mesh),
+                              scene_rng(seed, index).fork("build"));
+}
+
 Scene build(const BoardsSceneConfig& config, std::uint64_t seed, int index) {
   return build_boards_scene(config, scene_rng(seed, index).fork("build"));
 }
@@ -119,8 +126,16 @@ PlantRunConfig plant_run_config(PlantSceneConfig base, const std::vector<std::st
   const Fields all = fields(config);
   for (const std::string& assignment : assignments) set_field(all, assignment);
   validate(config);
+  const std::string mesh = mesh_file_of(config.scene);
+  if (!mesh.empty() && !std::filesystem::is_regular_file(mesh))
+    throw std::runtime_error("mesh = \"" + mesh + "\": there is no such file");
   config.scene = seen_by(std::move(config.scene), config.rig);
   return config;
+}
+
+std::string mesh_file_of(const PlantSceneConfig& scene) {
+  const auto* specimen = std::get_if<SpecimenSceneConfig>(&scene);
+  return specimen ? specimen->mesh : std::string();
 }
 
 Streams planned_streams(const PlantRunConfig& config) {
@@ -161,7 +176,9 @@ std::string resolved_toml(const PlantRunConfig& config) {
 }
 
 std::string config_hash(const PlantRunConfig& config, std::uint64_t seed) {
-  return sha256_hex(resolved_toml(config) + "\nseed = " + std::to_string(seed) + "\n");
+  const std::string mesh = mesh_file_of(config.scene);
+  return sha256_hex(resolved_toml(config) + "\nseed = " + std::to_string(seed) + "\n" +
+                    (mesh.empty() ? "" : sha256_hex_of_file(mesh)));
 }
 
 }  // namespace cousin

@@ -10,6 +10,7 @@
 #include "scenes/boards/boards_scene.h"
 #include "scenes/maize/maize_scene.h"
 #include "scenes/seedlings/seedlings_scene.h"
+#include "scenes/specimen/specimen_scene.h"
 #include "sim/config/fields.h"
 #include "sim/render/path_tracer.h"
 #include "sim/sensors/rig_capture.h"
@@ -18,8 +19,8 @@ namespace cousin {
 
 /// A scene of plants of any kind, or of a calibration board; to add a kind, add it here and to
 /// plant_run.cpp's overloads.
-using PlantSceneConfig =
-    std::variant<SeedlingsSceneConfig, MaizeSceneConfig, ApplesSceneConfig, BoardsSceneConfig>;
+using PlantSceneConfig = std::variant<SeedlingsSceneConfig, MaizeSceneConfig, ApplesSceneConfig,
+                                      BoardsSceneConfig, SpecimenSceneConfig>;
 
 /// Everything that decides the images of a plant scene, apart from the seed: light is traced path
 /// by path, for leaves let it through. Keys as for SeedsRunConfig.
@@ -34,8 +35,12 @@ Fields fields(PlantRunConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const PlantRunConfig& config);
 
+/// The file of a user's mesh; "" if the scene grows what stands in it.
+std::string mesh_file_of(const PlantSceneConfig& scene);
+
 /// `base` with the rig's preset, then `file` (as resolved_toml writes it; empty = none), then the
 /// user's `key=value`s in order; as seeds_run_config.
+/// @throws std::runtime_error naming a user's mesh that is no file.
 PlantRunConfig plant_run_config(PlantSceneConfig base, const std::vector<std::string>& assignments,
                                 const std::filesystem::path& file = {});
 
@@ -47,14 +52,14 @@ std::string rig_name(const PlantSceneConfig& scene);
 /// picture.
 PlantSceneConfig seen_by(PlantSceneConfig scene, const DeviceConfig& rig);
 
-/// Scene number `index` of a run.
+/// Scene number `index` of a run; a user's mesh is read from its file.
 Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index);
 
 /// Names of the plants that other scenes of the run show too; empty where each scene has its own.
 std::vector<std::string> shared_plants(const PlantSceneConfig& config);
 
 std::string resolved_toml(const PlantRunConfig& config);
-/// SHA-256 of the resolved configuration and the seed.
+/// SHA-256 of the resolved configuration, the user's mesh and the seed.
 std::string config_hash(const PlantRunConfig& config, std::uint64_t seed);
 
 }  // namespace cousin

@@ -19,11 +19,13 @@ Rng rig_rng(std::uint64_t seed, int index) {
 TimeSpan span_of(const RigCapture& rig, int frame) {
   const auto i = static_cast<std::size_t>(frame);
   const double start_s = rig.views().front().views.at(i).time_s;
+  constexpr double kInfrared_s = 0.05;  // exposures that views do not tell
   TimeSpan span{start_s, start_s};
   for (const SensorViews& sensor : rig.views()) {
     const TrueView& view = sensor.views.at(i);
     span.begin_s = std::min(span.begin_s, view.time_s - 0.5 * view.exposure_s);
-    span.end_s = std::max(span.end_s, view.time_s + view.readout_s + 0.5 * view.exposure_s);
+    span.end_s =
+        std::max(span.end_s, view.time_s + view.readout_s + 0.5 * view.exposure_s + kInfrared_s);
   }
   return span;
 }
@@ -61,13 +63,35 @@ struct PlantSimulation::Impl {
     return std::any_of(scene.instances.begin(), scene.instances.end(),
                        [](const Instance& instance) { return !instance.motion.empty(); });
   }
-  Moment moment(int frame) const {
-    return {config, scene, span_of(rig, frame), rig_rng(seed, index)};
+  /// @param with_next  flow looks at the next view's time too
+  Moment moment(int frame, bool with_next = false) const {
+    TimeSpan span = span_of(rig, frame);
+    const bool is_last = static_cast<std::size_t>(frame) + 1 == rig.views().front().views.size();
+    if (with_next && !is_last) span.end_s = std::max(span.end_s, span_of(rig, frame + 1).end_s);
+    return {config, scene, span, rig_rng(seed, index)};
   }
 
   const PathTracer& path_tracer() const {
     std::call_once(tracer_once, [&] { tracer.emplace(rays, scene); });
     return *tracer;
+  }
+
+  bool moves() const {
+    return std::any_of(scene.instances.begin(), scene.instances.end(),
+                       [](const Instance& instance) { return !instance.motion.empty(); });
+  }
+
+  /// From the first row's exposure to the last's, of all the rig's sensors.
+  TimeSpan span_of(int frame) const {
+    constexpr double kInfrared_s = 0.05;  // exposures that views do not tell
+    TimeSpan span{1e300, -1e300};
+    for (const SensorViews& sensor : rig.views()) {
+      const TrueView& view = sensor.views.at(static_cast<std::size_t>(frame));
+      span.begin_s = std::min(span.begin_s, view.time_s - 0.5 * view.exposure_s);
+      span.end_s =
+          std::max(span.end_s, view.time_s + view.readout_s + 0.5 * view.exposure_s + kInfrared_s);
+    }
+    return span;
   }
 };
 
@@ -98,7 +122,7 @@ RigFrame PlantSimulation::take(int frame, const Streams& streams) const {
 
 TruthImages PlantSimulation::truth(int frame, const TruthNeeds& needs) const {
   if (impl_->moves()) {
-    const Moment moment = impl_->moment(frame);
+    const Moment moment = impl_->moment(frame, needs.flow);
     return true_images(moment.rays, impl_->scene, moment.rig, frame, needs);
   }
   return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs);

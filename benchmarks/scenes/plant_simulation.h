@@ -12,7 +12,8 @@
 namespace cousin {
 
 /// One scene of plants, ready to be photographed: as SeedsSimulation, with light by the path
-/// tracer. A frame is a pure function of (configuration, seed, scene index, frame index).
+/// tracer. Where plants move, each frame has rays over its own exposures. A frame is a pure
+/// function of (configuration, seed, scene index, frame index).
 class PlantSimulation {
  public:
   PlantSimulation(const PlantRunConfig& config, std::uint64_t seed, int scene_index);

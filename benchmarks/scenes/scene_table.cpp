@@ -125,6 +125,13 @@ std::span<const SceneEntry> scene_table() {
            [](const auto& sets, const auto& file) {
              return configure_plants(BoardsSceneConfig{}, sets, file);
            }},
+      {.name = "specimen",
+       .status = "built in; no pipeline yet",
+       .help = "your own mesh on a table: --set mesh=FILE (PLY, OBJ, STL, glTF) --set unit=mm",
+       .configure =
+           [](const auto& sets, const auto& file) {
+             return configure_plants(SpecimenSceneConfig{}, sets, file);
+           }},
   };
   return kScenes;
 }

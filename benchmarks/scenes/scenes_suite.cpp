@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/scenes/leaf_crossing.h"
 #include "benchmarks/scenes/plant_run.h"
 #include "sim/types/stage_clock.h"
 
@@ -13,6 +14,7 @@ namespace cousin {
 namespace {
 
 constexpr double kTrayLimit_s = 1, kRowsLimit_s = 2;
+constexpr double kCrossingLimit = 0.01;  ///< share of the leaf area
 
 ScoreRow row_of(const char* scene, const std::string& case_name, const std::string& metric,
                 const char* unit, std::uint64_t seed) {
@@ -75,6 +77,42 @@ void add_build_rows(ScoreFile& file, const BuildCase& c, int repeats, std::uint6
   file.scores.push_back(row);
 }
 
+std::vector<BuildCase> crossing_cases() {
+  std::vector<BuildCase> cases;
+  for (const int day : {8, 12}) {
+    SeedlingsSceneConfig tray;
+    tray.day = day;
+    cases.push_back({"seedlings", "tray of 50, day " + std::to_string(day), tray, 0});
+  }
+  for (const char* stage : {"V4", "V8", "V12", "VT"}) {
+    MaizeSceneConfig field;
+    field.stage = stage;
+    field.rows = 3;
+    field.plants = 3;
+    cases.push_back({"maize", "3 rows of 3, " + std::string(stage), field, 0});
+  }
+  return cases;
+}
+
+/// Leaves that pass through other leaves, which real ones do not.
+void add_crossing_rows(ScoreFile& file, const BuildCase& c, int trays, std::uint64_t seed) {
+  double area_m2 = 0, crossed_m2 = 0, pairs = 0;
+  for (int i = 0; i < trays; ++i) {
+    const SurfaceCrossing crossing = leaf_crossing(build_scene(c.config, seed, i));
+    area_m2 += crossing.area_m2;
+    crossed_m2 += crossing.crossed_m2;
+    pairs += crossing.pairs;
+  }
+  ScoreRow row = row_of(c.scene, c.name, "leaf_crossing.share", "1", seed);
+  row.value = crossed_m2 / area_m2;
+  row.n = trays;
+  file.scores.push_back(limited(row, row.value <= kCrossingLimit));
+  row = row_of(c.scene, c.name, "leaf_crossing.pairs", "1", seed);
+  row.value = pairs / trays;
+  row.n = trays;
+  file.scores.push_back(row);
+}
+
 /// Means over plants, trait by trait, of one day or stage.
 void add_trait_rows(ScoreFile& file, const char* scene, const std::string& case_name,
                     const std::vector<std::vector<TrueTrait>>& plants, std::uint64_t seed) {
@@ -131,12 +169,18 @@ ScoreFile scenes_suite(std::uint64_t seed, bool quick,
       quick ? std::vector<int>{4, 8, 12} : std::vector<int>{2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   const std::vector<int> stages =
       quick ? std::vector<int>{6, 12, 19} : std::vector<int>{3, 4, 6, 8, 10, 12, 14, 16, 18, 19};
-  const int total = static_cast<int>(builds.size() + days.size() + stages.size());
+  const std::vector<BuildCase> crossings = crossing_cases();
+  const int total =
+      static_cast<int>(builds.size() + crossings.size() + days.size() + stages.size());
   int done = 0;
   ScoreFile file;
   for (const BuildCase& c : builds) {
     if (progress) progress("build " + std::string(c.scene), done++, total);
     add_build_rows(file, c, quick ? 3 : 9, seed);
+  }
+  for (const BuildCase& c : crossings) {
+    if (progress) progress("leaves that cross, " + c.name, done++, total);
+    add_crossing_rows(file, c, quick ? 1 : 5, seed);
   }
   for (const int day : days) {
     if (progress) progress("seedlings, day " + std::to_string(day), done++, total);

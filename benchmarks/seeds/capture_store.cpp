@@ -31,7 +31,7 @@ std::string capture_name(const SeedsRunConfig& config, std::uint64_t seed, int s
     key += need ? '1' : '0';
   }
   // Phones have neither, and keep the names that they have.
-  if (needs.disparity || needs.noise_free_depth || needs.invalid_reason)
+  if (needs.disparity || needs.noise_free_depth || needs.invalid_reason || needs.leaf_area)
     key += "\ntruth " + to_string(needs);
   const Streams streams = planned_streams(config);
   if (streams != Streams{.color = true}) key += "\nstreams " + to_string(streams);

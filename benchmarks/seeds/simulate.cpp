@@ -6,19 +6,19 @@
 #include <utility>
 
 #include "sim/dataset/environment_io.h"
-#include "sim/geometry/mesh_io.h"
+#include "sim/geometry/user_mesh.h"
 #include "sim/render/view_match.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
 
-std::optional<Mesh> user_specimen(const SeedsSceneConfig& config) {
+std::optional<UserMesh> user_specimen(const SeedsSceneConfig& config) {
   const std::string file = specimen_file(config);
   if (file.empty()) return std::nullopt;
-  Mesh mesh = read_mesh(file);
-  for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex *= config.specimen_scale;
-  return mesh;
+  UserMesh user = welded(read_user_mesh(file));
+  for (Eigen::Vector3d& vertex : user.mesh.vertices_m) vertex *= config.specimen_scale;
+  return user;
 }
 
 std::optional<Environment> user_environment(const SeedsSceneConfig& config) {

@@ -11,7 +11,7 @@ struct Choice {
   std::string_view name;
   bool TruthNeeds::*need;
 };
-constexpr std::array<Choice, 13> kChoices = {{{"depth", &TruthNeeds::depth},
+constexpr std::array<Choice, 14> kChoices = {{{"depth", &TruthNeeds::depth},
                                               {"normal", &TruthNeeds::normal},
                                               {"instance", &TruthNeeds::instance},
                                               {"part", &TruthNeeds::part},
@@ -20,6 +20,7 @@ constexpr std::array<Choice, 13> kChoices = {{{"depth", &TruthNeeds::depth},
                                               {"visibility", &TruthNeeds::visibility},
                                               {"shares", &TruthNeeds::shares},
                                               {"keypoints", &TruthNeeds::keypoints},
+                                              {"leaf_area", &TruthNeeds::leaf_area},
                                               {"flow", &TruthNeeds::flow},
                                               {"disparity", &TruthNeeds::disparity},
                                               {"noise_free_depth", &TruthNeeds::noise_free_depth},

@@ -62,6 +62,8 @@ Fields fields(MaizeConfig::Blade& c) {
           {"albedo_dry", &c.albedo_dry, "of a dead leaf", 0, 1},
           {"albedo_back", &c.albedo_back, "of the lower side's midrib", 0, 1},
           {"transmittance", &c.transmittance, "of the lamina", 0, 1},
+          {"clasp_m", &c.clasp_m, "over which the base opens from the stalk", 1e-4, 1},
+          {"collar_m", &c.collar_m, "height of the pale wedge at the base", 1e-4, 1},
           {"dry_after", &c.dry_after, "stages after its collar", 0, 50},
           {"fall_after", &c.fall_after, "stages after its collar", 0, 50},
           {"last_to_fall", &c.last_to_fall, "rank of the highest leaf that dries", 0, 40}};
@@ -115,6 +117,12 @@ Fields fields(MaizeConfig::Field& c) {
           {"clod_scale_m", &c.clod_scale_m, "their size", 1e-3, 10},
           {"albedo", &c.albedo, "of the soil", 0, 1},
           {"other_albedo", &c.other_albedo, "of its darker parts", 0, 1},
+          {"residues", &c.residues, "straws on the soil near the plants", 0, 100000},
+          {"residue_reach_m", &c.residue_reach_m, "of them", 0.1, 100},
+          {"residue_m", &c.residue_m, "their least and largest length", 1e-3, 2},
+          {"residue_width_m", &c.residue_width_m, "and width", 1e-4, 0.2},
+          {"residue_albedo", &c.residue_albedo, "of straw", 0, 1},
+          {"residue_old_albedo", &c.residue_old_albedo, "weathered", 0, 1},
           {"sun_elevation_rad", &c.sun_elevation_rad, "above the horizon", 0.05, 1.57},
           {"sun_azimuth_rad", &c.sun_azimuth_rad, "about +z", -kAngle, kAngle},
           {"turbidity", &c.turbidity, "of the air", 1.7, 10},
@@ -127,7 +135,8 @@ Fields fields(MaizeConfig& c) {
   return nested("plant", fields(c.plant)) + nested("stalk", fields(c.stalk)) +
          nested("sheath", fields(c.sheath)) + nested("blade", fields(c.blade)) +
          nested("root", fields(c.root)) + nested("flower", fields(c.flower)) +
-         nested("surface", fields(c.surface)) + nested("field", fields(c.field));
+         nested("surface", fields(c.surface)) + nested("field", fields(c.field)) +
+         nested("sway", fields(c.sway));
 }
 
 void validate(const MaizeConfig& config) {
@@ -147,12 +156,29 @@ void validate(const MaizeConfig& config) {
   const auto& s = config.stalk;
   const auto& b = config.blade;
   const auto& f = config.flower;
-  for (const auto* color :
-       {&s.albedo, &s.albedo_node, &config.sheath.albedo, &config.sheath.albedo_low,
-        &config.sheath.ligule_albedo, &b.albedo, &b.albedo_midrib, &b.albedo_young, &b.albedo_dry,
-        &b.albedo_back, &b.transmittance, &config.root.albedo, &f.albedo, &f.ear_albedo,
-        &f.silk_albedo, &config.field.albedo, &config.field.other_albedo, &config.field.overcast})
+  for (const auto* color : {&s.albedo,
+                            &s.albedo_node,
+                            &config.sheath.albedo,
+                            &config.sheath.albedo_low,
+                            &config.sheath.ligule_albedo,
+                            &b.albedo,
+                            &b.albedo_midrib,
+                            &b.albedo_young,
+                            &b.albedo_dry,
+                            &b.albedo_back,
+                            &b.transmittance,
+                            &config.root.albedo,
+                            &f.albedo,
+                            &f.ear_albedo,
+                            &f.silk_albedo,
+                            &config.field.albedo,
+                            &config.field.other_albedo,
+                            &config.field.residue_albedo,
+                            &config.field.residue_old_albedo,
+                            &config.field.overcast})
     require("a colour", *color, 3);
+  require("field.residue_m", config.field.residue_m, 2);
+  require("field.residue_width_m", config.field.residue_width_m, 2);
   if (config.surface.columns % 2 != 0)
     throw std::invalid_argument(
         "maize: surface.columns = " + std::to_string(config.surface.columns) + " is not even");

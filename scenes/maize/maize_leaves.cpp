@@ -11,6 +11,7 @@
 namespace cousin {
 
 using Eigen::Vector3d;
+constexpr double kLeastShare = 0.03;  ///< of its length, below which a blade is not there yet
 
 LeafMaker::LeafMaker(MaizeDraft& draft, const LineWalk& axis)
     : d_(draft), c_(draft.config), axis_(axis) {
@@ -47,6 +48,17 @@ double LeafMaker::collar_m(int rank) const { return node_m(rank) + sheath_m(rank
 double LeafMaker::dryness(int rank) const {
   if (rank > c_.blade.last_to_fall) return 0;
   return logistic(d_.stage, rank + c_.blade.dry_after, 0.5);
+}
+
+double LeafMaker::blade_share(int rank) const {
+  return grown_share(d_.stage, rank - c_.blade.tips_ahead - 1, rank);
+}
+
+int LeafMaker::leaves_inside(int rank) const {
+  int count = 0;
+  for (int other = rank + 1; other <= c_.plant.leaves; ++other)
+    count += blade_share(other) >= kLeastShare ? 1 : 0;
+  return count;
 }
 
 bool LeafMaker::has_fallen(int rank) const {
@@ -108,7 +120,8 @@ void LeafMaker::grow_ligule(Organ& organ) const {
   organ.age_days = d_.stage - organ.rank;
   if (!has_collar(organ.rank)) return;
   const double top_m = collar_m(organ.rank);
-  organ.line = along_axis(organ.rank, top_m - c_.sheath.ligule_m, top_m, 3, 3e-4);
+  // A membrane that stands in the mouth of the sheath, between blade and stalk.
+  organ.line = along_axis(organ.rank, top_m, top_m + c_.sheath.ligule_m, 3, 4e-4);
   finish_tube(c_, organ, c_.surface.sides, c_.sheath.ligule_albedo);
   d_.plant.keypoints.push_back({"collar " + std::to_string(organ.rank), axis_.at_m(top_m).point_m});
 }
@@ -125,7 +138,7 @@ BladeShape LeafMaker::shape_of(int rank, double out, double length_share) const 
   shape.envelope_rise = b.outline[2];
   shape.envelope_fall = b.outline[3];
   shape.envelope_tip = b.outline[4];
-  shape.fold_rad = (1 - out) * 1.25 + out * b.fold_rad;
+  shape.fold_rad = b.fold_rad;
   shape.camber = -b.camber * out;
   shape.wave_m = b.wave_m * out * shape.width_m / widest_m;
   shape.wave_count = b.wave_count * std::max(0.3, length_share);
@@ -141,8 +154,8 @@ void LeafMaker::grow_blade(Organ& organ) const {
   const MaizeIndividual::Leaf& own = d_.own.leaves[r];
   organ.look = kBladeLook;
   organ.age_days = d_.stage - rank + b.tips_ahead;
-  const double share = grown_share(d_.stage, rank - b.tips_ahead - 1, rank);
-  if (share < 0.03 || has_fallen(rank)) return;
+  const double share = blade_share(rank);
+  if (share < kLeastShare || has_fallen(rank)) return;
   // Out of the whorl, and leaned out to its final angle.
   const double out = grown_share(d_.stage, rank - 1.8, rank + 0.8), dry = dryness(rank);
   const double base_m = std::max(collar_m(rank), top_collar_m_ * (rank > d_.stage) - 0.02);
@@ -173,15 +186,56 @@ void LeafMaker::grow_blade(Organ& organ) const {
   const Vector3d upper = std::sin(angle) * base.axes.col(0) - std::cos(angle) * side;
   const int rows = std::clamp(static_cast<int>(growth.length_m / c_.surface.detail_m), 10, 120);
   organ.surface = blade_surface(LineWalk(organ.line, upper), shape, rows, c_.surface.columns);
+  const Vector3d across = LineWalk(organ.line, upper).at_m(0).axes.col(1);
+  // Leaves of the whorl are rolled about each other, inside the mouth of the last sheath.
+  const auto last = static_cast<int>(std::min(d_.stage, static_cast<double>(c_.plant.leaves)));
+  const double mouth_m = wrapped_m(std::min(rank, last), base_m) + 6e-4;
+  const double apart_m = 0.65 * mouth_m / std::max(1, leaves_inside(last));
+  const double radius_m = rank <= last ? mouth_m : 0.25 * mouth_m + apart_m * leaves_inside(rank);
+  constexpr double kMargin = 0.06;  // of the way to the next leaf, a radian
+  clasp(organ, {base_m, radius_m, kMargin * apart_m, side, across, out});
   colour_blade(organ, out, dry);
   d_.plant.keypoints.push_back({"tip " + std::to_string(rank), organ.line.points_m.back()});
+}
+
+/// A blade does not begin flat: it goes on from its sheath, and its margins, as auricles, reach
+/// about the stalk. The base's rows are arcs about the axis, as long as they are wide when flat,
+/// and unroll over the clasp's length. A blade in the whorl is rolled about the younger ones and
+/// opens from its tip down: the clasp is as long as it then is.
+void LeafMaker::clasp(Organ& organ, const Clasp& clasp) const {
+  const double length_m = line_length_m(organ), in = 1 - clasp.out;
+  const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m) + 1.15 * in * length_m;
+  const LineWalk midrib(organ.line, clasp.across.cross(clasp.side));
+  auto& vertices = organ.surface.mesh.vertices_m;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const double along_m = organ.surface.place[i].x() * length_m;
+    const double share = 1 - smoothstep(0.6 * in, 1, along_m / over_m);
+    if (!(share > 0)) continue;
+    const Vector3d flat_m = midrib.at_m(along_m).point_m, off_m = vertices[i] - flat_m;
+    // The midrib leaves the cylinder, and never for its inside.
+    const Vector3d axis_m = axis_.at_m(clasp.base_m + (0.8 + 0.2 * in) * along_m).point_m;
+    Vector3d rib_m = (1 - share) * flat_m + share * (axis_m + clasp.radius_m * clasp.side);
+    rib_m += std::max(0.0, clasp.radius_m - clasp.side.dot(rib_m - axis_m)) * clasp.side;
+    const double most_rad = 2.9 + 3 * in;  // margins that have left the whorl do not meet
+    const double left = organ.surface.place[i].y() < 0 ? -1 : 1;
+    const double full_rad = left * std::min(most_rad, off_m.norm() / clasp.radius_m);
+    const double turn = share * full_rad;
+    const double radius_m = (clasp.radius_m + in * clasp.roll_m * full_rad) / share;
+    const Vector3d arc_m =
+        radius_m * (std::sin(turn) * clasp.across - (1 - std::cos(turn)) * clasp.side);
+    constexpr double kNearlyFlat = 0.3;  // from here on fold and waves come
+    const double rolled = smoothstep(0, kNearlyFlat, share);
+    vertices[i] = rib_m + (1 - rolled) * off_m + rolled * arc_m;
+  }
 }
 
 void LeafMaker::colour_blade(Organ& organ, double out, double dry) const {
   const auto& b = c_.blade;
   const Vector3d base = maize_base(c_, kBladeLook);
+  const double length_m = line_length_m(organ);
   for (const Eigen::Vector2d& place : organ.surface.place) {
     const double s = place.x(), t = std::abs(place.y());
+    const double collar = 1 - smoothstep(0.4, 1.0, s * length_m / c_.blade.collar_m);
     const double rib = 1 - smoothstep(0.6, 1.4, t / (b.midrib_share * (1.15 - s) + 1e-3));
     // Young and rolled: paler towards the base.
     const double young = (1 - out) * (0.45 + 0.55 * (1 - s));
@@ -194,6 +248,7 @@ void LeafMaker::colour_blade(Organ& organ, double out, double dry) const {
     const double streak =
         1 + 0.22 * noise3(Vector3d(2 * s, 12 * place.y(), 3.0 * organ.rank), d_.own.colour_key + 1);
     colour = (1 - rib) * streak * colour + rib * color_vector(b.albedo_midrib);
+    colour = (1 - collar) * colour + collar * color_vector(c_.sheath.ligule_albedo);
     colour = (1 - dead) * colour + dead * color_vector(b.albedo_dry);
     organ.albedo.push_back(to_rgb(colour.cwiseQuotient(base).cwiseMin(1.0).cwiseMax(0.02)));
   }

@@ -13,11 +13,21 @@ class LeafMaker {
   bool has_collar(int rank) const;
 
  private:
+  /// Where a blade's base, and all of it that is still rolled in the whorl, lies about the stalk.
+  struct Clasp {
+    double base_m = 0;    ///< of the collar, along the axis
+    double radius_m = 0;  ///< of the sheath's mouth, or of the younger leaves that it wraps
+    double roll_m = 0;    ///< by which it grows a radian, so that one margin lies on the other
+    Eigen::Vector3d side, across;  ///< unit, across the axis: to the midrib, and to its left margin
+    double out = 0;                ///< 1: it has left the whorl
+  };
   double sheath_share(int rank) const;
   double sheath_m(int rank) const;
   double node_m(int rank) const;    ///< along the axis
   double collar_m(int rank) const;  ///< along the axis
   double dryness(int rank) const;
+  double blade_share(int rank) const;  ///< of its length
+  int leaves_inside(int rank) const;   ///< younger ones that it may wrap
   bool has_fallen(int rank) const;
   double wrapped_m(int rank, double along_m) const;
   CentreLine along_axis(int rank, double from_m, double to_m, int steps, double wider_m) const;
@@ -25,6 +35,7 @@ class LeafMaker {
   void grow_ligule(Organ& organ) const;
   BladeShape shape_of(int rank, double out, double length_share) const;
   void grow_blade(Organ& organ) const;
+  void clasp(Organ& organ, const Clasp& clasp) const;
   void colour_blade(Organ& organ, double out, double dry) const;
 
   MaizeDraft& d_;

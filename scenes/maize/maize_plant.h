@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/config/fields.h"
+#include "sim/physics/rigid_sway.h"
 #include "sim/plant/plant.h"
 #include "sim/types/rng.h"
 
@@ -31,6 +32,7 @@ struct MaizeConfig {
     double tips_ahead = 0, angle_low_rad = 0, angle_high_rad = 0, droop_rad = 0, droop_begin = 0;
     double fold_rad = 0, camber = 0, wave_m = 0, wave_count = 0, twist_rad = 0, midrib_share = 0;
     std::vector<double> albedo, albedo_midrib, albedo_young, albedo_dry, albedo_back, transmittance;
+    double clasp_m = 0, collar_m = 0;
     double dry_after = 0, fall_after = 0;
     int last_to_fall = 0;
   } blade;
@@ -59,9 +61,13 @@ struct MaizeConfig {
     int variants = 0;
     double half_m = 0, cell_m = 0, clod_m = 0, clod_scale_m = 0;
     std::vector<double> albedo, other_albedo;
+    int residues = 0;
+    double residue_reach_m = 0;
+    std::vector<double> residue_m, residue_width_m, residue_albedo, residue_old_albedo;
     double sun_elevation_rad = 0, sun_azimuth_rad = 0, turbidity = 0;
     std::vector<double> overcast;
   } field;
+  RigidSwayConfig sway;
 };
 Fields fields(MaizeConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "scenes/maize/maize_soil.h"
 #include "sim/config/limits.h"
-#include "sim/geometry/gradient_noise.h"
-#include "sim/geometry/smooth_normals.h"
+#include "sim/physics/rigid_sway.h"
 #include "sim/plant/color.h"
 
 namespace cousin {
@@ -18,55 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
-
-/// Clods whose mesh is finest in the middle: cells grow with the distance from it.
-ObjectModel soil_model(const MaizeConfig::Field& c, Rng rng) {
-  constexpr double kStretch = 5;
-  const int n = std::clamp(
-      static_cast<int>(2 * c.half_m / c.cell_m * kStretch / std::sinh(kStretch)), 40, 900);
-  const auto place = [&](int i) {
-    return c.half_m * std::sinh(kStretch * (2.0 * i / n - 1)) / std::sinh(kStretch);
-  };
-  const std::uint64_t key = rng();
-  ObjectModel model;
-  model.name = "soil";
-  for (int j = 0; j <= n; ++j) {
-    for (int i = 0; i <= n; ++i) {
-      const double x = place(i), y = place(j);
-      const Vector3d p(x / c.clod_scale_m, y / c.clod_scale_m, 0.3);
-      const double clods = fractal_noise3(p, 4, key);
-      const double lumps = 0.5 - 1.6 * std::abs(noise3(2.7 * p, key + 1));
-      model.mesh.vertices_m.emplace_back(x, y, c.clod_m * (0.8 * clods + 0.5 * lumps - 0.2));
-    }
-  }
-  const auto row = static_cast<std::uint32_t>(n + 1);
-  for (std::uint32_t j = 0; j + 1 < row; ++j) {
-    for (std::uint32_t i = 0; i + 1 < row; ++i) {
-      const std::uint32_t a = j * row + i;
-      model.mesh.triangles.push_back({a, a + 1, a + row + 1});
-      model.mesh.triangles.push_back({a, a + row + 1, a + row});
-    }
-  }
-  model.vertex_normals = smooth_normals(model.mesh);
-  return model;
-}
-
-void add_soil(Scene& scene, const MaizeConfig& config, Rng rng) {
-  Material soil;
-  soil.name = "soil";
-  soil.albedo = to_rgb(color_vector(config.field.albedo));
-  soil.noise = NoiseTexture{to_rgb(color_vector(config.field.other_albedo)),
-                            0.7 * config.field.clod_scale_m, 9};
-  soil.ior = 1;
-  soil.roughness = 1;
-  soil.infrared_albedo = 0.3F;
-  Instance instance;
-  instance.id = 0;
-  instance.name = instance.category = "soil";
-  scene.models.push_back(soil_model(config.field, rng));
-  scene.materials.push_back(std::move(soil));
-  scene.instances.push_back(std::move(instance));
-}
 
 void add_light(Scene& scene, const MaizeConfig::Field& c, const std::string& light) {
   if (light == "sun") {
@@ -164,7 +115,7 @@ Fields fields(MaizeSceneConfig& c) {
                 {"azimuth_spread_rad", &c.azimuth_spread_rad,
                  "views within this of the direction across the rows", 0, 3.1416},
                 {"rig", &c.rig, "sensor preset"}} +
-         nested("maize", fields(c.plant));
+         scene_wind_fields(c.wind) + nested("maize", fields(c.plant));
 }
 
 void validate(const MaizeSceneConfig& config) {
@@ -213,11 +164,14 @@ Scene build_maize_scene(const MaizeSceneConfig& config, Rng rng) {
   scene.name = "maize";
   scene.rig = config.rig;
   add_light(scene, config.plant.field, config.light);
-  add_soil(scene, config.plant, rng.fork("soil"));
+  add_soil(scene, config.plant.field, rng.fork("soil"));
   const int count = std::min(config.rows * config.plants, config.plant.field.variants);
   const std::vector<Variant> variants = grow_variants(config, count, rng.fork("plants"));
   add_plants(scene, config, variants, rng.fork("field"));
+  add_residues(scene, config.plant.field, rng.fork("soil"));
   scene.views = maize_views(config, trait_of(variants.front(), "height"), rng.fork("views"));
+  constexpr double kFelt = 0.6;  // of the height: where most of the leaf area is
+  sway_specimens(scene, config.wind, config.plant.sway, kFelt, rng.fork("sway"));
   validate(scene);
   return scene;
 }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "sim/config/limits.h"
+#include "sim/physics/rigid_sway.h"
 #include "sim/plant/growth.h"
 
 namespace cousin {
@@ -66,7 +67,7 @@ Fields fields(SeedlingsSceneConfig& c) {
                 {"coverage", &c.coverage,
                  "share of the azimuths and of the tray that views are spread over", 0, 1},
                 {"rig", &c.rig, "sensor preset"}} +
-         nested("watermelon", fields(c.plant)) + fields(c.setting);
+         scene_wind_fields(c.wind) + nested("watermelon", fields(c.plant)) + fields(c.setting);
 }
 
 void validate(const SeedlingsSceneConfig& config) {
@@ -126,6 +127,8 @@ Scene build_seedlings_scene(const SeedlingsSceneConfig& config, Rng rng) {
     scene.instances.push_back(std::move(instance));
   }
   scene.views = seedling_views(config, rng.fork("views"));
+  constexpr double kFelt = 0.8;  // of the height: the leaves
+  sway_specimens(scene, config.wind, config.plant.sway, kFelt, rng.fork("sway"));
   validate(scene);
   return scene;
 }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "sim/config/fields.h"
+#include "sim/physics/rigid_sway.h"
 #include "sim/plant/plant.h"
 #include "sim/types/rng.h"
 
@@ -53,6 +54,7 @@ struct WatermelonConfig {
     double ior = 0, leaf_roughness = 0, stem_roughness = 0;
     double infrared_albedo = 0, infrared_transmittance = 0;
   } surface;
+  RigidSwayConfig sway;
 };
 Fields fields(WatermelonConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.

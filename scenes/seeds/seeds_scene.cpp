@@ -9,21 +9,13 @@
 #include <stdexcept>
 
 #include "scenes/seeds/cultivar.h"
+#include "scenes/seeds/heap.h"
+#include "scenes/seeds/placing.h"
 #include "scenes/seeds/setting.h"
 #include "scenes/seeds/specimen.h"
-#include "sim/geometry/measure.h"
-#include "sim/physics/settle.h"
 
 namespace cousin {
 namespace {
-
-struct Specimen {
-  SeedModel seed;
-  Material material;
-  std::string category;
-  double radius_m = 0;  ///< of the sphere around its centroid
-  ConvexParts parts;    ///< what collides
-};
 
 double radius_m(const Mesh& mesh) {
   double radius = 0;
@@ -31,9 +23,9 @@ double radius_m(const Mesh& mesh) {
   return radius;
 }
 
-Specimen grown(const std::string& name, SizeSpread spread, Rng rng) {
+BoardSpecimen grown(const std::string& name, SizeSpread spread, Rng rng) {
   const CultivarConfig& config = cultivar(name);
-  Specimen specimen{make_seed(name, spread, rng), {}, name};
+  BoardSpecimen specimen{make_seed(name, spread, rng), {}, name};
   specimen.material.name = name;
   specimen.material.albedo = {1, 1, 1};  // the vertices carry the colour
   specimen.material.roughness = config.roughness;
@@ -41,25 +33,30 @@ Specimen grown(const std::string& name, SizeSpread spread, Rng rng) {
   return specimen;
 }
 
-Specimen reference_sphere(const SettingConfig& setting, Rng rng) {
-  Specimen sphere{make_sphere(setting, rng), {}, "sphere"};
+BoardSpecimen reference_sphere(const SettingConfig& setting, Rng rng) {
+  BoardSpecimen sphere{make_sphere(setting, rng), {}, "sphere"};
   // Free: painted matt, so that nothing is mirrored and the estimator alone is tested.
   sphere.material = {.name = "matt sphere", .albedo = {1, 1, 1}, .ior = 1, .roughness = 1};
   return sphere;
 }
 
-Specimen users(const SettingConfig& setting, const std::string& name, const Mesh& mesh, Rng rng) {
-  Specimen specimen{make_specimen(name, mesh, setting.specimen_density_kg_m3), {}, "specimen"};
+BoardSpecimen users(const SettingConfig& setting, const std::string& name, const UserMesh& user,
+                    Rng rng) {
+  BoardSpecimen specimen{
+      make_specimen(name, user.mesh, setting.specimen_density_kg_m3), {}, "specimen"};
   specimen.seed.model.vertex_albedo =
-      mottle(specimen.seed.model.mesh, setting.specimen_albedo, setting.specimen_mottle,
-             setting.specimen_mottle_scale_m, rng);
+      user.vertex_albedo.empty()
+          ? mottle(specimen.seed.model.mesh, setting.specimen_albedo, setting.specimen_mottle,
+                   setting.specimen_mottle_scale_m, rng)
+          : user.vertex_albedo;
   // Free: as waxy as the grains of cultivars.toml, since nothing is known of a user's specimen.
   specimen.material = {.name = "specimen", .albedo = {1, 1, 1}, .ior = 1.47, .roughness = 0.5};
   return specimen;
 }
 
-std::vector<Specimen> make_specimens(const SeedsSceneConfig& config, const SettingConfig& setting,
-                                     Rng rng, const std::optional<Mesh>& user_mesh) {
+std::vector<BoardSpecimen> make_specimens(const SeedsSceneConfig& config,
+                                          const SettingConfig& setting, Rng rng,
+                                          const std::optional<UserMesh>& user_mesh) {
   const std::vector<std::string> names = cultivar_names();
   const auto make = [&](std::size_t i) {
     if (config.sphere) return reference_sphere(setting, rng.fork("sphere"));
@@ -68,7 +65,7 @@ std::vector<Specimen> make_specimens(const SeedsSceneConfig& config, const Setti
         config.cultivar == "mixed" ? names[i % names.size()] : config.cultivar;
     return grown(name, config.spread, rng.fork(i));
   };
-  std::vector<Specimen> specimens(config.sphere ? 1 : static_cast<std::size_t>(config.seeds));
+  std::vector<BoardSpecimen> specimens(config.sphere ? 1 : static_cast<std::size_t>(config.seeds));
   tbb::parallel_for(std::size_t{0}, specimens.size(), [&](std::size_t i) {
     specimens[i] = make(i);
     if (!config.gloss) specimens[i].material.ior = 1;  // nothing is mirrored
@@ -76,164 +73,6 @@ std::vector<Specimen> make_specimens(const SeedsSceneConfig& config, const Setti
     specimens[i].parts = convex_parts(specimens[i].seed.model.mesh);
   });
   return specimens;
-}
-
-Eigen::Quaterniond random_rotation(Rng& rng) {  // uniform [Shoemake 1992]
-  const double u = uniform(rng);
-  const double a = 2 * std::numbers::pi * uniform(rng);
-  const double b = 2 * std::numbers::pi * uniform(rng);
-  return {std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a),
-          std::sqrt(1 - u) * std::cos(a), std::sqrt(u) * std::sin(b)};
-}
-
-/// Release spots whose bounding spheres keep the gap, drawn one after the other; nothing if 2000
-/// darts in a row miss.
-std::optional<std::vector<Pose>> draw_spots(const std::vector<Specimen>& specimens,
-                                            const SettingConfig& setting, Rng rng) {
-  std::vector<Pose> poses;
-  for (const Specimen& specimen : specimens) {
-    const double reach_m = std::min(setting.spot_radius_m, setting.reach_m - specimen.radius_m);
-    bool placed = false;
-    for (int dart = 0; dart < 2000 && !placed; ++dart) {
-      const double r = std::max(0.0, reach_m) * std::sqrt(uniform(rng));
-      const double angle = 2 * std::numbers::pi * uniform(rng);
-      const Eigen::Vector3d spot(r * std::cos(angle), r * std::sin(angle), 0);
-      placed = true;
-      for (std::size_t j = 0; j < poses.size() && placed; ++j) {
-        const double apart_m = (poses[j].translation_m - spot).norm();
-        placed = apart_m >= specimen.radius_m + specimens[j].radius_m + setting.spot_gap_m;
-      }
-      if (placed) poses.push_back({random_rotation(rng), spot});
-    }
-    if (!placed) return {};
-  }
-  return poses;
-}
-
-/// The outline seen from above, as the convex hull's corners at many directions: enough for gaps of
-/// a millimetre.
-std::vector<Eigen::Vector2d> outline(const Mesh& mesh, const Pose& world_from_body) {
-  constexpr int kDirections = 64;
-  std::vector<Eigen::Vector2d> corners(kDirections);
-  std::vector<double> most(kDirections, -1e9);
-  std::vector<Eigen::Vector2d> sides;
-  for (int k = 0; k < kDirections; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kDirections;
-    sides.emplace_back(std::cos(angle), std::sin(angle));
-  }
-  for (const Eigen::Vector3d& vertex : mesh.vertices_m) {
-    const Eigen::Vector2d p = (world_from_body * vertex).head<2>();
-    for (std::size_t k = 0; k < kDirections; ++k) {
-      const double d = sides[k].dot(p);
-      if (d > most[k]) {
-        most[k] = d;
-        corners[k] = p;
-      }
-    }
-  }
-  return corners;
-}
-
-/// Gap between two convex outlines along the best of the directions that separate them; negative
-/// where they overlap.
-double gap_m(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b) {
-  double widest = -1e9;
-  constexpr int kDirections = 128;
-  for (int k = 0; k < kDirections; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kDirections;
-    const Eigen::Vector2d side(std::cos(angle), std::sin(angle));
-    double a_most = -1e9;
-    double b_least = 1e9;
-    for (const Eigen::Vector2d& p : a) a_most = std::max(a_most, side.dot(p));
-    for (const Eigen::Vector2d& p : b) b_least = std::min(b_least, side.dot(p));
-    widest = std::max(widest, b_least - a_most);
-  }
-  return widest;
-}
-
-/// Moves specimens that rest too near another, or too far out, to spots of their own. The board is
-/// a plane: a body at rest that touches no other is at rest anywhere on it. Returns why that is not
-/// possible; empty if it is done.
-std::string slide_apart(const std::vector<Specimen>& specimens, const SettingConfig& setting,
-                        Rng rng, std::vector<Pose>& poses) {
-  constexpr double kLeaning_m = 2e-4;  // nearer than this, one may lean on the other
-  std::vector<std::vector<Eigen::Vector2d>> outlines;
-  for (std::size_t i = 0; i < specimens.size(); ++i) {
-    outlines.push_back(outline(specimens[i].seed.model.mesh, poses[i]));
-    for (std::size_t j = 0; j < i; ++j) {
-      if (gap_m(outlines[i], outlines[j]) < kLeaning_m) return "two specimens touch";
-    }
-  }
-  for (std::size_t i = 0; i < specimens.size(); ++i) {
-    const auto fits = [&](const std::vector<Eigen::Vector2d>& shape) {
-      for (const Eigen::Vector2d& p : shape) {
-        if (p.norm() > setting.reach_m) return false;
-      }
-      for (std::size_t j = 0; j < i; ++j) {
-        if (gap_m(shape, outlines[j]) < setting.rest_gap_m) return false;
-      }
-      return true;
-    };
-    bool placed = fits(outlines[i]);
-    Rng darts = rng.fork(i);
-    for (int dart = 0; dart < 2000 && !placed; ++dart) {
-      const double r = setting.spot_radius_m * std::sqrt(uniform(darts));
-      const double angle = 2 * std::numbers::pi * uniform(darts);
-      const Eigen::Vector2d move = Eigen::Vector2d(r * std::cos(angle), r * std::sin(angle)) -
-                                   Eigen::Vector2d(poses[i].translation_m.head<2>());
-      std::vector<Eigen::Vector2d> moved = outlines[i];
-      for (Eigen::Vector2d& p : moved) p += move;
-      placed = fits(moved);
-      if (!placed) continue;
-      outlines[i] = std::move(moved);
-      poses[i].translation_m.head<2>() += move;
-    }
-    if (!placed) return "no spot is left at placing.rest_gap_m from the others";
-  }
-  return {};
-}
-
-/// Drops the specimens; new spots are drawn where they do not come to rest apart from each other.
-std::vector<Pose> drop(const std::vector<Specimen>& specimens, const SettingConfig& setting,
-                       Rng rng) {
-  SettleConfig settle_config;
-  settle_config.drop_height_m = setting.drop_height_m;
-  std::string problem =
-      "no room for " + std::to_string(specimens.size()) + " specimens on the board";
-  for (int attempt = 0; attempt < setting.attempts; ++attempt) {
-    const auto spots =
-        draw_spots(specimens, setting, rng.fork(static_cast<std::uint64_t>(attempt)));
-    if (!spots) continue;
-    std::vector<SettleBody> bodies;
-    for (std::size_t i = 0; i < specimens.size(); ++i) {
-      bodies.push_back({&specimens[i].seed.model.mesh, specimens[i].seed.mass_kg, (*spots)[i],
-                        &specimens[i].parts});
-    }
-    SettleResult rest = settle(bodies, settle_config);
-    if (rest.status == SettleStatus::not_built) {
-      throw std::runtime_error(
-          "seeds: MuJoCo is not built in (WITH_MUJOCO=OFF), so nothing can be dropped");
-    }
-    if (rest.status == SettleStatus::engine_warning) {
-      throw std::runtime_error("seeds: the physics engine gave " + std::to_string(rest.warnings) +
-                               " warnings; the first: " + rest.first_warning);
-    }
-    if (rest.status == SettleStatus::ok) {
-      const Rng slide = rng.fork("slide").fork(static_cast<std::uint64_t>(attempt));
-      problem = slide_apart(specimens, setting, slide, rest.world_from_body);
-      if (problem.empty()) return rest.world_from_body;
-    } else {
-      problem = "they did not settle: " + std::string(to_string(rest.status));
-    }
-  }
-  double largest_m = 0;
-  for (const Specimen& specimen : specimens) largest_m = std::max(largest_m, specimen.radius_m);
-  if (largest_m > setting.reach_m) {
-    problem += "; a specimen is " + std::to_string(2 * largest_m) + " m across and " +
-               std::to_string(2 * setting.reach_m) + " m have room (see specimen_scale)";
-  }
-  throw std::runtime_error("seeds: " + std::to_string(setting.attempts) +
-                           " attempts to drop the specimens failed; the last: " + problem);
 }
 
 SizeSpread spread_from_string(const std::string& text) {
@@ -253,8 +92,13 @@ Fields fields(SeedsSceneConfig& c) {
        "zhengdan958, tianguinuo932, jimai22, aikang58, suijing18, xiangyaxiangzhan or mixed"},
       {"seeds", &c.seeds, "on the board", 0, 40},
       {"spread", spread, "of sizes: literature, or paper (what its R^2 and RMSE imply)"},
-      {"specimen", &c.specimen, "\"\" = grown; mesh:FILE = a closed mesh (PLY, OBJ, STL)"},
+      {"specimen", &c.specimen, "\"\" = grown; mesh:FILE = a closed mesh (PLY, OBJ, STL, glTF)"},
       {"specimen_scale", &c.specimen_scale, "metres per unit of that mesh", 1e-9, 1e6},
+      {"placing", &c.placing,
+       "apart: none touches another; heap: poured on one another, as visible_fraction asks"},
+      {"visible_fraction", &c.visible_fraction,
+       "of a heap: share of a seed's image that others leave free, mean over seeds and views", 0.05,
+       1},
       {"markers", &c.markers, "false: the paper's plain board"},
       {"gloss", &c.gloss, "false: seeds without a coat, that mirror nothing"},
       {"sphere", &c.sphere, "a 22 mm matt speckled sphere instead of the seeds"},
@@ -279,6 +123,13 @@ void validate(const SeedsSceneConfig& config) {
   if (config.cultivar != "mixed" &&
       std::find(names.begin(), names.end(), config.cultivar) == names.end()) {
     cultivar(config.cultivar);  // throws, naming those that exist
+  }
+  if (config.placing != "apart" && config.placing != "heap") {
+    throw std::invalid_argument("placing \"" + config.placing + "\" is not one of apart, heap");
+  }
+  if (config.placing == "heap" && (config.seeds < 2 || config.sphere)) {
+    throw std::invalid_argument("placing = heap needs 2 seeds or more, and no sphere; seeds = " +
+                                std::to_string(config.seeds));
   }
   if (config.ring_elevations_rad.empty() ||
       config.ring_elevations_rad.size() != config.ring_distances_m.size()) {
@@ -305,7 +156,7 @@ void validate(const SeedsSceneConfig& config) {
 }
 
 Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
-                        const std::optional<Mesh>& user_mesh,
+                        const std::optional<UserMesh>& user_mesh,
                         const std::optional<Environment>& environment) {
   validate(config);
   if (!config.specimen.empty() && !user_mesh) {
@@ -331,11 +182,15 @@ Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
     add_lights(scene, config.light);
   }
 
-  std::vector<Specimen> specimens =
+  std::vector<BoardSpecimen> specimens =
       make_specimens(config, setting, rng.fork("specimens"), user_mesh);
-  const std::vector<Pose> poses = drop(specimens, setting, rng.fork("drop"));
+  const std::vector<View> views = camera_path(config, rng.fork("views"));
+  const bool is_heap = config.placing == "heap";
+  const Heap heap =
+      is_heap ? drop_heap(specimens, setting, views, config.visible_fraction, rng.fork("drop"))
+              : Heap{drop_apart(specimens, setting, rng.fork("drop")), {}, {}};
   for (std::size_t i = 0; i < specimens.size(); ++i) {
-    Specimen& specimen = specimens[i];
+    BoardSpecimen& specimen = specimens[i];
     Instance instance;
     instance.id = static_cast<int>(scene.instances.size());
     instance.name = specimen.category + " " + std::to_string(i);
@@ -343,15 +198,19 @@ Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
     instance.is_specimen = true;
     instance.model = static_cast<int>(scene.models.size());
     instance.material = static_cast<int>(scene.materials.size());
-    instance.world_from_object = poses[i];
+    instance.world_from_object = heap.world_from_specimen[i];
     instance.mass_kg = specimen.seed.mass_kg;
     instance.traits = specimen.seed.traits;
+    if (is_heap) {
+      instance.traits.push_back({"visible_fraction", "1", heap.visible[i]});
+      instance.traits.push_back({"touching", "1", static_cast<double>(heap.touching[i])});
+    }
     specimen.seed.model.name = instance.name;
     scene.models.push_back(std::move(specimen.seed.model));
     scene.materials.push_back(std::move(specimen.material));
     scene.instances.push_back(std::move(instance));
   }
-  scene.views = camera_path(config, rng.fork("views"));
+  scene.views = views;
   validate(scene);
   return scene;
 }

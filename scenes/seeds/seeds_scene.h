@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/config/fields.h"
+#include "sim/geometry/user_mesh.h"
 #include "sim/truth/scene.h"
 #include "sim/types/mesh.h"
 #include "sim/types/rng.h"
@@ -19,10 +20,14 @@ struct SeedsSceneConfig {
   SizeSpread spread = SizeSpread::literature;  ///< "paper": the spread its R^2 and RMSE imply
   std::string specimen;  ///< "" = grown by us; "mesh:FILE" = a user's watertight mesh in metres
   double specimen_scale = 1;  ///< metres per unit of that mesh
-  bool markers = true;        ///< false: the paper's plain board
-  bool gloss = true;          ///< false: seeds without their coat, to see what its mirrors cost
-  bool sphere = false;        ///< a 22 mm matt speckled sphere instead of the seeds
-  int views = 60;             ///< spread over three rings
+  /// "apart": none touches another; "heap": poured on one another.
+  std::string placing = "apart";
+  /// Of a heap: share of a seed's image that others leave free, mean over seeds and views.
+  double visible_fraction = 0.7;
+  bool markers = true;  ///< false: the paper's plain board
+  bool gloss = true;    ///< false: seeds without their coat, to see what its mirrors cost
+  bool sphere = false;  ///< a 22 mm matt speckled sphere instead of the seeds
+  int views = 60;       ///< spread over three rings
   std::vector<double> ring_elevations_rad = {0.26, 0.61, 1.05};
   std::vector<double> ring_distances_m = {0.75, 0.55, 0.33};  ///< mean camera distance of each ring
   double distance_min_m = 0.30;  ///< hand-held distances wander within these
@@ -47,13 +52,16 @@ struct SeedModel {
 };
 SeedModel make_seed(const std::string& cultivar, SizeSpread spread, Rng rng);
 
-/// The whole setting: board, screen, seeds dropped and settled, lights, camera path.
+/// The whole setting: board, screen, seeds dropped and settled, lights, camera path. In a heap each
+/// specimen has two traits more: visible_fraction, of its own image, mean over the views; touching,
+/// the number of others that it touches.
 /// @param user_mesh  the specimen's mesh when config.specimen names a file (already read and
 /// scaled)
 /// @param environment  when config.environment names a file (already read and scaled)
-/// @throws std::runtime_error if seeds cannot be settled or the mesh is not watertight.
+/// @throws std::runtime_error if seeds cannot be settled, a heap cannot be as visible as asked for,
+/// or the mesh is not watertight.
 Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
-                        const std::optional<Mesh>& user_mesh = {},
+                        const std::optional<UserMesh>& user_mesh = {},
                         const std::optional<Environment>& environment = {});
 
 }  // namespace cousin

@@ -88,6 +88,10 @@ Fields fields(SettingConfig& c) {
       {"placing.reach_m", &c.reach_m, "farthest part from the centre", 1e-3, 1},
       {"placing.drop_height_m", &c.drop_height_m, "lowest point above the board", 0, 1},
       {"placing.attempts", &c.attempts, "draws before giving up", 1, 1000},
+      {"heap.drag_per_s", &c.heap_drag_per_s, "slows what is poured", 0, 100},
+      {"heap.time_s", &c.heap_time_s, "simulated before giving up", 0.1, 60},
+      {"heap.rest_energy_j", &c.heap_rest_energy_j, "of all at rest", 1e-18, 1},
+      {"heap.penetration_m", &c.heap_penetration_m, "deepest allowed overlap", 0, 0.01},
   };
 }
 

@@ -19,7 +19,10 @@
 //   scene_gt_info.json BOP's, there if images are: {"0": [{"bbox_obj": [x, y, w, h],
 //                      "bbox_visib" (-1 four times if unseen), "px_count_all", "px_count_visib",
 //                      "visib_fract", "instance_id"}]}
-//   traits.json        {"instances": [{"instance", "traits": [{"name", "unit", "value"}]}]}
+//   traits.json        {"instances": [{"instance", "traits": [{"name", "unit", "value"}]}],
+//                       "views": likewise of what all views show together, and
+//                       "frames": {"0": likewise of each}: leaf_area and visible_leaf_area of the
+//                      specimens; both if planned, derived, never read
 //   keypoints.json     {"models": [{"model", "keypoints": [{"name", "in_object_m": [3]}]}],
 //                       "frames": {"0": [{"instance", "keypoint", "state", "u_px", "v_px",
 //                      "depth_m"}]}}; frames if planned; state: visible, occluded, outside;
@@ -325,7 +328,7 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
   write_file(dir / "camera.json", views_to_json(truth.views, truth.other_sensors));
   write_file(dir / "scene.json", scene_to_json(truth.scene));
   write_file(dir / "scene_gt.json", scene_gt_to_json(truth.scene, truth.views));
-  write_file(dir / "traits.json", true_traits_to_json(truth.scene));
+  write_file(dir / "traits.json", true_traits_to_json(truth.scene, truth.views, truth.images));
   write_file(dir / "keypoints.json", keypoints_to_json(truth.scene, truth.views, truth.images));
   if (!truth.images.empty())
     write_file(dir / "scene_gt_info.json", scene_gt_info_to_json(truth.views, truth.images));

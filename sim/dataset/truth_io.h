@@ -32,8 +32,8 @@ struct SceneTruth {
 /// file cannot be written.
 void write_truth(const std::filesystem::path& scene_dir, const SceneTruth& truth);
 /// The image files of one frame alone, so that a long scene need not be in memory at once:
-/// write_truth with what is then left of each frame, its `visibility` and `keypoints`, makes the
-/// same folder.
+/// write_truth with what is then left of each frame, its `visibility`, `keypoints` and
+/// `leaf_areas`, makes the same folder.
 /// @throws as write_truth.
 void write_truth_images(const std::filesystem::path& scene_dir, const Scene& scene, int frame,
                         const TruthImages& images);

@@ -258,7 +258,30 @@ Scene scene_from_json(std::string_view text, const std::string& name, SceneFiles
 // ---- traits.json
 // -----------------------------------------------------------------------------------
 
-std::string true_traits_to_json(const Scene& scene) {
+namespace {
+
+/// Whole and seen leaf area of each specimen, over some views together.
+Json leaf_areas_json(const std::vector<const TruthImages*>& images) {
+  Json entries = Json::array();
+  for (std::size_t k = 0; k < images.front()->leaf_areas.size(); ++k) {
+    std::vector<const LeafAreaView*> views;
+    for (const TruthImages* image : images) {
+      if (image->leaf_areas.size() != images.front()->leaf_areas.size())
+        throw std::invalid_argument("truth: not all views have the leaf areas of all specimens");
+      views.push_back(&image->leaf_areas[k]);
+    }
+    const Json whole = {{"name", "leaf_area"}, {"unit", "m2"}, {"value", views.front()->whole_m2}};
+    const Json seen = {
+        {"name", "visible_leaf_area"}, {"unit", "m2"}, {"value", seen_area_m2(views)}};
+    entries.push_back({{"instance", views.front()->instance}, {"traits", {whole, seen}}});
+  }
+  return entries;
+}
+
+}  // namespace
+
+std::string true_traits_to_json(const Scene& scene, const std::vector<TrueView>& views,
+                                const std::vector<TruthImages>& images) {
   Json instances = Json::array();
   for (const Instance& instance : scene.instances) {
     if (instance.traits.empty()) continue;
@@ -270,13 +293,19 @@ std::string true_traits_to_json(const Scene& scene) {
   }
   Json root = Json::object();
   root["instances"] = instances;
+  std::vector<const TruthImages*> all;
+  for (const TruthImages& image : images) all.push_back(&image);
+  if (all.empty() || all.front()->leaf_areas.empty()) return to_text(root);
+  root["views"] = leaf_areas_json(all);
+  for (std::size_t i = 0; i < images.size(); ++i)
+    root["frames"][std::to_string(views[i].frame)] = leaf_areas_json({all[i]});
   return to_text(root);
 }
 
 void true_traits_from_json(std::string_view text, const std::string& name, Scene& scene) {
   const JsonDocument document(text, name);
   const JsonNode root = document.root();
-  root.expect_keys({"instances"});
+  root.expect_keys({"instances"}, {"views", "frames"});
   std::map<int, Instance*> by_id;
   for (Instance& instance : scene.instances) by_id[instance.id] = &instance;
   for (const JsonNode& node : root["instances"].elements(kMaxInstances)) {

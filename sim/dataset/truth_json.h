@@ -43,7 +43,9 @@ void keypoints_from_json(std::string_view text, const std::string& name, Scene& 
 /// The frames' part, for a scene whose keypoints are read.
 void keypoint_views_from_json(std::string_view text, const std::string& name, const Scene& scene,
                               const std::vector<TrueView>& views, std::vector<TruthImages>& images);
-std::string true_traits_to_json(const Scene& scene);
+/// With what the views show, if any image has leaf areas.
+std::string true_traits_to_json(const Scene& scene, const std::vector<TrueView>& views,
+                                const std::vector<TruthImages>& images);
 void true_traits_from_json(std::string_view text, const std::string& name, Scene& scene);
 
 std::string scene_gt_to_json(const Scene& scene, const std::vector<TrueView>& views);

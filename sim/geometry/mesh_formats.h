@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "sim/geometry/user_mesh.h"
 #include "sim/types/mesh.h"
 
 namespace cousin::geometry {
@@ -31,6 +33,7 @@ struct PlyElement {
   std::size_t count = 0;
   std::vector<std::string> columns;         ///< scalar properties, in order
   std::vector<std::vector<double>> values;  ///< values[column][row]
+  std::vector<bool> is_float;               ///< of each column: its numbers are no integers
   std::string list;  ///< name of the list property that is kept; empty = none
   std::vector<std::vector<std::uint32_t>> lists;
   /// Column of that name, or null.
@@ -44,10 +47,27 @@ Ply parse_ply(std::string_view bytes, const std::string& name);
 /// Vertices and faces; polygons are fanned. A file without faces is a mesh of points.
 Mesh mesh_of_ply(const Ply& ply, const std::string& name);
 
-/// v and f lines; f takes v, v/vt, v//vn, v/vt/vn and negative indices; other lines are passed
-/// over.
-Mesh parse_obj(std::string_view bytes, const std::string& name);
+/// The same with the vertices' colours.
+UserMesh user_mesh_of_ply(const Ply& ply, const std::string& name);
+
+/// v, f, o and g lines; f takes v, v/vt, v//vn, v/vt/vn and negative indices; other lines are
+/// passed over. Ends where there are more than `most_triangles`.
+UserMesh parse_obj(std::string_view bytes, const std::string& name,
+                   std::size_t most_triangles = kMaxElements);
 /// ASCII or binary, told apart by size. Vertices are repeated as the file repeats them.
 Mesh parse_stl(std::string_view bytes, const std::string& name);
+
+/// Bytes of a file that a glTF file names. @throws std::runtime_error if there is none.
+using OpenFile = std::function<std::string(const std::string& uri)>;
+/// Of files in the folder of `file`; names that lead out of it are refused.
+OpenFile files_beside(const std::filesystem::path& file);
+/// glTF 2.0, as JSON or as the binary container.
+UserMesh parse_gltf(std::string_view bytes, const std::string& name, const OpenFile& open,
+                    std::size_t most_triangles = kMaxElements);
+
+/// Linear light of an sRGB value in [0, 1] [IEC 61966-2-1].
+float linear_of_srgb(float srgb);
+/// Gives each part a name of its own, and a name at all.
+void name_parts(UserMesh& user);
 
 }  // namespace cousin::geometry

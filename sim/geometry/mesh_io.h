@@ -7,9 +7,8 @@
 
 namespace cousin {
 
-/// Reads PLY (ASCII, binary of both byte orders), OBJ or STL (ASCII, binary); polygons are fanned,
-/// STL is welded. Units are the file's. Input is hostile: counts are bounded by the file's size and
-/// by 2^26.
+/// Triangles alone of what read_user_mesh reads; STL and glTF are welded. Units are the file's.
+/// Input is hostile: counts are bounded by the file's size and by 2^26.
 /// @throws std::runtime_error naming file, line or byte, and what was expected.
 Mesh read_mesh(const std::filesystem::path& file);
 

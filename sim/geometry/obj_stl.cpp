@@ -1,6 +1,7 @@
 #include <array>
 #include <charconv>
 #include <cstring>
+#include <map>
 #include <stdexcept>
 
 #include "sim/geometry/mesh_formats.h"
@@ -67,6 +68,55 @@ std::uint32_t obj_index(std::string_view word, std::size_t vertices, const Words
   return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
 }
 
+/// "x y z", or "x y z r g b" with a colour, or "x y z w".
+void read_obj_vertex(UserMesh& user, Words& words, const std::string& name) {
+  Eigen::Vector3d v;
+  for (int k = 0; k < 3; ++k) v[k] = number(words.next_on_line(), words, name);
+  user.mesh.vertices_m.push_back(v);
+  if (user.mesh.vertices_m.size() > kMaxElements)
+    fail(name, words.where(), "more than 2^26 vertices");
+  std::array<float, 3> colour{};
+  std::size_t count = 0;
+  for (auto word = words.next_on_line(); !word.empty() && count < 3; word = words.next_on_line())
+    colour[count++] = static_cast<float>(number(word, words, name));
+  if (count < 3) return;
+  for (float& c : colour) {
+    if (!(c >= 0 && c <= 1))
+      fail(name, words.where(), "the colour " + std::to_string(c) + " is not in [0, 1]");
+    c = linear_of_srgb(c);
+  }
+  user.vertex_albedo.push_back({colour[0], colour[1], colour[2]});
+}
+
+/// Parts by the o and g lines; a name that comes again is the same part.
+class ObjParts {
+ public:
+  explicit ObjParts(UserMesh& user) : user_(user) {}
+  void begin(const std::string& name) {
+    part_ = number_of(name);
+    is_named_ = true;
+  }
+  void add(std::size_t triangles, const Words& words, const std::string& name) {
+    if (user_.part_names.empty()) part_ = number_of("");
+    if (part_ > 65534) fail(name, words.where(), "more than 65535 objects and groups");
+    user_.triangle_part.insert(user_.triangle_part.end(), triangles,
+                               static_cast<std::uint16_t>(part_));
+  }
+  bool is_named() const { return is_named_; }
+
+ private:
+  std::size_t number_of(const std::string& name) {
+    const auto [found, is_new] = numbers_.try_emplace(name, user_.part_names.size());
+    if (is_new) user_.part_names.push_back(name);
+    return found->second;
+  }
+
+  UserMesh& user_;
+  std::map<std::string, std::size_t> numbers_;
+  std::size_t part_ = 0;
+  bool is_named_ = false;
+};
+
 constexpr std::size_t kStlHeader = 84;
 constexpr std::size_t kStlTriangle = 50;
 
@@ -116,16 +166,14 @@ Mesh parse_ascii_stl(std::string_view bytes, const std::string& name) {
 
 }  // namespace
 
-Mesh parse_obj(std::string_view bytes, const std::string& name) {
-  Mesh mesh;
+UserMesh parse_obj(std::string_view bytes, const std::string& name, std::size_t most_triangles) {
+  UserMesh user;
+  Mesh& mesh = user.mesh;
+  ObjParts parts(user);
   Words words(bytes);
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
     if (word == "v") {
-      Eigen::Vector3d v;
-      for (int k = 0; k < 3; ++k) v[k] = number(words.next_on_line(), words, name);
-      mesh.vertices_m.push_back(v);
-      if (mesh.vertices_m.size() > kMaxElements)
-        fail(name, words.where(), "more than 2^26 vertices");
+      read_obj_vertex(user, words, name);
     } else if (word == "f") {
       std::vector<std::uint32_t> polygon;
       for (auto corner = words.next_on_line(); !corner.empty(); corner = words.next_on_line()) {
@@ -134,11 +182,28 @@ Mesh parse_obj(std::string_view bytes, const std::string& name) {
       if (polygon.size() < 3) fail(name, words.where(), "a face has fewer than 3 vertices");
       for (std::size_t k = 2; k < polygon.size(); ++k)
         mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+      if (mesh.triangles.size() > most_triangles) {
+        fail(name, words.where(),
+             "more than " + std::to_string(most_triangles) + " triangles, which is the limit");
+      }
+      parts.add(polygon.size() - 2, words, name);
+    } else if (word == "o" || word == "g") {
+      parts.begin(std::string(words.next_on_line().substr(0, 200)));
     }
     words.skip_line();
   }
   if (mesh.vertices_m.empty()) fail(name, words.where(), "there are no vertices");
-  return mesh;
+  if (!user.vertex_albedo.empty() && user.vertex_albedo.size() != mesh.vertices_m.size()) {
+    fail(name, words.where(),
+         "colours at " + std::to_string(user.vertex_albedo.size()) + " of " +
+             std::to_string(mesh.vertices_m.size()) + " vertices; all need one, or none");
+  }
+  if (!parts.is_named()) user.triangle_part.clear();
+  if (!user.triangle_part.empty())
+    name_parts(user);
+  else
+    user.part_names.clear();
+  return user;
 }
 
 Mesh parse_stl(std::string_view bytes, const std::string& name) {

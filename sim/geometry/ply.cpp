@@ -221,6 +221,7 @@ void read_element(PlyElement& element, const std::vector<Property>& properties, 
       if (is_indices || (element.name == "face" && element.list.empty())) element.list = p.name;
     } else {
       element.columns.push_back(p.name);
+      element.is_float.push_back(p.type == Type::f32 || p.type == Type::f64);
       element.values.emplace_back(element.count);
     }
   }

@@ -18,9 +18,6 @@ namespace cousin {
 namespace {
 
 constexpr double kHold_s = 0.05;  // rest must last as long
-// Room for contacts, a body: the engine's memory grows with its square. Too little is a warning,
-// which is fatal.
-constexpr std::size_t kContacts = 30;
 
 struct Body {
   const SettleBody* given = nullptr;
@@ -78,6 +75,9 @@ std::vector<Pose> release_poses(const std::vector<Body>& bodies, double drop_hei
 std::string model_xml(const std::vector<Body>& bodies, const std::vector<Pose>& poses,
                       const SettleConfig& config) {
   const double h = config.step_s;
+  // Too little room is a warning, which is fatal.
+  const std::size_t contacts =
+      static_cast<std::size_t>(config.contacts_per_body) * bodies.size() + 20;
   std::string xml =
       "<mujoco><compiler angle=\"radian\" balanceinertia=\"false\"/><option timestep=\"" +
       xml_numbers({h}) +
@@ -87,8 +87,7 @@ std::string model_xml(const std::vector<Body>& bodies, const std::vector<Pose>& 
       std::to_string(config.noslip_iterations) +
       "\" mpr_tolerance=\"1e-9\" mpr_iterations=\"200\"><flag multiccd=\"enable\"/></option>"
       "<size nconmax=\"" +
-      std::to_string(kContacts * bodies.size() + 20) + "\" njmax=\"" +
-      std::to_string(6 * (kContacts * bodies.size() + 20)) +
+      std::to_string(contacts) + "\" njmax=\"" + std::to_string(6 * contacts) +
       "\"/><default><geom condim=\"6\" solref=\"" + xml_numbers({2 * h, 1}) +
       "\" solimp=\".99 .999 .0001\" friction=\"" +
       xml_numbers({config.friction, config.spinning_friction_m, config.rolling_friction_m}) +

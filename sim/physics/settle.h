@@ -30,6 +30,7 @@ struct SettleConfig {
   double max_penetration_m = 2e-5;
   double board_half_m = 0.05;  ///< bodies whose centroid leaves this square have left the board
   int noslip_iterations = 3;
+  int contacts_per_body = 30;  ///< that the engine has room for; its memory grows with the square
 };
 Fields fields(SettleConfig& config);
 void validate(const SettleConfig& config);

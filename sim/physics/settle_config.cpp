@@ -19,6 +19,7 @@ Fields fields(SettleConfig& c) {
       {"rest_energy_j", &c.rest_energy_j, "kinetic energy at rest", 1e-18, 1},
       {"max_penetration_m", &c.max_penetration_m, "deepest allowed overlap", 0, 0.01},
       {"board_half_m", &c.board_half_m, "half the side of the square to stay on", 1e-3, 100},
+      {"contacts_per_body", &c.contacts_per_body, "that there is room for", 10, 1000},
       {"noslip_iterations", &c.noslip_iterations, "of the engine's no-slip solver", 0, 100},
   };
 }

@@ -13,6 +13,7 @@
 
 #include "sim/render/exact_hit.h"
 #include "sim/render/keypoint_truth.h"
+#include "sim/render/leaf_area_truth.h"
 #include "sim/render/ray_scene_impl.h"
 #include "sim/render/ray_table.h"
 #include "sim/render/truth_samples.h"
@@ -310,6 +311,7 @@ TruthImages render_truth(const RayScene& rays, const Scene& scene, const TrueVie
   }
   if (needs.shares) truth.shares = specimen_shares(rays, prepared, config.share_samples);
   if (needs.keypoints) truth.keypoints = view_keypoints(rays, scene, view);
+  if (needs.leaf_area) truth.leaf_areas = view_leaf_areas(rays, scene, view);
   if (needs.visibility) add_visibility(rays, view, prepared, instance, truth);
   if (needs.instance) truth.instance = std::move(instance);
   return truth;

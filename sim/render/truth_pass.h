@@ -26,6 +26,7 @@ struct TruthNeeds {
   /// pixel centres, which no image of centres shows, has its area here.
   bool shares = false;
   bool keypoints = false;  ///< of the specimens: see keypoint_truth.h
+  bool leaf_area = false;  ///< of the specimens, whole and seen: see leaf_area_truth.h
   /// To the scene's next view: see view_match.h. By whoever has both views, not by render_truth.
   bool flow = false;
   // By whoever has the rig: see match_views and the depth sensor.

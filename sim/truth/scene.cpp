@@ -26,6 +26,17 @@ Mesh mesh_in_world(const Scene& scene, const Instance& instance, double time_s) 
   return mesh;
 }
 
+double seen_area_m2(const std::vector<const LeafAreaView*>& views) {
+  if (views.empty() || views.front()->is_seen.empty()) return 0;
+  const std::size_t points = views.front()->is_seen.size();
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < points; ++i) {
+    seen += std::any_of(views.begin(), views.end(),
+                        [i](const LeafAreaView* view) { return view->is_seen.at(i); });
+  }
+  return views.front()->whole_m2 * static_cast<double>(seen) / static_cast<double>(points);
+}
+
 Pose pose_at_row(const TrueView& view, double y) {
   // A global shutter with an exposure: all rows see the middle of the way.
   if (view.exposure_s > 0 && !(view.readout_s > 0)) return pose_in_exposure(view, y, 0.5);

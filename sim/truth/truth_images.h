@@ -80,6 +80,16 @@ struct KeypointView {
   double depth_m = std::numeric_limits<double>::quiet_NaN();  ///< along the optical axis
 };
 
+/// Leaf surface of an instance, one side, and what a view shows of it. Points that share the area
+/// evenly stand for it, the same in every view, so that views can be taken together.
+struct LeafAreaView {
+  int instance = 0;
+  double whole_m2 = 0;
+  std::vector<bool> is_seen;  ///< one for each point
+};
+/// Area seen in any of several views of one instance.
+double seen_area_m2(const std::vector<const LeafAreaView*>& views);
+
 /// Where another view sees what each pixel's centre shows.
 struct ViewMatch {
   Image<Eigen::Vector2f> flow_px;  ///< pixel there less pixel here; NaN = no surface, or no image
@@ -99,8 +109,9 @@ struct TruthImages {
   std::vector<Image<std::uint8_t>>
       masks_full;                      ///< one for each of `visibility`: 255 inside the amodal mask
   std::vector<InstanceShares> shares;  ///< specimens, by id
-  std::vector<KeypointView> keypoints;  ///< of the specimens by id, in the models' order
-  ViewMatch flow;                       ///< in the next view of the scene
+  std::vector<KeypointView> keypoints;   ///< of the specimens by id, in the models' order
+  std::vector<LeafAreaView> leaf_areas;  ///< of the specimens by id
+  ViewMatch flow;                        ///< in the next view of the scene
   ViewMatch stereo;  ///< in the rig's second camera, at the same time; disparity = -flow_px.x()
   // Of the rig's depth sensor, in its own pixels.
   Image<float> noise_free_depth_m;     ///< along its optical axis; NaN = no surface

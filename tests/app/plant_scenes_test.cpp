@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "sim/dataset/atomic_file.h"
@@ -28,6 +29,58 @@ Words tiny_tray() {
 
 nlohmann::json json_in(const fs::path& file) {
   return nlohmann::json::parse(read_file(file), nullptr, false);
+}
+
+/// A square of 40 x 60 units on a stem's box, each an object of its own.
+std::string seedling_obj() {
+  return "o leaf\nv -20 -30 50\nv 20 -30 50\nv 20 30 50\nv -20 30 50\nf 1 2 3 4\n"
+         "o stem\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nv 0 0 50\nf 5 7 6\nf 5 6 8\nf 6 7 8\nf 7 5 8\n";
+}
+
+TEST(PlantScenes, AUsersMeshIsRenderedWithItsTraitsAndLeafAreas) {
+  const Program program;
+  write_file(program.path("mine.obj"), seedling_obj());
+  const Words render = {"render",   "specimen",
+                        "--set",    "mesh=mine.obj",
+                        "--set",    "rig.width_px=64",
+                        "--set",    "rig.height_px=48",
+                        "--set",    "render.pixel_samples=1",
+                        "--frames", "2",
+                        "--truth",  "visibility,leaf_area"};
+  const Outcome refused = program.run(render + Words{"--out", "metres"});
+  EXPECT_EQ(refused.code, 3);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("mine.obj"), HasSubstr("unit=mm")));
+  EXPECT_FALSE(fs::exists(program.path("metres")));
+
+  const Outcome done = program.run(render + Words{"--out", "mine", "--set", "unit=mm"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(program.run({"verify", "mine"}).out, "mine: no problems\n");
+  const nlohmann::json traits = json_in(program.path("mine/000000/truth/traits.json"));
+  std::map<std::string, double> values;
+  for (const auto& trait : traits["instances"][0]["traits"])
+    values[trait["name"]] = trait["value"].get<double>();
+  EXPECT_NEAR(values["height"], 0.05, 1e-12);
+  EXPECT_NEAR(values["leaf_area"], 0.04 * 0.06, 1e-12);
+  EXPECT_EQ(values["watertight"], 0);
+  EXPECT_FALSE(values.contains("volume"));
+  // Views from above see all of a leaf that nothing hides.
+  for (const auto* part : {"views", "frames"}) ASSERT_TRUE(traits.contains(part)) << part;
+  const auto& seen = traits["views"][0]["traits"][1];
+  EXPECT_EQ(seen["name"], "visible_leaf_area");
+  EXPECT_NEAR(seen["value"].get<double>(), 0.04 * 0.06, 1e-6);
+  EXPECT_EQ(traits["frames"].size(), 2U);
+
+  // Another file under the same name is another dataset.
+  write_file(program.path("mine.obj"), seedling_obj() + "# changed\n");
+  EXPECT_EQ(program.run(render + Words{"--out", "mine", "--set", "unit=mm"}).code, 2);
+  const Outcome absent =
+      program.run({"render", "specimen", "--set", "mesh=none.ply", "--out", "none"});
+  EXPECT_EQ(absent.code, 3);
+  EXPECT_THAT(absent.err, HasSubstr("none.ply"));
+  const Outcome unset = program.run({"render", "specimen", "--out", "none"});
+  EXPECT_EQ(unset.code, 2);
+  EXPECT_THAT(unset.err, HasSubstr("--set mesh=FILE"));
+  EXPECT_EQ(program.run({"render", "specimen", "--keys"}).code, 0);
 }
 
 TEST(PlantScenes, AreListedWithWhatTheyLack) {

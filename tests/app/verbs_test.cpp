@@ -154,7 +154,7 @@ TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
   EXPECT_THAT(
       unknown.err,
       HasSubstr("\"colour\" is not one of depth, normal, instance, part, position, "
-                "coverage, visibility, shares, keypoints, flow, disparity, noise_free_depth, "
+                "coverage, visibility, shares, keypoints, leaf_area, flow, disparity, noise_free_depth, "
                 "invalid_reason, all, none"));
   EXPECT_FALSE(fs::exists(program.path("new")));
 }

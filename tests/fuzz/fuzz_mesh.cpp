@@ -13,12 +13,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   const auto attempt = [&](auto read) {
     try {
-      check_watertight(weld(read()));
+      check_watertight(weld(read().mesh));
     } catch (const std::runtime_error&) {
     }
   };
-  attempt([&] { return geometry::mesh_of_ply(geometry::parse_ply(bytes, "fuzz"), "fuzz"); });
+  attempt([&] { return geometry::user_mesh_of_ply(geometry::parse_ply(bytes, "fuzz"), "fuzz"); });
   attempt([&] { return geometry::parse_obj(bytes, "fuzz"); });
-  attempt([&] { return geometry::parse_stl(bytes, "fuzz"); });
+  attempt([&] { return UserMesh{.mesh = geometry::parse_stl(bytes, "fuzz")}; });
   return 0;
 }

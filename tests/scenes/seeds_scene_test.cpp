@@ -115,7 +115,7 @@ TEST(SeedsScene, AUsersMeshIsASpecimen) {
   config.seeds = 2;
   config.specimen = "mesh:mine.ply";
   const Mesh mesh = make_seed("aikang58", SizeSpread::literature, Rng(1)).model.mesh;
-  const Scene scene = build_seeds_scene(config, Rng(1), mesh);
+  const Scene scene = build_seeds_scene(config, Rng(1), UserMesh{.mesh = mesh});
   EXPECT_EQ(scene.instances.back().category, "specimen");
   EXPECT_EQ(specimens_in_world(scene).size(), 2U);
 }
@@ -127,7 +127,56 @@ TEST(SeedsScene, AnOpenMeshOrNoMeshIsRefused) {
   EXPECT_THROW(build_seeds_scene(config, Rng(1)), std::invalid_argument);
   Mesh open = make_seed("aikang58", SizeSpread::literature, Rng(1)).model.mesh;
   open.triangles.erase(open.triangles.begin() + 5);
-  EXPECT_THROW(build_seeds_scene(config, Rng(1), open), std::runtime_error);
+  EXPECT_THROW(build_seeds_scene(config, Rng(1), UserMesh{.mesh = open}), std::runtime_error);
+}
+
+double trait(const Instance& instance, const std::string& name) {
+  for (const TrueTrait& t : instance.traits) {
+    if (t.name == name) return t.value;
+  }
+  return -1;
+}
+
+TEST(SeedsScene, AHeapIsAsVisibleAsAskedForAndItsSeedsTouch) {
+  SeedsSceneConfig config;
+  config.cultivar = "jimai22";
+  config.seeds = 8;
+  config.placing = "heap";
+  for (const double wish : {0.9, 0.7}) {
+    config.visible_fraction = wish;
+    const Scene scene = build_seeds_scene(config, Rng(2));
+    double visible = 0, touching = 0, lowest_m = 1;
+    for (const Instance& instance : scene.instances) {
+      if (!instance.is_specimen) continue;
+      visible += trait(instance, "visible_fraction") / config.seeds;
+      touching += trait(instance, "touching");
+      for (const Eigen::Vector3d& v : mesh_in_world(scene, instance).vertices_m)
+        lowest_m = std::min(lowest_m, v.z());
+    }
+    EXPECT_NEAR(visible, wish, 0.03);  // the limit
+    EXPECT_GT(touching, 0) << wish;
+    EXPECT_GE(lowest_m, -1e-4);  // heap.penetration_m
+  }
+}
+
+TEST(SeedsScene, AHeapThatCannotBeIsRefusedWithWhatItReaches) {
+  SeedsSceneConfig config;
+  config.cultivar = "jimai22";
+  config.seeds = 2;  // two seeds hide each other by half at most
+  config.placing = "heap";
+  config.visible_fraction = 0.2;
+  try {
+    build_seeds_scene(config, Rng(2));
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("visible_fraction = 0.2"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("they reach"), std::string::npos);
+  }
+  config.placing = "pile";
+  EXPECT_THROW(validate(config), std::invalid_argument);
+  config.placing = "heap";
+  config.seeds = 1;
+  EXPECT_THROW(validate(config), std::invalid_argument);
 }
 
 TEST(SeedsScene, NoSeedsIsAnEmptyBoard) {
@@ -142,7 +191,7 @@ TEST(SeedsScene, TooManySeedsSaySo) {
   config.specimen = "mesh:ball";
   Mesh ball = cube_sphere(4);  // 12 balls of 30 mm have no room on 76 mm
   for (Eigen::Vector3d& v : ball.vertices_m) v *= 0.015;
-  EXPECT_THROW(build_seeds_scene(config, Rng(1), ball), std::runtime_error);
+  EXPECT_THROW(build_seeds_scene(config, Rng(1), UserMesh{.mesh = ball}), std::runtime_error);
 }
 
 TEST(SeedsScene, AWarningOfTheEngineEndsTheSceneAndIsNamed) {
@@ -153,7 +202,7 @@ TEST(SeedsScene, AWarningOfTheEngineEndsTheSceneAndIsNamed) {
       cube_sphere(4);  // its centre rests beyond 1e10, which the engine takes for diverged
   for (Eigen::Vector3d& v : planet.vertices_m) v *= 1e11;
   try {
-    build_seeds_scene(config, Rng(1), planet);
+    build_seeds_scene(config, Rng(1), UserMesh{.mesh = planet});
     FAIL() << "the warning was not fatal";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what())
