@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "benchmarks/scenes/stand_cache.h"
 #include "sim/config/toml_peek.h"
 #include "sim/dataset/manifest.h"
 
@@ -22,6 +23,21 @@ Scene build(const SeedlingsSceneConfig& config, std::uint64_t seed, int index) {
 
 Scene build(const MaizeSceneConfig& config, std::uint64_t seed, int index) {
   return build_maize_scene(config, scene_rng(seed, index).fork("build"));
+}
+
+/// Stretches of bed come again with other colours, light and views.
+Scene build(const StrawberriesSceneConfig& config, std::uint64_t seed, int index) {
+  const int stretch = index % config.plants;
+  return build_strawberries_scene(config, stand_at_rest(config, seed, stretch),
+                                  stretch_rng(seed, stretch), scene_rng(seed, index).fork("build"));
+}
+
+/// What is of the machine and decides no byte: not in a resolved configuration.
+Fields machine_fields(PlantRunConfig& config) {
+  auto* strawberries = std::get_if<StrawberriesSceneConfig>(&config.scene);
+  if (strawberries == nullptr) return {};
+  return {{"cache", &strawberries->cache,
+           "folder that keeps trusses at rest, which take seconds to settle; empty: none"}};
 }
 
 Fields scene_fields(PlantRunConfig& config) {
@@ -46,8 +62,8 @@ Fields file_fields(PlantRunConfig& config) {
 }  // namespace
 
 Fields fields(PlantRunConfig& config) {
-  return scene_fields(config) + capture_fields(config) + nested("rig", fields(config.rig)) +
-         nested("render", fields(config.render));
+  return scene_fields(config) + machine_fields(config) + capture_fields(config) +
+         nested("rig", fields(config.rig)) + nested("render", fields(config.render));
 }
 
 void validate(const PlantRunConfig& config) {

@@ -8,6 +8,7 @@
 
 #include "scenes/maize/maize_scene.h"
 #include "scenes/seedlings/seedlings_scene.h"
+#include "scenes/strawberries/strawberries_scene.h"
 #include "sim/config/fields.h"
 #include "sim/render/path_tracer.h"
 #include "sim/sensors/rig_capture.h"
@@ -15,7 +16,8 @@
 namespace cousin {
 
 /// A scene of plants of any kind; to add a kind, add it here and to plant_run.cpp's overloads.
-using PlantSceneConfig = std::variant<SeedlingsSceneConfig, MaizeSceneConfig>;
+using PlantSceneConfig =
+    std::variant<SeedlingsSceneConfig, MaizeSceneConfig, StrawberriesSceneConfig>;
 
 /// Everything that decides the images of a plant scene, apart from the seed: light is traced path
 /// by path, for leaves let it through. Keys as for SeedsRunConfig.
