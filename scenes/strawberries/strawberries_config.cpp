@@ -8,7 +8,7 @@
 namespace cousin {
 
 Fields fields(StrawberriesSceneConfig& c) {
-  constexpr double kFar_m = 3, kNear_m = 0.12;
+  constexpr double kFar_m = 3, kNear_m = 0.005;
   return fields(c.stand) +
          Fields{{"plants", &c.plants, "different stretches; scene i shows stretch i % plants", 1,
                  1000000},
@@ -20,8 +20,10 @@ Fields fields(StrawberriesSceneConfig& c) {
                  kFar_m},
                 {"distance_max_m", &c.distance_max_m, "farthest", kNear_m, kFar_m},
                 {"height_m", &c.height_m, "eye above or below the fruits' middle, at most", 0, 1},
-                {"pitch_min_rad", &c.pitch_min_rad, "looking down", -1.2, 1.2},
-                {"pitch_max_rad", &c.pitch_max_rad, "looking down", -1.2, 1.2},
+                {"tilted_share", &c.tilted_share,
+                 "of the views, that look down; the others are level", 0, 1},
+                {"pitch_min_rad", &c.pitch_min_rad, "of those that look down", -1.2, 1.2},
+                {"pitch_max_rad", &c.pitch_max_rad, "of those that look down", -1.2, 1.2},
                 {"azimuth_spread_rad", &c.azimuth_spread_rad, "views within this of straight on", 0,
                  1.2},
                 {"rig", &c.rig, "sensor preset"}} +

@@ -71,7 +71,7 @@ Instance plant_instance(const PlantModel& model, int model_index, int first_mate
   Instance instance;
   instance.category = "strawberry plant";
   instance.model = model_index;
-  instance.material = first_material + kLeafletLook;
+  instance.material = first_material + kBerryLeafletLook;
   for (const int look : model.part_looks) instance.part_materials.push_back(first_material + look);
   instance.world_from_object.translation_m = at_m;
   return instance;
@@ -140,7 +140,7 @@ Plant stalks_of(const Truss& truss, int sides) {
     const BendingStem& stem = bending.stems[s];
     const char* kind = stem.parent < 0 ? "peduncle" : (bears[s] ? "pedicel" : "branch");
     Organ& organ = add_organ(plant, OrganKind::petiole, numbered(kind, s), stem.parent, 0);
-    organ.look = kStalkLook;
+    organ.look = kBerryStalkLook;
     const int steps = 4 * stem.segments;
     for (int i = 0; i <= steps; ++i) {
       const double share = static_cast<double>(i) / steps;

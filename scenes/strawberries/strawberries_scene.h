@@ -21,7 +21,8 @@ struct StrawberriesSceneConfig {
   int views = 6;
   double distance_min_m = 0.3, distance_max_m = 0.6;  ///< from the fruits' middle
   double height_m = 0.05;                             ///< eye above or below it, at most
-  double pitch_min_rad = 0, pitch_max_rad = 0.26;     ///< looking down
+  double tilted_share = 0.5;  ///< of the views, that look down; the others are level
+  double pitch_min_rad = 0.17, pitch_max_rad = 0.26;  ///< of those that look down
   double azimuth_spread_rad = 0.6;                    ///< views within this of straight on
   std::string rig = "d457";
   StrawberryPlantConfig plant = strawberry_plant();

@@ -16,7 +16,11 @@ std::vector<View> strawberry_views(const StrawberriesSceneConfig& config,
     const double turn = 2 * (i + uniform(own)) / config.views - 1;
     const double azimuth = config.azimuth_spread_rad * turn;
     const double distance_m = uniform(own, config.distance_min_m, config.distance_max_m);
-    const double pitch = uniform(own, config.pitch_min_rad, config.pitch_max_rad);
+    // Level by hand, or looking down by 10 to 15 degrees [Strawberries 2.1].
+    const bool tilted = uniform(own) < config.tilted_share;
+    const double down = uniform(own, config.pitch_min_rad, config.pitch_max_rad);
+    const double level = 0.03 * truncated_normal(own, 0, 1, 2);
+    const double pitch = tilted ? down : level;
     const double above_m = config.height_m * uniform(own, -1, 1);
     const Vector3d aside(0, 0.03 * truncated_normal(own, 0, 1, 2), 0);
     const Vector3d out(std::cos(azimuth), std::sin(azimuth), 0);

@@ -107,9 +107,11 @@ ObjectModel film_model(const StrawberryBedConfig& config, std::uint64_t key) {
       const double side = std::abs(outline.normals[i].x());
       const double s = f.wrinkle_scale_m;
       const Vector3d place(y / s, run_m / (s * (1 + 3 * side)) + 0.35 * side * y / s, 0.5);
-      const double folds = 1 - std::abs(noise3(place, key)) * 2.2;
-      const double small = 0.35 * noise3(2.7 * place, key + 1);
-      const double in_m = f.wrinkle_m * std::clamp(1 - 0.6 * folds - small, 0.0, 1.6) / 1.6;
+      // Creases are sharp: the film stands out along them and is taut between.
+      const double folds = std::abs(noise3(place, key)) +
+                           0.45 * std::abs(noise3(2.3 * place, key + 1)) +
+                           0.2 * std::abs(noise3(5.1 * place, key + 2));
+      const double in_m = f.wrinkle_m * std::min(1.0, folds);
       double rise_m = 0;
       if (outline.normals[i].y() > 0.999) {
         const double off = (p.x() + config.drip.under_m) / (2 * config.drip.radius_m);
@@ -141,18 +143,18 @@ Material film_material(const StrawberryBedConfig& config) {
 ObjectModel path_model(const StrawberryBedConfig& config, std::uint64_t key) {
   const auto& c = config.path;
   const double far_m = config.film.half_length_m + 1.5;
-  const std::vector<double> along = places(far_m, 0.012);
+  const std::vector<double> along = places(far_m, 0.006);
   const double z = -truss_shape().bed_height_m;
   ObjectModel model;
   model.name = "path";
-  constexpr int kAcross = 160;
+  constexpr int kAcross = 260;
   const double begin_m = -c.wall_m - 1, end_m = 3;
   for (const double y : along) {
     for (int i = 0; i <= kAcross; ++i) {
       // Fine from the bed's foot on.
       const double t = static_cast<double>(i) / kAcross;
       const double x = t < 0.15 ? std::lerp(begin_m, -0.02, t / 0.15)
-                                : -0.02 + (end_m + 0.02) * std::pow((t - 0.15) / 0.85, 1.8);
+                                : -0.02 + (end_m + 0.02) * std::pow((t - 0.15) / 0.85, 2.2);
       const Vector3d p(x / c.clod_scale_m, y / c.clod_scale_m, 0.3);
       const double clods = fractal_noise3(p, 4, key);
       const double lumps = 0.5 - 1.6 * std::abs(noise3(2.7 * p, key + 1));
@@ -228,12 +230,13 @@ ObjectModel drip_model(const StrawberryBedConfig& config, std::uint64_t key) {
 }
 
 ObjectModel wall_model(const StrawberryBedConfig& config) {
+  constexpr double kHigh_m = 3;
   const double x = -config.path.wall_m, half_m = config.film.half_length_m + 1.5;
   const double low = -truss_shape().bed_height_m;
   ObjectModel model;
   model.name = "wall";
   model.mesh.vertices_m = {
-      {x, -half_m, low}, {x, half_m, low}, {x, half_m, 2.2}, {x, -half_m, 2.2}};
+      {x, -half_m, low}, {x, half_m, low}, {x, half_m, kHigh_m}, {x, -half_m, kHigh_m}};
   model.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   return model;
 }

@@ -36,7 +36,7 @@ void add_ball(FlowerOrgans& flower, const Vector3d& at_m, const Eigen::Matrix3d&
     ball.place.emplace_back(0.5 + 0.5 * p.z(), 0);
     p = at_m + axes * p.cwiseProduct(half_m);
   }
-  append(flower.middle, ball);
+  add_surface(flower.middle, ball);
   flower.middle_albedo.resize(flower.middle.mesh.vertices_m.size(), albedo);
 }
 
@@ -71,10 +71,10 @@ FlowerOrgans make_strawberry_flower(const StrawberryPlantConfig& config, const V
     petal.wave_phase_rad = uniform(rng, 0, 2 * kPi);
     // Neighbours overlap: each second one lies higher.
     const Vector3d base = at_m + (0.0006 + 0.0004 * (i % 3)) * axes.col(2);
-    append(flower.petals,
-           sheet(base, axes, turn, 0.22 + 0.10 * normal(rng), size * f.petal_m, 0.35, petal));
-    append(flower.sepals, sheet(at_m, axes, turn + kPi / 5, 0.10 + 0.12 * normal(rng),
-                                size * f.sepal_m, 0.15, sepal));
+    add_surface(flower.petals,
+                sheet(base, axes, turn, 0.22 + 0.10 * normal(rng), size * f.petal_m, 0.35, petal));
+    add_surface(flower.sepals, sheet(at_m, axes, turn + kPi / 5, 0.10 + 0.12 * normal(rng),
+                                     size * f.sepal_m, 0.15, sepal));
   }
   const auto shade = [](const std::vector<double>& color, const std::vector<double>& base) {
     return to_rgb(color_vector(color).cwiseQuotient(color_vector(base)).cwiseMin(1.0));

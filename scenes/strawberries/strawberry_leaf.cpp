@@ -67,7 +67,7 @@ CentreLine petiole_line(const StrawberryPlantConfig& config, const LeafPose& pos
 
 }  // namespace
 
-void append(OrganSurface& all, const OrganSurface& more) {
+void add_surface(OrganSurface& all, const OrganSurface& more) {
   const auto first = static_cast<std::uint32_t>(all.mesh.vertices_m.size());
   all.mesh.vertices_m.insert(all.mesh.vertices_m.end(), more.mesh.vertices_m.begin(),
                              more.mesh.vertices_m.end());

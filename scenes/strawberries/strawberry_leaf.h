@@ -44,6 +44,6 @@ FlowerOrgans make_strawberry_flower(const StrawberryPlantConfig& config,
                                     Rng rng);
 
 /// Adds a surface to another.
-void append(OrganSurface& all, const OrganSurface& more);
+void add_surface(OrganSurface& all, const OrganSurface& more);
 
 }  // namespace cousin

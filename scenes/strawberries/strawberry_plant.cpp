@@ -48,7 +48,7 @@ class Grower {
  private:
   void crown() {
     Organ& organ = add_organ(plant_, OrganKind::stem, "crown", -1, 0);
-    organ.look = kCrownLook;
+    organ.look = kBerryCrownLook;
     organ.age_days = 1;
     const double r = c_.crown.radius_m, h = c_.crown.height_m;
     organ.line.points_m = {{0, 0, -0.01}, {0, 0, 0}, {0, 0, 0.4 * h}, {0, 0, 0.8 * h}, {0, 0, h}};
@@ -64,7 +64,7 @@ class Grower {
     constexpr std::array<const char*, 3> kNames = {"middle", "left", "right"};
     for (std::size_t k = 0; k < 3; ++k) {
       Organ& blade = add_organ(plant_, OrganKind::blade, name + " " + kNames[k], petiole, rank);
-      blade.look = kLeafletLook;
+      blade.look = kBerryLeafletLook;
       ids[k + 1] = blade.id;
     }
     return ids;
@@ -165,10 +165,10 @@ class Grower {
         const FlowerOrgans head =
             make_strawberry_flower(c_, line.points_m.back(), facing, rng.fork("head"));
         if (!is_free(tube) || !is_free(head.petals)) continue;
-        set_part(stalk, kStalkLook, tube).line = line;
-        set_part(petals, kPetalLook, head.petals);
-        set_part(sepals, kLeafletLook, head.sepals);
-        set_part(middle, kReceptacleLook, head.middle).albedo = head.middle_albedo;
+        set_part(stalk, kBerryStalkLook, tube).line = line;
+        set_part(petals, kBerryPetalLook, head.petals);
+        set_part(sepals, kBerryLeafletLook, head.sepals);
+        set_part(middle, kBerryReceptacleLook, head.middle).albedo = head.middle_albedo;
         plant_.keypoints.push_back({name, line.points_m.back()});
         break;
       }
@@ -207,7 +207,7 @@ class Grower {
       const CentreLine line = grow_axis(growth);
       const OrganSurface tube = tube_surface(line, c_.surface.sides);
       if (!is_free(tube)) continue;
-      Organ& organ = set_part(id, kStalkLook, tube);
+      Organ& organ = set_part(id, kBerryStalkLook, tube);
       organ.line = line;
       const Vector3d tint =
           color_vector(c_.runner.albedo).cwiseQuotient(stalk_base()).cwiseMin(1.0);
@@ -236,7 +236,7 @@ void tint_stalks(Plant& plant, const StrawberryPlantConfig& config) {
   const Vector3d petiole = color_vector(config.leaf.petiole_albedo);
   const Vector3d base = petiole.cwiseMax(color_vector(config.runner.albedo));
   for (Organ& organ : plant.organs) {
-    if (organ.look != kStalkLook || !organ.albedo.empty()) continue;
+    if (organ.look != kBerryStalkLook || !organ.albedo.empty()) continue;
     organ.albedo.assign(organ.surface.mesh.vertices_m.size(), to_rgb(petiole.cwiseQuotient(base)));
   }
 }

@@ -53,7 +53,13 @@ void validate(const StrawberryPlantConfig& config);
 const StrawberryPlantConfig& strawberry_plant();  ///< of plant.toml
 
 /// Looks of a plant's organs, in the order of strawberry_materials().
-enum StrawberryLook { kStalkLook, kLeafletLook, kPetalLook, kReceptacleLook, kCrownLook };
+enum StrawberryLook {
+  kBerryStalkLook,
+  kBerryLeafletLook,
+  kBerryPetalLook,
+  kBerryReceptacleLook,
+  kBerryCrownLook
+};
 std::vector<Material> strawberry_materials(const StrawberryPlantConfig& config);
 
 /// Whether a part of a plant, in the plant's frame, touches nothing that it must keep off.

@@ -31,6 +31,7 @@ std::string draw_variety(const StandConfig& config, Rng rng) {
   throw std::runtime_error(
       "strawberries: trusses do not hang at rest in " + std::to_string(kAttempts) +
       " tries, status " + std::string(to_string(sag.status)) + ": " + text +
+      (sag.first_warning.empty() ? "" : "; the engine: " + sag.first_warning) +
       (sag.status == PlantStatus::not_built ? "; MuJoCo is not built in (WITH_MUJOCO is OFF)"
                                             : ""));
 }
@@ -83,18 +84,18 @@ Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng 
   return stand;
 }
 
+std::optional<Ripening> ripening_of(const std::optional<Ripening>& all, std::size_t truss) {
+  if (!all) return all;
+  Ripening own{0, all->rng.fork(truss)};
+  own.first = draw_ripeness(truss_shape(), own.rng.fork("first"));
+  return own;
+}
+
 std::vector<Truss> grow_trusses(const Stand& stand, const Rng& rng,
                                 const std::optional<Ripening>& ripening) {
   std::vector<Truss> trusses;
-  const TrussShape& shape = truss_shape();
-  for (std::size_t i = 0; i < stand.trusses.size(); ++i) {
-    std::optional<Ripening> own = ripening;
-    if (own) {
-      own->rng = own->rng.fork(i);
-      own->first = draw_ripeness(shape, own->rng.fork("first"));
-    }
-    trusses.push_back(grow_truss(stand.trusses[i], truss_rng(rng, i), own));
-  }
+  for (std::size_t i = 0; i < stand.trusses.size(); ++i)
+    trusses.push_back(grow_truss(stand.trusses[i], truss_rng(rng, i), ripening_of(ripening, i)));
   return trusses;
 }
 

@@ -34,6 +34,9 @@ Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng 
 std::vector<Truss> grow_trusses(const Stand& stand, const Rng& rng,
                                 const std::optional<Ripening>& ripening = {});
 
+/// The ripening of one truss: its first fruit's is drawn.
+std::optional<Ripening> ripening_of(const std::optional<Ripening>& all, std::size_t truss);
+
 /// A stand at rest: the try that came to rest, and how.
 struct StandRest {
   int attempt = 0;

@@ -215,6 +215,23 @@ Truss grow_truss(const TrussConfig& config, Rng rng, const std::optional<Ripenin
   return truss;
 }
 
+std::vector<double> asked_red_shares(const TrussConfig& config, Rng rng,
+                                     const std::optional<Ripening>& ripening) {
+  validate(config);
+  const TrussShape& shape = truss_shape();
+  const double ripeness = config.ripeness.value_or(draw_ripeness(shape, rng.fork("ripeness")));
+  std::vector<double> shares;
+  for (int i = 0; i < config.fruits; ++i) {
+    const auto k = static_cast<std::uint64_t>(i);
+    std::optional<Ripening> own = ripening;
+    if (own) own->rng = own->rng.fork(k);
+    shares.push_back(fruit_config(shape, config, ripeness, rank_of(i), own,
+                                  rng.fork("fruit").fork(k).fork("stage"))
+                         .red_share);
+  }
+  return shares;
+}
+
 BendingPlant bending_plant(std::span<const Truss> trusses) {
   BendingPlant all;
   for (const Truss& truss : trusses) {

@@ -72,6 +72,9 @@ struct Ripening {
 BendingPlant grow_stalks(const TrussConfig& config, Rng rng);
 /// The first step of make_truss: all but the weight. Deterministic in (config, rng, ripening).
 Truss grow_truss(const TrussConfig& config, Rng rng, const std::optional<Ripening>& ripening = {});
+/// Red shares that it asks of its fruits, without making them.
+std::vector<double> asked_red_shares(const TrussConfig& config, Rng rng,
+                                     const std::optional<Ripening>& ripening = {});
 /// The second: trusses beside each other on one bed as one plant, for sag().
 BendingPlant bending_plant(std::span<const Truss> trusses);
 /// The last: puts stalks and fruits where sag() of their bending_plant left them.
