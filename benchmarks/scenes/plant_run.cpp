@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "benchmarks/scenes/stand_cache.h"
 #include "sim/config/toml_peek.h"
 #include "sim/dataset/manifest.h"
 
@@ -60,14 +61,33 @@ RigEye eye_of(const ActiveStereoConfig& rig) {
 }
 RigEye eye_of(const RangeRigConfig& rig) { return eye_of(rig.body); }
 
-std::vector<std::string> shared(const SeedlingsSceneConfig& config) {
+std::vector<std::string> shared(const SeedlingsSceneConfig& config, int /*index*/) {
   return config.day_step > 0 ? std::vector<std::string>{"tray"} : std::vector<std::string>{};
+}
+
+std::vector<std::string> shared(const StrawberriesSceneConfig& config, int index) {
+  return {"stretch " + std::to_string(index % config.plants)};
 }
 
 /// Plants of their own in each scene.
 template <class Config>
-std::vector<std::string> shared(const Config&) {
+std::vector<std::string> shared(const Config&, int /*index*/) {
   return {};
+}
+
+/// Stretches of bed come again with other colours, light and views.
+Scene build(const StrawberriesSceneConfig& config, std::uint64_t seed, int index) {
+  const int stretch = index % config.plants;
+  return build_strawberries_scene(config, stand_at_rest(config, seed, stretch),
+                                  stretch_rng(seed, stretch), scene_rng(seed, index).fork("build"));
+}
+
+/// What is of the machine and decides no byte: not in a resolved configuration.
+Fields machine_fields(PlantRunConfig& config) {
+  auto* strawberries = std::get_if<StrawberriesSceneConfig>(&config.scene);
+  if (strawberries == nullptr) return {};
+  return {{"cache", &strawberries->cache,
+           "folder that keeps trusses at rest, which take seconds to settle; empty: none"}};
 }
 
 Fields scene_fields(PlantRunConfig& config) {
@@ -92,8 +112,8 @@ Fields file_fields(PlantRunConfig& config) {
 }  // namespace
 
 Fields fields(PlantRunConfig& config) {
-  return scene_fields(config) + capture_fields(config) + nested("rig", fields(config.rig)) +
-         nested("render", fields(config.render));
+  return scene_fields(config) + machine_fields(config) + capture_fields(config) +
+         nested("rig", fields(config.rig)) + nested("render", fields(config.render));
 }
 
 void validate(const PlantRunConfig& config) {
@@ -166,8 +186,8 @@ Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index)
   return std::visit([&](const auto& scene) { return build(scene, seed, index); }, config);
 }
 
-std::vector<std::string> shared_plants(const PlantSceneConfig& config) {
-  return std::visit([](const auto& scene) { return shared(scene); }, config);
+std::vector<std::string> shared_plants(const PlantSceneConfig& config, int index) {
+  return std::visit([&](const auto& scene) { return shared(scene, index); }, config);
 }
 
 std::string resolved_toml(const PlantRunConfig& config) {

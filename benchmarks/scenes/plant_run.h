@@ -11,6 +11,7 @@
 #include "scenes/maize/maize_scene.h"
 #include "scenes/seedlings/seedlings_scene.h"
 #include "scenes/specimen/specimen_scene.h"
+#include "scenes/strawberries/strawberries_scene.h"
 #include "sim/config/fields.h"
 #include "sim/render/path_tracer.h"
 #include "sim/sensors/rig_capture.h"
@@ -19,8 +20,9 @@ namespace cousin {
 
 /// A scene of plants of any kind, or of a calibration board; to add a kind, add it here and to
 /// plant_run.cpp's overloads.
-using PlantSceneConfig = std::variant<SeedlingsSceneConfig, MaizeSceneConfig, ApplesSceneConfig,
-                                      BoardsSceneConfig, SpecimenSceneConfig>;
+using PlantSceneConfig =
+    std::variant<SeedlingsSceneConfig, MaizeSceneConfig, ApplesSceneConfig, BoardsSceneConfig,
+                 SpecimenSceneConfig, StrawberriesSceneConfig>;
 
 /// Everything that decides the images of a plant scene, apart from the seed: light is traced path
 /// by path, for leaves let it through. Keys as for SeedsRunConfig.
@@ -55,8 +57,9 @@ PlantSceneConfig seen_by(PlantSceneConfig scene, const DeviceConfig& rig);
 /// Scene number `index` of a run; a user's mesh is read from its file.
 Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index);
 
-/// Names of the plants that other scenes of the run show too; empty where each scene has its own.
-std::vector<std::string> shared_plants(const PlantSceneConfig& config);
+/// Names of the plants in scene number `index` that other scenes of the run may show too; empty
+/// where each scene has its own.
+std::vector<std::string> shared_plants(const PlantSceneConfig& config, int index);
 
 std::string resolved_toml(const PlantRunConfig& config);
 /// SHA-256 of the resolved configuration, the user's mesh and the seed.

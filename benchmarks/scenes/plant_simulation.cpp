@@ -141,7 +141,7 @@ SceneTruth PlantSimulation::scene_truth() const {
   truth.seed = impl_->seed;
   truth.config_toml = resolved_toml(impl_->config);
   truth.scene = impl_->scene;
-  truth.shared_plants = shared_plants(impl_->config.scene);
+  truth.shared_plants = shared_plants(impl_->config.scene, impl_->index);
   truth.views = views();
   truth.other_sensors.assign(impl_->rig.views().begin() + 1, impl_->rig.views().end());
   return truth;

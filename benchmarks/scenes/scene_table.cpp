@@ -44,11 +44,14 @@ std::vector<PlanEntry> plant_plan(const PlantRunConfig& config) {
   const Streams streams = planned_streams(config);
   const bool light = streams.color || streams.raw;
   const std::string nobody = "not among the streams";
+  const bool hangs = std::holds_alternative<StrawberriesSceneConfig>(config.scene);
   const bool infrared =
       streams.infrared || (streams.depth && config.capture.depth_by == DepthBy::matched);
   return {
       {"scene", true, "what is photographed, with its exact measures, and what it stands in"},
-      {"physics", false, "nothing settles or bends"},
+      {"physics", hangs,
+       hangs ? "trusses hang at rest, or come from the folder `cache`"
+             : "nothing moves: the plants stand as they grew"},
       {"radiance", light, light ? "paths: leaves let light through, so it is not cached" : nobody},
       {"sensor", light, light ? "lens, noise and processing of the camera" : nobody},
       {"infrared", infrared, infrared ? "infrared images, or the depth matched from them" : nobody},
@@ -131,6 +134,15 @@ std::span<const SceneEntry> scene_table() {
        .configure =
            [](const auto& sets, const auto& file) {
              return configure_plants(SpecimenSceneConfig{}, sets, file);
+           }},
+      {.name = "strawberries",
+       .status =
+           COUSIN_WITH_MUJOCO ? "built in; no pipeline yet" : "not built in: WITH_MUJOCO is OFF",
+       .help = "strawberries of three varieties on a raised bed, 1 to 10 fruits of all maturities "
+               "in view, four lights (morning, overcast, noon, lamp), seen by a D457",
+       .configure =
+           [](const auto& sets, const auto& file) {
+             return configure_plants(StrawberriesSceneConfig{}, sets, file);
            }},
   };
   return kScenes;

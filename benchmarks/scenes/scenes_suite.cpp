@@ -8,6 +8,7 @@
 #include "benchmarks/metrics/order_statistics.h"
 #include "benchmarks/scenes/leaf_crossing.h"
 #include "benchmarks/scenes/plant_run.h"
+#include "benchmarks/scenes/strawberry_rows.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -190,6 +191,8 @@ ScoreFile scenes_suite(std::uint64_t seed, bool quick,
     if (progress) progress("maize, stage " + std::to_string(stage), done++, total);
     add_maize_traits(file, stage, quick ? 10 : 40, seed);
   }
+  const std::vector<ScoreRow> strawberries = strawberry_rows(seed, quick, progress);
+  file.scores.insert(file.scores.end(), strawberries.begin(), strawberries.end());
   return file;
 }
 

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "scenes/seedlings/blade_colours.h"
 #include "sim/geometry/gradient_noise.h"
+#include "sim/plant/blade_colours.h"
 #include "sim/plant/color.h"
 #include "sim/plant/growth.h"
 

@@ -102,6 +102,7 @@ void validate(const StrawberryConfig& config) {
   require("red_share", config.red_share, 0, 1);
   require("growth", config.growth, 0.1, 1.5);
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
+  if (config.grid != 0) require("grid", config.grid, 8, 200);
 }
 
 FruitModel make_strawberry(const StrawberryConfig& config, Rng rng) {
@@ -112,7 +113,8 @@ FruitModel make_strawberry(const StrawberryConfig& config, Rng rng) {
   FruitModel fruit;
   fruit.mass_kg = drawn.mass_kg * std::pow(config.growth, 3);
   const StrawberryFlesh flesh = make_strawberry_flesh(
-      v, config.family, drawn.shape_index, fruit.mass_kg / drawn.density_kg_m3, rng.fork("flesh"));
+      v, config.family, drawn.shape_index, fruit.mass_kg / drawn.density_kg_m3,
+      config.grid > 0 ? config.grid : v.grid, rng.fork("flesh"));
   ObjectModel& model = fruit.flesh.model;
   model.name = config.variety;
   model.mesh = flesh.mesh;

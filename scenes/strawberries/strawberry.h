@@ -17,6 +17,7 @@ struct StrawberryConfig {
   double growth = 1;     ///< size over what is drawn for a ripe fruit, 0.1..1.5
   Eigen::Vector3d to_sun = {1, 0, 0.5};  ///< in the fruit's frame: the side that ripens first
   FruitFamily family = FruitFamily::botanical;
+  int grid = 0;  ///< cells along an edge of its mesh; 0: as the variety says
 };
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const StrawberryConfig& config);
@@ -38,7 +39,7 @@ struct StrawberryFlesh {
   std::vector<std::uint32_t> achenes;  ///< vertices on which they sit, in the order of the spiral
 };
 StrawberryFlesh make_strawberry_flesh(const StrawberryVariety& variety, FruitFamily family,
-                                      double shape_index, double volume_m3, Rng rng);
+                                      double shape_index, double volume_m3, int grid, Rng rng);
 
 /// Colours of the flesh's vertices whose red share is `red_share`: red grows from the tip and the
 /// sunny side; what is not yet red goes from green to white as the share nears a third.

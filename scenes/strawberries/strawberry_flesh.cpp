@@ -149,9 +149,9 @@ void press_dimples(Mesh& mesh, const std::vector<std::uint32_t>& achenes, double
 }  // namespace
 
 StrawberryFlesh make_strawberry_flesh(const StrawberryVariety& v, FruitFamily family,
-                                      double shape_index, double volume_m3, Rng rng) {
+                                      double shape_index, double volume_m3, int grid, Rng rng) {
   StrawberryFlesh flesh;
-  flesh.mesh = cube_sphere(v.grid);
+  flesh.mesh = cube_sphere(grid);
   const std::vector<Eigen::Vector3d> directions = flesh.mesh.vertices_m;
   if (family == FruitFamily::botanical) {
     shape_botanical(flesh.mesh.vertices_m, v, shape_index, rng.fork("outline"));

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 namespace cousin {
 namespace {
@@ -33,10 +34,11 @@ class Grower {
   };
   std::vector<Place> grow(BendingPlant& plant) {
     const Eigen::Vector3d out =
-        Eigen::AngleAxisd(0.2 * normal(rng_), Eigen::Vector3d::UnitZ()) * Eigen::Vector3d::UnitX();
+        Eigen::AngleAxisd(config_.turn_rad + 0.2 * normal(rng_), Eigen::Vector3d::UnitZ()) *
+        Eigen::Vector3d::UnitX();
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     const Fork crown{-1,
-                     {-shape_.crown_m, 0, 2 * shape_.peduncle_radius_m},
+                     {-shape_.crown_m, config_.along_m, 2 * shape_.peduncle_radius_m},
                      std::cos(shape_.rise_rad) * out + std::sin(shape_.rise_rad) * up,
                      up.cross(out)};
     const double thick = shape_.peduncle_radius_m;
@@ -130,11 +132,14 @@ BendingObstacle path(const TrussShape& shape) {
 
 /// What a fruit of a rank is like: later ranks are smaller and behind.
 StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config, double ripeness,
-                              int rank, Rng rng) {
+                              int rank, const std::optional<Ripening>& ripening, Rng rng) {
   StrawberryConfig fruit;
   fruit.variety = config.variety;
+  fruit.grid = config.grid;
   const double stage = ripeness_of_rank(shape, ripeness, rank, rng);
-  fruit.red_share = std::clamp(stage, 0.0, 1.0);
+  double color = stage;
+  if (ripening && stage > 0) color = ripeness_of_rank(shape, ripening->first, rank, ripening->rng);
+  fruit.red_share = std::clamp(color, 0.0, 1.0);
   const auto k = static_cast<std::size_t>(std::min(rank, 3));
   const double grown = std::clamp(1 + 0.45 * std::min(0.0, stage - 0.3), 0.35, 1.0);
   fruit.growth = std::clamp(std::cbrt(shape.mass_by_rank[k]) * grown, 0.1, 1.5);
@@ -163,33 +168,43 @@ double ripeness_of_rank(const TrussShape& shape, double first, int rank, Rng rng
 
 int rank_of(int fruit) { return std::bit_width(static_cast<unsigned>(fruit) + 1) - 1; }
 
-Truss make_truss(const TrussConfig& config, Rng rng) {
+BendingPlant grow_stalks(const TrussConfig& config, Rng rng) {
+  validate(config);
+  BendingPlant plant;
+  Grower(truss_shape(), config, rng.fork("stems")).grow(plant);
+  return plant;
+}
+
+Truss grow_truss(const TrussConfig& config, Rng rng, const std::optional<Ripening>& ripening) {
   validate(config);
   const TrussShape& shape = truss_shape();
   Truss truss;
   Grower grower(shape, config, rng.fork("stems"));
   const std::vector<Grower::Place> places = grower.grow(truss.plant);
   const double ripeness = config.ripeness.value_or(draw_ripeness(shape, rng.fork("ripeness")));
+  truss.cut_above_m = strawberry_variety(config.variety).cut_point_m;
   truss.fruits.resize(places.size());
-  std::vector<Pose> unloaded(places.size());
+  truss.unbent_from_fruit.resize(places.size());
   tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
     const Rng one = rng.fork("fruit").fork(i);
+    std::optional<Ripening> own = ripening;
+    if (own) own->rng = own->rng.fork(i);
     // Its stalk's end points into it, from its calyx to its tip.
-    unloaded[i].rotation =
+    Pose& unbent = truss.unbent_from_fruit[i];
+    unbent.rotation =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -places[i].along);
-    truss.fruits[i] =
-        make_strawberry(fruit_config(shape, config, ripeness, places[i].rank, one.fork("stage")),
-                        one.fork("model"));
-    unloaded[i].translation_m =
-        places[i].end_m - unloaded[i].rotation * truss.fruits[i].stalk_base_m;
+    truss.fruits[i] = make_strawberry(
+        fruit_config(shape, config, ripeness, places[i].rank, own, one.fork("stage")),
+        one.fork("model"));
+    unbent.translation_m = places[i].end_m - unbent.rotation * truss.fruits[i].stalk_base_m;
   });
   for (std::size_t i = 0; i < places.size(); ++i) {
     BendingLoad load;
     load.stem = places[i].stem;
     load.mass_kg = truss.fruits[i].mass_kg * config.heavier;
-    load.centroid_m = unloaded[i].translation_m;
+    load.centroid_m = truss.unbent_from_fruit[i].translation_m;
     load.hulls = {truss.fruits[i].hull};
-    load.world_from_hulls = unloaded[i].rotation;
+    load.world_from_hulls = truss.unbent_from_fruit[i].rotation;
     // A sphere's drag coefficient at Reynolds' numbers of 1e3 to 1e5, and its shadow.
     load.drag_area_m2 =
         0.47 * std::numbers::pi / 4 * std::pow(trait(truss.fruits[i], "diameter"), 2);
@@ -197,18 +212,96 @@ Truss make_truss(const TrussConfig& config, Rng rng) {
     truss.rank.push_back(places[i].rank);
   }
   truss.plant.obstacles = {bed(shape), path(shape)};
-  truss.sag = sag(truss.plant);
-  truss.status = truss.sag.status;
-  const double cut_m = strawberry_variety(config.variety).cut_point_m;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    truss.world_from_fruit.push_back(
-        bent_from_unbent(truss.plant, truss.sag.bent, truss.plant.loads[i].stem, 1) * unloaded[i]);
+  return truss;
+}
+
+std::vector<double> asked_red_shares(const TrussConfig& config, Rng rng,
+                                     const std::optional<Ripening>& ripening) {
+  validate(config);
+  const TrussShape& shape = truss_shape();
+  const double ripeness = config.ripeness.value_or(draw_ripeness(shape, rng.fork("ripeness")));
+  std::vector<double> shares;
+  for (int i = 0; i < config.fruits; ++i) {
+    const auto k = static_cast<std::uint64_t>(i);
+    std::optional<Ripening> own = ripening;
+    if (own) own->rng = own->rng.fork(k);
+    shares.push_back(fruit_config(shape, config, ripeness, rank_of(i), own,
+                                  rng.fork("fruit").fork(k).fork("stage"))
+                         .red_share);
   }
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    for (Keypoint& keypoint : truss.fruits[i].flesh.model.keypoints) {
-      if (keypoint.name == "cut_point") keypoint.in_object_m = cut_point_m(truss, i, cut_m);
+  return shares;
+}
+
+BendingPlant bending_plant(std::span<const Truss> trusses) {
+  BendingPlant all;
+  for (const Truss& truss : trusses) {
+    const int first = static_cast<int>(all.stems.size());
+    for (BendingStem stem : truss.plant.stems) {
+      if (stem.parent >= 0) stem.parent += first;
+      all.stems.push_back(std::move(stem));
+    }
+    for (BendingLoad load : truss.plant.loads) {
+      load.stem += first;
+      all.loads.push_back(std::move(load));
     }
   }
+  if (!trusses.empty()) all.obstacles = trusses.front().plant.obstacles;
+  return all;
+}
+
+namespace {
+
+/// @throws std::invalid_argument naming the stem if the bent shape has other stems or nodes.
+void check_shape(std::span<const Truss> trusses, const BentPlant& bent) {
+  std::size_t s = 0;
+  for (const Truss& truss : trusses) {
+    for (const BendingStem& stem : truss.plant.stems) {
+      const auto nodes = static_cast<std::size_t>(stem.segments) + 1;
+      if (s >= bent.sections.size() || s >= bent.joints_rad.size() ||
+          bent.sections[s].size() != nodes || bent.joints_rad[s].size() != 3 * (nodes - 1))
+        throw std::invalid_argument("trusses: the bent shape is of others: stem " +
+                                    std::to_string(s) + " has not " + std::to_string(nodes) +
+                                    " nodes");
+      ++s;
+    }
+  }
+  if (s == bent.sections.size() && s == bent.joints_rad.size()) return;
+  throw std::invalid_argument("trusses: the bent shape is of others: it has " +
+                              std::to_string(bent.sections.size()) + " stems, they have " +
+                              std::to_string(s));
+}
+
+}  // namespace
+
+void hang(std::span<Truss> trusses, const SagResult& sag) {
+  check_shape(trusses, sag.bent);
+  auto first = std::ptrdiff_t{0};
+  for (Truss& truss : trusses) {
+    const auto end = first + static_cast<std::ptrdiff_t>(truss.plant.stems.size());
+    truss.sag = sag;
+    truss.sag.bent.sections.assign(sag.bent.sections.begin() + first,
+                                   sag.bent.sections.begin() + end);
+    truss.sag.bent.joints_rad.assign(sag.bent.joints_rad.begin() + first,
+                                     sag.bent.joints_rad.begin() + end);
+    first = end;
+    truss.status = sag.status;
+    truss.world_from_fruit.clear();
+    for (std::size_t i = 0; i < truss.fruits.size(); ++i) {
+      truss.world_from_fruit.push_back(
+          bent_from_unbent(truss.plant, truss.sag.bent, truss.plant.loads[i].stem, 1) *
+          truss.unbent_from_fruit[i]);
+      for (Keypoint& keypoint : truss.fruits[i].flesh.model.keypoints) {
+        if (keypoint.name == "cut_point")
+          keypoint.in_object_m = cut_point_m(truss, i, truss.cut_above_m);
+      }
+    }
+  }
+}
+
+Truss make_truss(const TrussConfig& config, Rng rng) {
+  Truss truss = grow_truss(config, rng);
+  const SagResult rest = sag(truss.plant);
+  hang({&truss, 1}, rest);
   return truss;
 }
 

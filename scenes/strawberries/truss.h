@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,9 @@ struct TrussConfig {
   std::optional<double> ripeness;
   double heavier = 1;                         ///< times the fruits' masses: what stalks can hold
   Eigen::Vector3d to_sun = {0.4, -0.5, 0.8};  ///< in the world
+  double along_m = 0;                         ///< y of its crown
+  double turn_rad = 0;                        ///< of the peduncle, from straight over the edge
+  int grid = 0;  ///< cells along an edge of a fruit's mesh, as a variety's; 0: the variety's own
 };
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const TrussConfig& config);
@@ -50,11 +54,32 @@ struct Truss {
   std::vector<FruitModel>
       fruits;  ///< cut_point is moved to the hanging stalk; no stalk of their own
   std::vector<Pose> world_from_fruit;
-  std::vector<int> rank;  ///< 0 = the first fruit, 1, 1, 2, ...
-  BendingPlant plant;     ///< unloaded; the last stem before each load's end carries the fruit
+  std::vector<Pose> unbent_from_fruit;  ///< where the fruits would be without weight
+  std::vector<int> rank;                ///< 0 = the first fruit, 1, 1, 2, ...
+  BendingPlant plant;  ///< unloaded; the last stem before each load's end carries the fruit
   SagResult sag;
+  double cut_above_m = 0;  ///< of the cut point above the calyx, along the stalk
 };
 Truss make_truss(const TrussConfig& config, Rng rng);
+
+/// Colours of another day: fruits that are full-grown ripen anew, with `first` as
+/// TrussConfig::ripeness; those that still grow stay green. Shapes, masses and stalks stay.
+struct Ripening {
+  double first = 0;
+  Rng rng;
+};
+/// The stalks alone, unloaded, as grow_truss makes them for the same (config, rng).
+BendingPlant grow_stalks(const TrussConfig& config, Rng rng);
+/// The first step of make_truss: all but the weight. Deterministic in (config, rng, ripening).
+Truss grow_truss(const TrussConfig& config, Rng rng, const std::optional<Ripening>& ripening = {});
+/// Red shares that it asks of its fruits, without making them.
+std::vector<double> asked_red_shares(const TrussConfig& config, Rng rng,
+                                     const std::optional<Ripening>& ripening = {});
+/// The second: trusses beside each other on one bed as one plant, for sag().
+BendingPlant bending_plant(std::span<const Truss> trusses);
+/// The last: puts stalks and fruits where sag() of their bending_plant left them.
+/// @throws std::invalid_argument if `sag` is of other trusses.
+void hang(std::span<Truss> trusses, const SagResult& sag);
 
 /// The truss, its bed under black film and the ground, without lights and views. Fruits are
 /// specimens with their traits and keypoints; calyces and stems are not.

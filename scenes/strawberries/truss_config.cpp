@@ -65,6 +65,9 @@ void validate(const TrussConfig& config) {
   if (config.ripeness) require("ripeness", *config.ripeness, -1, 5);
   require("heavier", config.heavier, 0.01, 1000);
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
+  require("along_m", config.along_m, -0.5, 0.5);
+  require("turn_rad", config.turn_rad, -1, 1);
+  if (config.grid != 0) require("grid", config.grid, 8, 200);
 }
 
 }  // namespace cousin

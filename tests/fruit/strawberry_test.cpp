@@ -81,7 +81,7 @@ TEST(Strawberry, TheSunnySideIsRedder) {
 
 TEST(Strawberry, AchenesKeepApartAndAreAsManyAsStated) {
   const StrawberryVariety& v = strawberry_variety("akihime");
-  const StrawberryFlesh flesh = make_strawberry_flesh(v, FruitFamily::botanical, 1.5, 2e-5, Rng(1));
+  const StrawberryFlesh flesh = make_strawberry_flesh(v, FruitFamily::botanical, 1.5, 2e-5, v.grid, Rng(1));
   EXPECT_EQ(flesh.achenes.size(), static_cast<std::size_t>(v.achenes));
   int crowded = 0;
   for (std::size_t i = 0; i < flesh.achenes.size(); ++i) {
@@ -104,7 +104,7 @@ TEST(Strawberry, SepalsStayOutOfTheFlesh) {
   const FruitSize drawn = draw_size(v, Rng(3).fork("size"));
   const StrawberryFlesh flesh =
       make_strawberry_flesh(v, FruitFamily::botanical, drawn.shape_index,
-                            drawn.mass_kg / drawn.density_kg_m3, Rng(3).fork("flesh"));
+                            drawn.mass_kg / drawn.density_kg_m3, v.grid, Rng(3).fork("flesh"));
   for (const Eigen::Vector3d& p : fruit.calyx.model.mesh.vertices_m) {
     std::size_t nearest = 0;
     for (std::size_t i = 1; i < flesh.mesh.vertices_m.size(); ++i) {

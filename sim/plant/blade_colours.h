@@ -1,13 +1,13 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
-#include "scenes/seedlings/watermelon.h"
+#include "sim/plant/organ_surface.h"
+#include "sim/types/image.h"
 
 namespace cousin {
-
-/// Private to scenes/seedlings.
 
 /// Brightest of a blade's colours, channel by channel: the material's, of which vertices take
 /// shares.

@@ -1,0 +1,337 @@
+#include "scenes/strawberries/strawberry_bed.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "scenes/strawberries/truss.h"
+#include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/smooth_normals.h"
+#include "sim/plant/color.h"
+
+namespace cousin {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+constexpr double kPi = std::numbers::pi;
+
+Instance& add(Scene& scene, ObjectModel model, Material material, const std::string& name) {
+  Instance instance;
+  instance.id = static_cast<int>(scene.instances.size());
+  instance.name = instance.category = name;
+  instance.model = static_cast<int>(scene.models.size());
+  instance.material = static_cast<int>(scene.materials.size());
+  scene.models.push_back(std::move(model));
+  scene.materials.push_back(std::move(material));
+  scene.instances.push_back(std::move(instance));
+  return scene.instances.back();
+}
+
+/// Adds an instance of the same model and material elsewhere.
+void repeat(Scene& scene, std::size_t of, const Vector3d& by_m) {
+  Instance instance = scene.instances[of];
+  instance.id = static_cast<int>(scene.instances.size());
+  instance.world_from_object.translation_m += by_m;
+  scene.instances.push_back(std::move(instance));
+}
+
+/// Cells of a height field or a sheet, counter-clockwise seen from its front.
+void add_cells(Mesh& mesh, std::uint32_t rows, std::uint32_t columns) {
+  for (std::uint32_t j = 0; j + 1 < rows; ++j) {
+    for (std::uint32_t i = 0; i + 1 < columns; ++i) {
+      const std::uint32_t a = j * columns + i;
+      mesh.triangles.push_back({a, a + 1, a + columns + 1});
+      mesh.triangles.push_back({a, a + columns + 1, a + columns});
+    }
+  }
+}
+
+/// Places along y, fine in the middle: cells grow with the distance from it.
+std::vector<double> places(double half_m, double cell_m) {
+  constexpr double kStretch = 3;
+  const int n =
+      std::clamp(static_cast<int>(2 * half_m / cell_m * kStretch / std::sinh(kStretch)), 16, 2000);
+  std::vector<double> list;
+  for (int i = 0; i <= n; ++i)
+    list.push_back(half_m * std::sinh(kStretch * (2.0 * i / n - 1)) / std::sinh(kStretch));
+  return list;
+}
+
+/// The bed's outline from the path's foot over both edges to the far foot, with normals.
+struct Outline {
+  std::vector<Vector2d> points_m, normals;
+};
+Outline outline_of(const TrussShape& shape, double cell_m) {
+  const double w = 2 * shape.bed_half_width_m, h = shape.bed_height_m, r = shape.bed_round_m;
+  Outline line;
+  const auto straight = [&](const Vector2d& a, const Vector2d& b, const Vector2d& normal) {
+    const int n = std::max(1, static_cast<int>((b - a).norm() / cell_m));
+    for (int i = 0; i < n; ++i) {
+      line.points_m.emplace_back(a + (b - a) * i / n);
+      line.normals.push_back(normal);
+    }
+  };
+  const auto arc = [&](const Vector2d& centre, double from) {
+    const int n = std::max(6, static_cast<int>(0.5 * kPi * r / cell_m));
+    for (int i = 0; i < n; ++i) {
+      const double angle = from + 0.5 * kPi * i / n;
+      const Vector2d out(std::cos(angle), std::sin(angle));
+      line.points_m.emplace_back(centre + r * out);
+      line.normals.push_back(out);
+    }
+  };
+  straight({0, -h}, {0, -r}, {1, 0});
+  arc({-r, -r}, 0);
+  straight({-r, 0}, {-w + r, 0}, {0, 1});
+  arc({-w + r, -r}, 0.5 * kPi);
+  straight({-w, -r}, {-w, -h}, {-1, 0});
+  return line;
+}
+
+ObjectModel film_model(const StrawberryBedConfig& config, std::uint64_t key) {
+  const auto& f = config.film;
+  const TrussShape& shape = truss_shape();
+  const Outline outline = outline_of(shape, f.cell_m);
+  const std::vector<double> along = places(f.half_length_m, f.cell_m);
+  ObjectModel model;
+  model.name = "film";
+  for (const double y : along) {
+    double run_m = 0;
+    for (std::size_t i = 0; i < outline.points_m.size(); ++i) {
+      const Vector2d& p = outline.points_m[i];
+      if (i > 0) run_m += (p - outline.points_m[i - 1]).norm();
+      // Folds run down the sides, where the film is pulled, and every way on the top.
+      const double side = std::abs(outline.normals[i].x());
+      const double s = f.wrinkle_scale_m;
+      const Vector3d place(y / s, run_m / (s * (1 + 3 * side)) + 0.35 * side * y / s, 0.5);
+      // Creases are sharp: the film stands out along them and is taut between.
+      const double folds = std::abs(noise3(place, key)) +
+                           0.45 * std::abs(noise3(2.3 * place, key + 1)) +
+                           0.2 * std::abs(noise3(5.1 * place, key + 2));
+      const double in_m = f.wrinkle_m * std::min(1.0, folds);
+      double rise_m = 0;
+      if (outline.normals[i].y() > 0.999) {
+        const double off = (p.x() + config.drip.under_m) / (2 * config.drip.radius_m);
+        rise_m = config.drip.rise_m * std::exp(-off * off);
+      }
+      const Vector2d at = p + (rise_m - in_m) * outline.normals[i];
+      model.mesh.vertices_m.emplace_back(at.x(), y, at.y());
+    }
+  }
+  add_cells(model.mesh, static_cast<std::uint32_t>(along.size()),
+            static_cast<std::uint32_t>(outline.points_m.size()));
+  for (auto& t : model.mesh.triangles) std::swap(t[1], t[2]);  // seen from outside
+  model.vertex_normals = smooth_normals(model.mesh);
+  return model;
+}
+
+/// Dust lies where it was splashed: more to the foot.
+Material film_material(const StrawberryBedConfig& config) {
+  Material film;
+  film.name = "mulch film";
+  film.albedo = to_rgb(color_vector(config.film.albedo));
+  film.noise = NoiseTexture{to_rgb(color_vector(config.film.dust_albedo)), config.film.dust_m, 7};
+  film.roughness = config.film.roughness;
+  film.ior = config.film.ior;
+  film.infrared_albedo = 0.05F;
+  return film;
+}
+
+ObjectModel path_model(const StrawberryBedConfig& config, std::uint64_t key) {
+  const auto& c = config.path;
+  const double far_m = config.film.half_length_m + 1.5;
+  const std::vector<double> along = places(far_m, 0.006);
+  const double z = -truss_shape().bed_height_m;
+  ObjectModel model;
+  model.name = "path";
+  constexpr int kAcross = 260;
+  const double begin_m = -c.wall_m - 1, end_m = 3;
+  for (const double y : along) {
+    for (int i = 0; i <= kAcross; ++i) {
+      // Fine from the bed's foot on.
+      const double t = static_cast<double>(i) / kAcross;
+      const double x = t < 0.15 ? std::lerp(begin_m, -0.02, t / 0.15)
+                                : -0.02 + (end_m + 0.02) * std::pow((t - 0.15) / 0.85, 2.2);
+      const Vector3d p(x / c.clod_scale_m, y / c.clod_scale_m, 0.3);
+      const double clods = fractal_noise3(p, 4, key);
+      const double lumps = 0.5 - 1.6 * std::abs(noise3(2.7 * p, key + 1));
+      const double bank =
+          c.bank_m * std::exp(-std::max(0.0, x) / 0.05) * (1 + 0.4 * noise3(0.6 * p, key + 2));
+      model.mesh.vertices_m.emplace_back(
+          x, y, z + std::max(0.0, bank) + c.clod_m * (0.8 * clods + 0.5 * lumps - 0.2));
+    }
+  }
+  add_cells(model.mesh, static_cast<std::uint32_t>(along.size()), kAcross + 1);
+  model.vertex_normals = smooth_normals(model.mesh);
+  return model;
+}
+
+Material soil(const std::vector<double>& albedo, const std::vector<double>& other, double scale_m) {
+  Material m;
+  m.name = "soil";
+  m.albedo = to_rgb(color_vector(albedo));
+  m.noise = NoiseTexture{to_rgb(color_vector(other)), scale_m, 8};
+  m.ior = 1;
+  m.roughness = 1;
+  m.infrared_albedo = 0.3F;
+  return m;
+}
+
+/// The soil that a planting hole shows, a little heaped, its edge as the film was torn.
+ObjectModel hole_model(const StrawberryBedConfig& config, std::uint64_t key) {
+  constexpr int kRings = 6, kSides = 36;
+  ObjectModel model;
+  model.name = "hole";
+  model.mesh.vertices_m.emplace_back(0, 0, 0.004);
+  for (int ring = 1; ring <= kRings; ++ring) {
+    for (int k = 0; k < kSides; ++k) {
+      const double angle = 2 * kPi * k / kSides;
+      const Vector3d on(std::cos(angle), std::sin(angle), 0.3);
+      const double r = config.row.hole_m * ring / kRings *
+                       (1 + 0.25 * noise3(1.6 * on, key) + 0.1 * noise3(5 * on, key + 1));
+      const double z =
+          ring == kRings
+              ? 0.0002
+              : 0.0025 + 0.0022 * noise3(Vector3d(120 * r * on.x(), 120 * r * on.y(), 1), key + 2);
+      model.mesh.vertices_m.emplace_back(r * on.x(), r * on.y(), z);
+    }
+  }
+  for (std::uint32_t k = 0; k < kSides; ++k)
+    model.mesh.triangles.push_back({0, 1 + k, 1 + (k + 1) % kSides});
+  for (std::uint32_t ring = 0; ring + 1 < kRings; ++ring) {
+    for (std::uint32_t k = 0; k < kSides; ++k) {
+      const std::uint32_t a = 1 + ring * kSides + k, b = 1 + ring * kSides + (k + 1) % kSides;
+      model.mesh.triangles.push_back({a, a + kSides, b + kSides});
+      model.mesh.triangles.push_back({a, b + kSides, b});
+    }
+  }
+  model.vertex_normals = smooth_normals(model.mesh);
+  return model;
+}
+
+ObjectModel drip_model(const StrawberryBedConfig& config, std::uint64_t key) {
+  std::vector<Vector3d> line;
+  std::vector<double> radii_m;
+  constexpr int kSteps = 80;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double y = config.film.half_length_m * (2.0 * i / kSteps - 1);
+    line.emplace_back(-truss_shape().bed_half_width_m + 0.012 * noise3({2 * y, 0.4, 0.2}, key), y,
+                      config.drip.radius_m);
+    radii_m.push_back(config.drip.radius_m);
+  }
+  ObjectModel model;
+  model.name = "drip tube";
+  model.mesh = tube(line, radii_m, 16);
+  model.vertex_normals = smooth_normals(model.mesh);
+  return model;
+}
+
+ObjectModel wall_model(const StrawberryBedConfig& config) {
+  constexpr double kHigh_m = 3;
+  const double x = -config.path.wall_m, half_m = config.film.half_length_m + 1.5;
+  const double low = -truss_shape().bed_height_m;
+  ObjectModel model;
+  model.name = "wall";
+  model.mesh.vertices_m = {
+      {x, -half_m, low}, {x, half_m, low}, {x, half_m, kHigh_m}, {x, -half_m, kHigh_m}};
+  model.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return model;
+}
+
+}  // namespace
+
+Vector3d crown_in_world_m(const StrawberryBedConfig& config, int k, bool near, const Rng& rng) {
+  const TrussShape& shape = truss_shape();
+  Rng own = rng.fork(near ? "near row" : "far row").fork(static_cast<std::uint64_t>(k));
+  // The far row stands in the gaps of the near one.
+  const double y = (k - config.row.plants / 2 + (near ? 0 : 0.5)) * config.row.spacing_m;
+  const double x = near ? -shape.crown_m : -2 * shape.bed_half_width_m + shape.crown_m;
+  return {x, y + config.row.scatter_m * truncated_normal(own, 0, 1, 2), 0};
+}
+
+void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
+                        const std::vector<Vector3d>& crowns_m, Rng rng) {
+  const std::size_t first = scene.instances.size();
+  add(scene, film_model(config, rng.fork("film")()), film_material(config), "bed");
+  Material plastic;
+  plastic.name = "drip tube";
+  plastic.albedo = to_rgb(color_vector(config.drip.albedo));
+  plastic.roughness = 0.4;
+  add(scene, drip_model(config, rng.fork("drip")()), plastic, "drip tube");
+  for (int bed = 1; bed <= config.path.beds; ++bed) {
+    for (std::size_t part = 0; part < 2; ++part)
+      repeat(scene, first + part, {-bed * config.path.pitch_m, 0, 0});
+  }
+  add(scene, path_model(config, rng.fork("path")()),
+      soil(config.path.albedo, config.path.other_albedo, 0.7 * config.path.clod_scale_m), "path");
+  Material white;
+  white.name = "greenhouse film";
+  white.albedo = to_rgb(color_vector(config.path.wall_albedo));
+  add(scene, wall_model(config), white, "wall");
+  const std::size_t hole = scene.instances.size();
+  for (std::size_t i = 0; i < crowns_m.size(); ++i) {
+    if (i == 0) {
+      add(scene, hole_model(config, rng.fork("hole")()),
+          soil(config.row.soil_albedo, config.path.albedo, 0.01), "hole");
+    } else {
+      repeat(scene, hole, crowns_m[i] - crowns_m[0]);
+      const double turn = 2.4 * static_cast<double>(i);
+      scene.instances.back().world_from_object.rotation =
+          Eigen::AngleAxisd(turn, Vector3d::UnitZ());
+    }
+    if (i == 0) scene.instances.back().world_from_object.translation_m = crowns_m[0];
+  }
+}
+
+std::vector<std::string> strawberry_lights() { return {"morning", "overcast", "noon", "lamp"}; }
+
+Vector3d to_strawberry_light(const StrawberryBedConfig& config, const std::string& light, Rng rng) {
+  const auto& c = config.light;
+  if (light != "morning" && light != "noon") return Vector3d::UnitZ();
+  const double e = light == "morning" ? c.morning_elevation_rad : c.noon_elevation_rad;
+  const double a = c.azimuth_spread_rad * uniform(rng, -1, 1);
+  return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
+}
+
+void add_strawberry_light(Scene& scene, const StrawberryBedConfig& config, const std::string& light,
+                          const Vector3d& eye_m, const Vector3d& aim_m, Rng rng) {
+  const auto& c = config.light;
+  const auto overcast = [&](double share) {
+    const Vector3d zenith = share * color_vector(c.overcast);
+    scene.lights.emplace_back(Sky{to_rgb(zenith), to_rgb(Vector3d(c.overcast_horizon * zenith)),
+                                  to_rgb(Vector3d(0.1 * zenith))});
+  };
+  if (light == "morning" || light == "noon") {
+    ClearSky sky;
+    sky.to_sun = to_strawberry_light(config, light, rng);
+    sky.turbidity = light == "noon" ? c.noon_turbidity : c.morning_turbidity;
+    if (light == "morning") sky.angular_radius_rad = c.morning_haze_rad;
+    sky.scale = 0.02;
+    sky.ground_albedo = to_rgb(color_vector(config.path.albedo));
+    scene.lights.emplace_back(sky);
+  } else if (light == "overcast") {
+    overcast(1);
+  } else if (light == "lamp") {
+    overcast(c.lamp_dim);
+    // Over the camera, to its side; it shines along axis_u x axis_v, at what the camera looks at.
+    const Vector3d centre_m = eye_m + Vector3d(0, 0.12, 0.10);
+    const Vector3d along = (aim_m - centre_m).normalized();
+    const Vector3d u = along.cross(Vector3d::UnitZ()).normalized();
+    Lamp lamp;
+    lamp.centre_in_world_m = centre_m;
+    lamp.axis_u_m = c.lamp_half_m[0] * u;
+    lamp.axis_v_m = c.lamp_half_m[1] * along.cross(u);
+    const auto power = static_cast<float>(c.lamp_radiance);
+    lamp.radiance = {power, power, power};
+    scene.lights.emplace_back(lamp);
+  } else {
+    std::string names;
+    for (const std::string& name : strawberry_lights()) names += (names.empty() ? "" : ", ") + name;
+    throw std::invalid_argument("light \"" + light + "\" is not one of " + names);
+  }
+}
+
+}  // namespace cousin

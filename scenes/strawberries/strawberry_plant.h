@@ -1,0 +1,75 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/config/fields.h"
+#include "sim/plant/plant.h"
+#include "sim/types/rng.h"
+
+namespace cousin {
+
+/// plant.toml, which says what each number is and where it comes from. Every value is given there.
+struct StrawberryPlantConfig {
+  struct Crown {
+    double radius_m = 0, height_m = 0;
+    std::vector<double> albedo;
+  } crown;
+  struct Leaf {
+    int count_min = 0, count_max = 0;
+    double divergence_rad = 0, spread_rad = 0, petiole_m = 0, cv_length = 0, petiole_radius_m = 0;
+    double young_rad = 0, old_rad = 0, sag_rad = 0, lean_rad = 0, size_youngest = 0;
+    double leaflet_m = 0, width_share = 0, side_share = 0, side_rad = 0, petiolule_m = 0;
+    double droop_young_rad = 0, droop_old_rad = 0, curl_rad = 0, fold_young_rad = 0, fold_rad = 0;
+    double roll_rad = 0, camber = 0, wave_m = 0, quilt_m = 0;
+    int veins = 0, teeth = 0;
+    double teeth_depth = 0;
+    std::vector<double> outline;
+    double sweep_base_rad = 0, sweep_tip_rad = 0, vein_width_m = 0;
+    std::vector<double> albedo, albedo_young, albedo_old, albedo_vein, albedo_back, transmittance;
+    std::vector<double> petiole_albedo;
+  } leaf;
+  struct Flower {
+    double mean = 0, stalk_m = 0, stalk_radius_m = 0, stalk_rad = 0;
+    double petal_m = 0, sepal_m = 0, receptacle_m = 0;
+    int anthers = 0;
+    std::vector<double> albedo_petal, transmittance_petal, albedo_receptacle, albedo_anther;
+  } flower;
+  struct Runner {
+    double share = 0, length_m = 0, radius_m = 0, leaf_share = 0;
+    std::vector<double> albedo;
+  } runner;
+  struct Surface {
+    int rows = 0, columns = 0, sides = 0;
+    double ior = 0, leaf_roughness = 0, stem_roughness = 0;
+    double infrared_albedo = 0, infrared_transmittance = 0, clear_m = 0;
+    int tries = 0;
+  } surface;
+};
+Fields fields(StrawberryPlantConfig& config);
+/// @throws std::invalid_argument naming key, value and limit.
+void validate(const StrawberryPlantConfig& config);
+const StrawberryPlantConfig& strawberry_plant();  ///< of plant.toml
+
+/// Looks of a plant's organs, in the order of strawberry_materials().
+enum StrawberryLook {
+  kBerryStalkLook,
+  kBerryLeafletLook,
+  kBerryPetalLook,
+  kBerryReceptacleLook,
+  kBerryCrownLook
+};
+std::vector<Material> strawberry_materials(const StrawberryPlantConfig& config);
+
+/// Whether a part of a plant, in the plant's frame, touches nothing that it must keep off.
+using IsFree = std::function<bool(const Mesh& part)>;
+
+/// A plant without its trusses: its crown at the origin, z up, the path on the side +x. Organs:
+/// crown; of each of leaf.count_max leaves, the oldest first, petiole and three leaflets; of three
+/// flowers stalk, petals, sepals and middle; a runner with a daughter of three leaves. A leaf,
+/// flower or runner for which no pose is free is not there. Deterministic in (config, is_free,
+/// rng).
+Plant grow_strawberry_plant(const StrawberryPlantConfig& config, const IsFree& is_free, Rng rng);
+
+}  // namespace cousin

@@ -1,0 +1,120 @@
+#include "scenes/strawberries/strawberry_stand.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "scenes/strawberries/strawberry_toml.h"
+#include "sim/config/limits.h"
+
+namespace cousin {
+namespace {
+
+constexpr int kAttempts = 4;
+constexpr int kMostOnATruss = 5;
+
+std::string draw_variety(const StandConfig& config, Rng rng) {
+  if (config.variety != "drawn") return config.variety;
+  // Plants of Benihoppe, Akihime and Sweet Charlie [Strawberries 2.1].
+  const double u = 180 * uniform(rng);
+  return u < 70 ? "benihoppe" : (u < 130 ? "akihime" : "sweet_charlie");
+}
+
+[[noreturn]] void fail(const SagResult& sag) {
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "stalk %d is strained %.3g times its strength at %.2f of its length; overlaps are "
+                "%.2g m (at most 0.0005)",
+                sag.strain.stem, sag.strain.ratio, sag.strain.share, sag.max_penetration_m);
+  throw std::runtime_error(
+      "strawberries: trusses do not hang at rest in " + std::to_string(kAttempts) +
+      " tries, status " + std::string(to_string(sag.status)) + ": " + text +
+      (sag.first_warning.empty() ? "" : "; the engine: " + sag.first_warning) +
+      (sag.status == PlantStatus::not_built ? "; MuJoCo is not built in (WITH_MUJOCO is OFF)"
+                                            : ""));
+}
+
+}  // namespace
+
+Fields fields(StandConfig& c) {
+  return {{"variety", &c.variety, "drawn, benihoppe, akihime or sweet_charlie"},
+          {"fruits_min", &c.fruits_min, "fewest fruits that hang before the camera", 1, 40},
+          {"fruits_max", &c.fruits_max, "most fruits", 1, 40},
+          {"fruits_share", &c.fruits_share, "mean of the way from the fewest to the most", 0, 1},
+          {"heavier", &c.heavier, "times the fruits' masses", 0.01, 1000},
+          {"fruit_grid", &c.fruit_grid, "cells along an edge of a fruit's mesh", 8, 200}};
+}
+
+void validate(const StandConfig& config) {
+  StandConfig copy = config;
+  check_limits(fields(copy), "strawberries");
+  if (config.variety != "drawn") strawberry_variety(config.variety);
+  if (config.fruits_min > config.fruits_max)
+    throw std::invalid_argument("fruits_min " + std::to_string(config.fruits_min) +
+                                " is above fruits_max " + std::to_string(config.fruits_max));
+}
+
+Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng rng) {
+  validate(config);
+  Stand stand;
+  stand.variety = draw_variety(config, rng.fork("variety"));
+  Rng count = rng.fork("fruits");
+  int left = config.fruits_min;
+  for (int i = config.fruits_min; i < config.fruits_max; ++i)
+    left += uniform(count) < config.fruits_share ? 1 : 0;
+  const int middle = bed.row.plants / 2;
+  // Two trusses a plant, from the middle plant outwards.
+  for (int k = 0; left > 0; ++k) {
+    Rng own = rng.fork("truss").fork(static_cast<std::uint64_t>(k));
+    const int step = (k / 2 + 1) / 2 * ((k / 2) % 2 == 0 ? -1 : 1);
+    const int crown = std::clamp(middle + step, 0, bed.row.plants - 1);
+    TrussConfig truss;
+    truss.variety = stand.variety;
+    truss.fruits = std::min(left, 2 + static_cast<int>(uniform_index(own, kMostOnATruss - 1)));
+    truss.heavier = config.heavier;
+    truss.grid = config.fruit_grid;
+    truss.along_m = std::clamp(crown_in_world_m(bed, crown, true, rng).y(), -0.5, 0.5);
+    truss.turn_rad = (k % 2 == 0 ? -0.32 : 0.32) + 0.12 * truncated_normal(own, 0, 1, 2);
+    left -= truss.fruits;
+    stand.trusses.push_back(truss);
+    stand.crowns.push_back(crown);
+  }
+  return stand;
+}
+
+std::optional<Ripening> ripening_of(const std::optional<Ripening>& all, std::size_t truss) {
+  if (!all) return all;
+  Ripening own{0, all->rng.fork(truss)};
+  own.first = draw_ripeness(truss_shape(), own.rng.fork("first"));
+  return own;
+}
+
+std::vector<Truss> grow_trusses(const Stand& stand, const Rng& rng,
+                                const std::optional<Ripening>& ripening) {
+  std::vector<Truss> trusses;
+  for (std::size_t i = 0; i < stand.trusses.size(); ++i)
+    trusses.push_back(grow_truss(stand.trusses[i], truss_rng(rng, i), ripening_of(ripening, i)));
+  return trusses;
+}
+
+Rng attempt_rng(const Rng& rng, int attempt) {
+  return rng.fork("attempt").fork(static_cast<std::uint64_t>(attempt));
+}
+
+Rng truss_rng(const Rng& rng, std::size_t truss) { return rng.fork("grow").fork(truss); }
+
+StandRest settle_stand(const StandConfig& config, const StrawberryBedConfig& bed, const Rng& rng) {
+  StandRest rest;
+  for (; rest.attempt < kAttempts; ++rest.attempt) {
+    const Rng own = attempt_rng(rng, rest.attempt);
+    const std::vector<Truss> trusses = grow_trusses(draw_stand(config, bed, own), own);
+    rest.sag = sag(bending_plant(trusses));
+    if (rest.sag.status == PlantStatus::ok) return rest;
+    if (rest.sag.status == PlantStatus::not_built) break;
+  }
+  fail(rest.sag);
+}
+
+}  // namespace cousin

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenes/strawberries/strawberry_bed.h"
+#include "scenes/strawberries/truss.h"
+
+namespace cousin {
+
+/// What of a stretch of bed bears fruit: all that physics must know.
+struct StandConfig {
+  std::string variety = "drawn";  ///< or drawn as the paper's 70, 60 and 50 plants
+  int fruits_min = 1, fruits_max = 10;
+  double fruits_share = 0.72;  ///< mean of the way from the fewest to the most
+  double heavier = 1;          ///< times the fruits' masses: what stalks can hold
+  int fruit_grid = 44;         ///< cells along an edge of a fruit's mesh
+};
+Fields fields(StandConfig& config);
+/// @throws std::invalid_argument naming key, value and limit.
+void validate(const StandConfig& config);
+
+/// Trusses that have been drawn, and the crown of the near row that each grows from.
+struct Stand {
+  std::string variety;
+  std::vector<TrussConfig> trusses;
+  std::vector<int> crowns;
+};
+/// Deterministic in (config, bed, rng), whatever colours and lights are.
+Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng rng);
+/// All trusses of a stand without weight. @param ripening  colours of another day
+std::vector<Truss> grow_trusses(const Stand& stand, const Rng& rng,
+                                const std::optional<Ripening>& ripening = {});
+
+/// The ripening of one truss: its first fruit's is drawn.
+std::optional<Ripening> ripening_of(const std::optional<Ripening>& all, std::size_t truss);
+
+/// A stand at rest: the try that came to rest, and how.
+struct StandRest {
+  int attempt = 0;
+  SagResult sag;
+};
+/// Tries of a stand until one comes to rest without overlaps: a truss in some thousand is caught.
+/// @throws std::runtime_error naming the status, stem and limit if none does: so for fruits that
+/// are too heavy for their stalks.
+StandRest settle_stand(const StandConfig& config, const StrawberryBedConfig& bed, const Rng& rng);
+/// The stream of one try, for draw_stand and grow_trusses; and of one truss of it.
+Rng attempt_rng(const Rng& rng, int attempt);
+Rng truss_rng(const Rng& rng, std::size_t truss);
+
+/// A rest as text that reads back bit by bit, and everything that decides it: two rests of the same
+/// description and stream are the same.
+std::string to_text(const StandRest& rest);
+std::string description(const StandConfig& config, const StrawberryBedConfig& bed);
+/// @param name  of the file, for errors
+/// @throws std::runtime_error naming the file, what in it is wrong and the limit: sizes that are
+/// not those of the stand's stems, numbers that are not finite, poses that are none, places farther
+/// than 10 m.
+StandRest rest_from_text(std::string_view text, const std::string& name, const StandConfig& config,
+                         const StrawberryBedConfig& bed, const Rng& rng);
+
+}  // namespace cousin

@@ -1,0 +1,86 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "benchmarks/scenes/stand_cache.h"
+#include "sim/dataset/atomic_file.h"
+#include "tests/strawberries/small_stretch.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+class StrawberryStand : public testing::Test {
+ protected:
+  void SetUp() override {
+    config.cache = fs::path(testing::TempDir()) / "stands" /
+                   testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(config.cache);
+  }
+  void TearDown() override { fs::remove_all(config.cache); }
+  StrawberriesSceneConfig config = small_stretch(2);
+};
+
+TEST_F(StrawberryStand, HangsWithoutOverlapsAndItsPlantsKeepOff) {
+  config.cache.clear();
+  const StandRest rest = stand_at_rest(config, 1, 0);
+  EXPECT_EQ(rest.sag.status, PlantStatus::ok);
+  EXPECT_LE(rest.sag.max_penetration_m, 5e-4);
+  const Scene scene = build_strawberries_scene(config, rest, stretch_rng(1, 0), Rng(1));
+  EXPECT_LT(plants_in_fruits_m(scene), 5e-4);
+  for (const Instance& instance : scene.instances) {
+    if (instance.is_specimen) EXPECT_LT(instance.world_from_object.translation_m.z(), -0.03);
+  }
+}
+
+TEST_F(StrawberryStand, IsTheSameFromTheFolderAsFreshAndOnAnyThreads) {
+  const StandRest fresh = stand_at_rest(config, 2, 1);
+  const fs::path file = stand_file(config, 2, 1);
+  ASSERT_TRUE(fs::exists(file));
+  EXPECT_EQ(to_text(stand_at_rest(config, 2, 1)), to_text(fresh));
+  fs::remove(file);
+  EXPECT_EQ(to_text(stand_at_rest(config, 2, 1)), to_text(fresh));
+  // What decides it names it.
+  StrawberriesSceneConfig other = config;
+  other.stand.heavier = 1.01;
+  EXPECT_NE(stand_file(other, 2, 1), file);
+  EXPECT_NE(stand_file(config, 3, 1), file);
+  EXPECT_NE(stand_file(config, 2, 2), file);
+  // What does not, does not.
+  other = config;
+  other.light = "noon";
+  other.plant.leaf.leaflet_m = 0.05;
+  EXPECT_EQ(stand_file(other, 2, 1), file);
+}
+
+TEST_F(StrawberryStand, ADamagedFileIsAnErrorThatNamesIt) {
+  stand_at_rest(config, 4, 0);
+  const fs::path file = stand_file(config, 4, 0);
+  const std::string whole = read_file(file);
+  for (const std::string& bytes : {std::string(), std::string("sha256"), whole.substr(0, 500),
+                                   whole + "x", std::string(whole).replace(200, 1, "#")}) {
+    write_file(file, bytes);
+    try {
+      stand_at_rest(config, 4, 0);
+      ADD_FAILURE() << bytes.size();
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(file.string()), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST_F(StrawberryStand, FruitsTooHeavyForTheirStalksAreRefusedWithTheStatus) {
+  config.stand.heavier = 40;
+  try {
+    stand_at_rest(config, 5, 0);
+    FAIL() << "it hangs";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("broke"), std::string::npos) << error.what();
+  }
+  EXPECT_FALSE(fs::exists(stand_file(config, 5, 0)));
+}
+
+}  // namespace
+}  // namespace cousin
