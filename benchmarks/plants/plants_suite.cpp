@@ -7,6 +7,7 @@
 #include <string>
 
 #include "benchmarks/metrics/distributions.h"
+#include "benchmarks/plants/orchard_rows.h"
 #include "scenes/apples/apple.h"
 #include "scenes/strawberries/truss.h"
 #include "sim/types/stage_clock.h"
@@ -200,7 +201,7 @@ void truss_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int fruits) {
 ScoreFile plants_suite(std::uint64_t seed, bool quick, const Progress& progress) {
   ScoreFile file;
   const std::vector<int> trusses = quick ? std::vector{1, 5} : std::vector{1, 3, 5, 8, 12};
-  const int steps = 2 + static_cast<int>(trusses.size());
+  const int steps = 3 + static_cast<int>(trusses.size());
   int done = 0;
   const auto tell = [&](const std::string& what) {
     if (progress) progress(what, done, steps);
@@ -215,6 +216,9 @@ ScoreFile plants_suite(std::uint64_t seed, bool quick, const Progress& progress)
     tell("truss of " + std::to_string(fruits));
     truss_rows(file.scores, seed, fruits);
   }
+  tell("apple tree");
+  const std::vector<ScoreRow> orchard = orchard_rows(seed, quick ? 3 : 8);
+  file.scores.insert(file.scores.end(), orchard.begin(), orchard.end());
   return file;
 }
 

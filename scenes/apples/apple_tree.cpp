@@ -105,7 +105,7 @@ class Grower {
     g.length_m = size_ * (b.length_m + std::pow(t, 1.2) * (b.length_top_m - b.length_m)) *
                  truncated_normal(rng, 1, b.cv_length, 2);
     g.radius_m =
-        std::min(std::max(b.radius_share * g.length_m, 1.2 * b.radius_tip_m), 0.75 * from.radius_m);
+        std::min(std::max(b.radius_share * g.length_m, b.radius_least_m), 0.75 * from.radius_m);
     g.tip_radius_m = std::min(b.radius_tip_m, g.radius_m);
     g.pieces = 16;
     g.towards = -Vector3d::UnitZ();

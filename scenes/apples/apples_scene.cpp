@@ -81,6 +81,26 @@ std::vector<TrueTrait> tree_traits(const GrownTree& grown) {
           {"branch_sag", "m", rest.sag_m}};
 }
 
+/// Fruits of neighbours are specimens where a view may show them: the truth of hundreds that none
+/// does would be files without a pixel.
+void forget_unseen(Scene& scene, const ApplesSceneConfig& config,
+                   const std::vector<std::size_t>& own) {
+  const Camera& camera = config.eye.camera;
+  const double reach = std::hypot(camera.width_px / camera.fx_px, camera.height_px / camera.fy_px);
+  for (std::size_t i = own.empty() ? 0 : own.back() + 1; i < scene.instances.size(); ++i) {
+    Instance& instance = scene.instances[i];
+    if (!instance.is_specimen) continue;
+    instance.is_specimen =
+        std::any_of(scene.views.begin(), scene.views.end(), [&](const View& view) {
+          const Vector3d at = config.eye.eye_from_rig * view.rig_from_world *
+                              instance.world_from_object.translation_m;
+          // Half the image's diagonal, a third more for lenses that see wider, and the fruit's
+          // radius.
+          return at.z() > -0.1 && at.head<2>().norm() < 0.67 * reach * std::max(at.z(), 0.0) + 0.1;
+        });
+  }
+}
+
 }  // namespace
 
 Fields fields(ApplesSceneConfig& c) {
@@ -101,7 +121,7 @@ Fields fields(ApplesSceneConfig& c) {
                 {"distance_max_m", &c.distance_max_m, "of the camera from the fruit's centre",
                  kNearest_m, kFar_m},
                 {"occlusion", &c.occlusion, "hidden share of the target; negative: as it comes", -1,
-                 0.98},
+                 1},
                 {"unmet", &c.unmet, "what becomes of a view that misses it: state or refuse"},
                 {"rig", &c.rig, "sensor preset"}} +
          nested("orchard", fields(c.orchard));
@@ -192,6 +212,7 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng) {
   add_orchard_ground(scene, c, leaf_models, leaf_parts, rng.fork("ground"));
   add_neighbours(scene, config, grown.fruits, models, 0, rng.fork("neighbours"));
   add_apple_views(scene, config, apples, 0, rng.fork("views"));
+  forget_unseen(scene, config, apples);
   validate(scene);
   return scene;
 }

@@ -17,7 +17,8 @@ struct OrchardConfig {
   struct Branch {
     int count = 0;
     double first_m = 0, last_share = 0, divergence_rad = 0, divergence_spread_rad = 0;
-    double length_m = 0, length_top_m = 0, cv_length = 0, radius_share = 0, radius_tip_m = 0;
+    double length_m = 0, length_top_m = 0, cv_length = 0, radius_share = 0, radius_tip_m = 0,
+           radius_least_m = 0;
     double angle_rad = 0, angle_spread_rad = 0, droop_rad = 0, wiggle_rad = 0;
     double young_modulus_pa = 0, strength_pa = 0, density_kg_m3 = 0, damping_time_s = 0;
   } branch;
@@ -45,7 +46,7 @@ struct OrchardConfig {
   struct Fruit {
     int variants = 0, grid = 0;
     std::vector<double> cluster_share;
-    double stalk_holds_n = 0, bourse_stiffness_n_m = 0, gap_m = 0;
+    double per_m2 = 0, stalk_holds_n = 0, bourse_stiffness_n_m = 0, gap_m = 0;
   } fruit;
   struct Wood {
     std::vector<double> albedo, other_albedo;

@@ -30,6 +30,7 @@ Fields fields(OrchardConfig::Branch& c) {
           {"cv_length", &c.cv_length, "standard deviation over mean", 0, 0.3},
           {"radius_share", &c.radius_share, "base radius over length", 2e-3, 0.05},
           {"radius_tip_m", &c.radius_tip_m, "at the tip", 1e-3, 0.05},
+          {"radius_least_m", &c.radius_least_m, "at the base of the shortest", 1e-3, 0.05},
           {"angle_rad", &c.angle_rad, "from upright at its base", 0.2, 2.5},
           {"angle_spread_rad", &c.angle_spread_rad, "its sigma", 0, 0.5},
           {"droop_rad", &c.droop_rad, "turn towards the ground over its length", -1.5, 2},
@@ -86,6 +87,7 @@ Fields fields(OrchardConfig::Fruit& c) {
   return {{"variants", &c.variants, "different fruits of a tree", 1, 500},
           {"grid", &c.grid, "cells along an edge of a fruit's cube", 8, 200},
           {"cluster_share", &c.cluster_share, "of spurs that bear 1, 2, 3 fruits", 0, 1},
+          {"per_m2", &c.per_m2, "fruits to a branch's section at its base", 1e3, 1e8},
           {"stalk_holds_n", &c.stalk_holds_n, "pull at which a stalk comes off", 0.01, 1e4},
           {"bourse_stiffness_n_m", &c.bourse_stiffness_n_m, "of a stalk's base", 1e-4, 10},
           {"gap_m", &c.gap_m, "between fruits and wood as they are placed", 0, 0.1}};

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 
@@ -51,8 +52,11 @@ class Bearer {
       const int left = count - static_cast<int>(tree_.fruits.size());
       if (left <= 0) return;
       Rng own = rng_.fork("spur").fork(static_cast<std::uint64_t>(spur));
-      for (int size = std::min(left, cluster_size(own)); size > 0; --size) {
-        if (hang_cluster(spur, size, own.fork(static_cast<std::uint64_t>(size)))) break;
+      const int branch = tree_.wood[static_cast<std::size_t>(spur)].parent;
+      for (int size = std::min({left, cluster_size(own), room_on(branch)}); size > 0; --size) {
+        if (!hang_cluster(spur, size, own.fork(static_cast<std::uint64_t>(size)))) continue;
+        borne_[branch] += size;
+        break;
       }
     }
     if (static_cast<int>(tree_.fruits.size()) >= count) return;
@@ -67,6 +71,13 @@ class Bearer {
     double draw = uniform(rng) * (share[0] + share[1] + share[2]);
     if ((draw -= share[0]) < 0) return 1;
     return draw - share[1] < 0 ? 2 : 3;
+  }
+
+  /// Fruits that a branch may still be given: as growers thin, by its section.
+  int room_on(int branch) {
+    const double radius_m = tree_.wood[static_cast<std::size_t>(branch)].line.radii_m.front();
+    const double most = c_.fruit.per_m2 * std::numbers::pi * radius_m * radius_m;
+    return std::max(1, static_cast<int>(most)) - borne_[branch];
   }
 
   bool hang_cluster(int spur, int size, Rng rng) {
@@ -151,6 +162,7 @@ class Bearer {
   double heavier_ = 1;
   Rng rng_;
   std::vector<FruitBall> balls_;
+  std::map<int, int> borne_;  ///< fruits by branch
 };
 
 }  // namespace

@@ -1,0 +1,148 @@
+#include "benchmarks/plants/orchard_rows.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "scenes/apples/apples_scene.h"
+#include "sim/render/truth_pass.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+ScoreRow base_row(const std::string& case_name, std::uint64_t seed) {
+  ScoreRow row;
+  row.suite = "plants";
+  row.scene = "apples";
+  row.case_name = case_name;
+  row.method = "ours";
+  row.seed = seed;
+  row.unit = "1";
+  row.n = 1;
+  return row;
+}
+
+void set_seconds(ScoreRow& row, const std::string& metric, double wall_s, double cpu_s) {
+  row.metric = metric;
+  row.unit = "s";
+  row.value = row.wall_s = wall_s;
+  row.cpu_s = cpu_s;
+}
+
+void tree_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
+  const Rng rng = Rng(seed).fork("tree");
+  ApplesSceneConfig config;
+  config.sag = false;
+  const StageClock growing("grow");
+  const GrownTree unbent = grow_scene_tree(config, rng);
+  const PlantModel wood = tree_wood(unbent.tree, config.orchard, 1, rng.fork("bark"));
+  const StageTiming grown = growing.finish();
+  ScoreRow row = base_row("tree in full leaf, 85 fruits", seed);
+  set_seconds(row, "seconds, building without settling (at most 2)", grown.wall_s, grown.cpu_s);
+  rows.push_back(limited(row, row.value <= 2));
+  row = base_row("tree in full leaf, 85 fruits", seed);
+  row.metric = "leaves";
+  row.value = static_cast<double>(unbent.tree.leaves.size());
+  rows.push_back(row);
+  config.sag = true;
+  const StageClock hanging("hang");
+  const GrownTree bent = grow_scene_tree(config, rng);
+  const StageTiming hung = hanging.finish();
+  row = base_row("tree under its fruits", seed);
+  if (!bent.tree.rest.is_bent) {
+    row.metric = "not built in: MuJoCo (WITH_MUJOCO=OFF)";
+    row.status = ScoreStatus::not_built;
+    rows.push_back(row);
+    return;
+  }
+  set_seconds(row, "seconds, building and settling (at most 10)", hung.wall_s, hung.cpu_s);
+  rows.push_back(limited(row, row.value <= 10));
+  row = base_row("tree under its fruits", seed);
+  row.metric = "branches that do not come to rest (none)";
+  row.value = bent.tree.rest.not_at_rest;
+  row.n = bent.tree.rest.branches;
+  rows.push_back(limited(row, row.value == 0));
+  row.metric = "fruits thinned for their overlap";
+  row.value = bent.tree.rest.thinned;
+  row.n = static_cast<std::int64_t>(bent.tree.fruits.size()) + bent.tree.rest.thinned;
+  row.status = ScoreStatus::ok;
+  rows.push_back(row);
+  row.metric = "deepest overlap of fruits with fruits and wood (at most 0.0005; negative: a gap)";
+  row.unit = "m";
+  row.value = bent.tree.rest.deepest_m;
+  rows.push_back(limited(row, row.value <= 5e-4));
+  row.metric = "farthest way of a branch's tip";
+  row.value = bent.tree.rest.sag_m;
+  row.status = ScoreStatus::ok;
+  rows.push_back(row);
+}
+
+double tree_trait(const Scene& scene, const char* what, int view) {
+  char name[40];
+  std::snprintf(name, sizeof name, "%s %06d", what, view);
+  for (const TrueTrait& trait : scene.instances.front().traits) {
+    if (trait.name == name) return trait.value;
+  }
+  return ScoreRow::kNone;
+}
+
+/// What the rig's camera shows of a view's target, by the truth pass over the whole scene.
+double visible_fraction(const Scene& scene, const RayScene& rays, const ApplesSceneConfig& config,
+                        int view) {
+  TrueView seen;
+  seen.camera = config.eye.camera;
+  seen.camera_from_world =
+      config.eye.eye_from_rig * scene.views[static_cast<std::size_t>(view)].rig_from_world;
+  seen.camera_from_world_end = seen.camera_from_world;
+  const auto target = static_cast<int>(tree_trait(scene, "target", view));
+  for (const InstanceVisibility& v :
+       render_truth(rays, scene, seen, {.visibility = true}).visibility) {
+    if (v.instance == target) return v.visible_fraction;
+  }
+  return ScoreRow::kNone;
+}
+
+void occlusion_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int views) {
+  ApplesSceneConfig config;
+  config.views = views;
+  for (const double visible : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
+    config.occlusion = 1 - visible;
+    const StageClock clock("build");
+    const Scene scene = build_apples_scene(config, Rng(seed).fork("occlusion"));
+    const StageTiming time = clock.finish();
+    const RayScene rays(scene);
+    int met = 0;
+    double off = 0;
+    for (int i = 0; i < views; ++i) {
+      if (tree_trait(scene, "met", i) != 1) continue;
+      ++met;
+      off = std::max(off, std::abs(visible_fraction(scene, rays, config, i) - visible));
+    }
+    char name[48];
+    std::snprintf(name, sizeof name, "visible fraction %.1f asked for", visible);
+    ScoreRow row = base_row(name, seed);
+    row.n = views;
+    row.metric = "share of views that say it is met (at least 0.8)";
+    row.value = static_cast<double>(met) / views;
+    row.wall_s = time.wall_s;
+    row.cpu_s = time.cpu_s;
+    rows.push_back(limited(row, row.value >= 0.8));
+    row.n = met;
+    row.metric = "largest off what was asked, of those met (at most 0.03)";
+    row.value = off;
+    rows.push_back(limited(row, off <= 0.03));
+  }
+}
+
+}  // namespace
+
+std::vector<ScoreRow> orchard_rows(std::uint64_t seed, int views) {
+  std::vector<ScoreRow> rows;
+  tree_rows(rows, seed);
+  occlusion_rows(rows, seed, views);
+  return rows;
+}
+
+}  // namespace cousin
