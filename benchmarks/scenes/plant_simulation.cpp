@@ -75,24 +75,6 @@ struct PlantSimulation::Impl {
     std::call_once(tracer_once, [&] { tracer.emplace(rays, scene); });
     return *tracer;
   }
-
-  bool moves() const {
-    return std::any_of(scene.instances.begin(), scene.instances.end(),
-                       [](const Instance& instance) { return !instance.motion.empty(); });
-  }
-
-  /// From the first row's exposure to the last's, of all the rig's sensors.
-  TimeSpan span_of(int frame) const {
-    constexpr double kInfrared_s = 0.05;  // exposures that views do not tell
-    TimeSpan span{1e300, -1e300};
-    for (const SensorViews& sensor : rig.views()) {
-      const TrueView& view = sensor.views.at(static_cast<std::size_t>(frame));
-      span.begin_s = std::min(span.begin_s, view.time_s - 0.5 * view.exposure_s);
-      span.end_s =
-          std::max(span.end_s, view.time_s + view.readout_s + 0.5 * view.exposure_s + kInfrared_s);
-    }
-    return span;
-  }
 };
 
 PlantSimulation::PlantSimulation(const PlantRunConfig& config, std::uint64_t seed, int scene_index)
