@@ -234,7 +234,7 @@ TEST_F(Export, BopRefusesALensByNameUnlessUndistorted) {
   write({.camera = distorted()});
   EXPECT_THAT(refusal("bop"),
               AllOf(HasSubstr("\"rgb\""), HasSubstr("opencv5"), HasSubstr("--undistort")));
-  EXPECT_FALSE(fs::exists(path("refused/train")));
+  EXPECT_FALSE(fs::exists(path("refused")));
   make("bop", {.undistort = true});
   const json camera = json_in("out/train/000000/scene_camera.json")["0"];
   EXPECT_EQ(camera["cam_K"][0], distorted().fx_px + 1);  // the true one
@@ -310,6 +310,25 @@ TEST_F(Export, ALensThatAFormatCannotHoldIsRefusedByName) {
   EXPECT_LE(largest_difference_px(
                 camera, camera_from_yaml(read_file(path("out/000000/rgb.yaml")), "rgb.yaml")),
             1e-9);
+}
+
+/// An autofocus changes the lens from frame to frame.
+TEST_F(Export, LensesThatChangeAreAFileAFrameOrOnePinholeCamera) {
+  write({.camera = distorted(), .focus_step_px = 2});
+  EXPECT_THAT(refusal("tum"), AllOf(HasSubstr("frame 1"), HasSubstr("--undistort")));
+  make("tum", {.undistort = true});
+  const Capture tum = import_tum(path("out/000000"), "");
+  const Capture dataset = read_capture(path("data/000000"));
+  Camera second = distorted();
+  second.fx_px += 2;
+  EXPECT_EQ(dataset.frames[1].sensors[0].reported, second);
+  const Camera pinhole = undistorted_camera(distorted());
+  EXPECT_LE(largest_difference_px(tum.frames[1].sensors[0].reported, pinhole), 1e-9);
+  EXPECT_EQ(tum.frames[1].sensors[0].color,
+            undistort(dataset.frames[1].sensors[0].color, second, {.pinhole = pinhole}).image);
+  EXPECT_THAT(make("ros", {}, "ros").warnings, testing::ElementsAre(HasSubstr("a file for each")));
+  EXPECT_EQ(camera_from_yaml(read_file(path("ros/000000/rgb_000001.yaml")), "y").fx_px,
+            second.fx_px);
 }
 
 TEST_F(Export, CalibrationsAreTheReportedOnesOrTheTrue) {

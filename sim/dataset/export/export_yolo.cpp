@@ -133,10 +133,11 @@ void export_yolo(ExportJob& job) {
     for_each_picture(job, scene, done, [&](std::size_t, const ExportPicture& picture) {
       const std::string name = picture_name(scene, picture);
       const Camera lens = camera_of(scene, picture, job.options.true_cameras).camera;
-      write_picture(picture, lens, job.out / "images" / side / name, job.options);
+      const Camera camera = handed_over(lens, job.options);
+      write_picture(picture, lens, camera, job.out / "images" / side / name, job.options);
       write_once(job.out / "labels" / side / (name + ".txt"),
-                 label_text(labels_of(scene, picture, names.categories, job.options),
-                            handed_over(lens, job.options), task, names));
+                 label_text(labels_of(scene, picture, names.categories, job.options), camera, task,
+                            names));
     });
   }
   write_once(job.out / "data.yaml", data_yaml(splits, task, names));
