@@ -83,7 +83,10 @@ ExportSummary export_dataset(const fs::path& dataset, const ExportFormat& format
   if (folders.empty())
     throw std::runtime_error(dataset.string() + ": holds no scene (000000/rig.json)");
   ExportJob job{.scenes = {}, .options = options, .out = out, .progress = progress, .warnings = {}};
-  for (const fs::path& folder : folders) job.scenes.push_back(read_export_scene(folder));
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    progress("read scenes", static_cast<int>(i), static_cast<int>(folders.size()));
+    job.scenes.push_back(read_export_scene(folders[i]));
+  }
   const Json chosen = to_json(options);
   const std::string key = sha256_hex(program_version + "\n" + identity(dataset, folders) + "\n" +
                                      format.name + "\n" + chosen.dump());

@@ -94,7 +94,7 @@ std::string label_text(const std::vector<LabelledObject>& objects, const Camera&
 }
 
 std::string data_yaml(const std::vector<Split>& splits, YoloTask task, const YoloNames& names) {
-  std::string text = "path: .  # this folder\n";
+  std::string text = "# paths are from this file's folder\n";
   for (const Split split : kSplits) {
     if (std::find(splits.begin(), splits.end(), split) == splits.end()) continue;
     text += std::string(to_string(split)) + ": images/" + std::string(to_string(split)) + "\n";
