@@ -132,10 +132,17 @@ void validate(const UndistortConfig& config) {
     throw std::invalid_argument("undistort: focal_px = " + std::to_string(config.focal_px) +
                                 " is negative or not finite");
   }
+  if (config.pinhole.width_px == 0) return;
+  validate(config.pinhole);
+  if (config.pinhole.model != LensModel::pinhole) {
+    throw std::invalid_argument("undistort: pinhole.model = " +
+                                std::string(to_string(config.pinhole.model)) + " is not pinhole");
+  }
 }
 
 Camera undistorted_camera(const Camera& lens, const UndistortConfig& config) {
   validate(config);
+  if (config.pinhole.width_px > 0) return config.pinhole;
   Camera pinhole = resized(lens, config.width_px > 0 ? config.width_px : lens.width_px,
                            config.height_px > 0 ? config.height_px : lens.height_px);
   pinhole.model = LensModel::pinhole;

@@ -19,6 +19,9 @@ struct UndistortConfig {
   double focal_px = 0;  ///< of square pixels; 0 = the lens's own fx and fy at its centre, scaled
                         ///< with the size
   Interpolation interpolation = Interpolation::bilinear;
+  /// The wanted camera itself, in place of the three above: views of lenses that differ become ones
+  /// of the same camera. No width = not given.
+  Camera pinhole;
 };
 /// @throws std::invalid_argument naming field, value and limit.
 void validate(const UndistortConfig& config);

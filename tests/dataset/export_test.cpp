@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
@@ -124,21 +126,25 @@ TEST_F(Export, YoloHasATaskEachFromTheImagesCorner) {
   const std::string boxes = read_file(path("out/labels/train/000000_000000.txt"));
   EXPECT_EQ(boxes, "0 0.275 0.25 0.15 0.16666666666666666\n" +
                        std::string("1 0.3875 0.6166666666666667 0.275 0.7666666666666667\n"));
-  EXPECT_THAT(read_file(path("out/data.yaml")),
-              AllOf(HasSubstr("train: images/train\n"), testing::Not(HasSubstr("val:")),
-                    HasSubstr("0: \"apple\""), HasSubstr("1: \"zea\"")));
+  EXPECT_THAT(
+      read_file(path("out/data.yaml")),
+      AllOf(HasSubstr("train: images/train\n"), testing::Not(HasSubstr("val:")),
+            testing::Not(HasSubstr("path:")), HasSubstr("0: \"apple\""), HasSubstr("1: \"zea\"")));
   make("yolo", {.task = YoloTask::pose}, "pose");
   const std::string pose = read_file(path("pose/labels/train/000000_000000.txt"));
   // Three keypoints of all classes: tip, root, node 1. The centre of pixel 9.25 is at 9.75 / 40.
   EXPECT_THAT(pose, HasSubstr("0 0.275 0.25 0.15 0.16666666666666666 0.24375 "
                               "0.23333333333333334 2 0 0 0 0 0 0\n"));
-  EXPECT_THAT(pose, HasSubstr(" 2 0.5125 0.98333333333333328 1 0 0 0\n"));
+  EXPECT_THAT(pose, HasSubstr(" 2 0.5125 0.9833333333333333 1 0 0 0\n"));
   EXPECT_THAT(read_file(path("pose/data.yaml")),
               AllOf(HasSubstr("kpt_shape: [3, 3]"), HasSubstr("flip_idx: [0, 1, 2]"),
                     HasSubstr("[\"tip\",\"root\",\"node 1\"]")));
   make("yolo", {.task = YoloTask::segment}, "segment");
-  EXPECT_THAT(read_file(path("segment/labels/train/000000_000000.txt")),
-              testing::StartsWith("0 0.2 0.16666666666666666 0.35 0.16666666666666666 "));
+  // One polygon an object: the ring's corners, its hole's, and the cut between them.
+  const std::string segments = read_file(path("segment/labels/train/000000_000000.txt"));
+  const std::string ring = segments.substr(0, segments.find('\n'));
+  EXPECT_THAT(ring, testing::StartsWith("0 0.2 0.16666666666666666 "));
+  EXPECT_EQ(std::count(ring.begin(), ring.end(), ' '), 2 * (4 + 4 + 2));
 }
 
 TEST_F(Export, SplitsAreByScene) {
@@ -231,7 +237,7 @@ TEST_F(Export, BopRefusesALensByNameUnlessUndistorted) {
   write({.camera = distorted()});
   EXPECT_THAT(refusal("bop"),
               AllOf(HasSubstr("\"rgb\""), HasSubstr("opencv5"), HasSubstr("--undistort")));
-  EXPECT_FALSE(fs::exists(path("refused/train")));
+  EXPECT_FALSE(fs::exists(path("refused")));
   make("bop", {.undistort = true});
   const json camera = json_in("out/train/000000/scene_camera.json")["0"];
   EXPECT_EQ(camera["cam_K"][0], distorted().fx_px + 1);  // the true one
@@ -272,6 +278,85 @@ TEST_F(Export, ColmapNerfstudioAndTumComeBackAsTheyWere) {
   }
 }
 
+/// The first record of a text file, as words.
+std::vector<std::string> first_record(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line;
+  while (std::getline(lines, line) && (line.empty() || line[0] == '#')) {
+  }
+  std::istringstream words(line);
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
+Eigen::Matrix3d rotation(const std::vector<std::string>& words,
+                         const std::array<std::size_t, 4>& wxyz) {
+  const auto number = [&](std::size_t i) { return std::stod(words.at(i)); };
+  return Eigen::Quaterniond(number(wxyz[0]), number(wxyz[1]), number(wxyz[2]), number(wxyz[3]))
+      .toRotationMatrix();
+}
+
+Eigen::Vector3d vector_at(const std::vector<std::string>& words, std::size_t first) {
+  return {std::stod(words.at(first)), std::stod(words.at(first + 1)),
+          std::stod(words.at(first + 2))};
+}
+
+/// A dot in the centre of pixel (12, 7), by each format's own formula and none of our readers.
+/// Formats that count from the image's corner find it at (12.5, 7.5).
+TEST_F(Export, ADotIsWhereEachFormatsOwnFormulaPutsIt) {
+  write({});
+  const Capture dataset = read_capture(path("data/000000"));
+  const Pose camera_from_world = dataset.rig[0].sensor_from_rig * *dataset.frames[0].rig_from_world;
+  const Eigen::Vector3d dot =
+      inverse(camera_from_world) *
+      Eigen::Vector3d(3 * *unproject(dataset.frames[0].sensors[0].reported, {12, 7}));
+  constexpr double kRounding_px = 1e-10;
+  const Eigen::Vector2d centre(12, 7), corner(12.5, 7.5);
+
+  make("colmap", {}, "colmap");
+  const auto camera = first_record(read_file(path("colmap/000000/sparse_txt/cameras.txt")));
+  const auto image = first_record(read_file(path("colmap/000000/sparse_txt/images.txt")));
+  EXPECT_EQ(camera.at(1), "PINHOLE");
+  EXPECT_EQ(image.at(9), "rgb/000000.png");
+  const Eigen::Vector3d c = rotation(image, {1, 2, 3, 4}) * dot + vector_at(image, 5);
+  const Eigen::Vector2d colmap(std::stod(camera[4]) * c.x() / c.z() + std::stod(camera[6]),
+                               std::stod(camera[5]) * c.y() / c.z() + std::stod(camera[7]));
+  EXPECT_LT((colmap - corner).norm(), kRounding_px);
+
+  make("nerfstudio", {}, "nerf");
+  const json frame = json_in("nerf/000000/transforms.json")["frames"][0];
+  Eigen::Matrix4d world_from_camera;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column)
+      world_from_camera(row, column) = frame["transform_matrix"][row][column];
+  }
+  const Eigen::Vector4d n = world_from_camera.inverse() * dot.homogeneous();  // y up, z back
+  const Eigen::Vector2d nerf(
+      frame["cx"].get<double>() - frame["fl_x"].get<double>() * n.x() / n.z(),
+      frame["cy"].get<double>() + frame["fl_y"].get<double>() * n.y() / n.z());
+  EXPECT_LT((nerf - corner).norm(), kRounding_px);
+
+  make("tum", {}, "tum");
+  const auto pose = first_record(read_file(path("tum/000000/groundtruth.txt")));
+  const Eigen::Vector3d t =
+      rotation(pose, {7, 4, 5, 6}).transpose() * (dot - vector_at(pose, 1));  // camera to world
+  const Camera k = SmallDataset{}.camera;
+  const Eigen::Vector2d tum(k.fx_px * t.x() / t.z() + k.cx_px, k.fy_px * t.y() / t.z() + k.cy_px);
+  EXPECT_LT((tum - centre).norm(), kRounding_px);
+
+  make("bop", {}, "bop");
+  const json bop = json_in("bop/train/000000/scene_camera.json")["0"];
+  const TrueView view = read_truth(path("data/000000")).views[0];
+  const Eigen::Vector3d true_dot_mm =
+      1000 *
+      (inverse(view.camera_from_world) * Eigen::Vector3d(3 * *unproject(view.camera, {12, 7})));
+  const std::vector<double> r = bop["cam_R_w2c"], shift = bop["cam_t_w2c"], m = bop["cam_K"];
+  const Eigen::Vector3d b =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.data()) *
+      (Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.data()) * true_dot_mm +
+       Eigen::Vector3d(shift.data()));
+  EXPECT_LT((b.hnormalized() - centre).norm(), kRounding_px);
+}
+
 TEST_F(Export, PosesThatTheRigDoesNotKnowAreTheTruthsOrRefused) {
   write({.knows_poses = false});
   for (const char* format : {"colmap", "nerfstudio"}) {
@@ -301,12 +386,32 @@ TEST_F(Export, ALensThatAFormatCannotHoldIsRefusedByName) {
   }
   EXPECT_EQ(import_colmap(path("colmap/000000")).frames[0].sensors[0].reported.model,
             LensModel::pinhole);
-  EXPECT_THAT(refusal("ros", {}, "ros"), HasSubstr("opencv12"));
+  EXPECT_THAT(refusal("ros", {}, "ros"),
+              AllOf(HasSubstr("data/000000"), HasSubstr("opencv12"), HasSubstr("--undistort")));
   EXPECT_THAT(refusal("kalibr", {}, "kalibr"), HasSubstr("opencv12"));
   make("opencv");
   EXPECT_LE(largest_difference_px(
                 camera, camera_from_yaml(read_file(path("out/000000/rgb.yaml")), "rgb.yaml")),
             1e-9);
+}
+
+/// An autofocus changes the lens from frame to frame.
+TEST_F(Export, LensesThatChangeAreAFileAFrameOrOnePinholeCamera) {
+  write({.camera = distorted(), .focus_step_px = 2});
+  EXPECT_THAT(refusal("tum"), AllOf(HasSubstr("frame 1"), HasSubstr("--undistort")));
+  make("tum", {.undistort = true});
+  const Capture tum = import_tum(path("out/000000"), "");
+  const Capture dataset = read_capture(path("data/000000"));
+  Camera second = distorted();
+  second.fx_px += 2;
+  EXPECT_EQ(dataset.frames[1].sensors[0].reported, second);
+  const Camera pinhole = undistorted_camera(distorted());
+  EXPECT_LE(largest_difference_px(tum.frames[1].sensors[0].reported, pinhole), 1e-9);
+  EXPECT_EQ(tum.frames[1].sensors[0].color,
+            undistort(dataset.frames[1].sensors[0].color, second, {.pinhole = pinhole}).image);
+  EXPECT_THAT(make("ros", {}, "ros").warnings, testing::ElementsAre(HasSubstr("a file for each")));
+  EXPECT_EQ(camera_from_yaml(read_file(path("ros/000000/rgb_000001.yaml")), "y").fx_px,
+            second.fx_px);
 }
 
 TEST_F(Export, CalibrationsAreTheReportedOnesOrTheTrue) {

@@ -24,6 +24,7 @@ struct SmallDataset {
   bool knows_poses = true;  ///< as on a turntable
   bool has_depth = false;
   bool has_truth = true;
+  double focus_step_px = 0;  ///< that fx grows by from frame to frame
 };
 
 /// Instance ids of the pixels of a frame: a ring of 7 with a pixel of 9 in its hole, and a bar of
@@ -98,6 +99,7 @@ inline void write_small_dataset(const std::filesystem::path& folder, const Small
       frame.sensors.resize(1);
       SensorFrame& sensor = frame.sensors[0];
       sensor.reported = options.camera;
+      sensor.reported.fx_px += f * options.focus_step_px;
       sensor.color = noise<Rgb8>(40, 30, rng.fork(static_cast<std::uint64_t>(f)));
       if (options.has_depth) sensor.depth = Image<std::uint16_t>(40, 30, 1500);
       capture.frames.push_back(std::move(frame));

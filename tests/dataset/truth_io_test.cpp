@@ -64,6 +64,7 @@ SceneTruth sample_truth() {
   Rng rng(21);
   SceneTruth truth{
       .seed = 0xfedcba9876543210U, .config_toml = "seed_count = 10\n", .scene = sample_scene(rng)};
+  truth.shared_plants = {"tray", "a \"quoted\" plant"};
   for (int i = 0; i < 2; ++i) {
     TrueView view{.frame = 5 * i, .time_s = i / 3.0, .camera = odd_camera(kWidth, kHeight, i)};
     view.camera_from_world = odd_pose(rng);
@@ -227,6 +228,7 @@ TEST(TruthIo, EveryBitComesBack) {
   const SceneTruth read = read_truth(folder.path());
   EXPECT_EQ(read.seed, truth.seed);
   EXPECT_EQ(read.config_toml, truth.config_toml);
+  EXPECT_EQ(read.shared_plants, truth.shared_plants);
   expect_equal(read.scene, truth.scene);
   ASSERT_EQ(read.views.size(), 2U);
   ASSERT_EQ(read.images.size(), 2U);

@@ -31,6 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     scene_from_json(text, "fuzz", files);
   });
   attempt([&] { keypoints_from_json(text, "fuzz", scene); });
+  attempt([&] { shared_plants_from_json(text, "fuzz"); });
   attempt([&] { true_traits_from_json(text, "fuzz", scene); });
   attempt([&] {
     const std::vector<TrueView> views(2);

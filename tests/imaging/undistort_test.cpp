@@ -228,5 +228,31 @@ TEST(Undistort, MistakesAreRefused) {
   EXPECT_THROW(undistort(image, folds), std::invalid_argument);
 }
 
+TEST(Undistort, TheNearestPixelIsTakenWholeAndIdsNeverMix) {
+  for (const Camera& lens : lenses()) {
+    // Ids of one pixel each: any mixture would be an id of elsewhere.
+    Image<std::uint16_t> ids(lens.width_px, lens.height_px);
+    for (std::size_t i = 0; i < ids.size(); ++i) ids.data()[i] = static_cast<std::uint16_t>(i);
+    const Undistorted<std::uint16_t> taken =
+        undistort(ids, lens, {.focal_px = 150, .interpolation = Interpolation::nearest}, 65535);
+    int seen = 0;
+    for (int y = 0; y < taken.image.height(); ++y) {
+      for (int x = 0; x < taken.image.width(); ++x) {
+        if (taken.valid(x, y) == 0) {
+          EXPECT_EQ(taken.image(x, y), 65535);
+          continue;
+        }
+        ++seen;
+        const int id = taken.image(x, y);
+        const Eigen::Vector2d from(id % lens.width_px, id / lens.width_px);
+        EXPECT_LE((*project(lens, ray_of(taken.camera, x, y)) - from).cwiseAbs().maxCoeff(),
+                  0.5 + 1e-9);
+      }
+    }
+    EXPECT_GT(seen, 10000);
+  }
+  EXPECT_THROW(undistort(Image<std::uint16_t>(200, 150), lenses()[0], {}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace cousin

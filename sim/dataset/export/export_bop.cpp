@@ -117,7 +117,7 @@ MaskCount count(const Image<std::uint8_t>& mask, const Image<std::uint16_t>& dep
 /// The sensor's depth, else the true one in steps of 0.1 mm; empty where neither is there.
 ExportDepth depth_for(const ExportScene& scene, const ExportPicture& picture, const Camera& lens,
                       const ExportOptions& options) {
-  ExportDepth depth = depth_of(scene, picture, options);
+  ExportDepth depth = depth_of(scene, picture, handed_over(lens, options), options);
   const int frame = scene.capture.frames[picture.frame].id;
   const fs::path relative = "truth/depth/" + six_digits(frame) + ".exr";
   if (!depth.depth.empty() || !fs::exists(scene.folder / relative)) return depth;
@@ -158,7 +158,7 @@ BopFrame write_frame(const ExportJob& job, const ExportScene& scene, const Expor
   BopFrame frame;
   frame.id = scene.capture.frames[picture.frame].id;
   const std::string name = six_digits(frame.id);
-  write_picture(picture, taken.camera, out / (picture.is_grey ? "gray" : "rgb") / name,
+  write_picture(picture, taken.camera, camera, out / (picture.is_grey ? "gray" : "rgb") / name,
                 job.options);
   const ExportDepth depth = depth_for(scene, picture, taken.camera, job.options);
   if (!depth.depth.empty()) {

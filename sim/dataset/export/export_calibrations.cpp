@@ -2,6 +2,7 @@
 // different lenses (autofocus), a file a frame: rgb_000003.yaml.
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "sim/dataset/camera_files.h"
 #include "sim/dataset/export/export_dataset.h"
@@ -41,7 +42,19 @@ bool same_cameras(const std::vector<CalibratedCamera>& a, const std::vector<Cali
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
 }
 
-/// Calls `write(stem's ending, cameras)` for the scene's calibration, or for each frame's.
+/// `write(folder, ending of the files' stems, cameras)`; a lens that is refused says what helps.
+template <class Write>
+void write_calibration(const ExportJob& job, const ExportScene& scene, const std::string& ending,
+                       const std::vector<CalibratedCamera>& cameras, const Write& write) {
+  try {
+    write(job.out / six_digits(scene.number), ending, cameras);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(scene.folder.string() + ": " + error.what() +
+                                "; --undistort gives the pinhole camera of undistorted pictures");
+  }
+}
+
+/// Writes each scene's calibration, or each frame's where they differ.
 template <class Write>
 void for_each_calibration(ExportJob& job, const Write& write) {
   int done = 0;
@@ -54,16 +67,16 @@ void for_each_calibration(ExportJob& job, const Write& write) {
     bool one = true;
     for (std::size_t f = 1; f < frames; ++f)
       one = one && same_cameras(first, cameras_at(scene, f, job.options));
-    const std::filesystem::path folder = job.out / six_digits(scene.number);
     if (one) {
-      write(folder, "", first);
+      write_calibration(job, scene, "", first, write);
       continue;
     }
     job.warnings.push_back(six_digits(scene.number) +
                            ": cameras differ from frame to frame: a file for each");
-    for (std::size_t f = 0; f < frames; ++f)
-      write(folder, "_" + six_digits(scene.capture.frames[f].id),
-            cameras_at(scene, f, job.options));
+    for (std::size_t f = 0; f < frames; ++f) {
+      write_calibration(job, scene, "_" + six_digits(scene.capture.frames[f].id),
+                        cameras_at(scene, f, job.options), write);
+    }
   }
 }
 

@@ -116,7 +116,7 @@ void export_coco(ExportJob& job) {
       const std::int64_t id =
           kFramesPerScene * scene.number + scene.capture.frames[picture.frame].id;
       const fs::path file =
-          write_picture(picture, lens, folder / picture_name(scene, picture), job.options);
+          write_picture(picture, lens, camera, folder / picture_name(scene, picture), job.options);
       made[i].image = {{"id", id},
                        {"file_name", file.filename().string()},
                        {"width", camera.width_px},

@@ -51,6 +51,15 @@ void claim_folder(const fs::path& out, const std::string& key) {
   write_file(out / kPartialFile, to_text(Json{{"export", key}}));
 }
 
+/// A refusal leaves no trace: the folder is nobody's again if nothing was written.
+void release_folder(const fs::path& out) {
+  std::error_code ignored;
+  const auto entries = fs::directory_iterator(out, ignored);
+  if (std::distance(begin(entries), end(entries)) != 1) return;
+  fs::remove(out / kPartialFile, ignored);
+  fs::remove(out, ignored);
+}
+
 }  // namespace
 
 std::span<const ExportFormat> export_formats() {
@@ -74,12 +83,20 @@ ExportSummary export_dataset(const fs::path& dataset, const ExportFormat& format
   if (folders.empty())
     throw std::runtime_error(dataset.string() + ": holds no scene (000000/rig.json)");
   ExportJob job{.scenes = {}, .options = options, .out = out, .progress = progress, .warnings = {}};
-  for (const fs::path& folder : folders) job.scenes.push_back(read_export_scene(folder));
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    progress("read scenes", static_cast<int>(i), static_cast<int>(folders.size()));
+    job.scenes.push_back(read_export_scene(folders[i]));
+  }
   const Json chosen = to_json(options);
   const std::string key = sha256_hex(program_version + "\n" + identity(dataset, folders) + "\n" +
                                      format.name + "\n" + chosen.dump());
   claim_folder(out, key);
-  format.write(job);
+  try {
+    format.write(job);
+  } catch (...) {
+    release_folder(out);
+    throw;
+  }
   Json root = {{"export", key}, {"format", format.name}, {"options", chosen}};
   write_file(out / "export.json", to_text(root));
   fs::remove(out / kPartialFile);

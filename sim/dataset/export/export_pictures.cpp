@@ -22,11 +22,11 @@ void check_size(const Image<Pixel>& image, const Camera& camera, const fs::path&
 }
 
 template <class Pixel>
-void write_undistorted(const Image<Pixel>& image, const Camera& lens, const fs::path& from,
-                       const fs::path& to) {
+void write_undistorted(const Image<Pixel>& image, const Camera& lens, const Camera& handed,
+                       const fs::path& from, const fs::path& to) {
   check_size(image, lens, from);
   fs::create_directories(to.parent_path());
-  write_png(to, undistort(image, lens).image);
+  write_png(to, undistort(image, lens, {.pinhole = handed}).image);
 }
 
 }  // namespace
@@ -44,20 +44,20 @@ std::string picture_ending(const ExportPicture& picture, const ExportOptions& op
   return options.undistort ? ".png" : picture.file.extension().string();
 }
 
-fs::path write_picture(const ExportPicture& picture, const Camera& lens, const fs::path& stem,
-                       const ExportOptions& options) {
+fs::path write_picture(const ExportPicture& picture, const Camera& lens, const Camera& handed,
+                       const fs::path& stem, const ExportOptions& options) {
   const fs::path file = stem.string() + picture_ending(picture, options);
   if (!options.undistort) {
     copy_once(picture.file, file);
   } else if (picture.is_grey) {
-    write_undistorted(read_png8(picture.file), lens, picture.file, file);
+    write_undistorted(read_png8(picture.file), lens, handed, picture.file, file);
   } else {
-    write_undistorted(read_color(picture.file), lens, picture.file, file);
+    write_undistorted(read_color(picture.file), lens, handed, picture.file, file);
   }
   return file;
 }
 
-ExportDepth depth_of(const ExportScene& scene, const ExportPicture& picture,
+ExportDepth depth_of(const ExportScene& scene, const ExportPicture& picture, const Camera& handed,
                      const ExportOptions& options) {
   const fs::path& file = scene.depth_images[picture.frame];
   if (file.empty()) return {};
@@ -69,15 +69,18 @@ ExportDepth depth_of(const ExportScene& scene, const ExportPicture& picture,
   result.depth = read_png16(file);
   check_size(result.depth, from.camera, file);
   if (*scene.depth_sensor == picture.sensor) {
-    if (options.undistort) result.depth = undistort(result.depth, to.camera).image;
+    if (options.undistort) {
+      const UndistortConfig config{.interpolation = UndistortConfig::Interpolation::nearest,
+                                   .pinhole = handed};
+      result.depth = undistort(result.depth, to.camera, config).image;
+    }
     return result;
   }
   const std::vector<SensorReport>& rig = scene.capture.rig;
   Pose to_from =
       rig[picture.sensor].sensor_from_rig * inverse(rig[*scene.depth_sensor].sensor_from_rig);
   if (options.true_cameras) to_from = *to.camera_from_world * inverse(*from.camera_from_world);
-  result.depth = register_depth(result.depth, result.unit_m, from.camera,
-                                handed_over(to.camera, options), to_from);
+  result.depth = register_depth(result.depth, result.unit_m, from.camera, handed, to_from);
   return result;
 }
 

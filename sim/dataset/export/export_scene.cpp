@@ -31,6 +31,7 @@ ExportTruth read_export_truth(const fs::path& scene_dir) {
   SceneFiles files;
   truth.scene = scene_from_json(text("scene.json"), name("scene.json"), files);
   truth.mesh_files = std::move(files.meshes);
+  for (ObjectModel& model : truth.scene.models) model.triangle_part = {};  // most of what is read
   for (const Instance& instance : truth.scene.instances) {
     if (static_cast<std::size_t>(instance.model) >= truth.scene.models.size()) {
       throw std::runtime_error(name("scene.json") + ": instance " + std::to_string(instance.id) +

@@ -61,7 +61,7 @@ void write_pictures(ExportJob& job, const std::vector<PosedPicture>& pictures, c
   const int total = picture_count(job.scenes);
   for (const PosedPicture& p : pictures) {
     job.progress("pictures of " + scene, done++, total);
-    write_picture(*p.picture, p.lens, (root / p.file).replace_extension(), job.options);
+    write_picture(*p.picture, p.lens, p.camera, (root / p.file).replace_extension(), job.options);
   }
 }
 
@@ -149,13 +149,13 @@ struct TumLists {
 };
 
 void add_to_lists(const ExportJob& job, const ExportScene& scene, const ExportPicture& picture,
-                  const fs::path& folder, TumLists& lists) {
+                  const Camera& handed, const fs::path& folder, TumLists& lists) {
   const std::string stem = six_digits(scene.capture.frames[picture.frame].id);
   const ExportCamera camera = camera_of(scene, picture, job.options.true_cameras);
   const std::string time = exact_text(camera.time_s);
-  write_picture(picture, camera.camera, folder / "rgb" / stem, job.options);
+  write_picture(picture, camera.camera, handed, folder / "rgb" / stem, job.options);
   lists.rgb += time + " rgb/" + stem + picture_ending(picture, job.options) + "\n";
-  const ExportDepth depth = depth_of(scene, picture, job.options);
+  const ExportDepth depth = depth_of(scene, picture, handed, job.options);
   if (!depth.depth.empty()) {
     fs::create_directories(folder / "depth");
     write_png(folder / "depth" / (stem + ".png"), tum_depth(depth));
@@ -202,14 +202,16 @@ void export_tum(ExportJob& job) {
     const std::vector<const ExportPicture*> pictures = labelled_pictures(scene);
     TumLists lists;
     const Camera first = camera_of(scene, *pictures.front(), job.options.true_cameras).camera;
+    const Camera handed = handed_over(first, job.options);  // of all: TUM has one lens a sequence
     for (const ExportPicture* picture : pictures) {
       job.progress("sequence " + six_digits(scene.number), done++, picture_count(job.scenes));
-      if (camera_of(scene, *picture, job.options.true_cameras).camera != first) {
+      const Camera lens = camera_of(scene, *picture, job.options.true_cameras).camera;
+      if (!job.options.undistort && lens != first) {
         throw std::invalid_argument(who(scene, *picture) +
                                     " has another lens than the first frame's, and TUM has one a "
-                                    "sequence");
+                                    "sequence; --undistort makes all those of one pinhole camera");
       }
-      add_to_lists(job, scene, *picture, folder, lists);
+      add_to_lists(job, scene, *picture, handed, folder, lists);
     }
     const CalibratedCamera camera{
         scene.capture.rig.front().name, handed_over(first, job.options), {}};

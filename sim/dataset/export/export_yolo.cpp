@@ -94,7 +94,7 @@ std::string label_text(const std::vector<LabelledObject>& objects, const Camera&
 }
 
 std::string data_yaml(const std::vector<Split>& splits, YoloTask task, const YoloNames& names) {
-  std::string text = "path: .  # this folder\n";
+  std::string text = "# paths are from this file's folder\n";
   for (const Split split : kSplits) {
     if (std::find(splits.begin(), splits.end(), split) == splits.end()) continue;
     text += std::string(to_string(split)) + ": images/" + std::string(to_string(split)) + "\n";
@@ -133,10 +133,11 @@ void export_yolo(ExportJob& job) {
     for_each_picture(job, scene, done, [&](std::size_t, const ExportPicture& picture) {
       const std::string name = picture_name(scene, picture);
       const Camera lens = camera_of(scene, picture, job.options.true_cameras).camera;
-      write_picture(picture, lens, job.out / "images" / side / name, job.options);
+      const Camera camera = handed_over(lens, job.options);
+      write_picture(picture, lens, camera, job.out / "images" / side / name, job.options);
       write_once(job.out / "labels" / side / (name + ".txt"),
-                 label_text(labels_of(scene, picture, names.categories, job.options),
-                            handed_over(lens, job.options), task, names));
+                 label_text(labels_of(scene, picture, names.categories, job.options), camera, task,
+                            names));
     });
   }
   write_once(job.out / "data.yaml", data_yaml(splits, task, names));
