@@ -18,6 +18,7 @@
 #include "benchmarks/renderers/renderers_page.h"
 #include "benchmarks/renderers/renderers_suite.h"
 #include "benchmarks/scenes/scenes_suite.h"
+#include "benchmarks/seeds/cousins_suite.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/seeds_report.h"
 #include "benchmarks/seeds/suite.h"
@@ -33,6 +34,8 @@ namespace {
 void add_plots(SeedsReport& report) {
   report.curves = renderers_curves(report.scores.scores);
   report.lines = sensors_plots(report.scores.scores);
+  for (LinePlot& plot : cousins_plots(report.scores.scores))
+    report.lines.push_back(std::move(plot));
 }
 
 /// Keeps pictures for the page and notes which it shows.
@@ -181,6 +184,25 @@ ScoreFile bench_renderers(const JobContext& context, const fs::path& out) {
   return finish(std::move(report), context, out);
 }
 
+ScoreFile bench_cousins(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  CousinsSuiteConfig config;
+  config.seed = o.seed;
+  config.quick = o.quick;
+  config.sets = o.sets;
+  const auto results =
+      run_jobs(context, out, cousins_suite_jobs(config, context.progress.function()));
+  SeedsReport report =
+      titled("Cousin: bench cousins",
+             "The seeds' errors on scenes that differ from the reference along one axis at a time: "
+             "shape, growth, texture, light, sensor. Ranges are free: they say what was tried, not "
+             "what is found in the world.",
+             pool_cousins_suite(results, config));
+  note_missing(context, results, report);
+  report.config_toml = cousins_toml(config);
+  return finish(std::move(report), context, out);
+}
+
 ScoreFile bench_real(const JobContext& context, const fs::path& out) {
   RealResult result =
       real_suite(COUSIN_REAL_DATA, out, context.options.quick, context.progress.function());
@@ -220,12 +242,13 @@ struct Suite {
   ScoreFile (*run)(const JobContext&, const fs::path&);
   std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 9> kSuites = {
+constexpr std::array<Suite, 10> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
      {"sensors", bench_sensors, {"--quick", "--shard"}},
      {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution"}},
+     {"cousins", bench_cousins, {"--quick", "--set", "--shard"}},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
      {"real", bench_real, {"--quick"}},

@@ -252,7 +252,9 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
 
   CLI::App* bench = verb("bench", "The papers' tables, error against time, stability cases");
   takes(bench, "SUITE",
-        "seeds, stability, render, renderers, sensors, scenes, plants, real, program; none = all",
+        "seeds, stability, render, renderers, sensors, cousins, scenes, plants, real, program; "
+        "none = "
+        "all",
         0, -1);
   bench->add_flag("--quick", o.quick,
                   "Smaller samples: each suite ends within ten minutes, same columns");

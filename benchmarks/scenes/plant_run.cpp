@@ -3,6 +3,9 @@
 #include <stdexcept>
 
 #include "benchmarks/scenes/stand_cache.h"
+#include "scenes/maize/toml_text.h"
+#include "scenes/seedlings/toml_text.h"
+#include "sim/config/limits.h"
 #include "sim/config/toml_peek.h"
 #include "sim/dataset/manifest.h"
 
@@ -106,14 +109,16 @@ Fields capture_fields(PlantRunConfig& config) {
 
 Fields file_fields(PlantRunConfig& config) {
   return nested("scene", scene_fields(config)) + nested("capture", capture_fields(config)) +
-         nested("rig", fields(config.rig)) + nested("render", fields(config.render));
+         nested("rig", fields(config.rig)) + nested("render", fields(config.render)) +
+         nested("cousin", fields(config.cousin));
 }
 
 }  // namespace
 
 Fields fields(PlantRunConfig& config) {
   return scene_fields(config) + machine_fields(config) + capture_fields(config) +
-         nested("rig", fields(config.rig)) + nested("render", fields(config.render));
+         nested("rig", fields(config.rig)) + nested("render", fields(config.render)) +
+         nested("cousin", fields(config.cousin));
 }
 
 void validate(const PlantRunConfig& config) {
@@ -122,6 +127,37 @@ void validate(const PlantRunConfig& config) {
   validate(config.capture);
   planned_streams(config);
   validate(config.render);
+  PlantRunConfig copy = config;  // fields point into what they describe
+  check_limits(nested("cousin", fields(copy.cousin)));
+  check_cousin(fields(copy), cousin_moves(config.scene), config.cousin);
+}
+
+const std::vector<CousinMove>& cousin_moves(const PlantSceneConfig& scene) {
+  static const std::vector<CousinMove> kSeedlings =
+      read_cousin_moves(seedling_cousins_toml(), "scenes/seedlings/cousins.toml");
+  static const std::vector<CousinMove> kMaize =
+      read_cousin_moves(maize_cousins_toml(), "scenes/maize/cousins.toml");
+  static const std::vector<CousinMove> kNone;
+  if (std::holds_alternative<SeedlingsSceneConfig>(scene)) return kSeedlings;
+  return std::holds_alternative<MaizeSceneConfig>(scene) ? kMaize : kNone;
+}
+
+PlantCousin cousin_of(const PlantRunConfig& config, std::uint64_t seed, int scene_index) {
+  PlantCousin cousin{config, {}};
+  if (is_twin(config.cousin)) return cousin;
+  const auto* seedlings = std::get_if<SeedlingsSceneConfig>(&config.scene);
+  const bool is_series = seedlings && seedlings->day_step > 0;
+  const Rng rng = scene_rng(seed, is_series ? 0 : scene_index).fork("cousin");
+  cousin.changes =
+      move_to_cousin(fields(cousin.config), cousin_moves(config.scene), config.cousin, rng);
+  cousin.config.cousin = {};
+  try {
+    validate(cousin.config);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("cousin of scene " + std::to_string(scene_index) + ": " +
+                                error.what());
+  }
+  return cousin;
 }
 
 PlantRunConfig plant_run_config(PlantSceneConfig base, const std::vector<std::string>& assignments,

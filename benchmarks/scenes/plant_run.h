@@ -12,6 +12,7 @@
 #include "scenes/seedlings/seedlings_scene.h"
 #include "scenes/specimen/specimen_scene.h"
 #include "scenes/strawberries/strawberries_scene.h"
+#include "sim/config/cousin.h"
 #include "sim/config/fields.h"
 #include "sim/render/path_tracer.h"
 #include "sim/sensors/rig_capture.h"
@@ -32,6 +33,7 @@ struct PlantRunConfig {
   RigCaptureConfig capture;
   std::string streams = "auto";  ///< images of the capture: auto (all), or names of Streams
   PathConfig render{.pixel_samples = 16};
+  CousinDistance cousin;  ///< each scene is another cousin of what the other keys say
 };
 Fields fields(PlantRunConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
@@ -45,6 +47,18 @@ std::string mesh_file_of(const PlantSceneConfig& scene);
 /// @throws std::runtime_error naming a user's mesh that is no file.
 PlantRunConfig plant_run_config(PlantSceneConfig base, const std::vector<std::string>& assignments,
                                 const std::filesystem::path& file = {});
+
+/// What the scene's cousins.toml moves; nothing for a scene without one.
+const std::vector<CousinMove>& cousin_moves(const PlantSceneConfig& scene);
+
+/// The configuration of one scene: the keys that `cousin` moves, moved. A growth series is one
+/// cousin.
+struct PlantCousin {
+  PlantRunConfig config;
+  std::vector<CousinChange> changes;
+};
+/// @throws std::invalid_argument if the moved configuration is not valid.
+PlantCousin cousin_of(const PlantRunConfig& config, std::uint64_t seed, int scene_index);
 
 Streams planned_streams(const PlantRunConfig& config);
 int view_count(const PlantSceneConfig& scene);

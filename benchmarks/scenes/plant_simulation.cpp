@@ -42,7 +42,9 @@ struct Moment {
 }  // namespace
 
 struct PlantSimulation::Impl {
-  PlantRunConfig config;
+  PlantRunConfig asked;
+  PlantCousin cousin;
+  const PlantRunConfig& config;  ///< of this scene
   std::uint64_t seed;
   int index;
   Scene scene;
@@ -52,7 +54,9 @@ struct PlantSimulation::Impl {
   mutable std::optional<PathTracer> tracer;  ///< made on the first photograph, if nothing moves
 
   Impl(const PlantRunConfig& run_config, std::uint64_t run_seed, int scene_index)
-      : config(run_config),
+      : asked(run_config),
+        cousin(cousin_of(run_config, run_seed, scene_index)),
+        config(cousin.config),
         seed(run_seed),
         index(scene_index),
         scene(build_scene(seen_by(config.scene, config.rig), seed, index)),
@@ -121,7 +125,7 @@ Capture PlantSimulation::capture_header() const {
 SceneTruth PlantSimulation::scene_truth() const {
   SceneTruth truth;
   truth.seed = impl_->seed;
-  truth.config_toml = resolved_toml(impl_->config);
+  truth.config_toml = resolved_toml(impl_->asked) + comments_of(impl_->cousin.changes);
   truth.scene = impl_->scene;
   truth.shared_plants = shared_plants(impl_->config.scene, impl_->index);
   truth.views = views();

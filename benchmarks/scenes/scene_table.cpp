@@ -24,11 +24,17 @@ BuiltScene built(Simulation made) {
   return built;
 }
 
+/// What follows the keys: what cousin.* moves.
+std::string cousins_text(const std::vector<CousinMove>& moves) {
+  if (moves.empty()) return {};
+  return "\nAt 1, cousin.AXIS moves\n" + describe(moves);
+}
+
 SceneJob configure_seeds(const std::vector<std::string>& assignments,
                          const std::filesystem::path& file) {
   SeedsRunConfig config = seeds_run_config(assignments, file);
   SceneJob job;
-  job.keys = describe(fields(config));
+  job.keys = describe(fields(config)) + cousins_text(seeds_cousin_moves());
   job.rig = config.rig;
   job.streams = planned_streams(config, Reader::anybody);
   job.views = config.scene.views;
@@ -65,7 +71,7 @@ SceneJob configure_plants(PlantSceneConfig base, const std::vector<std::string>&
                           const std::filesystem::path& file) {
   PlantRunConfig config = plant_run_config(std::move(base), assignments, file);
   SceneJob job;
-  job.keys = describe(fields(config));
+  job.keys = describe(fields(config)) + cousins_text(cousin_moves(config.scene));
   job.rig = config.rig;
   job.streams = planned_streams(config);
   job.views = view_count(config.scene);

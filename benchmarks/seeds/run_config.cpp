@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "scenes/seeds/toml_text.h"
+#include "sim/config/limits.h"
 #include "sim/config/toml_peek.h"
 #include "sim/dataset/manifest.h"
 
@@ -34,7 +36,27 @@ Fields file_fields(SeedsRunConfig& config) {
   return nested("scene", fields(config.scene)) +
          nested("capture", capture_fields(config) + radiance_fields(config)) +
          nested("rig", fields(config.rig)) + nested("render", fields(config.render)) +
-         nested("paths", fields(config.paths)) + nested("pipeline", fields(config.pipeline));
+         nested("paths", fields(config.paths)) + nested("pipeline", fields(config.pipeline)) +
+         nested("cousin", fields(config.cousin));
+}
+
+/// What of a scene no axis can move.
+void require_movable(const SeedsRunConfig& config) {
+  const CousinDistance& d = config.cousin;
+  const auto refuse = [](const std::string& axis, const std::string& why) {
+    throw std::invalid_argument("cousin." + axis + " is above 0, but " + why);
+  };
+  const bool is_grown = config.scene.specimen.empty() && !config.scene.sphere;
+  for (const auto& [axis, value] :
+       {std::pair{"shape", d.shape}, {"growth", d.growth}, {"texture", d.texture}}) {
+    if (value > 0 && !is_grown)
+      refuse(axis, "the specimens are not grown: it moves a cultivar's numbers");
+    if (value > 0 && config.scene.seeds == 0) refuse(axis, "there are no seeds");
+  }
+  if (d.light > 0 && !config.scene.environment.empty())
+    refuse("light", "an environment picture lights the scene: it moves lamps and sun");
+  if (d.texture > 0 && !config.scene.gloss)
+    refuse("texture", "gloss is false: it moves the coat's roughness");
 }
 
 bool within(const Streams& a, const Streams& b) {
@@ -47,7 +69,30 @@ bool within(const Streams& a, const Streams& b) {
 Fields fields(SeedsRunConfig& config) {
   return fields(config.scene) + capture_fields(config) + radiance_fields(config) +
          nested("rig", fields(config.rig)) + nested("render", fields(config.render)) +
-         nested("paths", fields(config.paths)) + nested("pipeline", fields(config.pipeline));
+         nested("paths", fields(config.paths)) + nested("pipeline", fields(config.pipeline)) +
+         nested("cousin", fields(config.cousin));
+}
+
+const std::vector<CousinMove>& seeds_cousin_moves() {
+  static const std::vector<CousinMove> kMoves =
+      read_cousin_moves(seeds_cousins_toml(), "scenes/seeds/cousins.toml");
+  return kMoves;
+}
+
+SeedsCousin cousin_of(const SeedsRunConfig& config, std::uint64_t seed, int scene_index) {
+  SeedsCousin cousin{config, {}};
+  if (is_twin(config.cousin)) return cousin;
+  const Rng rng =
+      Rng(seed).fork("scene").fork(static_cast<std::uint64_t>(scene_index)).fork("cousin");
+  cousin.changes = move_to_cousin(fields(cousin.config), seeds_cousin_moves(), config.cousin, rng);
+  cousin.config.cousin = {};
+  try {
+    validate(cousin.config);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("cousin of scene " + std::to_string(scene_index) + ": " +
+                                error.what());
+  }
+  return cousin;
 }
 
 Streams needed_streams(const SeedsPipelineConfig& config) {
@@ -84,6 +129,11 @@ void validate(const SeedsRunConfig& config) {
   validate(config.render);
   validate(config.paths);
   validate(config.pipeline);
+  SeedsRunConfig copy = config;  // fields point into what they describe
+  check_limits(nested("cousin", fields(copy.cousin)));
+  if (is_twin(config.cousin)) return;
+  require_movable(config);
+  check_cousin(fields(copy), seeds_cousin_moves(), config.cousin);
 }
 
 SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
@@ -142,9 +192,11 @@ std::string simulator_toml(const SeedsRunConfig& config) {
                                                           : nested("render", fields(copy.render));
   const std::string text =
       to_toml(nested("scene", fields(copy.scene)) + nested("rig", fields(copy.rig)) + light);
+  const std::string cousin =
+      is_twin(config.cousin) ? "" : "\n[cousin]\n" + to_toml(fields(copy.cousin));
   RigCaptureConfig plain;
   const std::string capture = to_toml(fields(copy.capture));
-  return capture == to_toml(fields(plain)) ? text : text + "\n[capture]\n" + capture;
+  return (capture == to_toml(fields(plain)) ? text : text + "\n[capture]\n" + capture) + cousin;
 }
 
 std::string resolved_toml(const SeedsRunConfig& config) {

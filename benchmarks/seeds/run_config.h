@@ -7,6 +7,7 @@
 
 #include "perception/pipelines/seeds.h"
 #include "scenes/seeds/seeds_scene.h"
+#include "sim/config/cousin.h"
 #include "sim/config/fields.h"
 #include "sim/render/path_tracer.h"
 #include "sim/render/radiance_pass.h"
@@ -33,6 +34,7 @@ struct SeedsRunConfig {
   RadianceConfig render;
   PathConfig paths = {.max_bounces = 5};  ///< as deep as the cache, whose 4 come after its points
   SeedsPipelineConfig pipeline;
+  CousinDistance cousin;  ///< each scene is another cousin of what the other keys say
 };
 Fields fields(SeedsRunConfig& config);
 void validate(const SeedsRunConfig& config);
@@ -44,6 +46,17 @@ void validate(const SeedsRunConfig& config);
 /// or the user's mesh or environment if there is no such file.
 SeedsRunConfig seeds_run_config(const std::vector<std::string>& assignments,
                                 const std::filesystem::path& file = {});
+
+/// What scenes/seeds/cousins.toml moves.
+const std::vector<CousinMove>& seeds_cousin_moves();
+
+/// The configuration of one scene: the keys that `cousin` moves, moved. The same at distance 0.
+struct SeedsCousin {
+  SeedsRunConfig config;
+  std::vector<CousinChange> changes;
+};
+/// @throws std::invalid_argument if the moved configuration is not valid, saying what moved it.
+SeedsCousin cousin_of(const SeedsRunConfig& config, std::uint64_t seed, int scene_index);
 
 /// Who reads the images: a pipeline, which says what it needs, or nobody yet, as in a dataset.
 enum class Reader { pipeline, anybody };

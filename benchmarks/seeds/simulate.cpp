@@ -29,7 +29,9 @@ std::optional<Environment> user_environment(const SeedsSceneConfig& config) {
 }  // namespace
 
 struct SeedsSimulation::Impl {
-  SeedsRunConfig config;
+  SeedsRunConfig asked;
+  SeedsCousin cousin;
+  const SeedsRunConfig& config;  ///< of this scene
   std::uint64_t seed;
   Rng rng;
   Scene scene;
@@ -41,7 +43,9 @@ struct SeedsSimulation::Impl {
       caches;  ///< one for each repeat; nodes stay in place
 
   Impl(const SeedsRunConfig& run_config, std::uint64_t run_seed, int scene_index)
-      : config(run_config),
+      : asked(run_config),
+        cousin(cousin_of(run_config, run_seed, scene_index)),
+        config(cousin.config),
         seed(run_seed),
         rng(Rng(run_seed).fork("scene").fork(static_cast<std::uint64_t>(scene_index))),
         scene(build_seeds_scene(config.scene, rng.fork("build"), user_specimen(config.scene),
@@ -128,7 +132,7 @@ Capture SeedsSimulation::capture_header() const {
 SceneTruth SeedsSimulation::scene_truth() const {
   SceneTruth truth;
   truth.seed = impl_->seed;
-  truth.config_toml = resolved_toml(impl_->config);
+  truth.config_toml = resolved_toml(impl_->asked) + comments_of(impl_->cousin.changes);
   truth.scene = impl_->scene;
   truth.views = impl_->views();
   truth.other_sensors.assign(impl_->rig.views().begin() + 1, impl_->rig.views().end());

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/geometry/harmonic_radii.h"
 #include "sim/truth/scene.h"
 #include "sim/types/rng.h"
 
@@ -59,12 +60,6 @@ std::vector<Rgbf> color_to_share(const Mesh& mesh, const std::vector<double>& ea
 /// @param radii_m  one for each point
 Mesh tube(const std::vector<Eigen::Vector3d>& points_m, const std::vector<double>& radii_m,
           int sides);
-
-/// Another family of shapes: radius 1 + sum of real spherical harmonics of degrees 2..`degrees`,
-/// coefficients normal with standard deviation `strength` / l^2, at each of `directions` (unit).
-/// Nothing of the fruits' own family is in it. The least radius is 0.3.
-std::vector<double> harmonic_radii(const std::vector<Eigen::Vector3d>& directions, int degrees,
-                                   double strength, Rng rng);
 
 /// What of a ripe fruit is drawn before its shape.
 struct FruitSize {

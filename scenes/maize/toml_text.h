@@ -4,7 +4,8 @@
 
 namespace cousin {
 
-/// The scene's TOML file, compiled in so that the program needs no data folder.
+/// The scene's TOML files, compiled in so that the program needs no data folder.
 std::string_view maize_toml();
+std::string_view maize_cousins_toml();
 
 }  // namespace cousin

@@ -83,11 +83,12 @@ SeedModel make_specimen(const std::string& name, const Mesh& mesh, double densit
   return seed;
 }
 
-SeedModel make_seed(const std::string& name, SizeSpread spread, Rng rng) {
-  const CultivarConfig& config = cultivar(name);
+SeedModel make_seed(const std::string& name, SizeSpread spread, Rng rng,
+                    const SeedVariation& vary) {
+  const CultivarConfig config = varied(cultivar(name), vary);
   Rng size_rng = rng.fork("size");
-  const Eigen::Vector3d size_m = draw_size_m(config, spread, size_rng);
-  SeedShape shape = make_seed_shape(config, size_m, rng.fork("shape"));
+  const Eigen::Vector3d size_m = varied_size_m(draw_size_m(config, spread, size_rng), vary);
+  SeedShape shape = make_seed_shape(config, size_m, rng.fork("shape"), vary.harmonics);
   fit_extents(shape.mesh, size_m);
 
   const MassProperties mass = mass_properties(shape.mesh);

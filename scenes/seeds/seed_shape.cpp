@@ -10,6 +10,7 @@
 
 #include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/harmonic_radii.h"
 
 namespace cousin {
 namespace {
@@ -192,17 +193,25 @@ Eigen::Vector3d individualise(const CultivarConfig& c, const Individual& seed,
 
 double rice_seam_rad(double along) { return 2.12 + 0.12 * std::sin(std::numbers::pi * along); }
 
-SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& size_m, Rng rng) {
+SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& size_m, Rng rng,
+                          double harmonics) {
+  // Free: bumps of a fifth of the radius, down to 60 degrees across, as on a shrivelled pea.
+  constexpr int kDegrees = 6;
+  constexpr double kStrength = 0.9;
+  const Rng other_family = rng.fork("harmonics");
   const Individual seed = draw_individual(config, rng);
   const Eigen::Vector3d half_m = 0.5 * size_m;
   SeedShape shape;
   shape.mesh = cube_sphere(config.grid);
   auto& vertices_m = shape.mesh.vertices_m;
   shape.surface.resize(vertices_m.size());
+  std::vector<double> radii;
+  if (harmonics > 0) radii = harmonic_radii(vertices_m, kDegrees, kStrength, other_family);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices_m.size(), 256),
                     [&](const auto& range) {
                       for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                        const Eigen::Vector3d p = body_point(config, vertices_m[i]);
+                        const Eigen::Vector3d direction = vertices_m[i];
+                        const Eigen::Vector3d p = body_point(config, direction);
                         SurfacePoint& s = shape.surface[i];
                         s.along = 0.5 * (p.x() + 1);
                         s.across = p.y();
@@ -220,6 +229,9 @@ SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& s
                             break;
                         }
                         vertices_m[i] = individualise(config, seed, half_m, p, moved_m);
+                        if (radii.empty()) continue;
+                        const Eigen::Vector3d other_m = radii[i] * direction.cwiseProduct(half_m);
+                        vertices_m[i] += harmonics * (other_m - vertices_m[i]);
                       }
                     });
   return shape;

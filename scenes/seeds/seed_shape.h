@@ -32,6 +32,9 @@ double rice_seam_rad(double along);
 /// along the cultivar's profiles, star-shaped about its middle, then the species' details as smooth
 /// displacements.
 /// @param rng  individual lopsidedness, bow and strength of the details
-SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& size_m, Rng rng);
+/// @param harmonics  share of a body of random spherical harmonics in its place: at 1 nothing of
+/// the species' shape is left
+SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& size_m, Rng rng,
+                          double harmonics = 0);
 
 }  // namespace cousin

@@ -23,9 +23,9 @@ double radius_m(const Mesh& mesh) {
   return radius;
 }
 
-BoardSpecimen grown(const std::string& name, SizeSpread spread, Rng rng) {
-  const CultivarConfig& config = cultivar(name);
-  BoardSpecimen specimen{make_seed(name, spread, rng), {}, name};
+BoardSpecimen grown(const std::string& name, const SeedsSceneConfig& scene, Rng rng) {
+  const CultivarConfig config = varied(cultivar(name), scene.vary);
+  BoardSpecimen specimen{make_seed(name, scene.spread, rng, scene.vary), {}, name};
   specimen.material.name = name;
   specimen.material.albedo = {1, 1, 1};  // the vertices carry the colour
   specimen.material.roughness = config.roughness;
@@ -63,7 +63,7 @@ std::vector<BoardSpecimen> make_specimens(const SeedsSceneConfig& config,
     if (user_mesh) return users(setting, config.specimen, *user_mesh, rng.fork(i));
     const std::string& name =
         config.cultivar == "mixed" ? names[i % names.size()] : config.cultivar;
-    return grown(name, config.spread, rng.fork(i));
+    return grown(name, config, rng.fork(i));
   };
   std::vector<BoardSpecimen> specimens(config.sphere ? 1 : static_cast<std::size_t>(config.seeds));
   tbb::parallel_for(std::size_t{0}, specimens.size(), [&](std::size_t i) {
@@ -87,35 +87,40 @@ Fields fields(SeedsSceneConfig& c) {
   const TextField spread{
       [&c] { return std::string(c.spread == SizeSpread::paper ? "paper" : "literature"); },
       [&c](const std::string& text) { c.spread = spread_from_string(text); }};
-  return {
-      {"cultivar", &c.cultivar,
-       "zhengdan958, tianguinuo932, jimai22, aikang58, suijing18, xiangyaxiangzhan or mixed"},
-      {"seeds", &c.seeds, "on the board", 0, 40},
-      {"spread", spread, "of sizes: literature, or paper (what its R^2 and RMSE imply)"},
-      {"specimen", &c.specimen, "\"\" = grown; mesh:FILE = a closed mesh (PLY, OBJ, STL, glTF)"},
-      {"specimen_scale", &c.specimen_scale, "metres per unit of that mesh", 1e-9, 1e6},
-      {"placing", &c.placing,
-       "apart: none touches another; heap: poured on one another, as visible_fraction asks"},
-      {"visible_fraction", &c.visible_fraction,
-       "of a heap: share of a seed's image that others leave free, mean over seeds and views", 0.05,
-       1},
-      {"markers", &c.markers, "false: the paper's plain board"},
-      {"gloss", &c.gloss, "false: seeds without a coat, that mirror nothing"},
-      {"sphere", &c.sphere, "a 22 mm matt speckled sphere instead of the seeds"},
-      {"views", &c.views, "photographs, spread over the rings", 1, 10000},
-      {"ring_elevations_rad", &c.ring_elevations_rad, "one a ring", 0.1, 1.5},
-      {"ring_distances_m", &c.ring_distances_m, "mean camera distance of each ring", 0.05, 10},
-      {"distance_min_m", &c.distance_min_m, "nearest hand-held distance", 0.05, 10},
-      {"distance_max_m", &c.distance_max_m, "farthest hand-held distance", 0.05, 10},
-      {"view_jitter", &c.view_jitter,
-       "hand-held wander: of angles in radians, of distance and aim relative", 0, 0.5},
-      {"light", &c.light, "window, lamps or sun"},
-      {"environment", &c.environment,
-       "\"\" = light; FILE.exr = an equirectangular OpenEXR in its place"},
-      {"environment_scale", &c.environment_scale, "scene's radiance per unit of that picture", 0,
-       1e12},
-      {"rig", &c.rig, "sensor preset"},
-  };
+  return Fields{
+             {"cultivar", &c.cultivar,
+              "zhengdan958, tianguinuo932, jimai22, aikang58, suijing18, xiangyaxiangzhan or "
+              "mixed"},
+             {"seeds", &c.seeds, "on the board", 0, 40},
+             {"spread", spread, "of sizes: literature, or paper (what its R^2 and RMSE imply)"},
+             {"specimen", &c.specimen,
+              "\"\" = grown; mesh:FILE = a closed mesh (PLY, OBJ, STL, glTF)"},
+             {"specimen_scale", &c.specimen_scale, "metres per unit of that mesh", 1e-9, 1e6},
+             {"placing", &c.placing,
+              "apart: none touches another; heap: poured on one another, as visible_fraction asks"},
+             {"visible_fraction", &c.visible_fraction,
+              "of a heap: share of a seed's image that others leave free, mean over seeds and "
+              "views",
+              0.05, 1},
+             {"markers", &c.markers, "false: the paper's plain board"},
+             {"gloss", &c.gloss, "false: seeds without a coat, that mirror nothing"},
+             {"sphere", &c.sphere, "a 22 mm matt speckled sphere instead of the seeds"},
+             {"views", &c.views, "photographs, spread over the rings", 1, 10000},
+             {"ring_elevations_rad", &c.ring_elevations_rad, "one a ring", 0.1, 1.5},
+             {"ring_distances_m", &c.ring_distances_m, "mean camera distance of each ring", 0.05,
+              10},
+             {"distance_min_m", &c.distance_min_m, "nearest hand-held distance", 0.05, 10},
+             {"distance_max_m", &c.distance_max_m, "farthest hand-held distance", 0.05, 10},
+             {"view_jitter", &c.view_jitter,
+              "hand-held wander: of angles in radians, of distance and aim relative", 0, 0.5},
+             {"light", &c.light, "window, lamps or sun"},
+             {"environment", &c.environment,
+              "\"\" = light; FILE.exr = an equirectangular OpenEXR in its place"},
+             {"environment_scale", &c.environment_scale,
+              "scene's radiance per unit of that picture", 0, 1e12},
+             {"rig", &c.rig, "sensor preset"},
+         } +
+         nested("vary", fields(c.vary));
 }
 
 void validate(const SeedsSceneConfig& config) {
@@ -180,6 +185,7 @@ Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
     scene.lights.emplace_back(*environment);
   } else {
     add_lights(scene, config.light);
+    vary_lights(scene.lights, config.vary);
   }
 
   std::vector<BoardSpecimen> specimens =

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/seeds/variation.h"
 #include "sim/config/fields.h"
 #include "sim/geometry/user_mesh.h"
 #include "sim/truth/scene.h"
@@ -37,6 +38,7 @@ struct SeedsSceneConfig {
   std::string environment;       ///< "" = `light`; else an OpenEXR all around, in its place
   double environment_scale = 1;  ///< scene's radiance per unit of that picture
   std::string rig = "phone_video_720p";
+  SeedVariation vary;  ///< of the lot and the light
 };
 Fields fields(SeedsSceneConfig& config);
 void validate(const SeedsSceneConfig& config);
@@ -50,7 +52,8 @@ struct SeedModel {
   std::vector<TrueTrait> traits;  ///< length, width, height (m), area (m2), volume (m3), mass (kg)
   double mass_kg = 0;
 };
-SeedModel make_seed(const std::string& cultivar, SizeSpread spread, Rng rng);
+SeedModel make_seed(const std::string& cultivar, SizeSpread spread, Rng rng,
+                    const SeedVariation& vary = {});
 
 /// The whole setting: board, screen, seeds dropped and settled, lights, camera path. In a heap each
 /// specimen has two traits more: visible_fraction, of its own image, mean over the views; touching,

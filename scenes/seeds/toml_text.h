@@ -7,5 +7,6 @@ namespace cousin {
 /// The scene's TOML files, compiled in so that the program needs no data folder.
 std::string_view cultivars_toml();
 std::string_view setting_toml();
+std::string_view seeds_cousins_toml();
 
 }  // namespace cousin

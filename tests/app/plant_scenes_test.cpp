@@ -178,6 +178,22 @@ TEST(PlantScenes, ABoardNamesItsDesignAndHasItsCornersInEveryView) {
   EXPECT_EQ(program.run({"verify", "board"}).code, 0);
 }
 
+TEST(PlantScenes, ACousinAtZeroIsTheSceneItselfAndAFarOneSaysWhatWasMoved) {
+  const Program program;
+  const auto render = [&](const std::string& out, const Words& more) {
+    return program.run(Words{"render", "seedlings", "--out", out} + tiny_tray() + more).code;
+  };
+  ASSERT_EQ(render("plain", {}), 0);
+  ASSERT_EQ(render("twin", {"--set", "cousin.growth=0"}), 0);
+  ASSERT_EQ(render("far", {"--set", "cousin.growth=1"}), 0);
+  EXPECT_EQ(contents(program.path("plain")), contents(program.path("twin")));
+  const char* image = "000000/rgb/000000.png";
+  EXPECT_NE(read_file(program.path("plain") / image), read_file(program.path("far") / image));
+  EXPECT_THAT(read_file(program.path("far/000000/truth/config.toml")),
+              AllOf(HasSubstr("growth = 1.0"),
+                    HasSubstr("# cousin.growth: watermelon.hypocotyl.length_m = 0.045 -> ")));
+}
+
 TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
   const Program program;
   const auto refusal = [&](const std::string& scene, const std::string& set) {
@@ -193,6 +209,8 @@ TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
   EXPECT_THAT(refusal("seedlings", "watermelon.leaf.lobes=[1]"), HasSubstr("leaf.lobes"));
   EXPECT_THAT(refusal("maize", "stage=V1"), HasSubstr("V3 .. V18, VT"));
   EXPECT_THAT(refusal("maize", "rows=0"), HasSubstr("rows"));
+  EXPECT_THAT(refusal("boards", "cousin.shape=1"), HasSubstr("moves nothing"));
+  EXPECT_THAT(refusal("maize", "cousin.light=2"), HasSubstr("cousin.light"));
   EXPECT_THAT(refusal("boards", "board=a5"), HasSubstr("charuco_a4"));
   EXPECT_THAT(refusal("boards", "poses.fill_max=1.5"), HasSubstr("outside is 0"));
 }

@@ -51,7 +51,8 @@ TEST(SeedsRunConfig, TheResolvedTextReadsBackToItself) {
           nested("capture", Fields{{"streams", &copy.streams, ""}, {"radiance", &radiance, ""}} +
                                 fields(copy.capture)) +
           nested("rig", fields(copy.rig)) + nested("render", fields(copy.render)) +
-          nested("paths", fields(copy.paths)) + nested("pipeline", fields(copy.pipeline)),
+          nested("paths", fields(copy.paths)) + nested("pipeline", fields(copy.pipeline)) +
+          nested("cousin", fields(copy.cousin)),
       MissingKeys::error);
   EXPECT_EQ(radiance, "cached");
   EXPECT_EQ(resolved_toml(copy), resolved_toml(config));
