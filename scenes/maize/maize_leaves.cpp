@@ -73,7 +73,7 @@ LeafMaker::Opening LeafMaker::opening(int rank) const {
   Opening below;
   for (int k = std::min(rank, last_collar()); k <= rank; ++k) {
     const double in = 1 - out_share(k), length_m = blade_m(k), rise = 0.8 + 0.2 * in;
-    const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m) + 1.15 * in * length_m;
+    const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m) + 0.6 * in * length_m;
     Opening own{base_m(k) + rise * 0.6 * in * over_m, base_m(k) + rise * over_m};
     const double way_m = own.end_m - own.start_m;
     own.start_m = std::max(own.start_m, below.end_m);
