@@ -54,6 +54,35 @@ double LeafMaker::blade_share(int rank) const {
   return grown_share(d_.stage, rank - c_.blade.tips_ahead - 1, rank);
 }
 
+double LeafMaker::blade_m(int rank) const {
+  const auto r = static_cast<std::size_t>(rank - 1);
+  return std::max(4e-3,
+                  d_.own.vigour * d_.own.leaves[r].size * blade_share(rank) * c_.blade.length_m[r]);
+}
+
+double LeafMaker::out_share(int rank) const {
+  return grown_share(d_.stage, rank - 1.8, rank + 0.8);
+}
+
+double LeafMaker::base_m(int rank) const {
+  return std::max(collar_m(rank), top_collar_m_ * (rank > d_.stage) - 0.02);
+}
+
+/// Inner leaves open above the outer ones, where these have given way.
+LeafMaker::Opening LeafMaker::opening(int rank) const {
+  Opening below;
+  for (int k = std::min(rank, last_collar()); k <= rank; ++k) {
+    const double in = 1 - out_share(k), length_m = blade_m(k), rise = 0.8 + 0.2 * in;
+    const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m) + 0.6 * in * length_m;
+    Opening own{base_m(k) + rise * 0.6 * in * over_m, base_m(k) + rise * over_m};
+    const double way_m = own.end_m - own.start_m;
+    own.start_m = std::max(own.start_m, below.end_m);
+    own.end_m = std::max(own.end_m, own.start_m + way_m);
+    below = own;
+  }
+  return below;
+}
+
 int LeafMaker::leaves_inside(int rank) const {
   int count = 0;
   for (int other = rank + 1; other <= c_.plant.leaves; ++other)
@@ -157,9 +186,9 @@ void LeafMaker::grow_blade(Organ& organ) const {
   const double share = blade_share(rank);
   if (share < kLeastShare || has_fallen(rank)) return;
   // Out of the whorl, and leaned out to its final angle.
-  const double out = grown_share(d_.stage, rank - 1.8, rank + 0.8), dry = dryness(rank);
-  const double base_m = std::max(collar_m(rank), top_collar_m_ * (rank > d_.stage) - 0.02);
-  const LinePoint base = axis_.at_m(base_m);
+  const double out = out_share(rank), dry = dryness(rank);
+  const double foot_m = base_m(rank);
+  const LinePoint base = axis_.at_m(foot_m);
   const Vector3d side =
       (Vector3d(std::cos(own.azimuth_rad), std::sin(own.azimuth_rad), 0) -
        base.axes.col(0) *
@@ -170,9 +199,9 @@ void LeafMaker::grow_blade(Organ& organ) const {
                            (b.angle_low_rad + up * (b.angle_high_rad - b.angle_low_rad)) +
                        0.8 * dry;
   AxisGrowth growth;
-  growth.start_m = base.point_m + (0.15 + 0.75 * out) * wrapped_m(rank, base_m) * side;
+  growth.start_m = base.point_m + (0.15 + 0.75 * out) * wrapped_m(rank, foot_m) * side;
   growth.heading = (std::cos(angle) * base.axes.col(0) + std::sin(angle) * side).normalized();
-  growth.length_m = std::max(4e-3, d_.own.vigour * own.size * share * b.length_m[r]);
+  growth.length_m = blade_m(rank);
   growth.radius_base_m = 0.0032 * std::sqrt(b.length_m[r] / 0.8);
   growth.radius_tip_m = 0.0004;
   growth.segments = 40;
@@ -185,15 +214,17 @@ void LeafMaker::grow_blade(Organ& organ) const {
   const BladeShape shape = shape_of(rank, out, share);
   const Vector3d upper = std::sin(angle) * base.axes.col(0) - std::cos(angle) * side;
   const int rows = std::clamp(static_cast<int>(growth.length_m / c_.surface.detail_m), 10, 120);
-  organ.surface = blade_surface(LineWalk(organ.line, upper), shape, rows, c_.surface.columns);
+  // A roll is a polygon: it has corners enough to lie inside the next.
+  const int columns = (rank > last_collar() ? 2 : 1) * c_.surface.columns;
+  organ.surface = blade_surface(LineWalk(organ.line, upper), shape, rows, columns);
   const Vector3d across = LineWalk(organ.line, upper).at_m(0).axes.col(1);
   // Leaves of the whorl are rolled about each other, inside the mouth of the last sheath.
-  const auto last = static_cast<int>(std::min(d_.stage, static_cast<double>(c_.plant.leaves)));
-  const double mouth_m = wrapped_m(std::min(rank, last), base_m) + 6e-4;
+  const int last = last_collar();
+  const double mouth_m = wrapped_m(std::min(rank, last), foot_m) + 6e-4;
   const double apart_m = 0.65 * mouth_m / std::max(1, leaves_inside(last));
   const double radius_m = rank <= last ? mouth_m : 0.25 * mouth_m + apart_m * leaves_inside(rank);
   constexpr double kMargin = 0.06;  // of the way to the next leaf, a radian
-  clasp(organ, {base_m, radius_m, kMargin * apart_m, side, across, out});
+  clasp(organ, {foot_m, radius_m, kMargin * apart_m, side, across, out});
   colour_blade(organ, out, dry);
   d_.plant.keypoints.push_back({"tip " + std::to_string(rank), organ.line.points_m.back()});
 }
@@ -204,23 +235,27 @@ void LeafMaker::grow_blade(Organ& organ) const {
 /// opens from its tip down: the clasp is as long as it then is.
 void LeafMaker::clasp(Organ& organ, const Clasp& clasp) const {
   const double length_m = line_length_m(organ), in = 1 - clasp.out;
-  const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m) + 1.15 * in * length_m;
+  const Opening opens = opening(organ.rank);
   const LineWalk midrib(organ.line, clasp.across.cross(clasp.side));
   auto& vertices = organ.surface.mesh.vertices_m;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const double along_m = organ.surface.place[i].x() * length_m;
-    const double share = 1 - smoothstep(0.6 * in, 1, along_m / over_m);
+    const double up_m = clasp.base_m + (0.8 + 0.2 * in) * along_m;
+    const double share = 1 - smoothstep(opens.start_m, opens.end_m, up_m);
     if (!(share > 0)) continue;
     const Vector3d flat_m = midrib.at_m(along_m).point_m, off_m = vertices[i] - flat_m;
     // The midrib leaves the cylinder, and never for its inside.
-    const Vector3d axis_m = axis_.at_m(clasp.base_m + (0.8 + 0.2 * in) * along_m).point_m;
+    const Vector3d axis_m = axis_.at_m(up_m).point_m;
     Vector3d rib_m = (1 - share) * flat_m + share * (axis_m + clasp.radius_m * clasp.side);
     rib_m += std::max(0.0, clasp.radius_m - clasp.side.dot(rib_m - axis_m)) * clasp.side;
     const double most_rad = 2.9 + 3 * in;  // margins that have left the whorl do not meet
     const double left = organ.surface.place[i].y() < 0 ? -1 : 1;
     const double full_rad = left * std::min(most_rad, off_m.norm() / clasp.radius_m);
-    const double turn = share * full_rad;
-    const double radius_m = (clasp.radius_m + in * clasp.roll_m * full_rad) / share;
+    // An arc that has moved off the axis is so much wider that it still goes about the others.
+    const double off_axis_m = clasp.side.dot(rib_m - axis_m) - clasp.radius_m;
+    const double wider = std::max(1 / share, 1 + 0.6 * off_axis_m / clasp.radius_m);
+    const double turn = full_rad / wider;
+    const double radius_m = wider * (clasp.radius_m + in * clasp.roll_m * full_rad);
     const Vector3d arc_m =
         radius_m * (std::sin(turn) * clasp.across - (1 - std::cos(turn)) * clasp.side);
     constexpr double kNearlyFlat = 0.3;  // from here on fold and waves come

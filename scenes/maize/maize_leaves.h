@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "scenes/maize/maize_grower.h"
 
 namespace cousin {
@@ -21,13 +23,22 @@ class LeafMaker {
     Eigen::Vector3d side, across;  ///< unit, across the axis: to the midrib, and to its left margin
     double out = 0;                ///< 1: it has left the whorl
   };
+  /// Heights along the axis between which a blade opens from a roll about it to flat.
+  struct Opening {
+    double start_m = 0, end_m = 0;
+  };
   double sheath_share(int rank) const;
   double sheath_m(int rank) const;
   double node_m(int rank) const;    ///< along the axis
   double collar_m(int rank) const;  ///< along the axis
   double dryness(int rank) const;
   double blade_share(int rank) const;  ///< of its length
-  int leaves_inside(int rank) const;   ///< younger ones that it may wrap
+  double blade_m(int rank) const;      ///< its length
+  double out_share(int rank) const;    ///< 1: it has left the whorl
+  double base_m(int rank) const;       ///< where the blade leaves the sheath or the whorl
+  int last_collar() const { return static_cast<int>(std::min<double>(d_.stage, c_.plant.leaves)); }
+  Opening opening(int rank) const;
+  int leaves_inside(int rank) const;  ///< younger ones that it may wrap
   bool has_fallen(int rank) const;
   double wrapped_m(int rank, double along_m) const;
   CentreLine along_axis(int rank, double from_m, double to_m, int steps, double wider_m) const;

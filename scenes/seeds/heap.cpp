@@ -38,6 +38,8 @@ std::vector<Pose> spots_in(double radius_m, std::size_t count, Rng rng) {
 SettleConfig pouring(const SettingConfig& setting) {
   SettleConfig config;
   config.drop_height_m = setting.drop_height_m;
+  config.friction = setting.heap_friction;
+  config.rolling_friction_m = setting.heap_rolling_friction_m;
   config.drag_per_s = setting.heap_drag_per_s;
   config.max_time_s = setting.heap_time_s;
   config.rest_energy_j = setting.heap_rest_energy_j;

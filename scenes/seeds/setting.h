@@ -23,6 +23,7 @@ struct SettingConfig {
   double specimen_mottle = 0, specimen_mottle_scale_m = 0;
   double spot_radius_m = 0, spot_gap_m = 0, rest_gap_m = 0, reach_m = 0, drop_height_m = 0;
   int attempts = 0;
+  double heap_friction = 0, heap_rolling_friction_m = 0;
   double heap_drag_per_s = 0, heap_time_s = 0, heap_rest_energy_j = 0, heap_penetration_m = 0;
 };
 Fields fields(SettingConfig& config);

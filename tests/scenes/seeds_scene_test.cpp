@@ -142,7 +142,7 @@ TEST(SeedsScene, AHeapIsAsVisibleAsAskedForAndItsSeedsTouch) {
   config.cultivar = "jimai22";
   config.seeds = 8;
   config.placing = "heap";
-  for (const double wish : {0.9, 0.7}) {
+  for (const double wish : {0.95, 0.8}) {
     config.visible_fraction = wish;
     const Scene scene = build_seeds_scene(config, Rng(2));
     double visible = 0, touching = 0, lowest_m = 1;
