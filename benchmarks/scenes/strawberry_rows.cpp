@@ -233,8 +233,8 @@ std::vector<ScoreRow> strawberry_rows(
   }
   tell("strawberries: labelled images", 2);
   const PlantRunConfig config =
-      plant_run_config(scene, {"rig=dslr_apsc_24mp", "streams=color", "rig.camera.width_px=640",
-                               "rig.camera.height_px=640", "render.pixel_samples=4"});
+      plant_run_config(scene, {"rig=dslr_apsc_24mp", "streams=color", "rig.rgb.width_px=640",
+                               "rig.rgb.height_px=640", "render.pixel_samples=4"});
   image_rows(rows, config, seed, quick ? 4 : 20, scratch.path());
   return rows;
 }
