@@ -1,5 +1,7 @@
 #include "scenes/strawberries/strawberry_bed.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -143,11 +145,11 @@ Material film_material(const StrawberryBedConfig& config) {
 ObjectModel path_model(const StrawberryBedConfig& config, std::uint64_t key) {
   const auto& c = config.path;
   const double far_m = config.film.half_length_m + 1.5;
-  const std::vector<double> along = places(far_m, 0.006);
+  const std::vector<double> along = places(far_m, 0.008);
   const double z = -truss_shape().bed_height_m;
   ObjectModel model;
   model.name = "path";
-  constexpr int kAcross = 260;
+  constexpr int kAcross = 190;
   const double begin_m = -c.wall_m - 1, end_m = 3;
   for (const double y : along) {
     for (int i = 0; i <= kAcross; ++i) {
@@ -255,7 +257,10 @@ Vector3d crown_in_world_m(const StrawberryBedConfig& config, int k, bool near, c
 void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
                         const std::vector<Vector3d>& crowns_m, Rng rng) {
   const std::size_t first = scene.instances.size();
-  add(scene, film_model(config, rng.fork("film")()), film_material(config), "bed");
+  ObjectModel film, path;
+  tbb::parallel_invoke([&] { film = film_model(config, rng.fork("film")()); },
+                       [&] { path = path_model(config, rng.fork("path")()); });
+  add(scene, std::move(film), film_material(config), "bed");
   Material plastic;
   plastic.name = "drip tube";
   plastic.albedo = to_rgb(color_vector(config.drip.albedo));
@@ -265,7 +270,7 @@ void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
     for (std::size_t part = 0; part < 2; ++part)
       repeat(scene, first + part, {-bed * config.path.pitch_m, 0, 0});
   }
-  add(scene, path_model(config, rng.fork("path")()),
+  add(scene, std::move(path),
       soil(config.path.albedo, config.path.other_albedo, 0.7 * config.path.clod_scale_m), "path");
   Material white;
   white.name = "greenhouse film";

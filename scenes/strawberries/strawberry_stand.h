@@ -16,7 +16,7 @@ struct StandConfig {
   int fruits_min = 1, fruits_max = 10;
   double fruits_share = 0.72;  ///< mean of the way from the fewest to the most
   double heavier = 1;          ///< times the fruits' masses: what stalks can hold
-  int fruit_grid = 44;         ///< cells along an edge of a fruit's mesh
+  int fruit_grid = 36;         ///< cells along an edge of a fruit's mesh
 };
 Fields fields(StandConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
