@@ -135,7 +135,7 @@ Material film_material(const StrawberryBedConfig& config) {
   Material film;
   film.name = "mulch film";
   film.albedo = to_rgb(color_vector(config.film.albedo));
-  film.noise = NoiseTexture{to_rgb(color_vector(config.film.dust_albedo)), config.film.dust_m, 7};
+  film.noise = NoiseTexture{to_rgb(color_vector(config.film.dust_albedo)), config.film.dust_m, 5};
   film.roughness = config.film.roughness;
   film.ior = config.film.ior;
   film.infrared_albedo = 0.05F;
@@ -157,13 +157,9 @@ ObjectModel path_model(const StrawberryBedConfig& config, std::uint64_t key) {
       const double t = static_cast<double>(i) / kAcross;
       const double x = t < 0.15 ? std::lerp(begin_m, -0.02, t / 0.15)
                                 : -0.02 + (end_m + 0.02) * std::pow((t - 0.15) / 0.85, 2.2);
-      const Vector3d p(x / c.clod_scale_m, y / c.clod_scale_m, 0.3);
-      const double clods = fractal_noise3(p, 4, key);
-      const double lumps = 0.5 - 1.6 * std::abs(noise3(2.7 * p, key + 1));
-      const double bank =
-          c.bank_m * std::exp(-std::max(0.0, x) / 0.05) * (1 + 0.4 * noise3(0.6 * p, key + 2));
-      model.mesh.vertices_m.emplace_back(
-          x, y, z + std::max(0.0, bank) + c.clod_m * (0.8 * clods + 0.5 * lumps - 0.2));
+      const Vector3d p(x / c.wave_scale_m, y / c.wave_scale_m, 0.3);
+      const double lift = c.lift_m * std::exp(-std::max(0.0, x) / 0.02);
+      model.mesh.vertices_m.emplace_back(x, y, z + lift + c.wave_m * fractal_noise3(p, 3, key));
     }
   }
   add_cells(model.mesh, static_cast<std::uint32_t>(along.size()), kAcross + 1);
@@ -171,11 +167,12 @@ ObjectModel path_model(const StrawberryBedConfig& config, std::uint64_t key) {
   return model;
 }
 
-Material soil(const std::vector<double>& albedo, const std::vector<double>& other, double scale_m) {
+Material matt(const char* name, const std::vector<double>& albedo, const std::vector<double>& other,
+              double scale_m) {
   Material m;
-  m.name = "soil";
+  m.name = name;
   m.albedo = to_rgb(color_vector(albedo));
-  m.noise = NoiseTexture{to_rgb(color_vector(other)), scale_m, 8};
+  m.noise = NoiseTexture{to_rgb(color_vector(other)), scale_m, 4};
   m.ior = 1;
   m.roughness = 1;
   m.infrared_albedo = 0.3F;
@@ -271,7 +268,8 @@ void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
       repeat(scene, first + part, {-bed * config.path.pitch_m, 0, 0});
   }
   add(scene, std::move(path),
-      soil(config.path.albedo, config.path.other_albedo, 0.7 * config.path.clod_scale_m), "path");
+      matt("ground cover", config.path.albedo, config.path.other_albedo, config.path.weave_m),
+      "path");
   Material white;
   white.name = "greenhouse film";
   white.albedo = to_rgb(color_vector(config.path.wall_albedo));
@@ -280,7 +278,7 @@ void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
   for (std::size_t i = 0; i < crowns_m.size(); ++i) {
     if (i == 0) {
       add(scene, hole_model(config, rng.fork("hole")()),
-          soil(config.row.soil_albedo, config.path.albedo, 0.01), "hole");
+          matt("soil", config.row.soil_albedo, config.row.soil_other_albedo, 0.01), "hole");
     } else {
       repeat(scene, hole, crowns_m[i] - crowns_m[0]);
       const double turn = 2.4 * static_cast<double>(i);
