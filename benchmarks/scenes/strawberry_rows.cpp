@@ -67,7 +67,7 @@ void paper_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
                            Rng(seed).fork("colours of a draw").fork(static_cast<std::uint64_t>(i))};
     for (std::size_t t = 0; t < stand.trusses.size(); ++t) {
       for (const double red :
-           asked_red_shares(stand.trusses[t], truss_rng(rng, t), ripening_of(colours, t))) {
+           asked_red_shares(stand.trusses[t], truss_rng(rng, t), ripening_of(stand, colours, t))) {
         ++counts[static_cast<std::size_t>(maturity_of(red))];
         ++all;
       }
