@@ -67,7 +67,7 @@ void paper_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
                            Rng(seed).fork("colours of a draw").fork(static_cast<std::uint64_t>(i))};
     for (std::size_t t = 0; t < stand.trusses.size(); ++t) {
       for (const double red :
-           asked_red_shares(stand.trusses[t], truss_rng(rng, t), ripening_of(colours, t))) {
+           asked_red_shares(stand.trusses[t], truss_rng(rng, t), ripening_of(stand, colours, t))) {
         ++counts[static_cast<std::size_t>(maturity_of(red))];
         ++all;
       }
@@ -233,8 +233,8 @@ std::vector<ScoreRow> strawberry_rows(
   }
   tell("strawberries: labelled images", 2);
   const PlantRunConfig config =
-      plant_run_config(scene, {"rig=dslr_apsc_24mp", "streams=color", "rig.camera.width_px=640",
-                               "rig.camera.height_px=640", "render.pixel_samples=4"});
+      plant_run_config(scene, {"rig=dslr_apsc_24mp", "streams=color", "rig.rgb.width_px=640",
+                               "rig.rgb.height_px=640", "render.pixel_samples=4"});
   image_rows(rows, config, seed, quick ? 4 : 20, scratch.path());
   return rows;
 }

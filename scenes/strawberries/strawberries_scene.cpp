@@ -188,7 +188,9 @@ void add_trusses(Scene& scene, const StrawberriesSceneConfig& config,
                  const std::vector<Truss>& trusses) {
   std::size_t number = 0;
   const auto stalk = static_cast<int>(scene.materials.size());
-  scene.materials.push_back(strawberry_materials(config.plant).front());
+  Material green = strawberry_materials(config.plant)[kBerryStalkLook];
+  green.albedo = to_rgb(color_vector(config.plant.leaf.petiole_albedo));  // no runner's red
+  scene.materials.push_back(std::move(green));
   for (std::size_t t = 0; t < trusses.size(); ++t) {
     const PlantModel stalks = plant_model(stalks_of(trusses[t], config.plant.surface.sides + 2));
     Instance instance;

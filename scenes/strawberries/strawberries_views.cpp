@@ -21,12 +21,13 @@ std::vector<View> strawberry_views(const StrawberriesSceneConfig& config,
     const double down = uniform(own, config.pitch_min_rad, config.pitch_max_rad);
     const double level = 0.03 * truncated_normal(own, 0, 1, 2);
     const double pitch = tilted ? down : level;
-    const double above_m = config.height_m * uniform(own, -1, 1);
+    // Who looks down stands above.
+    const double above_m = config.height_m * uniform(own, tilted ? 0 : -1, 1);
     const Vector3d aside(0, 0.03 * truncated_normal(own, 0, 1, 2), 0);
     const Vector3d out(std::cos(azimuth), std::sin(azimuth), 0);
     Vector3d eye_m = middle_m + aside + distance_m * out;
     eye_m.z() = middle_m.z() + above_m;
-    // At the fruits' height, looking down: they are above the picture's middle then.
+    // At about the fruits' height: who looks down has them above the picture's middle.
     const Vector3d along = -std::cos(pitch) * out - std::sin(pitch) * Vector3d::UnitZ();
     View view;
     view.time_s = 2.0 * i;

@@ -26,8 +26,9 @@ Eigen::Vector3d to_vector(const std::vector<double>& rgb) { return {rgb[0], rgb[
 
 /// Drops, pointed to the calyx, half sunk into their dimples; appended to the flesh.
 void add_achenes(ObjectModel& model, const StrawberryVariety& v, const StrawberryFlesh& flesh,
-                 double size, Rng rng) {
-  const Mesh ball = cube_sphere(3);
+                 double size, bool coarse, Rng rng) {
+  // Coarse fruits are for pictures in which an achene is a few pixels.
+  const Mesh ball = cube_sphere(coarse ? 2 : 3);
   const double length_m = v.achene_length_m * std::sqrt(size);
   for (std::size_t i = 0; i < flesh.achenes.size(); ++i) {
     Rng one = rng.fork(i);
@@ -137,7 +138,7 @@ FruitModel make_strawberry(const StrawberryConfig& config, Rng rng) {
   fruit.stalk_base_m = points[base];
   model.part_names = {"flesh", "achene"};
   model.triangle_part.assign(flesh.mesh.triangles.size(), 0);
-  add_achenes(model, v, flesh, size, rng.fork("achene"));
+  add_achenes(model, v, flesh, size, config.grid > 0 && config.grid < 60, rng.fork("achene"));
   model.vertex_normals = smooth_normals(model.mesh);
   fruit.flesh.material.name = config.variety;
   fruit.flesh.material.albedo = {1, 1, 1};

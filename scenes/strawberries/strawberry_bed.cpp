@@ -1,5 +1,7 @@
 #include "scenes/strawberries/strawberry_bed.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -133,7 +135,7 @@ Material film_material(const StrawberryBedConfig& config) {
   Material film;
   film.name = "mulch film";
   film.albedo = to_rgb(color_vector(config.film.albedo));
-  film.noise = NoiseTexture{to_rgb(color_vector(config.film.dust_albedo)), config.film.dust_m, 7};
+  film.noise = NoiseTexture{to_rgb(color_vector(config.film.dust_albedo)), config.film.dust_m, 5};
   film.roughness = config.film.roughness;
   film.ior = config.film.ior;
   film.infrared_albedo = 0.05F;
@@ -143,11 +145,11 @@ Material film_material(const StrawberryBedConfig& config) {
 ObjectModel path_model(const StrawberryBedConfig& config, std::uint64_t key) {
   const auto& c = config.path;
   const double far_m = config.film.half_length_m + 1.5;
-  const std::vector<double> along = places(far_m, 0.006);
+  const std::vector<double> along = places(far_m, 0.008);
   const double z = -truss_shape().bed_height_m;
   ObjectModel model;
   model.name = "path";
-  constexpr int kAcross = 260;
+  constexpr int kAcross = 190;
   const double begin_m = -c.wall_m - 1, end_m = 3;
   for (const double y : along) {
     for (int i = 0; i <= kAcross; ++i) {
@@ -155,13 +157,9 @@ ObjectModel path_model(const StrawberryBedConfig& config, std::uint64_t key) {
       const double t = static_cast<double>(i) / kAcross;
       const double x = t < 0.15 ? std::lerp(begin_m, -0.02, t / 0.15)
                                 : -0.02 + (end_m + 0.02) * std::pow((t - 0.15) / 0.85, 2.2);
-      const Vector3d p(x / c.clod_scale_m, y / c.clod_scale_m, 0.3);
-      const double clods = fractal_noise3(p, 4, key);
-      const double lumps = 0.5 - 1.6 * std::abs(noise3(2.7 * p, key + 1));
-      const double bank =
-          c.bank_m * std::exp(-std::max(0.0, x) / 0.05) * (1 + 0.4 * noise3(0.6 * p, key + 2));
-      model.mesh.vertices_m.emplace_back(
-          x, y, z + std::max(0.0, bank) + c.clod_m * (0.8 * clods + 0.5 * lumps - 0.2));
+      const Vector3d p(x / c.wave_scale_m, y / c.wave_scale_m, 0.3);
+      const double lift = c.lift_m * std::exp(-std::max(0.0, x) / 0.02);
+      model.mesh.vertices_m.emplace_back(x, y, z + lift + c.wave_m * fractal_noise3(p, 3, key));
     }
   }
   add_cells(model.mesh, static_cast<std::uint32_t>(along.size()), kAcross + 1);
@@ -169,11 +167,12 @@ ObjectModel path_model(const StrawberryBedConfig& config, std::uint64_t key) {
   return model;
 }
 
-Material soil(const std::vector<double>& albedo, const std::vector<double>& other, double scale_m) {
+Material matt(const char* name, const std::vector<double>& albedo, const std::vector<double>& other,
+              double scale_m) {
   Material m;
-  m.name = "soil";
+  m.name = name;
   m.albedo = to_rgb(color_vector(albedo));
-  m.noise = NoiseTexture{to_rgb(color_vector(other)), scale_m, 8};
+  m.noise = NoiseTexture{to_rgb(color_vector(other)), scale_m, 4};
   m.ior = 1;
   m.roughness = 1;
   m.infrared_albedo = 0.3F;
@@ -230,8 +229,8 @@ ObjectModel drip_model(const StrawberryBedConfig& config, std::uint64_t key) {
 }
 
 ObjectModel wall_model(const StrawberryBedConfig& config) {
-  constexpr double kHigh_m = 3;
-  const double x = -config.path.wall_m, half_m = config.film.half_length_m + 1.5;
+  constexpr double kHigh_m = 6;
+  const double x = -config.path.wall_m, half_m = 12;
   const double low = -truss_shape().bed_height_m;
   ObjectModel model;
   model.name = "wall";
@@ -255,7 +254,10 @@ Vector3d crown_in_world_m(const StrawberryBedConfig& config, int k, bool near, c
 void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
                         const std::vector<Vector3d>& crowns_m, Rng rng) {
   const std::size_t first = scene.instances.size();
-  add(scene, film_model(config, rng.fork("film")()), film_material(config), "bed");
+  ObjectModel film, path;
+  tbb::parallel_invoke([&] { film = film_model(config, rng.fork("film")()); },
+                       [&] { path = path_model(config, rng.fork("path")()); });
+  add(scene, std::move(film), film_material(config), "bed");
   Material plastic;
   plastic.name = "drip tube";
   plastic.albedo = to_rgb(color_vector(config.drip.albedo));
@@ -265,8 +267,9 @@ void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
     for (std::size_t part = 0; part < 2; ++part)
       repeat(scene, first + part, {-bed * config.path.pitch_m, 0, 0});
   }
-  add(scene, path_model(config, rng.fork("path")()),
-      soil(config.path.albedo, config.path.other_albedo, 0.7 * config.path.clod_scale_m), "path");
+  add(scene, std::move(path),
+      matt("ground cover", config.path.albedo, config.path.other_albedo, config.path.weave_m),
+      "path");
   Material white;
   white.name = "greenhouse film";
   white.albedo = to_rgb(color_vector(config.path.wall_albedo));
@@ -275,7 +278,7 @@ void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
   for (std::size_t i = 0; i < crowns_m.size(); ++i) {
     if (i == 0) {
       add(scene, hole_model(config, rng.fork("hole")()),
-          soil(config.row.soil_albedo, config.path.albedo, 0.01), "hole");
+          matt("soil", config.row.soil_albedo, config.row.soil_other_albedo, 0.01), "hole");
     } else {
       repeat(scene, hole, crowns_m[i] - crowns_m[0]);
       const double turn = 2.4 * static_cast<double>(i);

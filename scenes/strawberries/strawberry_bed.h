@@ -23,7 +23,7 @@ struct StrawberryBedConfig {
     double spacing_m = 0, scatter_m = 0;
     int plants = 0, variants = 0;
     double hole_m = 0;
-    std::vector<double> soil_albedo;
+    std::vector<double> soil_albedo, soil_other_albedo;
   } row;
   struct Drip {
     double radius_m = 0;
@@ -32,7 +32,7 @@ struct StrawberryBedConfig {
   } drip;
   struct Path {
     std::vector<double> albedo, other_albedo;
-    double clod_m = 0, clod_scale_m = 0, bank_m = 0, pitch_m = 0;
+    double weave_m = 0, wave_m = 0, wave_scale_m = 0, lift_m = 0, pitch_m = 0;
     int beds = 0;
     double wall_m = 0;
     std::vector<double> wall_albedo;

@@ -26,7 +26,8 @@ Fields fields(StrawberryBedConfig::Row& c) {
           {"plants", &c.plants, "of a row before the camera", 1, 31},
           {"variants", &c.variants, "plants that stand for all farther ones", 1, 20},
           {"hole_m", &c.hole_m, "radius of the planting holes", 0.01, 0.1},
-          {"soil_albedo", &c.soil_albedo, "in the holes", 0, 1}};
+          {"soil_albedo", &c.soil_albedo, "in the holes", 0, 1},
+          {"soil_other_albedo", &c.soil_other_albedo, "its dry crumbs", 0, 1}};
 }
 
 Fields fields(StrawberryBedConfig::Drip& c) {
@@ -37,11 +38,12 @@ Fields fields(StrawberryBedConfig::Drip& c) {
 }
 
 Fields fields(StrawberryBedConfig::Path& c) {
-  return {{"albedo", &c.albedo, "of the soil", 0, 1},
-          {"other_albedo", &c.other_albedo, "of the soil, between which it varies", 0, 1},
-          {"clod_m", &c.clod_m, "height of clods", 0, 0.1},
-          {"clod_scale_m", &c.clod_scale_m, "size of clods", 5e-3, 1},
-          {"bank_m", &c.bank_m, "soil thrown against the film's foot", 0, 0.2},
+  return {{"albedo", &c.albedo, "of the ground cover", 0, 1},
+          {"other_albedo", &c.other_albedo, "of its dust", 0, 1},
+          {"weave_m", &c.weave_m, "size of its largest specks", 1e-3, 1},
+          {"wave_m", &c.wave_m, "height of its waves", 0, 0.1},
+          {"wave_scale_m", &c.wave_scale_m, "size of its waves", 5e-3, 5},
+          {"lift_m", &c.lift_m, "how far it is turned up at the bed's foot", 0, 0.2},
           {"pitch_m", &c.pitch_m, "from bed to bed", 0.5, 5},
           {"beds", &c.beds, "beds behind the first", 0, 10},
           {"wall_m", &c.wall_m, "distance of the greenhouse's wall", 2, 100},
@@ -79,9 +81,10 @@ void validate(const StrawberryBedConfig& config) {
     throw std::invalid_argument(std::string("bed: ") + key + " has " + std::to_string(list.size()) +
                                 " numbers; it needs " + std::to_string(count));
   };
-  for (const auto* color : {&config.film.albedo, &config.film.dust_albedo, &config.row.soil_albedo,
-                            &config.drip.albedo, &config.path.albedo, &config.path.other_albedo,
-                            &config.path.wall_albedo, &config.light.overcast})
+  for (const auto* color :
+       {&config.film.albedo, &config.film.dust_albedo, &config.row.soil_albedo,
+        &config.row.soil_other_albedo, &config.drip.albedo, &config.path.albedo,
+        &config.path.other_albedo, &config.path.wall_albedo, &config.light.overcast})
     numbers("a colour", *color, 3);
   numbers("light.lamp_half_m", config.light.lamp_half_m, 2);
 }

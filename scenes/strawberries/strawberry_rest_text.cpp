@@ -125,7 +125,9 @@ std::string to_text(const StandRest& rest) {
 std::string description(const StandConfig& config, const StrawberryBedConfig& bed) {
   StandConfig stand = config;
   StrawberryBedConfig copy = bed;
-  std::string text = std::string(kHeader) + "\n" + to_toml(fields(stand));
+  SagConfig settling = truss_sag();
+  std::string text =
+      std::string(kHeader) + "\n" + to_toml(fields(stand)) + to_toml(fields(settling));
   for (const Field& field : fields(copy)) {
     if (field.key.starts_with("row.")) text += to_toml({field});
   }

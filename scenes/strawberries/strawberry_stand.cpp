@@ -43,6 +43,8 @@ Fields fields(StandConfig& c) {
           {"fruits_min", &c.fruits_min, "fewest fruits that hang before the camera", 1, 40},
           {"fruits_max", &c.fruits_max, "most fruits", 1, 40},
           {"fruits_share", &c.fruits_share, "mean of the way from the fewest to the most", 0, 1},
+          {"ripeness_low", &c.ripeness_low, "of a truss's first fruit: 0 white, 1 red", -1, 5},
+          {"ripeness_high", &c.ripeness_high, "of a truss's first fruit", -1, 5},
           {"heavier", &c.heavier, "times the fruits' masses", 0.01, 1000},
           {"fruit_grid", &c.fruit_grid, "cells along an edge of a fruit's mesh", 8, 200}};
 }
@@ -54,12 +56,17 @@ void validate(const StandConfig& config) {
   if (config.fruits_min > config.fruits_max)
     throw std::invalid_argument("fruits_min " + std::to_string(config.fruits_min) +
                                 " is above fruits_max " + std::to_string(config.fruits_max));
+  if (config.ripeness_low > config.ripeness_high)
+    throw std::invalid_argument("ripeness_low " + std::to_string(config.ripeness_low) +
+                                " is above ripeness_high " + std::to_string(config.ripeness_high));
 }
 
 Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng rng) {
   validate(config);
   Stand stand;
   stand.variety = draw_variety(config, rng.fork("variety"));
+  stand.ripeness_low = config.ripeness_low;
+  stand.ripeness_high = config.ripeness_high;
   Rng count = rng.fork("fruits");
   int left = config.fruits_min;
   for (int i = config.fruits_min; i < config.fruits_max; ++i)
@@ -74,6 +81,8 @@ Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng 
     truss.variety = stand.variety;
     truss.fruits = std::min(left, 2 + static_cast<int>(uniform_index(own, kMostOnATruss - 1)));
     truss.heavier = config.heavier;
+    Rng ripe = own.fork("ripeness");
+    truss.ripeness = uniform(ripe, config.ripeness_low, config.ripeness_high);
     truss.grid = config.fruit_grid;
     truss.along_m = std::clamp(crown_in_world_m(bed, crown, true, rng).y(), -0.5, 0.5);
     truss.turn_rad = (k % 2 == 0 ? -0.32 : 0.32) + 0.12 * truncated_normal(own, 0, 1, 2);
@@ -84,10 +93,12 @@ Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng 
   return stand;
 }
 
-std::optional<Ripening> ripening_of(const std::optional<Ripening>& all, std::size_t truss) {
+std::optional<Ripening> ripening_of(const Stand& stand, const std::optional<Ripening>& all,
+                                    std::size_t truss) {
   if (!all) return all;
   Ripening own{0, all->rng.fork(truss)};
-  own.first = draw_ripeness(truss_shape(), own.rng.fork("first"));
+  Rng first = own.rng.fork("first");
+  own.first = uniform(first, stand.ripeness_low, stand.ripeness_high);
   return own;
 }
 
@@ -95,7 +106,8 @@ std::vector<Truss> grow_trusses(const Stand& stand, const Rng& rng,
                                 const std::optional<Ripening>& ripening) {
   std::vector<Truss> trusses;
   for (std::size_t i = 0; i < stand.trusses.size(); ++i)
-    trusses.push_back(grow_truss(stand.trusses[i], truss_rng(rng, i), ripening_of(ripening, i)));
+    trusses.push_back(
+        grow_truss(stand.trusses[i], truss_rng(rng, i), ripening_of(stand, ripening, i)));
   return trusses;
 }
 
@@ -110,7 +122,7 @@ StandRest settle_stand(const StandConfig& config, const StrawberryBedConfig& bed
   for (; rest.attempt < kAttempts; ++rest.attempt) {
     const Rng own = attempt_rng(rng, rest.attempt);
     const std::vector<Truss> trusses = grow_trusses(draw_stand(config, bed, own), own);
-    rest.sag = sag(bending_plant(trusses));
+    rest.sag = sag(bending_plant(trusses), truss_sag());
     if (rest.sag.status == PlantStatus::ok) return rest;
     if (rest.sag.status == PlantStatus::not_built) break;
   }

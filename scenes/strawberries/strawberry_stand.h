@@ -15,8 +15,11 @@ struct StandConfig {
   std::string variety = "drawn";  ///< or drawn as the paper's 70, 60 and 50 plants
   int fruits_min = 1, fruits_max = 10;
   double fruits_share = 0.72;  ///< mean of the way from the fewest to the most
-  double heavier = 1;          ///< times the fruits' masses: what stalks can hold
-  int fruit_grid = 44;         ///< cells along an edge of a fruit's mesh
+  /// Ripeness of a truss's first fruit, see TrussConfig: fitted to the shares of the paper's 8627
+  /// fruits, low 55, medium 28, high 16 % [Strawberries 2.1].
+  double ripeness_low = 0.08, ripeness_high = 1.27;
+  double heavier = 1;   ///< times the fruits' masses: what stalks can hold
+  int fruit_grid = 36;  ///< cells along an edge of a fruit's mesh
 };
 Fields fields(StandConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
@@ -27,6 +30,7 @@ struct Stand {
   std::string variety;
   std::vector<TrussConfig> trusses;
   std::vector<int> crowns;
+  double ripeness_low = 0, ripeness_high = 1;  ///< of another day's first fruits, too
 };
 /// Deterministic in (config, bed, rng), whatever colours and lights are.
 Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng rng);
@@ -35,7 +39,8 @@ std::vector<Truss> grow_trusses(const Stand& stand, const Rng& rng,
                                 const std::optional<Ripening>& ripening = {});
 
 /// The ripening of one truss: its first fruit's is drawn.
-std::optional<Ripening> ripening_of(const std::optional<Ripening>& all, std::size_t truss);
+std::optional<Ripening> ripening_of(const Stand& stand, const std::optional<Ripening>& all,
+                                    std::size_t truss);
 
 /// A stand at rest: the try that came to rest, and how.
 struct StandRest {

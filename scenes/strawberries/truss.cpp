@@ -298,9 +298,15 @@ void hang(std::span<Truss> trusses, const SagResult& sag) {
   }
 }
 
+SagConfig truss_sag() {
+  SagConfig config;
+  config.step_s = 0.004;
+  return config;
+}
+
 Truss make_truss(const TrussConfig& config, Rng rng) {
   Truss truss = grow_truss(config, rng);
-  const SagResult rest = sag(truss.plant);
+  const SagResult rest = sag(truss.plant, truss_sag());
   hang({&truss, 1}, rest);
   return truss;
 }

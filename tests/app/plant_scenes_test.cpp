@@ -87,7 +87,7 @@ TEST(PlantScenes, AreListedWithWhatTheyLack) {
   const Outcome listed = Program().run({"scenes"});
   EXPECT_EQ(listed.code, 0);
   EXPECT_THAT(listed.out, AllOf(HasSubstr("seeds "), HasSubstr("seedlings "), HasSubstr("maize "),
-                                HasSubstr("no pipeline yet")));
+                                HasSubstr("strawberries "), HasSubstr("no pipeline yet")));
 }
 
 TEST(PlantScenes, SeedlingsAreRenderedVerifiedAndRefusedByThePipelines) {
