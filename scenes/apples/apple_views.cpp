@@ -131,7 +131,16 @@ struct TargetView {
   std::size_t target = 0;
   Pose eye_from_world;
   double visible = std::numeric_limits<double>::quiet_NaN();
+  std::vector<MovedInstance> moved;  ///< leaves to turn for it
 };
+
+constexpr int kTargets = 5;  // fruits that are tried for a view
+
+/// How far a view is from what is asked for; 0 where nothing is.
+double off(const ApplesSceneConfig& config, const TargetView& view) {
+  if (config.occlusion < 0) return 0;
+  return std::isnan(view.visible) ? 1 : std::abs(view.visible - (1 - config.occlusion));
+}
 
 /// Where a share of the target is counted: the part of the rig's image about it.
 TrueView counting_view(const ApplesSceneConfig& config, const Pose& eye_from_world,
@@ -151,8 +160,8 @@ double reach_m(const ApplesSceneConfig& config) { return config.distance_max_m +
 
 /// The first place that is free, or the one at which the occlusion asked for is met; if none is,
 /// leaves are turned.
-TargetView make_view(Scene& scene, const ApplesSceneConfig& config, std::size_t target,
-                     TurnableLeaves& leaves, const Room& room, int number, const Rng& rng) {
+TargetView make_view(const Scene& scene, const ApplesSceneConfig& config, std::size_t target,
+                     const TurnableLeaves& leaves, const Room& room, int number, const Rng& rng) {
   const Vector3d centre = scene.instances[target].world_from_object.translation_m;
   std::vector<Place> starts = draw_places(config, number, rng.fork("places"));
   std::erase_if(starts, [&](const Place& p) { return !room.is_free(eye_m(centre, p)); });
@@ -175,11 +184,32 @@ TargetView make_view(Scene& scene, const ApplesSceneConfig& config, std::size_t 
   if (found.at.size() > 0) view.eye_from_world = pose_at(found.at);
   view.visible = found.share;
   if (found.met || !config.turns_leaves) return view;
-  const ShareFound turned =
+  const LeafTurning turning =
       turn_leaves(scene, leaves, target, counting_view(config, view.eye_from_world, visible),
                   reach_m(config), wanted);
-  if (turned.at.size() > 0) view.visible = turned.share;
+  if (turning.found.at.size() > 0) view.visible = turning.found.share;
+  view.moved = turning.moved;
   return view;
+}
+
+/// The view of the next target that meets what is asked for, or of the one that comes nearest; the
+/// leaves that are turned for it. @param next  into `targets`; goes on
+TargetView take_view(Scene& scene, const ApplesSceneConfig& config,
+                     const std::vector<std::size_t>& targets, std::size_t& next,
+                     TurnableLeaves& leaves, const Room& room, int number, const Rng& rng) {
+  TargetView best;
+  for (int k = 0; k < kTargets; ++k) {
+    const std::size_t target = targets[next++ % targets.size()];
+    TargetView view = make_view(scene, config, target, leaves, room, number,
+                                rng.fork(static_cast<std::uint64_t>(k)));
+    if (k == 0 || off(config, view) < off(config, best)) best = std::move(view);
+    if (off(config, best) <= kWithin) break;
+  }
+  for (const MovedInstance& one : best.moved) {
+    scene.instances[one.place].world_from_object = one.world_from_object;
+    leaves.turned.insert(one.place);
+  }
+  return best;
 }
 
 /// What is said of a view: its target, and of an occlusion asked for whether it is met.
@@ -189,7 +219,7 @@ std::vector<TrueTrait> notes_of(const Scene& scene, const ApplesSceneConfig& con
   const Instance& fruit = scene.instances[view.target];
   std::vector<TrueTrait> notes = {{numbered("target", number), "1", static_cast<double>(fruit.id)}};
   if (config.occlusion < 0) return notes;
-  const bool met = std::abs(view.visible - (1 - config.occlusion)) <= kWithin;
+  const bool met = off(config, view) <= kWithin;
   if (!met && config.unmet == "refuse") {
     throw std::invalid_argument("apples: occlusion = " + std::to_string(config.occlusion) + " of " +
                                 fruit.name + " is not met in view " + std::to_string(number) +
@@ -210,9 +240,9 @@ void add_apple_views(Scene& scene, const ApplesSceneConfig& config,
   const std::vector<std::size_t> targets = targets_of(scene, config, apples, rng.fork("targets"));
   const Room room(scene);
   std::vector<TargetView> made;
+  std::size_t next = 0;
   for (int i = 0; i < config.views; ++i) {
-    const std::size_t target = targets[static_cast<std::size_t>(i) % targets.size()];
-    made.push_back(make_view(scene, config, target, leaves, room, i,
+    made.push_back(take_view(scene, config, targets, next, leaves, room, i,
                              rng.fork("view").fork(static_cast<std::uint64_t>(i))));
   }
   std::vector<TrueTrait> notes;

@@ -107,8 +107,8 @@ std::vector<Turn> turns_for(const Scene& scene, const TurnableLeaves& leaves, co
 
 }  // namespace
 
-ShareFound turn_leaves(Scene& scene, TurnableLeaves& leaves, std::size_t target,
-                       const TrueView& view, double reach_m, double wanted) {
+LeafTurning turn_leaves(const Scene& scene, const TurnableLeaves& leaves, std::size_t target,
+                        const TrueView& view, double reach_m, double wanted) {
   const VisibleShare before(scene, target, reach_m);
   const double rest = before.seen(view);
   const Sight sight{centre_in_world_m(view.camera_from_world), before.centre_in_world_m(),
@@ -132,7 +132,8 @@ ShareFound turn_leaves(Scene& scene, TurnableLeaves& leaves, std::size_t target,
     }
     return list;
   };
-  const ShareFound found = find_share(
+  LeafTurning result;
+  result.found = find_share(
       starts,
       [&](const Eigen::VectorXd& shares) {
         for (Eigen::Index k = 0; k < count; ++k) {
@@ -143,13 +144,8 @@ ShareFound turn_leaves(Scene& scene, TurnableLeaves& leaves, std::size_t target,
         return visible.seen(view, moved(shares));
       },
       {.wanted = wanted});
-  if (found.at.size() == count) {
-    for (const MovedInstance& one : moved(found.at)) {
-      scene.instances[one.place].world_from_object = one.world_from_object;
-      leaves.turned.insert(one.place);
-    }
-  }
-  return found;
+  if (result.found.at.size() == count) result.moved = moved(result.found.at);
+  return result;
 }
 
 }  // namespace cousin

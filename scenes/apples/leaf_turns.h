@@ -21,12 +21,15 @@ struct TurnableLeaves {
   std::set<std::size_t> turned;  ///< places of those that a view has turned: they stay
 };
 
-/// Turns leaves near a target before it or aside, one after the other and the last as far as it
-/// takes, until `view` shows the share of it that is wanted. The scene's leaves are turned only if
-/// that brings the share nearer.
+/// Leaves to turn, and the share that a target then shows.
+struct LeafTurning {
+  ShareFound found;
+  std::vector<MovedInstance> moved;
+};
+/// Leaves near a target turned before it or aside, one after the other and the last as far as it
+/// takes, until `view` shows the share of it that is wanted; the scene stays as it is.
 /// @param view  as view_about gives it
-/// @return share and whether it is met
-ShareFound turn_leaves(Scene& scene, TurnableLeaves& leaves, std::size_t target,
-                       const TrueView& view, double reach_m, double wanted);
+LeafTurning turn_leaves(const Scene& scene, const TurnableLeaves& leaves, std::size_t target,
+                        const TrueView& view, double reach_m, double wanted);
 
 }  // namespace cousin

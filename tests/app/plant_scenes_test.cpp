@@ -34,7 +34,7 @@ TEST(PlantScenes, AreListedWithWhatTheyLack) {
   const Outcome listed = Program().run({"scenes"});
   EXPECT_EQ(listed.code, 0);
   EXPECT_THAT(listed.out, AllOf(HasSubstr("seeds "), HasSubstr("seedlings "), HasSubstr("maize "),
-                                HasSubstr("no pipeline yet")));
+                                HasSubstr("apples "), HasSubstr("no pipeline yet")));
 }
 
 TEST(PlantScenes, SeedlingsAreRenderedVerifiedAndRefusedByThePipelines) {
@@ -107,6 +107,56 @@ TEST(PlantScenes, MaizeIsSeenByTwoCamerasWithAllItsTruth) {
   EXPECT_EQ(program.run({"verify", "field"}).code, 0);
 }
 
+TEST(PlantScenes, ApplesShowTheShareAskedForOfATargetInTheRigsOwnImage) {
+  const Program program;
+  const Outcome rendered = program.run({"render",
+                                        "apples",
+                                        "--out",
+                                        "row",
+                                        "--frames",
+                                        "1",
+                                        "--json",
+                                        "--truth",
+                                        "visibility,keypoints",
+                                        "--streams",
+                                        "color",
+                                        "--set",
+                                        "trees=1",
+                                        "--set",
+                                        "rows=1",
+                                        "--set",
+                                        "fruits=12",
+                                        "--set",
+                                        "views=1",
+                                        "--set",
+                                        "occlusion=0.3",
+                                        "--set",
+                                        "orchard.branch.count=8",
+                                        "--set",
+                                        "orchard.branch.last_share=0.6",
+                                        "--set",
+                                        "orchard.fruit.grid=16",
+                                        "--set",
+                                        "orchard.leaf.teeth=0",
+                                        "--set",
+                                        "orchard.ground.reach_m=0",
+                                        "--set",
+                                        "render.pixel_samples=1"});
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  const nlohmann::json traits = json_in(program.path("row/000000/truth/traits.json"));
+  std::map<std::string, double> tree;
+  for (const auto& trait : traits["instances"][0]["traits"]) tree[trait["name"]] = trait["value"];
+  ASSERT_EQ(tree.at("met 000000"), 1);
+  const nlohmann::json info = json_in(program.path("row/000000/truth/scene_gt_info.json"));
+  double visible = -1;
+  for (const auto& one : info["0"]) {
+    if (one["instance_id"] == static_cast<int>(tree.at("target 000000")))
+      visible = one["visib_fract"];
+  }
+  EXPECT_NEAR(visible, 0.7, 0.03);
+  EXPECT_EQ(program.run({"verify", "row"}).code, 0);
+}
+
 TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
   const Program program;
   const auto refusal = [&](const std::string& scene, const std::string& set) {
@@ -122,6 +172,8 @@ TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
   EXPECT_THAT(refusal("seedlings", "watermelon.leaf.lobes=[1]"), HasSubstr("leaf.lobes"));
   EXPECT_THAT(refusal("maize", "stage=V1"), HasSubstr("V3 .. V18, VT"));
   EXPECT_THAT(refusal("maize", "rows=0"), HasSubstr("rows"));
+  EXPECT_THAT(refusal("apples", "distance_min_m=0.01"), HasSubstr("inside a fruit"));
+  EXPECT_THAT(refusal("apples", "orchard.wood.albedo=[1]"), HasSubstr("wood.albedo"));
 }
 
 }  // namespace
