@@ -44,11 +44,15 @@ std::vector<PlanEntry> plant_plan(const PlantRunConfig& config) {
   const Streams streams = planned_streams(config);
   const bool light = streams.color || streams.raw;
   const std::string nobody = "not among the streams";
+  const auto* apples = std::get_if<ApplesSceneConfig>(&config.scene);
+  const bool bends = COUSIN_WITH_MUJOCO && apples && apples->sag;
   const bool infrared =
       streams.infrared || (streams.depth && config.capture.depth_by == DepthBy::matched);
   return {
       {"scene", true, "plants grown, organ by organ, and what they stand in"},
-      {"physics", false, "nothing moves: the plants stand as they grew"},
+      {"physics", bends,
+       bends ? "branches bend under their fruits to rest"
+             : "nothing moves: the plants stand as they grew"},
       {"radiance", light, light ? "paths: leaves let light through, so it is not cached" : nobody},
       {"sensor", light, light ? "lens, noise and processing of the camera" : nobody},
       {"infrared", infrared, infrared ? "infrared images, or the depth matched from them" : nobody},
