@@ -10,7 +10,7 @@ namespace cousin {
 /// The apple scene: seconds of building a tree in full leaf (at most two) and of hanging its fruits
 /// (at most ten), overlaps at rest, and the visible fraction asked for beside the one that the
 /// truth pass sees with the rig's own camera, over several fruits.
-/// @param views  a fraction, each of another fruit
-std::vector<ScoreRow> orchard_rows(std::uint64_t seed, int views);
+/// @param quick  fewer fractions and fruits
+std::vector<ScoreRow> orchard_rows(std::uint64_t seed, bool quick);
 
 }  // namespace cousin

@@ -217,7 +217,7 @@ ScoreFile plants_suite(std::uint64_t seed, bool quick, const Progress& progress)
     truss_rows(file.scores, seed, fruits);
   }
   tell("apple tree");
-  const std::vector<ScoreRow> orchard = orchard_rows(seed, quick ? 3 : 8);
+  const std::vector<ScoreRow> orchard = orchard_rows(seed, quick);
   file.scores.insert(file.scores.end(), orchard.begin(), orchard.end());
   return file;
 }

@@ -46,18 +46,34 @@ SceneJob configure_seeds(const std::vector<std::string>& assignments,
   return job;
 }
 
+/// Whether a scene needs physics, and what for.
+std::pair<bool, std::string> plant_physics(const PlantSceneConfig& scene) {
+  if (std::holds_alternative<StrawberriesSceneConfig>(scene))
+    return {true, "trusses hang at rest, or come from the folder `cache`"};
+  if (const auto* apples = std::get_if<ApplesSceneConfig>(&scene);
+      COUSIN_WITH_MUJOCO && apples != nullptr && apples->sag)
+    return {true, "branches bend under their fruits to rest"};
+  const bool blows = std::visit(
+      [](const auto& config) {
+        if constexpr (requires { config.wind.mean_speed_m_s; })
+          return config.wind.mean_speed_m_s > 0;
+        return false;
+      },
+      scene);
+  if (blows) return {true, "plants sway in the wind"};
+  return {false, "nothing settles or moves by force"};
+}
+
 std::vector<PlanEntry> plant_plan(const PlantRunConfig& config) {
   const Streams streams = planned_streams(config);
   const bool light = streams.color || streams.raw;
   const std::string nobody = "not among the streams";
-  const bool hangs = std::holds_alternative<StrawberriesSceneConfig>(config.scene);
+  const auto [moves, physics] = plant_physics(config.scene);
   const bool infrared =
       streams.infrared || (streams.depth && config.capture.depth_by == DepthBy::matched);
   return {
       {"scene", true, "what is photographed, with its exact measures, and what it stands in"},
-      {"physics", hangs,
-       hangs ? "trusses hang at rest, or come from the folder `cache`"
-             : "nothing moves: the plants stand as they grew"},
+      {"physics", moves, physics},
       {"radiance", light, light ? "paths: leaves let light through, so it is not cached" : nobody},
       {"sensor", light, light ? "lens, noise and processing of the camera" : nobody},
       {"infrared", infrared, infrared ? "infrared images, or the depth matched from them" : nobody},

@@ -30,9 +30,10 @@ class DeformedSphere {
     Rng waves = rng.fork("waves");
     for (int i = 0; i < c.waves; ++i) {
       const double frequency = c.wave_frequency * (1 + 0.7 * i);
-      waves_.push_back({any_direction(waves), frequency,
-                        c.wave_strength * normal(waves) * c.wave_frequency / frequency,
-                        uniform(waves, 0, 2 * std::numbers::pi)});
+      waves_.push_back(
+          {any_direction(waves), frequency,
+           c.wave_strength * truncated_normal(waves, 0, 1, 2) * c.wave_frequency / frequency,
+           uniform(waves, 0, 2 * std::numbers::pi)});
     }
     Rng one = rng.fork("sides");
     const double azimuth = uniform(one, 0, 2 * std::numbers::pi);
@@ -57,7 +58,7 @@ class DeformedSphere {
     sum *= 1 - stalk_dent_ * bell(from_stalk / c_.stalk_dent_rad);
     sum *= 1 - calyx_dent_ * bell(from_calyx / c_.calyx_dent_rad);
     // Knobs stand about the calyx's dent, and fade up the flanks.
-    sum += lobes_ * bell((from_calyx - 1.8 * c_.calyx_dent_rad) / 0.35) *
+    sum += lobes_ * bell((from_calyx - 1.8 * c_.calyx_dent_rad) / 0.28) *
            std::cos(5 * (azimuth - lobes_at_rad_));
     return sum;
   }

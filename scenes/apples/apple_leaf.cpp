@@ -23,7 +23,8 @@ std::vector<Rgbf> blade_colours(const OrganSurface& surface, const BladeShape& s
   for (const Eigen::Vector2d& place : surface.place) {
     const double y_m = 0.5 * shape.width_m * std::abs(place.y()) * row_share(shape, place.x());
     const double x_m = place.x() * length_m;
-    const double mid = std::exp(-std::pow(y_m / (0.0011 * (1.2 - place.x())), 2));
+    // A vertex stands for the millimetres to its neighbours: a vein that is narrower is fainter.
+    const double mid = 0.45 * std::exp(-std::pow(y_m / (0.0011 * (1.2 - place.x())), 2));
     // Eight pairs of side veins, curved forward.
     const double phase = (x_m - 0.75 * y_m) / (length_m / 8.5);
     const double off = std::abs(phase - std::round(phase)) * length_m / 8.5;
@@ -107,12 +108,12 @@ PlantModel apple_leaf(const OrchardConfig& config, int detail, Rng rng) {
   BladeShape shape;
   shape.width_m = c.width_share * length_m * truncated_normal(rng, 1, 0.08, 2);
   shape.envelope_base = 0.12;
-  shape.envelope_peak = 0.42;
+  shape.envelope_peak = 0.30;
   shape.envelope_rise = 0.55;
-  shape.envelope_fall = 2.1;
-  shape.envelope_tip = 0.85;
-  shape.sweep_base_rad = 1.25;
-  shape.sweep_tip_rad = 0.95;
+  shape.envelope_fall = 1.8;
+  shape.envelope_tip = 1.05;
+  shape.sweep_base_rad = 1.35;
+  shape.sweep_tip_rad = 1.0;
   shape.teeth = detail ? c.teeth : 0;
   shape.teeth_depth = c.teeth_depth;
   shape.fold_rad = c.fold_rad * truncated_normal(rng, 1, 0.5, 1.9);
@@ -125,7 +126,7 @@ PlantModel apple_leaf(const OrchardConfig& config, int detail, Rng rng) {
   blade.line = midrib;
   blade.look = kAppleBladeLook;
   const int rows = detail ? (c.teeth > 0 ? 4 * c.teeth : 32) : 5;
-  blade.surface = blade_surface(LineWalk(midrib, Vector3d::UnitZ()), shape, rows, detail ? 8 : 2);
+  blade.surface = blade_surface(LineWalk(midrib, Vector3d::UnitZ()), shape, rows, detail ? 10 : 2);
   blade.albedo =
       blade_colours(blade.surface, shape, c, length_m, truncated_normal(rng, 0.97, 0.10, 2), rng());
   return plant_model(leaf);

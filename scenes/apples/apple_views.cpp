@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -125,71 +126,143 @@ std::string numbered(const char* what, int view) {
   return text;
 }
 
-/// The place of the first that is free, or of the one that the occlusion asked for is met at.
-ShareFound place_camera(const Scene& scene, const ApplesSceneConfig& config, std::size_t target,
-                        const Room& room, int view, const Rng& rng) {
-  const std::vector<Place> starts = draw_places(config, view, rng.fork("places"));
+/// One view of a target: where its camera stands and what it shows.
+struct TargetView {
+  std::size_t target = 0;
+  Pose eye_from_world;
+  double visible = std::numeric_limits<double>::quiet_NaN();
+  std::vector<MovedInstance> moved;  ///< leaves to turn for it
+};
+
+constexpr int kTargets = 5;  // fruits that are tried for a view
+
+/// How far a view is from what is asked for; 0 where nothing is.
+double off(const ApplesSceneConfig& config, const TargetView& view) {
+  if (config.occlusion < 0) return 0;
+  return std::isnan(view.visible) ? 1 : std::abs(view.visible - (1 - config.occlusion));
+}
+
+/// Where a share of the target is counted: the part of the rig's image about it.
+TrueView counting_view(const ApplesSceneConfig& config, const Pose& eye_from_world,
+                       const VisibleShare& visible) {
+  return view_about(config.eye.camera, eye_from_world, visible.centre_in_world_m(),
+                    visible.radius_m(), kSide_px);
+}
+
+double reach_m(const ApplesSceneConfig& config) { return config.distance_max_m + 0.1; }
+
+[[noreturn]] void refuse_room(const ApplesSceneConfig& config, int view, const Instance& fruit) {
+  throw std::invalid_argument("apples: view " + std::to_string(view) +
+                              ": no room for the camera within distance_min_m " +
+                              std::to_string(config.distance_min_m) + " .. distance_max_m " +
+                              std::to_string(config.distance_max_m) + " of " + fruit.name);
+}
+
+/// The first place that is free, or the one at which the occlusion asked for is met; if none is,
+/// leaves are turned.
+TargetView make_view(const Scene& scene, const ApplesSceneConfig& config, std::size_t target,
+                     const TurnableLeaves& leaves, const Room& room, int number, const Rng& rng) {
   const Vector3d centre = scene.instances[target].world_from_object.translation_m;
-  if (config.occlusion < 0) {
-    ShareFound found;
-    for (const Place& start : starts) {
-      if (!room.is_free(eye_m(centre, start))) continue;
-      found.at = start;
-      break;
-    }
-    return found;
-  }
-  const VisibleShare visible(scene, target, config.distance_max_m + 0.1);
-  const auto share = [&](const Place& place) {
-    if (!room.is_free(eye_m(centre, place))) return std::numeric_limits<double>::quiet_NaN();
-    const Pose camera = camera_pose(config.eye, centre, place, rng.fork("aim"));
-    return visible.seen(view_about(config.eye.camera, camera, visible.centre_in_world_m(),
-                                   visible.radius_m(), kSide_px));
+  std::vector<Place> starts = draw_places(config, number, rng.fork("places"));
+  std::erase_if(starts, [&](const Place& p) { return !room.is_free(eye_m(centre, p)); });
+  if (starts.empty()) refuse_room(config, number, scene.instances[target]);
+  const auto pose_at = [&](const Place& place) {
+    return camera_pose(config.eye, centre, place, rng.fork("aim"));
   };
-  return find_share(starts, share, {.wanted = 1 - config.occlusion});
+  TargetView view{target, pose_at(starts.front())};
+  if (config.occlusion < 0) return view;
+  const double wanted = 1 - config.occlusion;
+  const VisibleShare visible(scene, target, reach_m(config));
+  const ShareFound found =
+      find_share(starts,
+                 [&](const Place& place) {
+                   if (!room.is_free(eye_m(centre, place)))
+                     return std::numeric_limits<double>::quiet_NaN();
+                   return visible.seen(counting_view(config, pose_at(place), visible));
+                 },
+                 {.wanted = wanted});
+  if (found.at.size() > 0) view.eye_from_world = pose_at(found.at);
+  view.visible = found.share;
+  if (found.met || !config.turns_leaves) return view;
+  const LeafTurning turning =
+      turn_leaves(scene, leaves, target, counting_view(config, view.eye_from_world, visible),
+                  reach_m(config), wanted);
+  if (turning.found.at.size() > 0) view.visible = turning.found.share;
+  view.moved = turning.moved;
+  return view;
+}
+
+/// The view of the next target that meets what is asked for, or of the one that comes nearest; the
+/// leaves that are turned for it. @param next  into `targets`; goes on
+TargetView take_view(Scene& scene, const ApplesSceneConfig& config,
+                     const std::vector<std::size_t>& targets, std::size_t& next,
+                     TurnableLeaves& leaves, const Room& room, int number, const Rng& rng) {
+  TargetView best;
+  for (int k = 0; k < kTargets; ++k) {
+    const std::size_t target = targets[next++ % targets.size()];
+    TargetView view = make_view(scene, config, target, leaves, room, number,
+                                rng.fork(static_cast<std::uint64_t>(k)));
+    if (k == 0 || off(config, view) < off(config, best)) best = std::move(view);
+    if (off(config, best) <= kWithin) break;
+  }
+  for (const MovedInstance& one : best.moved) {
+    scene.instances[one.place].world_from_object = one.world_from_object;
+    leaves.turned.insert(one.place);
+  }
+  return best;
+}
+
+/// What is said of a view: its target, and of an occlusion asked for whether it is met.
+/// @throws std::invalid_argument if it is not and that is to be refused.
+std::vector<TrueTrait> notes_of(const Scene& scene, const ApplesSceneConfig& config,
+                                const TargetView& view, int number) {
+  const Instance& fruit = scene.instances[view.target];
+  std::vector<TrueTrait> notes = {{numbered("target", number), "1", static_cast<double>(fruit.id)}};
+  if (config.occlusion < 0) return notes;
+  const bool met = off(config, view) <= kWithin;
+  if (!met && config.unmet == "refuse") {
+    throw std::invalid_argument("apples: occlusion = " + std::to_string(config.occlusion) + " of " +
+                                fruit.name + " is not met in view " + std::to_string(number) +
+                                ": the nearest hides " + std::to_string(1 - view.visible));
+  }
+  notes.push_back({numbered("visible", number), "1", view.visible});
+  notes.push_back({numbered("met", number), "1", met ? 1.0 : 0.0});
+  return notes;
 }
 
 }  // namespace
 
 void add_apple_views(Scene& scene, const ApplesSceneConfig& config,
-                     const std::vector<std::size_t>& apples, std::size_t tree, const Rng& rng) {
+                     const std::vector<std::size_t>& apples, TurnableLeaves& leaves,
+                     std::size_t tree, const Rng& rng) {
   if (apples.empty())
     throw std::invalid_argument("apples: fruits = 0 leaves no target for the views");
   const std::vector<std::size_t> targets = targets_of(scene, config, apples, rng.fork("targets"));
   const Room room(scene);
+  std::vector<TargetView> made;
+  std::size_t next = 0;
+  for (int i = 0; i < config.views; ++i) {
+    made.push_back(take_view(scene, config, targets, next, leaves, room, i,
+                             rng.fork("view").fork(static_cast<std::uint64_t>(i))));
+  }
   std::vector<TrueTrait> notes;
   for (int i = 0; i < config.views; ++i) {
-    const std::size_t target = targets[static_cast<std::size_t>(i) % targets.size()];
-    const Rng own = rng.fork("view").fork(static_cast<std::uint64_t>(i));
-    const ShareFound found = place_camera(scene, config, target, room, i, own);
-    const Instance& fruit = scene.instances[target];
-    if (found.at.size() == 0) {
-      throw std::invalid_argument("apples: view " + std::to_string(i) +
-                                  ": no room for the camera within distance_min_m " +
-                                  std::to_string(config.distance_min_m) + " .. distance_max_m " +
-                                  std::to_string(config.distance_max_m) + " of " + fruit.name);
+    TargetView& view = made[static_cast<std::size_t>(i)];
+    // Leaves that a later view turned may stand in an earlier one.
+    if (!leaves.turned.empty()) {
+      const VisibleShare visible(scene, view.target, reach_m(config));
+      view.visible = visible.seen(counting_view(config, view.eye_from_world, visible));
     }
-    notes.push_back({numbered("target", i), "1", static_cast<double>(fruit.id)});
-    if (config.occlusion >= 0) {
-      const bool met = std::abs(found.share - (1 - config.occlusion)) <= kWithin;
-      if (!met && config.unmet == "refuse") {
-        throw std::invalid_argument("apples: occlusion = " + std::to_string(config.occlusion) +
-                                    " of " + fruit.name + " is not met in view " +
-                                    std::to_string(i) + ": the nearest hides " +
-                                    std::to_string(1 - found.share));
-      }
-      notes.push_back({numbered("visible", i), "1", found.share});
-      notes.push_back({numbered("met", i), "1", met ? 1.0 : 0.0});
-    }
-    const Vector3d centre = fruit.world_from_object.translation_m;
-    View view;
-    view.time_s = 2.0 * i;
-    view.rig_from_world = inverse(config.eye.eye_from_rig) *
-                          camera_pose(config.eye, centre, found.at, own.fork("aim"));
-    view.rig_from_world_end = view.rig_from_world;
-    view.focus_in_world_m = centre;
-    scene.views.push_back(view);
+    for (TrueTrait& note : notes_of(scene, config, view, i)) notes.push_back(std::move(note));
+    View seen;
+    seen.time_s = 2.0 * i;
+    seen.rig_from_world = inverse(config.eye.eye_from_rig) * view.eye_from_world;
+    seen.rig_from_world_end = seen.rig_from_world;
+    seen.focus_in_world_m = scene.instances[view.target].world_from_object.translation_m;
+    scene.views.push_back(seen);
   }
+  if (config.occlusion >= 0)
+    notes.push_back({"leaves_turned", "1", static_cast<double>(leaves.turned.size())});
   auto& traits = scene.instances[tree].traits;
   traits.insert(traits.end(), notes.begin(), notes.end());
 }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "scenes/apples/apples_scene.h"
+#include "scenes/apples/leaf_turns.h"
 
 namespace cousin {
 
@@ -11,6 +12,7 @@ namespace cousin {
 /// @param apples  places in scene.instances of the tree's fruits
 /// @param tree  place of the tree's wood
 void add_apple_views(Scene& scene, const ApplesSceneConfig& config,
-                     const std::vector<std::size_t>& apples, std::size_t tree, const Rng& rng);
+                     const std::vector<std::size_t>& apples, TurnableLeaves& leaves,
+                     std::size_t tree, const Rng& rng);
 
 }  // namespace cousin

@@ -116,12 +116,13 @@ Fields fields(ApplesSceneConfig& c) {
                 {"light", &c.light, "sun at the front, back or side, or shade"},
                 {"views", &c.views, "each of a fruit of its own", 1, 10000},
                 {"look", &c.look, "up, level, down or any"},
-                {"distance_min_m", &c.distance_min_m, "of the camera from the fruit's centre",
-                 kNearest_m, kFar_m},
-                {"distance_max_m", &c.distance_max_m, "of the camera from the fruit's centre",
-                 kNearest_m, kFar_m},
+                {"distance_min_m", &c.distance_min_m, "of the camera from the fruit's centre", 0,
+                 kFar_m},
+                {"distance_max_m", &c.distance_max_m, "of the camera from the fruit's centre", 0,
+                 kFar_m},
                 {"occlusion", &c.occlusion, "hidden share of the target; negative: as it comes", -1,
                  1},
+                {"turns_leaves", &c.turns_leaves, "where no camera meets it, leaves are turned"},
                 {"unmet", &c.unmet, "what becomes of a view that misses it: state or refuse"},
                 {"rig", &c.rig, "sensor preset"}} +
          nested("orchard", fields(c.orchard));
@@ -201,6 +202,7 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng) {
     scene.models.push_back(leaf.model);
   }
   const std::vector<int> leaf_parts = grown.leaves.front().part_looks;
+  const std::size_t first_leaf = scene.instances.size();
   for (std::size_t i = 0; i < grown.tree.leaves.size(); ++i) {
     const LeafPlace& leaf = grown.tree.leaves[i];
     char name[24];
@@ -211,7 +213,8 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng) {
   }
   add_orchard_ground(scene, c, leaf_models, leaf_parts, rng.fork("ground"));
   add_neighbours(scene, config, grown.fruits, models, 0, rng.fork("neighbours"));
-  add_apple_views(scene, config, apples, 0, rng.fork("views"));
+  TurnableLeaves turnable{grown, first_leaf, LeafRoom(grown.tree, grown.fruits), {}};
+  add_apple_views(scene, config, apples, turnable, 0, rng.fork("views"));
   forget_unseen(scene, config, apples);
   validate(scene);
   return scene;

@@ -38,6 +38,7 @@ struct ApplesSceneConfig {
   double distance_min_m = 0.25, distance_max_m = 1.0;  ///< of the camera from the target's centre
   /// Hidden share of the target; negative: as it comes.
   double occlusion = -1;
+  bool turns_leaves = true;     ///< where no camera meets it, leaves near the target are turned
   std::string unmet = "state";  ///< what becomes of a view that misses `occlusion`: state or refuse
   std::string rig = "d455";
   OrchardConfig orchard = cousin::orchard();

@@ -11,7 +11,6 @@
 #include "scenes/apples/orchard_ground.h"
 #include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/smooth_normals.h"
-#include "sim/plant/color.h"
 
 namespace cousin {
 namespace {
@@ -54,25 +53,33 @@ ObjectModel coarse_tree(const AppleTree& tree, const OrchardConfig& config,
   return model;
 }
 
-/// Balls of the fruits' size and mean colour.
-ObjectModel coarse_fruits(const AppleTree& tree, const std::vector<FruitModel>& fruits) {
+/// A fruit of few triangles: the vertices of the fine one that lie nearest to their directions.
+ObjectModel coarse_fruit(const ObjectModel& fine) {
+  ObjectModel coarse;
+  coarse.mesh = cube_sphere(5);
+  constexpr std::size_t kEvery = 5;
+  std::vector<Vector3d> directions;
+  for (std::size_t i = 0; i < fine.mesh.vertices_m.size(); i += kEvery)
+    directions.push_back(fine.mesh.vertices_m[i].normalized());
+  for (Vector3d& p : coarse.mesh.vertices_m) {
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < directions.size(); ++i) {
+      if (directions[i].dot(p) > directions[nearest].dot(p)) nearest = i;
+    }
+    p = fine.mesh.vertices_m[nearest * kEvery];
+    coarse.vertex_albedo.push_back(fine.vertex_albedo[nearest * kEvery]);
+  }
+  coarse.vertex_normals = smooth_normals(coarse.mesh);
+  return coarse;
+}
+
+/// All fruits of a tree that is far away.
+ObjectModel coarse_fruits(const AppleTree& tree, const std::vector<ObjectModel>& coarse) {
   ObjectModel model;
   model.name = "neighbour fruits";
   model.part_names = {"fruits"};
-  ObjectModel ball;
-  ball.mesh = cube_sphere(4);
-  for (const Vector3d& p : ball.mesh.vertices_m) ball.vertex_normals.emplace_back(p.cast<float>());
-  for (const FruitPlace& place : tree.fruits) {
-    const FruitModel& fruit = fruits[static_cast<std::size_t>(place.variant)];
-    Vector3d colour = Vector3d::Zero();
-    for (const Rgbf& c : fruit.flesh.model.vertex_albedo)
-      colour += Eigen::Vector3f(c.r, c.g, c.b).cast<double>();
-    colour /= static_cast<double>(std::max<std::size_t>(1, fruit.flesh.model.vertex_albedo.size()));
-    ObjectModel own = ball;
-    for (Vector3d& p : own.mesh.vertices_m) p *= 0.49 * trait(fruit, "diameter");
-    own.vertex_albedo.assign(own.mesh.vertices_m.size(), to_rgb(colour));
-    append(model, own, place.tree_from_fruit, 0);
-  }
+  for (const FruitPlace& place : tree.fruits)
+    append(model, coarse[static_cast<std::size_t>(place.variant)], place.tree_from_fruit, 0);
   return model;
 }
 
@@ -143,6 +150,9 @@ void add_neighbours(Scene& scene, const ApplesSceneConfig& config,
   const OrchardConfig& c = config.orchard;
   if (config.trees * config.rows <= 1) return;
   const std::vector<PlantModel> leaves = coarse_leaves(c, rng.fork("leaves"));
+  std::vector<ObjectModel> coarse(fruits.size());
+  tbb::parallel_for(std::size_t{0}, fruits.size(),
+                    [&](std::size_t i) { coarse[i] = coarse_fruit(fruits[i].flesh.model); });
   struct Neighbour {
     AppleTree tree;
     ObjectModel whole, fruits;
@@ -155,7 +165,7 @@ void add_neighbours(Scene& scene, const ApplesSceneConfig& config,
     bear_fruits(one.tree, c, fruits, config.fruits, 1, own.fork("fruits"));
     clear_leaves(one.tree, fruits, leaves);
     one.whole = coarse_tree(one.tree, c, leaves, own.fork("mesh"));
-    one.fruits = coarse_fruits(one.tree, fruits);
+    one.fruits = coarse_fruits(one.tree, coarse);
   });
   const int first_model = static_cast<int>(scene.models.size());
   for (Neighbour& one : kinds) {

@@ -43,22 +43,13 @@ ObjectModel ground_model(const OrchardConfig& c, std::uint64_t key) {
   const auto place = [&](int i) {
     return c.ground.half_m * std::sinh(kStretch * (2.0 * i / kCells - 1)) / std::sinh(kStretch);
   };
-  const Vector3d soil = color_vector(c.ground.soil), other = color_vector(c.ground.soil_other);
-  const Vector3d grass =
-      0.55 * color_vector(c.ground.grass) + 0.12 * color_vector(c.ground.grass_dry);
   ObjectModel model;
   model.name = "ground";
+  model.part_names = {"bare strip", "sward"};
   for (int j = 0; j <= kCells; ++j) {
     for (int i = 0; i <= kCells; ++i) {
       const double x = place(i), y = place(j);
       model.mesh.vertices_m.emplace_back(x, y, height_at(c, x, y, key));
-      const double spot =
-          std::clamp(0.5 + 0.9 * fractal_noise3({x / 0.4, y / 0.4, 0.1}, 5, key + 2), 0.0, 1.0);
-      const double mottle = 1 + 0.35 * fractal_noise3({x / 0.2, y / 0.2, 0.6}, 4, key + 3);
-      const double alley = in_alley(c, x, y, key + 4);
-      const Vector3d bare = soil + spot * (other - soil);
-      model.vertex_albedo.push_back(to_rgb(
-          Vector3d((1 - alley) * bare + alley * mottle * grass).cwiseMax(0.0).cwiseMin(1.0)));
     }
   }
   constexpr auto kRow = static_cast<std::uint32_t>(kCells + 1);
@@ -67,6 +58,10 @@ ObjectModel ground_model(const OrchardConfig& c, std::uint64_t key) {
       const std::uint32_t a = j * kRow + i;
       model.mesh.triangles.push_back({a, a + 1, a + kRow + 1});
       model.mesh.triangles.push_back({a, a + kRow + 1, a + kRow});
+      const Vector3d middle =
+          0.5 * (model.mesh.vertices_m[a] + model.mesh.vertices_m[a + kRow + 1]);
+      const std::uint16_t part = in_alley(c, middle.x(), middle.y(), key + 4) > 0.5 ? 1 : 0;
+      model.triangle_part.insert(model.triangle_part.end(), {part, part});
     }
   }
   model.vertex_normals = smooth_normals(model.mesh);
@@ -202,15 +197,22 @@ void add_orchard_ground(Scene& scene, const OrchardConfig& c, const std::vector<
                         const std::vector<int>& leaf_parts, Rng rng) {
   const std::uint64_t key = rng.fork("relief")();
   Material soil;
-  soil.name = "orchard ground";
-  soil.albedo = {1, 1, 1};  // the vertices carry the colour
-  soil.noise = NoiseTexture{{0.6F, 0.58F, 0.55F}, 0.03, 5};
+  soil.name = "bare soil";
+  soil.albedo = to_rgb(color_vector(c.ground.soil));
+  soil.noise = NoiseTexture{to_rgb(color_vector(c.ground.soil_other)), 0.25, 9};
   soil.ior = 1;
   soil.roughness = 1;
   soil.infrared_albedo = 0.35F;
+  Material sward = soil;  // what blades that are too far away to stand leave of their colour
+  sward.name = "sward";
+  const Vector3d grass = color_vector(c.ground.grass), dry = color_vector(c.ground.grass_dry);
+  sward.albedo = to_rgb(Vector3d(0.75 * grass + 0.06 * dry));
+  sward.noise = NoiseTexture{to_rgb(Vector3d(0.45 * grass + 0.20 * dry)), 0.5, 9};
   const int material = append(scene.materials, std::move(soil));
+  append(scene.materials, std::move(sward));
   const int model = append(scene.models, ground_model(c, key));
-  add_instance(scene, "ground", "ground", model, material, {});
+  add_instance(scene, "ground", "ground", model, material, {}).part_materials = {material,
+                                                                                 material + 1};
   add_sward(scene, c, key, rng.fork("sward"));
   add_trellis(scene, c);
   for (int i = 0; i < c.ground.fallen && !leaf_models.empty(); ++i) {

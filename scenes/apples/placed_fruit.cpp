@@ -37,4 +37,27 @@ PlacedFruit FruitBodies::place(const FruitPlace& fruit) const {
           radii_m_[v]};
 }
 
+LeafRoom::LeafRoom(const AppleTree& tree, const std::vector<FruitModel>& fruits) : bodies_(fruits) {
+  for (const FruitPlace& fruit : tree.fruits) placed_.push_back(bodies_.place(fruit));
+}
+
+bool LeafRoom::is_free(const PlantModel& leaf, const Pose& tree_from_leaf) const {
+  constexpr std::size_t kEvery = 5;
+  constexpr double kReach_m = 0.17;  // no leaf is longer with its petiole
+  constexpr double kClear_m = 5e-4;
+  const auto& vertices = leaf.model.mesh.vertices_m;
+  for (const PlacedFruit& fruit : placed_) {
+    const Vector3d apart = fruit.tree_from_fruit.translation_m - tree_from_leaf.translation_m;
+    if (apart.norm() > fruit.radius_m + kReach_m) continue;
+    const Pose fruit_from_leaf = fruit.fruit_from_tree * tree_from_leaf;
+    for (std::size_t i = 0; i < vertices.size(); i += kEvery) {
+      const Vector3d p = fruit_from_leaf * vertices[i];
+      if (p.squaredNorm() < fruit.radius_m * fruit.radius_m &&
+          fruit.body->depth_m(p, -2 * kClear_m) > -kClear_m)
+        return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace cousin

@@ -41,4 +41,16 @@ class FruitBodies {
   std::vector<double> radii_m_;
 };
 
+/// Whether leaves are clear of a tree's fruits.
+class LeafRoom {
+ public:
+  LeafRoom(const AppleTree& tree, const std::vector<FruitModel>& fruits);
+  /// No vertex of the leaf, of every fifth, is nearer than half a millimetre to a fruit.
+  bool is_free(const PlantModel& leaf, const Pose& tree_from_leaf) const;
+
+ private:
+  FruitBodies bodies_;
+  std::vector<PlacedFruit> placed_;
+};
+
 }  // namespace cousin

@@ -92,41 +92,20 @@ void part_overlaps(AppleTree& tree, const std::vector<FruitModel>& models) {
 
 void clear_leaves(AppleTree& tree, const std::vector<FruitModel>& fruits,
                   const std::vector<PlantModel>& leaves) {
-  const FruitBodies bodies(fruits);
-  std::vector<PlacedFruit> placed;
-  for (const FruitPlace& fruit : tree.fruits) placed.push_back(bodies.place(fruit));
-  const auto stands_in = [&](const LeafPlace& leaf, const Pose& pose,
-                             const std::vector<const PlacedFruit*>& near) {
-    constexpr std::size_t kEvery = 5;
-    const auto& vertices = leaves[static_cast<std::size_t>(leaf.variant)].model.mesh.vertices_m;
-    for (const PlacedFruit* fruit : near) {
-      const Pose fruit_from_leaf = fruit->fruit_from_tree * pose;
-      for (std::size_t i = 0; i < vertices.size(); i += kEvery) {
-        const Vector3d p = fruit_from_leaf * vertices[i];
-        if (p.squaredNorm() < fruit->radius_m * fruit->radius_m &&
-            fruit->body->depth_m(p, -0.001) > -0.0005)
-          return true;
-      }
-    }
-    return false;
-  };
+  const LeafRoom room(tree, fruits);
   std::vector<char> is_kept(tree.leaves.size(), 1);
   tbb::parallel_for(std::size_t{0}, tree.leaves.size(), [&](std::size_t i) {
     LeafPlace& leaf = tree.leaves[i];
+    const PlantModel& model = leaves[static_cast<std::size_t>(leaf.variant)];
     const Pose rest = leaf.tree_from_leaf;
-    std::vector<const PlacedFruit*> near;
-    for (const PlacedFruit& fruit : placed) {
-      if ((fruit.tree_from_fruit.translation_m - rest.translation_m).norm() < fruit.radius_m + 0.17)
-        near.push_back(&fruit);
-    }
-    if (near.empty() || !stands_in(leaf, rest, near)) return;
+    if (room.is_free(model, rest)) return;
     // Swung sideways and lifted, nearest to its own place first.
     for (const double turn : {0.35, 0.7, 1.05, 1.4}) {
       for (const Vector3d& axis : {Vector3d(0, -1, 0), Vector3d(0, 0, 1), Vector3d(0, 0, -1),
                                    Vector3d(0, -0.7, 0.7), Vector3d(0, -0.7, -0.7)}) {
         Pose turned = rest;
         turned.rotation = rest.rotation * Eigen::AngleAxisd(turn, axis.normalized());
-        if (stands_in(leaf, turned, near)) continue;
+        if (!room.is_free(model, turned)) continue;
         leaf.tree_from_leaf = turned;
         return;
       }

@@ -87,7 +87,8 @@ TEST(PlantScenes, AreListedWithWhatTheyLack) {
   const Outcome listed = Program().run({"scenes"});
   EXPECT_EQ(listed.code, 0);
   EXPECT_THAT(listed.out, AllOf(HasSubstr("seeds "), HasSubstr("seedlings "), HasSubstr("maize "),
-                                HasSubstr("strawberries "), HasSubstr("no pipeline yet")));
+                                HasSubstr("strawberries "), HasSubstr("apples "),
+                                HasSubstr("no pipeline yet")));
 }
 
 TEST(PlantScenes, SeedlingsAreRenderedVerifiedAndRefusedByThePipelines) {
@@ -194,6 +195,56 @@ TEST(PlantScenes, ACousinAtZeroIsTheSceneItselfAndAFarOneSaysWhatWasMoved) {
                     HasSubstr("# cousin.growth: watermelon.hypocotyl.length_m = 0.045 -> ")));
 }
 
+TEST(PlantScenes, ApplesShowTheShareAskedForOfATargetInTheRigsOwnImage) {
+  const Program program;
+  const Outcome rendered = program.run({"render",
+                                        "apples",
+                                        "--out",
+                                        "row",
+                                        "--frames",
+                                        "1",
+                                        "--json",
+                                        "--truth",
+                                        "visibility,keypoints",
+                                        "--streams",
+                                        "color",
+                                        "--set",
+                                        "trees=1",
+                                        "--set",
+                                        "rows=1",
+                                        "--set",
+                                        "fruits=12",
+                                        "--set",
+                                        "views=1",
+                                        "--set",
+                                        "occlusion=0.3",
+                                        "--set",
+                                        "orchard.branch.count=8",
+                                        "--set",
+                                        "orchard.branch.last_share=0.6",
+                                        "--set",
+                                        "orchard.fruit.grid=16",
+                                        "--set",
+                                        "orchard.leaf.teeth=0",
+                                        "--set",
+                                        "orchard.ground.reach_m=0",
+                                        "--set",
+                                        "render.pixel_samples=1"});
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  const nlohmann::json traits = json_in(program.path("row/000000/truth/traits.json"));
+  std::map<std::string, double> tree;
+  for (const auto& trait : traits["instances"][0]["traits"]) tree[trait["name"]] = trait["value"];
+  ASSERT_EQ(tree.at("met 000000"), 1);
+  const nlohmann::json info = json_in(program.path("row/000000/truth/scene_gt_info.json"));
+  double visible = -1;
+  for (const auto& one : info["0"]) {
+    if (one["instance_id"] == static_cast<int>(tree.at("target 000000")))
+      visible = one["visib_fract"];
+  }
+  EXPECT_NEAR(visible, 0.7, 0.03);
+  EXPECT_EQ(program.run({"verify", "row"}).code, 0);
+}
+
 TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
   const Program program;
   const auto refusal = [&](const std::string& scene, const std::string& set) {
@@ -213,6 +264,10 @@ TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
   EXPECT_THAT(refusal("maize", "cousin.light=2"), HasSubstr("cousin.light"));
   EXPECT_THAT(refusal("boards", "board=a5"), HasSubstr("charuco_a4"));
   EXPECT_THAT(refusal("boards", "poses.fill_max=1.5"), HasSubstr("outside is 0"));
+}
+
+EXPECT_THAT(refusal("apples", "distance_min_m=0.01"), HasSubstr("inside a fruit"));
+EXPECT_THAT(refusal("apples", "orchard.wood.albedo=[1]"), HasSubstr("wood.albedo"));
 }
 
 }  // namespace
