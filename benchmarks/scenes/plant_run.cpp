@@ -24,11 +24,14 @@ Scene build(const MaizeSceneConfig& config, std::uint64_t seed, int index) {
   return build_maize_scene(config, scene_rng(seed, index).fork("build"));
 }
 
-std::vector<std::string> shared(const SeedlingsSceneConfig& config) {
+/// Each scene has plants of its own, unless its kind says otherwise below.
+template <class Config>
+std::vector<std::string> shared(const Config&, int) {
+  return {};
+}
+std::vector<std::string> shared(const SeedlingsSceneConfig& config, int /*index*/) {
   return config.day_step > 0 ? std::vector<std::string>{"tray"} : std::vector<std::string>{};
 }
-
-std::vector<std::string> shared(const MaizeSceneConfig&) { return {}; }
 
 Fields scene_fields(PlantRunConfig& config) {
   return std::visit([](auto& scene) { return fields(scene); }, config.scene);
@@ -107,8 +110,8 @@ Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index)
   return std::visit([&](const auto& scene) { return build(scene, seed, index); }, config);
 }
 
-std::vector<std::string> shared_plants(const PlantSceneConfig& config) {
-  return std::visit([](const auto& scene) { return shared(scene); }, config);
+std::vector<std::string> shared_plants(const PlantSceneConfig& config, int index) {
+  return std::visit([&](const auto& scene) { return shared(scene, index); }, config);
 }
 
 std::string resolved_toml(const PlantRunConfig& config) {

@@ -42,8 +42,9 @@ std::string rig_name(const PlantSceneConfig& scene);
 /// Scene number `index` of a run.
 Scene build_scene(const PlantSceneConfig& config, std::uint64_t seed, int index);
 
-/// Names of the plants that other scenes of the run show too; empty where each scene has its own.
-std::vector<std::string> shared_plants(const PlantSceneConfig& config);
+/// Names of the plants of scene number `index` that other scenes of the run show too; empty where
+/// each scene has its own. Datasets are split by them.
+std::vector<std::string> shared_plants(const PlantSceneConfig& config, int index);
 
 std::string resolved_toml(const PlantRunConfig& config);
 /// SHA-256 of the resolved configuration and the seed.

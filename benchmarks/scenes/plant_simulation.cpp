@@ -11,6 +11,7 @@ namespace cousin {
 struct PlantSimulation::Impl {
   PlantRunConfig config;
   std::uint64_t seed;
+  int scene_index;
   Scene scene;
   RayScene rays;
   RigCapture rig;
@@ -20,6 +21,7 @@ struct PlantSimulation::Impl {
   Impl(const PlantRunConfig& run_config, std::uint64_t run_seed, int index)
       : config(run_config),
         seed(run_seed),
+        scene_index(index),
         scene(build_scene(config.scene, seed, index)),
         rays(scene),
         rig(config.rig, config.capture, rays, scene,
@@ -66,7 +68,7 @@ SceneTruth PlantSimulation::scene_truth() const {
   truth.seed = impl_->seed;
   truth.config_toml = resolved_toml(impl_->config);
   truth.scene = impl_->scene;
-  truth.shared_plants = shared_plants(impl_->config.scene);
+  truth.shared_plants = shared_plants(impl_->config.scene, impl_->scene_index);
   truth.views = views();
   truth.other_sensors.assign(impl_->rig.views().begin() + 1, impl_->rig.views().end());
   return truth;
