@@ -264,10 +264,8 @@ TEST(PlantScenes, WrongConfigurationsAreRefusedWithKeyValueAndLimit) {
   EXPECT_THAT(refusal("maize", "cousin.light=2"), HasSubstr("cousin.light"));
   EXPECT_THAT(refusal("boards", "board=a5"), HasSubstr("charuco_a4"));
   EXPECT_THAT(refusal("boards", "poses.fill_max=1.5"), HasSubstr("outside is 0"));
-}
-
-EXPECT_THAT(refusal("apples", "distance_min_m=0.01"), HasSubstr("inside a fruit"));
-EXPECT_THAT(refusal("apples", "orchard.wood.albedo=[1]"), HasSubstr("wood.albedo"));
+  EXPECT_THAT(refusal("apples", "distance_min_m=0.01"), HasSubstr("inside a fruit"));
+  EXPECT_THAT(refusal("apples", "orchard.wood.albedo=[1]"), HasSubstr("wood.albedo"));
 }
 
 }  // namespace
