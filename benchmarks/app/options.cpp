@@ -192,8 +192,9 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   render->add_option(
       "--truth", o.truth,
       "Truth images: all, none, or of depth,normal,instance,part,position,coverage,visibility,"
-      "shares,keypoints,flow,disparity,noise_free_depth,invalid_reason those listed; default: "
-      "visibility, and of a depth sensor noise_free_depth,invalid_reason, of boards keypoints");
+      "shares,keypoints,leaf_area,flow,disparity,noise_free_depth,invalid_reason those listed; "
+      "default: visibility, and of a depth sensor noise_free_depth,invalid_reason, of boards "
+      "keypoints");
   add_set(*render, o);
 
   CLI::App* perceive =

@@ -39,7 +39,7 @@ void write_truth_images(const std::filesystem::path& scene_dir, const Scene& sce
                         const TruthImages& images);
 /// Everything that scoring needs: specimens with meshes, poses, traits, views, visibility; images
 /// if they exist. All that was written comes back bit by bit but for the models' vertex albedo and
-/// vertex normals, which no score uses.
+/// vertex normals, and leaf areas seen, which no score uses.
 /// @throws std::runtime_error naming file, key, value and limit.
 SceneTruth read_truth(const std::filesystem::path& scene_dir);
 

@@ -50,7 +50,7 @@ TEST(PlantScenes, AUsersMeshIsRenderedWithItsTraitsAndLeafAreas) {
   const Outcome refused = program.run(render + Words{"--out", "metres"});
   EXPECT_EQ(refused.code, 3);
   EXPECT_THAT(refused.err, AllOf(HasSubstr("mine.obj"), HasSubstr("unit=mm")));
-  EXPECT_FALSE(fs::exists(program.path("metres")));
+  EXPECT_FALSE(fs::exists(program.path("metres/000000")));
 
   const Outcome done = program.run(render + Words{"--out", "mine", "--set", "unit=mm"});
   ASSERT_EQ(done.code, 0) << done.err;

@@ -71,6 +71,28 @@ TEST(MaizeScene, ViewsKeepTheirDistanceAndStayAboveTheSoil) {
   }
 }
 
+TEST(MaizeScene, InWindEachPlantSwaysAboutItsFootAndInStillAirNothingChanges) {
+  MaizeSceneConfig config = field(2, 2);
+  const Scene still = build_maize_scene(config, Rng(6));
+  config.wind.mean_speed_m_s = 5;
+  const Scene windy = build_maize_scene(config, Rng(6));
+  ASSERT_EQ(still.instances.size(), windy.instances.size());
+  for (std::size_t i = 0; i < still.instances.size(); ++i) {
+    const Instance &a = still.instances[i], &b = windy.instances[i];
+    EXPECT_TRUE(a.motion.empty());
+    EXPECT_EQ(a.world_from_object.translation_m, b.world_from_object.translation_m);
+    EXPECT_EQ(still.models[i].mesh.vertices_m, windy.models[i].mesh.vertices_m);
+    if (!b.is_specimen) {
+      EXPECT_TRUE(b.motion.empty()) << b.name;
+      continue;
+    }
+    const double time_s = windy.views[1].time_s;
+    const Pose now = world_from_object(b, time_s), later = world_from_object(b, time_s + 0.1);
+    EXPECT_EQ(now.translation_m, a.world_from_object.translation_m);
+    EXPECT_GT(angle_rad(now.rotation.conjugate() * later.rotation), 1e-5) << b.name;
+  }
+}
+
 TEST(MaizeScene, RefusesStagesLightsAndOrders) {
   MaizeSceneConfig config = field(1, 1);
   config.stage = "V99";
