@@ -379,10 +379,14 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   }
   add_plots(page, "distributions", "Distributions", plots, true);
   plots.clear();
+  bool has_laws = false;
   for (const LinePlot& lines : input.lines) {
-    if (can_draw(lines)) plots.push_back(line_plot(lines));
+    if (!can_draw(lines)) continue;
+    plots.push_back(line_plot(lines));
+    has_laws = has_laws || std::any_of(lines.series.begin(), lines.series.end(),
+                                       [](const LineSeries& series) { return series.is_law; });
   }
-  add_plots(page, "lines", "Against theory", plots, false);
+  add_plots(page, "lines", has_laws ? "Against theory" : "Along one quantity", plots, false);
   plots.clear();
   for (const Attribution& attribution : input.attributions) {
     if (can_draw(attribution)) plots.push_back(waterfall_plot(attribution));

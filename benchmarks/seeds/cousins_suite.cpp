@@ -117,6 +117,24 @@ ScoreRow base_row(const Point& point, const CousinsSuiteConfig& config) {
   return row;
 }
 
+/// Mean seconds of measuring one capture of the point, largest memory.
+void add_run_times(const std::vector<ScoreRow>& of_jobs, const Point& point, ScoreRow& row) {
+  double wall_s = 0, cpu_s = 0, peak_mb = 0;
+  int count = 0;
+  for (const ScoreRow& job : of_jobs) {
+    if (job.metric != "seconds.perceive" || !job.case_name.starts_with(point.name() + " run "))
+      continue;
+    wall_s += job.wall_s;
+    cpu_s += job.cpu_s;
+    peak_mb = std::max(peak_mb, job.peak_rss_mb);
+    ++count;
+  }
+  if (count == 0) return;
+  row.wall_s = wall_s / count;
+  row.cpu_s = cpu_s / count;
+  row.peak_rss_mb = peak_mb;
+}
+
 void add_point_rows(const std::vector<SpecimenRow>& all, const Point& point,
                     const CousinsSuiteConfig& config, std::vector<ScoreRow>& rows) {
   std::vector<SpecimenRow> own;
@@ -124,7 +142,8 @@ void add_point_rows(const std::vector<SpecimenRow>& all, const Point& point,
     if (row.dataset == point.name()) own.push_back(row);
   }
   if (own.empty()) return;
-  const ScoreRow base = base_row(point, config);
+  ScoreRow base = base_row(point, config);
+  add_run_times(rows, point, base);
   for (const PlottedTrait& trait : kTraits) {
     const auto pairs = trait_pairs(own, trait.name, [](const SpecimenRow&) { return true; });
     if (pairs.size() < 2) continue;

@@ -62,6 +62,14 @@ TEST(CaptureIo, EveryBitComesBack) {
   expect_equal(read_capture(folder.path()), capture);
 }
 
+TEST(CaptureIo, ABoardMayBeAnyTargetAsDesigned) {
+  const TemporaryFolder folder;
+  Capture capture = sample_capture();
+  capture.board = "charuco columns=11 rows=8 pitch_m=0.022 mark_share=0.73 dictionary=DICT_4X4_50";
+  write_capture(folder.path(), capture);
+  EXPECT_EQ(read_capture(folder.path()).board, capture.board);
+}
+
 TEST(CaptureIo, ADepthCamerasSensorsHaveTheirFoldersAndComeBack) {
   const TemporaryFolder folder;
   const Capture capture = depth_camera_capture();

@@ -181,6 +181,10 @@ TEST(HostileJson, TheRigNamesWhatIsWrong) {
   EXPECT_THAT(error("\"width_px\": 24", "\"width_px\": 0"),
               HasSubstr("/sensors/0/camera/width_px = 0 is outside [1, 65535]"));
   EXPECT_THAT(error("\"board\": \"markers\"", "\"board\": \"chess\""), HasSubstr("/board"));
+  EXPECT_THAT(error("\"board\": \"markers\"", "\"board\": \"chessboard columns=1000000000\""),
+              HasSubstr("columns"));
+  EXPECT_THAT(error("\"board\": \"markers\"", "\"board\": \"circles pitch_m=1e999\""),
+              HasSubstr("pitch_m"));
   EXPECT_THAT(rig_error(R"({"schema": 1, "sensors": []})"), HasSubstr("0 sensors"));
 }
 
