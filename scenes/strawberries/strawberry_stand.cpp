@@ -122,7 +122,7 @@ StandRest settle_stand(const StandConfig& config, const StrawberryBedConfig& bed
   for (; rest.attempt < kAttempts; ++rest.attempt) {
     const Rng own = attempt_rng(rng, rest.attempt);
     const std::vector<Truss> trusses = grow_trusses(draw_stand(config, bed, own), own);
-    rest.sag = sag(bending_plant(trusses), truss_sag());
+    rest.sag = settle_trusses(trusses);
     if (rest.sag.status == PlantStatus::ok) return rest;
     if (rest.sag.status == PlantStatus::not_built) break;
   }
