@@ -230,7 +230,7 @@ ObjectModel drip_model(const StrawberryBedConfig& config, std::uint64_t key) {
 
 ObjectModel wall_model(const StrawberryBedConfig& config) {
   constexpr double kHigh_m = 6;
-  const double x = -config.path.wall_m, half_m = 12;
+  const double x = -config.path.wall_m, half_m = 25;
   const double low = -truss_shape().bed_height_m;
   ObjectModel model;
   model.name = "wall";

@@ -22,7 +22,7 @@ std::string draw_variety(const StandConfig& config, Rng rng) {
   return u < 70 ? "benihoppe" : (u < 130 ? "akihime" : "sweet_charlie");
 }
 
-[[noreturn]] void fail(const SagResult& sag) {
+[[noreturn]] void fail(const SagResult& sag, double heavier) {
   char text[200];
   std::snprintf(text, sizeof text,
                 "stalk %d is strained %.3g times its strength at %.2f of its length; overlaps are "
@@ -31,6 +31,9 @@ std::string draw_variety(const StandConfig& config, Rng rng) {
   throw std::runtime_error(
       "strawberries: trusses do not hang at rest in " + std::to_string(kAttempts) +
       " tries, status " + std::string(to_string(sag.status)) + ": " + text +
+      (heavier > 1
+           ? "; fruits are too heavy for their stalks at heavier = " + std::to_string(heavier)
+           : "") +
       (sag.first_warning.empty() ? "" : "; the engine: " + sag.first_warning) +
       (sag.status == PlantStatus::not_built ? "; MuJoCo is not built in (WITH_MUJOCO is OFF)"
                                             : ""));
@@ -122,11 +125,11 @@ StandRest settle_stand(const StandConfig& config, const StrawberryBedConfig& bed
   for (; rest.attempt < kAttempts; ++rest.attempt) {
     const Rng own = attempt_rng(rng, rest.attempt);
     const std::vector<Truss> trusses = grow_trusses(draw_stand(config, bed, own), own);
-    rest.sag = sag(bending_plant(trusses), truss_sag());
+    rest.sag = settle_trusses(trusses);
     if (rest.sag.status == PlantStatus::ok) return rest;
     if (rest.sag.status == PlantStatus::not_built) break;
   }
-  fail(rest.sag);
+  fail(rest.sag, config.heavier);
 }
 
 }  // namespace cousin

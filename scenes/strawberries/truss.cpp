@@ -304,9 +304,16 @@ SagConfig truss_sag() {
   return config;
 }
 
+SagResult settle_trusses(std::span<const Truss> trusses) {
+  const BendingPlant plant = bending_plant(trusses);
+  SagResult rest = sag(plant, truss_sag());
+  if (rest.status == PlantStatus::engine_warning) rest = sag(plant);
+  return rest;
+}
+
 Truss make_truss(const TrussConfig& config, Rng rng) {
   Truss truss = grow_truss(config, rng);
-  const SagResult rest = sag(truss.plant, truss_sag());
+  const SagResult rest = settle_trusses({&truss, 1});
   hang({&truss, 1}, rest);
   return truss;
 }

@@ -77,9 +77,11 @@ std::vector<double> asked_red_shares(const TrussConfig& config, Rng rng,
                                      const std::optional<Ripening>& ripening = {});
 /// The second: trusses beside each other on one bed as one plant, for sag().
 BendingPlant bending_plant(std::span<const Truss> trusses);
-/// How they settle: at twice sag()'s own step, which ends at the same rest in half the time
-/// (stresses within 1e-3, overlaps of 0.01 mm instead of 0.0025).
-SagConfig truss_sag();
+/// Their shape under weight: sag() at twice its own step, which ends at the same rest in half the
+/// time (stresses within 1e-3, overlaps of 0.01 mm instead of 0.0025); at its own where that
+/// diverges.
+SagResult settle_trusses(std::span<const Truss> trusses);
+SagConfig truss_sag();  ///< the first of the two
 /// The last: puts stalks and fruits where sag() of their bending_plant left them.
 /// @throws std::invalid_argument if `sag` is of other trusses.
 void hang(std::span<Truss> trusses, const SagResult& sag);

@@ -1,10 +1,11 @@
 #include "sim/physics/plant_model.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+
+#include "sim/physics/plant_reach.h"
 
 namespace cousin {
 namespace {
@@ -26,49 +27,6 @@ Eigen::Vector3d across_of(const Eigen::Vector3d& along) {
   int least = 0;
   along.cwiseAbs().minCoeff(&least);
   return along.cross(Eigen::Vector3d::Unit(least)).normalized();
-}
-
-/// Where what grows from a root can come to, however it bends.
-struct Reach {
-  Eigen::Vector3d centre_m;
-  double radius_m = 0;
-};
-
-std::vector<Reach> reaches_of(const BendingPlant& plant) {
-  std::vector<Reach> reaches;
-  std::vector<double> begin_m(plant.stems.size(), 0);  // along the stems from the root
-  std::vector<std::size_t> root(plant.stems.size(), 0);
-  const auto extend = [&](std::size_t stem, double to_m) {
-    Reach& reach = reaches[root[stem]];
-    reach.radius_m = std::max(reach.radius_m, to_m);
-  };
-  for (std::size_t s = 0; s < plant.stems.size(); ++s) {
-    const BendingStem& stem = plant.stems[s];
-    if (stem.parent < 0) {
-      root[s] = reaches.size();
-      reaches.push_back({stem.points_m.front(), 0});
-    } else {
-      const auto p = static_cast<std::size_t>(stem.parent);
-      root[s] = root[p];
-      // Where it begins may lie off its parent's line.
-      begin_m[s] = begin_m[p] + stem.parent_share * length_m(plant.stems[p]) +
-                   (stem.points_m.front() - point_at_m(plant.stems[p], stem.parent_share)).norm();
-    }
-    extend(s, begin_m[s] + length_m(stem) +
-                  *std::max_element(stem.radii_m.begin(), stem.radii_m.end()));
-  }
-  for (const BendingLoad& load : plant.loads) {
-    const auto s = static_cast<std::size_t>(load.stem);
-    double size_m = 0;
-    for (const Mesh& hull : load.hulls) {
-      for (const Eigen::Vector3d& v : hull.vertices_m) size_m = std::max(size_m, v.norm());
-    }
-    const double off_m = (load.centroid_m - point_at_m(plant.stems[s], load.share)).norm();
-    extend(s, begin_m[s] + load.share * length_m(plant.stems[s]) + off_m + size_m);
-  }
-  // The chain's straight sections are as long as the line at most; a hundredth for contacts' reach.
-  for (Reach& reach : reaches) reach.radius_m *= 1.01;
-  return reaches;
 }
 
 class Writer {
@@ -149,18 +107,6 @@ class Writer {
     return "hull" + std::to_string(load) + "_" + std::to_string(hull);
   }
 
-  /// Whether anything can come to the box between two corners in the frame of an obstacle; what
-  /// begins inside the obstacle may touch it from within.
-  bool is_reached(const BendingObstacle& obstacle, const Eigen::Vector3d& low,
-                  const Eigen::Vector3d& high) const {
-    const Pose box_from_world = inverse(obstacle.world_from_box);
-    return std::any_of(reaches_.begin(), reaches_.end(), [&](const Reach& reach) {
-      const Eigen::Vector3d centre = box_from_world * reach.centre_m;
-      const double far_m = (centre - centre.cwiseMax(low).cwiseMin(high)).norm();
-      return far_m <= reach.radius_m || depth_m(obstacle, reach.centre_m) > 0;
-    });
-  }
-
   /// Three boxes, each as far as the sides that it reaches, and a rod along each edge: bodies that
   /// slide over a sharp edge of the engine's boxes never come to rest. Sides and edges that nothing
   /// can come to are left out: the engine would hold every stem against each of them.
@@ -183,7 +129,8 @@ class Writer {
       Eigen::Vector3d side_low = -inner, side_high = inner;
       side_low[axis] = half[axis];
       side_high[axis] = half[axis];
-      if (is_reached(box, side_low, side_high) || is_reached(box, -side_high, -side_low))
+      if (is_reached(reaches_, box, side_low, side_high) ||
+          is_reached(reaches_, box, -side_high, -side_low))
         xml += geom("box", half, Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity());
       const auto turn =
           Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::Unit(axis));
@@ -194,7 +141,7 @@ class Writer {
         Eigen::Vector3d end = Eigen::Vector3d::Zero();
         end[axis] = inner[axis];
         const Eigen::Vector3d round = Eigen::Vector3d::Constant(box.round_m);
-        if (is_reached(box, at - end - round, at + end + round))
+        if (is_reached(reaches_, box, at - end - round, at + end + round))
           xml += geom("capsule", {box.round_m, inner[axis], 0}, at, turn);
       }
     }

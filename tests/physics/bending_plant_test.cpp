@@ -223,6 +223,24 @@ TEST(BendingPlant, AStemLaidOverABedRestsOnIt) {
   EXPECT_LT(tip_m(plant, result.bent), -0.12);
 }
 
+TEST(BendingPlant, SidesOfABedThatNothingReachesChangeNothing) {
+  const auto rest_on = [](double half_y_m) {
+    BendingPlant plant;
+    plant.stems = {level_stem(30, 3e7)};
+    for (Eigen::Vector3d& p : plant.stems[0].points_m) p.z() += 0.003;
+    plant.loads = {{.stem = 0, .share = 1, .mass_kg = 0.02, .centroid_m = {0.3, 0, 0.003}}};
+    BendingObstacle bed;
+    bed.world_from_box.translation_m = {0, 0, -0.1};
+    bed.half_m = {0.15, half_y_m, 0.1};
+    plant.obstacles = {bed};
+    return tip_m(plant, sag(plant).bent);
+  };
+  // The stem is 0.3 m long. Contacts depend on the sizes of what touches, to rounding.
+  EXPECT_NEAR(rest_on(0.5), rest_on(3), 1e-5);
+  // Within its reach sides are there: a narrow bed's stem slides off no sooner than a wide one's.
+  EXPECT_NEAR(rest_on(0.2), rest_on(3), 1e-3);
+}
+
 TEST(BendingPlant, AChildStemMovesWithWhatCarriesIt) {
   BendingPlant plant;
   plant.stems = {level_stem(10, 5e7), level_stem(10, 1e11)};
