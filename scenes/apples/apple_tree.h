@@ -69,6 +69,10 @@ AppleTree grow_apple_tree(const OrchardConfig& config, int leaf_variants, Rng rn
 void bear_fruits(AppleTree& tree, const OrchardConfig& config,
                  const std::vector<FruitModel>& models, int count, double heavier, Rng rng);
 
+/// The same with as many of them as there is room for.
+void bear_at_most(AppleTree& tree, const OrchardConfig& config,
+                  const std::vector<FruitModel>& models, int count, double heavier, Rng rng);
+
 /// Bends the branches under their fruits to rest, each by itself, in parallel; without `bends` or
 /// MuJoCo they stay. Then what overlaps by more than half a millimetre goes: bare wood is pruned, a
 /// fruit is thinned.

@@ -162,7 +162,7 @@ void add_neighbours(Scene& scene, const ApplesSceneConfig& config,
     const Rng own = rng.fork("tree").fork(i);
     Neighbour& one = kinds[i];
     one.tree = grow_apple_tree(c, static_cast<int>(leaves.size()), own.fork("wood"));
-    bear_fruits(one.tree, c, fruits, config.fruits, 1, own.fork("fruits"));
+    bear_at_most(one.tree, c, fruits, config.fruits, 1, own.fork("fruits"));
     clear_leaves(one.tree, fruits, leaves);
     one.whole = coarse_tree(one.tree, c, leaves, own.fork("mesh"));
     one.fruits = coarse_fruits(one.tree, coarse);

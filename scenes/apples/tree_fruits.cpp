@@ -40,6 +40,7 @@ class Bearer {
     for (const FruitModel& model : models) balls_.push_back(ball_of(model));
   }
 
+  /// As many as there is room for, at most `count`.
   void bear(int count) {
     std::vector<int> spurs;
     for (std::size_t i = 0; i < tree_.wood.size(); ++i) {
@@ -59,10 +60,6 @@ class Bearer {
         break;
       }
     }
-    if (static_cast<int>(tree_.fruits.size()) >= count) return;
-    throw std::invalid_argument("apples: fruits = " + std::to_string(count) + "; the tree's " +
-                                std::to_string(spurs.size()) + " spurs have room for " +
-                                std::to_string(tree_.fruits.size()) + " without overlaps");
   }
 
  private:
@@ -126,10 +123,11 @@ class Bearer {
   void check_stalk(const FruitPlace& fruit, int number) const {
     const double pull_n = fruit.mass_kg * kGravity_m_s2;
     if (pull_n <= c_.fruit.stalk_holds_n) return;
-    throw std::invalid_argument(
-        "apples: apple " + std::to_string(number) + " of " + std::to_string(fruit.mass_kg) +
-        " kg pulls with " + std::to_string(pull_n) +
-        " N; its stalk holds fruit.stalk_holds_n = " + std::to_string(c_.fruit.stalk_holds_n));
+    throw std::invalid_argument("apples: apple " + std::to_string(number) + " of " +
+                                std::to_string(fruit.mass_kg) + " kg pulls with " +
+                                std::to_string(pull_n) +
+                                " N; its stalk holds orchard.fruit.stalk_holds_n = " +
+                                std::to_string(c_.fruit.stalk_holds_n));
   }
 
   bool is_free(const FruitPlace& fruit, const std::vector<FruitPlace>& cluster) const {
@@ -169,6 +167,15 @@ class Bearer {
 
 void bear_fruits(AppleTree& tree, const OrchardConfig& config,
                  const std::vector<FruitModel>& models, int count, double heavier, Rng rng) {
+  bear_at_most(tree, config, models, count, heavier, rng);
+  if (static_cast<int>(tree.fruits.size()) == count) return;
+  throw std::invalid_argument(
+      "apples: fruits = " + std::to_string(count) + "; its spurs and branches have room for " +
+      std::to_string(tree.fruits.size()) + " without overlaps and within orchard.fruit.per_m2");
+}
+
+void bear_at_most(AppleTree& tree, const OrchardConfig& config,
+                  const std::vector<FruitModel>& models, int count, double heavier, Rng rng) {
   Bearer(tree, config, models, heavier, rng).bear(count);
 }
 

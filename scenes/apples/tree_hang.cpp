@@ -164,9 +164,9 @@ void hang_fruits(AppleTree& tree, const OrchardConfig& config,
       throw std::invalid_argument(
           "apples: a branch at " +
           std::to_string(tree.wood[static_cast<std::size_t>(b.axis)].line.points_m[0].z()) +
-          " m under " + std::to_string(b.fruits.size()) +
-          " fruits: " + std::string(to_string(status)) + ", stress " +
-          std::to_string(b.sag.strain.ratio) + " times branch.strength_pa " + b.sag.first_warning);
+          " m under " + std::to_string(b.fruits.size()) + " fruits: " +
+          std::string(to_string(status)) + ", stress " + std::to_string(b.sag.strain.ratio) +
+          " times orchard.branch.strength_pa " + b.sag.first_warning);
     }
     tree.rest.not_at_rest += status == PlantStatus::not_at_rest;
     tree.rest.stress_ratio = std::max(tree.rest.stress_ratio, b.sag.strain.ratio);
