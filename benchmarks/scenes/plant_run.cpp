@@ -3,8 +3,11 @@
 #include <stdexcept>
 
 #include "benchmarks/scenes/stand_cache.h"
+#include "scenes/apples/apples_toml.h"
+#include "scenes/boards/toml_text.h"
 #include "scenes/maize/toml_text.h"
 #include "scenes/seedlings/toml_text.h"
+#include "scenes/strawberries/strawberry_toml.h"
 #include "sim/config/limits.h"
 #include "sim/config/toml_peek.h"
 #include "sim/dataset/manifest.h"
@@ -137,9 +140,18 @@ const std::vector<CousinMove>& cousin_moves(const PlantSceneConfig& scene) {
       read_cousin_moves(seedling_cousins_toml(), "scenes/seedlings/cousins.toml");
   static const std::vector<CousinMove> kMaize =
       read_cousin_moves(maize_cousins_toml(), "scenes/maize/cousins.toml");
-  static const std::vector<CousinMove> kNone;
+  static const std::vector<CousinMove> kStrawberries =
+      read_cousin_moves(strawberry_cousins_toml(), "scenes/strawberries/cousins.toml");
+  static const std::vector<CousinMove> kApples =
+      read_cousin_moves(apple_cousins_toml(), "scenes/apples/cousins.toml");
+  static const std::vector<CousinMove> kBoards =
+      read_cousin_moves(board_cousins_toml(), "scenes/boards/cousins.toml");
+  static const std::vector<CousinMove> kNone;  // of a user's specimen
   if (std::holds_alternative<SeedlingsSceneConfig>(scene)) return kSeedlings;
-  return std::holds_alternative<MaizeSceneConfig>(scene) ? kMaize : kNone;
+  if (std::holds_alternative<MaizeSceneConfig>(scene)) return kMaize;
+  if (std::holds_alternative<StrawberriesSceneConfig>(scene)) return kStrawberries;
+  if (std::holds_alternative<ApplesSceneConfig>(scene)) return kApples;
+  return std::holds_alternative<BoardsSceneConfig>(scene) ? kBoards : kNone;
 }
 
 PlantCousin cousin_of(const PlantRunConfig& config, std::uint64_t seed, int scene_index) {

@@ -96,6 +96,7 @@ void validate(const AppleConfig& config) {
   apple_cultivar(config.cultivar);
   if (config.red_share) require("red_share", *config.red_share, 0, 1);
   require("growth", config.growth, 0.1, 1);
+  require("elongation", config.elongation, 0.4, 2.5);
   if (config.grid != 0) require("grid", config.grid, 4, 200);
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
 }
@@ -110,7 +111,7 @@ FruitModel make_apple(const AppleConfig& config, Rng rng) {
   const double size = config.growth * std::cbrt(drawn.mass_kg / c.mass_kg);
   FruitModel fruit;
   fruit.mass_kg = drawn.mass_kg * std::pow(config.growth, 3);
-  AppleFlesh flesh = make_apple_flesh(c, config.family, drawn.shape_index,
+  AppleFlesh flesh = make_apple_flesh(c, config.family, config.elongation * drawn.shape_index,
                                       fruit.mass_kg / drawn.density_kg_m3, rng.fork("flesh"));
   ObjectModel& model = fruit.flesh.model;
   model.name = config.cultivar;

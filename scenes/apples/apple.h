@@ -18,7 +18,8 @@ struct AppleConfig {
   double growth = 1;                     ///< size over a ripe fruit's, 0.1..1
   Eigen::Vector3d to_sun = {1, 0, 0.5};  ///< in the fruit's frame: the side that colours first
   FruitFamily family = FruitFamily::botanical;
-  int grid = 0;  ///< cells along an edge of the mesh's cube, 4..200; 0: the cultivar's
+  double elongation = 1;  ///< times the shape index drawn, 0.4..2.5
+  int grid = 0;           ///< cells along an edge of the mesh's cube, 4..200; 0: the cultivar's
 };
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const AppleConfig& config);

@@ -46,12 +46,6 @@ void add_light(Scene& scene, const OrchardConfig& c, const std::string& light) {
   scene.lights.emplace_back(sky);
 }
 
-FruitFamily family_of(const std::string& name) {
-  if (name == "botanical") return FruitFamily::botanical;
-  if (name == "harmonics") return FruitFamily::harmonics;
-  throw std::invalid_argument("family \"" + name + "\" is not one of botanical, harmonics");
-}
-
 double leaf_area_of(const PlantModel& leaf) {
   double sum = 0;
   const Mesh& mesh = leaf.model.mesh;
@@ -108,6 +102,8 @@ Fields fields(ApplesSceneConfig& c) {
   return Fields{{"fruits", &c.fruits, "on the tree", 1, 2000},
                 {"heavier", &c.heavier, "times the fruits' masses: what stalks hold", 0.01, 1000},
                 {"family", &c.family, "of the fruits' shapes: botanical or harmonics"},
+                {"elongation", &c.elongation, "times the ratio of the fruits' length to width", 0.4,
+                 2.5},
                 {"sag", &c.sag, "branches bend under their fruits"},
                 {"neighbours", &c.neighbours, "trees of the row whose fruits are specimens too", 0,
                  20},
@@ -137,7 +133,7 @@ void validate(const ApplesSceneConfig& config) {
   }
   check_limits(fields(copy), "apples");
   validate(config.orchard);
-  family_of(config.family);
+  fruit_family(config.family);
   if (config.distance_min_m > config.distance_max_m) {
     throw std::invalid_argument("distance_min_m " + std::to_string(config.distance_min_m) +
                                 " is above distance_max_m " +
@@ -169,7 +165,8 @@ GrownTree grow_scene_tree(const ApplesSceneConfig& config, const Rng& rng) {
   tbb::parallel_for(std::size_t{0}, grown.fruits.size(), [&](std::size_t i) {
     AppleConfig fruit;
     fruit.grid = c.fruit.grid;
-    fruit.family = family_of(config.family);
+    fruit.family = fruit_family(config.family);
+    fruit.elongation = config.elongation;
     grown.fruits[i] = make_apple(fruit, rng.fork("fruit").fork(i));
   });
   grown.tree = grow_apple_tree(c, c.leaf.variants, rng.fork("tree"));

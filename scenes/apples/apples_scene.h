@@ -28,6 +28,7 @@ struct ApplesSceneConfig {
   int fruits = 85;     ///< on the tree
   double heavier = 1;  ///< times the fruits' masses: what stalks and branches can hold
   std::string family = "botanical";  ///< of the fruits' shapes, or harmonics
+  double elongation = 1;             ///< times their length over width
   bool sag = true;                   ///< branches bend under their fruits (MuJoCo)
   int neighbours = 2;                ///< trees of the row whose fruits are specimens too
   int trees = 11;                    ///< a row

@@ -14,6 +14,12 @@
 
 namespace cousin {
 
+FruitFamily fruit_family(const std::string& name) {
+  if (name == "botanical") return FruitFamily::botanical;
+  if (name == "harmonics") return FruitFamily::harmonics;
+  throw std::invalid_argument("family \"" + name + "\" is not one of botanical, harmonics");
+}
+
 double trait(const FruitModel& fruit, const std::string& name) {
   for (const TrueTrait& t : fruit.traits) {
     if (t.name == name) return t.value;

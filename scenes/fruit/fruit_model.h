@@ -16,6 +16,9 @@ enum class FruitFamily {
   harmonics   ///< radii of random spherical harmonics of the same size: nothing of the species'
 };
 
+/// By name. @throws std::invalid_argument listing the names.
+FruitFamily fruit_family(const std::string& name);
+
 /// A shape and what it is made of.
 struct FruitPart {
   ObjectModel model;

@@ -102,6 +102,7 @@ void validate(const StrawberryConfig& config) {
   strawberry_variety(config.variety);
   require("red_share", config.red_share, 0, 1);
   require("growth", config.growth, 0.1, 1.5);
+  require("elongation", config.elongation, 0.4, 2.5);
   require("norm of to_sun", config.to_sun.norm(), 1e-6, 1e6);
   if (config.grid != 0) require("grid", config.grid, 8, 200);
 }
@@ -114,7 +115,7 @@ FruitModel make_strawberry(const StrawberryConfig& config, Rng rng) {
   FruitModel fruit;
   fruit.mass_kg = drawn.mass_kg * std::pow(config.growth, 3);
   const StrawberryFlesh flesh = make_strawberry_flesh(
-      v, config.family, drawn.shape_index, fruit.mass_kg / drawn.density_kg_m3,
+      v, config.family, config.elongation * drawn.shape_index, fruit.mass_kg / drawn.density_kg_m3,
       config.grid > 0 ? config.grid : v.grid, rng.fork("flesh"));
   ObjectModel& model = fruit.flesh.model;
   model.name = config.variety;

@@ -17,7 +17,8 @@ struct StrawberryConfig {
   double growth = 1;     ///< size over what is drawn for a ripe fruit, 0.1..1.5
   Eigen::Vector3d to_sun = {1, 0, 0.5};  ///< in the fruit's frame: the side that ripens first
   FruitFamily family = FruitFamily::botanical;
-  int grid = 0;  ///< cells along an edge of its mesh; 0: as the variety says
+  double elongation = 1;  ///< times the shape index drawn, 0.4..2.5
+  int grid = 0;           ///< cells along an edge of its mesh; 0: as the variety says
 };
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const StrawberryConfig& config);

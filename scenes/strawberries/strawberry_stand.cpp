@@ -49,6 +49,8 @@ Fields fields(StandConfig& c) {
           {"ripeness_low", &c.ripeness_low, "of a truss's first fruit: 0 white, 1 red", -1, 5},
           {"ripeness_high", &c.ripeness_high, "of a truss's first fruit", -1, 5},
           {"heavier", &c.heavier, "times the fruits' masses", 0.01, 1000},
+          {"family", &c.family, "of the fruits' shapes: botanical or harmonics"},
+          {"elongation", &c.elongation, "times the fruits' length over diameter", 0.4, 2.5},
           {"fruit_grid", &c.fruit_grid, "cells along an edge of a fruit's mesh", 8, 200}};
 }
 
@@ -56,6 +58,7 @@ void validate(const StandConfig& config) {
   StandConfig copy = config;
   check_limits(fields(copy), "strawberries");
   if (config.variety != "drawn") strawberry_variety(config.variety);
+  fruit_family(config.family);
   if (config.fruits_min > config.fruits_max)
     throw std::invalid_argument("fruits_min " + std::to_string(config.fruits_min) +
                                 " is above fruits_max " + std::to_string(config.fruits_max));
@@ -81,6 +84,8 @@ Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng 
     const int step = (k / 2 + 1) / 2 * ((k / 2) % 2 == 0 ? -1 : 1);
     const int crown = std::clamp(middle + step, 0, bed.row.plants - 1);
     TrussConfig truss;
+    truss.family = fruit_family(config.family);
+    truss.elongation = config.elongation;
     truss.variety = stand.variety;
     truss.fruits = std::min(left, 2 + static_cast<int>(uniform_index(own, kMostOnATruss - 1)));
     truss.heavier = config.heavier;

@@ -18,8 +18,10 @@ struct StandConfig {
   /// Ripeness of a truss's first fruit, see TrussConfig: fitted to the shares of the paper's 8627
   /// fruits, low 55, medium 28, high 16 % [Strawberries 2.1].
   double ripeness_low = 0.08, ripeness_high = 1.27;
-  double heavier = 1;   ///< times the fruits' masses: what stalks can hold
-  int fruit_grid = 36;  ///< cells along an edge of a fruit's mesh
+  double heavier = 1;                ///< times the fruits' masses: what stalks can hold
+  std::string family = "botanical";  ///< of the fruits' shapes, or harmonics
+  double elongation = 1;             ///< times their length over diameter
+  int fruit_grid = 36;               ///< cells along an edge of a fruit's mesh
 };
 Fields fields(StandConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.

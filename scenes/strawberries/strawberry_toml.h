@@ -9,5 +9,6 @@ std::string_view varieties_toml();
 std::string_view truss_toml();
 std::string_view strawberry_plant_toml();
 std::string_view strawberry_bed_toml();
+std::string_view strawberry_cousins_toml();
 
 }  // namespace cousin

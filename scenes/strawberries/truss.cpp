@@ -136,6 +136,8 @@ StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config
   StrawberryConfig fruit;
   fruit.variety = config.variety;
   fruit.grid = config.grid;
+  fruit.family = config.family;
+  fruit.elongation = config.elongation;
   const double stage = ripeness_of_rank(shape, ripeness, rank, rng);
   double color = stage;
   if (ripening && stage > 0) color = ripeness_of_rank(shape, ripening->first, rank, ripening->rng);

@@ -38,7 +38,9 @@ struct TrussConfig {
   int fruits = 5;  ///< 1..15
   /// Of the first fruit: below 0 green, 0..1 its red share, above 1 ripe; absent: drawn.
   std::optional<double> ripeness;
-  double heavier = 1;                         ///< times the fruits' masses: what stalks can hold
+  double heavier = 1;  ///< times the fruits' masses: what stalks can hold
+  FruitFamily family = FruitFamily::botanical;
+  double elongation = 1;                      ///< times the fruits' length over diameter
   Eigen::Vector3d to_sun = {0.4, -0.5, 0.8};  ///< in the world
   double along_m = 0;                         ///< y of its crown
   double turn_rad = 0;                        ///< of the peduncle, from straight over the edge

@@ -11,6 +11,16 @@
 namespace cousin {
 namespace {
 
+TEST(Apple, ElongationMultipliesLengthOverWidthAtTheSameVolume) {
+  for (const FruitFamily family : {FruitFamily::botanical, FruitFamily::harmonics}) {
+    const FruitModel plain = make_apple({.family = family}, Rng(5));
+    const FruitModel longer = make_apple({.family = family, .elongation = 1.3}, Rng(5));
+    EXPECT_NEAR(trait(longer, "volume"), trait(plain, "volume"), 1e-9 * trait(plain, "volume"));
+    EXPECT_NEAR(trait(longer, "length") / trait(longer, "diameter"),
+                1.3 * trait(plain, "length") / trait(plain, "diameter"), 1e-6);
+  }
+}
+
 TEST(Apple, IsClosedAndWeighsItsVolumeTimesItsDensity) {
   const FruitModel fruit = make_apple({.red_share = 0.6}, Rng(5));
   const MeshCheck check = check_watertight(fruit.flesh.model.mesh);

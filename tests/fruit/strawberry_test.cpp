@@ -21,6 +21,16 @@ Eigen::Vector3d keypoint(const FruitModel& fruit, const std::string& name) {
   return {};
 }
 
+TEST(Strawberry, ElongationMultipliesLengthOverWidthAtTheSameVolume) {
+  for (const FruitFamily family : {FruitFamily::botanical, FruitFamily::harmonics}) {
+    const FruitModel plain = make_strawberry({.family = family}, Rng(5));
+    const FruitModel longer = make_strawberry({.family = family, .elongation = 1.3}, Rng(5));
+    EXPECT_NEAR(trait(longer, "volume"), trait(plain, "volume"), 1e-9 * trait(plain, "volume"));
+    EXPECT_NEAR(trait(longer, "length") / trait(longer, "diameter"),
+                1.3 * trait(plain, "length") / trait(plain, "diameter"), 1e-6);
+  }
+}
+
 TEST(Strawberry, IsClosedAndItsTraitsAreThoseDrawn) {
   for (const std::string& variety : strawberry_varieties()) {
     const FruitModel fruit = make_strawberry({.variety = variety}, Rng(5));
@@ -81,7 +91,8 @@ TEST(Strawberry, TheSunnySideIsRedder) {
 
 TEST(Strawberry, AchenesKeepApartAndAreAsManyAsStated) {
   const StrawberryVariety& v = strawberry_variety("akihime");
-  const StrawberryFlesh flesh = make_strawberry_flesh(v, FruitFamily::botanical, 1.5, 2e-5, v.grid, Rng(1));
+  const StrawberryFlesh flesh =
+      make_strawberry_flesh(v, FruitFamily::botanical, 1.5, 2e-5, v.grid, Rng(1));
   EXPECT_EQ(flesh.achenes.size(), static_cast<std::size_t>(v.achenes));
   int crowded = 0;
   for (std::size_t i = 0; i < flesh.achenes.size(); ++i) {
