@@ -141,7 +141,10 @@ TEST(ApplesScene, AnOcclusionThatCannotBeMetIsStatedOrRefused) {
   ApplesSceneConfig config = small_orchard();
   config.views = 1;
   config.occlusion = 0.95;
-  config.orchard.spur.leaves = 0;  // bare: nothing hides so much
+  config.sag = false;  // the same tree with and without physics
+  config.fruits = 1;
+  config.orchard.spur.leaves = 0;  // bare: wood alone hides no fruit so far
+  config.orchard.shoot.spacing_m = 5;
   const Scene scene = build_apples_scene(config, Rng(1));
   EXPECT_EQ(trait(scene.instances[0], "met 000000"), 0);
   EXPECT_GT(trait(scene.instances[0], "visible 000000"), 0.08);
