@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/lattice.h"
 #include "sim/geometry/smooth_normals.h"
 #include "sim/plant/color.h"
 
@@ -52,17 +53,12 @@ ObjectModel ground_model(const OrchardConfig& c, std::uint64_t key) {
       model.mesh.vertices_m.emplace_back(x, y, height_at(c, x, y, key));
     }
   }
-  constexpr auto kRow = static_cast<std::uint32_t>(kCells + 1);
-  for (std::uint32_t j = 0; j + 1 < kRow; ++j) {
-    for (std::uint32_t i = 0; i + 1 < kRow; ++i) {
-      const std::uint32_t a = j * kRow + i;
-      model.mesh.triangles.push_back({a, a + 1, a + kRow + 1});
-      model.mesh.triangles.push_back({a, a + kRow + 1, a + kRow});
-      const Vector3d middle =
-          0.5 * (model.mesh.vertices_m[a] + model.mesh.vertices_m[a + kRow + 1]);
-      const std::uint16_t part = in_alley(c, middle.x(), middle.y(), key + 4) > 0.5 ? 1 : 0;
-      model.triangle_part.insert(model.triangle_part.end(), {part, part});
-    }
+  add_lattice_triangles(model.mesh, 0, kCells, kCells);
+  for (const auto& triangle : model.mesh.triangles) {
+    // Both of a cell have its diagonal.
+    const auto [low, high] = std::minmax_element(triangle.begin(), triangle.end());
+    const Vector3d middle = 0.5 * (model.mesh.vertices_m[*low] + model.mesh.vertices_m[*high]);
+    model.triangle_part.push_back(in_alley(c, middle.x(), middle.y(), key + 4) > 0.5 ? 1 : 0);
   }
   model.vertex_normals = smooth_normals(model.mesh);
   return model;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/lattice.h"
 #include "sim/geometry/smooth_normals.h"
 #include "sim/plant/color.h"
 
@@ -36,14 +37,8 @@ ObjectModel soil_model(const MaizeConfig::Field& c, std::uint64_t key) {
     for (int i = 0; i <= n; ++i)
       model.mesh.vertices_m.emplace_back(place(i), place(j), height_m(c, place(i), place(j), key));
   }
-  const auto row = static_cast<std::uint32_t>(n + 1);
-  for (std::uint32_t j = 0; j + 1 < row; ++j) {
-    for (std::uint32_t i = 0; i + 1 < row; ++i) {
-      const std::uint32_t a = j * row + i;
-      model.mesh.triangles.push_back({a, a + 1, a + row + 1});
-      model.mesh.triangles.push_back({a, a + row + 1, a + row});
-    }
-  }
+  const auto cells = static_cast<std::uint32_t>(n);
+  add_lattice_triangles(model.mesh, 0, cells, cells);
   model.vertex_normals = smooth_normals(model.mesh);
   return model;
 }

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/lattice.h"
 #include "sim/geometry/measure.h"
 #include "sim/geometry/smooth_normals.h"
 #include "sim/plant/color.h"
@@ -147,14 +148,8 @@ ObjectModel substrate_model(const TrayConfig& config, int variant, Rng rng) {
       model.vertex_albedo.push_back(to_rgb(Vector3d((1 - share) * dark + share * light)));
     }
   }
-  const auto row = static_cast<std::uint32_t>(n + 1);
-  for (std::uint32_t j = 0; j + 1 < row; ++j) {
-    for (std::uint32_t i = 0; i + 1 < row; ++i) {
-      const std::uint32_t a = j * row + i;
-      model.mesh.triangles.push_back({a, a + 1, a + row + 1});
-      model.mesh.triangles.push_back({a, a + row + 1, a + row});
-    }
-  }
+  const auto cells = static_cast<std::uint32_t>(n);
+  add_lattice_triangles(model.mesh, 0, cells, cells);
   for (int k = 0; k < c.perlite; ++k) {
     Rng own = rng.fork("grain").fork(static_cast<std::uint64_t>(k));
     const double x = half * uniform(own, -0.97, 0.97), y = half * uniform(own, -0.97, 0.97);

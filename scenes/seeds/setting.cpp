@@ -10,6 +10,7 @@
 #include "scenes/seeds/toml_text.h"
 #include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/gradient_noise.h"
+#include "sim/geometry/lattice.h"
 #include "sim/geometry/smooth_normals.h"
 
 namespace cousin {
@@ -42,14 +43,8 @@ void add_face(Mesh& mesh, const Eigen::Vector3d& origin, const Eigen::Vector3d& 
                                    v * (static_cast<double>(j) / cells_v));
     }
   }
-  const auto row = static_cast<std::uint32_t>(cells_u + 1);
-  for (std::uint32_t j = 0; j < static_cast<std::uint32_t>(cells_v); ++j) {
-    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(cells_u); ++i) {
-      const std::uint32_t a = first + j * row + i;
-      mesh.triangles.push_back({a, a + 1, a + row + 1});
-      mesh.triangles.push_back({a, a + row + 1, a + row});
-    }
-  }
+  add_lattice_triangles(mesh, first, static_cast<std::uint32_t>(cells_u),
+                        static_cast<std::uint32_t>(cells_v));
 }
 
 Lamp make_lamp(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& target_m,

@@ -20,19 +20,8 @@ const char* const kFormats[] = {"bop", "coco",   "yolo", "colmap", "nerfstudio",
 
 /// Three trays of four cells, two small photographs each, with all that labels need.
 Words labelled_trays() {
-  return {"render",   "seedlings",
-          "--scenes", "3",
-          "--truth",  "visibility,instance,keypoints",
-          "--set",    "day=9",
-          "--set",    "tray.columns=2",
-          "--set",    "tray.rows=2",
-          "--set",    "views=2",
-          "--set",    "coverage=0.2",
-          "--set",    "rig.width_px=160",
-          "--set",    "rig.height_px=90",
-          "--set",    "render.pixel_samples=2",
-          "--set",    "substrate.detail_m=0.004",
-          "--out",    "data"};
+  return Words{"render", "seedlings", "--scenes", "3", "--out", "data"} +
+         Words{"--truth", "visibility,instance,keypoints", "--set", "day=9"} + tiny_tray();
 }
 
 TEST(AppExport, HelpSaysWhatEachFormatGives) {

@@ -15,19 +15,8 @@ using Files = std::map<std::string, std::string>;
 
 /// A tray of four cells on three days, two small photographs a day.
 Words growing_tray() {
-  return {"render",   "seedlings",
-          "--scenes", "3",
-          "--truth",  "visibility,instance,keypoints",
-          "--set",    "day=4",
-          "--set",    "day_step=3",
-          "--set",    "tray.columns=2",
-          "--set",    "tray.rows=2",
-          "--set",    "views=2",
-          "--set",    "coverage=0.2",
-          "--set",    "rig.width_px=160",
-          "--set",    "rig.height_px=90",
-          "--set",    "render.pixel_samples=2",
-          "--set",    "substrate.detail_m=0.004"};
+  return Words{"render", "seedlings", "--scenes", "3", "--truth", "visibility,instance,keypoints"} +
+         Words{"--set", "day=4", "--set", "day_step=3"} + tiny_tray();
 }
 
 /// Without what a kill while writing leaves and what shards add.

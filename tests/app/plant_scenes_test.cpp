@@ -15,18 +15,6 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Four cells and two small photographs of them: a second.
-Words tiny_tray() {
-  return {"--set", "tray.columns=2",
-          "--set", "tray.rows=2",
-          "--set", "views=2",
-          "--set", "coverage=0.2",
-          "--set", "rig.width_px=160",
-          "--set", "rig.height_px=90",
-          "--set", "render.pixel_samples=2",
-          "--set", "substrate.detail_m=0.004"};
-}
-
 nlohmann::json json_in(const fs::path& file) {
   return nlohmann::json::parse(read_file(file), nullptr, false);
 }

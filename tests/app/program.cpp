@@ -81,6 +81,17 @@ Words tiny_scene() {
           "--set", "render.max_bounces=0"};
 }
 
+Words tiny_tray() {
+  return {"--set", "tray.columns=2",
+          "--set", "tray.rows=2",
+          "--set", "views=2",
+          "--set", "coverage=0.2",
+          "--set", "rig.width_px=160",
+          "--set", "rig.height_px=90",
+          "--set", "render.pixel_samples=2",
+          "--set", "substrate.detail_m=0.004"};
+}
+
 Words measured_scene() {
   return {"--set", "views=18",
           "--set", "rig.width_px=480",

@@ -48,6 +48,9 @@ Words operator+(Words a, const Words& b);
 /// Two views of an empty board, 320 x 180, near and in poor light: half a second.
 Words tiny_scene();
 
+/// Keys of a tray of four watermelon cells in two small photographs: a second.
+Words tiny_tray();
+
 /// The least views and pixels that measure seeds, near and in poor light: a few seconds.
 Words measured_scene();
 /// For `run` and `perceive`: a coarser search for depth and coarser surfaces.
