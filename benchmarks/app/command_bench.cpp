@@ -24,6 +24,7 @@
 #include "benchmarks/seeds/suite.h"
 #include "benchmarks/sensors/sensors_page.h"
 #include "benchmarks/sensors/sensors_suite.h"
+#include "benchmarks/shards/shard_scores.h"
 #include "benchmarks/stability/suite.h"
 
 namespace cousin {
@@ -157,7 +158,7 @@ ScoreFile bench_sensors(const JobContext& context, const fs::path& out) {
       titled("Cousin: bench sensors",
              "Every sensor model against theory or the published figure. Verified against theory "
              "only: no real device has been compared with the models.",
-             pool_sensors_suite(results, o.seed));
+             scores_of_shards(results, "sensors", o.seed));
   note_missing(context, results, report);
   keep_scene(report, sensors_pictures(o.seed), out);
   return finish(std::move(report), context, out);

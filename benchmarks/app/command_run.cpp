@@ -185,13 +185,10 @@ bool run_scenes(const JobContext& context, const SeedsRunConfig& config,
     resumed = true;
     context.progress.line("taken from the run that was stopped: " + (parts / result.name).string());
   }
-  const auto add = [&](const ScoreFile& part) {
-    ScoreFile& all = report.scores;
-    all.scores.insert(all.scores.end(), part.scores.begin(), part.scores.end());
-    all.specimens.insert(all.specimens.end(), part.specimens.begin(), part.specimens.end());
-  };
-  add(run_scene(context, config, 0, sources, out, report));
-  for (const ShardResult& result : results) add(scores_from_json(result.text, result.name));
+  append(run_scene(context, config, 0, sources, out, report), report.scores);
+  for (const ShardResult& result : results) {
+    append(scores_from_json(result.text, result.name), report.scores);
+  }
   return resumed;
 }
 

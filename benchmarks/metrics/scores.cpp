@@ -36,6 +36,11 @@ ScoreStatus score_status_from_string(std::string_view text) {
                               "\" is not one of ok, pass, fail, not_solved, not_built, error");
 }
 
+void append(const ScoreFile& part, ScoreFile& all) {
+  all.scores.insert(all.scores.end(), part.scores.begin(), part.scores.end());
+  all.specimens.insert(all.specimens.end(), part.specimens.begin(), part.specimens.end());
+}
+
 const std::vector<Column<ScoreRow>>& score_columns() {
   static const std::vector<Column<ScoreRow>> columns = {
       {"suite", &ScoreRow::suite},

@@ -60,6 +60,9 @@ struct ScoreFile {
   std::vector<SpecimenRow> specimens;
 };
 
+/// Puts the rows and specimens of `part` behind those of `all`, whose header stays.
+void append(const ScoreFile& part, ScoreFile& all);
+
 /// The row with a limit that it kept or broke.
 ScoreRow limited(ScoreRow row, bool passes);
 

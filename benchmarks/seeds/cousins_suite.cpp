@@ -8,6 +8,7 @@
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/shards/shard_scores.h"
 
 namespace cousin {
 namespace {
@@ -212,22 +213,8 @@ std::vector<ShardJob> cousins_suite_jobs(const CousinsSuiteConfig& config,
 
 ScoreFile pool_cousins_suite(const std::vector<ShardResult>& results,
                              const CousinsSuiteConfig& config) {
-  ScoreFile pooled;
+  ScoreFile pooled = scores_of_shards(results, kSuite, config.seed);
   pooled.header.program_version = COUSIN_VERSION;
-  for (const ShardResult& result : results) {
-    if (!result.text.empty()) {
-      const ScoreFile part = scores_from_json(result.text, result.name);
-      pooled.scores.insert(pooled.scores.end(), part.scores.begin(), part.scores.end());
-      pooled.specimens.insert(pooled.specimens.end(), part.specimens.begin(), part.specimens.end());
-    } else if (!result.error.empty()) {
-      ScoreRow row;
-      row.suite = kSuite;
-      row.case_name = result.name;
-      row.metric = result.error;
-      row.status = ScoreStatus::error;
-      pooled.scores.push_back(std::move(row));
-    }
-  }
   for (const Point& point : points_of(config.quick))
     add_point_rows(pooled.specimens, point, config, pooled.scores);
   return pooled;

@@ -13,6 +13,7 @@
 #include "benchmarks/seeds/report_scene.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/truth_stages.h"
+#include "benchmarks/shards/shard_scores.h"
 
 namespace cousin {
 namespace {
@@ -343,24 +344,10 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
 
 ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
                            const SeedsSuiteConfig& config) {
-  ScoreFile pooled;
-  pooled.header.program_version = COUSIN_VERSION;
   SeedsScoreLabels labels;
   labels.seed = config.seed;
-  for (const ShardResult& result : results) {
-    if (!result.text.empty()) {
-      const ScoreFile part = scores_from_json(result.text, result.name);
-      pooled.scores.insert(pooled.scores.end(), part.scores.begin(), part.scores.end());
-      pooled.specimens.insert(pooled.specimens.end(), part.specimens.begin(), part.specimens.end());
-    } else if (!result.error.empty()) {
-      ScoreRow row;
-      row.suite = labels.suite;
-      row.case_name = result.name;
-      row.metric = result.error;
-      row.status = ScoreStatus::error;
-      pooled.scores.push_back(std::move(row));
-    }
-  }
+  ScoreFile pooled = scores_of_shards(results, labels.suite, config.seed);
+  pooled.header.program_version = COUSIN_VERSION;
   labels.scene = "pooled";
   const std::vector<ScoreRow> of_runs = pooled.scores;
   for (const char* dataset : {"seeds", kPaperSpread}) {

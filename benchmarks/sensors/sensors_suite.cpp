@@ -59,19 +59,4 @@ std::vector<ShardJob> sensors_suite_jobs(std::uint64_t seed, bool quick) {
   return jobs;
 }
 
-ScoreFile pool_sensors_suite(const std::vector<ShardResult>& results, std::uint64_t seed) {
-  ScoreFile pooled;
-  for (const ShardResult& result : results) {
-    if (!result.text.empty()) {
-      const ScoreFile part = scores_from_json(result.text, result.name);
-      pooled.scores.insert(pooled.scores.end(), part.scores.begin(), part.scores.end());
-    } else if (!result.error.empty()) {
-      ScoreRow row = sensor_row({result.name, seed}, "all", result.error, ScoreRow::kNone, "1", 0);
-      row.status = ScoreStatus::error;
-      pooled.scores.push_back(std::move(row));
-    }
-  }
-  return pooled;
-}
-
 }  // namespace cousin

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "benchmarks/metrics/scores.h"
 #include "benchmarks/shards/shard.h"
 
 namespace cousin {
@@ -12,8 +11,5 @@ namespace cousin {
 /// depth camera, one for its speed, one for each other kind. A job's result is a ScoreFile as JSON.
 /// @param quick  fewer frames, the same rows
 std::vector<ShardJob> sensors_suite_jobs(std::uint64_t seed, bool quick);
-
-/// The rows of all jobs in their order; a job that failed is an error row.
-ScoreFile pool_sensors_suite(const std::vector<ShardResult>& results, std::uint64_t seed);
 
 }  // namespace cousin

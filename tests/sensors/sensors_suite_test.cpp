@@ -104,20 +104,5 @@ TEST(SensorsSuite, EveryDepthCameraIsAJobOfItsOwnAndQuickOnesHaveOtherFiles) {
     EXPECT_TRUE(names.contains(std::string("depth-") + rig + ".json")) << rig;
 }
 
-TEST(SensorsSuite, AFailedJobIsAnErrorRowAndTheOthersStay) {
-  ScoreFile one;
-  ScoreRow row;
-  row.metric = "seconds";
-  row.value = 2;
-  one.scores = {row};
-  ShardResult good{"a.json", to_json(one), {}, {}, false}, bad{"b.json", {}, "no light", {}, false};
-  ShardResult missing{"c.json", {}, {}, {}, false};
-  const ScoreFile pooled = pool_sensors_suite({good, bad, missing}, 5);
-  ASSERT_EQ(pooled.scores.size(), 2U);
-  EXPECT_EQ(pooled.scores[0].value, 2);
-  EXPECT_EQ(pooled.scores[1].status, ScoreStatus::error);
-  EXPECT_EQ(pooled.scores[1].metric, "no light");
-}
-
 }  // namespace
 }  // namespace cousin

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "benchmarks/metrics/scores.h"
+#include "benchmarks/shards/shard.h"
+
+namespace cousin {
+
+/// Rows and specimens of all finished jobs in their order, each read from a job's text
+/// (scores.json); a job that failed gives a row of `suite` whose case is the job's name, whose
+/// metric says why and whose status is error. The header is left as it is by default.
+/// @throws std::runtime_error naming a job whose text is not scores.json
+ScoreFile scores_of_shards(const std::vector<ShardResult>& results, const std::string& suite,
+                           std::uint64_t seed);
+
+}  // namespace cousin

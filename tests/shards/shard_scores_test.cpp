@@ -1,0 +1,26 @@
+#include "benchmarks/shards/shard_scores.h"
+
+#include <gtest/gtest.h>
+
+namespace cousin {
+namespace {
+
+TEST(ShardScores, AFailedJobIsAnErrorRowAndTheOthersStay) {
+  ScoreFile one;
+  ScoreRow row;
+  row.metric = "seconds";
+  row.value = 2;
+  one.scores = {row};
+  ShardResult good{"a.json", to_json(one), {}, {}, false}, bad{"b.json", {}, "no light", {}, false};
+  ShardResult missing{"c.json", {}, {}, {}, false};
+  const ScoreFile pooled = scores_of_shards({good, bad, missing}, "sensors", 5);
+  ASSERT_EQ(pooled.scores.size(), 2U);
+  EXPECT_EQ(pooled.scores[0].value, 2);
+  EXPECT_EQ(pooled.scores[1].status, ScoreStatus::error);
+  EXPECT_EQ(pooled.scores[1].metric, "no light");
+  EXPECT_EQ(pooled.scores[1].case_name, "b.json");
+  EXPECT_EQ(pooled.scores[1].seed, 5U);
+}
+
+}  // namespace
+}  // namespace cousin
