@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "benchmarks/scenes/plant_run.h"
+#include "sim/render/radiance_pass.h"
+#include "sim/types/capture.h"
+
+namespace cousin {
+
+/// Photographs of a board for studies that want thousands of them: the scene, the lens and the
+/// sensor are those of `cousin render boards --set ...`, the light is not: each surface's
+/// irradiance is traced once a scene and looked up, as for seeds, instead of path by path for each
+/// pixel. Pixels that an edge crosses get `RadianceConfig::edge_samples` rays. A board's mirror
+/// image of a lamp is there, light that a neighbouring surface throws back too.
+class BoardPhotographs {
+ public:
+  /// @param assignments  keys of `cousin render boards`, such as "board=charuco_a4", "rig=d457",
+  /// "views=30", "flaws.warp_x_m=0.001".
+  /// @throws std::invalid_argument naming the key; also for a board that moves (place=hand), whose
+  /// light cannot be kept.
+  BoardPhotographs(const std::vector<std::string>& assignments, std::uint64_t seed);
+  ~BoardPhotographs();
+  BoardPhotographs(BoardPhotographs&&) noexcept;
+
+  const CalibrationTarget& target() const;  ///< as designed
+  int size() const;                         ///< number of views
+  /// What the rig's cameras hand over in a view: a pure function of (assignments, seed, view).
+  Frame take(int view) const;
+  /// The true lens and pose of each of the rig's sensors in each view.
+  const std::vector<SensorViews>& truth() const;
+  /// Where a target's point really is, by id.
+  const std::vector<Eigen::Vector3d>& points_in_world_m() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cousin
