@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <variant>
 
+#include "benchmarks/scenes/plant_run.h"
+#include "sim/render/radiance_pass.h"
 #include "sim/sensors/rig_capture.h"
 
 namespace cousin {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/scenes/plant_run.h"
-#include "sim/render/radiance_pass.h"
+#include "sim/truth/truth_images.h"
+#include "sim/types/calibration_target.h"
 #include "sim/types/capture.h"
 
 namespace cousin {

@@ -10,7 +10,7 @@
 namespace cousin {
 namespace {
 
-LinePoint point(double x, const Measured& m, double factor = 1) {
+PlotPoint point(double x, const Measured& m, double factor = 1) {
   const double half = kSigmas95 * m.sigma;
   return {x, {factor * m.value, factor * (m.value - half), factor * (m.value + half)}};
 }

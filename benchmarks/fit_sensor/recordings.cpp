@@ -77,7 +77,7 @@ std::optional<double> given(double value) {
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
 
-PixelRect rect_of(const std::vector<double>& v, const std::string& where) {
+ImageRegion rect_of(const std::vector<double>& v, const std::string& where) {
   const bool whole = std::all_of(v.begin(), v.end(), [](double x) { return x == std::floor(x); });
   if (v.size() != 4 || !whole || v[2] < 16 || v[3] < 16)
     reject(where, "region_px has " + std::to_string(v.size()) +

@@ -28,7 +28,7 @@ struct FlatFolder {
 };
 
 /// A rectangle of pixels.
-struct PixelRect {
+struct ImageRegion {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -42,9 +42,9 @@ struct PixelRect {
 struct Recordings {
   std::filesystem::path folder;
   std::optional<double> depth_unit_m, focal_px, baseline_m;  ///< else those of the rig's preset
-  std::optional<PixelRect> region;  ///< where the wall fills the image; else the middle half
-  int color_bits = 0;               ///< of the raw frames: 8..16; 0 = as the PNG stores
-  std::vector<WallFolder> walls;    ///< by distance, then name
+  std::optional<ImageRegion> region;  ///< where the wall fills the image; else the middle half
+  int color_bits = 0;                 ///< of the raw frames: 8..16; 0 = as the PNG stores
+  std::vector<WallFolder> walls;      ///< by distance, then name
   std::vector<std::string> dark;
   std::vector<FlatFolder> flats;  ///< by name
 };

@@ -236,8 +236,8 @@ DepthGeometry depth_geometry(const Recordings& r, const RigChoice& rig, int widt
       r.walls.empty() ? 0 : g.focal_px * g.baseline_m / r.walls.front().distance_m;
   const int left = std::max(width_px / 4, static_cast<int>(most_px) + 16);
   g.region = r.region.value_or(
-      PixelRect{left, height_px / 4, std::max(0, 3 * width_px / 4 - left), height_px / 2});
-  const PixelRect& p = g.region;
+      ImageRegion{left, height_px / 4, std::max(0, 3 * width_px / 4 - left), height_px / 2});
+  const ImageRegion& p = g.region;
   if (p.x < 0 || p.y < 0 || p.width < 16 || p.height < 16 || p.x + p.width > width_px ||
       p.y + p.height > height_px)
     reject(r.folder.string(),

@@ -17,7 +17,7 @@ struct DepthGeometry {
   double focal_px = 384, baseline_m = 0.095;
   double depth_unit_m = 0.001;
   double disparity_step_px = 0;  ///< the device's own; 0 = none
-  PixelRect region;              ///< where walls are measured
+  ImageRegion region;            ///< where walls are measured
 };
 
 /// A number and its standard error.

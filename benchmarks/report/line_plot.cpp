@@ -29,7 +29,7 @@ struct Range {
   }
 };
 
-bool can_show(const LinePoint& p, const LinePlot& plot) {
+bool can_show(const PlotPoint& p, const LinePlot& plot) {
   return std::isfinite(p.x) && std::isfinite(p.y.value) && (!plot.log_x || p.x > 0) &&
          (!plot.log_y || p.y.value > 0);
 }
@@ -62,7 +62,7 @@ Plot line_plot(const LinePlot& plot) {
   Range xs, ys;
   for (const LineSeries& series : plot.series) {
     names.push_back(series.name);
-    for (const LinePoint& p : series.points) {
+    for (const PlotPoint& p : series.points) {
       if (!can_show(p, plot)) continue;
       Json point = {
           {"x", p.x},

@@ -53,13 +53,13 @@ struct ErrorTimeCurve {
 };
 
 /// A quantity over another, with the laws it is held against.
-struct LinePoint {
+struct PlotPoint {
   double x = 0;
   WithInterval y;
 };
 struct LineSeries {
   std::string name;
-  std::vector<LinePoint> points;  ///< in the order of x
+  std::vector<PlotPoint> points;  ///< in the order of x
   bool is_law = false;            ///< drawn dashed, without points
   bool is_joined = true;          ///< by a line; a law always is
 };

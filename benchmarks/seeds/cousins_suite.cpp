@@ -190,7 +190,7 @@ LinePlot plot_of(const std::vector<ScoreRow>& rows, const std::string& metric,
       series.points.push_back({x, {scale * row.value, scale * row.ci_low, scale * row.ci_high}});
     }
     std::sort(series.points.begin(), series.points.end(),
-              [](const LinePoint& a, const LinePoint& b) { return a.x < b.x; });
+              [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
     if (series.points.size() > 1) plot.series.push_back(std::move(series));
   }
   return plot;

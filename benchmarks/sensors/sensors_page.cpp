@@ -56,7 +56,7 @@ struct Rows {
     }
     for (auto& [name, s] : found) {
       std::stable_sort(s.points.begin(), s.points.end(),
-                       [](const LinePoint& a, const LinePoint& b) { return a.x < b.x; });
+                       [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
     }
     return found;
   }
@@ -87,7 +87,7 @@ void add_photon_transfer(std::vector<LinePlot>& plots, const Rows& rows) {
     const double dark =
         rows.value(sensor, "intercept") / (1 + rows.value(sensor, "intercept.relative_error"));
     LineSeries law{"K mean + dark variance, by the model", {}, true};
-    for (const LinePoint& p : measured.points) law.points.push_back({p.x, {k * p.x + dark}});
+    for (const PlotPoint& p : measured.points) law.points.push_back({p.x, {k * p.x + dark}});
     measured.name = "measured";
     plots.push_back({"Photon transfer, " + sensor,
                      {"Half the variance of the difference of two flat frames [EMVA 1288]."},
@@ -101,9 +101,9 @@ void add_photon_transfer(std::vector<LinePlot>& plots, const Rows& rows) {
 
 void add_depth_noise(std::vector<LinePlot>& plots, const Rows& rows) {
   for (auto& [sensor, measured] : rows.series("sigma_z", by_distance, 1e3)) {
-    const LinePoint nearest = measured.points.front();
+    const PlotPoint nearest = measured.points.front();
     LineSeries law{"Z² through the nearest", {}, true};
-    for (const LinePoint& p : measured.points)
+    for (const PlotPoint& p : measured.points)
       law.points.push_back({p.x, {nearest.y.value * std::pow(p.x / nearest.x, 2)}});
     measured.name = "measured";
     plots.push_back({"Depth noise over distance, " + sensor,

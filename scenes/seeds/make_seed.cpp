@@ -45,7 +45,7 @@ std::vector<Keypoint> seed_keypoints(const SeedShape& shape, Species species) {
     std::size_t best = 0;
     double least = 1e9;
     for (std::size_t i = 0; i < shape.surface.size(); ++i) {
-      const SurfacePoint& s = shape.surface[i];
+      const SeedSkinPoint& s = shape.surface[i];
       if (s.up <= 0) continue;
       const double off = std::hypot(s.along - along, 0.5 * s.across);
       if (off < least) {

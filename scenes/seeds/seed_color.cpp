@@ -21,7 +21,7 @@ struct Palette {
 // Where a region begins and how far its colour prevails is free: chosen by eye on photographs of
 // kernels, as are the colours in cultivars.toml. No reflectance was measured.
 
-Eigen::Vector3d maize_color(const Palette& c, const SurfacePoint& s, double noise) {
+Eigen::Vector3d maize_color(const Palette& c, const SeedSkinPoint& s, double noise) {
   Eigen::Vector3d rgb = c.body;
   // Floury endosperm shines through at the crown and its dent; the embryo is paler too.
   rgb = blend(rgb, c.pale, 0.75 * smoothstep(0.78, 0.98, s.along + 0.05 * noise));
@@ -31,13 +31,13 @@ Eigen::Vector3d maize_color(const Palette& c, const SurfacePoint& s, double nois
   return blend(rgb, c.dark, 1 - smoothstep(0.0, 0.014, s.along));
 }
 
-Eigen::Vector3d wheat_color(const Palette& c, const SurfacePoint& s, double noise) {
+Eigen::Vector3d wheat_color(const Palette& c, const SeedSkinPoint& s, double noise) {
   Eigen::Vector3d rgb = blend(c.body, c.tip, 0.7 * s.relief);
   rgb = blend(rgb, c.pale, 0.7 * smoothstep(0.94, 1.0, s.along + 0.02 * noise));
   return blend(rgb, c.dark, 0.85 * s.groove);
 }
 
-Eigen::Vector3d rice_color(const Palette& c, const SurfacePoint& s, double noise) {
+Eigen::Vector3d rice_color(const Palette& c, const SeedSkinPoint& s, double noise) {
   Eigen::Vector3d rgb = blend(c.body, c.pale, 0.6 * s.relief);
   rgb = blend(rgb, c.dark, 0.65 * s.groove);
   rgb = blend(rgb, c.tip, 0.8 * (1 - smoothstep(0.13, 0.22, s.along + 0.02 * noise)));
@@ -57,7 +57,7 @@ std::vector<Rgbf> color_seed(const CultivarConfig& config, const SeedShape& shap
   std::vector<Rgbf> colors;
   colors.reserve(shape.surface.size());
   for (std::size_t i = 0; i < shape.surface.size(); ++i) {
-    const SurfacePoint& s = shape.surface[i];
+    const SeedSkinPoint& s = shape.surface[i];
     const Eigen::Vector3d& x_m = shape.mesh.vertices_m[i];
     // Cells and nerves run along the seed: features are longer along x.
     const Eigen::Vector3d stretched(x_m.x() / 2.2, x_m.y(), x_m.z());

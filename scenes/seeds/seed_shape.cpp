@@ -100,7 +100,7 @@ double plateau(double x, double width) { return std::exp(-std::pow(x / width, 4)
 
 /// Dent of the crown and hollow over the embryo; p in half-sizes, displacement in metres.
 Eigen::Vector3d maize_details(const CultivarConfig& c, const Individual& seed,
-                              const Eigen::Vector3d& p, SurfacePoint& s) {
+                              const Eigen::Vector3d& p, SeedSkinPoint& s) {
   const double crown = smoothstep(0.80, 0.98, s.along);
   s.relief = crown * bump(p.y(), 0.55) * bump(p.z() - 0.05, 0.36);
   const double dent_m = seed.dent * c.relief_m * s.relief;
@@ -117,7 +117,7 @@ Eigen::Vector3d maize_details(const CultivarConfig& c, const Individual& seed,
 
 /// Crease along the belly, cheeks, embryo on the back of the tip end, blunt brush end.
 Eigen::Vector3d wheat_details(const CultivarConfig& c, const Individual& seed,
-                              const Eigen::Vector3d& p, SurfacePoint& s) {
+                              const Eigen::Vector3d& p, SeedSkinPoint& s) {
   const double belly =
       smoothstep(0.05, 0.45, -p.z() / (0.2 + 0.8 * std::sqrt(std::max(0.0, 1 - p.x() * p.x()))));
   const double ends = smoothstep(-0.02, 0.16, s.along) * smoothstep(-0.02, 0.12, 1 - s.along);
@@ -140,7 +140,7 @@ Eigen::Vector3d wheat_details(const CultivarConfig& c, const Individual& seed,
 /// Nerves and keels of the husk, the seam where lemma clasps palea, sterile lemmas at the base, the
 /// apiculus.
 Eigen::Vector3d rice_details(const CultivarConfig& c, const Individual& seed,
-                             const Eigen::Vector3d& p, SurfacePoint& s) {
+                             const Eigen::Vector3d& p, SeedSkinPoint& s) {
   const double angle =
       std::atan2(std::abs(p.z()), p.y());  // 0 at the keel of the lemma, pi at the palea's
   const double body = smoothstep(0.03, 0.2, s.along) * smoothstep(0.02, 0.22, 1 - s.along);
@@ -212,7 +212,7 @@ SeedShape make_seed_shape(const CultivarConfig& config, const Eigen::Vector3d& s
                       for (std::size_t i = range.begin(); i != range.end(); ++i) {
                         const Eigen::Vector3d direction = vertices_m[i];
                         const Eigen::Vector3d p = body_point(config, direction);
-                        SurfacePoint& s = shape.surface[i];
+                        SeedSkinPoint& s = shape.surface[i];
                         s.along = 0.5 * (p.x() + 1);
                         s.across = p.y();
                         s.up = p.z();

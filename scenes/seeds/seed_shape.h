@@ -12,7 +12,7 @@ namespace cousin {
 /// (maize: tip cap, wheat: embryo end, rice: pedicel) to the crown (maize: dent, wheat: brush,
 /// rice: apiculus); y across the width; z across the height (maize: towards the embryo's face,
 /// wheat: dorsal, rice: one of the two like sides).
-struct SurfacePoint {
+struct SeedSkinPoint {
   double along = 0;   ///< 0 at the tip, 1 at the crown
   double across = 0;  ///< y over the half-width, about [-1, 1]
   double up = 0;      ///< z over the half-height, about [-1, 1]
@@ -21,8 +21,8 @@ struct SurfacePoint {
 };
 
 struct SeedShape {
-  Mesh mesh;                          ///< closed, outward; not yet centred
-  std::vector<SurfacePoint> surface;  ///< one for each vertex
+  Mesh mesh;                           ///< closed, outward; not yet centred
+  std::vector<SeedSkinPoint> surface;  ///< one for each vertex
 };
 
 /// Angle about the axis of rice from the lemma's keel at which lemma clasps palea.

@@ -108,7 +108,7 @@ TEST(CousinsSuite, PoolsEachPointAndPlotsItFromTheTwin) {
   EXPECT_EQ(plots[0].series[0].name, "shape");
   ASSERT_EQ(plots[0].series[0].points.size(), 3U);
   for (int i = 0; i < 3; ++i) {
-    const LinePoint& point = plots[0].series[0].points[static_cast<std::size_t>(i)];
+    const PlotPoint& point = plots[0].series[0].points[static_cast<std::size_t>(i)];
     EXPECT_DOUBLE_EQ(point.x, 0.5 * i);
     EXPECT_NEAR(point.y.value, 0.01 * (1 << i), 1e-9);  // millimetres
   }
