@@ -25,6 +25,14 @@ StudyMethod ours(LensModel model, std::vector<std::string> fixed = {}) {
 }
 StudyMethod ours() { return ours(LensModel::opencv5); }
 
+/// What one has without calibrating: whether it is worth while.
+StudyMethod factory() {
+  StudyMethod method;
+  method.name = "as the device reports";
+  method.is_factory = true;
+  return method;
+}
+
 /// A study: its name, its unit, what it draws, and one point for each value.
 struct Study {
   std::string axis, unit;
@@ -48,7 +56,7 @@ std::vector<Study> studies_of_views() {
          opencv.solve.solver = CalibrationSolver::opencv;
          StudyMethod lean = ours(LensModel::opencv5, {"p1", "p2", "k3"});
          lean.name = "ceres k1 k2";
-         p.methods = {ours(), lean, opencv};
+         p.methods = {ours(), lean, opencv, factory()};
        }},
       {"tilt",
        "deg",
@@ -150,6 +158,7 @@ std::vector<Study> studies_of_boards() {
            camera.cx_px += 0.02 * kelvin;
            return camera;
          };
+         p.methods = {ours(), factory()};
        }},
       {"knock",
        "px",
@@ -161,6 +170,7 @@ std::vector<Study> studies_of_boards() {
            camera.cy_px -= 0.6 * px;
            return camera;
          };
+         p.methods = {ours(), factory()};
        }},
   };
 }

@@ -15,6 +15,7 @@ struct StudyMethod {
   std::string name;  ///< "ceres opencv5"
   LensModel model = LensModel::opencv5;
   CalibrationConfig solve;
+  bool is_factory = false;  ///< nothing is calibrated: the lens that the device reports
 };
 
 /// One value of what a study varies: photographs of a board, and how cameras are calibrated from
