@@ -1,0 +1,424 @@
+#include "calibration/bundle_adjustment.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "calibration/bundle_problem.h"
+#include "calibration/planar_pose.h"
+
+namespace cousin {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// What cannot be used at all; "" if nothing.
+std::string complaint_about(const BundleAdjustmentInput& input) {
+  const auto images = static_cast<int>(input.camera_from_world.size());
+  const auto points = static_cast<int>(input.points_in_world_m.size());
+  if (images < 2) return std::to_string(images) + " images; at least 2";
+  if (input.lens_of_image.size() != input.camera_from_world.size())
+    return "lens_of_image has " + std::to_string(input.lens_of_image.size()) + " entries for " +
+           std::to_string(images) + " images";
+  for (const int lens : input.lens_of_image) {
+    if (lens < 0 || lens >= static_cast<int>(input.lenses.size()))
+      return "lens " + std::to_string(lens) + " does not exist";
+  }
+  for (const BundleObservation& seen : input.observations) {
+    if (seen.image < 0 || seen.image >= images || seen.point < 0 || seen.point >= points)
+      return "an observation of image " + std::to_string(seen.image) + ", point " +
+             std::to_string(seen.point) + "; there are " + std::to_string(images) + " and " +
+             std::to_string(points);
+    if (!seen.pixel_px.allFinite() || !(seen.sigma_px > 0)) return "an observation is no number";
+  }
+  for (const KnownPoint& known : input.known_points) {
+    if (known.point < 0 || known.point >= points || !(known.sigma_m > 0) ||
+        !known.in_world_m.allFinite())
+      return "known point " + std::to_string(known.point) + " is not of this bundle";
+  }
+  for (const KnownDistance& known : input.known_distances) {
+    if (std::min(known.point_a, known.point_b) < 0 ||
+        std::max(known.point_a, known.point_b) >= points || known.point_a == known.point_b ||
+        !(known.sigma_m > 0) || !(known.length_m > 0))
+      return "a known distance is not of this bundle";
+  }
+  return "";
+}
+
+bool is_on_a_line(const std::vector<KnownPoint>& known) {
+  if (known.size() < 3) return true;
+  Vector3d middle = Vector3d::Zero();
+  for (const KnownPoint& k : known) middle += k.in_world_m / static_cast<double>(known.size());
+  Matrix3d spread = Matrix3d::Zero();
+  for (const KnownPoint& k : known)
+    spread += (k.in_world_m - middle) * (k.in_world_m - middle).transpose();
+  const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(spread).eigenvalues();
+  return values.y() <= 1e-10 * values.z();
+}
+
+void place_lens(const BundleAdjustmentConfig& config, const Camera& lens, BundleProblem& problem) {
+  problem.shapes.push_back(shape_of(lens));
+  problem.like.push_back(lens);
+  problem.lenses.push_back(lens_parameters(lens));
+  const std::vector<std::string> names = lens_parameter_names(problem.shapes.back());
+  const auto n = static_cast<Eigen::Index>(names.size());
+  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+  std::vector<bool> free;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto is = [&](const char* name) { return names[k] == name; };
+    free.push_back(std::none_of(
+        config.fixed.begin(), config.fixed.end(),
+        [&](const std::string& fixed) { return fixed == "lens" || fixed == names[k]; }));
+    double& own = sigma[static_cast<Eigen::Index>(k)];
+    if (is("fx_px") || is("fy_px")) {
+      if (config.focal_prior_share > 0) own = config.focal_prior_share * lens.fx_px;
+    } else if (is("cx_px") || is("cy_px")) {
+      if (config.centre_prior_px > 0) own = config.centre_prior_px;
+    } else if (config.distortion_prior > 0) {
+      own = config.distortion_prior;
+    }
+  }
+  problem.free.push_back(std::move(free));
+  problem.prior_mean.push_back(problem.lenses.back());
+  problem.prior_sigma.push_back(std::move(sigma));
+}
+
+BundleProblem make_problem(const BundleAdjustmentInput& input,
+                           const BundleAdjustmentConfig& config) {
+  BundleProblem problem;
+  problem.config = config;
+  const auto n = static_cast<double>(input.camera_from_world.size());
+  for (const Pose& pose : input.camera_from_world) problem.centre_m += centre_in_world_m(pose) / n;
+  double spread = 0;
+  for (const Pose& pose : input.camera_from_world)
+    spread += (centre_in_world_m(pose) - problem.centre_m).squaredNorm() / n;
+  problem.unit_m = spread > 0 ? std::sqrt(spread) : 1;
+  for (const Camera& lens : input.lenses) place_lens(config, lens, problem);
+  problem.lens_of_image = input.lens_of_image;
+  for (const Pose& pose : input.camera_from_world) {
+    Pose own = pose;
+    // t + R c, from the centres: a far origin must not cost digits.
+    own.translation_m =
+        -(pose.rotation * (centre_in_world_m(pose) - problem.centre_m)) / problem.unit_m;
+    problem.poses.push_back(pose_vector(own));
+  }
+  for (const Vector3d& point : input.points_in_world_m)
+    problem.points.push_back((point - problem.centre_m) / problem.unit_m);
+  problem.observations = input.observations;
+  problem.used.assign(input.observations.size(), true);
+  for (KnownPoint known : input.known_points) {
+    known.in_world_m = (known.in_world_m - problem.centre_m) / problem.unit_m;
+    known.sigma_m /= problem.unit_m;
+    problem.known_points.push_back(known);
+  }
+  for (KnownDistance known : input.known_distances) {
+    known.length_m /= problem.unit_m;
+    known.sigma_m /= problem.unit_m;
+    problem.known_distances.push_back(known);
+  }
+  problem.gauge = !is_on_a_line(input.known_points) ? BundleGauge::metric
+                  : input.known_distances.empty()   ? BundleGauge::similarity
+                                                    : BundleGauge::rigid;
+  return problem;
+}
+
+/// Points that fewer than two images show, or whose rays are too near parallel, go.
+std::vector<bool> leave_out(const BundleAdjustmentInput& input,
+                            const BundleAdjustmentConfig& config, BundleProblem& problem) {
+  std::vector<std::set<int>> images(input.points_in_world_m.size());
+  for (const BundleObservation& seen : input.observations)
+    images[static_cast<std::size_t>(seen.point)].insert(seen.image);
+  std::set<int> known;
+  for (const KnownPoint& k : input.known_points) known.insert(k.point);
+  std::vector<bool> out(images.size());
+  for (std::size_t p = 0; p < images.size(); ++p) {
+    if (known.contains(static_cast<int>(p))) continue;
+    out[p] = images[p].size() < 2 ||
+             (config.min_parallax_rad > 0 &&
+              parallax_rad(input, static_cast<int>(p)) < config.min_parallax_rad);
+  }
+  for (std::size_t i = 0; i < problem.used.size(); ++i)
+    problem.used[i] = !out[static_cast<std::size_t>(input.observations[i].point)];
+  return out;
+}
+
+int freedoms_of(const BundleProblem& problem) {
+  std::set<int> points;
+  int coordinates = 0;
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    if (!problem.used[i]) continue;
+    points.insert(problem.observations[i].point);
+    coordinates += 2;
+  }
+  coordinates += 3 * static_cast<int>(problem.known_points.size()) +
+                 static_cast<int>(problem.known_distances.size());
+  int unknowns = 6 * static_cast<int>(problem.poses.size()) + 3 * static_cast<int>(points.size());
+  for (const std::vector<bool>& free : problem.free)
+    unknowns += static_cast<int>(std::count(free.begin(), free.end(), true));
+  if (problem.gauge == BundleGauge::similarity) unknowns -= 7;
+  if (problem.gauge == BundleGauge::rigid) unknowns -= 6;
+  return coordinates - unknowns;
+}
+
+/// Sum of squares under the loss and that without it, of what is used.
+struct Squares {
+  double softened = 0, plain = 0;
+  int points = 0;
+};
+Squares squares_of(const BundleProblem& problem) {
+  Squares sum;
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    if (!problem.used[i]) continue;
+    const Eigen::Vector2d r = bundle_residual(problem, problem.observations[i]);
+    if (!r.allFinite()) continue;
+    const double g = soften(problem.config.loss, problem.config.loss_px, r).factor;
+    sum.softened += g * g * r.squaredNorm();
+    sum.plain +=
+        r.squaredNorm() * problem.observations[i].sigma_px * problem.observations[i].sigma_px;
+    ++sum.points;
+  }
+  return sum;
+}
+
+/// Median of the residuals' lengths over sqrt(2 ln 2): the deviation of a coordinate, outliers or
+/// not.
+double robust_sigma(const BundleProblem& problem) {
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    if (problem.used[i])
+      lengths.push_back(bundle_residual(problem, problem.observations[i]).norm());
+  }
+  if (lengths.empty()) return 0;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle / std::sqrt(2 * std::log(2.0));
+}
+
+/// @returns how many observations went.
+int reject(BundleProblem& problem) {
+  const double limit = problem.config.reject_sigmas * std::max(robust_sigma(problem), 1e-9);
+  int gone = 0;
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    if (!problem.used[i]) continue;
+    if (bundle_residual(problem, problem.observations[i]).norm() <= limit) continue;
+    problem.used[i] = false;
+    ++gone;
+  }
+  return gone;
+}
+
+/// The similarity world_after -> world_before of the cameras' centres [Umeyama, TPAMI 1991].
+struct Similarity {
+  Matrix3d rotation = Matrix3d::Identity();
+  double scale = 1;
+  Vector3d shift = Vector3d::Zero();
+};
+Similarity back_to_start(const BundleProblem& after, const std::vector<Vector6d>& before) {
+  Eigen::Matrix3Xd from(3, before.size()), to(3, before.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    from.col(at) = centre_in_world_m(pose_of_vector(after.poses[i]));
+    to.col(at) = centre_in_world_m(pose_of_vector(before[i]));
+  }
+  Similarity result;
+  // Centres on a line leave a turn about it open: the identity is as good.
+  if (before.size() < 3) {
+    if (after.gauge == BundleGauge::similarity) {
+      const double apart = (from.col(0) - from.col(1)).norm();
+      if (apart > 0) result.scale = (to.col(0) - to.col(1)).norm() / apart;
+    }
+    result.shift = to.rowwise().mean() - result.scale * from.rowwise().mean();
+    return result;
+  }
+  const Eigen::Matrix4d t = Eigen::umeyama(from, to, after.gauge == BundleGauge::similarity);
+  result.scale = std::cbrt(t.topLeftCorner<3, 3>().determinant());
+  result.rotation = t.topLeftCorner<3, 3>() / result.scale;
+  result.shift = t.topRightCorner<3, 1>();
+  return result;
+}
+
+void hold_frame(const std::vector<Vector6d>& before, BundleProblem& problem) {
+  if (problem.gauge == BundleGauge::metric) return;
+  const Similarity s = back_to_start(problem, before);
+  for (Vector3d& point : problem.points) point = s.scale * (s.rotation * point) + s.shift;
+  for (Vector6d& vector : problem.poses) {
+    const Pose pose = pose_of_vector(vector);
+    Pose moved;
+    moved.rotation = Eigen::Quaterniond(pose.rotation * Eigen::Quaterniond(s.rotation).conjugate());
+    moved.translation_m = s.scale * pose.translation_m - moved.rotation * s.shift;
+    vector = pose_vector(moved);
+  }
+}
+
+void judge_lens(const BundleProblem& problem, std::size_t lens, std::size_t& at,
+                BundleAdjustmentResult& result) {
+  const Camera& like = problem.like[lens];
+  const std::vector<std::string> names = lens_parameter_names(problem.shapes[lens]);
+  const double corner = 0.5 * std::hypot(like.width_px / like.fx_px, like.height_px / like.fy_px);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (!problem.free[lens][k]) continue;
+    const auto i = static_cast<Eigen::Index>(at++);
+    const std::string name = "lens" + std::to_string(lens) + "." + names[k];
+    result.parameters.push_back(name);
+    result.values.conservativeResize(i + 1);
+    result.values[i] = problem.lenses[lens][static_cast<Eigen::Index>(k)];
+    const double deviation =
+        result.covariance.size() > 0 ? std::sqrt(result.covariance(i, i)) : INFINITY;
+    double limit = INFINITY;
+    const BundleAdjustmentConfig& c = problem.config;
+    if (names[k] == "fx_px" || names[k] == "fy_px")
+      limit = c.max_focal_share * like.fx_px;
+    else if (names[k] == "cx_px" || names[k] == "cy_px")
+      limit = c.max_centre_share * like.width_px;
+    else if (names[k] == "k1")  // the first bends the picture; the rest follow it
+      limit = c.max_bend_share * like.width_px / (like.fx_px * std::pow(corner, 3));
+    if (!(deviation <= limit)) result.not_determined.push_back(name);
+  }
+}
+
+void report(const BundleProblem& problem, const BundleAdjustmentInput& input,
+            const std::vector<bool>& out, BundleAdjustmentResult& result) {
+  result.gauge = problem.gauge;
+  for (std::size_t l = 0; l < problem.lenses.size(); ++l)
+    result.lenses.push_back(with_parameters(problem.like[l], problem.lenses[l]));
+  for (const Vector6d& vector : problem.poses) {
+    const Pose own = pose_of_vector(vector);
+    Pose pose = own;
+    const Vector3d centre = problem.centre_m + problem.unit_m * centre_in_world_m(own);
+    pose.translation_m = -(own.rotation * centre);
+    result.camera_from_world.push_back(pose);
+  }
+  for (std::size_t p = 0; p < problem.points.size(); ++p) {
+    result.points_in_world_m.push_back(
+        out[p] ? Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval()
+               : (problem.centre_m + problem.unit_m * problem.points[p]).eval());
+  }
+  for (std::size_t i = 0; i < input.observations.size(); ++i)
+    result.rejected.push_back(!problem.used[i] &&
+                              !out[static_cast<std::size_t>(input.observations[i].point)]);
+  const Squares squares = squares_of(problem);
+  result.cost_px2 = squares.softened;
+  result.rms_px = std::sqrt(squares.plain / std::max(1, 2 * squares.points));
+  const int freedoms = freedoms_of(problem);
+  if (freedoms > 0) result.sigma_px = std::sqrt(squares.softened / freedoms);
+}
+
+void add_covariance(const BundleProblem& problem, BundleAdjustmentResult& result) {
+  const BundleCovariance own = bundle_covariance(problem);
+  if (own.solved && std::isfinite(result.sigma_px)) {
+    const double s2 = result.sigma_px * result.sigma_px;
+    result.covariance = s2 * own.lens;
+    for (const Eigen::Matrix<double, 6, 6>& pose : own.poses) {
+      Eigen::Matrix<double, 6, 1> unit;
+      unit << 1, 1, 1, problem.unit_m, problem.unit_m, problem.unit_m;
+      result.pose_covariance.emplace_back(s2 * (unit.asDiagonal() * pose * unit.asDiagonal()));
+    }
+  }
+  std::size_t at = 0;
+  for (std::size_t l = 0; l < problem.lenses.size(); ++l) judge_lens(problem, l, at, result);
+  if (own.solved && result.not_determined.empty()) return;
+  if (result.status != CalibrationStatus::ok) return;
+  result.status = CalibrationStatus::not_determined;
+  result.reason = own.solved ? "the images do not fix these parameters to a useful deviation"
+                             : "the normal equations are singular beyond the gauge";
+}
+
+}  // namespace
+
+Fields fields(BundleAdjustmentConfig& c) {
+  return {
+      {"fixed", &c.fixed, "lens parameters that stay at their start; lens = all"},
+      {"loss_px", &c.loss_px, "where the loss turns, in sigmas", 1e-9, 1e9},
+      {"reject_sigmas", &c.reject_sigmas, "0 = no outlier pass", 0, 1000},
+      {"min_parallax_rad", &c.min_parallax_rad, "points seen under less are left out", 0, 3},
+      {"focal_prior_share", &c.focal_prior_share, "of the given focal lengths; 0 = none", 0, 10},
+      {"centre_prior_px", &c.centre_prior_px, "of the given principal point; 0 = none", 0, 1e6},
+      {"distortion_prior", &c.distortion_prior, "of each given coefficient; 0 = none", 0, 1e6},
+      {"max_iterations", &c.max_iterations, "of the solver", 1, 100000},
+      {"tolerance", &c.tolerance, "relative, of the cost between two steps", 0, 1},
+      {"max_focal_share", &c.max_focal_share, "deviation above which f is not determined", 0, 1},
+      {"max_centre_share", &c.max_centre_share, "the same of cx, cy, of the width", 0, 1},
+      {"max_bend_share", &c.max_bend_share, "the same of k1 at the corner, of the width", 0, 1},
+  };
+}
+
+void validate(const BundleAdjustmentConfig& config) {
+  BundleAdjustmentConfig copy = config;  // fields point into what they describe
+  check_limits(fields(copy));
+}
+
+std::string_view to_string(BundleGauge gauge) {
+  switch (gauge) {
+    case BundleGauge::metric:
+      return "metric";
+    case BundleGauge::rigid:
+      return "rigid";
+    case BundleGauge::similarity:
+      return "similarity";
+  }
+  throw std::invalid_argument("gauge " + std::to_string(static_cast<int>(gauge)) +
+                              " does not exist");
+}
+
+double parallax_rad(const BundleAdjustmentInput& input, int point) {
+  const Vector3d& at = input.points_in_world_m.at(static_cast<std::size_t>(point));
+  std::vector<Vector3d> ways;
+  for (const BundleObservation& seen : input.observations) {
+    if (seen.point != point) continue;
+    const Pose& pose = input.camera_from_world.at(static_cast<std::size_t>(seen.image));
+    ways.push_back((at - centre_in_world_m(pose)).normalized());
+  }
+  double widest = 0;
+  for (std::size_t a = 0; a < ways.size(); ++a) {
+    for (std::size_t b = a + 1; b < ways.size(); ++b)
+      widest = std::max(widest, 2 * std::asin(std::min(1.0, 0.5 * (ways[a] - ways[b]).norm())));
+  }
+  return widest;
+}
+
+BundleAdjustmentResult adjust_bundle(const BundleAdjustmentInput& input,
+                                     const BundleAdjustmentConfig& config) {
+  validate(config);
+  const auto start = std::chrono::steady_clock::now();
+  BundleAdjustmentResult result;
+  result.reason = complaint_about(input);
+  if (!result.reason.empty()) {
+    result.status = CalibrationStatus::bad_input;
+    return result;
+  }
+#if !COUSIN_WITH_CERES
+  result.status = CalibrationStatus::not_built;
+  result.reason = "built without Ceres";
+  return result;
+#endif
+  BundleProblem problem = make_problem(input, config);
+  const std::vector<bool> out = leave_out(input, config, problem);
+  if (freedoms_of(problem) <= 0) {
+    result.status = CalibrationStatus::not_determined;
+    result.reason = "fewer measured coordinates than unknowns";
+    return result;
+  }
+  const std::vector<Vector6d> before = problem.poses;
+  const bool rejects = config.reject_sigmas > 0;
+  if (rejects && config.loss == RobustLoss::none) problem.config.loss = RobustLoss::cauchy;
+  std::string why = minimise_bundle(problem, result.iterations);
+  constexpr int kPasses = 10;
+  for (int pass = 0; rejects && pass < kPasses && reject(problem) > 0; ++pass) {
+    problem.config.loss = config.loss;
+    why = minimise_bundle(problem, result.iterations);
+  }
+  hold_frame(before, problem);
+  result.status = why.empty() ? CalibrationStatus::ok : CalibrationStatus::not_converged;
+  result.reason = why;
+  report(problem, input, out, result);
+  add_covariance(problem, result);
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace cousin
