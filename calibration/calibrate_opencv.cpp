@@ -107,7 +107,8 @@ SolverRun perspective(const CalibrationProblem& problem, CalibrationState& state
     target.emplace_back(views.target[v].begin(), views.target[v].end());
     pixels.emplace_back(views.pixels[v].begin(), views.pixels[v].end());
   }
-  cv::Mat k = cv::Mat::eye(3, 3, CV_64F), distortion = cv::Mat::zeros(1, 14, CV_64F);
+  const int coefficients = std::max(5, distortion_count(lens.shape.model));
+  cv::Mat k = cv::Mat::eye(3, 3, CV_64F), distortion = cv::Mat::zeros(1, coefficients, CV_64F);
   const Eigen::VectorXd start = lens_parameters(lens.like);
   if (lens.given) {
     k = (cv::Mat_<double>(3, 3) << start(0), 0, start(2), 0, start(1), start(3), 0, 0, 1);

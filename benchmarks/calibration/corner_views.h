@@ -40,9 +40,9 @@ CornerViews make_corner_views(const std::vector<Camera>& cameras,
                               const std::vector<Pose>& camera_from_rig,
                               const CornerViewsConfig& config, const Rng& rng);
 
-/// The lens of the Strawberries paper's colour camera, 640 x 480, in a model with 0 (pinhole) to 12
-/// coefficients [sensors measured in B4]; a 120 degree fisheye for Kannala-Brandt, and the same
-/// bend as a surface for splines.
+/// 640 x 480: pinhole and opencv5 are like the Strawberries paper's colour camera; opencv8 and 12
+/// (with thin prisms) have a ratio that a polynomial cannot stand for, 110 degrees across; a
+/// fisheye of 120 degrees for Kannala-Brandt; a smooth bend of 100 degrees for splines.
 Camera study_camera(LensModel model);
 
 }  // namespace cousin
