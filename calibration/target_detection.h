@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "calibration/target_view.h"
+#include "sim/config/fields.h"
+#include "sim/types/calibration_target.h"
+#include "sim/types/image.h"
+
+namespace cousin {
+
+struct TargetDetectionConfig {
+  int half_window_px = 5;     ///< of a corner's window, if the print about it is wide enough
+  double least_share = 0;     ///< of the target's points; fewer are too few; at least 6 points
+  double max_stray = 0.25;    ///< of a step: points farther from where their neighbours have them
+  double max_noise = 0.15;    ///< of the contrast: what a corner's fit may leave
+  double max_sigma_px = 0.5;  ///< points predicted worse than this are dropped
+  double floor_px = 0.002;    ///< deviation that is added for what the model leaves out
+};
+Fields fields(TargetDetectionConfig& config);
+void validate(const TargetDetectionConfig& config);
+
+/// Light of an 8-bit sRGB picture by Rec. 709's weights, 0..1; and of a grey one that is linear.
+Image<float> light_of(const Image<Rgb8>& color);
+Image<float> light_of(const Image<std::uint8_t>& linear_grey);
+
+/// Finds a target of any kind but the seed board (which calibration/board_detection.h finds) and
+/// measures its points:
+/// 1. chessboard: saddles grow into a lattice, whose size and colours say which corner is which;
+///    charuco and april grid: cv::aruco's markers predict the corners; circles: OpenCV's grids.
+/// 2. what neighbours predict and is not found yet is looked for among the saddles, outward;
+/// 3. points that do not lie among their neighbours go, and a target that is mirrored, disordered
+/// or
+///    of another size is refused, with the reason;
+/// 4. corners by fit_saddle in a window that holds nothing of the print but the corner's squares;
+///    discs by fit_disc, moved from the ellipse's centre to the disc's by the homography of all.
+/// The covariance is each fit's own, scaled by the noise it leaves pooled with the view's median.
+/// Parts of a charuco board and of an april grid are views; of a chessboard, its whole lattice must
+/// be spanned, of circles all discs seen.
+/// @param light  linear, black to white anywhere in it; 65535 a side at most
+/// @throws std::invalid_argument for an invalid target or config, a seed board, an unknown
+/// dictionary.
+TargetView find_target(const Image<float>& light, const CalibrationTarget& target,
+                       const TargetDetectionConfig& config = {});
+
+}  // namespace cousin
