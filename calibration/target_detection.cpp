@@ -112,33 +112,56 @@ bool is_usable_guess(const Guess& guess) {
   return guess.status == TargetStatus::ok || guess.status == TargetStatus::half_turn_unknown;
 }
 
+/// The strongest, down to a share of the one that would be the board's last if it were alone.
+std::vector<Saddle> strong_ones(const std::vector<Saddle>& saddles, std::size_t points,
+                                double share) {
+  if (saddles.empty()) return {};
+  const double least = share * saddles[std::min(points, saddles.size()) - 1].strength;
+  std::vector<Saddle> strong = saddles;
+  std::erase_if(strong, [&](const Saddle& s) { return s.strength < least; });
+  return strong;
+}
+
+/// Lattices of strong saddles first: weak ones beside the board join it, and another board's size
+/// comes out.
 Guess guess_chessboard(const Image<float>& light, const TargetGrid& grid) {
   constexpr double kReach = 0.3;  // of the width: the longest side of a square
+  constexpr std::array<double, 3> kShares = {0.4, 0.15, 0.0};
   const Levels levels = levels_of(light);
   const int base = std::max(1, static_cast<int>(std::lround(light.width() / 900.0)));
-  Guess best;
-  std::size_t most = 0;
   std::vector<int> scales = {base, 2 * base};
   if (base > 1) scales.push_back(std::max(1, base / 2));
+  Guess best;
+  std::size_t most = 0;
   for (const int scale : scales) {
     if (std::min(light.width(), light.height()) / scale < 40) continue;
     const Tones tones = tones_of(light, levels, scale);
     const std::vector<Saddle> saddles = saddles_of(tones);
-    std::vector<LatticeCorner> lattice =
-        grow_lattice(tones.tone, saddles, std::max(grid.columns(), grid.rows()) + 2, kReach);
-    for (LatticeCorner& c : lattice) c.pixel_px = tones.full_px(c.pixel_px);
-    const ChessboardPlacement placement =
-        place_chessboard(grid, lattice, light.width(), light.height());
-    Guess guess{placement.status,        placement.reason,   placement.found,
-                in_full(tones, saddles), placement.inverted, 0};
-    const bool better = is_usable_guess(guess) != is_usable_guess(best) ? is_usable_guess(guess)
-                                                                        : lattice.size() > most;
-    if (most == 0 || better) {
-      best = std::move(guess);
-      most = std::max<std::size_t>(1, lattice.size());
+    for (const double share : kShares) {
+      std::vector<LatticeCorner> lattice =
+          grow_lattice(tones.tone, strong_ones(saddles, grid.points().size(), share),
+                       std::max(grid.columns(), grid.rows()) + 2, kReach);
+      for (LatticeCorner& c : lattice) c.pixel_px = tones.full_px(c.pixel_px);
+      ChessboardPlacement placement =
+          place_chessboard(grid, lattice, light.width(), light.height());
+      Guess guess;
+      guess.status = placement.status;
+      guess.reason = placement.reason;
+      guess.found = std::move(placement.found);
+      guess.inverted = placement.inverted;
+      const bool usable = is_usable_guess(guess);
+      if (usable ? count_found(guess.found) > count_found(best.found) : lattice.size() > most) {
+        if (usable || !is_usable_guess(best)) {
+          guess.saddles = in_full(tones, saddles);
+          best = std::move(guess);
+        }
+      }
+      most = std::max(most, lattice.size());
+      if (is_usable_guess(best) && count_found(best.found) == grid.columns() * grid.rows())
+        return best;
     }
-    if (is_usable_guess(best) && count_found(best.found) == grid.columns() * grid.rows()) break;
   }
+  if (best.reason.empty()) best.reason = "no checkerboard is seen";
   return best;
 }
 
