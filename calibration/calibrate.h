@@ -100,6 +100,11 @@ struct CalibrationResult {
   std::vector<std::string> parameters;
   Eigen::VectorXd values;      ///< of `parameters`; rotations of a camera as its rotation vector
   Eigen::MatrixXd covariance;  ///< of `parameters`, poses marginalised; residual variance included
+  /// How all frames move together when `parameters` move: the mean over frames of the twist
+  /// (rotation rad, translation) about the rig's origin is `mean_frame_gain` times their change,
+  /// plus a part of its own with `mean_frame_covariance`. For calibration_uncertainty.h.
+  Eigen::MatrixXd mean_frame_gain;
+  Eigen::Matrix<double, 6, 6> mean_frame_covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double sigma_px = std::numeric_limits<double>::quiet_NaN();  ///< sqrt(squares / (2 N - p))
   double rms_px = std::numeric_limits<double>::quiet_NaN();
   double cost_px2 = std::numeric_limits<double>::quiet_NaN();  ///< sum of squares (robust, weighed)

@@ -1,0 +1,12 @@
+#include "calibration/calibration_solvers.h"
+
+namespace cousin {
+
+SolverRun solve_with_ceres(CalibrationProblem&, CalibrationState&) {
+  SolverRun run;
+  run.status = CalibrationStatus::not_built;
+  run.reason = "not built in: Ceres (WITH_CERES=OFF)";
+  return run;
+}
+
+}  // namespace cousin
