@@ -308,10 +308,11 @@ std::vector<Saddle> find_saddles(const Image<float>& image, double smoothing_px,
 }
 
 std::vector<LatticeCorner> grow_lattice(const Image<float>& image,
-                                        const std::vector<Saddle>& saddles, int max_extent) {
+                                        const std::vector<Saddle>& saddles, int max_extent,
+                                        double reach_share) {
   constexpr int kMaxTries = 200;
   const SaddleIndex index(saddles, image.width(), image.height());
-  const double reach_px = 0.06 * image.width();
+  const double reach_px = reach_share * image.width();
   const std::size_t enough = static_cast<std::size_t>(max_extent * max_extent / 2);
   std::vector<std::uint8_t> tried(saddles.size(), 0);
   std::vector<LatticeCorner> best;

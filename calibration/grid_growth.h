@@ -31,9 +31,11 @@ struct LatticeCorner {
 /// each new corner predicted from the known ones within two steps and accepted where a saddle of
 /// the expected kind lies. Cells start where the image is level along two of its sides, as it is
 /// along the edges of squares and nowhere else.
-/// @param image  that the saddles are of
+/// @param image        that the saddles are of
+/// @param reach_share  of the image's width: the longest side of a cell that growth starts from
 /// At most `max_extent` corners along an axis. Empty if no cell is found.
 std::vector<LatticeCorner> grow_lattice(const Image<float>& image,
-                                        const std::vector<Saddle>& saddles, int max_extent);
+                                        const std::vector<Saddle>& saddles, int max_extent,
+                                        double reach_share = 0.06);
 
 }  // namespace cousin
