@@ -34,7 +34,7 @@ class SeenPoint final : public ceres::CostFunction {
       return false;
     const Vector2d residual = (value.pixel_px - seen_.pixel_px) / seen_.sigma_px;
     const Softened soft = soften(problem_.config.loss, problem_.config.loss_px, residual);
-    Eigen::Map<Vector2d>(residuals) = soft.factor * residual;
+    Eigen::Map<Vector2d>(residuals, 2) = soft.factor * residual;
     if (jacobians == nullptr) return true;
     const Eigen::Matrix2d w = soft.d / seen_.sigma_px;
     const auto put = [&](int block, const auto& d) {
