@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "calibration/bundle_problem.h"
+#include "calibration/calibration_uncertainty.h"
 #include "calibration/planar_pose.h"
 
 namespace cousin {
@@ -213,6 +214,30 @@ int reject(BundleProblem& problem) {
   return gone;
 }
 
+/// Least squares first, loosely, as the start may be far off; then a loss that turns at two
+/// deviations of most residuals; then what is left beyond the limit goes until nothing does.
+std::string minimise_without_outliers(BundleProblem& problem, int& iterations) {
+  const BundleAdjustmentConfig asked = problem.config;
+  problem.config.loss = RobustLoss::none;
+  problem.config.tolerance = 1e-3;
+  minimise_bundle(problem, iterations);
+  constexpr int kSoftPasses = 3;
+  for (int pass = 0; pass < kSoftPasses; ++pass) {
+    problem.config.loss = RobustLoss::cauchy;
+    problem.config.loss_px = 2 * std::max(robust_sigma(problem), 1e-6);
+    minimise_bundle(problem, iterations);
+  }
+  problem.config = asked;
+  std::string why;
+  constexpr int kPasses = 10;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const int gone = reject(problem);
+    if (gone == 0 && pass > 0) break;
+    why = minimise_bundle(problem, iterations);
+  }
+  return why;
+}
+
 /// The similarity world_after -> world_before of the cameras' centres [Umeyama, TPAMI 1991].
 struct Similarity {
   Matrix3d rotation = Matrix3d::Identity();
@@ -256,30 +281,49 @@ void hold_frame(const std::vector<Vector6d>& before, BundleProblem& problem) {
   }
 }
 
-void judge_lens(const BundleProblem& problem, std::size_t lens, std::size_t& at,
-                BundleAdjustmentResult& result) {
+/// The part of a lens, as projection_uncertainty takes it.
+CalibrationResult lens_alone(const BundleAdjustmentResult& bundle, std::size_t lens,
+                             Eigen::Index from) {
+  CalibrationResult alone;
+  alone.cameras = {bundle.lenses[lens]};
+  const std::string prefix = "lens" + std::to_string(lens) + ".";
+  for (const std::string& name : bundle.parameters) {
+    if (name.starts_with(prefix)) alone.parameters.push_back(name.substr(prefix.size()));
+  }
+  const auto n = static_cast<Eigen::Index>(alone.parameters.size());
+  alone.values = bundle.values.segment(from, n);
+  alone.covariance = bundle.covariance.block(from, from, n, n);
+  return alone;
+}
+
+/// Names the free parameters of a lens and those that the images do not fix.
+void judge_lens(const BundleProblem& problem, std::size_t lens, BundleAdjustmentResult& result) {
   const Camera& like = problem.like[lens];
+  const BundleAdjustmentConfig& config = problem.config;
   const std::vector<std::string> names = lens_parameter_names(problem.shapes[lens]);
-  const double corner = 0.5 * std::hypot(like.width_px / like.fx_px, like.height_px / like.fy_px);
+  const std::string prefix = "lens" + std::to_string(lens) + ".";
+  const auto from = static_cast<Eigen::Index>(result.parameters.size());
+  std::vector<std::string> bends;
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (!problem.free[lens][k]) continue;
-    const auto i = static_cast<Eigen::Index>(at++);
-    const std::string name = "lens" + std::to_string(lens) + "." + names[k];
-    result.parameters.push_back(name);
+    const auto i = static_cast<Eigen::Index>(result.parameters.size());
+    result.parameters.push_back(prefix + names[k]);
     result.values.conservativeResize(i + 1);
     result.values[i] = problem.lenses[lens][static_cast<Eigen::Index>(k)];
+    const bool is_focal = names[k] == "fx_px" || names[k] == "fy_px";
+    const bool is_centre = names[k] == "cx_px" || names[k] == "cy_px";
+    if (!is_focal && !is_centre) bends.push_back(prefix + names[k]);
     const double deviation =
         result.covariance.size() > 0 ? std::sqrt(result.covariance(i, i)) : INFINITY;
-    double limit = INFINITY;
-    const BundleAdjustmentConfig& c = problem.config;
-    if (names[k] == "fx_px" || names[k] == "fy_px")
-      limit = c.max_focal_share * like.fx_px;
-    else if (names[k] == "cx_px" || names[k] == "cy_px")
-      limit = c.max_centre_share * like.width_px;
-    else if (names[k] == "k1")  // the first bends the picture; the rest follow it
-      limit = c.max_bend_share * like.width_px / (like.fx_px * std::pow(corner, 3));
-    if (!(deviation <= limit)) result.not_determined.push_back(name);
+    const double limit = is_focal    ? config.max_focal_share * like.fx_px
+                         : is_centre ? config.max_centre_share * like.width_px
+                                     : INFINITY;
+    if (!(deviation <= limit)) result.not_determined.push_back(prefix + names[k]);
   }
+  if (bends.empty() || result.covariance.size() == 0) return;
+  const UncertaintyMap map = projection_uncertainty(lens_alone(result, lens, from), 0);
+  if (!(rms_deviation_px(map) <= config.max_deviation_share * like.width_px))
+    result.not_determined.insert(result.not_determined.end(), bends.begin(), bends.end());
 }
 
 void report(const BundleProblem& problem, const BundleAdjustmentInput& input,
@@ -320,10 +364,8 @@ void add_covariance(const BundleProblem& problem, BundleAdjustmentResult& result
       result.pose_covariance.emplace_back(s2 * (unit.asDiagonal() * pose * unit.asDiagonal()));
     }
   }
-  std::size_t at = 0;
-  for (std::size_t l = 0; l < problem.lenses.size(); ++l) judge_lens(problem, l, at, result);
+  for (std::size_t l = 0; l < problem.lenses.size(); ++l) judge_lens(problem, l, result);
   if (own.solved && result.not_determined.empty()) return;
-  if (result.status != CalibrationStatus::ok) return;
   result.status = CalibrationStatus::not_determined;
   result.reason = own.solved ? "the images do not fix these parameters to a useful deviation"
                              : "the normal equations are singular beyond the gauge";
@@ -383,14 +425,9 @@ BundleAdjustmentResult adjust_bundle(const BundleAdjustmentInput& input,
     return result;
   }
   const std::vector<Vector6d> before = problem.poses;
-  const bool rejects = config.reject_sigmas > 0;
-  if (rejects && config.loss == RobustLoss::none) problem.config.loss = RobustLoss::cauchy;
-  std::string why = minimise_bundle(problem, result.iterations);
-  constexpr int kPasses = 10;
-  for (int pass = 0; rejects && pass < kPasses && reject(problem) > 0; ++pass) {
-    problem.config.loss = config.loss;
-    why = minimise_bundle(problem, result.iterations);
-  }
+  const std::string why = config.reject_sigmas > 0
+                              ? minimise_without_outliers(problem, result.iterations)
+                              : minimise_bundle(problem, result.iterations);
   hold_frame(before, problem);
   result.status = why.empty() ? CalibrationStatus::ok : CalibrationStatus::not_converged;
   result.reason = why;

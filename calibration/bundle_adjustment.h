@@ -53,11 +53,11 @@ struct BundleAdjustmentConfig {
   double centre_prior_px = 0;     ///< deviation of the given principal point; 0 = none
   double distortion_prior = 0;    ///< deviation of each given coefficient; 0 = none
   int max_iterations = 100;
-  double tolerance = 1e-12;        ///< relative, of the cost between two steps
-  double max_focal_share = 0.02;   ///< above this relative deviation fx, fy are not determined
-  double max_centre_share = 0.03;  ///< of the image's width, for cx, cy
-  double max_bend_share = 0.003;   ///< of the image's width: what a coefficient's deviation moves
-                                  ///< the picture's corner by
+  double tolerance = 1e-12;            ///< relative, of the cost between two steps
+  double max_focal_share = 0.02;       ///< above this relative deviation fx, fy are not determined
+  double max_centre_share = 0.03;      ///< of the image's width, for cx, cy
+  double max_deviation_share = 0.003;  ///< RMS over the image of the projection's deviation, of the
+                                       ///< image's width, for distortion
 };
 Fields fields(BundleAdjustmentConfig& config);
 void validate(const BundleAdjustmentConfig& config);

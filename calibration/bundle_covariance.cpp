@@ -97,15 +97,15 @@ void add_point(const std::vector<Row>& rows, const Matrix3d& prior, MatrixXd& re
 /// How the poses' increments go when the whole world is turned, moved or scaled: a column each.
 MatrixXd gauge_directions(const BundleProblem& problem, const Places& places) {
   if (problem.gauge == BundleGauge::metric) return MatrixXd(places.count, 0);
-  const int freedoms = problem.gauge == BundleGauge::similarity ? 7 : 6;
-  MatrixXd n = MatrixXd::Zero(places.count, freedoms);
+  // A known distance sets the scale and bears on nothing else: the scale is held like the rest.
+  MatrixXd n = MatrixXd::Zero(places.count, 7);
   for (std::size_t i = 0; i < problem.poses.size(); ++i) {
     const Pose pose = pose_of_vector(problem.poses[i]);
     const Matrix3d rotation = pose.rotation.toRotationMatrix();
     const int at = places.pose(static_cast<int>(i));
     n.block<3, 3>(at, 0) = -rotation;
     n.block<3, 3>(at + 3, 3) = -rotation;
-    if (freedoms == 7) n.block<3, 1>(at + 3, 6) = pose.translation_m;
+    n.block<3, 1>(at + 3, 6) = pose.translation_m;
   }
   // An orthonormal basis of what they span.
   return Eigen::HouseholderQR<MatrixXd>(n).householderQ() * MatrixXd::Identity(n.rows(), n.cols());

@@ -97,7 +97,8 @@ Fields fields(BundleAdjustmentConfig& c) {
       {"tolerance", &c.tolerance, "relative, of the cost between two steps", 0, 1},
       {"max_focal_share", &c.max_focal_share, "deviation above which f is not determined", 0, 1},
       {"max_centre_share", &c.max_centre_share, "the same of cx, cy, of the width", 0, 1},
-      {"max_bend_share", &c.max_bend_share, "the same of k1 at the corner, of the width", 0, 1},
+      {"max_deviation_share", &c.max_deviation_share, "the same of the projection, of the width", 0,
+       1},
   };
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "calibration/calibration_uncertainty.h"
 #include "calibration/planar_pose.h"
 
 namespace cousin {
@@ -136,42 +137,11 @@ double seed_error_m(const Camera& truth, const Camera& estimate) {
 
 }  // namespace
 
-ImpliedRotation implied_rotation(const Camera& truth, const Camera& estimate) {
-  const std::vector<Sight> lattice = lattice_of(truth);
-  const Lens lens(estimate);
-  ImpliedRotation best;
-  for (int step = 0; step < 20; ++step) {
-    Matrix3d normal = Matrix3d::Zero();
-    Vector3d right = Vector3d::Zero();
-    double squares = 0, worst = 0;
-    for (const Sight& sight : lattice) {
-      const Vector3d turned = best.estimate_from_truth * sight.direction;
-      const auto seen = lens.project_with_jacobian(turned);
-      if (!seen) {
-        best.rms_px = best.worst_px = kNoNumber;
-        return best;
-      }
-      const Vector2d residual = seen->pixel_px - sight.pixel_px;
-      const Eigen::Matrix<double, 2, 3> slope = -seen->d_point * cross_matrix(turned);
-      normal += slope.transpose() * slope;
-      right -= slope.transpose() * residual;
-      squares += residual.squaredNorm();
-      worst = std::max(worst, residual.norm());
-    }
-    best.rms_px = std::sqrt(squares / static_cast<double>(lattice.size()));
-    best.worst_px = worst;
-    const Vector3d turn = normal.ldlt().solve(right);
-    best.estimate_from_truth = exp_rotation(turn).toRotationMatrix() * best.estimate_from_truth;
-    if (turn.norm() < 1e-12) break;
-  }
-  return best;
-}
-
 CalibrationErrors calibration_errors(const Camera& truth, const Camera& estimate) {
   CalibrationErrors errors;
-  const ImpliedRotation implied = implied_rotation(truth, estimate);
-  errors.projection_px = implied.rms_px;
-  errors.projection_worst_px = implied.worst_px;
+  const ProjectionDifference difference = projection_difference(truth, estimate);
+  errors.projection_px = difference.rms_px;
+  errors.projection_worst_px = difference.max_px;
   errors.fruit_m = fruit_error_m(lattice_of(truth), estimate);
   errors.seed_m = seed_error_m(truth, estimate);
   return errors;

@@ -12,6 +12,7 @@
 #include "benchmarks/calibration/board_photographs.h"
 #include "benchmarks/calibration/calibration_errors.h"
 #include "benchmarks/calibration/study_points.h"
+#include "calibration/calibration_uncertainty.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -27,9 +28,10 @@ struct StudyMetric {
   const char* shown;  ///< on a plot, with its unit; empty = not drawn
   double scale;       ///< from `unit` to what is shown
 };
-constexpr std::array<StudyMetric, 9> kMetrics = {
+constexpr std::array<StudyMetric, 10> kMetrics = {
     {{"projection.rms", "px", "projection error, RMS over the image (px)", 1},
      {"projection.worst", "px", "", 1},
+     {"projection.predicted", "px", "", 1},
      {"fruit.position", "m", "sideways error of a fruit at 0.5 m (mm)", 1e3},
      {"seed.length", "m", "error of a seed's length of 10 mm (µm)", 1e6},
      {"reprojection.rms_coordinate", "px", "", 1},
@@ -133,6 +135,12 @@ CalibrationResult factory_result(const Camera& reported) {
   return result;
 }
 
+/// RMS over the image of the deviation that the calibration predicts of its own projection.
+double predicted_px(const CalibrationResult& found) {
+  if (found.covariance.size() == 0) return ScoreRow::kNone;
+  return rms_deviation_px(projection_uncertainty(found, 0));
+}
+
 std::vector<ScoreRow> run_method(const StudyPoint& point, const StudyMethod& method,
                                  const Photographed& seen, int run, std::uint64_t seed) {
   const StageClock clock("solve");
@@ -162,6 +170,7 @@ std::vector<ScoreRow> run_method(const StudyPoint& point, const StudyMethod& met
     const Camera truth = point.at_work ? point.at_work(seen.nominal) : seen.nominal;
     values = {errors.projection_px,
               errors.projection_worst_px,
+              predicted_px(found),
               errors.fruit_m,
               errors.seed_m,
               found.rms_px,

@@ -1,0 +1,278 @@
+#include "calibration/bundle_adjustment.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "calibration/planar_pose.h"
+#include "sim/types/rng.h"
+
+namespace cousin {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+Camera phone() {
+  Camera camera;
+  camera.model = LensModel::opencv5;
+  camera.width_px = 1280;
+  camera.height_px = 720;
+  camera.fx_px = camera.fy_px = 1080;
+  camera.cx_px = 643;
+  camera.cy_px = 356;
+  camera.distortion = {0.05, -0.08, 4e-4, -3e-4, 0.02};
+  return camera;
+}
+
+/// A plant of 0.2 m seen from cameras around it, as a hand goes around a pot.
+struct PlantCapture {
+  BundleAdjustmentInput truth;  ///< exact, with what the images show
+};
+
+/// @param nadir  all look straight down on a flat bench
+PlantCapture plant_capture(int images, int points, double noise_px, bool nadir,
+                           std::uint64_t seed) {
+  PlantCapture capture;
+  BundleAdjustmentInput& t = capture.truth;
+  t.lenses = {phone()};
+  Rng rng = Rng(seed).fork("plant");
+  for (int i = 0; i < points; ++i) {
+    Vector3d at(uniform(rng, -0.1, 0.1), uniform(rng, -0.1, 0.1), uniform(rng, 0, 0.15));
+    if (nadir) at.z() = 0;
+    t.points_in_world_m.push_back(at);
+  }
+  for (int i = 0; i < images; ++i) {
+    const double a = 2 * std::numbers::pi * i / images, e = 0.5 + 0.4 * (i % 3);
+    Pose pose;
+    if (nadir) {
+      pose.rotation = Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX());
+      const Vector3d eye(0.01 * (i % 5) - 0.02, 0.01 * (i / 5) - 0.02, 0.4);
+      pose.translation_m = -(pose.rotation * eye);
+    } else {
+      pose =
+          look_at(0.4 * Vector3d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)),
+                  Vector3d(0, 0, 0.05));
+      const Eigen::AngleAxisd roll(0.3 * std::sin(5.0 * i), Vector3d::UnitZ());
+      pose.rotation = roll * pose.rotation;
+      pose.translation_m = roll * pose.translation_m;
+    }
+    t.camera_from_world.push_back(pose);
+    t.lens_of_image.push_back(0);
+  }
+  const Lens lens(t.lenses[0]);
+  for (int i = 0; i < images; ++i) {
+    for (int p = 0; p < points; ++p) {
+      const auto pixel = lens.project(t.camera_from_world[static_cast<std::size_t>(i)] *
+                                      t.points_in_world_m[static_cast<std::size_t>(p)]);
+      if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() > 1279 || pixel->y() > 719)
+        continue;
+      const Vector2d noise(noise_px * normal(rng), noise_px * normal(rng));
+      t.observations.push_back({i, p, *pixel + noise, 1});
+    }
+  }
+  return capture;
+}
+
+/// What a structure from motion would hand over: all a little off.
+BundleAdjustmentInput disturbed(BundleAdjustmentInput input, std::uint64_t seed) {
+  Rng rng = Rng(seed).fork("start");
+  for (Camera& lens : input.lenses) {
+    lens.fx_px *= 1.01;
+    lens.fy_px *= 1.01;
+    lens.cx_px += 3;
+    lens.distortion = {};
+  }
+  for (Pose& pose : input.camera_from_world) {
+    const Vector3d turn(0.005 * normal(rng), 0.005 * normal(rng), 0.005 * normal(rng));
+    pose.rotation = exp_rotation(turn) * pose.rotation;
+    pose.translation_m += 0.002 * Vector3d(normal(rng), normal(rng), normal(rng));
+  }
+  for (Vector3d& point : input.points_in_world_m)
+    point += 0.003 * Vector3d(normal(rng), normal(rng), normal(rng));
+  return input;
+}
+
+#ifdef COUSIN_NO_CERES
+TEST(BundleAdjustment, SaysThatItIsNotBuilt) {
+  const auto result = adjust_bundle(plant_capture(4, 20, 0, false, 1).truth);
+  EXPECT_EQ(result.status, CalibrationStatus::not_built);
+}
+#else
+
+TEST(BundleAdjustment, ExactTracksGiveTheLensExactly) {
+  const PlantCapture capture = plant_capture(24, 150, 0, false, 1);
+  const auto result = adjust_bundle(disturbed(capture.truth, 1));
+  ASSERT_EQ(result.status, CalibrationStatus::ok) << result.reason;
+  EXPECT_LT(result.rms_px, 1e-7);
+  EXPECT_NEAR(result.lenses[0].fx_px, 1080, 1e-3);
+  EXPECT_NEAR(result.lenses[0].cx_px, 643, 1e-3);
+  EXPECT_NEAR(result.lenses[0].distortion[0], 0.05, 1e-6);
+  EXPECT_EQ(result.gauge, BundleGauge::similarity);
+}
+
+TEST(BundleAdjustment, SolvesTheSameInAnyUnitFarAwayAndTurned) {
+  const PlantCapture capture = plant_capture(16, 80, 0.3, false, 2);
+  const BundleAdjustmentInput start = disturbed(capture.truth, 2);
+  const auto reference = adjust_bundle(start);
+  ASSERT_EQ(reference.status, CalibrationStatus::ok) << reference.reason;
+  for (const double scale : {1e-3, 1.0, 1e3, 1e6}) {
+    for (const double far : {0.0, 1e3}) {  // in units of the scene
+      const Eigen::Quaterniond turn = exp_rotation({0.3, -1.1, 0.7});
+      const Vector3d shift = scale * far * Vector3d(1, -2, 0.5);
+      BundleAdjustmentInput moved = start;
+      for (Vector3d& p : moved.points_in_world_m) p = scale * (turn * p) + shift;
+      for (Pose& pose : moved.camera_from_world) {
+        pose.rotation = pose.rotation * turn.conjugate();
+        pose.translation_m = scale * pose.translation_m - pose.rotation * shift;
+      }
+      const auto result = adjust_bundle(moved);
+      ASSERT_EQ(result.status, CalibrationStatus::ok) << scale << " " << far << result.reason;
+      // Numbers of 1e3 scene sizes keep 13 digits of the scene.
+      EXPECT_NEAR(result.lenses[0].fx_px, reference.lenses[0].fx_px, 1e-6) << scale << " " << far;
+      EXPECT_NEAR(result.cost_px2, reference.cost_px2, 1e-8 * reference.cost_px2);
+      EXPECT_NEAR(result.covariance(0, 0), reference.covariance(0, 0),
+                  1e-5 * reference.covariance(0, 0));
+      for (std::size_t p = 0; p < start.points_in_world_m.size(); ++p) {
+        const Vector3d back = turn.conjugate() * (result.points_in_world_m[p] - shift) / scale;
+        EXPECT_LT((back - reference.points_in_world_m[p]).norm(), 1e-8) << scale << " " << far;
+      }
+    }
+  }
+}
+
+TEST(BundleAdjustment, ABoardsCornersGiveMetresAndTheFrame) {
+  PlantCapture capture = plant_capture(16, 80, 0.2, false, 3);
+  BundleAdjustmentInput start = disturbed(capture.truth, 3);
+  for (int p = 0; p < 12; ++p)
+    start.known_points.push_back({p, capture.truth.points_in_world_m[static_cast<std::size_t>(p)]});
+  // The start is half as large as the world.
+  for (Vector3d& point : start.points_in_world_m) point *= 0.5;
+  for (Pose& pose : start.camera_from_world) pose.translation_m *= 0.5;
+  const auto result = adjust_bundle(start);
+  ASSERT_EQ(result.status, CalibrationStatus::ok) << result.reason;
+  EXPECT_EQ(result.gauge, BundleGauge::metric);
+  for (std::size_t p = 0; p < 80; ++p) {
+    EXPECT_LT((result.points_in_world_m[p] - capture.truth.points_in_world_m[p]).norm(), 5e-4);
+  }
+}
+
+TEST(BundleAdjustment, ADistanceGivesTheScale) {
+  PlantCapture capture = plant_capture(16, 80, 0.2, false, 4);
+  BundleAdjustmentInput start = disturbed(capture.truth, 4);
+  const auto& truth = capture.truth.points_in_world_m;
+  start.known_distances = {{0, 1, 2 * (truth[0] - truth[1]).norm(), 1e-6}};
+  const auto result = adjust_bundle(start);
+  ASSERT_EQ(result.status, CalibrationStatus::ok) << result.reason;
+  EXPECT_EQ(result.gauge, BundleGauge::rigid);
+  const double ratio = (result.points_in_world_m[2] - result.points_in_world_m[3]).norm() /
+                       (truth[2] - truth[3]).norm();
+  EXPECT_NEAR(ratio, 2, 0.01);
+}
+
+TEST(BundleAdjustment, DeviationsCoverTheTruth) {
+  double squares = 0;
+  int count = 0, inside = 0;
+  for (std::uint64_t run = 0; run < 12; ++run) {
+    const PlantCapture capture = plant_capture(12, 60, 0.5, false, 100 + run);
+    const auto result = adjust_bundle(disturbed(capture.truth, run));
+    ASSERT_EQ(result.status, CalibrationStatus::ok) << result.reason;
+    const Camera truth = phone();
+    const std::array<double, 9> values = {
+        truth.fx_px,         truth.fy_px,         truth.cx_px,
+        truth.cy_px,         truth.distortion[0], truth.distortion[1],
+        truth.distortion[2], truth.distortion[3], truth.distortion[4]};
+    for (int k = 0; k < 9; ++k) {
+      const double z = (result.values[k] - values[static_cast<std::size_t>(k)]) /
+                       std::sqrt(result.covariance(k, k));
+      squares += z * z;
+      inside += std::abs(z) < 1.96;
+      ++count;
+    }
+  }
+  // Mean of z^2 is 1; its deviation, with nine correlated parameters a run, at most sqrt(2 / 12).
+  EXPECT_NEAR(squares / count, 1, 3 * std::sqrt(2.0 / 12));
+  EXPECT_GT(inside, 0.85 * count);
+}
+
+TEST(BundleAdjustment, ParallelViewsOfAFlatBenchDoNotFixTheLens) {
+  const PlantCapture capture = plant_capture(25, 120, 0.3, true, 5);
+  const auto result = adjust_bundle(disturbed(capture.truth, 5));
+  EXPECT_EQ(result.status, CalibrationStatus::not_determined) << result.lenses[0].fx_px;
+  EXPECT_THAT(result.not_determined, testing::Contains("lens0.fx_px"));
+  // With the lens given it is a plain problem.
+  BundleAdjustmentInput start = disturbed(capture.truth, 5);
+  start.lenses = capture.truth.lenses;
+  BundleAdjustmentConfig fixed;
+  fixed.fixed = {"lens"};
+  EXPECT_EQ(adjust_bundle(start, fixed).status, CalibrationStatus::ok);
+}
+
+TEST(BundleAdjustment, WrongMatchesAreRejected) {
+  PlantCapture capture = plant_capture(16, 80, 0.3, false, 6);
+  Rng rng = Rng(6).fork("wrong");
+  std::vector<bool> wrong;
+  for (BundleObservation& seen : capture.truth.observations) {
+    wrong.push_back(uniform(rng) < 0.05);
+    if (wrong.back()) seen.pixel_px += Vector2d(uniform(rng, 8, 40), uniform(rng, -40, -8));
+  }
+  BundleAdjustmentConfig config;
+  config.reject_sigmas = 4;
+  const auto result = adjust_bundle(disturbed(capture.truth, 6), config);
+  ASSERT_EQ(result.status, CalibrationStatus::ok) << result.reason;
+  int missed = 0, good_gone = 0;
+  for (std::size_t i = 0; i < wrong.size(); ++i) {
+    missed += wrong[i] && !result.rejected[i];
+    good_gone += !wrong[i] && result.rejected[i];
+  }
+  EXPECT_EQ(missed, 0);
+  EXPECT_LT(good_gone, 0.01 * static_cast<double>(wrong.size()));
+  EXPECT_NEAR(result.sigma_px, 0.3, 0.02);
+}
+
+TEST(BundleAdjustment, PointsWithNearlyParallelRaysAreLeftOut) {
+  PlantCapture capture = plant_capture(8, 40, 0.1, false, 7);
+  // A point far behind the plant, seen under a fraction of a degree.
+  capture.truth.points_in_world_m.push_back(Vector3d(0, 200, 20));
+  const Lens lens(capture.truth.lenses[0]);
+  for (int i = 0; i < 8; ++i) {
+    const auto pixel = lens.project(capture.truth.camera_from_world[static_cast<std::size_t>(i)] *
+                                    capture.truth.points_in_world_m.back());
+    if (pixel) capture.truth.observations.push_back({i, 40, *pixel, 1});
+  }
+  ASSERT_LT(parallax_rad(capture.truth, 40), 0.01);
+  BundleAdjustmentConfig config;
+  config.min_parallax_rad = 1.5 * std::numbers::pi / 180;
+  const auto result = adjust_bundle(capture.truth, config);
+  EXPECT_TRUE(std::isnan(result.points_in_world_m.back().x()));
+  EXPECT_FALSE(std::isnan(result.points_in_world_m.front().x()));
+}
+
+TEST(BundleAdjustment, TheSameBytesTwice) {
+  const BundleAdjustmentInput start = disturbed(plant_capture(10, 60, 0.3, false, 8).truth, 8);
+  const auto a = adjust_bundle(start), b = adjust_bundle(start);
+  EXPECT_EQ(a.values, b.values);
+  EXPECT_EQ(a.covariance, b.covariance);
+}
+#endif
+
+TEST(BundleAdjustment, RefusesWhatIsNoBundle) {
+  BundleAdjustmentInput input = plant_capture(4, 20, 0, false, 9).truth;
+  input.observations.front().image = 7;
+  auto result = adjust_bundle(input);
+  EXPECT_EQ(result.status, CalibrationStatus::bad_input);
+  EXPECT_THAT(result.reason, testing::HasSubstr("image 7"));
+  input = plant_capture(4, 20, 0, false, 9).truth;
+  input.known_distances = {{3, 3, 1, 1e-3}};
+  EXPECT_EQ(adjust_bundle(input).status, CalibrationStatus::bad_input);
+  input.known_distances.clear();
+  input.camera_from_world.resize(1);
+  input.lens_of_image.resize(1);
+  EXPECT_THAT(adjust_bundle(input).reason, testing::HasSubstr("at least 2"));
+}
+
+}  // namespace
+}  // namespace cousin
