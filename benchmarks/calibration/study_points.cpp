@@ -192,9 +192,9 @@ void add_kinds(bool quick, std::vector<StudyPoint>& points) {
        {"chessboard_a4", "charuco_a4", "aprilgrid_a4", "circles_a4", "acircles_a4"}) {
     points.push_back(kind("board", number++, board, {"board=" + std::string(board)}, {ours()}));
   }
-  // A lens that the rational model describes exactly: half of a wide phone's distortion.
-  const std::vector<std::string> wide = {"rig.color_focal_px=300",
-                                         "rig.color_distortion=[-0.28,0.12,0.001,-0.0008,-0.03]"};
+  // A wider lens with more barrel than the D457's.
+  const std::vector<std::string> wide = {"rig.color_focal_px=330",
+                                         "rig.color_distortion=[-0.2,0.05,0.001,-0.0008,-0.004]"};
   std::vector<StudyMethod> models = {ours(LensModel::pinhole),
                                      ours(LensModel::opencv5, {"p1", "p2", "k3"}), ours()};
   models[1].name = "ceres k1 k2";
