@@ -11,6 +11,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/calibration/calibration_suite.h"
+#include "benchmarks/calibration/studies.h"
 #include "benchmarks/plants/plants_suite.h"
 #include "benchmarks/program/program_suite.h"
 #include "benchmarks/real/real_report.h"
@@ -38,6 +39,10 @@ void add_plots(SeedsReport& report) {
   report.lines = sensors_plots(report.scores.scores);
   for (LinePlot& plot : cousins_plots(report.scores.scores))
     report.lines.push_back(std::move(plot));
+  for (LinePlot& plot : study_plots(report.scores.scores))
+    report.lines.push_back(std::move(plot));
+  for (ErrorTimeCurve& curve : study_times(report.scores.scores))
+    report.curves.push_back(std::move(curve));
 }
 
 /// Keeps pictures for the page and notes which it shows.
@@ -241,12 +246,29 @@ ScoreFile bench_plants(const JobContext& context, const fs::path& out) {
 
 ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  return finish(titled("Cousin: bench calibration",
-                       "What a calibration is worth: solvers on the same corners, predicted "
-                       "intervals against the truth, seconds. Corners are computed, with normal "
-                       "noise: verified, and cross-checked with OpenCV and mrcal.",
-                       calibration_suite(o.seed, o.quick, context.progress.function())),
-                context, out);
+  StudiesConfig config;
+  config.seed = o.seed;
+  config.quick = o.quick;
+  const std::string verified = o.quick ? "verified.quick.json" : "verified.json";
+  std::vector<ShardJob> jobs = study_jobs(config);
+  jobs.insert(jobs.begin(),
+              {verified, std::string(COUSIN_VERSION) + "/" + std::to_string(o.seed) + "/" + verified,
+               [&] {
+                 return to_json(calibration_suite(o.seed, o.quick, context.progress.function()));
+               }});
+  const auto results = run_jobs(context, out, jobs);
+  ScoreFile scores = scores_of_shards(results, "calibration", o.seed);
+  std::vector<ScoreRow> studies = study_rows(scores.scores, config);
+  scores.scores.insert(scores.scores.end(), studies.begin(), studies.end());
+  SeedsReport report =
+      titled("Cousin: bench calibration",
+             "What a calibration is worth. Solvers on the same corners, predicted intervals and "
+             "seconds are on computed corners with normal noise: verified, and cross-checked with "
+             "OpenCV and mrcal. The studies photograph boards through a sensor's model, find them "
+             "and hold the lens found against the true one.",
+             std::move(scores));
+  note_missing(context, results, report);
+  return finish(std::move(report), context, out);
 }
 
 struct Suite {
@@ -263,7 +285,7 @@ constexpr std::array<Suite, 11> kSuites = {
      {"cousins", bench_cousins, {"--quick", "--set", "--shard"}},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
-     {"calibration", bench_calibration, {"--quick"}},
+     {"calibration", bench_calibration, {"--quick", "--shard"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
 

@@ -24,6 +24,7 @@ ExitCode command_render(const JobContext& context);
 ExitCode command_perceive(const JobContext& context);
 ExitCode command_score(const JobContext& context);
 ExitCode command_run(const JobContext& context);
+ExitCode command_calibrate(const JobContext& context);
 ExitCode command_fit_sensor(const JobContext& context);
 ExitCode command_bench(const JobContext& context);
 ExitCode command_import(const JobContext& context);

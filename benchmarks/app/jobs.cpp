@@ -22,7 +22,7 @@ struct Verb {
   const char* name;
   ExitCode (*run)(const JobContext&);
 };
-constexpr std::array<Verb, 14> kVerbs = {{{"scenes", command_scenes},
+constexpr std::array<Verb, 15> kVerbs = {{{"scenes", command_scenes},
                                           {"rigs", command_rigs},
                                           {"methods", command_methods},
                                           {"doctor", command_doctor},
@@ -30,6 +30,7 @@ constexpr std::array<Verb, 14> kVerbs = {{{"scenes", command_scenes},
                                           {"perceive", command_perceive},
                                           {"score", command_score},
                                           {"run", command_run},
+                                          {"calibrate", command_calibrate},
                                           {"fit-sensor", command_fit_sensor},
                                           {"bench", command_bench},
                                           {"import", command_import},

@@ -32,6 +32,34 @@ void add_stages(CLI::App& verb, Options& o) {
       ->allow_extra_args(false);
 }
 
+constexpr const char* kCalibrateHelp =
+    "Calibrate cameras from images of a board, and say what the calibration is worth. Writes\n"
+    "calibration.json, report.html (coverage, residuals, uncertainty, what to shoot next) and\n"
+    "opencv/, ros/, kalibr/, mrcal/ and colmap/ files; exit code 1 and no such files where the\n"
+    "images do not determine the cameras or the lens model does not fit.\n\n"
+    "FOLDER holds photographs of one camera (PNG, JPEG), or left* and right* of a stereo head;\n"
+    "a dataset of `cousin render boards` names its own board. Boards:\n"
+    "  chessboard:6x4:0.030             inner corners, side of a square in metres\n"
+    "  charuco:11x8:0.022:0.73:DICT_4X4_50\n"
+    "                                   squares, side, marker over square, dictionary\n"
+    "  aprilgrid:6x6:0.022:0.3          tags, side of a tag, space over tag (Kalibr's)\n"
+    "  circles:8x6:0.030[:0.3]          discs, distance of centres, radius over distance\n"
+    "  acircles:4x11:0.018[:0.42]       discs in staggered rows, distance of rows\n"
+    "Lens models: pinhole, opencv5, opencv8, opencv12, kannala_brandt4, splined_stereographic.\n"
+    "See docs/calibration.md.";
+
+void add_calibrate(CLI::App& verb, Options& o) {
+  verb.add_option("FOLDER", o.arguments, "Dataset, or folder of photographs")
+      ->expected(1, 1)
+      ->required();
+  verb.add_option("--board", o.board, "The board, as above; a dataset's own if not given");
+  verb.add_option("--model", o.model, "Lens model; default opencv5");
+  verb.add_option("--solver", o.solver, "ceres (default), opencv or mrcal");
+  verb.add_option("--fix", o.fixed, "Parameters that stay 0 or at their start, such as k3,p1,p2");
+  add_config(verb, o);
+  add_set(verb, o);
+}
+
 constexpr const char* kExportHelp =
     "Write a dataset as other programs read it; the dataset stays the source of truth.\n\n"
     "  Labels of the first sensor's pictures (render with --truth visibility,instance,keypoints)\n"
@@ -229,6 +257,8 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   add_stages(*run, o);
   add_config(*run, o);
   add_set(*run, o);
+
+  add_calibrate(*verb("calibrate", kCalibrateHelp), o);
 
   CLI::App* fit = verb(
       "fit-sensor",

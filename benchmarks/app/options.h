@@ -39,6 +39,10 @@ struct Options {
   std::string task = "detect";
   double least_visible = 0;  ///< share of an object's pixels below which labels leave it out
   std::string rig;           ///< preset, or the path of one, that `fit-sensor` starts from
+  std::string board;         ///< target that `calibrate` looks for; empty = the dataset's
+  std::string model;         ///< lens model of `calibrate`; empty = opencv5
+  std::string solver;        ///< of `calibrate`; empty = ceres
+  std::string fixed;         ///< parameters that `calibrate` keeps, parted by commas
   bool plan = false;
   bool quick = false;
   bool attribution = false;

@@ -1,0 +1,71 @@
+// calibrate: images of a target to cameras, with what they are worth.
+#include <cstdio>
+#include <filesystem>
+
+#include "benchmarks/app/commands.h"
+#include "benchmarks/calibrate/calibration_output.h"
+#include "benchmarks/calibrate/calibration_run.h"
+#include "benchmarks/seeds/result_folder.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/capture_io.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+CalibrateConfig config_of(const Options& o) {
+  CalibrateConfig config;
+  if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
+  if (!o.model.empty()) config.model = lens_model_from_string(o.model);
+  if (!o.solver.empty()) config.calibration.solver = calibration_solver_from_string(o.solver);
+  if (!o.fixed.empty()) set_field(fields(config), "calibration.fixed=" + o.fixed);
+  for (const std::string& set : o.sets) set_field(fields(config), set);
+  validate(config);
+  return config;
+}
+
+bool is_dataset(const fs::path& folder) {
+  return fs::is_directory(folder) && !scene_folders(folder).empty();
+}
+
+}  // namespace
+
+ExitCode command_calibrate(const JobContext& context) {
+  const Options& o = context.options;
+  const CalibrateConfig config = config_of(o);
+  if (o.keys) {
+    CalibrateConfig defaults = config;
+    std::printf("%s", describe(fields(defaults)).c_str());
+    return ExitCode::done;
+  }
+  const fs::path source = o.arguments.at(0);
+  if (!fs::is_directory(source)) throw std::runtime_error(source.string() + ": not a folder");
+  const bool dataset = is_dataset(source);
+  if (!dataset && o.board.empty())
+    throw std::invalid_argument(source.string() +
+                                ": a folder of photographs needs --board, such as "
+                                "chessboard:6x4:0.030");
+  CalibrationPhotos photos = dataset ? photos_of_dataset(source, o.board)
+                                     : photos_of_folder(source, target_from_option(o.board));
+  const fs::path out = o.out.empty() ? fs::path("out") / "calibrate" : fs::path(o.out);
+  require_writable(out);
+  const CalibrationRun run =
+      run_calibration(std::move(photos), config, context.progress.function());
+
+  ScoreFile scores;
+  scores.scores = calibration_rows(run);
+  scores.header.program_version = COUSIN_VERSION;
+  scores.header.machine = machine_text();
+  scores.header.more["command"] = context.command_line;
+  const std::string json = calibration_json(run);
+  write_result_tables(out, scores);
+  write_file(out / "calibration.json", json);
+  const std::vector<std::string> written = write_calibration_files(out, run);
+  write_calibration_report(out / "report.html", run, scores, context.command_line);
+  std::printf("%s", o.json ? json.c_str() : calibration_table(run).c_str());
+  for (const std::string& line : written) context.progress.line(line);
+  context.progress.line("report: " + (out / "report.html").string());
+  return run.problems.empty() ? ExitCode::done : ExitCode::gate_failed;
+}
+
+}  // namespace cousin

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "benchmarks/calibrate/calibration_run.h"
+#include "benchmarks/metrics/scores.h"
+
+namespace cousin {
+
+/// calibration.json: status, board, cameras with parameters and deviations, their places, each
+/// image's points and residual, warnings, the next view. Numbers read back equal; NaN is null.
+std::string calibration_json(const CalibrationRun& run);
+
+/// The same for a person, in pixels, millimetres and degrees.
+std::string calibration_table(const CalibrationRun& run);
+
+/// One row a parameter, with its 95 % interval.
+std::vector<ScoreRow> calibration_rows(const CalibrationRun& run);
+
+/// opencv/, ros/, kalibr/, mrcal/ and colmap/ below `folder`, or their absence where a format has
+/// no such lens: the returned lines say which and why. Those of an earlier run are removed first;
+/// with problems nothing is written.
+std::vector<std::string> write_calibration_files(const std::filesystem::path& folder,
+                                                 const CalibrationRun& run);
+
+/// report.html: verdict, coverage, residuals, uncertainty, what to shoot next.
+void write_calibration_report(const std::filesystem::path& file, const CalibrationRun& run,
+                              const ScoreFile& scores, const std::string& command_line);
+
+}  // namespace cousin

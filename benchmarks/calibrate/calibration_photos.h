@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/types/calibration_target.h"
+#include "sim/types/image.h"
+
+namespace cousin {
+
+/// One image of a target.
+struct CalibrationPhoto {
+  std::filesystem::path file;
+  std::string name;             ///< below the folder that was given
+  int camera = 0;               ///< index into CalibrationPhotos::cameras
+  int frame = 0;                ///< same number = same instant
+  bool is_linear_grey = false;  ///< of an infrared imager; else 8-bit sRGB
+};
+
+/// What is calibrated from.
+struct CalibrationPhotos {
+  CalibrationTarget target;
+  std::vector<std::string> cameras;
+  std::vector<CalibrationPhoto> photos;  ///< by camera, then frame
+};
+
+/// "KIND:COLUMNSxROWS:PITCH[:SHARE[:DICTIONARY]]" in metres, or a preset of the boards scene:
+/// chessboard:6x4:0.030 counts inner corners, charuco:11x8:0.022:0.73:DICT_4X4_50 squares,
+/// aprilgrid:6x6:0.022:0.3 tags (side, space over side), circles:8x6:0.03[:0.3] and
+/// acircles:4x11:0.018[:0.42] discs. @throws std::invalid_argument naming the text and the form.
+CalibrationTarget target_from_option(const std::string& text);
+
+/// All PNG and JPEG of a folder: one camera; or, where every name begins with "left" or "right",
+/// the two of a stereo head, whose images belong together where the rest of their names does.
+/// @throws std::runtime_error naming the folder, and for more than 5000 images.
+CalibrationPhotos photos_of_folder(const std::filesystem::path& folder,
+                                   const CalibrationTarget& target);
+
+/// All frames of a dataset, and the rig's sensors that have images. Its rig.json names the target;
+/// `board`, if not empty, must agree. @throws std::runtime_error naming the scene whose board is
+/// none, or another than the others', with both.
+CalibrationPhotos photos_of_dataset(const std::filesystem::path& dataset, const std::string& board);
+
+/// @throws std::runtime_error naming the file.
+Image<float> read_light(const CalibrationPhoto& photo);
+
+}  // namespace cousin

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "benchmarks/calibrate/calibration_run.h"
+#include "sim/types/image.h"
+
+namespace cousin {
+
+/// Where a camera's points fell, over the first picture of it: green used, red rejected; the
+/// outline of where to hold the board next, blue.
+Image<Rgb8> coverage_picture(const CalibrationRun& run, int camera);
+
+/// Mean residual of each cell of a 16 x 12 grid as a line from its middle, and the RMS as colour:
+/// blue 0, yellow three times what detection predicted; grey without points. `pixels_per_px`: how
+/// much longer than it is a line is drawn.
+struct ResidualPicture {
+  Image<Rgb8> image;
+  double pixels_per_px = 0;
+};
+ResidualPicture residual_picture(const CalibrationRun& run, int camera);
+
+/// Worst deviation of the projection over the image; blue least, yellow most.
+struct UncertaintyPicture {
+  Image<Rgb8> image;
+  double least_px = 0, most_px = 0;
+};
+UncertaintyPicture uncertainty_picture(const CalibrationRun& run, int camera);
+
+}  // namespace cousin

@@ -1,0 +1,348 @@
+#include "benchmarks/calibrate/calibration_run.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+
+#include "sim/config/limits.h"
+#include "sim/imaging/image_io.h"
+
+namespace cousin {
+namespace {
+
+constexpr int kCoverageColumns = 10, kCoverageRows = 8;
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+/// What one photo gave.
+struct Found {
+  TargetView view;
+  int width = 0, height = 0;
+  std::string error;
+};
+
+std::vector<Found> find_in_all(const CalibrationPhotos& photos, const CalibrateConfig& config,
+                               const Progress& progress) {
+  std::vector<Found> all(photos.photos.size());
+  std::mutex mutex;
+  int done = 0;
+  tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
+    const CalibrationPhoto& photo = photos.photos[i];
+    Found& found = all[i];
+    try {
+      const Image<float> light = read_light(photo);
+      found.width = light.width();
+      found.height = light.height();
+      found.view = find_target(light, photos.target, config.detection);
+    } catch (const std::runtime_error& error) {
+      found.error = error.what();
+    }
+    found.view.frame = photo.frame;
+    found.view.camera = photo.camera;
+    const std::lock_guard lock(mutex);
+    if (progress) progress("finding the board", ++done, static_cast<int>(all.size()));
+  });
+  for (const Found& found : all) {
+    if (!found.error.empty()) throw std::runtime_error(found.error);
+  }
+  return all;
+}
+
+/// One camera for each of the photos', of its images' size.
+std::vector<Camera> cameras_of(const CalibrationPhotos& photos, const std::vector<Found>& found,
+                               LensModel model) {
+  std::vector<Camera> cameras(photos.cameras.size());
+  std::vector<const CalibrationPhoto*> first(cameras.size(), nullptr);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const CalibrationPhoto& photo = photos.photos[i];
+    const auto c = static_cast<std::size_t>(photo.camera);
+    if (first[c] == nullptr) {
+      first[c] = &photo;
+      cameras[c].model = model;
+      cameras[c].width_px = found[i].width;
+      cameras[c].height_px = found[i].height;
+    } else if (cameras[c].width_px != found[i].width || cameras[c].height_px != found[i].height) {
+      throw std::runtime_error(
+          photo.file.string() + ": " + size_text(found[i].width, found[i].height) + " pixels; " +
+          first[c]->name + " has " + size_text(cameras[c].width_px, cameras[c].height_px));
+    }
+  }
+  return cameras;
+}
+
+/// Refuses a set that shows no board, or another one.
+void check_views(const CalibrationPhotos& photos, const std::vector<TargetView>& views) {
+  std::size_t usable = 0, wrong = 0;
+  std::string first_reason, wrong_reason;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (is_usable(views[i])) {
+      ++usable;
+      continue;
+    }
+    const std::string reason = photos.photos[i].file.string() + ": " + views[i].reason;
+    if (first_reason.empty()) first_reason = reason;
+    if (views[i].status != TargetStatus::wrong_target) continue;
+    ++wrong;
+    if (wrong_reason.empty()) wrong_reason = reason;
+  }
+  if (wrong > usable) {
+    throw std::runtime_error("a board of the wrong size in " + std::to_string(wrong) + " of " +
+                             std::to_string(views.size()) + " images: " + wrong_reason);
+  }
+  if (usable == 0) {
+    throw std::runtime_error("no board found in any of " + std::to_string(views.size()) +
+                             " images: " + first_reason);
+  }
+}
+
+double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return a.angularDistance(b);
+}
+
+/// Numbers counted from the other end.
+void turn_half(TargetView& view, int count) {
+  for (TargetObservation& o : view.points) o.id = count - 1 - o.id;
+  std::reverse(view.points.begin(), view.points.end());
+}
+
+/// Each frame's pose by one camera alone.
+std::map<int, Pose> poses_alone(const CalibrationInput& input, int camera,
+                                const CalibrationConfig& config) {
+  CalibrationInput alone;
+  alone.target_m = input.target_m;
+  alone.cameras = {input.cameras[static_cast<std::size_t>(camera)]};
+  for (TargetView view : input.views) {
+    if (view.camera != camera) continue;
+    view.camera = 0;
+    alone.views.push_back(std::move(view));
+  }
+  std::map<int, Pose> poses;
+  const CalibrationResult result = calibrate(alone, config);
+  for (const CalibrationFrame& frame : result.frames) poses[frame.frame] = frame.rig_from_target;
+  return poses;
+}
+
+double coverage_of(const CalibrationInput& input, int camera) {
+  const Camera& lens = input.cameras[static_cast<std::size_t>(camera)].start;
+  std::set<int> cells;
+  for (const TargetView& view : input.views) {
+    if (view.camera != camera) continue;
+    for (const TargetObservation& o : view.points) {
+      const int c = static_cast<int>((o.pixel_px.x() + 0.5) / lens.width_px * kCoverageColumns);
+      const int r = static_cast<int>((o.pixel_px.y() + 0.5) / lens.height_px * kCoverageRows);
+      cells.insert(std::clamp(r, 0, kCoverageRows - 1) * kCoverageColumns +
+                   std::clamp(c, 0, kCoverageColumns - 1));
+    }
+  }
+  return static_cast<double>(cells.size()) / (kCoverageColumns * kCoverageRows);
+}
+
+double tilt_spread_of(const CalibrationResult& result, const std::set<int>& frames, int camera) {
+  std::vector<Eigen::Vector3d> normals;
+  const Pose& camera_from_rig = result.camera_from_rig[static_cast<std::size_t>(camera)];
+  for (const CalibrationFrame& f : result.frames) {
+    if (frames.count(f.frame) > 0)
+      normals.push_back((camera_from_rig * f.rig_from_target).rotation * Eigen::Vector3d::UnitZ());
+  }
+  double widest = 0;
+  for (const Eigen::Vector3d& a : normals) {
+    for (const Eigen::Vector3d& b : normals)
+      widest = std::max(widest, std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+  }
+  return widest;
+}
+
+CameraVerdict verdict_of(const CalibrationRun& run, int camera) {
+  CameraVerdict v;
+  double squares = 0, predicted = 0;
+  int count = 0, points = 0;
+  std::set<int> frames;
+  for (const CalibrationResidual& r : run.result.residuals) {
+    const TargetView& view = run.input.views[static_cast<std::size_t>(r.view)];
+    if (view.camera != camera || r.rejected) continue;
+    squares += r.residual_px.squaredNorm();
+    ++count;
+    frames.insert(view.frame);
+  }
+  for (const TargetView& view : run.input.views) {
+    if (view.camera != camera || !is_usable(view)) continue;
+    for (const TargetObservation& o : view.points) predicted += o.covariance_px2.trace(), ++points;
+  }
+  v.rms_px = std::sqrt(squares / std::max(1, 2 * count));
+  v.predicted_px = std::sqrt(predicted / std::max(1, 2 * points));
+  v.coverage = coverage_of(run.input, camera);
+  v.tilt_spread_rad = tilt_spread_of(run.result, frames, camera);
+  if (run.result.covariance.rows() > 0) {
+    const Camera& lens = run.result.cameras[static_cast<std::size_t>(camera)];
+    v.uncertainty = projection_uncertainty(run.result, camera);
+    constexpr double kValidShare = 0.001;  // of the width: 0.64 px at VGA
+    v.valid_share =
+        valid_region(run.result, run.input, camera, v.uncertainty, kValidShare * lens.width_px)
+            .share;
+    v.next = best_next_view(run.result, camera, run.input.target_m);
+  }
+  return v;
+}
+
+std::string three_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+/// What a person should know before using the result.
+void judge(CalibrationRun& run) {
+  const CalibrateConfig& config = run.config;
+  const bool several = run.photos.cameras.size() > 1;
+  if (run.result.status != CalibrationStatus::ok)
+    run.problems.push_back(std::string(to_string(run.result.status)) + ": " + run.result.reason);
+  for (std::size_t c = 0; c < run.verdicts.size(); ++c) {
+    const CameraVerdict& v = run.verdicts[c];
+    const std::string who = several ? run.photos.cameras[c] + ": " : "";
+    if (v.rms_px > config.most_rms_px && v.rms_px > config.most_rms_sigmas * v.predicted_px) {
+      run.problems.push_back(who + "the lens model " + std::string(to_string(config.model)) +
+                             " does not fit: residuals of " + three_digits(v.rms_px) +
+                             " px RMS where detection predicts " + three_digits(v.predicted_px) +
+                             "; try a richer model, or kannala_brandt4 for a fisheye");
+    }
+    if (v.tilt_spread_rad < config.least_tilt_spread_rad) {
+      run.warnings.push_back(
+          who + "the boards are nearly parallel: " +
+          three_digits(v.tilt_spread_rad * 180 / std::numbers::pi) +
+          " degrees at most between two; focal length and distance cannot be told apart");
+    }
+    constexpr double kLeastCoverage = 0.35;
+    if (v.coverage < kLeastCoverage) {
+      run.warnings.push_back(who + "points cover " +
+                             std::to_string(static_cast<int>(std::lround(100 * v.coverage))) +
+                             " % of the image: the lens is extrapolated beyond them");
+    }
+  }
+  for (const std::string& name : run.result.not_determined)
+    run.warnings.push_back(name + " cannot be determined from these views");
+  const auto refused = std::count_if(run.input.views.begin(), run.input.views.end(),
+                                     [](const TargetView& view) { return !is_usable(view); });
+  if (refused > 0) {
+    run.warnings.push_back("no board was used in " + std::to_string(refused) + " of " +
+                           std::to_string(run.input.views.size()) + " images");
+  }
+}
+
+}  // namespace
+
+Fields fields(CalibrateConfig& config) {
+  return Fields{{"model",
+                 TextField{[&config] { return std::string(to_string(config.model)); },
+                           [&config](const std::string& text) {
+                             config.model = lens_model_from_string(text);
+                           }},
+                 "lens model of every camera"},
+                {"most_rms_px", &config.most_rms_px, "RMS a coordinate above which no lens fits", 0,
+                 1e6},
+                {"most_rms_sigmas", &config.most_rms_sigmas,
+                 "and times what detection predicts for it", 1, 1e6},
+                {"least_tilt_spread_rad", &config.least_tilt_spread_rad,
+                 "below, boards count as parallel", 0, 1.5}} +
+         nested("calibration", fields(config.calibration)) +
+         nested("detection", fields(config.detection));
+}
+
+void validate(const CalibrateConfig& config) {
+  CalibrateConfig copy = config;
+  check_limits(fields(copy));
+  validate(config.calibration);
+  validate(config.detection);
+}
+
+void agree_on_half_turns(CalibrationInput& input, const CalibrationConfig& config) {
+  const Pose half{Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ())),
+                  Eigen::Vector3d::Zero()};
+  for (std::size_t c = 1; c < input.cameras.size(); ++c) {
+    const std::map<int, Pose> first = poses_alone(input, 0, config);
+    const std::map<int, Pose> other = poses_alone(input, static_cast<int>(c), config);
+    // Where the camera is from the first, by each frame, and were its board turned.
+    struct Pair {
+      int frame;
+      Eigen::Quaterniond as_is, turned;
+    };
+    std::vector<Pair> pairs;
+    for (const auto& [frame, pose] : other) {
+      const auto at = first.find(frame);
+      if (at == first.end()) continue;
+      const Pose back = inverse(at->second);
+      pairs.push_back({frame, (pose * back).rotation, (pose * half * back).rotation});
+    }
+    const auto distance = [&](const Eigen::Quaterniond& q) {
+      double sum = 0;
+      for (const Pair& p : pairs)
+        sum += std::min(angle_between(p.as_is, q), angle_between(p.turned, q));
+      return sum;
+    };
+    const Eigen::Quaterniond* best = nullptr;
+    double least = 0;
+    // As numbered first: of two equal sums, cameras stand upright to each other.
+    for (const bool turned : {false, true}) {
+      for (const Pair& p : pairs) {
+        const Eigen::Quaterniond& q = turned ? p.turned : p.as_is;
+        const double sum = distance(q);
+        if (best == nullptr || sum < least - 1e-3) best = &q, least = sum;
+      }
+    }
+    if (best == nullptr) continue;
+    for (const Pair& p : pairs) {
+      if (angle_between(p.as_is, *best) <= angle_between(p.turned, *best)) continue;
+      for (TargetView& view : input.views) {
+        if (view.camera == static_cast<int>(c) && view.frame == p.frame &&
+            view.status == TargetStatus::half_turn_unknown)
+          turn_half(view, static_cast<int>(input.target_m.size()));
+      }
+    }
+  }
+}
+
+CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& config,
+                               const Progress& progress) {
+  validate(config);
+  CalibrationRun run;
+  run.photos = std::move(photos);
+  run.config = config;
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<Found> found = find_in_all(run.photos, config, progress);
+  run.detect_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::vector<Camera> cameras = cameras_of(run.photos, found, config.model);
+  std::vector<TargetView> views;
+  for (Found& f : found) views.push_back(std::move(f.view));
+  check_views(run.photos, views);
+  for (std::size_t i = 0; i < views.size() && run.sample.empty(); ++i) {
+    if (is_usable(views[i]) && !run.photos.photos[i].is_linear_grey)
+      run.sample = read_color(run.photos.photos[i].file);
+  }
+  run.input = calibration_input(run.photos.target, std::move(views), cameras);
+  agree_on_half_turns(run.input, config.calibration);
+  if (progress) progress("solving", 0, 1);
+  run.result = calibrate(run.input, config.calibration);
+  if (progress) progress("solving", 1, 1);
+  const bool has_lenses = run.result.status == CalibrationStatus::ok ||
+                          run.result.status == CalibrationStatus::not_determined ||
+                          run.result.status == CalibrationStatus::not_converged;
+  if (has_lenses && run.result.cameras.size() == cameras.size()) {
+    for (std::size_t c = 0; c < cameras.size(); ++c)
+      run.verdicts.push_back(verdict_of(run, static_cast<int>(c)));
+    if (run.result.status == CalibrationStatus::ok && run.result.frames.size() >= 6)
+      run.cross = cross_validate(run.input, config.calibration);
+  }
+  judge(run);
+  return run;
+}
+
+}  // namespace cousin

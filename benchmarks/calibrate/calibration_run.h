@@ -1,0 +1,65 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "benchmarks/calibrate/calibration_photos.h"
+#include "benchmarks/seeds/simulate.h"
+#include "calibration/calibrate.h"
+#include "calibration/calibration_uncertainty.h"
+#include "calibration/next_view.h"
+#include "calibration/target_detection.h"
+
+namespace cousin {
+
+struct CalibrateConfig {
+  LensModel model = LensModel::opencv5;
+  CalibrationConfig calibration;
+  TargetDetectionConfig detection;
+  double most_rms_px = 0.5;             ///< RMS a coordinate above which the lens does not fit ...
+  double most_rms_sigmas = 8;           ///< ... if it is as many times what detection predicts, too
+  double least_tilt_spread_rad = 0.17;  ///< between boards: below, they count as parallel
+};
+Fields fields(CalibrateConfig& config);
+void validate(const CalibrateConfig& config);
+
+/// What one of a run's cameras is worth.
+struct CameraVerdict {
+  double rms_px = 0;           ///< a coordinate, of this camera's residuals
+  double predicted_px = 0;     ///< RMS of the deviations that detection predicted for its points
+  double coverage = 0;         ///< share of a 10 x 8 grid over its images that points fall into
+  double tilt_spread_rad = 0;  ///< largest angle between two boards' normals
+  UncertaintyMap uncertainty;  ///< empty without covariance
+  double valid_share = 0;      ///< of the image, K in ValidRegion
+  std::optional<NextView> next;
+};
+
+/// A folder or dataset calibrated.
+struct CalibrationRun {
+  CalibrationPhotos photos;
+  CalibrateConfig config;
+  CalibrationInput input;  ///< one view for each photo, same order
+  CalibrationResult result;
+  std::vector<CameraVerdict> verdicts;  ///< one for each camera, empty unless there is a result
+  std::optional<CrossValidation> cross;
+  std::vector<std::string> problems;  ///< why nothing should be used; empty = use it
+  std::vector<std::string> warnings;
+  Image<Rgb8> sample;  ///< the first photo in which the board was found
+  double detect_s = 0;
+};
+
+/// Finds the target in every photo, in parallel, numbers half-turned boards alike over the cameras,
+/// solves and judges.
+/// @throws std::runtime_error naming the file for one that cannot be read or has another size than
+/// the first of its camera, if no photo shows the target, and if most of those that show one show a
+/// target of another size.
+CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& config,
+                               const Progress& progress);
+
+/// For each view of camera 1 whose half turn is not known, whether it must be turned for the
+/// cameras' places to each other to agree with the other frames'; poses from each camera's own
+/// calibration. Turns them. Does nothing for one camera.
+void agree_on_half_turns(CalibrationInput& input, const CalibrationConfig& config);
+
+}  // namespace cousin

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration/calibrate.h"
+
+namespace cousin {
+
+/// A way to hold the target that has not been photographed yet, and what it would give.
+struct NextView {
+  Pose camera_from_target;
+  std::string words;   ///< for a person: place in the picture, size, tilt
+  double now_px = 0;   ///< RMS deviation of the projection over the image, as it is
+  double then_px = 0;  ///< with this view added
+};
+
+/// The view, of those tried, that lowers the mean variance of the camera's projection most: places
+/// in the picture, sizes, tilts up to 50 degrees. First order: the view's normal equations, its
+/// pose eliminated, are added to the inverse of the result's covariance; the variance is over a
+/// grid of pixels, a rotation of the camera (which best fits) left out. Nothing for a splined lens,
+/// a result without covariance, or a target that no candidate shows.
+/// @param target_m  by id, flat in z = 0, about the origin
+std::optional<NextView> best_next_view(const CalibrationResult& result, int camera,
+                                       const std::vector<Eigen::Vector3d>& target_m);
+
+}  // namespace cousin
