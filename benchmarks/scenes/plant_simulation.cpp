@@ -30,6 +30,25 @@ TimeSpan span_of(const RigCapture& rig, int frame) {
   return span;
 }
 
+/// Drops what no frame sees of the motion of organs, of which there are many: between frames motion
+/// means nothing.
+void keep_seen_motion(Scene& scene, const std::vector<TimeSpan>& spans) {
+  for (Instance& instance : scene.instances) {
+    if (instance.part_of < 0) continue;
+    const std::vector<TimedPose>& all = instance.motion;
+    std::vector<TimedPose> seen;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double before_s = all[i > 0 ? i - 1 : i].time_s;
+      const double after_s = all[std::min(i + 1, all.size() - 1)].time_s;
+      const bool is_seen = std::any_of(spans.begin(), spans.end(), [&](const TimeSpan& span) {
+        return after_s >= span.begin_s && before_s <= span.end_s;
+      });
+      if (is_seen) seen.push_back(all[i]);
+    }
+    instance.motion = std::move(seen);
+  }
+}
+
 /// The scene during one frame, where something moves.
 struct Moment {
   RayScene rays;
@@ -127,6 +146,10 @@ SceneTruth PlantSimulation::scene_truth() const {
   truth.seed = impl_->seed;
   truth.config_toml = resolved_toml(impl_->asked) + comments_of(impl_->cousin.changes);
   truth.scene = impl_->scene;
+  std::vector<TimeSpan> spans;
+  for (std::size_t i = 0; i < views().size(); ++i)
+    spans.push_back(span_of(impl_->rig, static_cast<int>(i)));
+  keep_seen_motion(truth.scene, spans);
   truth.shared_plants = shared_plants(impl_->config.scene, impl_->index);
   truth.views = views();
   truth.other_sensors.assign(impl_->rig.views().begin() + 1, impl_->rig.views().end());

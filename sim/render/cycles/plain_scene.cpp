@@ -105,7 +105,9 @@ void split_materials(PlainScene& plain) {
   whole.swap(plain.scene.instances);
   int next_id = 0;
   for (const Instance& instance : whole) next_id = std::max(next_id, instance.id + 1);
-  for (const Instance& instance : whole) {
+  for (Instance& instance : whole) {
+    instance.part_of = -1;
+    instance.keypoint_carriers.clear();
     if (instance.part_materials.empty()) {
       plain.scene.instances.push_back(instance);
       continue;
