@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "benchmarks/seeds/simulate.h"
+#include "sim/render/view_match.h"
 
 namespace cousin {
 
@@ -86,12 +87,28 @@ struct PlantSimulation::Impl {
     return std::any_of(scene.instances.begin(), scene.instances.end(),
                        [](const Instance& instance) { return !instance.motion.empty(); });
   }
-  /// @param with_next  flow looks at the next view's time too
-  Moment moment(int frame, bool with_next = false) const {
-    TimeSpan span = span_of(rig, frame);
-    const bool is_last = static_cast<std::size_t>(frame) + 1 == rig.views().front().views.size();
-    if (with_next && !is_last) span.end_s = std::max(span.end_s, span_of(rig, frame + 1).end_s);
-    return {config, scene, span, rig_rng(seed, index)};
+  Moment moment(int frame) const {
+    return {config, scene, span_of(rig, frame), rig_rng(seed, index)};
+  }
+
+  /// Where the next view sees what this one does. Each has rays of its own time: one span over both
+  /// would take the motion between them in coarse steps.
+  TruthImages with_flow(const Moment& now, int frame, const TruthNeeds& needs) const {
+    const std::vector<TrueView>& all = rig.views().front().views;
+    const auto i = static_cast<std::size_t>(frame);
+    const bool flows = needs.flow && i + 1 < all.size();
+    TruthNeeds own = needs;
+    own.flow = false;
+    own.depth |= flows;
+    own.instance |= flows;
+    TruthImages truth = true_images(now.rays, scene, now.rig, frame, own);
+    if (!flows) return truth;
+    const Moment next = moment(frame + 1);
+    truth.flow = match_views(scene, {now.rays, all[i]}, truth.depth_m, truth.instance,
+                             {next.rays, all[i + 1]});
+    if (!needs.depth) truth.depth_m = {};
+    if (!needs.instance) truth.instance = {};
+    return truth;
   }
 
   const PathTracer& path_tracer() const {
@@ -127,8 +144,8 @@ RigFrame PlantSimulation::take(int frame, const Streams& streams) const {
 
 TruthImages PlantSimulation::truth(int frame, const TruthNeeds& needs) const {
   if (impl_->moves()) {
-    const Moment moment = impl_->moment(frame, needs.flow);
-    return true_images(moment.rays, impl_->scene, moment.rig, frame, needs);
+    const Moment moment = impl_->moment(frame);
+    return impl_->with_flow(moment, frame, needs);
   }
   return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs);
 }

@@ -190,7 +190,7 @@ SwayResult sway(const BendingPlant& plant, const BentPlant& from,
   const EngineData data = make_data(*engine.model);
   set_bent(engine, from, *data);
   mj_forward(engine.model.get(), data.get());
-  const SwayForces forces(plant, engine, config, pushes, make_wind(config.wind, rng));
+  SwayForces forces(plant, engine, config, pushes, make_wind(config.wind, rng));
   const long hold = forces.hold_steps();
   const long sample = std::lround(config.sample_s / config.step_s);
   const long steps = std::lround(config.duration_s / config.step_s);

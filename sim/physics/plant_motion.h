@@ -121,8 +121,9 @@ void validate(const SwayWindows& windows);
 
 /// As sway(), in a wind that other plants share, at the times of the windows: frames at whole
 /// multiples of config.sample_s that cover each. After a pause of more than lead_s the motion
-/// begins anew, lead_s before the next window: what was before has died away. `config.duration_s`
-/// and `config.wind` are not used.
+/// begins anew, lead_s before the next window: what was before has died away. Bodies feel the air
+/// where they are at rest, so they must move by less than gusts are long. `config.duration_s` and
+/// `config.wind` are not used.
 SwayResult sway_windows(const BendingPlant& plant, const BentPlant& from,
                         const std::vector<HandPush>& pushes, const SwayConfig& config,
                         const WindField& wind, const SwayWindows& windows);

@@ -60,7 +60,42 @@ SwayForces::SwayForces(const BendingPlant& plant, const PlantModel& engine,
 
 long SwayForces::hold_steps() const { return std::max(1L, std::lround(kGust_s / config_.step_s)); }
 
-void SwayForces::apply(mjData& data) const {
+void SwayForces::fix_air(const mjData& rest) {
+  const auto modes = static_cast<Eigen::Index>(wind_.modes.size());
+  const auto bodies = static_cast<Eigen::Index>(engine_.model->nbody);
+  amplitudes_m_s_.resize(3, modes);
+  cosines_.resize(modes, bodies);
+  sines_.resize(modes, bodies);
+  for (Eigen::Index m = 0; m < modes; ++m) {
+    const WindField::Mode& mode = wind_.modes[static_cast<std::size_t>(m)];
+    amplitudes_m_s_.col(m) = mode.amplitude_m_s;
+    for (Eigen::Index b = 0; b < bodies; ++b) {
+      const double angle =
+          mode.wave_rad_m.dot(vector_at(rest.xipos, static_cast<int>(b))) + mode.phase_rad;
+      cosines_(m, b) = std::cos(angle);
+      sines_(m, b) = std::sin(angle);
+    }
+  }
+}
+
+void SwayForces::advance_air(double time_s) {
+  time_cosines_.resize(cosines_.rows());
+  time_sines_.resize(cosines_.rows());
+  for (Eigen::Index m = 0; m < cosines_.rows(); ++m) {
+    const double angle = wind_.modes[static_cast<std::size_t>(m)].angular_rad_s * time_s;
+    time_cosines_[m] = std::cos(angle);
+    time_sines_[m] = std::sin(angle);
+  }
+}
+
+Eigen::Vector3d SwayForces::air_m_s(const mjData& data, int body) const {
+  if (cosines_.cols() == 0) return wind_m_s(wind_, vector_at(data.xipos, body), data.time);
+  const Eigen::ArrayXd waves = time_cosines_ * cosines_.col(body) - time_sines_ * sines_.col(body);
+  return wind_.mean_m_s + amplitudes_m_s_ * waves.matrix();
+}
+
+void SwayForces::apply(mjData& data) {
+  if (cosines_.cols() > 0) advance_air(data.time);
   mju_zero(data.xfrc_applied, 6 * engine_.model->nbody);
   if (config_.air_density_kg_m3 > 0) {
     for (const PlantHinge& hinge : engine_.hinges) push_stem(data, hinge);
@@ -72,11 +107,10 @@ void SwayForces::apply(mjData& data) const {
 /// 1/2 rho A |v| v of the air past a body's centre of mass.
 Eigen::Vector3d SwayForces::drag_n(const mjData& data, int body, const Eigen::Vector3d& along,
                                    double drag_area_m2) const {
-  const Eigen::Vector3d at = vector_at(data.xipos, body);
   mjtNum moving[6];  // rotation, then translation, at the centre of mass
   mj_objectVelocity(engine_.model.get(), &data, mjOBJ_BODY, body, moving, 0);
-  Eigen::Vector3d past = wind_m_s(wind_, at, data.time) -
-                         Eigen::Map<const Eigen::Vector3d>(static_cast<mjtNum*>(moving) + 3);
+  Eigen::Vector3d past =
+      air_m_s(data, body) - Eigen::Map<const Eigen::Vector3d>(static_cast<mjtNum*>(moving) + 3);
   past -= past.dot(along) * along;  // a stem feels what comes across it
   return 0.5 * config_.air_density_kg_m3 * drag_area_m2 * past.norm() * past;
 }

@@ -23,7 +23,7 @@ SwayResult sway_windows(const BendingPlant& plant, const BentPlant& from,
   const PlantModel engine = make_plant_model(
       plant, {.step_s = config.step_s, .gravity_m_s2 = config.gravity_m_s2, .contacts = false});
   const EngineData data = make_data(*engine.model);
-  const SwayForces forces(plant, engine, config, pushes, wind);
+  SwayForces forces(plant, engine, config, pushes, wind);
   const long hold = forces.hold_steps(), sample = std::lround(config.sample_s / config.step_s);
   const auto lead = static_cast<long>(std::ceil(windows.lead_s / config.step_s));
   result.status = PlantStatus::ok;
@@ -37,6 +37,7 @@ SwayResult sway_windows(const BendingPlant& plant, const BentPlant& from,
       mj_resetData(engine.model.get(), data.get());
       set_bent(engine, from, *data);
       mj_forward(engine.model.get(), data.get());
+      forces.fix_air(*data);
       step = window.first * sample - lead;
       taken = window.first;
     }

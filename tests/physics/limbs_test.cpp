@@ -138,8 +138,12 @@ TEST(SwayWindows, AreTheLongMotionSeenAtTimes) {
   for (std::size_t i = 0; i < some.frames.size(); ++i) {
     const BentPlant &a = some.frames[i], &b = all.frames[50 + i];
     EXPECT_NEAR(a.time_s, b.time_s, 1e-12);
-    // The same steps; times are summed up there and multiplied here.
-    EXPECT_NEAR((a.sections[1][2].translation_m - b.sections[1][2].translation_m).norm(), 0, 1e-9);
+    // There the air is taken where the strip has moved to, some millimetres off, which is a
+    // thirtieth of the phase of the shortest waves (42 rad / m).
+    const Eigen::Vector3d tip_m(0.03, 0, 0.04);
+    const Eigen::Vector3d at_m = a.sections[1][2] * tip_m;
+    EXPECT_GT((at_m - tip_m).norm(), 1e-3);
+    EXPECT_NEAR((at_m - b.sections[1][2] * tip_m).norm(), 0, 0.05 * (at_m - tip_m).norm());
   }
 }
 
