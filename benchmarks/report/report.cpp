@@ -68,6 +68,13 @@ std::string number_cell(const std::string& text) {
 }
 std::string text_cell(std::string_view text) { return "<td>" + html_escaped(text) + "</td>"; }
 
+/// More than these would push the plots off the screen: only those that failed come first.
+constexpr std::size_t kOpenTiles = 12;
+
+bool failed(const Headline& headline) {
+  return headline.status != ScoreStatus::ok && headline.status != ScoreStatus::pass;
+}
+
 void add_headlines(Page& page, const std::vector<Headline>& headlines) {
   if (headlines.empty()) return;
   page.html += "<div class=\"tiles\">\n";
@@ -89,6 +96,13 @@ void add_headlines(Page& page, const std::vector<Headline>& headlines) {
     page.html += "</div>\n";
   }
   page.html += "</div>\n";
+}
+
+void add_folded_headlines(Page& page, const std::vector<Headline>& headlines) {
+  page.html += "<details class=\"numbers\"><summary>All " + std::to_string(headlines.size()) +
+               " numbers as cards</summary>\n";
+  add_headlines(page, headlines);
+  page.html += "</details>\n";
 }
 
 /// A line a label, a column a group, both in the order of first appearance.
@@ -338,6 +352,31 @@ bool can_draw(const Attribution& attribution) {
                      [](const auto& s) { return std::isfinite(s.error.value); });
 }
 
+/// Sections of plots over one quantity, in the order in which they are first named.
+void add_line_plots(Page& page, const std::vector<LinePlot>& lines) {
+  std::vector<std::pair<std::string, std::vector<Plot>>> sections;
+  for (const LinePlot& plot : lines) {
+    if (!can_draw(plot)) continue;
+    std::string name = plot.section;
+    if (name.empty()) {
+      const bool has_law = std::any_of(lines.begin(), lines.end(), [](const LinePlot& other) {
+        return other.section.empty() &&
+               std::any_of(other.series.begin(), other.series.end(),
+                           [](const LineSeries& series) { return series.is_law; });
+      });
+      name = has_law ? "Against theory" : "Along one quantity";
+    }
+    auto section = std::find_if(sections.begin(), sections.end(),
+                                [&](const auto& known) { return known.first == name; });
+    if (section == sections.end()) section = sections.insert(sections.end(), {name, {}});
+    section->second.push_back(line_plot(plot));
+  }
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const std::string id = i == 0 ? "lines" : "lines-" + std::to_string(i + 1);
+    add_plots(page, id, sections[i].first, sections[i].second, false);
+  }
+}
+
 }  // namespace
 
 std::vector<bool> pareto_front(const std::vector<ErrorTimePoint>& points) {
@@ -358,7 +397,12 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   const JavascriptLibraries libraries = load_javascript_libraries(config.javascript);
 
   Page page;
-  add_headlines(page, input.headlines);
+  const bool has_plots = !input.lines.empty() || !input.curves.empty() ||
+                         !input.distributions.empty() || !input.plotted.empty();
+  const bool folds = has_plots && input.headlines.size() > kOpenTiles;
+  std::vector<Headline> first = input.headlines;
+  if (folds) std::erase_if(first, [](const Headline& h) { return !failed(h); });
+  add_headlines(page, first);
   std::vector<std::string> notes = input.notes;
   if (!libraries.missing.empty()) {
     notes.push_back(
@@ -378,15 +422,7 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
     if (can_draw(distribution)) plots.push_back(distribution_plot(distribution));
   }
   add_plots(page, "distributions", "Distributions", plots, true);
-  plots.clear();
-  bool has_laws = false;
-  for (const LinePlot& lines : input.lines) {
-    if (!can_draw(lines)) continue;
-    plots.push_back(line_plot(lines));
-    has_laws = has_laws || std::any_of(lines.series.begin(), lines.series.end(),
-                                       [](const LineSeries& series) { return series.is_law; });
-  }
-  add_plots(page, "lines", has_laws ? "Against theory" : "Along one quantity", plots, false);
+  add_line_plots(page, input.lines);
   plots.clear();
   for (const Attribution& attribution : input.attributions) {
     if (can_draw(attribution)) plots.push_back(waterfall_plot(attribution));
@@ -399,6 +435,7 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   add_plots(page, "time", "Error against run time", plots, true);
   if (!input.timings.empty())
     add_plots(page, "stages", "Run time", {timing_plot(input.timings)}, true);
+  if (folds) add_folded_headlines(page, input.headlines);
   add_score_table(page, input.scores.scores);
   add_sources(page, input);
 

@@ -69,6 +69,7 @@ struct LinePlot {
   std::string x_label, y_label;      ///< with units, in which the points are
   bool log_x = false, log_y = false;
   std::vector<LineSeries> series;
+  std::string section = {};  ///< heading that it stands under; empty: by whether there are laws
 };
 
 /// What remains of an error when truth replaces one seam after another, in the order of the
@@ -105,8 +106,8 @@ struct ReportInput {
   std::string config_toml;
   ScoreFile scores;
   std::vector<SpecimenRow> plotted;  ///< of the specimens, those among measured and true
-  std::vector<Headline> headlines;
-  std::vector<Headline> limits;  ///< all that is held against a limit: a line a label
+  std::vector<Headline> headlines;   ///< many of them are folded below the plots
+  std::vector<Headline> limits;      ///< all that is held against a limit: a line a label
   std::vector<ReportImage> images;
   std::vector<ReportShape> shapes;
   std::vector<Distribution> distributions;

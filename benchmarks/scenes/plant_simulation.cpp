@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "benchmarks/seeds/simulate.h"
+#include "sim/render/view_match.h"
 
 namespace cousin {
 
@@ -28,6 +29,25 @@ TimeSpan span_of(const RigCapture& rig, int frame) {
         std::max(span.end_s, view.time_s + view.readout_s + 0.5 * view.exposure_s + kInfrared_s);
   }
   return span;
+}
+
+/// Drops what no frame sees of the motion of organs, of which there are many: between frames motion
+/// means nothing.
+void keep_seen_motion(Scene& scene, const std::vector<TimeSpan>& spans) {
+  for (Instance& instance : scene.instances) {
+    if (instance.part_of < 0) continue;
+    const std::vector<TimedPose>& all = instance.motion;
+    std::vector<TimedPose> seen;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double before_s = all[i > 0 ? i - 1 : i].time_s;
+      const double after_s = all[std::min(i + 1, all.size() - 1)].time_s;
+      const bool is_seen = std::any_of(spans.begin(), spans.end(), [&](const TimeSpan& span) {
+        return after_s >= span.begin_s && before_s <= span.end_s;
+      });
+      if (is_seen) seen.push_back(all[i]);
+    }
+    instance.motion = std::move(seen);
+  }
 }
 
 /// The scene during one frame, where something moves.
@@ -67,12 +87,28 @@ struct PlantSimulation::Impl {
     return std::any_of(scene.instances.begin(), scene.instances.end(),
                        [](const Instance& instance) { return !instance.motion.empty(); });
   }
-  /// @param with_next  flow looks at the next view's time too
-  Moment moment(int frame, bool with_next = false) const {
-    TimeSpan span = span_of(rig, frame);
-    const bool is_last = static_cast<std::size_t>(frame) + 1 == rig.views().front().views.size();
-    if (with_next && !is_last) span.end_s = std::max(span.end_s, span_of(rig, frame + 1).end_s);
-    return {config, scene, span, rig_rng(seed, index)};
+  Moment moment(int frame) const {
+    return {config, scene, span_of(rig, frame), rig_rng(seed, index)};
+  }
+
+  /// Where the next view sees what this one does. Each has rays of its own time: one span over both
+  /// would take the motion between them in coarse steps.
+  TruthImages with_flow(const Moment& now, int frame, const TruthNeeds& needs) const {
+    const std::vector<TrueView>& all = rig.views().front().views;
+    const auto i = static_cast<std::size_t>(frame);
+    const bool flows = needs.flow && i + 1 < all.size();
+    TruthNeeds own = needs;
+    own.flow = false;
+    own.depth |= flows;
+    own.instance |= flows;
+    TruthImages truth = true_images(now.rays, scene, now.rig, frame, own);
+    if (!flows) return truth;
+    const Moment next = moment(frame + 1);
+    truth.flow = match_views(scene, {now.rays, all[i]}, truth.depth_m, truth.instance,
+                             {next.rays, all[i + 1]});
+    if (!needs.depth) truth.depth_m = {};
+    if (!needs.instance) truth.instance = {};
+    return truth;
   }
 
   const PathTracer& path_tracer() const {
@@ -108,8 +144,8 @@ RigFrame PlantSimulation::take(int frame, const Streams& streams) const {
 
 TruthImages PlantSimulation::truth(int frame, const TruthNeeds& needs) const {
   if (impl_->moves()) {
-    const Moment moment = impl_->moment(frame, needs.flow);
-    return true_images(moment.rays, impl_->scene, moment.rig, frame, needs);
+    const Moment moment = impl_->moment(frame);
+    return impl_->with_flow(moment, frame, needs);
   }
   return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs);
 }
@@ -127,6 +163,10 @@ SceneTruth PlantSimulation::scene_truth() const {
   truth.seed = impl_->seed;
   truth.config_toml = resolved_toml(impl_->asked) + comments_of(impl_->cousin.changes);
   truth.scene = impl_->scene;
+  std::vector<TimeSpan> spans;
+  for (std::size_t i = 0; i < views().size(); ++i)
+    spans.push_back(span_of(impl_->rig, static_cast<int>(i)));
+  keep_seen_motion(truth.scene, spans);
   truth.shared_plants = shared_plants(impl_->config.scene, impl_->index);
   truth.views = views();
   truth.other_sensors.assign(impl_->rig.views().begin() + 1, impl_->rig.views().end());

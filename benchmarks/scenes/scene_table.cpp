@@ -55,12 +55,11 @@ std::pair<bool, std::string> plant_physics(const PlantSceneConfig& scene) {
     return {true, "branches bend under their fruits to rest"};
   const bool blows = std::visit(
       [](const auto& config) {
-        if constexpr (requires { config.wind.mean_speed_m_s; })
-          return config.wind.mean_speed_m_s > 0;
+        if constexpr (requires { is_still(config.motion); }) return !is_still(config.motion);
         return false;
       },
       scene);
-  if (blows) return {true, "plants sway in the wind"};
+  if (blows) return {true, "plants move in the wind or under a hand"};
   return {false, "nothing settles or moves by force"};
 }
 

@@ -175,6 +175,7 @@ void add_point_rows(const std::vector<SpecimenRow>& all, const Point& point,
 LinePlot plot_of(const std::vector<ScoreRow>& rows, const std::string& metric,
                  const std::string& title, const std::string& y_label, double scale) {
   LinePlot plot;
+  plot.section = "Along the axes of distance";
   plot.title = title;
   plot.caption = {"Each axis alone; 0 is the reference scene, 1 as far as its table goes."};
   plot.x_label = "distance from the reference";

@@ -95,6 +95,8 @@ Fields fields(BoardBody& b) {
       {"paper_albedo", &b.paper_albedo, "white of the print", 0, 1},
       {"ink_albedo", &b.ink_albedo, "black of the print", 0, 1},
       {"plate_albedo", &b.plate_albedo, "back and edges", 0, 1},
+      {"paper_infrared", &b.paper_infrared, "paper's albedo at 850 nm", 0, 1},
+      {"ink_infrared", &b.ink_infrared, "the black's albedo at 850 nm", 0, 1},
       {"roughness", &b.roughness, "of the paper's coat: 0.05 a mirror, 1 matt", 0.05, 1},
       {"ink_roughness", &b.ink_roughness, "of the coat over the ink", 0.05, 1},
       {"ior", &b.ior, "of the coat; 1 = none", 1, 2.5},
@@ -165,13 +167,16 @@ std::vector<Material> board_materials(const BoardBody& body) {
   paper.albedo = to_rgb(color_vector(body.paper_albedo));
   paper.roughness = body.roughness;
   paper.ior = body.ior;
+  paper.infrared_albedo = static_cast<float>(body.paper_infrared);
   Material ink = paper;
   ink.name = "ink";
   ink.albedo = to_rgb(color_vector(body.ink_albedo));
   ink.roughness = body.ink_roughness;
+  ink.infrared_albedo = static_cast<float>(body.ink_infrared);
   Material plate = paper;
   plate.name = "plate";
   plate.albedo = to_rgb(color_vector(body.plate_albedo));
+  plate.infrared_albedo = plate.albedo.r;  // metal: the same
   return {paper, ink, plate};
 }
 

@@ -29,8 +29,9 @@ struct BoardBody {
   double thickness_m = 0.004;
   double detail_m = 0.005;  ///< longest edge of a triangle of the face
   std::vector<double> paper_albedo, ink_albedo, plate_albedo;
-  double roughness = 0.5, ior = 1.5;  ///< of the paper's coat
-  double ink_roughness = 0.5;         ///< of the same coat over the ink
+  double paper_infrared = 0, ink_infrared = 0;  ///< at 850 nm
+  double roughness = 0.5, ior = 1.5;            ///< of the paper's coat
+  double ink_roughness = 0.5;                   ///< of the same coat over the ink
 };
 Fields fields(BoardBody& body);
 

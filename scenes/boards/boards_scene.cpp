@@ -139,6 +139,16 @@ Mesh bar(const BoardsSceneConfig& config, const Mesh& board, double length_m) {
              {kHalf_m, 0.5 * length_m, kHalf_m * (config.place == "hand" ? 0.6 : 1)});
 }
 
+/// The plate that a stand's bar is welded to, on the floor, in the board's frame.
+void add_foot(Mesh& bar, const Mesh& board, double floor_y_m) {
+  constexpr double kHalf_m = 0.006;
+  const Mesh plate = box({0, floor_y_m + kHalf_m, least_z(board) - 0.0125}, {0.18, kHalf_m, 0.14});
+  const auto first = static_cast<std::uint32_t>(bar.vertices_m.size());
+  bar.vertices_m.insert(bar.vertices_m.end(), plate.vertices_m.begin(), plate.vertices_m.end());
+  for (const auto& t : plate.triangles)
+    bar.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
 void add_room(Scene& scene, const BoardsSceneConfig& config, double wall_y_m) {
   const auto& c = config.setting.place;
   constexpr double kHalf_m = 8;
@@ -218,7 +228,10 @@ Scene build_boards_scene(const BoardsSceneConfig& config, Rng rng) {
   const bool is_held = config.place == "hand";
   Mesh holder;
   if (is_held) holder = bar(config, model.mesh, half_height_m(config) + 0.45);
-  if (config.place == "stand") holder = bar(config, model.mesh, rest.translation_m.z());
+  if (config.place == "stand") {
+    holder = bar(config, model.mesh, rest.translation_m.z());
+    add_foot(holder, model.mesh, -rest.translation_m.z());
+  }
   const int board = add_board(scene, config, std::move(model));
   scene.instances[static_cast<std::size_t>(board)].world_from_object = rest;
   std::vector<int> held = {board};

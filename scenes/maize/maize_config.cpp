@@ -136,7 +136,7 @@ Fields fields(MaizeConfig& c) {
          nested("sheath", fields(c.sheath)) + nested("blade", fields(c.blade)) +
          nested("root", fields(c.root)) + nested("flower", fields(c.flower)) +
          nested("surface", fields(c.surface)) + nested("field", fields(c.field)) +
-         nested("sway", fields(c.sway));
+         nested("sway", fields(c.sway)) + nested("limbs", fields(c.limbs));
 }
 
 void validate(const MaizeConfig& config) {

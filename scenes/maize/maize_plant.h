@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/limbs/plant_limbs.h"
 #include "sim/config/fields.h"
 #include "sim/physics/rigid_sway.h"
 #include "sim/plant/plant.h"
@@ -67,7 +68,8 @@ struct MaizeConfig {
     double sun_elevation_rad = 0, sun_azimuth_rad = 0, turbidity = 0;
     std::vector<double> overcast;
   } field;
-  RigidSwayConfig sway;
+  RigidSwayConfig sway;  ///< of whole plants
+  LimbConfig limbs;
 };
 Fields fields(MaizeConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.

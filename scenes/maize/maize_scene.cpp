@@ -10,7 +10,6 @@
 
 #include "scenes/maize/maize_soil.h"
 #include "sim/config/limits.h"
-#include "sim/physics/rigid_sway.h"
 #include "sim/plant/color.h"
 
 namespace cousin {
@@ -39,6 +38,7 @@ void add_light(Scene& scene, const MaizeConfig::Field& c, const std::string& lig
 
 /// A plant that may stand in several places.
 struct Variant {
+  Plant plant;
   PlantModel model;
   std::vector<TrueTrait> traits;
 };
@@ -55,7 +55,8 @@ std::vector<Variant> grow_variants(const MaizeSceneConfig& config, int count, co
   std::vector<Variant> variants(static_cast<std::size_t>(count));
   tbb::parallel_for(std::size_t{0}, variants.size(), [&](std::size_t i) {
     MaizePlant made = grow_maize(config.plant, stage, rng.fork("plant").fork(i));
-    variants[i] = {plant_model(made.plant), std::move(made.traits)};
+    PlantModel model = plant_model(made.plant);
+    variants[i] = {std::move(made.plant), std::move(model), std::move(made.traits)};
   });
   return variants;
 }
@@ -97,6 +98,24 @@ void add_plants(Scene& scene, const MaizeSceneConfig& config, const std::vector<
   }
 }
 
+/// Which specimens show which variant: models are in the variants' order.
+std::vector<PlantKind> kinds_of(const Scene& scene, const std::vector<Variant>& variants) {
+  std::vector<PlantKind> kinds;
+  int first_model = -1;
+  for (const Variant& variant : variants) kinds.push_back({&variant.plant, &variant.model, {}});
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    if (instance.is_specimen && (first_model < 0 || instance.model < first_model))
+      first_model = instance.model;
+  }
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    if (instance.is_specimen)
+      kinds[static_cast<std::size_t>(instance.model - first_model)].specimens.push_back(i);
+  }
+  return kinds;
+}
+
 }  // namespace
 
 Fields fields(MaizeSceneConfig& c) {
@@ -115,13 +134,14 @@ Fields fields(MaizeSceneConfig& c) {
                 {"azimuth_spread_rad", &c.azimuth_spread_rad,
                  "views within this of the direction across the rows", 0, 3.1416},
                 {"rig", &c.rig, "sensor preset"}} +
-         scene_wind_fields(c.wind) + nested("maize", fields(c.plant));
+         fields(c.motion) + nested("maize", fields(c.plant));
 }
 
 void validate(const MaizeSceneConfig& config) {
   MaizeSceneConfig copy = config;
   check_limits(fields(copy), "maize");
   validate(config.plant);
+  validate(config.motion);
   maize_stage(config.stage, config.plant.plant.leaves);
   const auto ordered = [](const char* low_key, double low, const char* high_key, double high) {
     if (low <= high) return;
@@ -171,7 +191,8 @@ Scene build_maize_scene(const MaizeSceneConfig& config, Rng rng) {
   add_residues(scene, config.plant.field, rng.fork("soil"));
   scene.views = maize_views(config, trait_of(variants.front(), "height"), rng.fork("views"));
   constexpr double kFelt = 0.6;  // of the height: where most of the leaf area is
-  sway_specimens(scene, config.wind, config.plant.sway, kFelt, rng.fork("sway"));
+  move_plants(scene, kinds_of(scene, variants), config.motion, config.plant.limbs,
+              config.plant.sway, kFelt, rng.fork("sway"));
   validate(scene);
   return scene;
 }

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "scenes/limbs/scene_wind.h"
 #include "scenes/maize/maize_plant.h"
 #include "sim/config/fields.h"
-#include "sim/physics/wind.h"
 #include "sim/truth/scene.h"
 #include "sim/types/rng.h"
 
@@ -21,7 +21,7 @@ struct MaizeSceneConfig {
   double height_min = 0.25, height_max = 0.6;  ///< of the point looked at, over the plant's height
   double pitch_min_rad = -0.05, pitch_max_rad = 0.35;  ///< looking down
   double azimuth_spread_rad = 3.14159;  ///< views within this of the direction across the rows
-  WindConfig wind;                      ///< in which plants sway about their feet; still by default
+  SceneWind motion;                     ///< what moves the plants; still by default
   std::string rig = "zed_hd720";
   MaizeConfig plant = maize();
 };

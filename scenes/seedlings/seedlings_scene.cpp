@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "sim/config/limits.h"
-#include "sim/physics/rigid_sway.h"
 #include "sim/plant/growth.h"
 
 namespace cousin {
@@ -67,7 +66,7 @@ Fields fields(SeedlingsSceneConfig& c) {
                 {"coverage", &c.coverage,
                  "share of the azimuths and of the tray that views are spread over", 0, 1},
                 {"rig", &c.rig, "sensor preset"}} +
-         scene_wind_fields(c.wind) + nested("watermelon", fields(c.plant)) + fields(c.setting);
+         fields(c.motion) + nested("watermelon", fields(c.plant)) + fields(c.setting);
 }
 
 void validate(const SeedlingsSceneConfig& config) {
@@ -75,6 +74,7 @@ void validate(const SeedlingsSceneConfig& config) {
   check_limits(fields(copy), "seedlings");
   validate(config.plant);
   validate(config.setting);
+  validate(config.motion);
   const auto ordered = [](const char* low_key, double low, const char* high_key, double high) {
     if (low <= high) return;
     throw std::invalid_argument(std::string(low_key) + " " + std::to_string(low) + " is above " +
@@ -102,6 +102,7 @@ Scene build_seedlings_scene(const SeedlingsSceneConfig& config, Rng rng) {
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
     cells[i] = grow_cell(config, rng.fork("plants").fork(i));
   });
+  std::vector<PlantKind> kinds;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     Cell& cell = cells[i];
     scene.instances[static_cast<std::size_t>(first_cell) + i].traits = cell_traits(cell);
@@ -123,12 +124,14 @@ Scene build_seedlings_scene(const SeedlingsSceneConfig& config, Rng rng) {
     instance.world_from_object.translation_m = cell_in_world_m(config.setting, static_cast<int>(i));
     instance.traits = cell.seedling.traits;
     cell.model.model.name = instance.name;
-    scene.models.push_back(std::move(cell.model.model));
+    kinds.push_back({&cell.seedling.plant, &cell.model, {scene.instances.size()}});
+    scene.models.push_back(cell.model.model);
     scene.instances.push_back(std::move(instance));
   }
   scene.views = seedling_views(config, rng.fork("views"));
   constexpr double kFelt = 0.8;  // of the height: the leaves
-  sway_specimens(scene, config.wind, config.plant.sway, kFelt, rng.fork("sway"));
+  move_plants(scene, kinds, config.motion, config.plant.limbs, config.plant.sway, kFelt,
+              rng.fork("sway"));
   validate(scene);
   return scene;
 }

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "scenes/limbs/scene_wind.h"
 #include "scenes/seedlings/tray.h"
 #include "scenes/seedlings/watermelon.h"
 #include "sim/config/fields.h"
-#include "sim/physics/wind.h"
 #include "sim/truth/scene.h"
 #include "sim/types/rng.h"
 
@@ -24,7 +24,7 @@ struct SeedlingsSceneConfig {
   /// 1: views lie evenly all around and over the whole tray; less: on that share of the azimuths
   /// and of the tray alone, so that random gaps open; 0: all from one side at one cell.
   double coverage = 1;
-  WindConfig wind;  ///< in which plants sway about their collars; still by default
+  SceneWind motion;  ///< what moves the plants; still by default
   std::string rig = "phone_video_720p";
   WatermelonConfig plant = watermelon();
   TrayConfig setting = seedling_tray();

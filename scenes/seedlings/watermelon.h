@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "scenes/limbs/plant_limbs.h"
 #include "sim/config/fields.h"
 #include "sim/physics/rigid_sway.h"
 #include "sim/plant/plant.h"
@@ -54,7 +55,8 @@ struct WatermelonConfig {
     double ior = 0, leaf_roughness = 0, stem_roughness = 0;
     double infrared_albedo = 0, infrared_transmittance = 0;
   } surface;
-  RigidSwayConfig sway;
+  RigidSwayConfig sway;  ///< of whole plants
+  LimbConfig limbs;
 };
 Fields fields(WatermelonConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.

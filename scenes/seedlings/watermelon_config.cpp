@@ -121,7 +121,8 @@ void require_count(const char* key, const std::vector<double>& values, std::size
 Fields fields(WatermelonConfig& c) {
   return nested("emergence", fields(c.emergence)) + nested("hypocotyl", fields(c.hypocotyl)) +
          nested("cotyledon", fields(c.cotyledon)) + nested("leaf", fields(c.leaf)) +
-         nested("surface", fields(c.surface)) + nested("sway", fields(c.sway));
+         nested("surface", fields(c.surface)) + nested("sway", fields(c.sway)) +
+         nested("limbs", fields(c.limbs));
 }
 
 void validate(const WatermelonConfig& config) {

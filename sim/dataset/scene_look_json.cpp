@@ -77,13 +77,19 @@ Json to_json(const Material& material) {
     json["infrared_albedo"] = static_cast<double>(material.infrared_albedo);
   if (material.infrared_transmittance != usual.infrared_transmittance)
     json["infrared_transmittance"] = static_cast<double>(material.infrared_transmittance);
+  if (material.infrared_noise) {
+    json["infrared_noise"] = {
+        {"other_albedo", static_cast<double>(material.infrared_noise->other_albedo)},
+        {"scale_m", material.infrared_noise->scale_m},
+        {"octaves", material.infrared_noise->octaves}};
+  }
   return json;
 }
 
 Material read_material(const JsonNode& node) {
   node.expect_keys({"name", "albedo", "ior", "roughness", "ink_albedo"},
                    {"print", "kind", "transmittance", "back_albedo", "mean_free_path_m", "noise",
-                    "infrared_albedo", "infrared_transmittance"});
+                    "infrared_albedo", "infrared_transmittance", "infrared_noise"});
   Material material;
   material.name = node["name"].text();
   material.albedo = read_color(node["albedo"]);
@@ -101,6 +107,13 @@ Material read_material(const JsonNode& node) {
     noise.expect_keys({"other_albedo", "scale_m", "octaves"});
     material.noise = {read_color(noise["other_albedo"]), noise["scale_m"].number(0),
                       static_cast<int>(noise["octaves"].integer(1, 12))};
+  }
+  if (node.has("infrared_noise")) {
+    const JsonNode noise = node["infrared_noise"];
+    noise.expect_keys({"other_albedo", "scale_m", "octaves"});
+    material.infrared_noise = {static_cast<float>(noise["other_albedo"].number(0, 1)),
+                               noise["scale_m"].number(0),
+                               static_cast<int>(noise["octaves"].integer(1, 12))};
   }
   const auto share = [&](const char* key, float usual) {
     return node.has(key) ? static_cast<float>(node[key].number(0, 1)) : usual;

@@ -8,7 +8,10 @@
 //                                  "aperture_radius_m", "focus_m": null = infinity}],
 //                       "other_sensors": [{"sensor", "views"}] if the rig has more than one}
 //   scene.json         name, rig, board, models (name, mesh file, part names, part of each
-//                      triangle), materials, instances, lights, views. Shading (vertex albedo and
+//                      triangle), materials, instances, lights, views. An instance with "part_of"
+//                      is an organ of the specimen of that id, which then has "keypoint_carriers":
+//                      ids, one a keypoint of its model. Of an organ's motion what frames see is
+//                      kept. Shading (vertex albedo and
 //                      normals) is not kept: configuration and seed make it again. A light
 //                      {"kind": "environment", "file": "environments/000000.exr", "scale": 1}
 //                      names an equirectangular OpenEXR (R, G, B; row 0 at the zenith, column 0 at
@@ -39,11 +42,13 @@
 //   instance/          16-bit PNG, id + 1; 0 = none
 //   part/              16-bit PNG, place in the model's part_names (0 where it has none);
 //                      65535 = none
-//   mask/              000000_000003.png: amodal, 255 inside, of frame 0's fourth specimen
+//   mask/              000000_000003.png: amodal, 255 inside, of frame 0's fourth specimen; none of
+//                      a specimen that has no pixel (px_count_all 0)
 //   mask_visib/        the same of what is seen; derived from instance/, never read
 
 #include "sim/dataset/truth_io.h"
 
+#include <algorithm>
 #include <charconv>
 #include <stdexcept>
 
@@ -174,6 +179,12 @@ Image<std::uint8_t> visible_mask(const Image<std::int32_t>& instance, int id) {
   return mask;
 }
 
+/// A mask without a pixel has no file: of fifty plants a photograph shows ten.
+void write_mask(const fs::path& file, const Image<std::uint8_t>& mask) {
+  if (std::any_of(mask.begin(), mask.end(), [](std::uint8_t v) { return v != 0; }))
+    write_png(file, mask);
+}
+
 void write_images(const fs::path& dir, const TruthImages& images, int frame,
                   const std::vector<const Instance*>& order) {
   const auto file = [&](const char* folder, const std::string& name) {
@@ -190,12 +201,12 @@ void write_images(const fs::path& dir, const TruthImages& images, int frame,
   if (!images.instance.empty()) {
     write_png(file("instance", png), instance_codes(images.instance, frame));
     for (std::size_t k = 0; k < order.size(); ++k) {
-      write_png(file("mask_visib", specimen_file(frame, k, ".png")),
-                visible_mask(images.instance, order[k]->id));
+      write_mask(file("mask_visib", specimen_file(frame, k, ".png")),
+                 visible_mask(images.instance, order[k]->id));
     }
   }
   for (std::size_t k = 0; k < images.masks_full.size(); ++k) {
-    write_png(file("mask", specimen_file(frame, k, ".png")), images.masks_full[k]);
+    write_mask(file("mask", specimen_file(frame, k, ".png")), images.masks_full[k]);
   }
   for (std::size_t k = 0; k < images.shares.size(); ++k) {
     write_exr(file("coverage", specimen_file(frame, k, ".exr")), share_image(images.shares[k]));
@@ -261,11 +272,26 @@ void read_depth_sensor(const fs::path& dir, const TrueView& view, TruthImages& i
                                         view, [](const fs::path& f) { return read_png8(f); });
 }
 
+/// Masks of all specimens; those without a pixel have no file.
+void read_masks(const fs::path& dir, const TrueView& view, TruthImages& images) {
+  const auto png8 = [](const fs::path& f) { return read_png8(f); };
+  for (std::size_t k = 0; k < images.visibility.size(); ++k) {
+    const std::string name = "mask/" + specimen_file(view.frame, k, ".png");
+    Image<std::uint8_t> mask = read_if_there(dir, name, view, png8);
+    if (mask.empty() && images.visibility[k].pixels_full > 0) {
+      throw std::runtime_error((dir / name).string() + " (frame " + std::to_string(view.frame) +
+                               "): the mask is missing; scene_gt_info.json counts " +
+                               std::to_string(images.visibility[k].pixels_full) + " pixels");
+    }
+    if (mask.empty()) mask = Image<std::uint8_t>(view.camera.width_px, view.camera.height_px);
+    images.masks_full.push_back(std::move(mask));
+  }
+}
+
 void read_images(const fs::path& dir, const TrueView& view, TruthImages& images) {
   const auto scalar = [](const fs::path& f) { return read_exr(f); };
   const auto vectors = [](const fs::path& f) { return read_exr_vectors(f); };
   const auto png16 = [](const fs::path& f) { return read_png16(f); };
-  const auto png8 = [](const fs::path& f) { return read_png8(f); };
   const std::string exr = six_digits(view.frame) + ".exr";
   const std::string png = six_digits(view.frame) + ".png";
   images.depth_m = read_if_there(dir, "depth/" + exr, view, scalar);
@@ -279,17 +305,7 @@ void read_images(const fs::path& dir, const TrueView& view, TruthImages& images)
     for (std::size_t i = 0; i < codes.size(); ++i)
       images.instance.data()[i] = static_cast<std::int32_t>(codes.data()[i]) - 1;
   }
-  for (std::size_t k = 0; k < images.visibility.size(); ++k) {
-    Image<std::uint8_t> mask =
-        read_if_there(dir, "mask/" + specimen_file(view.frame, k, ".png"), view, png8);
-    if (!mask.empty()) images.masks_full.push_back(std::move(mask));
-  }
-  if (!images.masks_full.empty() && images.masks_full.size() != images.visibility.size()) {
-    throw std::runtime_error((dir / "mask").string() + " (frame " + std::to_string(view.frame) +
-                             "): " + std::to_string(images.masks_full.size()) +
-                             " masks; scene_gt_info.json lists " +
-                             std::to_string(images.visibility.size()) + " specimens");
-  }
+  if (fs::is_directory(dir / "mask")) read_masks(dir, view, images);
 }
 
 std::uint64_t read_seed(const fs::path& file) {

@@ -37,13 +37,15 @@ Json json_of(const Instance& instance) {
                {"world_from_object", to_json(instance.world_from_object)},
                {"motion", motion}};
   if (!instance.part_materials.empty()) json["part_materials"] = instance.part_materials;
+  if (instance.part_of >= 0) json["part_of"] = instance.part_of;
+  if (!instance.keypoint_carriers.empty()) json["keypoint_carriers"] = instance.keypoint_carriers;
   return json;
 }
 
 Instance read_instance(const JsonNode& node) {
   node.expect_keys({"id", "name", "category", "is_specimen", "model", "material", "mass_kg",
                     "world_from_object", "motion"},
-                   {"part_materials"});
+                   {"part_materials", "part_of", "keypoint_carriers"});
   Instance instance;
   instance.id = static_cast<int>(node["id"].integer(0, kMaxId));
   instance.name = node["name"].text();
@@ -54,6 +56,11 @@ Instance read_instance(const JsonNode& node) {
   if (node.has("part_materials")) {
     for (const JsonNode& part : node["part_materials"].elements(65535))
       instance.part_materials.push_back(static_cast<int>(part.integer(0, kMaxId)));
+  }
+  if (node.has("part_of")) instance.part_of = static_cast<int>(node["part_of"].integer(0, kMaxId));
+  if (node.has("keypoint_carriers")) {
+    for (const JsonNode& carrier : node["keypoint_carriers"].elements(100'000))
+      instance.keypoint_carriers.push_back(static_cast<int>(carrier.integer(0, kMaxId)));
   }
   instance.mass_kg = node["mass_kg"].number(0);
   instance.world_from_object = read_pose(node["world_from_object"]);

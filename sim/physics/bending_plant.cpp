@@ -159,6 +159,16 @@ double radius_at_m(const BendingStem& stem, double share) {
   return std::lerp(stem.radii_m[at.piece], stem.radii_m[at.piece + 1], at.fraction);
 }
 
+BentPlant unbent(const BendingPlant& plant) {
+  BentPlant bent;
+  for (const BendingStem& stem : plant.stems) {
+    const auto segments = static_cast<std::size_t>(stem.segments);
+    bent.sections.emplace_back(segments + 1);
+    bent.joints_rad.emplace_back(3 * segments, 0.0);
+  }
+  return bent;
+}
+
 Pose bent_from_unbent(const BendingPlant& plant, const BentPlant& bent, int stem, double share) {
   const auto index = static_cast<std::size_t>(stem);
   return bent.sections.at(index).at(section_of(plant.stems.at(index), share));

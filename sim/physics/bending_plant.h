@@ -79,6 +79,9 @@ struct BentPlant {
   std::vector<std::vector<double>> joints_rad;
 };
 
+/// Nothing bent: every section where it was.
+BentPlant unbent(const BendingPlant& plant);
+
 /// Where things at a share of a stem went: of the section that holds it.
 Pose bent_from_unbent(const BendingPlant& plant, const BentPlant& bent, int stem, double share);
 /// A stem's bent centre line at its nodes, evenly spaced along it.

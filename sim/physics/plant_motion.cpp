@@ -8,6 +8,7 @@
 
 #include "sim/physics/penetration.h"
 #include "sim/physics/plant_model.h"
+#include "sim/physics/sway_forces.h"
 
 namespace cousin {
 namespace {
@@ -16,15 +17,6 @@ constexpr double kHold_s = 0.2;      // rest must last as long
 constexpr double kSurelyBroken = 2;  // times the strength: no overshoot of the slow loading
 constexpr double kSoft_s = 1;        // contacts harden for as long
 constexpr double kSoftest_s = 0.2;   // time constant of the softest
-constexpr double kGust_s = 0.002;    // wind is held for about as long: gusts are slower
-
-StemStrain strain_of(const PlantStress& stress) {
-  return {stress.stress_pa, stress.ratio, stress.stem, stress.share};
-}
-
-Eigen::Vector3d vector_at(const mjtNum* values, int body) {
-  return Eigen::Map<const Eigen::Vector3d>(values + 3 * static_cast<std::ptrdiff_t>(body));
-}
 
 /// How far bodies have strayed from where they were when it was last set.
 class Anchor {
@@ -181,120 +173,9 @@ SagResult sag(const BendingPlant& plant, const SagConfig& config) {
   return result;
 }
 
-namespace {
-
-/// Forces of the air and of hands on one motion's bodies.
-class Forces {
- public:
-  Forces(const BendingPlant& plant, const PlantModel& engine, const SwayConfig& config,
-         const std::vector<HandPush>& pushes, Rng rng)
-      : plant_(plant),
-        engine_(engine),
-        config_(config),
-        pushes_(pushes),
-        wind_(make_wind(config.wind, rng)) {}
-
-  void apply(mjData& data) const {
-    mju_zero(data.xfrc_applied, 6 * engine_.model->nbody);
-    if (config_.air_density_kg_m3 > 0) {
-      for (const PlantHinge& hinge : engine_.hinges) push_stem(data, hinge);
-      for (std::size_t i = 0; i < plant_.loads.size(); ++i) push_load(data, i);
-    }
-    for (const HandPush& push : pushes_) push_by_hand(data, push);
-  }
-
- private:
-  /// 1/2 rho A |v| v of the air past a body's centre of mass.
-  Eigen::Vector3d drag_n(const mjData& data, int body, const Eigen::Vector3d& along,
-                         double drag_area_m2) const {
-    const Eigen::Vector3d at = vector_at(data.xipos, body);
-    mjtNum moving[6];  // rotation, then translation, at the centre of mass
-    mj_objectVelocity(engine_.model.get(), &data, mjOBJ_BODY, body, moving, 0);
-    Eigen::Vector3d past = wind_m_s(wind_, at, data.time) -
-                           Eigen::Map<const Eigen::Vector3d>(static_cast<mjtNum*>(moving) + 3);
-    past -= past.dot(along) * along;  // a stem feels what comes across it
-    return 0.5 * config_.air_density_kg_m3 * drag_area_m2 * past.norm() * past;
-  }
-
-  static void add(mjData& data, int body, const Eigen::Vector3d& force_n,
-                  const Eigen::Vector3d& lever_m) {
-    Eigen::Map<Eigen::Vector3d> force(data.xfrc_applied + 6 * static_cast<std::ptrdiff_t>(body));
-    Eigen::Map<Eigen::Vector3d> torque(data.xfrc_applied + 6 * static_cast<std::ptrdiff_t>(body) +
-                                       3);
-    force += force_n;
-    torque += lever_m.cross(force_n);
-  }
-
-  void push_stem(mjData& data, const PlantHinge& hinge) const {
-    const BendingStem& stem = plant_.stems[hinge.stem];
-    const double span_m = length_m(stem) / stem.segments * (hinge.node == stem.segments ? 0.5 : 1);
-    const mjtNum* q = data.xquat + 4 * static_cast<std::ptrdiff_t>(hinge.body);
-    const Eigen::Vector3d along = Eigen::Quaterniond(q[0], q[1], q[2], q[3]) * hinge.along;
-    add(data, hinge.body,
-        drag_n(data, hinge.body, along, config_.drag_coefficient * 2 * hinge.radius_m * span_m),
-        Eigen::Vector3d::Zero());
-  }
-
-  void push_load(mjData& data, std::size_t i) const {
-    if (!(plant_.loads[i].drag_area_m2 > 0)) return;
-    const int body = engine_.load_body[i];
-    add(data, body, drag_n(data, body, Eigen::Vector3d::Zero(), plant_.loads[i].drag_area_m2),
-        Eigen::Vector3d::Zero());
-  }
-
-  void push_by_hand(mjData& data, const HandPush& push) const {
-    const double phase = (data.time - push.begin_s) / push.seconds;
-    if (phase <= 0 || phase >= 1) return;
-    const auto s = static_cast<std::size_t>(push.stem);
-    const BendingStem& stem = plant_.stems[s];
-    const int node = static_cast<int>(push.share * stem.segments + 0.5);
-    if (node == 0) return;  // held by what carries it
-    const PlantHinge& hinge =
-        engine_.hinges[engine_.first_hinge[s] + static_cast<std::size_t>(node - 1)];
-    const mjtNum* q = data.xquat + 4 * static_cast<std::ptrdiff_t>(hinge.body);
-    const Eigen::Vector3d at =
-        vector_at(data.xpos, hinge.body) +
-        Eigen::Quaterniond(q[0], q[1], q[2], q[3]) * (point_at_m(stem, push.share) - hinge.at_m);
-    add(data, hinge.body, std::sin(std::numbers::pi * phase) * push.force_n,
-        at - vector_at(data.xipos, hinge.body));
-  }
-
-  const BendingPlant& plant_;
-  const PlantModel& engine_;
-  const SwayConfig& config_;
-  const std::vector<HandPush>& pushes_;
-  WindField wind_;
-};
-
-void check(const BendingPlant& plant, const std::vector<HandPush>& pushes,
-           const SwayConfig& config) {
-  validate(config);
-  validate(plant);
-  for (std::size_t s = 0; s < plant.stems.size(); ++s) {
-    if (plant.stems[s].damping_time_s >= config.step_s) continue;
-    throw std::invalid_argument("sway: stem " + std::to_string(s) + ": damping_time_s is " +
-                                std::to_string(plant.stems[s].damping_time_s) +
-                                "; it must be at least the step, " + std::to_string(config.step_s));
-  }
-  for (const HandPush& push : pushes) {
-    const bool sound = push.stem >= 0 && push.stem < static_cast<int>(plant.stems.size()) &&
-                       push.share >= 0 && push.share <= 1 && push.seconds > 0 &&
-                       push.force_n.allFinite() && push.force_n.norm() <= 1000;
-    if (!sound) {
-      throw std::invalid_argument(
-          "sway: a push needs a stem that exists, a share in [0, 1], a positive time and at most "
-          "1000 N; it is of stem " +
-          std::to_string(push.stem) + " at " + std::to_string(push.share) + " for " +
-          std::to_string(push.seconds) + " s");
-    }
-  }
-}
-
-}  // namespace
-
 SwayResult sway(const BendingPlant& plant, const BentPlant& from,
                 const std::vector<HandPush>& pushes, const SwayConfig& config, Rng rng) {
-  check(plant, pushes, config);
+  check_sway(plant, pushes, config);
   const bool touches =
       config.contacts && (!plant.obstacles.empty() ||
                           std::any_of(plant.loads.begin(), plant.loads.end(),
@@ -309,8 +190,8 @@ SwayResult sway(const BendingPlant& plant, const BentPlant& from,
   const EngineData data = make_data(*engine.model);
   set_bent(engine, from, *data);
   mj_forward(engine.model.get(), data.get());
-  const Forces forces(plant, engine, config, pushes, rng);
-  const long hold = std::max(1L, std::lround(kGust_s / config.step_s));
+  SwayForces forces(plant, engine, config, pushes, make_wind(config.wind, rng));
+  const long hold = forces.hold_steps();
   const long sample = std::lround(config.sample_s / config.step_s);
   const long steps = std::lround(config.duration_s / config.step_s);
   result.frames.push_back(bent_plant(plant, engine, *data));

@@ -107,4 +107,25 @@ struct SwayResult {
 SwayResult sway(const BendingPlant& plant, const BentPlant& from,
                 const std::vector<HandPush>& pushes, const SwayConfig& config, Rng rng);
 
+/// Stretches of time that somebody looks at, of a long motion.
+struct SwayWindows {
+  struct Span {
+    double begin_s = 0, end_s = 0;
+  };
+  std::vector<Span> spans;  ///< sorted; they may overlap
+  double lead_s = 1;        ///< the motion begins so long before the first, from a given shape
+};
+/// @throws std::invalid_argument for spans that end before they begin or are not sorted, or a lead
+/// that is not in [0, 100].
+void validate(const SwayWindows& windows);
+
+/// As sway(), in a wind that other plants share, at the times of the windows: frames at whole
+/// multiples of config.sample_s that cover each. After a pause of more than lead_s the motion
+/// begins anew, lead_s before the next window: what was before has died away. Bodies feel the air
+/// where they are at rest, so they must move by less than gusts are long. `config.duration_s` and
+/// `config.wind` are not used.
+SwayResult sway_windows(const BendingPlant& plant, const BentPlant& from,
+                        const std::vector<HandPush>& pushes, const SwayConfig& config,
+                        const WindField& wind, const SwayWindows& windows);
+
 }  // namespace cousin

@@ -61,6 +61,22 @@ Fields fields(SwayConfig& c) {
          nested("wind", fields(c.wind));
 }
 
+void validate(const SwayWindows& windows) {
+  if (!(windows.lead_s >= 0 && windows.lead_s <= 100)) {
+    throw std::invalid_argument("sway: lead_s is " + std::to_string(windows.lead_s) +
+                                "; it must be in [0, 100]");
+  }
+  constexpr double kFar_s = 1e6;
+  double last_s = -kFar_s;
+  for (const SwayWindows::Span& span : windows.spans) {
+    if (!(span.begin_s >= last_s && span.end_s >= span.begin_s && span.end_s <= kFar_s)) {
+      throw std::invalid_argument("sway: a window from " + std::to_string(span.begin_s) + " to " +
+                                  std::to_string(span.end_s) + " s is not one, or not sorted");
+    }
+    last_s = span.begin_s;
+  }
+}
+
 void validate(const SwayConfig& config) {
   SwayConfig copy = config;
   check_limits(fields(copy), "sway");

@@ -1,21 +1,6 @@
 #include "sim/physics/plant_motion.h"
 
 namespace cousin {
-namespace {
-
-/// Nothing bent: every section where it was.
-BentPlant unbent(const BendingPlant& plant) {
-  BentPlant bent;
-  for (const BendingStem& stem : plant.stems) {
-    const auto segments = static_cast<std::size_t>(stem.segments);
-    bent.sections.emplace_back(segments + 1);
-    bent.joints_rad.emplace_back(3 * segments, 0.0);
-  }
-  return bent;
-}
-
-}  // namespace
-
 SagResult sag(const BendingPlant& plant, const SagConfig& config) {
   validate(config);
   validate(plant);
@@ -29,6 +14,18 @@ SwayResult sway(const BendingPlant& plant, const BentPlant& from, const std::vec
                 const SwayConfig& config, Rng) {
   validate(config);
   validate(plant);
+  SwayResult result;
+  result.status = plant.stems.empty() ? PlantStatus::ok : PlantStatus::not_built;
+  result.frames = {from};
+  return result;
+}
+
+SwayResult sway_windows(const BendingPlant& plant, const BentPlant& from,
+                        const std::vector<HandPush>&, const SwayConfig& config, const WindField&,
+                        const SwayWindows& windows) {
+  validate(config);
+  validate(plant);
+  validate(windows);
   SwayResult result;
   result.status = plant.stems.empty() ? PlantStatus::ok : PlantStatus::not_built;
   result.frames = {from};

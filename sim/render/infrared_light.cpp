@@ -219,36 +219,54 @@ InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projecto
   return lights;
 }
 
-InfraredSurface::Share InfraredSurface::at(const Eigen::Vector3f& position_m,
+InfraredSurface::Share InfraredSurface::at(const Eigen::Vector3f& position_m, std::uint16_t part,
                                            bool has_print) const {
-  if (!noise && !(print && has_print)) return {albedo, transmittance};
+  const InfraredLook& look = looks[looks.size() > 1 ? part : 0];
+  const bool is_printed = look.print && has_print;
+  if (look.octaves == 0 && !is_printed) return {look.albedo, look.transmittance};
   const Eigen::Vector3f p = object_from_world * position_m + object_origin_m;
-  if (print && has_print &&
-      is_black(*print, static_cast<double>(p.x()), static_cast<double>(p.y()))) {
-    return {ink_albedo, 0};
+  if (is_printed && is_black(*look.print, static_cast<double>(p.x()), static_cast<double>(p.y()))) {
+    return {look.ink_albedo, 0};
   }
-  if (!noise) return {albedo, transmittance};
-  const float t = value_noise(p / static_cast<float>(noise->scale_m), noise->octaves);
-  const float factor = 1 - t + t * noise_ratio;
-  const float varied = std::clamp(albedo * factor, 0.0F, 1 - transmittance);
-  return {varied, transmittance};
+  if (look.octaves == 0) return {look.albedo, look.transmittance};
+  const float t = value_noise(p / static_cast<float>(look.scale_m), look.octaves);
+  const float factor = 1 - t + t * look.noise_ratio;
+  return {std::clamp(look.albedo * factor, 0.0F, 1 - look.transmittance), look.transmittance};
 }
+
+namespace {
+
+InfraredLook look_of(const Material& m) {
+  InfraredLook look;
+  look.albedo = m.infrared_albedo;
+  look.transmittance = m.infrared_transmittance;
+  if (m.infrared_noise) {
+    look.noise_ratio = m.infrared_noise->other_albedo / std::max(look.albedo, 1e-3F);
+    look.scale_m = m.infrared_noise->scale_m;
+    look.octaves = m.infrared_noise->octaves;
+  } else if (m.noise) {
+    // As bright and dark as what is seen.
+    look.noise_ratio = luminance(m.noise->other_albedo) / std::max(luminance(m.albedo), 1e-3F);
+    look.scale_m = m.noise->scale_m;
+    look.octaves = m.noise->octaves;
+  }
+  look.print = m.print;
+  look.ink_albedo = luminance(m.ink_albedo);
+  return look;
+}
+
+}  // namespace
 
 std::vector<InfraredSurface> make_infrared_surfaces(const Scene& scene, double time_s,
                                                     const Eigen::Vector3d& centre_m) {
   std::vector<InfraredSurface> surfaces(scene.instances.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    const Material& m = scene.materials[static_cast<std::size_t>(instance.material)];
     InfraredSurface& s = surfaces[i];
-    s.albedo = m.infrared_albedo;
-    s.transmittance = m.infrared_transmittance;
-    s.noise = m.noise;
-    if (m.noise) {
-      s.noise_ratio = luminance(m.noise->other_albedo) / std::max(luminance(m.albedo), 1e-3F);
-    }
-    s.print = m.print;
-    s.ink_albedo = luminance(m.ink_albedo);
+    for (const int part : instance.part_materials)
+      s.looks.push_back(look_of(scene.materials[static_cast<std::size_t>(part)]));
+    if (s.looks.empty())
+      s.looks.push_back(look_of(scene.materials[static_cast<std::size_t>(instance.material)]));
     const Pose object_from_world = inverse(world_from_object(instance, time_s));
     s.object_from_world = object_from_world.rotation.toRotationMatrix().cast<float>();
     s.object_origin_m = (object_from_world * centre_m).cast<float>();

@@ -56,20 +56,26 @@ InfraredLights make_infrared_lights(const Scene& scene, std::span<const Projecto
                                     const InfraredConfig& config, const Eigen::Vector3d& centre_m,
                                     double sample_rad);
 
-/// What a surface does with infrared light, at any of its points.
-struct InfraredSurface {
+/// What a material does with infrared light.
+struct InfraredLook {
   float albedo = 0, transmittance = 0;
-  std::optional<NoiseTexture> noise;
-  float noise_ratio = 1;  ///< of the other colour's luminance to the base's
+  float noise_ratio = 1;  ///< of the texture's other albedo to `albedo`
+  double scale_m = 0;     ///< of the texture; 0 = none
+  int octaves = 0;
   std::optional<SeedBoard> print;
   float ink_albedo = 0;
+};
+
+/// An instance at infrared, at any of its points.
+struct InfraredSurface {
+  std::vector<InfraredLook> looks;    ///< one a part of the model, or one for all
   Eigen::Matrix3f object_from_world;  ///< rotation, then the origin: for noise and print
   Eigen::Vector3f object_origin_m;
 
   struct Share {
     float albedo, transmittance;
   };
-  Share at(const Eigen::Vector3f& position_m, bool has_print) const;
+  Share at(const Eigen::Vector3f& position_m, std::uint16_t part, bool has_print) const;
 };
 std::vector<InfraredSurface> make_infrared_surfaces(const Scene& scene, double time_s,
                                                     const Eigen::Vector3d& centre_m);

@@ -21,7 +21,7 @@ InfraredHit resolve(const RayScene::Impl& impl, const std::vector<InfraredSurfac
   hit.normal = point.face_normal;
   hit.offset_m = point.offset_m;
   hit.surface = static_cast<int>(point.geometry);
-  hit.share = surfaces[point.geometry].at(hit.position_m, point.has_print);
+  hit.share = surfaces[point.geometry].at(hit.position_m, point.part, point.has_print);
   return hit;
 }
 

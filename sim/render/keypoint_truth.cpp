@@ -17,7 +17,7 @@ std::vector<KeypointView> view_keypoints(const RayScene& rays, const Scene& scen
                                 "\" is not the one of the rays");
   }
   struct Place {
-    const Instance* instance;
+    std::size_t carrier;  // into Scene::instances
     Eigen::Vector3d in_object_m;
   };
   std::vector<Place> places;
@@ -25,7 +25,7 @@ std::vector<KeypointView> view_keypoints(const RayScene& rays, const Scene& scen
   for (const Instance* instance : specimens_of(scene)) {
     const auto& keypoints = scene.models[static_cast<std::size_t>(instance->model)].keypoints;
     for (std::size_t k = 0; k < keypoints.size(); ++k) {
-      places.push_back({instance, keypoints[k].in_object_m});
+      places.push_back({carrier_of(scene, *instance, k), keypoints[k].in_object_m});
       KeypointView keypoint;
       keypoint.instance = instance->id;
       keypoint.keypoint = static_cast<int>(k);
@@ -33,9 +33,9 @@ std::vector<KeypointView> view_keypoints(const RayScene& rays, const Scene& scen
     }
   }
   tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
-    const auto own = static_cast<std::size_t>(places[i].instance - scene.instances.data());
+    const std::size_t own = places[i].carrier;
     KeypointView& keypoint = result[i];
-    const auto seen = image_of(view, *places[i].instance, places[i].in_object_m);
+    const auto seen = image_of(view, scene.instances[own], places[i].in_object_m);
     keypoint.state = PointState::outside;
     if (!seen) return;
     keypoint.pixel_px = seen->pixel_px;

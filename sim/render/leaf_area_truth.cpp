@@ -25,22 +25,35 @@ bool is_leaf(const Scene& scene, const Instance& instance, std::size_t triangle)
 
 /// Points of equal shares of the leaf area, and that area.
 struct LeafPoints {
+  struct Point {
+    std::size_t place = 0;  ///< into Scene::instances
+    Eigen::Vector3d in_object_m;
+  };
   double area_m2 = 0;
-  std::vector<Eigen::Vector3d> in_object_m;
+  std::vector<Point> points;
 };
 
-LeafPoints leaf_points(const Scene& scene, const Instance& instance, int points) {
-  const Mesh& mesh = scene.models[static_cast<std::size_t>(instance.model)].mesh;
-  std::vector<std::size_t> triangles;
+const Mesh& mesh_of(const Scene& scene, std::size_t place) {
+  return scene.models[static_cast<std::size_t>(scene.instances[place].model)].mesh;
+}
+
+LeafPoints leaf_points(const Scene& scene, const std::vector<std::size_t>& places, int points) {
+  struct Triangle {
+    std::size_t place = 0, index = 0;
+  };
+  std::vector<Triangle> triangles;
   std::vector<double> sum_m2;  // of the areas so far
   LeafPoints leaf;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (!is_leaf(scene, instance, t)) continue;
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Eigen::Vector3d& origin = mesh.vertices_m[a];
-    leaf.area_m2 += 0.5 * (mesh.vertices_m[b] - origin).cross(mesh.vertices_m[c] - origin).norm();
-    triangles.push_back(t);
-    sum_m2.push_back(leaf.area_m2);
+  for (const std::size_t place : places) {
+    const Mesh& mesh = mesh_of(scene, place);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (!is_leaf(scene, scene.instances[place], t)) continue;
+      const auto& [a, b, c] = mesh.triangles[t];
+      const Eigen::Vector3d& origin = mesh.vertices_m[a];
+      leaf.area_m2 += 0.5 * (mesh.vertices_m[b] - origin).cross(mesh.vertices_m[c] - origin).norm();
+      triangles.push_back({place, t});
+      sum_m2.push_back(leaf.area_m2);
+    }
   }
   if (!(leaf.area_m2 > 0)) return leaf;
   for (int i = 0; i < points; ++i) {
@@ -51,10 +64,11 @@ LeafPoints leaf_points(const Scene& scene, const Instance& instance, int points)
     const auto found = std::upper_bound(sum_m2.begin(), sum_m2.end(), at_m2);
     const auto t = std::min(static_cast<std::size_t>(found - sum_m2.begin()), sum_m2.size() - 1);
     if (place.sum() > 1) place = Eigen::Vector2d::Ones() - place;
-    const auto& [a, b, c] = mesh.triangles[triangles[t]];
+    const Mesh& mesh = mesh_of(scene, triangles[t].place);
+    const auto& [a, b, c] = mesh.triangles[triangles[t].index];
     const Eigen::Vector3d& origin = mesh.vertices_m[a];
-    leaf.in_object_m.push_back(origin + place.x() * (mesh.vertices_m[b] - origin) +
-                               place.y() * (mesh.vertices_m[c] - origin));
+    leaf.points.push_back({triangles[t].place, origin + place.x() * (mesh.vertices_m[b] - origin) +
+                                                   place.y() * (mesh.vertices_m[c] - origin)});
   }
   return leaf;
 }
@@ -72,15 +86,14 @@ std::vector<LeafAreaView> view_leaf_areas(const RayScene& rays, const Scene& sce
   const std::vector<const Instance*> order = specimens_of(scene);
   std::vector<LeafAreaView> areas(order.size());
   tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
-    const auto own = static_cast<std::size_t>(order[i] - scene.instances.data());
-    const LeafPoints leaf = leaf_points(scene, *order[i], points);
+    const LeafPoints leaf = leaf_points(scene, places_of(scene, *order[i]), points);
     LeafAreaView& area = areas[i];
     area.instance = order[i]->id;
     area.whole_m2 = leaf.area_m2;
-    for (const Eigen::Vector3d& point_m : leaf.in_object_m) {
-      const auto seen = image_of(view, *order[i], point_m);
+    for (const LeafPoints::Point& point : leaf.points) {
+      const auto seen = image_of(view, scene.instances[point.place], point.in_object_m);
       area.is_seen.push_back(seen && is_inside(view.camera, seen->pixel_px) &&
-                             is_in_sight(rays, *seen, own, 0));
+                             is_in_sight(rays, *seen, point.place, 0));
     }
   });
   return areas;

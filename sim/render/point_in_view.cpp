@@ -123,8 +123,9 @@ bool is_in_sight(const RayScene& rays, const PointInView& point, std::size_t own
     const Eigen::Vector3d in_plane_axes =
         g.is_instanced ? inverse(mesh_pose(impl, g, time)) * p : p;
     const bool on_plane = std::abs(normal.dot(in_plane_axes) - plane.distance) <= rounding_m;
-    const bool on_skin =
-        geometry == own && distance_m - static_cast<double>(ray.ray.tfar) <= skin_m + rounding_m;
+    // A plant's node lies in its stem, whichever of its organs carries it.
+    const bool on_skin = g.id == impl.geometries[own].id &&
+                         distance_m - static_cast<double>(ray.ray.tfar) <= skin_m + rounding_m;
     if (!on_plane && !on_skin) return false;
     tnear = beyond(ray.ray.tfar);
   }

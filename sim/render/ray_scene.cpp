@@ -14,6 +14,7 @@
 #include "sim/render/ray_mesh.h"
 #include "sim/render/ray_motion.h"
 #include "sim/render/ray_scene_impl.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
@@ -59,7 +60,7 @@ std::vector<ModelUse> model_uses(const Scene& scene) {
   const bool is_many = used_triangles(scene, uses) > kManyTriangles;
   for (const Instance& instance : scene.instances) {
     ModelUse& use = uses[static_cast<std::size_t>(instance.model)];
-    use.is_shared |= use.instances > 1 || (is_many && instance.is_specimen);
+    use.is_shared |= use.instances > 1 || (is_many && is_of_specimen(instance));
   }
   return uses;
 }
@@ -73,7 +74,7 @@ Eigen::Vector3d scene_centre(const Scene& scene, const std::vector<ModelUse>& us
     const auto add = [&](const Eigen::Vector3d& v) {
       const Eigen::Vector3d p = pose * v;
       all.add(p);
-      if (instance.is_specimen) specimens.add(p);
+      if (is_of_specimen(instance)) specimens.add(p);
     };
     const auto model = static_cast<std::size_t>(instance.model);
     const auto& vertices = scene.models[model].mesh.vertices_m;
@@ -93,8 +94,8 @@ RayGeometry make_geometry(const Scene& scene, std::size_t index, const ModelUse&
   const Instance& instance = scene.instances[index];
   RayGeometry geometry;
   geometry.instance_index = static_cast<int>(index);
-  geometry.id = instance.id;
-  geometry.is_specimen = instance.is_specimen;
+  geometry.id = whole_id(instance);
+  geometry.is_specimen = is_of_specimen(instance);
   geometry.has_print =
       scene.materials[static_cast<std::size_t>(instance.material)].print.has_value();
   geometry.box_corners_in_object_m = use.corners_m;

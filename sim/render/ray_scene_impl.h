@@ -40,9 +40,9 @@ struct RayMesh {
 
 /// One instance: which triangles, and where they are.
 struct RayGeometry {
-  int instance_index = 0;  ///< into Scene::instances
-  int id = 0;              ///< Instance::id
-  bool is_specimen = false;
+  int instance_index = 0;    ///< into Scene::instances
+  int id = 0;                ///< Instance::id; of an organ its specimen's
+  bool is_specimen = false;  ///< or an organ of one
   /// Its mesh is in the model's axes: Embree reports it by instID. Else in the world, by geomID.
   bool is_instanced = false;
   bool has_print = false;  ///< its material has one

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -119,7 +120,7 @@ MeshRays mesh_rays(const RayScene::Impl& impl, const RayGeometry& geometry,
           mesh_from_world.rotation.toRotationMatrix().cast<float>()};
 }
 
-/// One specimen's full mask: any-hit rays at it alone.
+/// Adds one geometry to its specimen's full mask: any-hit rays at it alone.
 void cast_alone(const RayScene::Impl& impl, const RayGeometry& geometry, const PreparedRays& rays,
                 const PixelBox& box, const Image<std::int32_t>& instance,
                 Image<std::uint8_t>& mask_full) {
@@ -158,6 +159,13 @@ struct PixelBounds {
     y1 = std::max(y1, y);
   }
 };
+
+/// A box that holds both.
+PixelBox joined(const PixelBox& a, const PixelBox& b) {
+  if (a.x1 <= a.x0 || a.y1 <= a.y0) return b;
+  if (b.x1 <= b.x0 || b.y1 <= b.y0) return a;
+  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
 
 InstanceVisibility count_visibility(int id, const PixelBox& box,
                                     const Image<std::int32_t>& instance,
@@ -212,15 +220,14 @@ PixelDirections pixel_directions(const PreparedRays& rays, int x, int y) {
           difference(in_row(y0), in_row(y1), y1 - y0)};
 }
 
-std::vector<std::size_t> specimens_by_id(const RayScene::Impl& impl) {
-  std::vector<std::size_t> order;
+std::vector<SpecimenGeometries> specimens_by_id(const RayScene::Impl& impl) {
+  std::map<int, std::vector<std::size_t>> by_id;
   for (std::size_t i = 0; i < impl.geometries.size(); ++i) {
-    if (impl.geometries[i].is_specimen) order.push_back(i);
+    if (impl.geometries[i].is_specimen) by_id[impl.geometries[i].id].push_back(i);
   }
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return impl.geometries[a].id < impl.geometries[b].id;
-  });
-  return order;
+  std::vector<SpecimenGeometries> specimens;
+  for (auto& [id, geometries] : by_id) specimens.push_back({id, std::move(geometries)});
+  return specimens;
 }
 
 Image<float> specimen_coverage(const RayScene& rays, const PreparedRays& prepared,
@@ -248,17 +255,21 @@ Image<float> specimen_coverage(const RayScene& rays, const PreparedRays& prepare
 
 void add_visibility(const RayScene& rays, const TrueView& view, const PreparedRays& prepared,
                     const Image<std::int32_t>& instance, TruthImages& truth) {
-  const std::vector<std::size_t> specimens = specimens_by_id(rays.impl());
+  const std::vector<SpecimenGeometries> specimens = specimens_by_id(rays.impl());
   truth.visibility.resize(specimens.size());
   truth.masks_full.assign(specimens.size(),
                           Image<std::uint8_t>(instance.width(), instance.height()));
   tbb::parallel_for(std::size_t{0}, specimens.size(), [&](std::size_t i) {
     const FlushDenormals flush;
-    const RayGeometry& g = rays.impl().geometries[specimens[i]];
-    const PixelBox box = projected_box(rays.impl(), g, view);
-    if (rays.impl().mesh_of(g).alone)
-      cast_alone(rays.impl(), g, prepared, box, instance, truth.masks_full[i]);
-    truth.visibility[i] = count_visibility(g.id, box, instance, truth.masks_full[i]);
+    PixelBox whole;
+    for (const std::size_t place : specimens[i].geometries) {
+      const RayGeometry& g = rays.impl().geometries[place];
+      const PixelBox box = projected_box(rays.impl(), g, view);
+      if (rays.impl().mesh_of(g).alone)
+        cast_alone(rays.impl(), g, prepared, box, instance, truth.masks_full[i]);
+      whole = joined(whole, box);
+    }
+    truth.visibility[i] = count_visibility(specimens[i].id, whole, instance, truth.masks_full[i]);
   });
 }
 

@@ -12,8 +12,13 @@ struct PixelDirections {
 };
 PixelDirections pixel_directions(const PreparedRays& rays, int x, int y);
 
-/// Places of the specimens among the geometries, by Instance::id.
-std::vector<std::size_t> specimens_by_id(const RayScene::Impl& impl);
+/// Places of a specimen's surface among the geometries: its own, and its organs'.
+struct SpecimenGeometries {
+  int id = 0;  ///< the specimen's Instance::id
+  std::vector<std::size_t> geometries;
+};
+/// By Instance::id.
+std::vector<SpecimenGeometries> specimens_by_id(const RayScene::Impl& impl);
 
 /// The area of each specimen in each pixel, from `samples` rays to every pixel: see TruthNeeds.
 std::vector<InstanceShares> specimen_shares(const RayScene& rays, const PreparedRays& prepared,

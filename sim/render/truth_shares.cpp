@@ -100,12 +100,12 @@ std::vector<InstanceShares> specimen_shares(const RayScene& rays, const Prepared
                                 " is not in 1..4096");
   }
   const auto& geometries = rays.impl().geometries;
-  const std::vector<std::size_t> order = specimens_by_id(rays.impl());
+  const std::vector<SpecimenGeometries> order = specimens_by_id(rays.impl());
   std::vector<int> specimen_of(geometries.size(), -1);
   std::vector<InstanceShares> shares(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    specimen_of[order[k]] = static_cast<int>(k);
-    shares[k].instance = geometries[order[k]].id;
+    for (const std::size_t place : order[k].geometries) specimen_of[place] = static_cast<int>(k);
+    shares[k].instance = order[k].id;
     shares[k].width_px = prepared.width;
     shares[k].height_px = prepared.height;
   }

@@ -39,6 +39,10 @@ class RowMatcher {
              const RayView& there)
       : scene_(scene), here_(here), prepared_(prepared), there_(there) {
     for (std::size_t i = 0; i < scene.instances.size(); ++i) index_[scene.instances[i].id] = i;
+    has_organs_.resize(scene.instances.size());
+    for (const Instance& instance : scene.instances) {
+      if (instance.part_of >= 0) has_organs_[index_.at(instance.part_of)] = true;
+    }
   }
 
   void operator()(int y, const Image<float>& depth_m, const Image<std::int32_t>& instance,
@@ -49,7 +53,6 @@ class RowMatcher {
     for (int x = 0; x < prepared_.width; ++x) {
       const auto found = index_.find(instance(x, y));
       if (found == index_.end() || std::isnan(depth_m(x, y))) continue;
-      const Instance& object = scene_.instances[found->second];
       const std::size_t ray =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(prepared_.stride) +
           static_cast<std::size_t>(x);
@@ -59,23 +62,54 @@ class RowMatcher {
           static_cast<double>(prepared_.z[ray]) + static_cast<double>(prepared_.z_rest[ray]));
       const double along = row.camera_from_world.row(2).dot(d);
       const Eigen::Vector3d in_world_m = origin_m + static_cast<double>(depth_m(x, y)) / along * d;
+      const std::size_t place =
+          has_organs_[found->second]
+              ? place_at(row, d, static_cast<double>(depth_m(x, y)) / along, found->second)
+              : found->second;
+      const Instance& object = scene_.instances[place];
       const Eigen::Vector3d in_object_m = inverse(world_from_object(object, time_s)) * in_world_m;
       const auto seen = image_of(there_.view, object, in_object_m);
       match.state(x, y) = PointState::outside;
       if (!seen) continue;
       match.flow_px(x, y) = (seen->pixel_px - Eigen::Vector2d(x, y)).cast<float>();
       if (!is_inside(there_.view.camera, seen->pixel_px)) continue;
-      match.state(x, y) = is_in_sight(there_.rays, *seen, found->second, 0) ? PointState::visible
-                                                                            : PointState::occluded;
+      match.state(x, y) =
+          is_in_sight(there_.rays, *seen, place, 0) ? PointState::visible : PointState::occluded;
     }
   }
 
  private:
+  /// Which of a specimen's instances a row's ray meets at a distance along it: images know the
+  /// specimen alone.
+  std::size_t place_at(const PreparedRays::Row& row, const Eigen::Vector3d& d, double distance_m,
+                       std::size_t specimen) const {
+    const RayScene::Impl& impl = here_.rays.impl();
+    constexpr double kBefore = 1e-4;  // of the distance; more than rounding
+    RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    RTCRayHit ray{};
+    ray.ray.org_x = static_cast<float>(row.origin_m.x());
+    ray.ray.org_y = static_cast<float>(row.origin_m.y());
+    ray.ray.org_z = static_cast<float>(row.origin_m.z());
+    ray.ray.dir_x = static_cast<float>(d.x());
+    ray.ray.dir_y = static_cast<float>(d.y());
+    ray.ray.dir_z = static_cast<float>(d.z());
+    ray.ray.time = row.time;
+    ray.ray.tnear = static_cast<float>(distance_m * (1 - kBefore));
+    ray.ray.tfar = std::numeric_limits<float>::infinity();
+    ray.ray.mask = 0xFFFFFFFFU;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(impl.scene, &context, &ray);
+    if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return specimen;
+    const std::uint32_t hit = geometry_index(ray.hit.instID[0], ray.hit.geomID);
+    return impl.geometries[hit].id == scene_.instances[specimen].id ? hit : specimen;
+  }
+
   const Scene& scene_;
   const RayView& here_;
   const PreparedRays& prepared_;
   const RayView& there_;
   std::unordered_map<int, std::size_t> index_;  ///< place in Scene::instances of an id
+  std::vector<bool> has_organs_;                ///< of each instance
 };
 
 }  // namespace

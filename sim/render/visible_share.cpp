@@ -54,6 +54,8 @@ Scene part_of(const Scene& scene, const std::vector<std::size_t>& places) {
     instance.part_materials.clear();
     instance.motion.clear();
     instance.is_specimen = false;
+    instance.part_of = -1;
+    instance.keypoint_carriers.clear();
     part.instances.push_back(std::move(instance));
   }
   return part;

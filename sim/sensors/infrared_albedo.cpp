@@ -6,18 +6,19 @@
 
 namespace cousin {
 
-Image<float> infrared_albedo(const Scene& scene, const Image<std::int32_t>& instance) {
-  std::unordered_map<std::int32_t, float> albedo;
-  for (const Instance& each : scene.instances)
-    albedo[each.id] = scene.materials[static_cast<std::size_t>(each.material)].infrared_albedo;
+Image<float> infrared_albedo(const Scene& scene, const Image<std::int32_t>& instance,
+                             const Image<std::uint16_t>& part) {
+  std::unordered_map<std::int32_t, const Instance*> by_id;
+  for (const Instance& each : scene.instances) by_id[each.id] = &each;
   Image<float> result(instance.width(), instance.height(), 0.0F);
-  std::int32_t last = -1;
-  float value = 0;
+  const Instance* seen = nullptr;
   for (std::size_t i = 0; i < instance.size(); ++i) {
     const std::int32_t id = instance.data()[i];
     if (id < 0) continue;
-    if (id != last) value = albedo[last = id];
-    result.data()[i] = value;
+    if (!seen || seen->id != id) seen = by_id.at(id);
+    const std::vector<int>& parts = seen->part_materials;
+    const int material = parts.empty() ? seen->material : parts.at(part.data()[i]);
+    result.data()[i] = scene.materials[static_cast<std::size_t>(material)].infrared_albedo;
   }
   return result;
 }

@@ -268,9 +268,9 @@ TimeOfFlightInputs time_of_flight_inputs(const RayScene& rays, const Scene& scen
   inputs.ambient = render_infrared(rays, scene, view, {}, infrared, rng.fork("ambient")).radiance;
   inputs.centre_depth_m = render_truth(rays, scene, view, {.depth = true}).depth_m;
   view.camera = ray_camera(config);
-  TruthImages truth =
-      render_truth(rays, scene, view, {.depth = true, .normal = true, .instance = true});
-  inputs.albedo = infrared_albedo(scene, truth.instance);
+  TruthImages truth = render_truth(rays, scene, view,
+                                   {.depth = true, .normal = true, .instance = true, .part = true});
+  inputs.albedo = infrared_albedo(scene, truth.instance, truth.part);
   inputs.depth_m = std::move(truth.depth_m);
   inputs.normal = std::move(truth.normal);
   return inputs;

@@ -26,9 +26,16 @@ enum class SurfaceKind {
 
 /// Fractal value noise in object coordinates: albedo goes from `albedo` to `other_albedo` with it.
 struct NoiseTexture {
-  Rgbf other_albedo;
+  Rgbf other_albedo;  ///< as it is, whatever the vertex albedo: dust and stains cover what is below
   double scale_m = 0.01;  ///< size of the largest features
   int octaves = 4;        ///< 1..12, each half the size and half the strength
+};
+
+/// The same for infrared imagers, where a surface has another texture there than noise gives.
+struct InfraredTexture {
+  float other_albedo = 0;
+  double scale_m = 0.01;  ///< size of the largest features
+  int octaves = 4;        ///< 1..12
 };
 
 /// How light leaves a surface. Colours are reflectances in [0, 1], linear sRGB; microfacets are GGX
@@ -53,6 +60,9 @@ struct Material {
   // At 850 nm, for infrared imagers; leaves are bright there [Jacquemoud & Baret 1990].
   float infrared_albedo = 0.5F;
   float infrared_transmittance = 0;
+  /// From infrared_albedo to its other. Without one, `noise` varies infrared_albedo by the ratio of
+  /// its two albedos.
+  std::optional<InfraredTexture> infrared_noise;
 };
 
 /// A point with a meaning on an object, for keypoint truth.
@@ -93,13 +103,20 @@ struct Instance {
   int model = 0;             ///< index into Scene::models
   int material = 0;          ///< index into Scene::materials
   /// Index into Scene::materials for each of the model's parts: a plant's stems are not its leaves.
-  /// None is clear. Empty = `material` everywhere. The infrared pass takes `material` for all
-  /// parts.
+  /// None is clear. Empty = `material` everywhere.
   std::vector<int> part_materials;
   Pose world_from_object;
   std::vector<TimedPose> motion;  ///< sorted by time; empty = static at world_from_object
   double mass_kg = 0;
   std::vector<TrueTrait> traits;
+  /// Organs that move on their own are instances of their own. This is the id of the specimen that
+  /// this one is an organ of, -1 = none: all truth counts its surface as that specimen's. An organ
+  /// is no specimen, has no organs and no traits, and its model has its specimen's part names. At
+  /// rest its axes are its specimen's.
+  int part_of = -1;
+  /// Of a specimen with organs: for each keypoint of its model the id of what carries it, itself or
+  /// one of its organs, in whose axes `in_object_m` then is. Empty = itself.
+  std::vector<int> keypoint_carriers;
 };
 
 /// Directional light with an angular size, as seen from the scene.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 #include <sstream>
@@ -24,6 +25,12 @@ void check_share(const std::string& where, const char* field, const Rgbf& color)
   for (const float v : {color.r, color.g, color.b}) {
     if (!(v >= 0 && v <= 1)) fail(where, field, static_cast<double>(v), "is not in [0, 1]");
   }
+}
+
+void check_noise(const std::string& where, const std::string& field, double scale_m, int octaves) {
+  const std::string scale = field + ".scale_m", count = field + ".octaves";
+  if (!(scale_m > 0 && scale_m < 1e6)) fail(where, scale.c_str(), scale_m, "is not in (0, 1e6)");
+  if (octaves < 1 || octaves > 12) fail(where, count.c_str(), octaves, "is not in 1..12");
 }
 
 float largest_sum(const Rgbf& a, const Rgbf& b) {
@@ -181,6 +188,39 @@ void check_instance(const Instance& instance, const Scene& scene, const std::str
   }
 }
 
+/// Links between organs and specimens. @param by_id  every instance of the scene
+void check_links(const Instance& instance, const std::map<int, const Instance*>& by_id,
+                 const Scene& scene, const std::string& where) {
+  const auto find = [&](int id) -> const Instance* {
+    const auto found = by_id.find(id);
+    return found == by_id.end() ? nullptr : found->second;
+  };
+  const auto model_of = [&](const Instance& of) -> const ObjectModel& {
+    return scene.models[static_cast<std::size_t>(of.model)];
+  };
+  if (instance.part_of != -1) {
+    const Instance* whole = find(instance.part_of);
+    if (!whole) fail(where, "part_of", instance.part_of, "is no instance of the scene");
+    if (whole->part_of != -1 || whole == &instance)
+      fail(where, "part_of", instance.part_of, "is an organ itself: links have no chains");
+    if (!whole->is_specimen) fail(where, "part_of", instance.part_of, "is no specimen");
+    if (instance.is_specimen || !instance.traits.empty() || !instance.keypoint_carriers.empty())
+      fail(where, "is an organ, and so no specimen, without traits and keypoint_carriers");
+    if (model_of(instance).part_names != model_of(*whole).part_names)
+      fail(where, "its model's part_names are not those of its specimen \"" + whole->name + "\"");
+  }
+  const auto& carriers = instance.keypoint_carriers;
+  if (!carriers.empty() && carriers.size() != model_of(instance).keypoints.size()) {
+    fail(where, "keypoint_carriers.size", static_cast<double>(carriers.size()),
+         "is not the number of its model's keypoints");
+  }
+  for (const int id : carriers) {
+    const Instance* carrier = find(id);
+    if (!carrier || (carrier != &instance && carrier->part_of != instance.id))
+      fail(where, "a keypoint's carrier", id, "is neither itself nor one of its organs");
+  }
+}
+
 }  // namespace
 
 void validate(const Material& m) {
@@ -209,10 +249,16 @@ void validate(const Material& m) {
   }
   if (m.noise) {
     check_share(where, "noise.other_albedo", m.noise->other_albedo);
-    if (!(m.noise->scale_m > 0 && m.noise->scale_m < 1e6))
-      fail(where, "noise.scale_m", m.noise->scale_m, "is not in (0, 1e6)");
-    if (m.noise->octaves < 1 || m.noise->octaves > 12)
-      fail(where, "noise.octaves", m.noise->octaves, "is not in 1..12");
+    check_noise(where, "noise", m.noise->scale_m, m.noise->octaves);
+  }
+  if (m.infrared_noise) {
+    const InfraredTexture& t = *m.infrared_noise;
+    const float sum = t.other_albedo + m.infrared_transmittance;
+    if (!(t.other_albedo >= 0 && sum <= 1.00001F)) {
+      fail(where, "infrared_noise.other_albedo", static_cast<double>(t.other_albedo),
+           "is negative or above 1 - infrared_transmittance");
+    }
+    check_noise(where, "infrared_noise", t.scale_m, t.octaves);
   }
   if (!(m.infrared_albedo >= 0 && m.infrared_albedo <= 1))
     fail(where, "infrared_albedo", static_cast<double>(m.infrared_albedo), "is not in [0, 1]");
@@ -255,6 +301,10 @@ void validate(const Scene& scene) {
       fail(where, "its id is negative or not unique");
     check_instance(instance, scene, where);
   }
+  std::map<int, const Instance*> by_id;
+  for (const Instance& instance : scene.instances) by_id[instance.id] = &instance;
+  for (const Instance& instance : scene.instances)
+    check_links(instance, by_id, scene, prefix + "instance \"" + instance.name + "\"");
   for (std::size_t i = 0; i < scene.lights.size(); ++i)
     validate(scene.lights[i], prefix + "light " + std::to_string(i));
   for (std::size_t i = 0; i < scene.views.size(); ++i) {

@@ -6,6 +6,10 @@
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
+#include <variant>
+
+#include "sim/render/infrared_pass.h"
+#include "sim/render/truth_pass.h"
 
 namespace cousin {
 namespace {
@@ -39,6 +43,57 @@ TEST(BoardsScene, EveryNumberHasItsSourceWord) {
     }
     EXPECT_GT(numbers, 30) << file;
   }
+}
+
+TEST(BoardsScene, AnInfraredCameraSeesThePrintByItsInksAlbedoThere) {
+  BoardsSceneConfig config = with_board("chessboard_a4");
+  config.place = "table";
+  config.light = "sun";
+  config.body.paper_infrared = 0.8;
+  config.body.ink_infrared = 0.2;
+  Scene scene = build_boards_scene(config, Rng(1));
+  std::erase_if(scene.lights,
+                [](const Light& light) { return std::holds_alternative<Sky>(light); });
+  const Instance& board = board_of(scene);
+  TrueView view;
+  view.camera.width_px = view.camera.height_px = 120;
+  view.camera.fx_px = view.camera.fy_px = 300;
+  view.camera.cx_px = view.camera.cy_px = 59.5;
+  const Eigen::Vector3d middle_m = board.world_from_object.translation_m;
+  view.camera_from_world =
+      look_at(middle_m + Eigen::Vector3d(0, 0, 0.4), middle_m, Eigen::Vector3d::UnitY());
+  view.camera_from_world_end = view.camera_from_world;
+  const RayScene rays(scene);
+  const TruthImages truth = render_truth(rays, scene, view, {.instance = true, .part = true});
+  const Image<float> radiance =
+      render_infrared(rays, scene, view, {}, {.pixel_samples = 1}, Rng(2)).radiance;
+  double sum[2] = {0, 0}, count[2] = {0, 0};
+  for (std::size_t i = 0; i < radiance.size(); ++i) {
+    if (truth.instance.data()[i] != board.id || truth.part.data()[i] > 1) continue;
+    sum[truth.part.data()[i]] += static_cast<double>(radiance.data()[i]);
+    ++count[truth.part.data()[i]];
+  }
+  ASSERT_GT(count[0], 3000);
+  ASSERT_GT(count[1], 3000);
+  // One flat face in even light: 1 % is what the sky's 4 x 4 pattern leaves over thousands of
+  // pixels.
+  EXPECT_NEAR(sum[1] / count[1] / (sum[0] / count[0]), 0.2 / 0.8, 0.01 * 0.25);
+}
+
+TEST(BoardsScene, AStandStandsOnItsFoot) {
+  const Scene scene = build_boards_scene(with_board("chessboard_a4"), Rng(1));
+  for (const Instance& instance : scene.instances) {
+    if (instance.category != "bar") continue;
+    double lowest_m = 1, reach_m = 0;
+    for (const Eigen::Vector3d& v : mesh_in_world(scene, instance).vertices_m) {
+      lowest_m = std::min(lowest_m, v.z());
+      if (v.z() < 0.05) reach_m = std::max(reach_m, v.head<2>().norm());
+    }
+    EXPECT_NEAR(lowest_m, 0, 1e-9);
+    EXPECT_GT(reach_m, 0.15);  // wide enough not to fall over
+    return;
+  }
+  FAIL() << "no bar";
 }
 
 TEST(BoardsScene, NamesTheTargetAsDesignedWhateverItsFlaws) {

@@ -51,6 +51,10 @@ Scene sample_scene(Rng& rng) {
     scene.instances.push_back(instance);
   }
   scene.instances[0].part_materials = {1, 0};
+  scene.instances.push_back({.id = 20, .name = "organ", .category = "maize"});
+  scene.instances.back().part_of = 10;
+  scene.instances[0].keypoint_carriers.assign(scene.models[0].keypoints.size(), 20);
+  scene.materials[0].infrared_noise = {{1 / 3.0F, 0.01 / 7, 3}};
   scene.instances[0].motion = {{0, odd_pose(rng)}, {1 / 3.0, odd_pose(rng)}};
   scene.lights = {Sun{Eigen::Vector3d(1, 2, 3).normalized(), 0.005, {1, 2, 3}},
                   Sky{{1, 1, 2}, {1, 1, 1}, {0.1F, 0.1F, 0.1F}},
@@ -90,7 +94,7 @@ SceneTruth sample_truth() {
     images.specimen_coverage = Image<float>(kWidth, kHeight, 1 / 3.0F);
     images.visibility = {{7, 100, 50, 0.5, 1, 2, 3, 4}, {10, 3, 1, 1 / 3.0, -5, 0, 2, 2}};
     images.masks_full.assign(2, Image<std::uint8_t>(kWidth, kHeight));
-    images.masks_full[1](4, 4) = 255;
+    images.masks_full[0](2, 3) = images.masks_full[1](4, 4) = 255;
     images.visibility[0].seen_x = 2;
     images.visibility[0].seen_width = images.visibility[0].seen_height = 1;
     images.shares = {{7, kWidth, kHeight, {{2, 1, 0.25F}, {0, 2, 1 / 3.0F}}, 0},
@@ -146,12 +150,21 @@ void expect_equal(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.materials[i].kind, b.materials[i].kind);
     EXPECT_EQ(a.materials[i].mean_free_path_m, b.materials[i].mean_free_path_m);
     EXPECT_EQ(a.materials[i].print.has_value(), b.materials[i].print.has_value());
+    const auto& x = a.materials[i].infrared_noise;
+    const auto& y = b.materials[i].infrared_noise;
+    ASSERT_EQ(x.has_value(), y.has_value());
+    if (x) {
+      EXPECT_EQ(std::tie(x->other_albedo, x->scale_m, x->octaves),
+                std::tie(y->other_albedo, y->scale_m, y->octaves));
+    }
   }
   ASSERT_EQ(a.instances.size(), b.instances.size());
   for (std::size_t i = 0; i < a.instances.size(); ++i) {
     const Instance& x = a.instances[i];
     const Instance& y = b.instances[i];
     EXPECT_EQ(x.part_materials, y.part_materials);
+    EXPECT_EQ(x.part_of, y.part_of);
+    EXPECT_EQ(x.keypoint_carriers, y.keypoint_carriers);
     EXPECT_EQ(std::tie(x.id, x.name, x.category, x.is_specimen, x.model, x.material, x.mass_kg),
               std::tie(y.id, y.name, y.category, y.is_specimen, y.model, y.material, y.mass_kg));
     EXPECT_TRUE(same_pose(x.world_from_object, y.world_from_object));
@@ -290,6 +303,20 @@ TEST(TruthIo, WhatWasNotPlannedIsNotThere) {
   EXPECT_TRUE(read_truth(second.path()).images.empty());
 }
 
+TEST(TruthIo, AMaskWithoutAPixelHasNoFileAndReadsAsEmpty) {
+  const TemporaryFolder folder;
+  SceneTruth truth = sample_truth();
+  truth.images[0].masks_full[0] = Image<std::uint8_t>(kWidth, kHeight);
+  truth.images[0].visibility[0] = {.instance = 7};
+  truth.images[0].instance(3, 4) = -1;
+  write_truth(folder.path(), truth);
+  for (const char* name : {"mask/000000_000000.png", "mask_visib/000000_000000.png"})
+    EXPECT_FALSE(fs::exists(folder.path() / "truth" / name)) << name;
+  EXPECT_TRUE(fs::exists(folder.path() / "truth/mask/000005_000000.png"));
+  const SceneTruth read = read_truth(folder.path());
+  expect_equal(read.images[0], truth.images[0]);
+}
+
 TEST(TruthIo, FramesWrittenOneByOneMakeTheSameFolder) {
   const TemporaryFolder whole, parts;
   SceneTruth truth = sample_truth();
@@ -399,7 +426,7 @@ TEST(TruthIo, BadFilesAreNamed) {
   fs::remove(truth / "mask/000000_000001.png");
   EXPECT_THAT(error(), AllOf(HasSubstr("mask"), HasSubstr("frame 0")));
   write_exr(truth / "coverage/000000_000001.exr", Image<float>(kWidth, kHeight, 1.5F));
-  fs::remove(truth / "mask/000000_000000.png");
+  fs::copy_file(truth / "mask/000000_000000.png", truth / "mask/000000_000001.png");
   EXPECT_THAT(error(), AllOf(HasSubstr("000000_000001.exr"), HasSubstr("1.5")));
   fs::remove(truth / "coverage/000000_000001.exr");
   EXPECT_THAT(error(), AllOf(HasSubstr("coverage"), HasSubstr("2 specimens")));

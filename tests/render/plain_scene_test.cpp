@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "sim/render/value_noise.h"
+
 namespace cousin {
 namespace {
 
@@ -46,10 +48,10 @@ TrueView lens_view() {
 
 TEST(PlainScene, APrintBecomesVertexColoursOfTheSameAreas) {
   const PlainScene plain = plain_scene(printed_plate(), lens_view(), 0.0005);
-  ASSERT_EQ(plain.scene.models.size(), 2U);
-  EXPECT_EQ(plain.scene.instances[0].model, 1);
-  EXPECT_EQ(plain.scene.instances[1].model, 0);  // shares the model, not the print
-  const ObjectModel& board = plain.scene.models[1];
+  ASSERT_EQ(plain.scene.models.size(), 3U);  // what both shared, with noise, with the print
+  EXPECT_EQ(plain.scene.instances[0].model, 2);
+  EXPECT_EQ(plain.scene.instances[1].model, 1);
+  const ObjectModel& board = plain.scene.models[2];
   ASSERT_EQ(board.vertex_albedo.size(), board.mesh.vertices_m.size());
   double ink_m2 = 0, face_m2 = 0;
   for (const auto& t : board.mesh.triangles) {
@@ -77,6 +79,32 @@ TEST(PlainScene, APrintBecomesVertexColoursOfTheSameAreas) {
   EXPECT_NEAR(ink_m2, black * 25e-10, 1e-9);
 }
 
+TEST(PlainScene, NoiseBecomesTheColoursOfVerticesThatTheRenderersHave) {
+  Scene scene = printed_plate();
+  Material& soil = scene.materials[1];
+  soil.albedo = {0.4F, 0.2F, 0.1F};
+  soil.noise = NoiseTexture{{0.1F, 0.3F, 0.1F}, 0.01, 3};
+  const PlainScene plain = plain_scene(scene, lens_view());
+  const Instance& ground = plain.scene.instances[1];
+  const ObjectModel& model = plain.scene.models[static_cast<std::size_t>(ground.model)];
+  const Material& material = plain.scene.materials[static_cast<std::size_t>(ground.material)];
+  ASSERT_EQ(model.vertex_albedo.size(), model.mesh.vertices_m.size());
+  double area_m2 = 0, longest_m = 0;
+  for (const auto& t : model.mesh.triangles) {
+    const auto& v = model.mesh.vertices_m;
+    area_m2 += 0.5 * (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).norm();
+    for (std::size_t k = 0; k < 3; ++k)
+      longest_m = std::max(longest_m, (v[t[k]] - v[t[(k + 1) % 3]]).norm());
+  }
+  EXPECT_NEAR(area_m2, 2 * 0.02 * 0.01, 1e-12);  // cut, and nothing lost
+  EXPECT_LE(longest_m, 0.5 * 0.01 / 4 + 1e-9);   // half of the third octave's features
+  for (std::size_t i = 0; i < model.mesh.vertices_m.size(); ++i) {
+    const float share = value_noise(model.mesh.vertices_m[i].cast<float>() / 0.01F, 3);
+    EXPECT_NEAR(material.albedo.r * model.vertex_albedo[i].r, 0.4F - 0.3F * share, 1e-6F);
+    EXPECT_NEAR(material.albedo.g * model.vertex_albedo[i].g, 0.2F + 0.1F * share, 1e-6F);
+  }
+}
+
 TEST(PlainScene, PartsOfOtherMaterialsBecomeInstances) {
   Scene scene = printed_plate();
   scene.models[0].part_names = {"face", "back"};
@@ -91,7 +119,9 @@ TEST(PlainScene, PartsOfOtherMaterialsBecomeInstances) {
   std::size_t triangles = 0;
   for (const Instance& instance : plain.scene.instances) {
     EXPECT_TRUE(instance.part_materials.empty());
-    if (instance.name != "plant" || instance.material != 1) continue;
+    const bool is_soil =
+        plain.scene.materials[static_cast<std::size_t>(instance.material)].name == "soil";
+    if (instance.name != "plant" || !is_soil) continue;
     triangles += plain.scene.models[static_cast<std::size_t>(instance.model)].mesh.triangles.size();
   }
   EXPECT_EQ(triangles, 2U);

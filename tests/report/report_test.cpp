@@ -33,6 +33,38 @@ TEST(Report, LoadsNothingFromAnywhere) {
   }
 }
 
+TEST(Report, ManyNumbersAreFoldedBelowThePlotsAndThoseThatFailedComeFirst) {
+  ReportInput input = example_report();
+  EXPECT_EQ(make_report(input).find("<details class=\"numbers\">"), std::string::npos);
+  input.headlines.clear();
+  for (int i = 0; i < 55; ++i)
+    input.headlines.push_back({"number " + std::to_string(i), {1.0}, "m", "", ScoreStatus::ok});
+  input.headlines[40].status = ScoreStatus::fail;
+  const std::string page = make_report(input);
+  const std::size_t folded = page.find("<details class=\"numbers\">");
+  const std::size_t failed = page.find(">number 40<"), other = page.find(">number 41<");
+  const std::size_t plots = page.find("<h2 id=\"errors\"");
+  ASSERT_NE(folded, std::string::npos);
+  ASSERT_NE(plots, std::string::npos);
+  EXPECT_LT(failed, plots);
+  EXPECT_LT(plots, folded);
+  EXPECT_GT(other, folded);
+}
+
+TEST(Report, PlotsStandUnderTheHeadingThatTheyName) {
+  ReportInput input = example_report();
+  LinePlot plot;
+  plot.title = "over distance";
+  plot.series = {{.name = "a", .points = {{0, {1}}, {1, {2}}}}};
+  input.lines = {plot};
+  EXPECT_NE(make_report(input).find(">Along one quantity<"), std::string::npos);
+  input.lines[0].section = "Along the axes of distance";
+  const std::string page = make_report(input);
+  EXPECT_NE(page.find(">Along the axes of distance<"), std::string::npos);
+  EXPECT_EQ(page.find(">Along one quantity<"), std::string::npos);
+  EXPECT_EQ(page.find(">Against theory<"), std::string::npos);
+}
+
 TEST(Report, TextNeverBecomesMarkup) {
   const std::string html = make_report(example_report());
   EXPECT_EQ(html.find("<b>not markup</b>"), std::string::npos);

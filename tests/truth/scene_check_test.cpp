@@ -57,6 +57,59 @@ TEST(SceneCheck, TakesAGoodScene) {
   EXPECT_EQ(said([](Scene&) {}), "");
 }
 
+/// A specimen of id 1 and its organ of id 2.
+void add_organ_of_specimen(Scene& s) {
+  s.instances[0].is_specimen = true;
+  Instance organ = s.instances[0];
+  organ.id = 2;
+  organ.name = "leaf 1, piece 1";
+  organ.is_specimen = false;
+  organ.part_of = 1;
+  s.instances.push_back(organ);
+}
+
+TEST(SceneCheck, TakesOrgansOfASpecimenAndRefusesLinksToNothingAndChains) {
+  const auto spoilt = [](const std::function<void(Scene&)>& spoil) {
+    return said([&](Scene& s) {
+      add_organ_of_specimen(s);
+      spoil(s);
+    });
+  };
+  EXPECT_EQ(spoilt([](Scene&) {}), "");
+  EXPECT_THAT(spoilt([](Scene& s) { s.instances[1].part_of = 7; }),
+              HasSubstr("\"leaf 1, piece 1\": part_of = 7 is no instance"));
+  EXPECT_THAT(spoilt([](Scene& s) { s.instances[1].part_of = 2; }), HasSubstr("chains"));
+  EXPECT_THAT(spoilt([](Scene& s) {
+                s.instances.push_back(s.instances[1]);
+                s.instances[2].id = 3;
+                s.instances[2].part_of = 2;
+              }),
+              HasSubstr("part_of = 2 is an organ itself: links have no chains"));
+  EXPECT_THAT(spoilt([](Scene& s) { s.instances[0].is_specimen = false; }),
+              HasSubstr("part_of = 1 is no specimen"));
+  EXPECT_THAT(spoilt([](Scene& s) { s.instances[1].is_specimen = true; }),
+              HasSubstr("is an organ, and so no specimen"));
+  EXPECT_THAT(spoilt([](Scene& s) {
+                s.models.push_back(s.models[0]);
+                s.models[1].part_names = {"blade"};
+                s.instances[1].model = 1;
+              }),
+              HasSubstr("part_names are not those of its specimen"));
+}
+
+TEST(SceneCheck, RefusesKeypointsThatSomethingElseCarries) {
+  const auto carried_by = [](const std::vector<int>& carriers) {
+    return said([&](Scene& s) {
+      s.models[0].keypoints = {{"base", {0, 0, 0}}, {"tip", {1, 0, 0}}};
+      add_organ_of_specimen(s);
+      s.instances[0].keypoint_carriers = carriers;
+    });
+  };
+  EXPECT_EQ(carried_by({1, 2}), "");
+  EXPECT_THAT(carried_by({1}), HasSubstr("keypoint_carriers.size = 1"));
+  EXPECT_THAT(carried_by({1, 5}), HasSubstr("a keypoint's carrier = 5 is neither itself"));
+}
+
 TEST(SceneCheck, NamesTheModelAndItsVertex) {
   EXPECT_THAT(said([](Scene& s) { s.models[0].mesh.vertices_m[2].y() = std::nan(""); }),
               HasSubstr("scene \"bed\", model \"blade\": vertex 2"));

@@ -37,9 +37,27 @@ struct BopObjects {
   Json info = Json::object();
 };
 
-/// Writes a model in millimetres and says its size.
-Json write_model(const fs::path& from, const fs::path& to) {
-  Mesh mesh = read_mesh(from);
+/// Files of the surface of a specimen: its model's, and those of its organs.
+std::vector<fs::path> mesh_files_of(const ExportScene& scene, const Instance& specimen) {
+  const ExportTruth& truth = *scene.truth;
+  std::vector<fs::path> files;
+  for (const std::size_t place : places_of(truth.scene, specimen)) {
+    const auto model = static_cast<std::size_t>(truth.scene.instances[place].model);
+    files.push_back(resolve_inside(scene.folder / "truth", truth.mesh_files[model]));
+  }
+  return files;
+}
+
+/// Writes a model in millimetres and says its size. Organs lie as they do at rest.
+Json write_model(const std::vector<fs::path>& from, const fs::path& to) {
+  Mesh mesh = read_mesh(from.front());
+  for (std::size_t i = 1; i < from.size(); ++i) {
+    const Mesh organ = read_mesh(from[i]);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices_m.size());
+    mesh.vertices_m.insert(mesh.vertices_m.end(), organ.vertices_m.begin(), organ.vertices_m.end());
+    for (const auto& t : organ.triangles)
+      mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
   for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex *= 1000;
   write_ply(to, mesh);
   Eigen::AlignedBox3d box;
@@ -65,13 +83,14 @@ BopObjects write_objects(const ExportJob& job) {
                    static_cast<int>(specimens.size()));
       const int model = specimens[i]->model;
       if (ids.contains(model)) continue;
-      const fs::path file =
-          resolve_inside(scene.folder / "truth", truth.mesh_files[static_cast<std::size_t>(model)]);
+      const std::vector<fs::path> files = mesh_files_of(scene, *specimens[i]);
+      std::string hashes;
+      for (const fs::path& file : files) hashes += sha256_hex_of_file(file);
       const int next = static_cast<int>(objects.id_of_hash.size()) + 1;
-      const auto [known, is_new] = objects.id_of_hash.emplace(sha256_hex_of_file(file), next);
+      const auto [known, is_new] = objects.id_of_hash.emplace(hashes, next);
       ids[model] = known->second;
       if (!is_new) continue;
-      Json info = write_model(file, job.out / "models" / ("obj_" + six_digits(next) + ".ply"));
+      Json info = write_model(files, job.out / "models" / ("obj_" + six_digits(next) + ".ply"));
       info["name"] = specimens[i]->name;
       info["category"] = specimens[i]->category;
       objects.info[std::to_string(next)] = info;
@@ -133,21 +152,31 @@ ExportDepth depth_for(const ExportScene& scene, const ExportPicture& picture, co
   return depth;
 }
 
-/// A mask of the dataset as handed over.
-Image<std::uint8_t> write_mask(const ExportScene& scene, const char* folder,
-                               const std::string& name, const Camera& lens, const fs::path& out,
+/// A mask of the dataset as handed over. One without a pixel has no file there; BOP has them all.
+Image<std::uint8_t> write_mask(const ExportScene& scene, const fs::path& relative,
+                               const Camera& lens, std::int64_t pixels, const fs::path& out,
                                const ExportOptions& options) {
-  const fs::path relative = fs::path("truth") / folder / name;
-  const fs::path file = resolve_inside(scene.folder, relative);
-  if (!fs::exists(file))
+  const fs::path file = resolve_inside(scene.folder, fs::path("truth") / relative);
+  if (!fs::exists(file) && pixels > 0)
     throw std::runtime_error(file.string() +
                              " is missing; render with --truth visibility,instance");
-  Image<std::uint8_t> mask = read_png8(file);
+  Image<std::uint8_t> mask =
+      fs::exists(file) ? read_png8(file) : Image<std::uint8_t>(lens.width_px, lens.height_px);
   if (options.undistort)
     mask = undistort(mask, lens, {.interpolation = Interpolation::nearest}).image;
-  fs::create_directories(out / folder);
-  write_png(out / folder / name, mask);
+  fs::create_directories((out / relative).parent_path());
+  write_png(out / relative, mask);
   return mask;
+}
+
+InstanceVisibility visibility_of(const ExportTruth& truth, int frame, int instance) {
+  for (std::size_t i = 0; i < truth.views.size() && i < truth.labels.size(); ++i) {
+    if (truth.views[i].frame != frame) continue;
+    for (const InstanceVisibility& v : truth.labels[i].visibility) {
+      if (v.instance == instance) return v;
+    }
+  }
+  return {};
 }
 
 BopFrame write_frame(const ExportJob& job, const ExportScene& scene, const ExportPicture& picture,
@@ -179,10 +208,14 @@ BopFrame write_frame(const ExportJob& job, const ExportScene& scene, const Expor
                         {"obj_id", objects.at(instance.model)},
                         {"instance_id", instance.id}});
     const std::string file = name + "_" + six_digits(static_cast<std::int64_t>(k)) + ".png";
-    const MaskCount whole =
-        count(write_mask(scene, "mask", file, taken.camera, out, job.options), depth.depth);
-    const MaskCount seen =
-        count(write_mask(scene, "mask_visib", file, taken.camera, out, job.options), depth.depth);
+    const auto mask_count = [&](const char* folder, std::int64_t pixels) {
+      return count(
+          write_mask(scene, fs::path(folder) / file, taken.camera, pixels, out, job.options),
+          depth.depth);
+    };
+    const InstanceVisibility known = visibility_of(truth, frame.id, instance.id);
+    const MaskCount whole = mask_count("mask", known.pixels_full);
+    const MaskCount seen = mask_count("mask_visib", known.pixels_visible);
     frame.info.push_back({{"bbox_obj", whole.box},
                           {"bbox_visib", seen.box},
                           {"px_count_all", whole.pixels},

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <utility>
 #include <variant>
 
+#include "sim/render/cycles/painted_noise.h"
 #include "sim/types/board.h"
 
 namespace cousin {
@@ -105,7 +107,9 @@ void split_materials(PlainScene& plain) {
   whole.swap(plain.scene.instances);
   int next_id = 0;
   for (const Instance& instance : whole) next_id = std::max(next_id, instance.id + 1);
-  for (const Instance& instance : whole) {
+  for (Instance& instance : whole) {
+    instance.part_of = -1;
+    instance.keypoint_carriers.clear();
     if (instance.part_materials.empty()) {
       plain.scene.instances.push_back(instance);
       continue;
@@ -126,10 +130,34 @@ void split_materials(PlainScene& plain) {
   }
 }
 
+/// Noise as vertex colours: models and materials of their own for those that have it.
+void paint_noises(PlainScene& plain) {
+  struct Painted {
+    int model = 0, material = 0;
+  };
+  std::map<std::pair<int, int>, Painted> done;  // by model and material
+  for (Instance& instance : plain.scene.instances) {
+    const Material& material = plain.scene.materials[static_cast<std::size_t>(instance.material)];
+    if (!material.noise) continue;
+    const std::pair<int, int> key = {instance.model, instance.material};
+    if (!done.contains(key)) {
+      PaintedNoise painted =
+          paint_noise(plain.scene.models[static_cast<std::size_t>(instance.model)], material);
+      plain.changes.push_back("the noise of \"" + material.name + "\" on \"" + painted.model.name +
+                              "\" is colours of vertices at most " +
+                              std::to_string(1000 * painted.cell_m) + " mm apart where it is cut");
+      done[key] = {static_cast<int>(plain.scene.models.size()),
+                   static_cast<int>(plain.scene.materials.size())};
+      plain.scene.models.push_back(std::move(painted.model));
+      plain.scene.materials.push_back(std::move(painted.material));
+    }
+    instance.model = done[key].model;
+    instance.material = done[key].material;
+  }
+}
+
 void plain_materials(PlainScene& plain) {
   for (Material& material : plain.scene.materials) {
-    if (material.noise)
-      plain.changes.push_back("material \"" + material.name + "\" has lost its noise texture");
     if (material.back_albedo)
       plain.changes.push_back("material \"" + material.name + "\" has lost its back's colour");
     material.print.reset();
@@ -166,6 +194,7 @@ PlainScene plain_scene(const Scene& scene, const TrueView& view, double print_ce
   }
   PlainScene plain{scene, view, {}};
   split_materials(plain);
+  paint_noises(plain);
   paint_prints(plain, print_cell_m);
   plain_materials(plain);
   plain_lights(plain);
