@@ -150,11 +150,12 @@ struct Published {
 };
 
 /// Traits with a source; all others are free. Bista, Thapa, Rawal, Dhakal & Joshi, International
-/// Journal of Agronomy 2022, 4806266, Table 2: plant height of its first 23 hybrids. Liu et al.,
-/// Agriculture 10:411, 2020: final leaf numbers of Zhengdan 958 at 23 sites lie within 16.7 and
-/// 22.3, taken as two sigmas about the middle.
+/// Journal of Agronomy 2022, 4806266, Table 2: plant and ear height of its first 23 hybrids. Liu et
+/// al., Agriculture 10:411, 2020: final leaf numbers of Zhengdan 958 at 23 sites lie within 16.7
+/// and 22.3, taken as two sigmas about the middle.
 constexpr Published kPublished[] = {
     {"VT", "height", 2.818, 0.168, "bista_2022"},
+    {"VT", "ear_height", 1.536, 0.146, "bista_2022"},
     {"VT", "final_leaf_number", 19.5, 1.4, "liu_2020"},
 };
 
@@ -192,7 +193,13 @@ void add_maize_traits(ScoreFile& file, int stage, int plants, std::uint64_t seed
   std::vector<std::vector<TrueTrait>> grown;
   for (int i = 0; i < plants; ++i) {
     const Rng rng = Rng(seed).fork("maize").fork(static_cast<std::uint64_t>(i));
-    grown.push_back(grow_maize(maize(), stage, rng).traits);
+    MaizePlant made = grow_maize(maize(), stage, rng);
+    grown.push_back(std::move(made.traits));
+    const std::string ear_node = "node " + std::to_string(maize().flower.ear_rank);
+    for (const Keypoint& keypoint : made.plant.keypoints) {
+      if (keypoint.name == ear_node && stage > maize().plant.leaves)
+        grown.back().push_back({"ear_height", "m", keypoint.in_object_m.z()});
+    }
     grown.back().push_back({"final_leaf_number", "1", static_cast<double>(maize().plant.leaves)});
   }
   const std::string name = stage > maize().plant.leaves ? "VT" : "V" + std::to_string(stage);
