@@ -26,16 +26,6 @@ struct RigEye {
   Pose eye_from_rig;
 };
 
-/// A hand that pushes a branch and lets go while a view is taken.
-struct BranchPush {
-  double force_n = 0;                            ///< largest; 0 = no hand
-  int branch = 0;                                ///< from the lowest
-  double share = 0.8;                            ///< where, of its length
-  double azimuth_rad = 0, elevation_rad = -0.8;  ///< where it pushes to, from +x to +y and up
-  int view = 0;                                  ///< whose time is the middle of the push
-  double seconds = 0.5;
-};
-
 struct ApplesSceneConfig {
   int fruits = 68;     ///< on the tree; 50 to 60 leaves each [Koike 1999, in orchard.toml]
   double heavier = 1;  ///< times the fruits' masses: what stalks and branches can hold

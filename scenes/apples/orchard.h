@@ -80,4 +80,14 @@ Fields fields(OrchardConfig& config);
 void validate(const OrchardConfig& config);
 const OrchardConfig& orchard();  ///< of orchard.toml
 
+/// A hand that pushes a branch and lets go while a view is taken.
+struct BranchPush {
+  double force_n = 0;                            ///< largest; 0 = no hand
+  int branch = 0;                                ///< from the lowest
+  double share = 0.8;                            ///< where, of its length
+  double azimuth_rad = 0, elevation_rad = -0.8;  ///< where it pushes to, from +x to +y and up
+  int view = 0;                                  ///< whose time is the middle of the push
+  double seconds = 0.5;
+};
+
 }  // namespace cousin

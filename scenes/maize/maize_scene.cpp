@@ -172,9 +172,9 @@ Scene build_maize_scene(const MaizeSceneConfig& config, Rng rng) {
   add_clods(scene, config.plant.field, rng.fork("soil"));
   add_residues(scene, config.plant.field, rng.fork("soil"));
   scene.views = maize_views(config, trait_of(variants.front(), "height"), rng.fork("views"));
-  constexpr double kFelt = 0.6;  // of the height: where most of the leaf area is
   add_far_rows(scene, config, 1, rng.fork("far"));
   add_hedge(scene, config.plant.field, rng.fork("far"));
+  constexpr double kFelt = 0.6;  // of the height: where most of the leaf area is
   sway_specimens(scene, config.wind, config.plant.sway, kFelt, rng.fork("sway"));
   validate(scene);
   return scene;

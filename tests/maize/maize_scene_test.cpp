@@ -51,6 +51,40 @@ TEST(MaizeScene, TheMiddlePlantStandsAtTheOriginAloneOrInAField) {
   EXPECT_EQ(alone, middle(build_maize_scene(field(3, 5), Rng(2))));
 }
 
+TEST(MaizeScene, TheFieldGoesOnInStripsThatAreNoSpecimensAndLeaveSightFree) {
+  MaizeSceneConfig config = field(1, 1);
+  config.stage = "V4";
+  config.views = 5;
+  config.plant.field.far_m = 6;
+  config.plant.field.hedge_m = 5;
+  const Scene scene = build_maize_scene(config, Rng(7));
+  int strips = 0, specimens = 0;
+  double highest_m = 0;
+  for (const Instance& instance : scene.instances) {
+    specimens += instance.is_specimen;
+    const Mesh& mesh = scene.models[static_cast<std::size_t>(instance.model)].mesh;
+    if (instance.category == "line of trees") {
+      for (const Eigen::Vector3d& p : mesh.vertices_m) highest_m = std::max(highest_m, p.z());
+    }
+    if (instance.category != "maize far away") continue;
+    ++strips;
+    for (const View& view : scene.views) {
+      const Eigen::Vector3d eye = centre_in_world_m(view.rig_from_world);
+      for (const Eigen::Vector3d& p : mesh.vertices_m) {
+        // Stalks keep clear_m; leaves of V4 reach half a metre from them.
+        ASSERT_GT((instance.world_from_object * p - eye).head<2>().norm(),
+                  config.plant.field.clear_m - 0.5);
+      }
+    }
+  }
+  EXPECT_EQ(specimens, 1);
+  EXPECT_GT(strips, 20);
+  EXPECT_GT(highest_m, 3);
+  config.plant.field.far_m = config.plant.field.hedge_m = 0;
+  EXPECT_EQ(build_maize_scene(config, Rng(7)).models.front().mesh.vertices_m,
+            scene.models.front().mesh.vertices_m);
+}
+
 TEST(MaizeScene, IsTheSameOnAnyNumberOfThreads) {
   const auto build = [](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -93,40 +127,6 @@ TEST(MaizeScene, InWindEachPlantSwaysAboutItsFootAndInStillAirNothingChanges) {
     EXPECT_EQ(now.translation_m, a.world_from_object.translation_m);
     EXPECT_GT(angle_rad(now.rotation.conjugate() * later.rotation), 1e-5) << b.name;
   }
-}
-
-TEST(MaizeScene, TheFieldGoesOnInStripsThatAreNoSpecimensAndLeaveSightFree) {
-  MaizeSceneConfig config = field(1, 1);
-  config.stage = "V4";
-  config.views = 5;
-  config.plant.field.far_m = 6;
-  config.plant.field.hedge_m = 5;
-  const Scene scene = build_maize_scene(config, Rng(7));
-  int strips = 0, specimens = 0;
-  double highest_m = 0;
-  for (const Instance& instance : scene.instances) {
-    specimens += instance.is_specimen;
-    const Mesh& mesh = scene.models[static_cast<std::size_t>(instance.model)].mesh;
-    if (instance.category == "line of trees") {
-      for (const Eigen::Vector3d& p : mesh.vertices_m) highest_m = std::max(highest_m, p.z());
-    }
-    if (instance.category != "maize far away") continue;
-    ++strips;
-    for (const View& view : scene.views) {
-      const Eigen::Vector3d eye = centre_in_world_m(view.rig_from_world);
-      for (const Eigen::Vector3d& p : mesh.vertices_m) {
-        // Stalks keep clear_m; leaves of V4 reach half a metre from them.
-        ASSERT_GT((instance.world_from_object * p - eye).head<2>().norm(),
-                  config.plant.field.clear_m - 0.5);
-      }
-    }
-  }
-  EXPECT_EQ(specimens, 1);
-  EXPECT_GT(strips, 20);
-  EXPECT_GT(highest_m, 3);
-  config.plant.field.far_m = config.plant.field.hedge_m = 0;
-  EXPECT_EQ(build_maize_scene(config, Rng(7)).models.front().mesh.vertices_m,
-            scene.models.front().mesh.vertices_m);
 }
 
 TEST(MaizeScene, RefusesStagesLightsAndOrders) {
