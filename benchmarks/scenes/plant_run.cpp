@@ -43,7 +43,8 @@ Scene build(const BoardsSceneConfig& config, std::uint64_t seed, int index) {
 }
 
 Scene build(const ApplesSceneConfig& config, std::uint64_t seed, int index) {
-  return build_apples_scene(config, scene_rng(seed, index).fork("build"));
+  return build_apples_scene(config, scene_rng(seed, index).fork("build"),
+                            tree_settler(config, seed, index));
 }
 
 /// The camera that a rig's first images come from, as its preset has it.
@@ -90,10 +91,13 @@ Scene build(const StrawberriesSceneConfig& config, std::uint64_t seed, int index
 
 /// What is of the machine and decides no byte: not in a resolved configuration.
 Fields machine_fields(PlantRunConfig& config) {
-  auto* strawberries = std::get_if<StrawberriesSceneConfig>(&config.scene);
-  if (strawberries == nullptr) return {};
-  return {{"cache", &strawberries->cache,
-           "folder that keeps trusses at rest, which take seconds to settle; empty: none"}};
+  if (auto* strawberries = std::get_if<StrawberriesSceneConfig>(&config.scene))
+    return {{"cache", &strawberries->cache,
+             "folder that keeps trusses at rest, which take seconds to settle; empty: none"}};
+  if (auto* apples = std::get_if<ApplesSceneConfig>(&config.scene))
+    return {{"cache", &apples->cache,
+             "folder that keeps branches at rest, which take seconds to settle; empty: none"}};
+  return {};
 }
 
 Fields scene_fields(PlantRunConfig& config) {
@@ -176,6 +180,9 @@ PlantRunConfig plant_run_config(PlantSceneConfig base, const std::vector<std::st
                                 const std::filesystem::path& file) {
   PlantRunConfig config;
   config.scene = std::move(base);
+  // Who photographs an apple taps on it: it and the leaves about it are exposed for.
+  constexpr double kApple_m = 0.09;
+  if (std::holds_alternative<ApplesSceneConfig>(config.scene)) config.capture.metered_m = kApple_m;
   if (!file.empty()) {
     // What a rig's table holds depends on the rig.
     const std::string name = toml_text_of(file, "scene", "rig");

@@ -52,7 +52,9 @@ std::pair<bool, std::string> plant_physics(const PlantSceneConfig& scene) {
     return {true, "trusses hang at rest, or come from the folder `cache`"};
   if (const auto* apples = std::get_if<ApplesSceneConfig>(&scene);
       COUSIN_WITH_MUJOCO && apples != nullptr && apples->sag)
-    return {true, "branches bend under their fruits to rest"};
+    return {true, apples->wind.mean_speed_m_s > 0 || apples->push.force_n > 0
+                      ? "branches bend under their fruits to rest, and sway"
+                      : "branches bend under their fruits to rest"};
   const bool blows = std::visit(
       [](const auto& config) {
         if constexpr (requires { is_still(config.motion); }) return !is_still(config.motion);

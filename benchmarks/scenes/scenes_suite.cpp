@@ -152,15 +152,16 @@ struct Published {
 };
 
 /// Traits with a source; all others are free. Bista, Thapa, Rawal, Dhakal & Joshi, International
-/// Journal of Agronomy 2022, 4806266, Table 2: plant height of its first 23 hybrids. Liu et al.,
-/// Agriculture 10:411, 2020: final leaf numbers of Zhengdan 958 at 23 sites lie within 16.7 and
-/// 22.3, taken as two sigmas about the middle. Moosavi-Nezhad et al., International Journal of
+/// Journal of Agronomy 2022, 4806266, Table 2: plant and ear height of its first 23 hybrids. Liu et
+/// al., Agriculture 10:411, 2020: final leaf numbers of Zhengdan 958 at 23 sites lie within 16.7
+/// and 22.3, taken as two sigmas about the middle. Moosavi-Nezhad et al., International Journal of
 /// Molecular Sciences 22:8043, 2021, Table 1: mean area of a leaf of young grafted watermelons
 /// after 12 days under blue, white, red-and-blue and red light, 8.24, 10.11, 8.15 and 6.28 cm2;
 /// ours are the leaves of day 12. No publication that we found says how large cotyledons and
 /// hypocotyls of watermelon are, with a spread.
 constexpr Published kPublished[] = {
     {"maize", "VT", "height", 2.818, 0.168, "bista_2022"},
+    {"maize", "VT", "ear_height", 1.536, 0.146, "bista_2022"},
     {"maize", "VT", "final_leaf_number", 19.5, 1.4, "liu_2020"},
     {"seedlings", "day 12", "area_of_a_leaf", 8.2e-4, 1.57e-4, "moosavi_nezhad_2021"},
 };
@@ -217,7 +218,13 @@ void add_maize_traits(ScoreFile& file, int stage, int plants, std::uint64_t seed
   std::vector<std::vector<TrueTrait>> grown;
   for (int i = 0; i < plants; ++i) {
     const Rng rng = Rng(seed).fork("maize").fork(static_cast<std::uint64_t>(i));
-    grown.push_back(grow_maize(maize(), stage, rng).traits);
+    MaizePlant made = grow_maize(maize(), stage, rng);
+    grown.push_back(std::move(made.traits));
+    const std::string ear_node = "node " + std::to_string(maize().flower.ear_rank);
+    for (const Keypoint& keypoint : made.plant.keypoints) {
+      if (keypoint.name == ear_node && stage > maize().plant.leaves)
+        grown.back().push_back({"ear_height", "m", keypoint.in_object_m.z()});
+    }
     grown.back().push_back({"final_leaf_number", "1", static_cast<double>(maize().plant.leaves)});
   }
   const std::string name = stage > maize().plant.leaves ? "VT" : "V" + std::to_string(stage);

@@ -1,5 +1,6 @@
 #include "benchmarks/scenes/stand_cache.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -30,6 +31,12 @@ std::string opened(const fs::path& file) {
   return text;
 }
 
+fs::path file_of(const std::string& folder, const std::string& description, std::uint64_t seed,
+                 const std::string& which, const char* extension) {
+  const std::string key = sha256_hex(description + "\nseed " + std::to_string(seed) + "\n" + which);
+  return fs::path(folder) / (key.substr(0, 32) + extension);
+}
+
 }  // namespace
 
 Rng stretch_rng(std::uint64_t seed, int plant) {
@@ -37,9 +44,8 @@ Rng stretch_rng(std::uint64_t seed, int plant) {
 }
 
 fs::path stand_file(const StrawberriesSceneConfig& config, std::uint64_t seed, int plant) {
-  const std::string key = sha256_hex(description(config.stand, config.bed) + "\nseed " +
-                                     std::to_string(seed) + "\nstretch " + std::to_string(plant));
-  return fs::path(config.cache) / (key.substr(0, 32) + ".stand");
+  return file_of(config.cache, description(config.stand, config.bed), seed,
+                 "stretch " + std::to_string(plant), ".stand");
 }
 
 StandRest stand_at_rest(const StrawberriesSceneConfig& config, std::uint64_t seed, int plant) {
@@ -51,6 +57,25 @@ StandRest stand_at_rest(const StrawberriesSceneConfig& config, std::uint64_t see
   StandRest rest = settle_stand(config.stand, config.bed, rng);
   write_file(file, sealed(to_text(rest)));
   return rest;
+}
+
+fs::path tree_file(const ApplesSceneConfig& config, std::uint64_t seed, int index) {
+  return file_of(config.cache, description_of_tree(config), seed, "tree " + std::to_string(index),
+                 ".tree");
+}
+
+BranchSettler tree_settler(const ApplesSceneConfig& config, std::uint64_t seed, int index) {
+  if (config.cache.empty()) return settle_branches;
+  return [file = tree_file(config, seed, index)](const std::vector<HangingBranch>& branches) {
+    if (fs::exists(file)) return rests_from_text(opened(file), file.string(), branches);
+    std::vector<SagResult> rests = settle_branches(branches);
+    const bool can_be_kept = std::all_of(rests.begin(), rests.end(), [](const SagResult& sag) {
+      return sag.status == PlantStatus::ok || sag.status == PlantStatus::not_at_rest ||
+             sag.status == PlantStatus::penetrates;  // what overlaps is thinned
+    });
+    if (can_be_kept && !rests.empty()) write_file(file, sealed(rests_to_text(rests)));
+    return rests;
+  };
 }
 
 }  // namespace cousin

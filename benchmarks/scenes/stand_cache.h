@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "scenes/apples/apples_scene.h"
 #include "scenes/strawberries/strawberries_scene.h"
 
 namespace cousin {
@@ -17,5 +18,9 @@ Rng stretch_rng(std::uint64_t seed, int plant);
 /// The file that keeps it: named by a hash of all that decides it.
 std::filesystem::path stand_file(const StrawberriesSceneConfig& config, std::uint64_t seed,
                                  int plant);
+
+/// The same for the branches of an apple scene's tree, scene number `index` of a run.
+BranchSettler tree_settler(const ApplesSceneConfig& config, std::uint64_t seed, int index);
+std::filesystem::path tree_file(const ApplesSceneConfig& config, std::uint64_t seed, int index);
 
 }  // namespace cousin

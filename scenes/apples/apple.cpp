@@ -102,8 +102,13 @@ void validate(const AppleConfig& config) {
 }
 
 FruitModel make_apple(const AppleConfig& config, Rng rng) {
+  return make_apple(config, apple_cultivar(config.cultivar), rng);
+}
+
+FruitModel make_apple(const AppleConfig& config, const AppleCultivar& cultivar, Rng rng) {
   validate(config);
-  AppleCultivar c = apple_cultivar(config.cultivar);
+  validate(cultivar);
+  AppleCultivar c = cultivar;
   if (config.grid != 0) c.grid = config.grid;
   const FruitSize drawn = draw_size(c, rng.fork("size"));
   Rng red = rng.fork("red");

@@ -28,6 +28,8 @@ void validate(const AppleConfig& config);
 /// (the stalk's end). Mass is drawn first (cut normal) and the volume follows from it and the
 /// density drawn. Deterministic in (config, rng).
 FruitModel make_apple(const AppleConfig& config, Rng rng);
+/// The same of a cultivar whose numbers are given; `config.cultivar` is its name alone.
+FruitModel make_apple(const AppleConfig& config, const AppleCultivar& cultivar, Rng rng);
 
 // The steps of make_apple.
 

@@ -48,7 +48,7 @@ Fields fields(AppleCultivar& c) {
 
 void validate(const AppleCultivar& c) {
   AppleCultivar copy = c;
-  check_limits(fields(copy));
+  check_limits(fields(copy), "fuji");
   for (const auto* albedo :
        {&c.albedo_ground, &c.albedo_blush, &c.albedo_red, &c.albedo_lenticel, &c.albedo_russet}) {
     if (albedo->size() != 3) throw std::invalid_argument("an albedo_* needs 3 numbers");

@@ -125,8 +125,8 @@ PlantModel apple_leaf(const OrchardConfig& config, int detail, Rng rng) {
   Organ& blade = add_organ(leaf, OrganKind::blade, "blade", 0, 1);
   blade.line = midrib;
   blade.look = kAppleBladeLook;
-  const int rows = detail ? (c.teeth > 0 ? 4 * c.teeth : 32) : 5;
-  blade.surface = blade_surface(LineWalk(midrib, Vector3d::UnitZ()), shape, rows, detail ? 10 : 2);
+  const int rows = detail ? (c.teeth > 0 ? 4 * c.teeth : 32) : 9;
+  blade.surface = blade_surface(LineWalk(midrib, Vector3d::UnitZ()), shape, rows, detail ? 10 : 4);
   blade.albedo =
       blade_colours(blade.surface, shape, c, length_m, truncated_normal(rng, 0.97, 0.10, 2), rng());
   return plant_model(leaf);

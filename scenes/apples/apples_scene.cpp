@@ -13,7 +13,9 @@
 #include "scenes/apples/apple_views.h"
 #include "scenes/apples/neighbours.h"
 #include "scenes/apples/orchard_ground.h"
+#include "scenes/apples/tree_wind.h"
 #include "sim/config/limits.h"
+#include "sim/physics/rigid_sway.h"
 #include "sim/plant/color.h"
 
 namespace cousin {
@@ -95,6 +97,16 @@ void forget_unseen(Scene& scene, const ApplesSceneConfig& config,
   }
 }
 
+Fields fields(BranchPush& c) {
+  return {{"force_n", &c.force_n, "a hand's largest push of a branch; 0: none", 0, 200},
+          {"branch", &c.branch, "that it pushes, from the lowest, 0", 0, 1000},
+          {"share", &c.share, "where, of its length", 0.1, 1},
+          {"azimuth_rad", &c.azimuth_rad, "where it pushes to, from +x to +y", -7, 7},
+          {"elevation_rad", &c.elevation_rad, "and up", -1.5708, 1.5708},
+          {"view", &c.view, "at whose time it pushes most", 0, 9999},
+          {"seconds", &c.seconds, "from touch to letting go", 0.05, 10}};
+}
+
 }  // namespace
 
 Fields fields(ApplesSceneConfig& c) {
@@ -107,8 +119,8 @@ Fields fields(ApplesSceneConfig& c) {
                 {"sag", &c.sag, "branches bend under their fruits"},
                 {"neighbours", &c.neighbours, "trees of the row whose fruits are specimens too", 0,
                  20},
-                {"trees", &c.trees, "a row", 1, 41},
-                {"rows", &c.rows, "of the orchard", 1, 9},
+                {"trees", &c.trees, "a row", 1, 101},
+                {"rows", &c.rows, "of the orchard", 1, 25},
                 {"light", &c.light, "sun at the front, back or side, or shade"},
                 {"views", &c.views, "each of a fruit of its own", 1, 10000},
                 {"look", &c.look, "up, level, down or any"},
@@ -121,7 +133,8 @@ Fields fields(ApplesSceneConfig& c) {
                 {"turns_leaves", &c.turns_leaves, "where no camera meets it, leaves are turned"},
                 {"unmet", &c.unmet, "what becomes of a view that misses it: state or refuse"},
                 {"rig", &c.rig, "sensor preset"}} +
-         nested("orchard", fields(c.orchard));
+         scene_wind_fields(c.wind) + nested("push", fields(c.push)) +
+         nested("orchard", fields(c.orchard)) + nested("fuji", fields(c.fuji));
 }
 
 void validate(const ApplesSceneConfig& config) {
@@ -133,6 +146,8 @@ void validate(const ApplesSceneConfig& config) {
   }
   check_limits(fields(copy), "apples");
   validate(config.orchard);
+  validate(config.fuji);
+  validate(config.wind);
   fruit_family(config.family);
   if (config.distance_min_m > config.distance_max_m) {
     throw std::invalid_argument("distance_min_m " + std::to_string(config.distance_min_m) +
@@ -154,7 +169,8 @@ void validate(const ApplesSceneConfig& config) {
   add_light(scene, config.orchard, config.light);  // throws, naming those that exist
 }
 
-GrownTree grow_scene_tree(const ApplesSceneConfig& config, const Rng& rng) {
+GrownTree grow_scene_tree(const ApplesSceneConfig& config, const Rng& rng,
+                          const BranchSettler& settle) {
   const OrchardConfig& c = config.orchard;
   GrownTree grown;
   grown.leaves.resize(static_cast<std::size_t>(c.leaf.variants));
@@ -167,16 +183,20 @@ GrownTree grow_scene_tree(const ApplesSceneConfig& config, const Rng& rng) {
     fruit.grid = c.fruit.grid;
     fruit.family = fruit_family(config.family);
     fruit.elongation = config.elongation;
-    grown.fruits[i] = make_apple(fruit, rng.fork("fruit").fork(i));
+    grown.fruits[i] = make_apple(fruit, config.fuji, rng.fork("fruit").fork(i));
   });
   grown.tree = grow_apple_tree(c, c.leaf.variants, rng.fork("tree"));
   bear_fruits(grown.tree, c, grown.fruits, config.fruits, config.heavier, rng.fork("bear"));
-  hang_fruits(grown.tree, c, grown.fruits, config.sag);
+  hang_fruits(grown.tree, c, grown.fruits, config.sag, settle);
   clear_leaves(grown.tree, grown.fruits, grown.leaves);
+  std::vector<PlantModel> coarse(grown.leaves.size());
+  tbb::parallel_for(std::size_t{0}, coarse.size(),
+                    [&](std::size_t i) { coarse[i] = apple_leaf(c, 0, rng.fork("leaf").fork(i)); });
+  part_leaves(grown.tree, grown.fruits, grown.leaves, coarse);
   return grown;
 }
 
-Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng) {
+Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng, const BranchSettler& settle) {
   validate(config);
   const OrchardConfig& c = config.orchard;
   Scene scene;
@@ -184,7 +204,7 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng) {
   scene.rig = config.rig;
   add_light(scene, c, config.light);
   for (Material& material : orchard_materials(c)) scene.materials.push_back(std::move(material));
-  GrownTree grown = grow_scene_tree(config, rng.fork("tree"));
+  GrownTree grown = grow_scene_tree(config, rng.fork("tree"), settle);
   PlantModel wood = tree_wood(grown.tree, c, 1, rng.fork("bark"));
   scene.models.push_back(std::move(wood.model));
   Instance& tree = add_instance(scene, "tree", "tree", 0, kAppleBarkLook, {});
@@ -213,6 +233,7 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng) {
   TurnableLeaves turnable{grown, first_leaf, LeafRoom(grown.tree, grown.fruits), {}};
   add_apple_views(scene, config, apples, turnable, 0, rng.fork("views"));
   forget_unseen(scene, config, apples);
+  sway_tree(scene, config, grown, {0, apples, first_leaf}, rng.fork("sway"));
   validate(scene);
   return scene;
 }

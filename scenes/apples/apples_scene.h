@@ -3,9 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "scenes/apples/apple_cultivar.h"
 #include "scenes/apples/apple_tree.h"
 #include "scenes/apples/orchard.h"
 #include "sim/config/fields.h"
+#include "sim/physics/wind.h"
 #include "sim/truth/scene.h"
 #include "sim/types/camera.h"
 #include "sim/types/rng.h"
@@ -25,14 +27,14 @@ struct RigEye {
 };
 
 struct ApplesSceneConfig {
-  int fruits = 85;     ///< on the tree
+  int fruits = 68;     ///< on the tree; 50 to 60 leaves each [Koike 1999, in orchard.toml]
   double heavier = 1;  ///< times the fruits' masses: what stalks and branches can hold
   std::string family = "botanical";  ///< of the fruits' shapes, or harmonics
   double elongation = 1;             ///< times their length over width
   bool sag = true;                   ///< branches bend under their fruits (MuJoCo)
   int neighbours = 2;                ///< trees of the row whose fruits are specimens too
-  int trees = 11;                    ///< a row
-  int rows = 3;
+  int trees = 31;                    ///< a row
+  int rows = 7;
   std::string light = "front";                         ///< front, back, side, shade
   int views = 8;                                       ///< each of a fruit of its own
   std::string look = "any";                            ///< up, level, down, any
@@ -41,8 +43,14 @@ struct ApplesSceneConfig {
   double occlusion = -1;
   bool turns_leaves = true;     ///< where no camera meets it, leaves near the target are turned
   std::string unmet = "state";  ///< what becomes of a view that misses `occlusion`: state or refuse
+  WindConfig wind;              ///< in which branches sway; still by default
+  BranchPush push;
   std::string rig = "d455";
+  /// Folder that keeps branches at rest; empty: none. It decides nothing, and is no key of the
+  /// scene.
+  std::string cache;
   OrchardConfig orchard = cousin::orchard();
+  AppleCultivar fuji = apple_cultivar("fuji");
   RigEye eye;
 };
 Fields fields(ApplesSceneConfig& config);
@@ -56,7 +64,11 @@ void validate(const ApplesSceneConfig& config);
 /// and `met NNNNNN` (1: within 0.03).
 /// @throws std::invalid_argument for fruits that the tree cannot hold, and with unmet = refuse for
 /// an occlusion that is not met.
-Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng);
+/// In wind, or under a hand, branches with all they carry move about the times of the views, each
+/// section's wood an instance of its own; `visible` and `met` are of the tree at rest.
+/// @param settle  how branches come to rest
+Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng,
+                         const BranchSettler& settle = settle_branches);
 
 /// The tree of the scene alone, fruits hung and leaves cleared; for studies.
 struct GrownTree {
@@ -64,6 +76,15 @@ struct GrownTree {
   std::vector<FruitModel> fruits;
   std::vector<PlantModel> leaves;
 };
-GrownTree grow_scene_tree(const ApplesSceneConfig& config, const Rng& rng);
+GrownTree grow_scene_tree(const ApplesSceneConfig& config, const Rng& rng,
+                          const BranchSettler& settle = settle_branches);
+
+/// Branches at rest as text, and all keys that decide them: for files that keep them.
+std::string rests_to_text(const std::vector<SagResult>& rests);
+/// @param branches  whose rests they are @param name  of the file
+/// @throws std::runtime_error naming the file, what stands in it and what must.
+std::vector<SagResult> rests_from_text(std::string_view text, const std::string& name,
+                                       const std::vector<HangingBranch>& branches);
+std::string description_of_tree(const ApplesSceneConfig& config);
 
 }  // namespace cousin

@@ -56,14 +56,17 @@ struct OrchardConfig {
   } wood;
   struct Ground {
     double half_m = 0, strip_m = 0;
-    std::vector<double> soil, soil_other, grass, grass_dry;
+    std::vector<double> soil, soil_other, grass, grass_dry, clover, fallen_yellow, fallen_brown;
     double grass_m = 0, patch_m = 0;
     int blades = 0;
-    double reach_m = 0;
-    int fallen = 0;
+    double clover_share = 0, reach_m = 0;
+    int fallen = 0, weeds = 0;
     std::vector<double> wires_m;
     double wire_radius_m = 0, post_m = 0, post_radius_m = 0;
   } ground;
+  struct Sway {
+    double leaf_drag = 0, fruit_drag = 0, lead_s = 0, step_s = 0;
+  } sway;
   struct LightNumbers {
     double elevation_rad = 0, turbidity = 0, scale = 0;
   } light;
@@ -76,5 +79,15 @@ Fields fields(OrchardConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const OrchardConfig& config);
 const OrchardConfig& orchard();  ///< of orchard.toml
+
+/// A hand that pushes a branch and lets go while a view is taken.
+struct BranchPush {
+  double force_n = 0;                            ///< largest; 0 = no hand
+  int branch = 0;                                ///< from the lowest
+  double share = 0.8;                            ///< where, of its length
+  double azimuth_rad = 0, elevation_rad = -0.8;  ///< where it pushes to, from +x to +y and up
+  int view = 0;                                  ///< whose time is the middle of the push
+  double seconds = 0.5;
+};
 
 }  // namespace cousin

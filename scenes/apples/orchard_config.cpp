@@ -113,12 +113,25 @@ Fields fields(OrchardConfig::Ground& c) {
           {"grass_m", &c.grass_m, "height of the sward", 0.01, 1},
           {"patch_m", &c.patch_m, "edge of a patch of sward", 0.05, 2},
           {"blades", &c.blades, "a patch", 1, 20000},
-          {"reach_m", &c.reach_m, "blades stand so far from the tree", 0, 20},
+          {"clover", &c.clover, "leaves of clover and weeds", 0, 0.5},
+          {"clover_share", &c.clover_share, "of the patches", 0, 1},
+          {"reach_m", &c.reach_m,
+           "blades stand so far from the tree, coarse ones to three times; 0: none", 0, 20},
           {"fallen", &c.fallen, "leaves on the bare strip", 0, 10000},
+          {"fallen_yellow", &c.fallen_yellow, "colour of a quarter of them", 0, 1},
+          {"fallen_brown", &c.fallen_brown, "of two thirds", 0, 1},
+          {"weeds", &c.weeds, "rosettes on the bare strip within 3 m", 0, 10000},
           {"wires_m", &c.wires_m, "heights of the trellis", 0, 10},
           {"wire_radius_m", &c.wire_radius_m, "of a wire", 1e-4, 0.02},
           {"post_m", &c.post_m, "between posts", 1, 100},
           {"post_radius_m", &c.post_radius_m, "of a post", 5e-3, 0.5}};
+}
+
+Fields fields(OrchardConfig::Sway& c) {
+  return {{"leaf_drag", &c.leaf_drag, "drag coefficient of a leaf's one side", 0, 2},
+          {"fruit_drag", &c.fruit_drag, "of a fruit's section", 0, 2},
+          {"lead_s", &c.lead_s, "of wind before each view, from rest on", 0, 20},
+          {"step_s", &c.step_s, "of the engine; at most branch.damping_time_s", 1e-4, 5e-3}};
 }
 
 Fields fields(OrchardConfig::LightNumbers& c) {
@@ -158,7 +171,8 @@ Fields fields(OrchardConfig& c) {
          nested("spur", fields(c.spur)) + nested("shoot", fields(c.shoot)) +
          nested("leaf", fields(c.leaf)) + nested("fruit", fields(c.fruit)) +
          nested("wood", fields(c.wood)) + nested("ground", fields(c.ground)) +
-         nested("light", fields(c.light)) + nested("views", fields(c.views));
+         nested("sway", fields(c.sway)) + nested("light", fields(c.light)) +
+         nested("views", fields(c.views));
 }
 
 void validate(const OrchardConfig& config) {
@@ -186,6 +200,9 @@ void validate(const OrchardConfig& config) {
   colour("ground.soil_other", config.ground.soil_other);
   colour("ground.grass", config.ground.grass);
   colour("ground.grass_dry", config.ground.grass_dry);
+  colour("ground.clover", config.ground.clover);
+  colour("ground.fallen_yellow", config.ground.fallen_yellow);
+  colour("ground.fallen_brown", config.ground.fallen_brown);
 }
 
 const OrchardConfig& orchard() {

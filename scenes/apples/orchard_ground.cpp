@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/geometry/gradient_noise.h"
+#include "scenes/apples/orchard_sward.h"
 #include "sim/geometry/lattice.h"
 #include "sim/geometry/smooth_normals.h"
 #include "sim/plant/color.h"
@@ -22,25 +22,11 @@ int append(std::vector<T>& list, T value) {
   return static_cast<int>(list.size()) - 1;
 }
 
-/// 0 on the bare strips below the rows, 1 in the alleys.
-double in_alley(const OrchardConfig& c, double x, double y, std::uint64_t key) {
-  const double off = std::abs(y - c.tree.row_m * std::round(y / c.tree.row_m));
-  const double edge = c.ground.strip_m * (1 + 0.25 * noise3({x / 0.35, y / 0.35, 0.5}, key));
-  return smoothstep(edge - 0.06, edge + 0.06, off);
-}
-
-double height_at(const OrchardConfig& c, double x, double y, std::uint64_t key) {
-  const double clods = fractal_noise3({x / 0.11, y / 0.11, 0.3}, 4, key);
-  const double swells = noise3({x / 1.3, y / 1.3, 0.8}, key + 1);
-  // Trees stand on a low ridge.
-  const double off = std::abs(y - c.tree.row_m * std::round(y / c.tree.row_m));
-  return 0.010 * clods + 0.02 * swells + 0.05 * std::exp(-std::pow(off / 0.6, 2)) - 0.05;
-}
-
 /// Soil and sward's ground as one sheet whose cells are finest near the tree.
-ObjectModel ground_model(const OrchardConfig& c, std::uint64_t key) {
+ObjectModel ground_model(const OrchardFloor& floor) {
+  const OrchardConfig& c = floor.config;
   constexpr int kCells = 260;
-  constexpr double kStretch = 3.2;
+  constexpr double kStretch = 4.6;
   const auto place = [&](int i) {
     return c.ground.half_m * std::sinh(kStretch * (2.0 * i / kCells - 1)) / std::sinh(kStretch);
   };
@@ -50,7 +36,7 @@ ObjectModel ground_model(const OrchardConfig& c, std::uint64_t key) {
   for (int j = 0; j <= kCells; ++j) {
     for (int i = 0; i <= kCells; ++i) {
       const double x = place(i), y = place(j);
-      model.mesh.vertices_m.emplace_back(x, y, height_at(c, x, y, key));
+      model.mesh.vertices_m.emplace_back(x, y, floor.height_m(x, y));
     }
   }
   add_lattice_triangles(model.mesh, 0, kCells, kCells);
@@ -58,82 +44,10 @@ ObjectModel ground_model(const OrchardConfig& c, std::uint64_t key) {
     // Both of a cell have its diagonal.
     const auto [low, high] = std::minmax_element(triangle.begin(), triangle.end());
     const Vector3d middle = 0.5 * (model.mesh.vertices_m[*low] + model.mesh.vertices_m[*high]);
-    model.triangle_part.push_back(in_alley(c, middle.x(), middle.y(), key + 4) > 0.5 ? 1 : 0);
+    model.triangle_part.push_back(floor.alley(middle.x(), middle.y()) > 0.5 ? 1 : 0);
   }
   model.vertex_normals = smooth_normals(model.mesh);
   return model;
-}
-
-/// A square of sward: blades that bend over, some dry, a few broad leaves of weeds.
-ObjectModel sward_model(const OrchardConfig& c, Rng rng) {
-  ObjectModel model;
-  model.name = "sward";
-  const Vector3d fresh = color_vector(c.ground.grass), dry = color_vector(c.ground.grass_dry);
-  const Vector3d base = fresh.cwiseMax(dry);
-  const double half = 0.55 * c.ground.patch_m;
-  for (int b = 0; b < c.ground.blades; ++b) {
-    Rng own = rng.fork(static_cast<std::uint64_t>(b));
-    const Vector3d foot(uniform(own, -half, half), uniform(own, -half, half), -0.012);
-    const double azimuth = uniform(own, 0, 2 * kPi),
-                 length = c.ground.grass_m * uniform(own, 0.5, 1.5);
-    const Vector3d out(std::cos(azimuth), std::sin(azimuth), 0), side(-out.y(), out.x(), 0);
-    const double lean = uniform(own, 0.1, 0.9), bow = uniform(own, 0.3, 1.3);
-    const double width = uniform(own, 0.0012, 0.0028);
-    const bool is_dry = uniform(own) < 0.13;
-    const double tone = uniform(own, 0.7, 1.15);
-    const auto first = static_cast<std::uint32_t>(model.mesh.vertices_m.size());
-    constexpr std::uint32_t kSteps = 4;
-    Vector3d at = foot;
-    for (std::uint32_t k = 0; k <= kSteps; ++k) {
-      const double t = static_cast<double>(k) / kSteps, angle = lean + bow * t;
-      const double w = 0.5 * width * (1 - t * t);
-      model.mesh.vertices_m.emplace_back(at - std::max(w, 5e-5) * side);
-      model.mesh.vertices_m.emplace_back(at + std::max(w, 5e-5) * side);
-      const Vector3d colour =
-          tone * (is_dry ? dry : Vector3d(fresh + 0.25 * (1 - t) * (dry - fresh)));
-      const Rgbf share = to_rgb(colour.cwiseQuotient(base).cwiseMin(1.0));
-      model.vertex_albedo.insert(model.vertex_albedo.end(), {share, share});
-      at += length / kSteps * (std::sin(angle) * out + std::cos(angle) * Vector3d::UnitZ());
-      if (k == 0) continue;
-      const std::uint32_t a = first + 2 * (k - 1);
-      model.mesh.triangles.push_back({a, a + 1, a + 3});
-      model.mesh.triangles.push_back({a, a + 3, a + 2});
-    }
-  }
-  return model;
-}
-
-void add_sward(Scene& scene, const OrchardConfig& c, std::uint64_t key, Rng rng) {
-  Material blades;
-  blades.name = "grass";
-  blades.kind = SurfaceKind::leaf;
-  blades.albedo =
-      to_rgb(Vector3d(color_vector(c.ground.grass).cwiseMax(color_vector(c.ground.grass_dry))));
-  blades.transmittance = to_rgb(Vector3d(0.6 * color_vector(c.ground.grass)));
-  blades.roughness = 0.5;
-  blades.ior = 1.45;
-  blades.infrared_albedo = 0.45F;
-  blades.infrared_transmittance = 0.4F;
-  const int material = append(scene.materials, std::move(blades));
-  constexpr int kVariants = 3;
-  const int first = static_cast<int>(scene.models.size());
-  for (int v = 0; v < kVariants; ++v)
-    scene.models.push_back(sward_model(c, rng.fork("patch").fork(static_cast<std::uint64_t>(v))));
-  const int n = static_cast<int>(std::ceil(c.ground.reach_m / c.ground.patch_m));
-  for (int j = -n; j <= n; ++j) {
-    for (int i = -n; i <= n; ++i) {
-      const double x = i * c.ground.patch_m, y = j * c.ground.patch_m;
-      if (std::hypot(x, y) > c.ground.reach_m) continue;
-      Rng own = rng.fork("place").fork(static_cast<std::uint64_t>((j + n) * (2 * n + 1) + i + n));
-      const int variant = static_cast<int>(uniform_index(own, kVariants));
-      const double turn = uniform(own, 0, 2 * kPi);
-      // Fewer patches where the strip's edge frays.
-      if (uniform(own) > in_alley(c, x, y, key + 4)) continue;
-      add_instance(scene, "sward", "ground", first + variant, material,
-                   {Eigen::Quaterniond(Eigen::AngleAxisd(turn, Vector3d::UnitZ())),
-                    Vector3d(x, y, height_at(c, x, y, key))});
-    }
-  }
 }
 
 void add_trellis(Scene& scene, const OrchardConfig& c) {
@@ -174,6 +88,37 @@ void add_trellis(Scene& scene, const OrchardConfig& c) {
   }
 }
 
+/// Green, yellow and brown, on the strip and at the sward's edge.
+void add_fallen_leaves(Scene& scene, const OrchardFloor& floor, const std::vector<int>& leaf_models,
+                       const std::vector<int>& leaf_parts, const Rng& rng) {
+  const auto& c = floor.config.ground;
+  std::vector<std::vector<int>> looks;
+  for (const std::vector<double>* colour : {&c.fallen_yellow, &c.fallen_brown}) {
+    Material dead = scene.materials[static_cast<std::size_t>(leaf_parts.back())];
+    dead.name = "fallen leaf";
+    dead.albedo = to_rgb(color_vector(*colour));
+    dead.back_albedo = dead.albedo;
+    dead.transmittance = to_rgb(Vector3d(0.2 * color_vector(*colour)));
+    dead.roughness = 0.6;
+    looks.emplace_back(leaf_parts.size(), append(scene.materials, std::move(dead)));
+  }
+  looks.push_back(leaf_parts);
+  for (int i = 0; i < c.fallen; ++i) {
+    Rng own = rng.fork("fallen").fork(static_cast<std::uint64_t>(i));
+    const double x = uniform(own, -3, 3), y = c.strip_m * std::clamp(0.7 * normal(own), -2.0, 2.0);
+    const int leaf = leaf_models[uniform_index(own, leaf_models.size())];
+    const Eigen::Quaterniond flat =
+        Eigen::AngleAxisd(uniform(own, 0, 2 * kPi), Vector3d::UnitZ()) *
+        Eigen::AngleAxisd(uniform(own) < 0.5 ? kPi : 0.0, Vector3d::UnitX()) *
+        Eigen::AngleAxisd(0.2 * normal(own), Vector3d::UnitY());
+    const double age = uniform(own);  // most are brown
+    const std::vector<int>& look = looks[age < 0.25 ? 0 : age < 0.9 ? 1 : 2];
+    add_instance(scene, "fallen leaf", "ground", leaf, look.front(),
+                 {flat, Vector3d(x, y, floor.height_m(x, y) + 0.012)})
+        .part_materials = look;
+  }
+}
+
 }  // namespace
 
 Instance& add_instance(Scene& scene, const std::string& name, const std::string& category,
@@ -191,7 +136,7 @@ Instance& add_instance(Scene& scene, const std::string& name, const std::string&
 
 void add_orchard_ground(Scene& scene, const OrchardConfig& c, const std::vector<int>& leaf_models,
                         const std::vector<int>& leaf_parts, Rng rng) {
-  const std::uint64_t key = rng.fork("relief")();
+  const OrchardFloor floor{c, rng.fork("relief")()};
   Material soil;
   soil.name = "bare soil";
   soil.albedo = to_rgb(color_vector(c.ground.soil));
@@ -199,30 +144,19 @@ void add_orchard_ground(Scene& scene, const OrchardConfig& c, const std::vector<
   soil.ior = 1;
   soil.roughness = 1;
   soil.infrared_albedo = 0.35F;
-  Material sward = soil;  // what blades that are too far away to stand leave of their colour
+  Material sward = soil;  // thatch between blades, and what blades far away leave of their colour
   sward.name = "sward";
   const Vector3d grass = color_vector(c.ground.grass), dry = color_vector(c.ground.grass_dry);
-  sward.albedo = to_rgb(Vector3d(0.75 * grass + 0.06 * dry));
-  sward.noise = NoiseTexture{to_rgb(Vector3d(0.45 * grass + 0.20 * dry)), 0.5, 9};
+  sward.albedo = to_rgb(Vector3d(0.70 * grass + 0.10 * dry));
+  sward.noise = NoiseTexture{to_rgb(Vector3d(0.40 * grass + 0.16 * dry)), 0.5, 9};
   const int material = append(scene.materials, std::move(soil));
   append(scene.materials, std::move(sward));
-  const int model = append(scene.models, ground_model(c, key));
+  const int model = append(scene.models, ground_model(floor));
   add_instance(scene, "ground", "ground", model, material, {}).part_materials = {material,
                                                                                  material + 1};
-  add_sward(scene, c, key, rng.fork("sward"));
+  add_sward(scene, floor, rng.fork("sward"));
   add_trellis(scene, c);
-  for (int i = 0; i < c.ground.fallen && !leaf_models.empty(); ++i) {
-    Rng own = rng.fork("fallen").fork(static_cast<std::uint64_t>(i));
-    const double x = uniform(own, -1.5, 1.5), y = 1.2 * c.ground.strip_m * uniform(own, -1, 1);
-    const int leaf = leaf_models[uniform_index(own, leaf_models.size())];
-    const Eigen::Quaterniond flat =
-        Eigen::AngleAxisd(uniform(own, 0, 2 * kPi), Vector3d::UnitZ()) *
-        Eigen::AngleAxisd(uniform(own) < 0.5 ? kPi : 0.0, Vector3d::UnitX()) *
-        Eigen::AngleAxisd(0.2 * normal(own), Vector3d::UnitY());
-    add_instance(scene, "fallen leaf", "ground", leaf, leaf_parts.front(),
-                 {flat, Vector3d(x, y, height_at(c, x, y, key) + 0.012)})
-        .part_materials = leaf_parts;
-  }
+  if (!leaf_models.empty()) add_fallen_leaves(scene, floor, leaf_models, leaf_parts, rng);
 }
 
 }  // namespace cousin

@@ -18,16 +18,6 @@ bool bears(const AppleTree& tree, int axis) {
                      [&](const FruitPlace& f) { return f.axis == axis; });
 }
 
-/// One branch with what hangs on it, as physics bends it.
-struct HangingBranch {
-  int axis = 0;
-  std::vector<int> spurs;    ///< that bear; stem 1 + k of the plant
-  std::vector<int> fruits;   ///< load k, on stem 1 + spurs + k
-  std::vector<int> carried;  ///< axes that are moved with it, the spurs that bear among them
-  BendingPlant plant;
-  SagResult sag;
-};
-
 BendingStem stem_of(const CentreLine& line, const OrchardConfig::Branch& c, int segments) {
   BendingStem stem;
   stem.points_m = line.points_m;
@@ -74,7 +64,6 @@ std::vector<HangingBranch> hanging_branches(const AppleTree& tree, const Orchard
       stem.parent_share = axis.parent_share;
       one.plant.stems.push_back(std::move(stem));
     }
-    if (one.spurs.empty()) continue;
     for (std::size_t f = 0; f < tree.fruits.size(); ++f) {
       const FruitPlace& fruit = tree.fruits[f];
       const auto spur = std::find(one.spurs.begin(), one.spurs.end(), fruit.axis);
@@ -99,33 +88,39 @@ std::vector<HangingBranch> hanging_branches(const AppleTree& tree, const Orchard
   return result;
 }
 
+/// The branch's stem that an axis it carries is; -1: none, it goes with the branch.
+int stem_of_axis(const HangingBranch& b, int axis) {
+  if (axis == b.axis) return 0;
+  const auto at = std::find(b.spurs.begin(), b.spurs.end(), axis);
+  return at == b.spurs.end() ? -1 : 1 + static_cast<int>(at - b.spurs.begin());
+}
+
+BranchPlace place_on(const AppleTree& tree, const HangingBranch& b, int axis, double share) {
+  const int stem = stem_of_axis(b, axis);
+  if (stem >= 0) return {0, stem, share};
+  return {0, 0, tree.wood[static_cast<std::size_t>(axis)].parent_share};
+}
+
 /// Moves what a branch carries to where it came to hang. @return way of its tip
 double apply(AppleTree& tree, const HangingBranch& b) {
-  const BentPlant& bent = b.sag.bent;
+  const BentPlant& bent = b.rest;
   for (std::size_t k = 0; k < b.fruits.size(); ++k) {
     Pose& pose = tree.fruits[static_cast<std::size_t>(b.fruits[k])].tree_from_fruit;
     pose = bent_from_unbent(b.plant, bent, b.plant.loads[k].stem, 1) * pose;
   }
-  const auto stem_of_axis = [&](int axis) {
-    const auto at = std::find(b.spurs.begin(), b.spurs.end(), axis);
-    return at == b.spurs.end() ? -1 : 1 + static_cast<int>(at - b.spurs.begin());
-  };
   // A point, and a turn, that go with an axis' share.
   const auto moved = [&](int axis, double share, const Vector3d& p) {
-    if (axis == b.axis) return bend_m(b.plant, bent, 0, share, p);
-    const int stem = stem_of_axis(axis);
-    if (stem > 0) return bend_m(b.plant, bent, stem, share, p);
-    return bend_m(b.plant, bent, 0, tree.wood[static_cast<std::size_t>(axis)].parent_share, p);
+    const BranchPlace at = place_on(tree, b, axis, share);
+    return bend_m(b.plant, bent, at.stem, at.share, p);
   };
   for (LeafPlace& leaf : tree.leaves) {
     const WoodAxis& axis = tree.wood[static_cast<std::size_t>(leaf.axis)];
     if (leaf.axis != b.axis && axis.parent != b.axis) continue;
-    const int stem = leaf.axis == b.axis ? 0 : std::max(0, stem_of_axis(leaf.axis));
-    const double share = stem > 0 || leaf.axis == b.axis ? leaf.share : axis.parent_share;
+    const BranchPlace at = place_on(tree, b, leaf.axis, leaf.share);
     Pose& pose = leaf.tree_from_leaf;
     pose.translation_m = moved(leaf.axis, leaf.share, pose.translation_m);
     pose.rotation =
-        (bent_from_unbent(b.plant, bent, stem, share).rotation * pose.rotation).normalized();
+        (bent_from_unbent(b.plant, bent, at.stem, at.share).rotation * pose.rotation).normalized();
   }
   const Vector3d tip = tree.wood[static_cast<std::size_t>(b.axis)].line.points_m.back();
   std::vector<int> axes = b.carried;
@@ -146,30 +141,61 @@ double apply(AppleTree& tree, const HangingBranch& b) {
 
 }  // namespace
 
-void hang_fruits(AppleTree& tree, const OrchardConfig& config,
-                 const std::vector<FruitModel>& models, bool bends) {
-  std::vector<HangingBranch> branches;
-  if (bends) branches = hanging_branches(tree, config, models);
+BranchPlace place_on_branch(const AppleTree& tree, int axis, double share) {
+  const int parent = tree.wood[static_cast<std::size_t>(axis)].parent;
+  for (std::size_t i = 0; i < tree.branches.size(); ++i) {
+    const HangingBranch& b = tree.branches[i];
+    if (axis != b.axis && parent != b.axis) continue;
+    BranchPlace place = place_on(tree, b, axis, share);
+    place.branch = static_cast<int>(i);
+    return place;
+  }
+  return {};
+}
+
+BranchPlace place_on_branch(const AppleTree& tree, const FruitPlace& fruit) {
+  BranchPlace place = place_on_branch(tree, fruit.axis, 1);
+  if (place.branch < 0 || fruit.load < 0) return {};
+  const HangingBranch& b = tree.branches[static_cast<std::size_t>(place.branch)];
+  place.stem = b.plant.loads[static_cast<std::size_t>(fruit.load)].stem;
+  place.share = 1;
+  return place;
+}
+
+std::vector<SagResult> settle_branches(const std::vector<HangingBranch>& branches) {
+  std::vector<SagResult> results(branches.size());
   tbb::parallel_for(std::size_t{0}, branches.size(),
-                    [&](std::size_t i) { branches[i].sag = sag(branches[i].plant); });
-  tree.rest.branches = static_cast<int>(branches.size());
+                    [&](std::size_t i) { results[i] = sag(branches[i].plant); });
+  return results;
+}
+
+void hang_fruits(AppleTree& tree, const OrchardConfig& config,
+                 const std::vector<FruitModel>& models, bool bends, const BranchSettler& settle) {
+  if (bends) tree.branches = hanging_branches(tree, config, models);
+  const std::vector<SagResult> sags = settle(tree.branches);
+  tree.rest.branches = static_cast<int>(tree.branches.size());
   tree.rest.is_bent = bends;
-  for (const HangingBranch& b : branches) {
-    const PlantStatus status = b.sag.status;
-    if (status == PlantStatus::not_built) {
+  for (std::size_t i = 0; i < tree.branches.size(); ++i) {
+    HangingBranch& b = tree.branches[i];
+    const SagResult& sag = sags.at(i);
+    if (sag.status == PlantStatus::not_built) {
       tree.rest.is_bent = false;
+      tree.branches.clear();
       break;
     }
-    if (status == PlantStatus::broke || status == PlantStatus::engine_warning) {
+    if (sag.status == PlantStatus::broke || sag.status == PlantStatus::engine_warning) {
       throw std::invalid_argument(
           "apples: a branch at " +
           std::to_string(tree.wood[static_cast<std::size_t>(b.axis)].line.points_m[0].z()) +
           " m under " + std::to_string(b.fruits.size()) + " fruits: " +
-          std::string(to_string(status)) + ", stress " + std::to_string(b.sag.strain.ratio) +
-          " times orchard.branch.strength_pa " + b.sag.first_warning);
+          std::string(to_string(sag.status)) + ", stress " + std::to_string(sag.strain.ratio) +
+          " times orchard.branch.strength_pa " + sag.first_warning);
     }
-    tree.rest.not_at_rest += status == PlantStatus::not_at_rest;
-    tree.rest.stress_ratio = std::max(tree.rest.stress_ratio, b.sag.strain.ratio);
+    b.rest = sag.bent;
+    for (std::size_t k = 0; k < b.fruits.size(); ++k)
+      tree.fruits[static_cast<std::size_t>(b.fruits[k])].load = static_cast<int>(k);
+    tree.rest.not_at_rest += sag.status == PlantStatus::not_at_rest;
+    tree.rest.stress_ratio = std::max(tree.rest.stress_ratio, sag.strain.ratio);
     tree.rest.sag_m = std::max(tree.rest.sag_m, apply(tree, b));
   }
   part_overlaps(tree, models);

@@ -63,6 +63,8 @@ Fields fields(MaizeConfig::Blade& c) {
           {"albedo_back", &c.albedo_back, "of the lower side's midrib", 0, 1},
           {"transmittance", &c.transmittance, "of the lamina", 0, 1},
           {"clasp_m", &c.clasp_m, "over which the base opens from the stalk", 1e-4, 1},
+          {"funnel", &c.funnel, "how much wider the whorl is at its top, over its foot", 0, 10},
+          {"funnel_m", &c.funnel_m, "height over which it widens", 0.01, 2},
           {"collar_m", &c.collar_m, "height of the pale wedge at the base", 1e-4, 1},
           {"dry_after", &c.dry_after, "stages after its collar", 0, 50},
           {"fall_after", &c.fall_after, "stages after its collar", 0, 50},
@@ -117,6 +119,12 @@ Fields fields(MaizeConfig::Field& c) {
           {"clod_scale_m", &c.clod_scale_m, "their size", 1e-3, 10},
           {"albedo", &c.albedo, "of the soil", 0, 1},
           {"other_albedo", &c.other_albedo, "of its darker parts", 0, 1},
+          {"clods", &c.clods, "that lie loose within residue_reach_m", 0, 100000},
+          {"clod_radius_m", &c.clod_radius_m, "their least and largest radius", 1e-3, 0.3},
+          {"far_m", &c.far_m, "coarse rows go on to; 0: none", 0, 100},
+          {"clear_m", &c.clear_m, "none of them is nearer to a line of sight", 0, 100},
+          {"hedge_m", &c.hedge_m, "height of trees about the field; 0: none", 0, 50},
+          {"hedge_albedo", &c.hedge_albedo, "of them", 0, 1},
           {"residues", &c.residues, "straws on the soil near the plants", 0, 100000},
           {"residue_reach_m", &c.residue_reach_m, "of them", 0.1, 100},
           {"residue_m", &c.residue_m, "their least and largest length", 1e-3, 2},
@@ -175,8 +183,10 @@ void validate(const MaizeConfig& config) {
                             &config.field.other_albedo,
                             &config.field.residue_albedo,
                             &config.field.residue_old_albedo,
+                            &config.field.hedge_albedo,
                             &config.field.overcast})
     require("a colour", *color, 3);
+  require("field.clod_radius_m", config.field.clod_radius_m, 2);
   require("field.residue_m", config.field.residue_m, 2);
   require("field.residue_width_m", config.field.residue_width_m, 2);
   if (config.surface.columns % 2 != 0)

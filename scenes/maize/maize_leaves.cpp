@@ -83,6 +83,10 @@ LeafMaker::Opening LeafMaker::opening(int rank) const {
   return below;
 }
 
+double LeafMaker::funnel_at(double up_m) const {
+  return 1 + c_.blade.funnel * smoothstep(0, c_.blade.funnel_m, up_m - top_collar_m_);
+}
+
 int LeafMaker::leaves_inside(int rank) const {
   int count = 0;
   for (int other = rank + 1; other <= c_.plant.leaves; ++other)
@@ -246,16 +250,17 @@ void LeafMaker::clasp(Organ& organ, const Clasp& clasp) const {
     const Vector3d flat_m = midrib.at_m(along_m).point_m, off_m = vertices[i] - flat_m;
     // The midrib leaves the cylinder, and never for its inside.
     const Vector3d axis_m = axis_.at_m(up_m).point_m;
-    Vector3d rib_m = (1 - share) * flat_m + share * (axis_m + clasp.radius_m * clasp.side);
-    rib_m += std::max(0.0, clasp.radius_m - clasp.side.dot(rib_m - axis_m)) * clasp.side;
+    const double funnel = funnel_at(up_m), inner_m = funnel * clasp.radius_m;
+    Vector3d rib_m = (1 - share) * flat_m + share * (axis_m + inner_m * clasp.side);
+    rib_m += std::max(0.0, inner_m - clasp.side.dot(rib_m - axis_m)) * clasp.side;
     const double most_rad = 2.9 + 3 * in;  // margins that have left the whorl do not meet
     const double left = organ.surface.place[i].y() < 0 ? -1 : 1;
-    const double full_rad = left * std::min(most_rad, off_m.norm() / clasp.radius_m);
+    const double full_rad = left * std::min(most_rad, off_m.norm() / inner_m);
     // An arc that has moved off the axis is so much wider that it still goes about the others.
-    const double off_axis_m = clasp.side.dot(rib_m - axis_m) - clasp.radius_m;
-    const double wider = std::max(1 / share, 1 + 0.6 * off_axis_m / clasp.radius_m);
+    const double off_axis_m = clasp.side.dot(rib_m - axis_m) - inner_m;
+    const double wider = std::max(1 / share, 1 + 0.6 * off_axis_m / inner_m);
     const double turn = full_rad / wider;
-    const double radius_m = wider * (clasp.radius_m + in * clasp.roll_m * full_rad);
+    const double radius_m = wider * (inner_m + in * funnel * clasp.roll_m * full_rad);
     const Vector3d arc_m =
         radius_m * (std::sin(turn) * clasp.across - (1 - std::cos(turn)) * clasp.side);
     constexpr double kNearlyFlat = 0.3;  // from here on fold and waves come

@@ -38,7 +38,8 @@ class LeafMaker {
   double base_m(int rank) const;       ///< where the blade leaves the sheath or the whorl
   int last_collar() const { return static_cast<int>(std::min<double>(d_.stage, c_.plant.leaves)); }
   Opening opening(int rank) const;
-  int leaves_inside(int rank) const;  ///< younger ones that it may wrap
+  double funnel_at(double up_m) const;  ///< the whorl's width over that at its foot
+  int leaves_inside(int rank) const;    ///< younger ones that it may wrap
   bool has_fallen(int rank) const;
   double wrapped_m(int rank, double along_m) const;
   CentreLine along_axis(int rank, double from_m, double to_m, int steps, double wider_m) const;

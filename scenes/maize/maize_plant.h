@@ -33,7 +33,7 @@ struct MaizeConfig {
     double tips_ahead = 0, angle_low_rad = 0, angle_high_rad = 0, droop_rad = 0, droop_begin = 0;
     double fold_rad = 0, camber = 0, wave_m = 0, wave_count = 0, twist_rad = 0, midrib_share = 0;
     std::vector<double> albedo, albedo_midrib, albedo_young, albedo_dry, albedo_back, transmittance;
-    double clasp_m = 0, collar_m = 0;
+    double clasp_m = 0, collar_m = 0, funnel = 0, funnel_m = 0;
     double dry_after = 0, fall_after = 0;
     int last_to_fall = 0;
   } blade;
@@ -61,12 +61,16 @@ struct MaizeConfig {
     double row_m = 0, plant_m = 0, scatter_m = 0;
     int variants = 0;
     double half_m = 0, cell_m = 0, clod_m = 0, clod_scale_m = 0;
+    int clods = 0;
+    std::vector<double> clod_radius_m;
     std::vector<double> albedo, other_albedo;
     int residues = 0;
     double residue_reach_m = 0;
     std::vector<double> residue_m, residue_width_m, residue_albedo, residue_old_albedo;
     double sun_elevation_rad = 0, sun_azimuth_rad = 0, turbidity = 0;
     std::vector<double> overcast;
+    double far_m = 0, clear_m = 0, hedge_m = 0;
+    std::vector<double> hedge_albedo;
   } field;
   RigidSwayConfig sway;  ///< of whole plants
   LimbConfig limbs;

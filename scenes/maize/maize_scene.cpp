@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "scenes/maize/maize_far.h"
 #include "scenes/maize/maize_soil.h"
 #include "sim/config/limits.h"
 #include "sim/plant/color.h"
@@ -188,8 +189,11 @@ Scene build_maize_scene(const MaizeSceneConfig& config, Rng rng) {
   const int count = std::min(config.rows * config.plants, config.plant.field.variants);
   const std::vector<Variant> variants = grow_variants(config, count, rng.fork("plants"));
   add_plants(scene, config, variants, rng.fork("field"));
+  add_clods(scene, config.plant.field, rng.fork("soil"));
   add_residues(scene, config.plant.field, rng.fork("soil"));
   scene.views = maize_views(config, trait_of(variants.front(), "height"), rng.fork("views"));
+  add_far_rows(scene, config, 1, rng.fork("far"));
+  add_hedge(scene, config.plant.field, rng.fork("far"));
   constexpr double kFelt = 0.6;  // of the height: where most of the leaf area is
   move_plants(scene, kinds_of(scene, variants), config.motion, config.plant.limbs,
               config.plant.sway, kFelt, rng.fork("sway"));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/lattice.h"
 #include "sim/geometry/smooth_normals.h"
@@ -114,6 +115,42 @@ void add_soil(Scene& scene, const MaizeConfig::Field& field, Rng rng) {
   instance.name = instance.category = "soil";
   scene.models.push_back(soil_model(field, rng()));
   scene.materials.push_back(std::move(soil));
+  scene.instances.push_back(std::move(instance));
+}
+
+void add_clods(Scene& scene, const MaizeConfig::Field& field, Rng rng) {
+  if (field.clods == 0) return;
+  Rng same = rng;
+  const std::uint64_t key = same();
+  const Mesh ball = cube_sphere(4);
+  ObjectModel model;
+  model.name = "clods";
+  for (int i = 0; i < field.clods; ++i) {
+    Rng own = rng.fork("clod").fork(static_cast<std::uint64_t>(i));
+    const double r = field.residue_reach_m * uniform(own), azimuth = uniform(own, 0, 2 * kPi);
+    const double small = uniform(own);  // most are
+    const double radius_m =
+        std::lerp(field.clod_radius_m[0], field.clod_radius_m[1], small * small * small);
+    Vector3d at(r * std::cos(azimuth), r * std::sin(azimuth), 0);
+    at.z() = height_m(field, at.x(), at.y(), key) + 0.25 * radius_m;
+    const Vector3d stretch(uniform(own, 0.7, 1.3), uniform(own, 0.7, 1.3), uniform(own, 0.5, 0.9));
+    const Vector3d place(own() % 997, own() % 997, 0.5);
+    const auto first = static_cast<std::uint32_t>(model.mesh.vertices_m.size());
+    for (const Vector3d& p : ball.vertices_m) {
+      const double bumps =
+          1 + 0.6 * noise3(1.6 * p + place, key) + 0.25 * noise3(4.5 * p + place, key);
+      model.mesh.vertices_m.emplace_back(at + radius_m * bumps * stretch.cwiseProduct(p));
+    }
+    for (const auto& t : ball.triangles)
+      model.mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  model.vertex_normals = smooth_normals(model.mesh);
+  Instance instance;
+  for (const Instance& other : scene.instances) instance.id = std::max(instance.id, other.id + 1);
+  instance.name = instance.category = "clods";
+  instance.model = static_cast<int>(scene.models.size());
+  instance.material = scene.instances.front().material;
+  scene.models.push_back(std::move(model));
   scene.instances.push_back(std::move(instance));
 }
 

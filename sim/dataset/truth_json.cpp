@@ -71,28 +71,53 @@ Instance read_instance(const JsonNode& node) {
   return instance;
 }
 
+/// Triangles of a part follow each other: a part and how many, and the next.
+Json part_runs(const ObjectModel& model) {
+  Json runs = Json::array();
+  const auto& parts = model.triangle_part;
+  for (std::size_t i = 0; i < parts.size();) {
+    std::size_t end = i;
+    while (end < parts.size() && parts[end] == parts[i]) ++end;
+    runs.push_back(parts[i]);
+    runs.push_back(end - i);
+    i = end;
+  }
+  return runs;
+}
+
+/// @param left  triangles that the file may still have: few numbers could stand for any memory
+std::vector<std::uint16_t> read_part_runs(const JsonNode& runs, std::size_t part_count,
+                                          std::size_t& left) {
+  std::vector<std::uint16_t> parts;
+  const std::size_t count = runs.size(kMaxTriangles);
+  if (count % 2 != 0) runs.fail("is not pairs of a part and a count");
+  for (std::size_t i = 0; i < count; i += 2) {
+    const auto part = static_cast<std::uint16_t>(runs[i].integer(0, 65534));
+    if (part >= part_count) runs[i].fail("is not an index into part_names");
+    const auto run =
+        static_cast<std::size_t>(runs[i + 1].integer(0, static_cast<std::int64_t>(left)));
+    parts.insert(parts.end(), run, part);
+    left -= run;
+  }
+  return parts;
+}
+
 Json json_of(const ObjectModel& model, std::size_t index) {
   return {{"name", model.name},
           {"mesh", mesh_file(index)},
           {"part_names", model.part_names},
-          {"triangle_part", model.triangle_part}};
+          {"part_runs", part_runs(model)}};
 }
 
-ObjectModel read_model(const JsonNode& node, std::vector<std::string>& mesh_files) {
-  node.expect_keys({"name", "mesh", "part_names", "triangle_part"});
+ObjectModel read_model(const JsonNode& node, std::vector<std::string>& mesh_files,
+                       std::size_t& triangles_left) {
+  node.expect_keys({"name", "mesh", "part_names", "part_runs"});
   ObjectModel model;
   model.name = node["name"].text();
   mesh_files.push_back(node["mesh"].text());
   for (const JsonNode& part : node["part_names"].elements(65535))
     model.part_names.push_back(part.text());
-  const JsonNode parts = node["triangle_part"];
-  const std::size_t count = parts.size(kMaxTriangles);
-  model.triangle_part.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    model.triangle_part.push_back(static_cast<std::uint16_t>(parts[i].integer(0, 65534)));
-    if (model.triangle_part.back() >= model.part_names.size())
-      parts[i].fail("is not an index into part_names");
-  }
+  model.triangle_part = read_part_runs(node["part_runs"], model.part_names.size(), triangles_left);
   return model;
 }
 
@@ -243,8 +268,9 @@ Scene scene_from_json(std::string_view text, const std::string& name, SceneFiles
   scene.name = root["name"].text();
   scene.rig = root["rig"].text();
   scene.board = root["board"].text();
+  std::size_t triangles_left = kMaxTriangles;
   for (const JsonNode& node : root["models"].elements(kMaxInstances))
-    scene.models.push_back(read_model(node, files.meshes));
+    scene.models.push_back(read_model(node, files.meshes, triangles_left));
   for (const JsonNode& node : root["materials"].elements(kMaxInstances))
     scene.materials.push_back(read_material(node));
   for (const JsonNode& node : root["instances"].elements(kMaxInstances))

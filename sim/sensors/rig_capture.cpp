@@ -47,6 +47,9 @@ Fields fields(RigCaptureConfig& config) {
       {"knows_pose", &config.knows_pose, "the rig is on an arm that reports its poses"},
       {"pose_error_m", &config.pose_error_m, "sigma of a reported place, each axis", 0, 1},
       {"pose_error_rad", &config.pose_error_rad, "sigma of a reported turn, each axis", 0, 1},
+      {"metered_m", &config.metered_m,
+       "automatic exposure is for what lies so near to the view's focus; 0: for the highlights", 0,
+       10},
   };
 }
 
@@ -112,10 +115,12 @@ struct RigCapture::Impl {
     for (std::size_t s = 0; s < cameras; ++s) {
       const TrueView& view = views[s].views[static_cast<std::size_t>(frame)];
       const Rng of_view = light.fork(static_cast<std::uint64_t>(frame));
+      const MeteredSpot spot =
+          metered_spot(scene.views[static_cast<std::size_t>(frame)], view, config.metered_m);
       const Image<Rgbf> seen = radiance(view, s == 0 ? of_view : of_view.fork(views[s].sensor));
       SensorFrame sensed = std::visit(
           [&](const auto& rig) {
-            return sense_color(rig, s, seen, view, of_frame("sensor", frame));
+            return sense_color(rig, s, seen, view, spot, of_frame("sensor", frame));
           },
           kind);
       if (asked.color) into.sensors[s].color = std::move(sensed.color);

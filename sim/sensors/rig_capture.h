@@ -24,6 +24,8 @@ struct RigCaptureConfig {
   bool knows_pose = false;         ///< the rig sits on an arm that reports where it is,
   double pose_error_m = 0.0002;    ///< with an error of this sigma, each axis, at each frame
   double pose_error_rad = 0.0005;  ///< and of this one about each axis
+  /// Automatic exposure is for what lies within this of the view's focus; 0: for the highlights.
+  double metered_m = 0;
 };
 Fields fields(RigCaptureConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.

@@ -196,25 +196,25 @@ SensorFrame reported_frame(const RangeRig& rig, std::size_t sensor, const TrueVi
 }
 
 SensorFrame sense_color(const PhoneRig& rig, std::size_t, const Image<Rgbf>& radiance,
-                        const TrueView& view, const Rng& rng) {
-  return sense(radiance, rig.config, rig.unit, view, rng);
+                        const TrueView& view, const MeteredSpot& spot, const Rng& rng) {
+  return sense(radiance, metered(rig.config, radiance, spot), rig.unit, view, rng);
 }
 
 SensorFrame sense_color(const CameraRig& rig, std::size_t sensor, const Image<Rgbf>& radiance,
-                        const TrueView& view, const Rng& rng) {
+                        const TrueView& view, const MeteredSpot& spot, const Rng& rng) {
   const RigSensor& own = rig.config.sensors.at(sensor);
-  return sense(radiance, own.camera, rig.unit.sensors.at(sensor), view,
+  return sense(radiance, metered(own.camera, radiance, spot), rig.unit.sensors.at(sensor), view,
                rng.fork(own.name).fork("sense"));
 }
 
 SensorFrame sense_color(const DepthRig& rig, std::size_t sensor, const Image<Rgbf>& radiance,
-                        const TrueView& view, const Rng& rng) {
-  return sense_color(rig.color, sensor, radiance, view, rng);
+                        const TrueView& view, const MeteredSpot& spot, const Rng& rng) {
+  return sense_color(rig.color, sensor, radiance, view, spot, rng);
 }
 
 SensorFrame sense_color(const RangeRig& rig, std::size_t sensor, const Image<Rgbf>& radiance,
-                        const TrueView& view, const Rng& rng) {
-  return sense_color(rig.color, sensor, radiance, view, rng);
+                        const TrueView& view, const MeteredSpot& spot, const Rng& rng) {
+  return sense_color(rig.color, sensor, radiance, view, spot, rng);
 }
 
 namespace {

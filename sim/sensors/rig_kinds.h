@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/sensors/device.h"
+#include "sim/sensors/metering.h"
 #include "sim/sensors/range_rig.h"
 #include "sim/sensors/rig_capture.h"
 
@@ -69,15 +70,16 @@ SensorFrame reported_frame(const DepthRig& rig, std::size_t sensor, const TrueVi
 SensorFrame reported_frame(const RangeRig& rig, std::size_t sensor, const TrueView& view,
                            const View& seen, const Rng& rng);
 
-/// A camera's images. @param rng  of the frame's sensing.
+/// A camera's images. @param spot  that automatic exposure is for @param rng  of the frame's
+/// sensing.
 SensorFrame sense_color(const PhoneRig& rig, std::size_t sensor, const Image<Rgbf>& radiance,
-                        const TrueView& view, const Rng& rng);
+                        const TrueView& view, const MeteredSpot& spot, const Rng& rng);
 SensorFrame sense_color(const CameraRig& rig, std::size_t sensor, const Image<Rgbf>& radiance,
-                        const TrueView& view, const Rng& rng);
+                        const TrueView& view, const MeteredSpot& spot, const Rng& rng);
 SensorFrame sense_color(const DepthRig& rig, std::size_t sensor, const Image<Rgbf>& radiance,
-                        const TrueView& view, const Rng& rng);
+                        const TrueView& view, const MeteredSpot& spot, const Rng& rng);
 SensorFrame sense_color(const RangeRig& rig, std::size_t sensor, const Image<Rgbf>& radiance,
-                        const TrueView& view, const Rng& rng);
+                        const TrueView& view, const MeteredSpot& spot, const Rng& rng);
 
 /// What a rig's depth is made from in one frame.
 struct DepthTake {

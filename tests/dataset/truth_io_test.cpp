@@ -391,8 +391,12 @@ TEST(TruthIo, BadFilesAreNamed) {
   EXPECT_THAT(with("scene.json", "\"model\": 1", "\"model\": 9"), HasSubstr("scene.json"));
   EXPECT_THAT(with("scene.json", "\"kind\": \"sun\"", "\"kind\": \"moon\""),
               HasSubstr("/lights/0/kind = \"moon\""));
-  EXPECT_THAT(with("scene.json", "[0, 1, 1, 0]", "[0, 2, 1, 0]"),
-              HasSubstr("/models/0/triangle_part/1 = 2"));
+  EXPECT_THAT(with("scene.json", "[0, 1, 1, 2, 0, 1]", "[0, 1, 2, 2, 0, 1]"),
+              HasSubstr("/models/0/part_runs/2 = 2"));
+  EXPECT_THAT(with("scene.json", "[0, 1, 1, 2, 0, 1]", "[0, 1, 1, 99999999]"),
+              HasSubstr("/models/0/part_runs/3 = 99999999"));
+  EXPECT_THAT(with("scene.json", "[0, 1, 1, 2, 0, 1]", "[0, 1, 1]"),
+              HasSubstr("/models/0/part_runs"));
   EXPECT_THAT(with("traits.json", "\"instance\": 10", "\"instance\": 11"),
               HasSubstr("/instances/0/instance = 11"));
   EXPECT_THAT(with("camera.json", "\"readout_s\": 0.00", "\"readout_s\": -0.00"),

@@ -15,7 +15,9 @@ MaizeSceneConfig field(int rows, int plants) {
   MaizeSceneConfig config;
   config.rows = rows;
   config.plants = plants;
-  config.plant.field.cell_m = 0.2;  // the soil is not what is tested
+  config.plant.field.cell_m = 0.2;  // the soil is not what is tested, nor what stands about
+  config.plant.field.far_m = config.plant.field.hedge_m = 0;
+  config.plant.field.clods = 0;
   return config;
 }
 
@@ -48,6 +50,40 @@ TEST(MaizeScene, TheMiddlePlantStandsAtTheOriginAloneOrInAField) {
   const auto alone = middle(build_maize_scene(field(1, 1), Rng(2)));
   EXPECT_FALSE(alone.empty());
   EXPECT_EQ(alone, middle(build_maize_scene(field(3, 5), Rng(2))));
+}
+
+TEST(MaizeScene, TheFieldGoesOnInStripsThatAreNoSpecimensAndLeaveSightFree) {
+  MaizeSceneConfig config = field(1, 1);
+  config.stage = "V4";
+  config.views = 5;
+  config.plant.field.far_m = 6;
+  config.plant.field.hedge_m = 5;
+  const Scene scene = build_maize_scene(config, Rng(7));
+  int strips = 0, specimens = 0;
+  double highest_m = 0;
+  for (const Instance& instance : scene.instances) {
+    specimens += instance.is_specimen;
+    const Mesh& mesh = scene.models[static_cast<std::size_t>(instance.model)].mesh;
+    if (instance.category == "line of trees") {
+      for (const Eigen::Vector3d& p : mesh.vertices_m) highest_m = std::max(highest_m, p.z());
+    }
+    if (instance.category != "maize far away") continue;
+    ++strips;
+    for (const View& view : scene.views) {
+      const Eigen::Vector3d eye = centre_in_world_m(view.rig_from_world);
+      for (const Eigen::Vector3d& p : mesh.vertices_m) {
+        // Stalks keep clear_m; leaves of V4 reach half a metre from them.
+        ASSERT_GT((instance.world_from_object * p - eye).head<2>().norm(),
+                  config.plant.field.clear_m - 0.5);
+      }
+    }
+  }
+  EXPECT_EQ(specimens, 1);
+  EXPECT_GT(strips, 20);
+  EXPECT_GT(highest_m, 3);
+  config.plant.field.far_m = config.plant.field.hedge_m = 0;
+  EXPECT_EQ(build_maize_scene(config, Rng(7)).models.front().mesh.vertices_m,
+            scene.models.front().mesh.vertices_m);
 }
 
 TEST(MaizeScene, IsTheSameOnAnyNumberOfThreads) {

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "sim/imaging/color.h"
+#include "sim/sensors/metering.h"
+#include "sim/sensors/metering.h"
 
 namespace cousin {
 namespace {
@@ -237,6 +239,33 @@ TEST(CameraSensor, AutomaticExposureSeesWhatThePhotositesSee) {
   // Red photosites are the brightest, at twice their light.
   EXPECT_NEAR(electrons_per_radiance(config, even(0.5F, 0.2F, 0.2F)), 0.8 * 8000 / 1.0, 1e-2);
   EXPECT_EQ(electrons_per_radiance(config, even(0, 0, 0)), 0.8 * 8000);
+}
+
+TEST(CameraSensor, SpotMeteringBringsTheSpotsMeanToAQuarterOfFullWell) {
+  CameraSensorConfig config = plain_camera();
+  config.photosites.electrons_at_unit_radiance = 0;
+  const MeteredSpot fruit{0.5 * kWidth, 0.5 * kHeight, 5};
+  const auto sky_with_fruit = [&](const Rgbf& colour) {
+    Image<Rgbf> radiance = even(1, 1, 1);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (std::hypot(x - fruit.x_px, y - fruit.y_px) < 8)
+          radiance.row(y)[static_cast<std::size_t>(x)] = colour;
+      }
+    }
+    return radiance;
+  };
+  const auto electrons = [&](const Rgbf& colour, const MeteredSpot& spot) {
+    return metered(config, sky_with_fruit(colour), spot).photosites.electrons_at_unit_radiance;
+  };
+  const double full_well = config.photosites.full_well_e;
+  // Radiances are single precision numbers: 1e-5 is plenty.
+  EXPECT_NEAR(electrons({0.1F, 0.05F, 0.05F}, fruit), 0.25 * full_well / 0.1, 1e-5 * full_well);
+  // What is ever so dark stays dark: all else would be white.
+  EXPECT_NEAR(electrons({0, 0, 0}, fruit), 8 * 0.8 * full_well, 1e-5 * full_well);
+  EXPECT_EQ(electrons({0, 0, 0}, {}), 0);  // left automatic
+  config.photosites.electrons_at_unit_radiance = 123;
+  EXPECT_EQ(electrons({0, 0, 0}, fruit), 123);
 }
 
 TEST(CameraSensor, GivesTheSameBytesOnAnyNumberOfThreads) {
