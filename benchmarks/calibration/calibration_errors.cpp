@@ -1,6 +1,5 @@
 #include "benchmarks/calibration/calibration_errors.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,11 +9,11 @@
 
 #include "calibration/calibration_uncertainty.h"
 #include "calibration/planar_pose.h"
+#include "calibration/triangulation.h"
 
 namespace cousin {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
@@ -51,18 +50,6 @@ double fruit_error_m(const std::vector<Sight>& lattice, const Camera& estimate) 
     squares += error.squaredNorm();
   }
   return std::sqrt(squares / static_cast<double>(lattice.size()));
-}
-
-/// Where rays meet best: least squares of the distances to them.
-Vector3d meeting_point(const std::vector<Vector3d>& origins, const std::vector<Vector3d>& ways) {
-  Matrix3d normal = Matrix3d::Zero();
-  Vector3d right = Vector3d::Zero();
-  for (std::size_t i = 0; i < origins.size(); ++i) {
-    const Matrix3d across = Matrix3d::Identity() - ways[i] * ways[i].transpose();
-    normal += across;
-    right += across * origins[i];
-  }
-  return normal.ldlt().solve(right);
 }
 
 constexpr double kBoard_m = 0.1;    ///< side of the seed board [Seeds, 2.2.2]
@@ -117,7 +104,7 @@ double seed_error_m(const Camera& truth, const Camera& estimate) {
       origins.push_back(board_from_camera.translation_m);
       ways.push_back(board_from_camera.rotation * *way);
     }
-    return meeting_point(origins, ways);
+    return nearest_to_lines(origins, ways);
   };
   double squares = 0;
   int count = 0;
