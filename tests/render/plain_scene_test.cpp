@@ -116,15 +116,19 @@ TEST(PlainScene, PartsOfOtherMaterialsBecomeInstances) {
   const PlainScene plain = plain_scene(scene, lens_view());
   ASSERT_EQ(plain.scene.instances.size(), 4U);
   EXPECT_NO_THROW(validate(plain.scene));
-  std::size_t triangles = 0;
+  double soil_m2 = 0;
   for (const Instance& instance : plain.scene.instances) {
     EXPECT_TRUE(instance.part_materials.empty());
     const bool is_soil =
         plain.scene.materials[static_cast<std::size_t>(instance.material)].name == "soil";
     if (instance.name != "plant" || !is_soil) continue;
-    triangles += plain.scene.models[static_cast<std::size_t>(instance.model)].mesh.triangles.size();
+    const Mesh& mesh = plain.scene.models[static_cast<std::size_t>(instance.model)].mesh;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const Eigen::Vector3d& from = mesh.vertices_m[a];
+      soil_m2 += 0.5 * (mesh.vertices_m[b] - from).cross(mesh.vertices_m[c] - from).norm();
+    }
   }
-  EXPECT_EQ(triangles, 2U);
+  EXPECT_NEAR(soil_m2, 0.02 * 0.01, 1e-12);  // one of the plate's two faces
 }
 
 TEST(PlainScene, WhatCannotBeSaidIsLeftOutAndNamed) {
