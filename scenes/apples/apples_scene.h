@@ -27,7 +27,7 @@ struct RigEye {
 };
 
 struct ApplesSceneConfig {
-  int fruits = 68;     ///< on the tree; 50 to 60 leaves each [Koike 1999, in orchard.toml]
+  int fruits = 64;     ///< on the tree; 50 to 60 leaves each [Koike 1999, in orchard.toml]
   double heavier = 1;  ///< times the fruits' masses: what stalks and branches can hold
   std::string family = "botanical";  ///< of the fruits' shapes, or harmonics
   double elongation = 1;             ///< times their length over width
