@@ -72,7 +72,8 @@ Eigen::MatrixXd lens_columns(const Camera& lens, const FreeParameters& free,
 
 /// M with trace(M covariance) = mean variance of the projection over the image, what a rotation
 /// can take up left out.
-Eigen::MatrixXd projection_weight(const Camera& camera, const FreeParameters& free) {
+Eigen::MatrixXd projection_weight(const Camera& camera, const FreeParameters& free,
+                                  double reach_px) {
   constexpr int kColumns = 13, kRows = 10;
   const Lens lens(camera);
   std::vector<Eigen::MatrixXd> lens_parts;
@@ -81,6 +82,7 @@ Eigen::MatrixXd projection_weight(const Camera& camera, const FreeParameters& fr
     for (int c = 0; c < kColumns; ++c) {
       const Eigen::Vector2d pixel(c * (camera.width_px - 1.0) / (kColumns - 1),
                                   r * (camera.height_px - 1.0) / (kRows - 1));
+      if ((pixel - Eigen::Vector2d(camera.cx_px, camera.cy_px)).norm() > reach_px) continue;
       const auto ray = lens.unproject(pixel);
       if (!ray) continue;
       const auto projection = lens.project_with_jacobian(*ray);
@@ -191,7 +193,8 @@ std::string words_of(const Candidate& c) {
 }  // namespace
 
 std::optional<NextView> best_next_view(const CalibrationResult& result, int camera,
-                                       const std::vector<Eigen::Vector3d>& target_m) {
+                                       const std::vector<Eigen::Vector3d>& target_m,
+                                       double reach_px) {
   if (camera < 0 || camera >= static_cast<int>(result.cameras.size()) || target_m.empty())
     return std::nullopt;
   const Camera& lens = result.cameras[static_cast<std::size_t>(camera)];
@@ -199,7 +202,7 @@ std::optional<NextView> best_next_view(const CalibrationResult& result, int came
   const auto free = free_parameters(result, camera);
   if (!free) return std::nullopt;
   const Lens ready(lens);
-  const Eigen::MatrixXd weight = projection_weight(lens, *free);
+  const Eigen::MatrixXd weight = projection_weight(lens, *free, reach_px);
   const auto rms_px = [&](const Eigen::MatrixXd& information) {
     return std::sqrt(std::max(0.0, information.ldlt().solve(weight).trace()));
   };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,7 +24,10 @@ struct NextView {
 /// grid of pixels, a rotation of the camera (which best fits) left out. Nothing for a splined lens,
 /// a result without covariance, or a target that no candidate shows.
 /// @param target_m  by id, flat in z = 0, about the origin
+/// @param reach_px  pixels farther from the principal point are none of the image's: a fisheye's
+/// dark corners
 std::optional<NextView> best_next_view(const CalibrationResult& result, int camera,
-                                       const std::vector<Eigen::Vector3d>& target_m);
+                                       const std::vector<Eigen::Vector3d>& target_m,
+                                       double reach_px = std::numeric_limits<double>::infinity());
 
 }  // namespace cousin

@@ -18,6 +18,9 @@ CalibrateConfig config_of(const Options& o) {
   if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
   if (!o.model.empty()) config.model = lens_model_from_string(o.model);
   if (!o.solver.empty()) config.calibration.solver = calibration_solver_from_string(o.solver);
+  // The others weigh all points alike.
+  if (config.calibration.solver != CalibrationSolver::ceres)
+    config.calibration.weigh_by_covariance = false;
   if (!o.fixed.empty()) set_field(fields(config), "calibration.fixed=" + o.fixed);
   for (const std::string& set : o.sets) set_field(fields(config), set);
   validate(config);

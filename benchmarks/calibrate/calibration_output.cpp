@@ -88,6 +88,7 @@ Json camera_json(const CalibrationRun& run, std::size_t c) {
   json["coverage"] = number(v.coverage);
   json["tilt_spread_rad"] = number(v.tilt_spread_rad);
   if (!v.uncertainty.covariance_px2.empty()) {
+    json["projection_deviation_median_px"] = number(v.deviation_px);
     json["projection_deviation_rms_px"] = number(rms_deviation_px(v.uncertainty));
     json["valid_share"] = number(v.valid_share);
   }
@@ -211,8 +212,9 @@ std::string calibration_table(const CalibrationRun& run) {
         "%.0f degrees\n",
         v.rms_px, v.predicted_px, 100 * v.coverage, v.tilt_spread_rad * 180 / std::numbers::pi);
     if (!v.uncertainty.covariance_px2.empty())
-      text += line_of("  projection known to %.4f px RMS over the image; %.0f %% of it valid\n",
-                      rms_deviation_px(v.uncertainty), 100 * v.valid_share);
+      text +=
+          line_of("  projection known to %.4f px, the median over the image; %.0f %% of it valid\n",
+                  v.deviation_px, 100 * v.valid_share);
     if (v.next)
       text += "  next: " + v.next->words +
               line_of(" (%.4f px becomes %.4f px)\n", v.next->now_px, v.next->then_px);

@@ -31,7 +31,7 @@ void add_headlines(const CalibrationRun& run, ReportInput& input) {
     add(who + "fy", lens.fy_px, "px", deviation(run.result, prefix + "fy_px"));
     add(who + "residual RMS", run.verdicts[c].rms_px, "px");
     if (!run.verdicts[c].uncertainty.covariance_px2.empty())
-      add(who + "projection's deviation, RMS", rms_deviation_px(run.verdicts[c].uncertainty), "px");
+      add(who + "projection's deviation, median", run.verdicts[c].deviation_px, "px");
     if (c > 0) add(who + "baseline", run.result.camera_from_rig[c].translation_m.norm(), "m");
   }
 }

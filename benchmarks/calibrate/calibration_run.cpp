@@ -162,8 +162,41 @@ double tilt_spread_of(const CalibrationResult& result, const std::set<int>& fram
   return widest;
 }
 
+double median_deviation_px(const UncertaintyMap& map) {
+  std::vector<double> values;
+  for (const Eigen::Matrix2d& covariance : map.covariance_px2) {
+    if (covariance.allFinite()) values.push_back(worst_deviation_px(covariance));
+  }
+  if (values.empty()) return std::nan("");
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// A fisheye's dark corners, where nothing is known, would decide the rotation that fits best over
+/// the image: its points are taken where the boards were.
+UncertaintyConfig gauge_of(const CalibrationResult& result, const Camera& lens) {
+  if (lens.model != LensModel::kannala_brandt4 || result.frames.empty()) return {};
+  double sum_m = 0;
+  for (const CalibrationFrame& f : result.frames) sum_m += f.rig_from_target.translation_m.norm();
+  return {.gauge = ProjectionGauge::mean_frames,
+          .distance_m = sum_m / static_cast<double>(result.frames.size())};
+}
+
+/// Of points from the principal point: a fisheye's picture hardly goes on beyond.
+double reach_px(const CalibrationInput& input, int camera, const Camera& lens) {
+  double reach = 0;
+  for (const TargetView& view : input.views) {
+    if (view.camera != camera) continue;
+    for (const TargetObservation& o : view.points)
+      reach = std::max(reach, (o.pixel_px - Eigen::Vector2d(lens.cx_px, lens.cy_px)).norm());
+  }
+  return 1.05 * reach;
+}
+
 CameraVerdict verdict_of(const CalibrationRun& run, int camera) {
   CameraVerdict v;
+  v.deviation_px = std::nan("");
   double squares = 0, predicted = 0;
   int count = 0, points = 0;
   std::set<int> frames;
@@ -184,12 +217,16 @@ CameraVerdict verdict_of(const CalibrationRun& run, int camera) {
   v.tilt_spread_rad = tilt_spread_of(run.result, frames, camera);
   if (run.result.covariance.rows() > 0) {
     const Camera& lens = run.result.cameras[static_cast<std::size_t>(camera)];
-    v.uncertainty = projection_uncertainty(run.result, camera);
+    v.uncertainty = projection_uncertainty(run.result, camera, gauge_of(run.result, lens));
     constexpr double kValidShare = 0.001;  // of the width: 0.64 px at VGA
     v.valid_share =
         valid_region(run.result, run.input, camera, v.uncertainty, kValidShare * lens.width_px)
             .share;
-    v.next = best_next_view(run.result, camera, run.input.target_m);
+    v.deviation_px = median_deviation_px(v.uncertainty);
+    v.next = best_next_view(run.result, camera, run.input.target_m,
+                            lens.model == LensModel::kannala_brandt4
+                                ? reach_px(run.input, camera, lens)
+                                : std::numeric_limits<double>::infinity());
   }
   return v;
 }
@@ -221,6 +258,17 @@ void judge(CalibrationRun& run) {
           three_digits(v.tilt_spread_rad * 180 / std::numbers::pi) +
           " degrees at most between two; focal length and distance cannot be told apart");
     }
+    const double width_px = run.result.cameras[c].width_px;
+    const std::string known = "the projection's deviation is " + three_digits(v.deviation_px) +
+                              " px, the median over the image";
+    if (v.deviation_px > config.most_deviation_share * width_px) {
+      run.problems.push_back(who + known + "; the limit is " +
+                             three_digits(config.most_deviation_share * width_px) + " px");
+    } else if (v.deviation_px > config.warn_deviation_share * width_px) {
+      run.warnings.push_back(who + known + "; " +
+                             std::to_string(static_cast<int>(std::lround(100 * v.valid_share))) +
+                             " % of the image is valid");
+    }
     constexpr double kLeastCoverage = 0.35;
     if (v.coverage < kLeastCoverage) {
       run.warnings.push_back(who + "points cover " +
@@ -251,6 +299,9 @@ Fields fields(CalibrateConfig& config) {
                  1e6},
                 {"most_rms_sigmas", &config.most_rms_sigmas,
                  "and times what detection predicts for it", 1, 1e6},
+                {"warn_deviation_share", &config.warn_deviation_share,
+                 "projection's median deviation over the width that is warned of", 0, 1},
+                {"most_deviation_share", &config.most_deviation_share, "and that is refused", 0, 1},
                 {"least_tilt_spread_rad", &config.least_tilt_spread_rad,
                  "below, boards count as parallel", 0, 1.5}} +
          nested("calibration", fields(config.calibration)) +

@@ -15,10 +15,14 @@ namespace cousin {
 
 struct CalibrateConfig {
   LensModel model = LensModel::opencv5;
-  CalibrationConfig calibration;
+  /// As a person calibrates: residuals over what detection predicts for them. What a lens does far
+  /// beyond the points is judged by the median over the image instead of the RMS.
+  CalibrationConfig calibration{.weigh_by_covariance = true, .max_deviation_share = 1e6};
   TargetDetectionConfig detection;
   double most_rms_px = 0.5;             ///< RMS a coordinate above which the lens does not fit ...
   double most_rms_sigmas = 8;           ///< ... if it is as many times what detection predicts, too
+  double most_deviation_share = 0.01;   ///< of the width: median of the projection's deviation
+  double warn_deviation_share = 0.002;  ///< the same, for a warning
   double least_tilt_spread_rad = 0.17;  ///< between boards: below, they count as parallel
 };
 Fields fields(CalibrateConfig& config);
@@ -31,6 +35,7 @@ struct CameraVerdict {
   double coverage = 0;         ///< share of a 10 x 8 grid over its images that points fall into
   double tilt_spread_rad = 0;  ///< largest angle between two boards' normals
   UncertaintyMap uncertainty;  ///< empty without covariance
+  double deviation_px = 0;     ///< median of its worst deviations; NaN without
   double valid_share = 0;      ///< of the image, K in ValidRegion
   std::optional<NextView> next;
 };
