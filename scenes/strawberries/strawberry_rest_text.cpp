@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "scenes/strawberries/strawberry_stand.h"
-#include "scenes/strawberries/strawberry_toml.h"
 
 namespace cousin {
 namespace {
@@ -131,7 +130,7 @@ std::string description(const StandConfig& config, const StrawberryBedConfig& be
   for (const Field& field : fields(copy)) {
     if (field.key.starts_with("row.")) text += to_toml({field});
   }
-  return text + std::string(truss_toml()) + std::string(varieties_toml());
+  return text;
 }
 
 StandRest rest_from_text(std::string_view text, const std::string& name, const StandConfig& config,
