@@ -7,6 +7,7 @@
 #include <string>
 
 #include "benchmarks/metrics/distributions.h"
+#include "benchmarks/plants/berry_rows.h"
 #include "benchmarks/plants/orchard_rows.h"
 #include "scenes/apples/apple.h"
 #include "scenes/strawberries/truss.h"
@@ -99,19 +100,16 @@ void size_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
 /// Trusses of 1 to 10 fruits, as the paper's images have them, ripe as drawn: shares of the three
 /// classes of maturity beside its 4776, 2452 and 1399 fruits.
 void maturity_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
-  const TrussShape& shape = truss_shape();
   const Rng rng = Rng(seed).fork("maturity");
   std::array<std::int64_t, 3> counts{};
   for (std::uint64_t i = 0; i < kDraws; ++i) {
     const Rng one = rng.fork(i);
     Rng count = one.fork("count");
     const int fruits = 1 + static_cast<int>(uniform_index(count, 10));
-    const double first = draw_ripeness(shape, one.fork("first"));
-    for (int k = 0; k < fruits; ++k) {
-      const double red = ripeness_of_rank(shape, first, rank_of(k),
-                                          one.fork("fruit").fork(static_cast<std::uint64_t>(k)));
+    TrussConfig config;
+    config.fruits = fruits;
+    for (const double red : asked_red_shares(config, one))
       ++counts[red < 0.3 ? 0 : (red <= 0.8 ? 1 : 2)];
-    }
   }
   const std::int64_t all = counts[0] + counts[1] + counts[2];
   constexpr std::array<const char*, 3> kNames = {"low (red share below 0.3)", "medium", "high"};
@@ -201,7 +199,7 @@ void truss_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int fruits) {
 ScoreFile plants_suite(std::uint64_t seed, bool quick, const Progress& progress) {
   ScoreFile file;
   const std::vector<int> trusses = quick ? std::vector{1, 5} : std::vector{1, 3, 5, 8, 12};
-  const int steps = 3 + static_cast<int>(trusses.size());
+  const int steps = 4 + static_cast<int>(trusses.size());
   int done = 0;
   const auto tell = [&](const std::string& what) {
     if (progress) progress(what, done, steps);
@@ -216,6 +214,9 @@ ScoreFile plants_suite(std::uint64_t seed, bool quick, const Progress& progress)
     tell("truss of " + std::to_string(fruits));
     truss_rows(file.scores, seed, fruits);
   }
+  tell("stretch of strawberries");
+  const std::vector<ScoreRow> berries = berry_rows(seed, quick);
+  file.scores.insert(file.scores.end(), berries.begin(), berries.end());
   tell("apple tree");
   const std::vector<ScoreRow> orchard = orchard_rows(seed, quick);
   file.scores.insert(file.scores.end(), orchard.begin(), orchard.end());

@@ -7,10 +7,14 @@
 namespace cousin {
 
 SurfaceCrossing leaf_crossing(const Scene& scene) {
+  return leaf_crossing(scene, specimens_of(scene));
+}
+
+SurfaceCrossing leaf_crossing(const Scene& scene, const std::vector<const Instance*>& plants) {
   Mesh all;
   std::vector<int> sheets;
   int first_sheet = 0;
-  for (const Instance* instance : specimens_of(scene)) {
+  for (const Instance* instance : plants) {
     const ObjectModel& model = scene.models[static_cast<std::size_t>(instance->model)];
     const Mesh mesh = mesh_in_world(scene, *instance);
     const auto offset = static_cast<std::uint32_t>(all.vertices_m.size());

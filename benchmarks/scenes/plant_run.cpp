@@ -230,6 +230,7 @@ std::string rig_name(const PlantSceneConfig& scene) {
 PlantSceneConfig seen_by(PlantSceneConfig scene, const DeviceConfig& rig) {
   const RigEye eye = std::visit([](const auto& r) { return eye_of(r); }, rig);
   if (auto* apples = std::get_if<ApplesSceneConfig>(&scene)) apples->eye = eye;
+  if (auto* berries = std::get_if<StrawberriesSceneConfig>(&scene)) berries->eye = eye;
   if (auto* boards = std::get_if<BoardsSceneConfig>(&scene)) {
     boards->half_view = {0.5 * eye.camera.width_px / eye.camera.fx_px,
                          0.5 * eye.camera.height_px / eye.camera.fy_px};

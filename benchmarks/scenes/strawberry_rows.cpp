@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/scenes/leaf_crossing.h"
 #include "benchmarks/scenes/plant_simulation.h"
 #include "benchmarks/scenes/stand_cache.h"
 #include "sim/dataset/capture_io.h"
@@ -18,7 +19,7 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kBuild_s = 1, kSettle_s = 10, kOverlap_m = 5e-4;
+constexpr double kBuild_s = 1, kSettle_s = 10, kOverlap_m = 5e-4, kCrossing = 0.01;
 constexpr double kImage_s = 75 * 60 / 1000.0;
 constexpr int kDraws = 2000;  // stretches whose fruits are counted, without meshes
 
@@ -92,11 +93,22 @@ void paper_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
   }
 }
 
+/// Plants before the camera.
+std::vector<const Instance*> near_row(const Scene& scene) {
+  std::vector<const Instance*> plants;
+  for (const Instance& instance : scene.instances) {
+    if (instance.category == "strawberry plant" && instance.name.starts_with("plant "))
+      plants.push_back(&instance);
+  }
+  return plants;
+}
+
 /// Settles stretches into the folder and builds them; overlaps of all.
 void stretch_rows(std::vector<ScoreRow>& rows, const StrawberriesSceneConfig& config,
                   std::uint64_t seed, int count) {
   std::vector<double> settle_s, build_s;
-  double overlap_m = 0, leaf_m = -1;
+  double overlap_m = 0, leaf_m = -1, sepal_m = -1;
+  SurfaceCrossing crossing;
   for (int i = 0; i < count; ++i) {
     const StageClock settling("settle");
     const StandRest rest = stand_at_rest(config, seed, i);
@@ -106,6 +118,10 @@ void stretch_rows(std::vector<ScoreRow>& rows, const StrawberriesSceneConfig& co
     build_s.push_back(building.finish().wall_s);
     overlap_m = std::max(overlap_m, rest.sag.max_penetration_m);
     leaf_m = std::max(leaf_m, plants_in_fruits_m(scene));
+    sepal_m = std::max(sepal_m, sepals_in_fruits_m(scene));
+    const SurfaceCrossing own = leaf_crossing(scene, near_row(scene));
+    crossing.area_m2 += own.area_m2;
+    crossing.crossed_m2 += own.crossed_m2;
   }
   const auto add = [&](const char* metric, const char* unit, double value, double limit) {
     ScoreRow row = row_of("stretch of bed", metric, unit, seed);
@@ -119,6 +135,10 @@ void stretch_rows(std::vector<ScoreRow>& rows, const StrawberriesSceneConfig& co
   add("deepest overlap of fruits, stalks and bed (at most 0.0005)", "m", overlap_m, kOverlap_m);
   add("deepest overlap of leaves and petioles with fruits (at most 0.0005; negative: distance)",
       "m", leaf_m, kOverlap_m);
+  add("deepest overlap of sepals with fruits beside theirs (at most 0.0005; negative: distance)",
+      "m", sepal_m, kOverlap_m);
+  add("leaf_crossing.share of the near row's leaves (at most 0.01)", "1", crossing.share(),
+      kCrossing);
 }
 
 /// Seconds of an image's steps.

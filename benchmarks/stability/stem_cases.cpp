@@ -55,7 +55,7 @@ std::string stem_name(double modulus_pa, int segments) {
 /// A stem without weight in the engine, bending only.
 struct Swing {
   BendingPlant plant;
-  PlantModel engine;
+  HingedPlant engine;
   EngineData data;
   Swing(const BendingPlant& given, double step_s, const std::string& integrator)
       : plant(given),

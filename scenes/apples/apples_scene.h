@@ -6,25 +6,13 @@
 #include "scenes/apples/apple_cultivar.h"
 #include "scenes/apples/apple_tree.h"
 #include "scenes/apples/orchard.h"
+#include "scenes/fruit/rig_eye.h"
 #include "sim/config/fields.h"
 #include "sim/physics/wind.h"
 #include "sim/truth/scene.h"
-#include "sim/types/camera.h"
 #include "sim/types/rng.h"
 
 namespace cousin {
-
-/// The camera of a rig that targets are seen by: nominal lens and place. Not a key: it follows from
-/// the rig.
-struct RigEye {
-  Camera camera{.width_px = 640,
-                .height_px = 480,
-                .fx_px = 390,
-                .fy_px = 390,
-                .cx_px = 319.5,
-                .cy_px = 239.5};
-  Pose eye_from_rig;
-};
 
 struct ApplesSceneConfig {
   int fruits = 64;     ///< on the tree; 50 to 60 leaves each [Koike 1999, in orchard.toml]

@@ -26,8 +26,13 @@ Fields fields(StrawberriesSceneConfig& c) {
                 {"pitch_max_rad", &c.pitch_max_rad, "of those that look down", -1.2, 1.2},
                 {"azimuth_spread_rad", &c.azimuth_spread_rad, "views within this of straight on", 0,
                  1.2},
+                {"occlusion", &c.occlusion,
+                 "hidden share of the fruit that each view is of; negative: as it comes", -1, 1},
+                {"swings_leaves", &c.swings_leaves,
+                 "where no camera meets it, leaves are swung before the fruit or aside"},
+                {"unmet", &c.unmet, "what becomes of a view that misses it: state or refuse"},
                 {"rig", &c.rig, "sensor preset"}} +
-         nested("strawberry", fields(c.plant)) + nested("bed", fields(c.bed));
+         fields(c.motion) + nested("strawberry", fields(c.plant)) + nested("bed", fields(c.bed));
 }
 
 void validate(const StrawberriesSceneConfig& config) {
@@ -46,6 +51,12 @@ void validate(const StrawberriesSceneConfig& config) {
   if (config.category != "variety" && config.category != "maturity")
     throw std::invalid_argument("category \"" + config.category +
                                 "\" is not one of variety, maturity");
+  if (config.unmet != "state" && config.unmet != "refuse")
+    throw std::invalid_argument("unmet \"" + config.unmet + "\" is not one of state, refuse");
+  if (config.occlusion >= 0 && !is_still(config.motion))
+    throw std::invalid_argument(
+        "occlusion = " + std::to_string(config.occlusion) +
+        " is of fruits and leaves that stand still; wind and push.force_n must be 0");
   if (config.light == "drawn") return;
   Scene scene;  // throws, naming those that exist
   add_strawberry_light(scene, config.bed, config.light, {0.4, 0, 0}, {0, 0, 0}, Rng(0));

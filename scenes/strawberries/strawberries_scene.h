@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/fruit/rig_eye.h"
+#include "scenes/strawberries/stand_motion.h"
 #include "scenes/strawberries/strawberry_bed.h"
 #include "scenes/strawberries/strawberry_plant.h"
 #include "scenes/strawberries/strawberry_stand.h"
@@ -24,13 +26,20 @@ struct StrawberriesSceneConfig {
   double tilted_share = 0.5;  ///< of the views, that look down; the others are level
   double pitch_min_rad = 0.17, pitch_max_rad = 0.26;  ///< of those that look down
   double azimuth_spread_rad = 0.6;                    ///< views within this of straight on
+  /// Hidden share of the fruit that each view is of; negative: views are of all fruits, as it
+  /// comes.
+  double occlusion = -1;
+  bool swings_leaves = true;    ///< where no camera meets it, leaves near the target are swung
+  std::string unmet = "state";  ///< what becomes of a view that misses `occlusion`: state or refuse
+  StandWind motion;             ///< what moves trusses and leaves; still by default
   std::string rig = "d457";
   StrawberryPlantConfig plant = strawberry_plant();
   StrawberryBedConfig bed = strawberry_bed();
   /// Folder that keeps stands at rest; empty: none is kept. It changes no byte of what is made.
   std::string cache;
+  RigEye eye;
 };
-/// All but `cache`, which is of the machine.
+/// All but `cache`, which is of the machine, and `eye`.
 Fields fields(StrawberriesSceneConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const StrawberriesSceneConfig& config);
@@ -40,10 +49,15 @@ void validate(const StrawberriesSceneConfig& config);
 /// specimens "fruit NN": traits of FruitModel and maturity (0 low, 1 medium, 2 high: red share
 /// below 0.3, to 0.8, above [Strawberries 2.1]), axis_x, axis_y, axis_z (unit, from tip to calyx,
 /// in the world), keypoints tip, calyx_centre, cut_point. Plants of the near row are instances
-/// "plant NN", parts as grow_strawberry_plant; stalks of a truss "truss NN".
+/// "plant NN", parts as grow_strawberry_plant; stalks of a truss "truss NN". With occlusion asked
+/// for or in wind, leaves of the near row are instances "plant NN leaf K" of their own. In wind, or
+/// under a hand, stalks are instances "truss NN stalk SS piece K" that move as rigid bodies, and
+/// fruits and calyces move with their stalks' ends.
 /// @param rest  of settle_stand for the same configuration and `plant_rng`
 /// @param plant_rng  what grows, the same for all scenes of a stretch
 /// @param rng  colours, light and views of this scene
+/// @throws std::invalid_argument for a camera in something, an occlusion that is not met and to be
+/// refused; std::runtime_error where wind or a hand breaks a stalk.
 Scene build_strawberries_scene(const StrawberriesSceneConfig& config, const StandRest& rest,
                                const Rng& plant_rng, const Rng& rng);
 
@@ -57,5 +71,7 @@ int maturity_of(double red_share);
 /// Deepest that a scene's plants (leaves, petioles, flowers, runners) reach into its fruits' hulls;
 /// negative: the least distance from them, or -0.01.
 double plants_in_fruits_m(const Scene& scene);
+/// The same of sepals in the fruits beside theirs.
+double sepals_in_fruits_m(const Scene& scene);
 
 }  // namespace cousin

@@ -22,7 +22,7 @@ std::vector<View> strawberry_views(const StrawberriesSceneConfig& config,
     const double level = 0.03 * truncated_normal(own, 0, 1, 2);
     const double pitch = tilted ? down : level;
     // Who looks down stands above.
-    const double above_m = config.height_m * uniform(own, tilted ? 0 : -1, 1);
+    const double above_m = config.height_m * uniform(own, tilted ? 0.6 : -1, 1);
     const Vector3d aside(0, 0.03 * truncated_normal(own, 0, 1, 2), 0);
     const Vector3d out(std::cos(azimuth), std::sin(azimuth), 0);
     Vector3d eye_m = middle_m + aside + distance_m * out;

@@ -100,6 +100,7 @@ Stalk make_stalk(const StrawberryVariety& v, const Eigen::Vector3d& base_m, doub
 
 void validate(const StrawberryConfig& config) {
   strawberry_variety(config.variety);
+  if (config.numbers) validate(*config.numbers);
   require("red_share", config.red_share, 0, 1);
   require("growth", config.growth, 0.1, 1.5);
   require("elongation", config.elongation, 0.4, 2.5);
@@ -109,7 +110,7 @@ void validate(const StrawberryConfig& config) {
 
 FruitModel make_strawberry(const StrawberryConfig& config, Rng rng) {
   validate(config);
-  const StrawberryVariety& v = strawberry_variety(config.variety);
+  const StrawberryVariety& v = numbers_of(config.variety, config.numbers);
   const FruitSize drawn = draw_size(v, rng.fork("size"));
   const double size = config.growth * std::cbrt(drawn.mass_kg / v.mass_kg);
   FruitModel fruit;

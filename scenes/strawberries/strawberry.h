@@ -13,6 +13,7 @@ namespace cousin {
 /// What of a strawberry is asked for, beside its variety.
 struct StrawberryConfig {
   std::string variety = "benihoppe";
+  std::optional<StrawberryVariety> numbers;  ///< in place of the variety's own
   double red_share = 1;  ///< of the flesh's surface; reached to 0.002 or to what the front allows
   double growth = 1;     ///< size over what is drawn for a ripe fruit, 0.1..1.5
   Eigen::Vector3d to_sun = {1, 0, 0.5};  ///< in the fruit's frame: the side that ripens first

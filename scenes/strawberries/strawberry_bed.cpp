@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "scenes/strawberries/truss.h"
+#include "scenes/strawberries/bed_outline.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/smooth_normals.h"
 #include "sim/plant/color.h"
@@ -62,41 +62,10 @@ std::vector<double> places(double half_m, double cell_m) {
   return list;
 }
 
-/// The bed's outline from the path's foot over both edges to the far foot, with normals.
-struct Outline {
-  std::vector<Vector2d> points_m, normals;
-};
-Outline outline_of(const TrussShape& shape, double cell_m) {
-  const double w = 2 * shape.bed_half_width_m, h = shape.bed_height_m, r = shape.bed_round_m;
-  Outline line;
-  const auto straight = [&](const Vector2d& a, const Vector2d& b, const Vector2d& normal) {
-    const int n = std::max(1, static_cast<int>((b - a).norm() / cell_m));
-    for (int i = 0; i < n; ++i) {
-      line.points_m.emplace_back(a + (b - a) * i / n);
-      line.normals.push_back(normal);
-    }
-  };
-  const auto arc = [&](const Vector2d& centre, double from) {
-    const int n = std::max(6, static_cast<int>(0.5 * kPi * r / cell_m));
-    for (int i = 0; i < n; ++i) {
-      const double angle = from + 0.5 * kPi * i / n;
-      const Vector2d out(std::cos(angle), std::sin(angle));
-      line.points_m.emplace_back(centre + r * out);
-      line.normals.push_back(out);
-    }
-  };
-  straight({0, -h}, {0, -r}, {1, 0});
-  arc({-r, -r}, 0);
-  straight({-r, 0}, {-w + r, 0}, {0, 1});
-  arc({-w + r, -r}, 0.5 * kPi);
-  straight({-w, -r}, {-w, -h}, {-1, 0});
-  return line;
-}
-
-ObjectModel film_model(const StrawberryBedConfig& config, std::uint64_t key) {
+ObjectModel film_model(const StrawberryBedConfig& config, const TrussShape& shape,
+                       std::uint64_t key) {
   const auto& f = config.film;
-  const TrussShape& shape = truss_shape();
-  const Outline outline = outline_of(shape, f.cell_m);
+  const BedOutline outline = bed_outline(shape, f.cell_m);
   const std::vector<double> along = places(f.half_length_m, f.cell_m);
   ObjectModel model;
   model.name = "film";
@@ -105,14 +74,18 @@ ObjectModel film_model(const StrawberryBedConfig& config, std::uint64_t key) {
     for (std::size_t i = 0; i < outline.points_m.size(); ++i) {
       const Vector2d& p = outline.points_m[i];
       if (i > 0) run_m += (p - outline.points_m[i - 1]).norm();
-      // Folds run down the sides, where the film is pulled, and every way on the top.
+      // Folds run down the sides and aslant, where the film is pulled, and every way on the top.
       const double side = std::abs(outline.normals[i].x());
       const double s = f.wrinkle_scale_m;
-      const Vector3d place(y / s, run_m / (s * (1 + 3 * side)) + 0.35 * side * y / s, 0.5);
-      // Creases are sharp: the film stands out along them and is taut between.
-      const double folds = std::abs(noise3(place, key)) +
-                           0.45 * std::abs(noise3(2.3 * place, key + 1)) +
-                           0.2 * std::abs(noise3(5.1 * place, key + 2));
+      const double slant = 0.8 * side * noise3({y / 0.3, run_m / 0.5, 0.2}, key + 3);
+      const Vector3d place((y + slant * run_m) / s, run_m / (s * (1 + 4 * side)), 0.5);
+      // Creases are sharp: the film stands out along them and is taut between; in places it is
+      // smooth.
+      const double taut = 0.55 + 0.9 * noise3({y / 0.12, run_m / 0.12, 0.7}, key + 4);
+      const double folds =
+          std::clamp(taut, 0.15, 1.0) *
+          (1.5 * std::abs(noise3(place, key)) + 0.7 * std::abs(noise3(2.3 * place, key + 1)) +
+           0.3 * std::abs(noise3(5.1 * place, key + 2)));
       const double in_m = f.wrinkle_m * std::min(1.0, folds);
       double rise_m = 0;
       if (outline.normals[i].y() > 0.999) {
@@ -142,24 +115,32 @@ Material film_material(const StrawberryBedConfig& config) {
   return film;
 }
 
-ObjectModel path_model(const StrawberryBedConfig& config, std::uint64_t key) {
+ObjectModel path_model(const StrawberryBedConfig& config, const TrussShape& shape,
+                       std::uint64_t key) {
   const auto& c = config.path;
   const double far_m = config.film.half_length_m + 1.5;
   const std::vector<double> along = places(far_m, 0.008);
-  const double z = -truss_shape().bed_height_m;
+  const double z = -shape.bed_height_m;
   ObjectModel model;
   model.name = "path";
   constexpr int kAcross = 190;
   const double begin_m = -c.wall_m - 1, end_m = 3;
+  const double foot_m = bed_outline(shape, 0.1).points_m.front().x();
   for (const double y : along) {
     for (int i = 0; i <= kAcross; ++i) {
       // Fine from the bed's foot on.
       const double t = static_cast<double>(i) / kAcross;
-      const double x = t < 0.15 ? std::lerp(begin_m, -0.02, t / 0.15)
-                                : -0.02 + (end_m + 0.02) * std::pow((t - 0.15) / 0.85, 2.2);
+      const double x = t < 0.15
+                           ? std::lerp(begin_m, foot_m - 0.02, t / 0.15)
+                           : foot_m - 0.02 + (end_m - foot_m) * std::pow((t - 0.15) / 0.85, 2.2);
       const Vector3d p(x / c.wave_scale_m, y / c.wave_scale_m, 0.3);
-      const double lift = c.lift_m * std::exp(-std::max(0.0, x) / 0.02);
-      model.mesh.vertices_m.emplace_back(x, y, z + lift + c.wave_m * fractal_noise3(p, 3, key));
+      const double heap = std::exp(-std::abs(x - foot_m) / 0.05);
+      const double clods = fractal_noise3(Vector3d(x, y, 0) / c.clod_scale_m, 3, key + 1);
+      // Clods lie on the soil: round above, flat between.
+      model.mesh.vertices_m.emplace_back(x, y,
+                                         z + c.lift_m * heap * (1 + 0.5 * clods) +
+                                             c.wave_m * fractal_noise3(p, 3, key) +
+                                             c.clod_m * std::max(-0.2, 2 * clods));
     }
   }
   add_cells(model.mesh, static_cast<std::uint32_t>(along.size()), kAcross + 1);
@@ -211,13 +192,14 @@ ObjectModel hole_model(const StrawberryBedConfig& config, std::uint64_t key) {
   return model;
 }
 
-ObjectModel drip_model(const StrawberryBedConfig& config, std::uint64_t key) {
+ObjectModel drip_model(const StrawberryBedConfig& config, const TrussShape& shape,
+                       std::uint64_t key) {
   std::vector<Vector3d> line;
   std::vector<double> radii_m;
   constexpr int kSteps = 80;
   for (int i = 0; i <= kSteps; ++i) {
     const double y = config.film.half_length_m * (2.0 * i / kSteps - 1);
-    line.emplace_back(-truss_shape().bed_half_width_m + 0.012 * noise3({2 * y, 0.4, 0.2}, key), y,
+    line.emplace_back(-shape.bed_half_width_m + 0.012 * noise3({2 * y, 0.4, 0.2}, key), y,
                       config.drip.radius_m);
     radii_m.push_back(config.drip.radius_m);
   }
@@ -228,10 +210,10 @@ ObjectModel drip_model(const StrawberryBedConfig& config, std::uint64_t key) {
   return model;
 }
 
-ObjectModel wall_model(const StrawberryBedConfig& config) {
+ObjectModel wall_model(const StrawberryBedConfig& config, const TrussShape& shape) {
   constexpr double kHigh_m = 6;
   const double x = -config.path.wall_m, half_m = 25;
-  const double low = -truss_shape().bed_height_m;
+  const double low = -shape.bed_height_m;
   ObjectModel model;
   model.name = "wall";
   model.mesh.vertices_m = {
@@ -242,8 +224,8 @@ ObjectModel wall_model(const StrawberryBedConfig& config) {
 
 }  // namespace
 
-Vector3d crown_in_world_m(const StrawberryBedConfig& config, int k, bool near, const Rng& rng) {
-  const TrussShape& shape = truss_shape();
+Vector3d crown_in_world_m(const StrawberryBedConfig& config, const TrussShape& shape, int k,
+                          bool near, const Rng& rng) {
   Rng own = rng.fork(near ? "near row" : "far row").fork(static_cast<std::uint64_t>(k));
   // The far row stands in the gaps of the near one.
   const double y = (k - config.row.plants / 2 + (near ? 0 : 0.5)) * config.row.spacing_m;
@@ -251,29 +233,28 @@ Vector3d crown_in_world_m(const StrawberryBedConfig& config, int k, bool near, c
   return {x, y + config.row.scatter_m * truncated_normal(own, 0, 1, 2), 0};
 }
 
-void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
+void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config, const TrussShape& shape,
                         const std::vector<Vector3d>& crowns_m, Rng rng) {
   const std::size_t first = scene.instances.size();
   ObjectModel film, path;
-  tbb::parallel_invoke([&] { film = film_model(config, rng.fork("film")()); },
-                       [&] { path = path_model(config, rng.fork("path")()); });
+  tbb::parallel_invoke([&] { film = film_model(config, shape, rng.fork("film")()); },
+                       [&] { path = path_model(config, shape, rng.fork("path")()); });
   add(scene, std::move(film), film_material(config), "bed");
   Material plastic;
   plastic.name = "drip tube";
   plastic.albedo = to_rgb(color_vector(config.drip.albedo));
   plastic.roughness = 0.4;
-  add(scene, drip_model(config, rng.fork("drip")()), plastic, "drip tube");
+  add(scene, drip_model(config, shape, rng.fork("drip")()), plastic, "drip tube");
   for (int bed = 1; bed <= config.path.beds; ++bed) {
     for (std::size_t part = 0; part < 2; ++part)
       repeat(scene, first + part, {-bed * config.path.pitch_m, 0, 0});
   }
   add(scene, std::move(path),
-      matt("ground cover", config.path.albedo, config.path.other_albedo, config.path.weave_m),
-      "path");
+      matt("furrow", config.path.albedo, config.path.other_albedo, config.path.weave_m), "path");
   Material white;
   white.name = "greenhouse film";
   white.albedo = to_rgb(color_vector(config.path.wall_albedo));
-  add(scene, wall_model(config), white, "wall");
+  add(scene, wall_model(config, shape), white, "wall");
   const std::size_t hole = scene.instances.size();
   for (std::size_t i = 0; i < crowns_m.size(); ++i) {
     if (i == 0) {

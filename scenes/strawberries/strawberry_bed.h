@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/strawberries/truss.h"
 #include "sim/config/fields.h"
 #include "sim/truth/scene.h"
 #include "sim/types/rng.h"
@@ -33,6 +34,7 @@ struct StrawberryBedConfig {
   struct Path {
     std::vector<double> albedo, other_albedo;
     double weave_m = 0, wave_m = 0, wave_scale_m = 0, lift_m = 0, pitch_m = 0;
+    double clod_m = 0, clod_scale_m = 0;
     int beds = 0;
     double wall_m = 0;
     std::vector<double> wall_albedo;
@@ -53,13 +55,13 @@ const StrawberryBedConfig& strawberry_bed();  ///< of bed.toml
 
 /// Place of crown `k` of a row, 0 .. row.plants - 1, the middle one near y = 0.
 /// @param near  the row on the path's side, over whose edge trusses hang
-Eigen::Vector3d crown_in_world_m(const StrawberryBedConfig& config, int k, bool near,
-                                 const Rng& rng);
+Eigen::Vector3d crown_in_world_m(const StrawberryBedConfig& config, const TrussShape& shape, int k,
+                                 bool near, const Rng& rng);
 
 /// Film over the bed, its drip tubes, soil in planting holes about `crowns_m`, path, beds behind,
-/// wall; their instances come first. Folds go into the bed only: nothing stands out of the box that
-/// trusses hang over.
-void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config,
+/// wall; their instances come first. Folds go into the bed only: nothing but the rise over drip
+/// tubes stands out of what trusses hang over.
+void add_strawberry_bed(Scene& scene, const StrawberryBedConfig& config, const TrussShape& shape,
                         const std::vector<Eigen::Vector3d>& crowns_m, Rng rng);
 
 /// Names of add_strawberry_light.

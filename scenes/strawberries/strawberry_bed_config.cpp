@@ -38,11 +38,13 @@ Fields fields(StrawberryBedConfig::Drip& c) {
 }
 
 Fields fields(StrawberryBedConfig::Path& c) {
-  return {{"albedo", &c.albedo, "of the ground cover", 0, 1},
-          {"other_albedo", &c.other_albedo, "of its dust", 0, 1},
-          {"weave_m", &c.weave_m, "size of its largest specks", 1e-3, 1},
+  return {{"albedo", &c.albedo, "of the furrow's soil", 0, 1},
+          {"other_albedo", &c.other_albedo, "of its dry crumbs", 0, 1},
+          {"weave_m", &c.weave_m, "size of its largest patches", 1e-3, 1},
           {"wave_m", &c.wave_m, "height of its waves", 0, 0.1},
           {"wave_scale_m", &c.wave_scale_m, "size of its waves", 5e-3, 5},
+          {"clod_m", &c.clod_m, "height of its clods", 0, 0.05},
+          {"clod_scale_m", &c.clod_scale_m, "size of its clods", 5e-3, 0.5},
           {"lift_m", &c.lift_m, "how far it is turned up at the bed's foot", 0, 0.2},
           {"pitch_m", &c.pitch_m, "from bed to bed", 0.5, 5},
           {"beds", &c.beds, "beds behind the first", 0, 10},

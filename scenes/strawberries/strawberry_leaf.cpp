@@ -53,7 +53,7 @@ CentreLine petiole_line(const StrawberryPlantConfig& config, const LeafPose& pos
   growth.radius_base_m = 1.25 * std::sqrt(pose.size) * l.petiole_radius_m;
   growth.radius_tip_m = 0.75 * std::sqrt(pose.size) * l.petiole_radius_m;
   growth.segments = 14;
-  growth.tropisms.push_back({-Vector3d::UnitZ(), l.sag_rad * pose.age, 0.15});
+  growth.tropisms.push_back({-Vector3d::UnitZ(), pose.sag_rad, 0.15});
   CentreLine line = grow_axis(growth);
   Vector3d heading = (line.points_m.back() - line.points_m[line.points_m.size() - 2]).normalized();
   constexpr int kSteps = 4;

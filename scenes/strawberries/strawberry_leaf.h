@@ -15,8 +15,8 @@ struct LeafPose {
   double age = 0;  ///< 0 the youngest .. 1 the oldest
   double size = 1;
   double azimuth_rad = 0, angle_rad = 0;  ///< of its petiole; from the vertical
-  double petiole_m = 0;
-  double droop_rad = 0, roll_rad = 0;  ///< of its blade
+  double petiole_m = 0, sag_rad = 0;      ///< its turn towards the ground
+  double droop_rad = 0, roll_rad = 0;     ///< of its blade
   std::array<double, 3> phases_rad{};
   std::uint64_t colour_key = 0;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/strawberries/leaf_crowd.h"
 #include "scenes/strawberries/strawberry_leaf.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/plant/color.h"
@@ -19,8 +20,13 @@ constexpr int kDaughterLeaves = 3;
 
 class Grower {
  public:
-  Grower(const StrawberryPlantConfig& config, const IsFree& is_free, Rng rng)
-      : c_(config), is_free_(is_free), rng_(rng) {}
+  Grower(const StrawberryPlantConfig& config, const IsFree& is_free, Rng rng, LeafCrowd& crowd,
+         const Vector3d& at_m)
+      : c_(config), coarse_(config), is_free_(is_free), rng_(rng), crowd_(crowd), at_m_(at_m) {
+    coarse_.surface.rows = std::min(coarse_.surface.rows, 18);
+    coarse_.surface.columns = std::min(coarse_.surface.columns, 4);
+    coarse_.leaf.teeth = 0;
+  }
 
   Plant grow() {
     plant_.name = "strawberry plant";
@@ -38,7 +44,7 @@ class Grower {
       const double age = leaves > 1 ? 1 - static_cast<double>(i) / (leaves - 1) : 0.5;
       const double azimuth = first_rad + i * c_.leaf.divergence_rad;
       grow_leaf(ids, top, age, azimuth, vigour,
-                rng_.fork("leaf").fork(static_cast<std::uint64_t>(i)));
+                rng_.fork("leaf").fork(static_cast<std::uint64_t>(i)), true);
     }
     flowers();
     runner();
@@ -80,14 +86,18 @@ class Grower {
                 truncated_normal(rng, 1, 0.08, 2);
     pose.azimuth_rad = azimuth + l.spread_rad * truncated_normal(rng, 0, 1, 2) +
                        0.12 * attempt * truncated_normal(rng, 0, 1, 2);
-    // Leaves of the path's side lean out over the edge.
-    const double lean = l.lean_rad * std::max(0.0, std::cos(pose.azimuth_rad));
+    // Leaves of the path's side lean out over the edge, and old ones hang down before the fruits.
+    const double outward = std::max(0.0, std::cos(pose.azimuth_rad));
+    const double lean = l.lean_rad * outward;
     pose.angle_rad = std::lerp(l.young_rad, l.old_rad, std::pow(age, 0.8)) + lean +
                      0.10 * truncated_normal(rng, 0, 1, 2);
     pose.angle_rad = std::max(0.03, pose.angle_rad * (1 - 0.04 * attempt));
     pose.petiole_m = scale * l.petiole_m * (0.45 + 0.55 * smoothstep(0.0, 0.4, age)) *
-                     truncated_normal(rng, 1, l.cv_length, 2);
-    pose.droop_rad = std::lerp(l.droop_young_rad, l.droop_old_rad, std::pow(age, 0.6)) +
+                     std::lerp(1.0, l.reach, outward) * truncated_normal(rng, 1, l.cv_length, 2);
+    const double hang = outward * std::sqrt(age) * uniform(rng, 0.2, 1) * (1 - 0.04 * attempt);
+    pose.sag_rad = l.sag_rad * age + l.hang_rad * hang;
+    pose.droop_rad = 0.45 * l.hang_rad * hang +
+                     std::lerp(l.droop_young_rad, l.droop_old_rad, std::pow(age, 0.6)) +
                      0.18 * truncated_normal(rng, 0, 1, 2) - 0.03 * attempt;
     pose.roll_rad = l.roll_rad * truncated_normal(rng, 0, 1, 2);
     for (double& phase : pose.phases_rad) phase = uniform(rng, 0, 2 * kPi);
@@ -97,15 +107,29 @@ class Grower {
 
   bool is_free(const OrganSurface& part) const { return !is_free_ || is_free_(part.mesh); }
 
+  bool is_free(const LeafOrgans& leaf) const {
+    return is_free(leaf.petiole) && is_free(leaf.leaflets[0]) && is_free(leaf.leaflets[1]) &&
+           is_free(leaf.leaflets[2]);
+  }
+
+  bool is_crossed(const LeafOrgans& leaf) const {
+    return std::any_of(leaf.leaflets.begin(), leaf.leaflets.end(),
+                       [&](const OrganSurface& l) { return crowd_.is_crossed_by(l.mesh, at_m_); });
+  }
+
+  /// @param in_crowd  a leaf of the crown, which keeps off others: coarse ones are asked first
   void grow_leaf(const std::array<int, 4>& ids, const Vector3d& base_m, double age, double azimuth,
-                 double scale, const Rng& rng) {
+                 double scale, const Rng& rng, bool in_crowd) {
     for (int attempt = 0; attempt < c_.surface.tries; ++attempt) {
       const LeafPose pose = draw_pose(base_m, age, azimuth, scale, attempt,
                                       rng.fork(static_cast<std::uint64_t>(attempt)));
+      const LeafOrgans coarse = make_strawberry_leaf(coarse_, pose);
+      if (!is_free(coarse) || (in_crowd && is_crossed(coarse))) continue;
       const LeafOrgans leaf = make_strawberry_leaf(c_, pose);
-      const bool fits = is_free(leaf.petiole) && is_free(leaf.leaflets[0]) &&
-                        is_free(leaf.leaflets[1]) && is_free(leaf.leaflets[2]);
-      if (!fits) continue;
+      if (!is_free(leaf)) continue;
+      if (in_crowd) {
+        for (const OrganSurface& leaflet : coarse.leaflets) crowd_.add(leaflet.mesh, at_m_);
+      }
       set(ids, pose, leaf);
       return;
     }
@@ -215,7 +239,7 @@ class Grower {
       for (std::size_t i = 0; i < leaves.size(); ++i) {
         grow_leaf(leaves[i], line.points_m.back(), 0.25 + 0.3 * static_cast<double>(i),
                   azimuth + 2.4 * static_cast<double>(i), c_.runner.leaf_share,
-                  own.fork("daughter").fork(i));
+                  own.fork("daughter").fork(i), false);
       }
       return;
     }
@@ -226,8 +250,11 @@ class Grower {
   }
 
   const StrawberryPlantConfig& c_;
+  StrawberryPlantConfig coarse_;  ///< for asking whether a leaf has room
   const IsFree& is_free_;
   Rng rng_;
+  LeafCrowd& crowd_;
+  Vector3d at_m_;
   Plant plant_;
 };
 
@@ -243,8 +270,10 @@ void tint_stalks(Plant& plant, const StrawberryPlantConfig& config) {
 
 }  // namespace
 
-Plant grow_strawberry_plant(const StrawberryPlantConfig& config, const IsFree& is_free, Rng rng) {
-  Plant plant = Grower(config, is_free, rng).grow();
+Plant grow_strawberry_plant(const StrawberryPlantConfig& config, const IsFree& is_free, Rng rng,
+                            LeafCrowd* crowd, const Vector3d& at_m) {
+  LeafCrowd own;
+  Plant plant = Grower(config, is_free, rng, crowd != nullptr ? *crowd : own, at_m).grow();
   tint_stalks(plant, config);
   return plant;
 }

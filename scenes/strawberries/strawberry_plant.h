@@ -5,10 +5,13 @@
 #include <vector>
 
 #include "sim/config/fields.h"
+#include "sim/physics/rigid_sway.h"
 #include "sim/plant/plant.h"
 #include "sim/types/rng.h"
 
 namespace cousin {
+
+class LeafCrowd;
 
 /// plant.toml, which says what each number is and where it comes from. Every value is given there.
 struct StrawberryPlantConfig {
@@ -20,6 +23,7 @@ struct StrawberryPlantConfig {
     int count_min = 0, count_max = 0;
     double divergence_rad = 0, spread_rad = 0, petiole_m = 0, cv_length = 0, petiole_radius_m = 0;
     double young_rad = 0, old_rad = 0, sag_rad = 0, lean_rad = 0, size_youngest = 0;
+    double hang_rad = 0, reach = 0;
     double leaflet_m = 0, width_share = 0, side_share = 0, side_rad = 0, petiolule_m = 0;
     double droop_young_rad = 0, droop_old_rad = 0, curl_rad = 0, fold_young_rad = 0, fold_rad = 0;
     double roll_rad = 0, camber = 0, wave_m = 0, quilt_m = 0;
@@ -46,6 +50,7 @@ struct StrawberryPlantConfig {
     double infrared_albedo = 0, infrared_transmittance = 0, clear_m = 0;
     int tries = 0;
   } surface;
+  RigidSwayConfig sway;  ///< of a leaf about the base of its petiole
 };
 Fields fields(StrawberryPlantConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
@@ -68,8 +73,12 @@ using IsFree = std::function<bool(const Mesh& part)>;
 /// A plant without its trusses: its crown at the origin, z up, the path on the side +x. Organs:
 /// crown; of each of leaf.count_max leaves, the oldest first, petiole and three leaflets; of three
 /// flowers stalk, petals, sepals and middle; a runner with a daughter of three leaves. A leaf,
-/// flower or runner for which no pose is free is not there. Deterministic in (config, is_free,
-/// rng).
-Plant grow_strawberry_plant(const StrawberryPlantConfig& config, const IsFree& is_free, Rng rng);
+/// flower or runner for which no pose is free is not there. Leaves that grow on the crown pass
+/// through none of those before them. Deterministic in (config, is_free, rng, crowd).
+/// @param crowd  leaflets of plants that stand already, in the frame of a plant at `at_m`; the new
+/// ones join it. None: the plant is alone.
+Plant grow_strawberry_plant(const StrawberryPlantConfig& config, const IsFree& is_free, Rng rng,
+                            LeafCrowd* crowd = nullptr,
+                            const Eigen::Vector3d& at_m = Eigen::Vector3d::Zero());
 
 }  // namespace cousin

@@ -30,6 +30,8 @@ Fields fields(StrawberryPlantConfig::Leaf& c) {
       {"old_rad", &c.old_rad, "of the oldest", 0, 1.5},
       {"sag_rad", &c.sag_rad, "turn of the oldest petiole to the ground", 0, 3},
       {"lean_rad", &c.lean_rad, "out over the edge, on the path's side", 0, 1},
+      {"hang_rad", &c.hang_rad, "turn of old petioles to the ground there, beyond the edge", 0, 3},
+      {"reach", &c.reach, "of petioles there over the others' length", 0.5, 2},
       {"size_youngest", &c.size_youngest, "over a grown leaf's", 0.05, 1},
       {"leaflet_m", &c.leaflet_m, "length of the middle leaflet", 5e-3, 0.2},
       {"width_share", &c.width_share, "over the length", 0.1, 2},
@@ -102,7 +104,7 @@ Fields fields(StrawberryPlantConfig::Surface& c) {
 Fields fields(StrawberryPlantConfig& c) {
   return nested("crown", fields(c.crown)) + nested("leaf", fields(c.leaf)) +
          nested("flower", fields(c.flower)) + nested("runner", fields(c.runner)) +
-         nested("surface", fields(c.surface));
+         nested("surface", fields(c.surface)) + nested("sway", fields(c.sway));
 }
 
 void validate(const StrawberryPlantConfig& config) {

@@ -3,7 +3,6 @@
 
 #include "scenes/fruit/rest_text.h"
 #include "scenes/strawberries/strawberry_stand.h"
-#include "scenes/strawberries/strawberry_toml.h"
 
 namespace cousin {
 namespace {
@@ -38,7 +37,7 @@ std::string description(const StandConfig& config, const StrawberryBedConfig& be
   for (const Field& field : fields(copy)) {
     if (field.key.starts_with("row.")) text += to_toml({field});
   }
-  return text + std::string(truss_toml()) + std::string(varieties_toml());
+  return text;
 }
 
 StandRest rest_from_text(std::string_view text, const std::string& name, const StandConfig& config,

@@ -13,7 +13,7 @@ namespace cousin {
 namespace {
 
 constexpr int kAttempts = 4;
-constexpr int kMostOnATruss = 5;
+constexpr int kMostOnATruss = 7;
 
 std::string draw_variety(const StandConfig& config, Rng rng) {
   if (config.variety != "drawn") return config.variety;
@@ -42,16 +42,33 @@ std::string draw_variety(const StandConfig& config, Rng rng) {
 }  // namespace
 
 Fields fields(StandConfig& c) {
-  return {{"variety", &c.variety, "drawn, benihoppe, akihime or sweet_charlie"},
-          {"fruits_min", &c.fruits_min, "fewest fruits that hang before the camera", 1, 40},
-          {"fruits_max", &c.fruits_max, "most fruits", 1, 40},
-          {"fruits_share", &c.fruits_share, "mean of the way from the fewest to the most", 0, 1},
-          {"ripeness_low", &c.ripeness_low, "of a truss's first fruit: 0 white, 1 red", -1, 5},
-          {"ripeness_high", &c.ripeness_high, "of a truss's first fruit", -1, 5},
-          {"heavier", &c.heavier, "times the fruits' masses", 0.01, 1000},
-          {"family", &c.family, "of the fruits' shapes: botanical or harmonics"},
-          {"elongation", &c.elongation, "times the fruits' length over diameter", 0.4, 2.5},
-          {"fruit_grid", &c.fruit_grid, "cells along an edge of a fruit's mesh", 8, 200}};
+  Fields truss;
+  for (Field& field : fields(c.truss)) {
+    if (!field.key.starts_with("ripeness_")) truss.push_back(std::move(field));  // the stand's own
+  }
+  Fields all = {
+      {"variety", &c.variety, "drawn, benihoppe, akihime or sweet_charlie"},
+      {"fruits_min", &c.fruits_min, "fewest fruits that hang before the camera", 1, 40},
+      {"fruits_max", &c.fruits_max, "most fruits", 1, 40},
+      {"fruits_share", &c.fruits_share, "mean of the way from the fewest to the most", 0, 1},
+      {"ripeness_low", &c.ripeness_low, "of a truss's first fruit: 0 white, 1 red", -1, 5},
+      {"ripeness_high", &c.ripeness_high, "of a truss's first fruit", -1, 5},
+      {"heavier", &c.heavier, "times the fruits' masses", 0.01, 1000},
+      {"family", &c.family, "of the fruits' shapes: botanical or harmonics"},
+      {"elongation", &c.elongation, "times the fruits' length over diameter", 0.4, 2.5},
+      {"fruit_grid", &c.fruit_grid, "cells along an edge of a fruit's mesh", 8, 200}};
+  all = all + nested("truss", std::move(truss));
+  const std::vector<std::string> names = strawberry_varieties();
+  for (std::size_t i = 0; i < std::min(names.size(), c.varieties.size()); ++i)
+    all = all + nested("variety." + names[i], fields(c.varieties[i]));
+  return all;
+}
+
+const StrawberryVariety& numbers_of(const StandConfig& config, const std::string& variety) {
+  strawberry_variety(variety);
+  const std::vector<std::string> names = strawberry_varieties();
+  const auto found = std::find(names.begin(), names.end(), variety);
+  return config.varieties.at(static_cast<std::size_t>(found - names.begin()));
 }
 
 void validate(const StandConfig& config) {
@@ -59,6 +76,12 @@ void validate(const StandConfig& config) {
   check_limits(fields(copy), "strawberries");
   if (config.variety != "drawn") strawberry_variety(config.variety);
   fruit_family(config.family);
+  validate(config.truss);
+  if (config.varieties.size() != strawberry_varieties().size())
+    throw std::invalid_argument("strawberries: there are numbers of " +
+                                std::to_string(config.varieties.size()) + " varieties, not of " +
+                                std::to_string(strawberry_varieties().size()));
+  for (const StrawberryVariety& variety : config.varieties) validate(variety);
   if (config.fruits_min > config.fruits_max)
     throw std::invalid_argument("fruits_min " + std::to_string(config.fruits_min) +
                                 " is above fruits_max " + std::to_string(config.fruits_max));
@@ -87,12 +110,15 @@ Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng 
     truss.family = fruit_family(config.family);
     truss.elongation = config.elongation;
     truss.variety = stand.variety;
+    truss.numbers = numbers_of(config, stand.variety);
+    truss.shape = config.truss;
     truss.fruits = std::min(left, 2 + static_cast<int>(uniform_index(own, kMostOnATruss - 1)));
     truss.heavier = config.heavier;
     Rng ripe = own.fork("ripeness");
     truss.ripeness = uniform(ripe, config.ripeness_low, config.ripeness_high);
     truss.grid = config.fruit_grid;
-    truss.along_m = std::clamp(crown_in_world_m(bed, crown, true, rng).y(), -0.5, 0.5);
+    truss.along_m =
+        std::clamp(crown_in_world_m(bed, config.truss, crown, true, rng).y(), -0.5, 0.5);
     truss.turn_rad = (k % 2 == 0 ? -0.32 : 0.32) + 0.12 * truncated_normal(own, 0, 1, 2);
     left -= truss.fruits;
     stand.trusses.push_back(truss);

@@ -22,7 +22,10 @@ struct StandConfig {
   std::string family = "botanical";  ///< of the fruits' shapes, or harmonics
   double elongation = 1;             ///< times their length over diameter
   int fruit_grid = 36;               ///< cells along an edge of a fruit's mesh
+  TrussShape truss = truss_shape();  ///< and the bed's size
+  std::vector<StrawberryVariety> varieties = all_varieties();  ///< of strawberry_varieties()
 };
+/// Those of trusses are truss.*, of varieties variety.NAME.*.
 Fields fields(StandConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const StandConfig& config);
@@ -34,6 +37,9 @@ struct Stand {
   std::vector<int> crowns;
   double ripeness_low = 0, ripeness_high = 1;  ///< of another day's first fruits, too
 };
+/// Numbers of a variety in a stand. @throws as strawberry_variety.
+const StrawberryVariety& numbers_of(const StandConfig& config, const std::string& variety);
+
 /// Deterministic in (config, bed, rng), whatever colours and lights are.
 Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng rng);
 /// All trusses of a stand without weight. @param ripening  colours of another day

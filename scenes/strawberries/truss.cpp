@@ -4,10 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+
+#include "scenes/strawberries/bed_outline.h"
 
 namespace cousin {
 namespace {
@@ -43,17 +44,26 @@ class Grower {
                      up.cross(out)};
     const double thick = shape_.peduncle_radius_m;
     const double thin = shape_.pedicel_radius_m;
-    std::vector<Fork> forks = {
-        add(plant, crown, shape_.peduncle_length_m, thick, 0.85 * thick, 14, -0.5)};
+    // What the peduncle is shorter for forking early, its branches are longer.
+    const double vigour = uniform(rng_, shape_.vigour_low, shape_.vigour_high);
+    const double at = uniform(rng_, shape_.fork_low, shape_.fork_high);
+    const double peduncle_m = vigour * at * shape_.peduncle_length_m;
+    const double branch_m =
+        vigour * (shape_.branch_length_m + 0.5 * (1 - at) * shape_.peduncle_length_m);
+    std::vector<Fork> forks = {add(plant, crown, peduncle_m, thick, 0.85 * thick, 14, -0.5)};
     std::vector<Place> places;
     for (int rank = 0; static_cast<int>(places.size()) < config_.fruits; ++rank) {
       std::vector<Fork> next;
       for (const Fork& fork : forks) {
         if (static_cast<int>(places.size()) == config_.fruits) break;
-        const double length_m = shape_.pedicel_length_m * std::max(0.6, 1 - 0.1 * rank);
+        const double length_m =
+            std::sqrt(vigour) * shape_.pedicel_length_m * std::max(0.6, 1 - 0.1 * rank);
         const Fork end = add(plant, fork, length_m, 1.15 * thin, thin, 7, -0.3);
         places.push_back({end.stem, rank, end.at_m, end.along});
+        const bool is_single = uniform(rng_) < shape_.one_branch_share;
+        const int only = uniform(rng_) < 0.5 ? -1 : 1;
         for (const int side : {-1, 1}) {
+          if (is_single && side != only) continue;
           const Fork turned{fork.stem, fork.at_m,
                             Eigen::AngleAxisd(side * shape_.fork_rad,
                                               fork.along.cross(fork.across).normalized()) *
@@ -68,7 +78,8 @@ class Grower {
       next.resize(std::min(next.size(), left));
       forks.clear();
       for (const Fork& fork : next) {
-        Fork end = add(plant, fork, shape_.branch_length_m, 0.8 * thick, 0.75 * thick, 4, 0);
+        Fork end = add(plant, fork, branch_m * std::max(0.5, 1 - 0.25 * rank), 0.8 * thick,
+                       0.75 * thick, 4, 0);
         // The next fork stands crosswise.
         end.across = Eigen::AngleAxisd(1.2 + 0.3 * normal(rng_), end.along) * end.across;
         forks.push_back(end);
@@ -114,14 +125,6 @@ class Grower {
   Rng rng_;
 };
 
-BendingObstacle bed(const TrussShape& shape) {
-  BendingObstacle box;
-  box.half_m = {shape.bed_half_width_m, 0.6, 0.5 * shape.bed_height_m};
-  box.world_from_box.translation_m = {-shape.bed_half_width_m, 0, -0.5 * shape.bed_height_m};
-  box.round_m = shape.bed_round_m;
-  return box;
-}
-
 /// The ground beside the bed, on which long trusses lie.
 BendingObstacle path(const TrussShape& shape) {
   BendingObstacle box;
@@ -135,6 +138,7 @@ StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config
                               int rank, const std::optional<Ripening>& ripening, Rng rng) {
   StrawberryConfig fruit;
   fruit.variety = config.variety;
+  fruit.numbers = config.numbers;
   fruit.grid = config.grid;
   fruit.family = config.family;
   fruit.elongation = config.elongation;
@@ -168,23 +172,31 @@ double ripeness_of_rank(const TrussShape& shape, double first, int rank, Rng rng
   return first - shape.lag_by_rank * rank + shape.lag_spread * truncated_normal(rng, 0, 1, 2);
 }
 
-int rank_of(int fruit) { return std::bit_width(static_cast<unsigned>(fruit) + 1) - 1; }
+std::vector<int> ranks_of(const TrussConfig& config, Rng rng) {
+  validate(config);
+  BendingPlant plant;
+  std::vector<int> ranks;
+  for (const Grower::Place& place : Grower(config.shape, config, rng.fork("stems")).grow(plant))
+    ranks.push_back(place.rank);
+  return ranks;
+}
 
 BendingPlant grow_stalks(const TrussConfig& config, Rng rng) {
   validate(config);
   BendingPlant plant;
-  Grower(truss_shape(), config, rng.fork("stems")).grow(plant);
+  Grower(config.shape, config, rng.fork("stems")).grow(plant);
   return plant;
 }
 
 Truss grow_truss(const TrussConfig& config, Rng rng, const std::optional<Ripening>& ripening) {
   validate(config);
-  const TrussShape& shape = truss_shape();
+  const TrussShape& shape = config.shape;
   Truss truss;
+  truss.shape = shape;
   Grower grower(shape, config, rng.fork("stems"));
   const std::vector<Grower::Place> places = grower.grow(truss.plant);
   const double ripeness = config.ripeness.value_or(draw_ripeness(shape, rng.fork("ripeness")));
-  truss.cut_above_m = strawberry_variety(config.variety).cut_point_m;
+  truss.cut_above_m = numbers_of(config.variety, config.numbers).cut_point_m;
   truss.fruits.resize(places.size());
   truss.unbent_from_fruit.resize(places.size());
   tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
@@ -213,21 +225,22 @@ Truss grow_truss(const TrussConfig& config, Rng rng, const std::optional<Ripenin
     truss.plant.loads.push_back(std::move(load));
     truss.rank.push_back(places[i].rank);
   }
-  truss.plant.obstacles = {bed(shape), path(shape)};
+  truss.plant.obstacles = bed_obstacles(shape);
+  truss.plant.obstacles.push_back(path(shape));
   return truss;
 }
 
 std::vector<double> asked_red_shares(const TrussConfig& config, Rng rng,
                                      const std::optional<Ripening>& ripening) {
   validate(config);
-  const TrussShape& shape = truss_shape();
+  const TrussShape& shape = config.shape;
   const double ripeness = config.ripeness.value_or(draw_ripeness(shape, rng.fork("ripeness")));
   std::vector<double> shares;
-  for (int i = 0; i < config.fruits; ++i) {
-    const auto k = static_cast<std::uint64_t>(i);
+  const std::vector<int> ranks = ranks_of(config, rng);
+  for (std::size_t k = 0; k < ranks.size(); ++k) {
     std::optional<Ripening> own = ripening;
     if (own) own->rng = own->rng.fork(k);
-    shares.push_back(fruit_config(shape, config, ripeness, rank_of(i), own,
+    shares.push_back(fruit_config(shape, config, ripeness, ranks[k], own,
                                   rng.fork("fruit").fork(k).fork("stage"))
                          .red_share);
   }

@@ -17,9 +17,13 @@ struct TrussShape {
   double peduncle_radius_m = 0, pedicel_radius_m = 0;
   double young_modulus_pa = 0, density_kg_m3 = 0, strength_pa = 0, damping_time_s = 0;
   double fork_rad = 0, rise_rad = 0;
+  double vigour_low = 0, vigour_high = 0;  ///< lengths of a truss over those above
+  double fork_low = 0, fork_high = 0;      ///< where the peduncle forks, over its length
+  double one_branch_share = 0;             ///< of the forks, from which one branch goes on
   std::vector<double> mass_by_rank;
   double lag_by_rank = 0, lag_spread = 0, ripeness_low = 0, ripeness_high = 0;
   double crown_m = 0, bed_half_width_m = 0, bed_height_m = 0, bed_round_m = 0;
+  double bed_slope_rad = 0;
 };
 Fields fields(TrussShape& shape);
 void validate(const TrussShape& shape);
@@ -30,11 +34,10 @@ const TrussShape& truss_shape();
 /// TrussConfig.
 double draw_ripeness(const TrussShape& shape, Rng rng);
 double ripeness_of_rank(const TrussShape& shape, double first, int rank, Rng rng);
-/// Rank of the fruits of a truss in their order: 0, 1, 1, 2, 2, 2, 2, 3, ...
-int rank_of(int fruit);
-
 struct TrussConfig {
   std::string variety = "benihoppe";
+  std::optional<StrawberryVariety> numbers;  ///< in place of the variety's own
+  TrussShape shape = truss_shape();
   int fruits = 5;  ///< 1..15
   /// Of the first fruit: below 0 green, 0..1 its red share, above 1 ripe; absent: drawn.
   std::optional<double> ripeness;
@@ -49,16 +52,21 @@ struct TrussConfig {
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const TrussConfig& config);
 
-/// A truss that hangs over the edge of a bed at rest. World: the bed's top is z = 0, its edge x = 0
-/// with the path on the side +x.
+/// Rank of each fruit of a truss in their order, as grow_truss makes it: 0, 1, 1, 2, 2, 2, 2, 3,
+/// ... where each fork has two branches.
+std::vector<int> ranks_of(const TrussConfig& config, Rng rng);
+
+/// A truss that hangs over the shoulder of a bed at rest. World: the bed's top is z = 0, its edge
+/// x = 0 with the path on the side +x.
 struct Truss {
   PlantStatus status = PlantStatus::not_at_rest;  ///< ok, or why it does not hang so
   std::vector<FruitModel>
       fruits;  ///< cut_point is moved to the hanging stalk; no stalk of their own
   std::vector<Pose> world_from_fruit;
   std::vector<Pose> unbent_from_fruit;  ///< where the fruits would be without weight
-  std::vector<int> rank;                ///< 0 = the first fruit, 1, 1, 2, ...
-  BendingPlant plant;  ///< unloaded; the last stem before each load's end carries the fruit
+  TrussShape shape;
+  std::vector<int> rank;  ///< 0 = the first fruit, 1, 1, 2, ...
+  BendingPlant plant;     ///< unloaded; the last stem before each load's end carries the fruit
   SagResult sag;
   double cut_above_m = 0;  ///< of the cut point above the calyx, along the stalk
 };

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -21,6 +22,12 @@ Fields fields(TrussShape& s) {
       {"damping_time_s", &s.damping_time_s, "tau: the damping ratio at f is pi f tau", 0, 1},
       {"fork_rad", &s.fork_rad, "between a branch and what it leaves", 0, 1.5},
       {"rise_rad", &s.rise_rad, "of the peduncle over the bed, unloaded", 0, 1.5},
+      {"vigour_low", &s.vigour_low, "lengths of the shortest truss over these", 0.2, 3},
+      {"vigour_high", &s.vigour_high, "lengths of the longest truss over these", 0.2, 3},
+      {"fork_low", &s.fork_low, "earliest fork over the peduncle's length", 0.2, 1},
+      {"fork_high", &s.fork_high, "latest fork over the peduncle's length", 0.2, 1},
+      {"one_branch_share", &s.one_branch_share, "of the forks, from which one branch goes on", 0,
+       1},
       {"mass_by_rank", &s.mass_by_rank, "mass over the variety's mean, of ranks 0, 1, ...", 0.01,
        5},
       {"lag_by_rank", &s.lag_by_rank, "of ripeness behind the rank before", 0, 5},
@@ -30,7 +37,8 @@ Fields fields(TrussShape& s) {
       {"crown_m", &s.crown_m, "of the crown from the bed's edge", 0.01, 1},
       {"bed_half_width_m", &s.bed_half_width_m, "of the bed", 0.05, 5},
       {"bed_height_m", &s.bed_height_m, "of the bed", 0.05, 5},
-      {"bed_round_m", &s.bed_round_m, "radius of the bed's edge", 1e-3, 0.2},
+      {"bed_round_m", &s.bed_round_m, "radius of the bed's shoulders", 1e-3, 0.2},
+      {"bed_slope_rad", &s.bed_slope_rad, "of the bed's sides from the vertical", 0, 1},
   };
 }
 
@@ -39,6 +47,12 @@ void validate(const TrussShape& shape) {
   check_limits(fields(copy));
   if (shape.ripeness_low > shape.ripeness_high)
     throw std::invalid_argument("ripeness_low is above ripeness_high");
+  if (shape.vigour_low > shape.vigour_high)
+    throw std::invalid_argument("vigour_low is above vigour_high");
+  if (shape.fork_low > shape.fork_high) throw std::invalid_argument("fork_low is above fork_high");
+  if (2 * shape.bed_round_m > std::min(2 * shape.bed_half_width_m, shape.bed_height_m))
+    throw std::invalid_argument("bed_round_m " + std::to_string(shape.bed_round_m) +
+                                " is above half the bed's width or height");
   if (shape.mass_by_rank.size() != 4) throw std::invalid_argument("mass_by_rank needs 4 numbers");
 }
 
@@ -55,6 +69,8 @@ const TrussShape& truss_shape() {
 
 void validate(const TrussConfig& config) {
   strawberry_variety(config.variety);
+  if (config.numbers) validate(*config.numbers);
+  validate(config.shape);
   const auto require = [](const char* key, double value, double low, double high) {
     if (value >= low && value <= high) return;
     throw std::invalid_argument("truss: " + std::string(key) + " is " + std::to_string(value) +

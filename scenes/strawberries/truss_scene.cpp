@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/strawberries/truss.h"
+#include "scenes/strawberries/bed_outline.h"
 #include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/smooth_normals.h"
 
@@ -62,25 +62,14 @@ FruitPart fork_node(const Truss& truss, std::size_t index, const Material& mater
   return part;
 }
 
-/// The bed's outline, its edges rounded, drawn out along y.
-FruitPart bed_part(const BendingObstacle& bed) {
+/// The bed's section drawn out along y.
+FruitPart bed_part(const TrussShape& shape) {
   FruitPart part;
   ObjectModel& model = part.model;
   model.name = "bed";
-  std::vector<Eigen::Vector2d> outline;
-  constexpr int kArc = 10;
-  for (int corner = 0; corner < 2; ++corner) {
-    for (int i = 0; i <= kArc; ++i) {
-      const double angle = 0.5 * std::numbers::pi * (corner + static_cast<double>(i) / kArc);
-      const double side = corner == 0 ? 1 : -1;
-      outline.emplace_back(side * (bed.half_m.x() - bed.round_m) + bed.round_m * std::cos(angle),
-                           bed.half_m.z() - bed.round_m + bed.round_m * std::sin(angle));
-    }
-  }
-  outline.emplace_back(-bed.half_m.x(), -bed.half_m.z());
-  outline.emplace_back(bed.half_m.x(), -bed.half_m.z());
+  const std::vector<Eigen::Vector2d> outline = bed_outline(shape, 0.02).points_m;
   const auto count = static_cast<std::uint32_t>(outline.size());
-  for (const double y : {-bed.half_m.y(), bed.half_m.y()}) {
+  for (const double y : {-0.6, 0.6}) {
     for (const Eigen::Vector2d& p : outline) model.mesh.vertices_m.emplace_back(p.x(), y, p.y());
   }
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -115,10 +104,9 @@ FruitPart ground_part() {
 Scene truss_scene(const Truss& truss, const std::vector<BentPlant>& frames) {
   Scene scene;
   scene.name = "strawberry_truss";
-  const BendingObstacle& bed = truss.plant.obstacles.at(0);
-  add(scene, bed_part(bed), "bed", "bed", bed.world_from_box);
+  add(scene, bed_part(truss.shape), "bed", "bed", {});
   Pose ground;
-  ground.translation_m.z() = bed.world_from_box.translation_m.z() - bed.half_m.z();
+  ground.translation_m.z() = -truss.shape.bed_height_m;
   add(scene, ground_part(), "ground", "ground", ground);
   Material stalk;
   stalk.name = "strawberry stalk";

@@ -69,7 +69,7 @@ Fields fields(StrawberryVariety& v) {
 
 void validate(const StrawberryVariety& v) {
   StrawberryVariety copy = v;
-  check_limits(fields(copy));
+  check_limits(fields(copy), "variety");
   for (const auto* albedo : {&v.albedo_green, &v.albedo_white, &v.albedo_blush, &v.albedo_red,
                              &v.albedo_achene, &v.albedo_achene_ripe, &v.albedo_sepal}) {
     if (albedo->size() != 3) throw std::invalid_argument("an albedo_* needs 3 numbers");
@@ -78,15 +78,25 @@ void validate(const StrawberryVariety& v) {
 
 std::vector<std::string> strawberry_varieties() { return {kNames.begin(), kNames.end()}; }
 
-const StrawberryVariety& strawberry_variety(const std::string& name) {
+const std::vector<StrawberryVariety>& all_varieties() {
   static const std::vector<StrawberryVariety> varieties = read_varieties();
+  return varieties;
+}
+
+const StrawberryVariety& strawberry_variety(const std::string& name) {
   const auto found = std::find(kNames.begin(), kNames.end(), name);
   if (found == kNames.end()) {
     std::string known;
     for (const char* n : kNames) known += std::string(known.empty() ? "" : ", ") + n;
     throw std::invalid_argument("strawberry variety \"" + name + "\" is not one of " + known);
   }
-  return varieties[static_cast<std::size_t>(found - kNames.begin())];
+  return all_varieties()[static_cast<std::size_t>(found - kNames.begin())];
+}
+
+const StrawberryVariety& numbers_of(const std::string& name,
+                                    const std::optional<StrawberryVariety>& given) {
+  const StrawberryVariety& own = strawberry_variety(name);
+  return given ? *given : own;
 }
 
 }  // namespace cousin

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,5 +36,10 @@ void validate(const StrawberryVariety& variety);
 std::vector<std::string> strawberry_varieties();
 /// @throws std::invalid_argument naming the varieties that exist.
 const StrawberryVariety& strawberry_variety(const std::string& name);
+/// All of them, in the order of strawberry_varieties().
+const std::vector<StrawberryVariety>& all_varieties();
+/// Those given, else the variety's own. @throws as strawberry_variety.
+const StrawberryVariety& numbers_of(const std::string& name,
+                                    const std::optional<StrawberryVariety>& given);
 
 }  // namespace cousin

@@ -256,10 +256,10 @@ Pose body_pose(const mjData& data, int body) {
 
 }  // namespace
 
-PlantModel make_plant_model(const BendingPlant& plant, const PlantEngine& engine) {
+HingedPlant make_plant_model(const BendingPlant& plant, const PlantEngine& engine) {
   validate(plant);
   Writer writer(plant, engine);
-  PlantModel result;
+  HingedPlant result;
   result.model = load_model(writer.xml());
   result.hinges = std::move(writer.hinges_);
   result.first_hinge = std::move(writer.first_hinge_);
@@ -277,7 +277,8 @@ PlantModel make_plant_model(const BendingPlant& plant, const PlantEngine& engine
   return result;
 }
 
-BentPlant bent_plant(const BendingPlant& plant, const PlantModel& plant_model, const mjData& data) {
+BentPlant bent_plant(const BendingPlant& plant, const HingedPlant& plant_model,
+                     const mjData& data) {
   BentPlant bent;
   bent.time_s = data.time;
   for (std::size_t s = 0; s < plant.stems.size(); ++s) {
@@ -301,7 +302,7 @@ BentPlant bent_plant(const BendingPlant& plant, const PlantModel& plant_model, c
   return bent;
 }
 
-void set_bent(const PlantModel& plant_model, const BentPlant& bent, mjData& data) {
+void set_bent(const HingedPlant& plant_model, const BentPlant& bent, mjData& data) {
   if (bent.joints_rad.size() != plant_model.first_hinge.size())
     throw std::invalid_argument("bending plant: the bent shape is of another plant");
   for (std::size_t s = 0; s < bent.joints_rad.size(); ++s) {
@@ -319,7 +320,7 @@ void set_bent(const PlantModel& plant_model, const BentPlant& bent, mjData& data
   }
 }
 
-PlantStress largest_stress(const BendingPlant& plant, const PlantModel& plant_model,
+PlantStress largest_stress(const BendingPlant& plant, const HingedPlant& plant_model,
                            const mjData& data) {
   PlantStress largest;
   const mjModel& model = *plant_model.model;
@@ -340,7 +341,7 @@ PlantStress largest_stress(const BendingPlant& plant, const PlantModel& plant_mo
   return largest;
 }
 
-PlantEnergy energy_of(const PlantModel& plant_model, const mjData& data) {
+PlantEnergy energy_of(const HingedPlant& plant_model, const mjData& data) {
   PlantEnergy energy;
   const mjModel& model = *plant_model.model;
   for (int j = 0; j < model.njnt; ++j)

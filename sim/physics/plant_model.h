@@ -36,7 +36,7 @@ struct PlantHinge {
   Eigen::Vector3d along;     ///< unit, unloaded
 };
 
-struct PlantModel {
+struct HingedPlant {
   EngineModel model;
   std::vector<PlantHinge> hinges;        ///< stem by stem, from the base
   std::vector<std::size_t> first_hinge;  ///< of each stem
@@ -45,13 +45,13 @@ struct PlantModel {
 };
 
 /// @throws std::invalid_argument as validate(plant); std::runtime_error if the engine refuses.
-PlantModel make_plant_model(const BendingPlant& plant, const PlantEngine& engine);
+HingedPlant make_plant_model(const BendingPlant& plant, const PlantEngine& engine);
 
 /// Where all sections are.
-BentPlant bent_plant(const BendingPlant& plant, const PlantModel& plant_model, const mjData& data);
+BentPlant bent_plant(const BendingPlant& plant, const HingedPlant& plant_model, const mjData& data);
 /// Puts the hinges at the angles of `bent`, at rest. @throws std::invalid_argument if it is of
 /// another plant.
-void set_bent(const PlantModel& plant_model, const BentPlant& bent, mjData& data);
+void set_bent(const HingedPlant& plant_model, const BentPlant& bent, mjData& data);
 
 /// Where a stem is most strained.
 struct PlantStress {
@@ -62,7 +62,7 @@ struct PlantStress {
 };
 /// The largest stress over strength of all hinges: bending, E r theta / segment, and what hangs
 /// below it along the stem over the cross-section.
-PlantStress largest_stress(const BendingPlant& plant, const PlantModel& plant_model,
+PlantStress largest_stress(const BendingPlant& plant, const HingedPlant& plant_model,
                            const mjData& data);
 
 /// Elastic energy in the hinges and kinetic energy of all bodies.
@@ -70,6 +70,6 @@ struct PlantEnergy {
   double elastic_j = 0;
   double kinetic_j = 0;
 };
-PlantEnergy energy_of(const PlantModel& plant_model, const mjData& data);
+PlantEnergy energy_of(const HingedPlant& plant_model, const mjData& data);
 
 }  // namespace cousin

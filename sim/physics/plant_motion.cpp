@@ -115,11 +115,11 @@ SagResult sag(const BendingPlant& plant, const SagConfig& config) {
   validate(config);
   SagResult result;
   const EngineWatch watch;
-  const PlantModel engine = make_plant_model(plant, {.step_s = config.step_s,
-                                                     .gravity_m_s2 = config.gravity_m_s2,
-                                                     .friction = config.friction,
-                                                     .inertia_time_s = config.inertia_time_s,
-                                                     .least_damping_s = config.step_s});
+  const HingedPlant engine = make_plant_model(plant, {.step_s = config.step_s,
+                                                      .gravity_m_s2 = config.gravity_m_s2,
+                                                      .friction = config.friction,
+                                                      .inertia_time_s = config.inertia_time_s,
+                                                      .least_damping_s = config.step_s});
   const EngineData data = make_data(*engine.model);
   const auto steps = static_cast<long>(config.max_time_s / config.step_s);
   const auto hold = static_cast<long>(std::ceil(kHold_s / config.step_s));
@@ -182,7 +182,7 @@ SwayResult sway(const BendingPlant& plant, const BentPlant& from,
                                       [](const BendingLoad& load) { return !load.hulls.empty(); }));
   SwayResult result;
   const EngineWatch watch;
-  const PlantModel engine =
+  const HingedPlant engine =
       make_plant_model(plant, {.step_s = config.step_s,
                                .gravity_m_s2 = config.gravity_m_s2,
                                .contacts = touches,

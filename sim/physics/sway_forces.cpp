@@ -53,7 +53,7 @@ void check_sway(const BendingPlant& plant, const std::vector<HandPush>& pushes,
   }
 }
 
-SwayForces::SwayForces(const BendingPlant& plant, const PlantModel& engine,
+SwayForces::SwayForces(const BendingPlant& plant, const HingedPlant& engine,
                        const SwayConfig& config, const std::vector<HandPush>& pushes,
                        WindField wind)
     : plant_(plant), engine_(engine), config_(config), pushes_(pushes), wind_(std::move(wind)) {}

@@ -18,7 +18,7 @@ void check_sway(const BendingPlant& plant, const std::vector<HandPush>& pushes,
 /// Forces of the air and of hands on one motion's bodies. Keeps references.
 class SwayForces {
  public:
-  SwayForces(const BendingPlant& plant, const PlantModel& engine, const SwayConfig& config,
+  SwayForces(const BendingPlant& plant, const HingedPlant& engine, const SwayConfig& config,
              const std::vector<HandPush>& pushes, WindField wind);
 
   /// From now on bodies feel the air where they are in `rest`, not where they have moved to: as
@@ -39,7 +39,7 @@ class SwayForces {
   void push_by_hand(mjData& data, const HandPush& push) const;
 
   const BendingPlant& plant_;
-  const PlantModel& engine_;
+  const HingedPlant& engine_;
   const SwayConfig& config_;
   const std::vector<HandPush>& pushes_;
   WindField wind_;

@@ -20,7 +20,7 @@ SwayResult sway_windows(const BendingPlant& plant, const BentPlant& from,
   validate(windows);
   SwayResult result;
   const EngineWatch watch;
-  const PlantModel engine = make_plant_model(
+  const HingedPlant engine = make_plant_model(
       plant, {.step_s = config.step_s, .gravity_m_s2 = config.gravity_m_s2, .contacts = false});
   const EngineData data = make_data(*engine.model);
   SwayForces forces(plant, engine, config, pushes, wind);

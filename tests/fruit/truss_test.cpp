@@ -109,10 +109,14 @@ TEST(Truss, IsTheSameOnAnyNumberOfThreads) {
 }
 
 TEST(Truss, RanksAreThoseOfACyme) {
-  const Truss truss = make_truss({.fruits = 4}, Rng(6));
-  EXPECT_EQ(truss.rank, (std::vector<int>{0, 1, 1, 2}));
-  for (int i = 0; i < 4; ++i) EXPECT_EQ(rank_of(i), truss.rank[static_cast<std::size_t>(i)]);
-  EXPECT_EQ(rank_of(14), 3);
+  TrussConfig config{.fruits = 15};
+  config.shape.one_branch_share = 0;
+  EXPECT_EQ(ranks_of(config, Rng(6)),
+            (std::vector<int>{0, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3}));
+  config.fruits = 4;
+  config.shape.one_branch_share = 1;
+  EXPECT_EQ(ranks_of(config, Rng(6)), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(grow_truss(config, Rng(6)).rank, ranks_of(config, Rng(6)));
 }
 
 TEST(Truss, ItsNumbersAreRefusedBeyondTheirLimits) {

@@ -123,7 +123,7 @@ TEST(BendingPlant, EnergyFallsFromStepToStepAndIsKeptWithoutDamping) {
   for (const double tau_s : {0.0, 0.002}) {
     plant.stems[0].damping_time_s = tau_s;
     const EngineWatch watch;
-    const PlantModel engine =
+    const HingedPlant engine =
         make_plant_model(plant, {.step_s = 2e-5, .gravity_m_s2 = 0, .twists = false});
     const EngineData data = make_data(*engine.model);
     for (const PlantHinge& hinge : engine.hinges) data->qpos[hinge.first_angle] = 0.002;
