@@ -12,7 +12,7 @@
 namespace cousin {
 namespace {
 
-constexpr std::size_t kSeedViews = 8;
+constexpr std::size_t kSeedViews = 5;
 constexpr double kWidestSeed_rad = 1.3;  ///< rays farther off the axis do not enter a homography
 
 std::vector<const ProblemView*> views_of_lens(const CalibrationProblem& problem, int lens) {
@@ -152,7 +152,7 @@ Eigen::VectorXd seed_lens(const CalibrationProblem& problem, int index) {
   const bool perspective = camera.model == LensModel::pinhole;
   const double first = perspective ? 0.3 * size : 0.2 * size;
   const double last = perspective ? 25 * size : 4 * size;
-  for (double f = first; f < last; f *= 1.3) focal.emplace_back(f, f);
+  for (double f = first; f < last; f *= 1.4) focal.emplace_back(f, f);
   const auto closed = zhang(problem, views, {camera.cx_px, camera.cy_px}, size);
   if (perspective && closed) focal.insert(focal.begin(), *closed);
   double best = std::numeric_limits<double>::infinity();

@@ -10,7 +10,7 @@ namespace cousin {
 
 /// The lens as given, or, without distortion, with the focal length of several tried (Zhang's
 /// closed form [TPAMI 2000] with the principal point in the middle, and a ladder from wide to
-/// narrow) under which the poses of up to eight views fit best.
+/// narrow) under which the poses of up to five views fit best.
 Eigen::VectorXd seed_lens(const CalibrationProblem& problem, int lens);
 
 /// camera_from_target of each view through the given lenses; nothing where none is found.

@@ -23,12 +23,11 @@ struct System {
 };
 
 /// Robust cost and normal equations in (rotation vector of the camera-side increment, translation).
-System linearize(const Camera& camera, const std::vector<BoardPoint>& points, const Pose& pose) {
+System linearize(const Lens& lens, const std::vector<BoardPoint>& points, const Pose& pose) {
   System system;
   for (const BoardPoint& p : points) {
     const Eigen::Vector3d turned = pose.rotation * p.in_board_m;
-    const std::optional<Projection> seen =
-        project_with_jacobian(camera, turned + pose.translation_m);
+    const std::optional<Projection> seen = lens.project_with_jacobian(turned + pose.translation_m);
     if (!seen) {
       system.cost = kHopeless;
       return system;
@@ -54,9 +53,9 @@ struct Refined {
   bool converged = false;
 };
 
-Refined refine(const Camera& camera, const std::vector<BoardPoint>& points, const Pose& start) {
+Refined refine(const Lens& lens, const std::vector<BoardPoint>& points, const Pose& start) {
   constexpr int kIterations = 60;
-  Refined best{start, linearize(camera, points, start)};
+  Refined best{start, linearize(lens, points, start)};
   double damping = 1e-4;
   for (int i = 0; i < kIterations && best.system.cost < kHopeless; ++i) {
     Eigen::Matrix<double, 6, 6> damped = best.system.normal;
@@ -65,7 +64,7 @@ Refined refine(const Camera& camera, const std::vector<BoardPoint>& points, cons
     if (!step.allFinite()) return best;
     const Pose next{(exp_rotation(step.head<3>()) * best.pose.rotation).normalized(),
                     best.pose.translation_m + step.tail<3>()};
-    const System system = linearize(camera, points, next);
+    const System system = linearize(lens, points, next);
     if (system.cost <= best.system.cost) {
       const double gain = best.system.cost - system.cost;
       best.pose = next;
@@ -127,9 +126,10 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
 
 PlanarPose estimate_planar_pose(const Camera& camera, const std::vector<BoardPoint>& points) {
   PlanarPose result;
+  const Lens lens(camera);  // finds once where the lens folds
   std::vector<PlanePoint> plane;
   for (const BoardPoint& p : points) {
-    const std::optional<Eigen::Vector3d> ray = unproject(camera, p.pixel_px);
+    const std::optional<Eigen::Vector3d> ray = lens.unproject(p.pixel_px);
     if (!ray || ray->z() < 1e-3) return result;
     plane.push_back({p.in_board_m.head<2>(), ray->head<2>() / ray->z(),
                      rms_sigma_px(p.covariance_px2) / camera.fx_px});
@@ -137,9 +137,9 @@ PlanarPose estimate_planar_pose(const Camera& camera, const std::vector<BoardPoi
   const HomographyFit fit = fit_homography(plane);
   if (!fit.ok) return result;
   const Pose start = pose_of(fit.normalized_from_plane);
-  Refined best = refine(camera, points, start);
+  Refined best = refine(lens, points, start);
   const Refined other =
-      refine(camera, points, mirrored(best.system.cost < kHopeless ? best.pose : start));
+      refine(lens, points, mirrored(best.system.cost < kHopeless ? best.pose : start));
   if (other.system.cost < best.system.cost) best = other;
   result.ok = best.converged && best.system.cost < kHopeless;
   result.camera_from_board = best.pose;

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/calibration/calibration_suite.h"
 #include "benchmarks/plants/plants_suite.h"
 #include "benchmarks/program/program_suite.h"
 #include "benchmarks/real/real_report.h"
@@ -237,12 +238,22 @@ ScoreFile bench_plants(const JobContext& context, const fs::path& out) {
       context, out);
 }
 
+ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  return finish(titled("Cousin: bench calibration",
+                       "What a calibration is worth: solvers on the same corners, predicted "
+                       "intervals against the truth, seconds. Corners are computed, with normal "
+                       "noise: verified, and cross-checked with OpenCV and mrcal.",
+                       calibration_suite(o.seed, o.quick, context.progress.function())),
+                context, out);
+}
+
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
   std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 10> kSuites = {
+constexpr std::array<Suite, 11> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
@@ -251,6 +262,7 @@ constexpr std::array<Suite, 10> kSuites = {
      {"cousins", bench_cousins, {"--quick", "--set", "--shard"}},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
+     {"calibration", bench_calibration, {"--quick"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
 
