@@ -103,6 +103,26 @@ Eigen::MatrixXd projection_weight(const Camera& camera, const FreeParameters& fr
   return g.transpose() * g / static_cast<double>(std::max<Eigen::Index>(1, count));
 }
 
+/// Whether the whole print is in the picture: its points and, about them, half as much again as a
+/// board has beyond its outer ones.
+bool is_inside(const Camera& camera, const Lens& lens, const Pose& camera_from_target,
+               const std::vector<Eigen::Vector3d>& target_m, double reach_px) {
+  constexpr double kBeyond = 1.3;
+  Eigen::Vector2d half = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector3d& p : target_m) half = half.cwiseMax(kBeyond * p.head<2>().cwiseAbs());
+  for (const double x : {-1.0, 0.0, 1.0}) {
+    for (const double y : {-1.0, 0.0, 1.0}) {
+      const auto p =
+          lens.project(camera_from_target * Eigen::Vector3d(x * half.x(), y * half.y(), 0));
+      if (!p || !(p->minCoeff() > 0) || !(p->x() < camera.width_px - 1) ||
+          !(p->y() < camera.height_px - 1) ||
+          (*p - Eigen::Vector2d(camera.cx_px, camera.cy_px)).norm() > reach_px)
+        return false;
+    }
+  }
+  return true;
+}
+
 /// What one view of the target tells of the lens, its pose unknown, for corners of 1 px; nothing if
 /// less than all of it is in the picture.
 std::optional<Eigen::MatrixXd> view_information(const Camera& camera, const Lens& lens,
@@ -211,7 +231,7 @@ std::optional<NextView> best_next_view(const CalibrationResult& result, int came
   const double now_px = rms_px(free->information);
   for (const Candidate& c : candidates()) {
     const auto pose = pose_of(c, lens, ready, target_m);
-    if (!pose) continue;
+    if (!pose || !is_inside(lens, ready, *pose, target_m, reach_px)) continue;
     const auto added = view_information(lens, ready, *free, *pose, target_m);
     if (!added) continue;
     const double then_px = rms_px(free->information + per_corner * *added);

@@ -57,7 +57,11 @@ class ClearWindow {
     const double inner = tags                                 ? kTagBorder * p
                          : target.kind == TargetKind::charuco ? 0.5 * (1 - target.mark_share) * p
                                                               : p;
-    inner_m_ = Eigen::Vector2d::Constant(inner) - margin_m;
+    // Nearer than that a marker's border leaks in, from both white squares alike: by symmetry it
+    // moves no corner.
+    constexpr double kLeast_px = 1.2;
+    inner_m_ = (Eigen::Vector2d::Constant(inner) - margin_m)
+                   .cwiseMax(kLeast_px / (kClearance * blur_px) * margin_m);
   }
   bool operator()(const Eigen::Vector2d& offset_px) const {
     const Eigen::Array2d q = (m_per_px_ * offset_px).array().abs();

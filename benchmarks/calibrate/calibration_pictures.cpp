@@ -191,7 +191,8 @@ UncertaintyPicture uncertainty_picture(const CalibrationRun& run, int camera) {
     }
   }
   Canvas canvas(lens_of(run, camera), {200, 200, 200});
-  const double span = std::max(1e-12, picture.most_px - picture.least_px);
+  const double least = std::max(1e-12, picture.least_px);
+  const double span = std::max(1e-6, std::log(picture.most_px / least));
   for (int y = 0; y < canvas.image.rows; ++y) {
     for (int x = 0; x < canvas.image.cols; ++x) {
       // Bilinear between the map's pixels, which span the image.
@@ -204,7 +205,7 @@ UncertaintyPicture uncertainty_picture(const CalibrationRun& run, int camera) {
           (1 - t) * ((1 - s) * worst.at<double>(j, i) + s * worst.at<double>(j, i + 1)) +
           t * ((1 - s) * worst.at<double>(j + 1, i) + s * worst.at<double>(j + 1, i + 1));
       if (std::isnan(value)) continue;
-      const cv::Scalar color = shade((value - picture.least_px) / span);
+      const cv::Scalar color = shade(std::log(value / least) / span);
       canvas.image.at<cv::Vec3b>(y, x) = {static_cast<unsigned char>(color[0]),
                                           static_cast<unsigned char>(color[1]),
                                           static_cast<unsigned char>(color[2])};

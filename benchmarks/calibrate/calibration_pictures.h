@@ -18,7 +18,7 @@ struct ResidualPicture {
 };
 ResidualPicture residual_picture(const CalibrationRun& run, int camera);
 
-/// Worst deviation of the projection over the image; blue least, yellow most.
+/// Worst deviation of the projection over the image; blue least, yellow most, by logarithm.
 struct UncertaintyPicture {
   Image<Rgb8> image;
   double least_px = 0, most_px = 0;

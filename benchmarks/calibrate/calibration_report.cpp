@@ -63,7 +63,7 @@ void add_pictures(const CalibrationRun& run, ReportInput& input) {
                               "Deviation of the projection along its worst direction, points at "
                               "infinity, the camera's rotation free: dark " +
                                   shown_number(uncertainty.least_px) + " px, yellow " +
-                                  shown_number(uncertainty.most_px) + " px.",
+                                  shown_number(uncertainty.most_px) + " px, by logarithm.",
                               encode_png(uncertainty.image)});
     }
   }

@@ -276,6 +276,13 @@ void judge(CalibrationRun& run) {
                              " % of the image: the lens is extrapolated beyond them");
     }
   }
+  constexpr double kTimesPredicted = 2;
+  if (run.cross && run.cross->difference.rms_px > kTimesPredicted * run.cross->predicted_rms_px) {
+    run.warnings.push_back("calibrated from either half of the images, projections differ by " +
+                           three_digits(run.cross->difference.rms_px) + " px RMS where " +
+                           three_digits(run.cross->predicted_rms_px) +
+                           " is predicted: the lens model or the board is not as assumed");
+  }
   for (const std::string& name : run.result.not_determined)
     run.warnings.push_back(name + " cannot be determined from these views");
   const auto refused = std::count_if(run.input.views.begin(), run.input.views.end(),

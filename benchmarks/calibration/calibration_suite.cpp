@@ -7,6 +7,7 @@
 
 #include "benchmarks/calibration/corner_views.h"
 #include "benchmarks/calibration/coverage.h"
+#include "benchmarks/calibration/detection_rows.h"
 #include "calibration/calibration_uncertainty.h"
 #include "sim/types/stage_clock.h"
 
@@ -269,6 +270,11 @@ ScoreFile calibration_suite(std::uint64_t seed, bool quick, const Progress& prog
     std::function<void(Rows&)> run;
   };
   const std::vector<Part> parts = {
+      {"detection on rendered boards",
+       [&](Rows& rows) {
+         const Rows found = detection_rows(seed, quick);
+         rows.insert(rows.end(), found.begin(), found.end());
+       }},
       {"agreement of solvers", [&](Rows& rows) { agreement_rows(rows, seed); }},
       {"noise-free corners", [&](Rows& rows) { noise_free_rows(rows, seed); }},
       {"coverage", [&](Rows& rows) { coverage_rows(rows, seed, quick); }},
