@@ -305,8 +305,8 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationConf
   describe_covariance(problem, state, result);
   check_folding(result);
   if (result.not_determined.empty()) check_deviations(input, config, result);
-  if (result.status == CalibrationStatus::ok && !result.not_determined.empty())
-    result.status = CalibrationStatus::not_determined;
+  // What is open keeps a solver from converging, too: that is then the reason.
+  if (!result.not_determined.empty()) result.status = CalibrationStatus::not_determined;
   describe_solver(run, result);
   return finished(result, clock);
 }

@@ -5,6 +5,7 @@
 #include <exception>
 #include <functional>
 
+#include "benchmarks/stability/calibration_cases.h"
 #include "benchmarks/stability/contact_cases.h"
 #include "benchmarks/stability/geometry_cases.h"
 #include "benchmarks/stability/lens_cases.h"
@@ -46,6 +47,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
   const std::vector<Module> modules = {
       {"geometry", geometry_cases},
       {"lenses and light", lens_cases},
+      {"calibration", calibration_cases},
       {"rays", [&] { return ray_cases(rays, Rng(1)); }},
       {"rays at bad meshes", mesh_ray_cases},
       {"light at its limits", [&] { return path_cases(quick); }},
