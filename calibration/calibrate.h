@@ -56,7 +56,7 @@ struct CalibrationConfig {
   double spline_prior = 10;      ///< deviation of each control point about 0, for those unseen
   double deformation_prior_share = 0;  ///< deviation of kx, ky over the target's size; 0 = none
   int max_iterations = 200;
-  double tolerance = 1e-14;            ///< relative, of the cost between two steps
+  double tolerance = 1e-16;            ///< relative, of the cost between two steps
   double max_focal_share = 0.02;       ///< above this relative deviation fx, fy are not determined
   double max_centre_share = 0.03;      ///< of the image's width, for cx, cy
   double max_deviation_share = 0.003;  ///< RMS over the image of the projection's deviation, of the
@@ -105,7 +105,8 @@ struct CalibrationResult {
   /// plus a part of its own with `mean_frame_covariance`. For calibration_uncertainty.h.
   Eigen::MatrixXd mean_frame_gain;
   Eigen::Matrix<double, 6, 6> mean_frame_covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  double sigma_px = std::numeric_limits<double>::quiet_NaN();  ///< sqrt(squares / (2 N - p))
+  /// sqrt(squares / (2 N - p)); of weighed residuals, hence near 1, where they are weighed.
+  double sigma_px = std::numeric_limits<double>::quiet_NaN();
   double rms_px = std::numeric_limits<double>::quiet_NaN();
   double cost_px2 = std::numeric_limits<double>::quiet_NaN();  ///< sum of squares (robust, weighed)
   double solver_rms_px = std::numeric_limits<double>::quiet_NaN();  ///< as the solver defines it

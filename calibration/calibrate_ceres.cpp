@@ -1,4 +1,5 @@
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -188,8 +189,18 @@ void add_blocks(const CalibrationProblem& problem, const Stage& stage, Packed& p
   }
 }
 
+/// Ceres warns of steps that fail, which are part of a search here: only errors are printed.
+void quiet_warnings() {
+  static const bool done = [] {
+    FLAGS_minloglevel = std::max(FLAGS_minloglevel, static_cast<int>(google::GLOG_ERROR));
+    return true;
+  }();
+  (void)done;
+}
+
 ceres::Solver::Summary minimise(const CalibrationProblem& problem, const Stage& stage,
                                 CalibrationState& state) {
+  quiet_warnings();
   Packed packed(state);
   ceres::Problem ceres_problem;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();

@@ -76,6 +76,7 @@ struct ViewJacobian {
   std::vector<int> columns;
   Eigen::MatrixXd shared;
   Eigen::Matrix<double, Eigen::Dynamic, 6> frame;
+  Eigen::VectorXd residual;
 };
 
 ViewJacobian view_jacobian(const CalibrationProblem& problem, const CalibrationState& state,
@@ -98,6 +99,7 @@ ViewJacobian view_jacobian(const CalibrationProblem& problem, const CalibrationS
   const auto rows = 2 * static_cast<Eigen::Index>(view.points.size());
   j.shared = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(j.columns.size()));
   j.frame = Eigen::MatrixXd::Zero(rows, 6);
+  j.residual = Eigen::VectorXd::Zero(rows);
   const PosedFrame frame(state.frames[static_cast<std::size_t>(view.frame)].data());
   const PosedFrame in_rig(state.cameras[camera].data());
   RowMatrix d_lens(2, n);
@@ -115,6 +117,7 @@ ViewJacobian view_jacobian(const CalibrationProblem& problem, const CalibrationS
     system.coordinates += 2;
     const auto row = 2 * static_cast<Eigen::Index>(i);
     j.frame.middleRows<2>(row) = w * value.d_rig_from_points;
+    j.residual.segment<2>(row) = std::sqrt(soft.weight) * residual;
     Eigen::Index column = 0;
     for (const int k : free) j.shared.block<2, 1>(row, column++) = w * d_lens.col(k);
     if (moves) {
@@ -128,22 +131,27 @@ ViewJacobian view_jacobian(const CalibrationProblem& problem, const CalibrationS
   return j;
 }
 
-void add_priors(const CalibrationProblem& problem, const Columns& columns, SharedSystem& system) {
+void add_prior(SharedSystem& system, Eigen::Index column, double sigma, double off) {
+  const double weight = 1 / (sigma * sigma);
+  system.reduced(column, column) += weight;
+  system.diagonal(column) += weight;
+  system.right(column) += weight * off;
+}
+
+void add_priors(const CalibrationProblem& problem, const CalibrationState& state,
+                const Columns& columns, SharedSystem& system) {
   for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
     const ProblemLens& lens = problem.lenses[i];
     for (std::size_t k = 0; k < lens.free.size(); ++k) {
-      const double sigma = lens.prior_sigma(static_cast<Eigen::Index>(k));
-      if (!lens.free[k] || !std::isfinite(sigma)) continue;
-      const int c = columns.lens[i][k];
-      system.reduced(c, c) += 1 / (sigma * sigma);
-      system.diagonal(c) += 1 / (sigma * sigma);
+      const auto at = static_cast<Eigen::Index>(k);
+      if (!lens.free[k] || !std::isfinite(lens.prior_sigma(at))) continue;
+      add_prior(system, columns.lens[i][k], lens.prior_sigma(at),
+                state.lenses[i](at) - lens.prior_mean(at));
     }
   }
   const double sigma = problem.config.deformation_prior_share;
-  for (int k = 0; sigma > 0 && columns.deformation >= 0 && k < 2; ++k) {
-    system.reduced(columns.deformation + k, columns.deformation + k) += 1 / (sigma * sigma);
-    system.diagonal(columns.deformation + k) += 1 / (sigma * sigma);
-  }
+  for (int k = 0; sigma > 0 && columns.deformation >= 0 && k < 2; ++k)
+    add_prior(system, columns.deformation + k, sigma, state.deformation(k));
 }
 
 /// Takes a change of a pose's six numbers to a twist about the origin of the frame it leads to.
@@ -164,20 +172,25 @@ SharedSystem shared_system(const CalibrationProblem& problem, const CalibrationS
   const Eigen::Index n = columns.count;
   system.reduced = Eigen::MatrixXd::Zero(n, n);
   system.diagonal = Eigen::VectorXd::Zero(n);
+  system.right = Eigen::VectorXd::Zero(n);
   system.mean_frame_gain = Eigen::MatrixXd::Zero(6, n);
   const double share = 1 / static_cast<double>(problem.frames.size());
   for (std::size_t v = 0; v < problem.views.size();) {
     const int frame = problem.views[v].frame;
     Eigen::Matrix<double, 6, 6> own = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(6, n);
+    Vector6d own_right = Vector6d::Zero();
     for (; v < problem.views.size() && problem.views[v].frame == frame; ++v) {
       const ViewJacobian j = view_jacobian(problem, state, problem.views[v], columns, system);
       own += j.frame.transpose() * j.frame;
+      own_right += j.frame.transpose() * j.residual;
+      const Eigen::VectorXd shared_right = j.shared.transpose() * j.residual;
       const Eigen::MatrixXd across = j.frame.transpose() * j.shared;
       const Eigen::MatrixXd square = j.shared.transpose() * j.shared;
       for (std::size_t a = 0; a < j.columns.size(); ++a) {
         const auto ia = static_cast<Eigen::Index>(a);
         mixed.col(j.columns[a]) += across.col(ia);
+        system.right(j.columns[a]) += shared_right(ia);
         system.diagonal(j.columns[a]) += square(ia, ia);
         for (std::size_t b = 0; b < j.columns.size(); ++b)
           system.reduced(j.columns[a], j.columns[b]) += square(ia, static_cast<Eigen::Index>(b));
@@ -186,13 +199,16 @@ SharedSystem shared_system(const CalibrationProblem& problem, const CalibrationS
     const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> factor(own);
     const Eigen::MatrixXd gain = factor.solve(mixed);
     system.reduced.noalias() -= mixed.transpose() * gain;
+    system.frame_gain.emplace_back(gain);
+    system.frame_own.emplace_back(factor.solve(own_right));
+    system.right -= mixed.transpose() * system.frame_own.back();
     const Eigen::Matrix<double, 6, 6> twist =
         share * twist_of(state.frames[static_cast<std::size_t>(frame)]);
     system.mean_frame_gain -= twist * gain;
     system.mean_frame_covariance +=
         twist * factor.solve(Eigen::Matrix<double, 6, 6>::Identity()) * twist.transpose();
   }
-  add_priors(problem, columns, system);
+  add_priors(problem, state, columns, system);
   return system;
 }
 
@@ -229,6 +245,25 @@ SharedCovariance invert(const SharedSystem& system) {
     if (unseen.count(name) > 0) result.not_determined.push_back(name);
   }
   return result;
+}
+
+CalibrationState gauss_newton_step(const CalibrationProblem& problem, const CalibrationState& state,
+                                   const SharedSystem& system, const SharedCovariance& inverse) {
+  CalibrationState next = state;
+  const Eigen::VectorXd step = -(inverse.covariance * system.right);
+  const Columns columns = columns_of(problem);
+  for (std::size_t i = 0; i < columns.lens.size(); ++i) {
+    for (std::size_t k = 0; k < columns.lens[i].size(); ++k) {
+      if (columns.lens[i][k] >= 0)
+        next.lenses[i](static_cast<Eigen::Index>(k)) += step(columns.lens[i][k]);
+    }
+  }
+  for (std::size_t c = 1; c < columns.camera.size(); ++c)
+    next.cameras[c] += step.segment<6>(columns.camera[c]);
+  if (columns.deformation >= 0) next.deformation += step.segment<2>(columns.deformation);
+  for (std::size_t f = 0; f < next.frames.size(); ++f)
+    next.frames[f] -= system.frame_own[f] + system.frame_gain[f] * step;
+  return next;
 }
 
 }  // namespace cousin

@@ -18,8 +18,12 @@ struct SharedSystem {
   Eigen::VectorXd diagonal;         ///< before the elimination
   Eigen::MatrixXd mean_frame_gain;  ///< as in CalibrationResult, problem's units
   Eigen::Matrix<double, 6, 6> mean_frame_covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  double squares = 0;  ///< sum of whitened squares under the loss' weights
-  double cost = 0;     ///< sum of rho
+  Eigen::VectorXd right;  ///< gradient, the frames eliminated
+  std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>>
+      frame_gain;                   ///< for each frame: its step is
+  std::vector<Vector6d> frame_own;  ///< -(frame_own + frame_gain times the shared step)
+  double squares = 0;               ///< sum of whitened squares under the loss' weights
+  double cost = 0;                  ///< sum of rho
   int coordinates = 0;
 };
 SharedSystem shared_system(const CalibrationProblem& problem, const CalibrationState& state);
@@ -32,5 +36,10 @@ struct SharedCovariance {
 /// Directions whose eigenvalue, with every parameter scaled by its own curvature, is below 1e-13
 /// are not determined: that is what rounding leaves of zero.
 SharedCovariance invert(const SharedSystem& system);
+
+/// One full Gauss-Newton step: near a minimum it goes on where the cost, to rounding, no longer
+/// tells better from worse.
+CalibrationState gauss_newton_step(const CalibrationProblem& problem, const CalibrationState& state,
+                                   const SharedSystem& system, const SharedCovariance& inverse);
 
 }  // namespace cousin

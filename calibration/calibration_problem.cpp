@@ -170,6 +170,19 @@ bool add_view(const TargetView& view, int index, CalibrationProblem& problem,
       complaint = name + ": pixel of point " + std::to_string(point.id) + " is not finite";
       return false;
     }
+    const Camera& image = problem
+                              .lenses[static_cast<std::size_t>(
+                                  problem.lens_of_camera[static_cast<std::size_t>(view.camera)])]
+                              .like;
+    const Eigen::Array2d last(image.width_px, image.height_px);
+    if ((point.pixel_px.array() < -1).any() || (point.pixel_px.array() > last).any()) {
+      std::ostringstream text;
+      text << name << ": pixel (" << point.pixel_px.x() << ", " << point.pixel_px.y()
+           << ") of point " << point.id << " is outside the camera's image of " << image.width_px
+           << " x " << image.height_px;
+      complaint = text.str();
+      return false;
+    }
     ProblemPoint p{point.id, point.pixel_px};
     if (problem.config.weigh_by_covariance) {
       if (!(point.covariance_px2.determinant() > 0 && point.covariance_px2(0, 0) > 0)) {

@@ -140,6 +140,55 @@ void turn_half(ProblemView& view, int points_of_target) {
   std::reverse(view.points.begin(), view.points.end());
 }
 
+/// The growing rig: cameras and frames whose poses are known so far.
+struct RigGrowth {
+  const std::vector<ProblemView>& views;
+  const std::vector<std::optional<Pose>>& poses;  ///< of the views, camera_from_target
+  std::vector<std::optional<Pose>> cameras;       ///< camera_from_rig
+  std::vector<std::optional<Pose>> frames;        ///< rig_from_target
+
+  /// Gives the frames that a known camera sees their poses.
+  void place_frames(std::size_t camera) {
+    for (std::size_t v = 0; v < poses.size(); ++v) {
+      auto& frame = frames[static_cast<std::size_t>(views[v].frame)];
+      if (views[v].camera == static_cast<int>(camera) && poses[v] && !frame)
+        frame = inverse(*cameras[camera]) * *poses[v];
+    }
+  }
+  std::vector<Candidate> candidates(std::size_t camera) const {
+    std::vector<Candidate> found;
+    for (std::size_t v = 0; v < poses.size(); ++v) {
+      const auto& frame = frames[static_cast<std::size_t>(views[v].frame)];
+      if (views[v].camera != static_cast<int>(camera) || !poses[v] || !frame) continue;
+      found.push_back({v, *poses[v] * inverse(*frame), false});
+      if (views[v].half_turn_unknown)
+        found.push_back({v, *poses[v] * kHalfTurn * inverse(*frame), true});
+    }
+    return found;
+  }
+};
+
+/// Keeps the views that have a place, and their frames, without gaps.
+void keep_placed(CalibrationProblem& problem, const RigGrowth& rig, CalibrationState& state) {
+  std::vector<ProblemView> views;
+  std::vector<int> index(rig.frames.size(), -1), numbers;
+  for (std::size_t v = 0; v < rig.poses.size(); ++v) {
+    const auto f = static_cast<std::size_t>(problem.views[v].frame);
+    if (!rig.poses[v] || !rig.frames[f] ||
+        !rig.cameras[static_cast<std::size_t>(problem.views[v].camera)])
+      continue;
+    if (index[f] < 0) {
+      index[f] = static_cast<int>(numbers.size());
+      numbers.push_back(problem.frames[f]);
+      state.frames.push_back(pose_vector(*rig.frames[f]));
+    }
+    views.push_back(problem.views[v]);
+    views.back().frame = index[f];
+  }
+  problem.views = std::move(views);
+  problem.frames = std::move(numbers);
+}
+
 }  // namespace
 
 Eigen::VectorXd seed_lens(const CalibrationProblem& problem, int index) {
@@ -202,73 +251,36 @@ std::vector<int> assemble_rig(CalibrationProblem& problem,
                               const std::vector<std::optional<Pose>>& poses,
                               CalibrationState& state) {
   const std::size_t cameras = problem.lens_of_camera.size();
-  std::vector<std::optional<Pose>> rig(cameras), frames(problem.frames.size());
-  rig.front() = Pose{};
-  std::vector<bool> done(cameras, false);
-  const auto place_frames = [&](std::size_t camera) {
-    for (std::size_t v = 0; v < poses.size(); ++v) {
-      const ProblemView& view = problem.views[v];
-      auto& frame = frames[static_cast<std::size_t>(view.frame)];
-      if (view.camera == static_cast<int>(camera) && poses[v] && !frame)
-        frame = inverse(*rig[camera]) * *poses[v];
-    }
-    done[camera] = true;
-  };
-  const auto candidates_of = [&](std::size_t camera) {
-    std::vector<Candidate> found;
-    for (std::size_t v = 0; v < poses.size(); ++v) {
-      const ProblemView& view = problem.views[v];
-      const auto& frame = frames[static_cast<std::size_t>(view.frame)];
-      if (view.camera != static_cast<int>(camera) || !poses[v] || !frame) continue;
-      found.push_back({v, *poses[v] * inverse(*frame), false});
-      if (view.half_turn_unknown)
-        found.push_back({v, *poses[v] * kHalfTurn * inverse(*frame), true});
-    }
-    return found;
-  };
-  place_frames(0);
+  const std::vector<ProblemView> views = problem.views;
+  RigGrowth rig{views, poses, {}, {}};
+  rig.cameras.resize(cameras);
+  rig.frames.resize(problem.frames.size());
+  rig.cameras.front() = Pose{};
+  rig.place_frames(0);
   for (std::size_t joined = 1; joined < cameras; ++joined) {
     std::size_t best = 0;
     std::vector<Candidate> most;
     for (std::size_t c = 1; c < cameras; ++c) {
-      if (done[c]) continue;
-      std::vector<Candidate> found = candidates_of(c);
+      if (rig.cameras[c]) continue;
+      std::vector<Candidate> found = rig.candidates(c);
       if (found.size() > most.size()) best = c, most = std::move(found);
     }
     if (most.empty()) break;
-    rig[best] = medoid(most);
-    for (const Candidate& c : most) {
-      if (!c.turned) continue;
-      ProblemView& view = problem.views[c.view];
-      const auto& frame = frames[static_cast<std::size_t>(view.frame)];
-      if (apart(c.camera_from_rig, *rig[best]) <
-          apart(*poses[c.view] * inverse(*frame), *rig[best]))
-        turn_half(view, static_cast<int>(problem.target.size()));
+    rig.cameras[best] = medoid(most);
+    // The turned candidate of a view follows the one that is not.
+    for (std::size_t i = 1; i < most.size(); ++i) {
+      if (most[i].turned && apart(most[i].camera_from_rig, *rig.cameras[best]) <
+                                apart(most[i - 1].camera_from_rig, *rig.cameras[best]))
+        turn_half(problem.views[most[i].view], static_cast<int>(problem.target.size()));
     }
-    place_frames(best);
+    rig.place_frames(best);
   }
   std::vector<int> alone;
   for (std::size_t c = 0; c < cameras; ++c) {
-    if (!rig[c]) alone.push_back(static_cast<int>(c));
-    state.cameras.push_back(rig[c] ? pose_vector(*rig[c]) : Vector6d::Zero());
+    if (!rig.cameras[c]) alone.push_back(static_cast<int>(c));
+    state.cameras.push_back(rig.cameras[c] ? pose_vector(*rig.cameras[c]) : Vector6d::Zero());
   }
-  // What has no place is dropped, so that frames stay without gaps.
-  std::vector<ProblemView> views;
-  std::vector<int> index(frames.size(), -1), numbers;
-  for (std::size_t v = 0; v < poses.size(); ++v) {
-    const auto f = static_cast<std::size_t>(problem.views[v].frame);
-    if (!poses[v] || !frames[f] || !rig[static_cast<std::size_t>(problem.views[v].camera)])
-      continue;
-    if (index[f] < 0) {
-      index[f] = static_cast<int>(numbers.size());
-      numbers.push_back(problem.frames[f]);
-      state.frames.push_back(pose_vector(*frames[f]));
-    }
-    views.push_back(problem.views[v]);
-    views.back().frame = index[f];
-  }
-  problem.views = std::move(views);
-  problem.frames = std::move(numbers);
+  keep_placed(problem, rig, state);
   return alone;
 }
 

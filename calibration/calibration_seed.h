@@ -25,7 +25,7 @@ CalibrationProblem single_lens_problem(const CalibrationProblem& problem, int le
 /// the pose between cameras that agrees best with those from all shared frames. Views without a
 /// pose are dropped from the problem, then frames without views; views that may be turned by half
 /// are renumbered to agree.
-/// @return names of the cameras that share no frame with the others
+/// @return the cameras that share no frame with the others
 std::vector<int> assemble_rig(CalibrationProblem& problem,
                               const std::vector<std::optional<Pose>>& poses,
                               CalibrationState& state);

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "calibration/calibrate.h"
@@ -77,6 +78,7 @@ ValidRegion valid_region(const CalibrationResult& result, const CalibrationInput
 /// above its prediction means that the model errs, not the corners.
 struct CrossValidation {
   CalibrationStatus status = CalibrationStatus::not_converged;  ///< the worse half's
+  std::string reason;                                           ///< and its
   ProjectionDifference difference;
   double predicted_rms_px = std::numeric_limits<double>::quiet_NaN();
 };

@@ -95,8 +95,10 @@ CornerViews make_corner_views(const std::vector<Camera>& cameras,
                     q->y() < cameras[c].height_px - 1))
           continue;
         const Eigen::Vector2d shift = (out ? config.outlier_px : 0) * Eigen::Vector2d(ox, oy);
+        const Eigen::Vector2d last(cameras[c].width_px - 1, cameras[c].height_px - 1);
+        const Eigen::Vector2d off = config.noise_px * Eigen::Vector2d(dx, dy) + shift;
         TargetObservation seen{static_cast<int>(i),
-                               *q + config.noise_px * Eigen::Vector2d(dx, dy) + shift};
+                               (*q + off).cwiseMax(Eigen::Vector2d::Zero()).cwiseMin(last)};
         seen.covariance_px2 =
             std::max(1e-12, config.noise_px * config.noise_px) * Eigen::Matrix2d::Identity();
         view.points.push_back(seen);

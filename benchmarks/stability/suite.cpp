@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "benchmarks/stability/bundle_cases.h"
+#include "benchmarks/stability/calibration_cases.h"
 #include "benchmarks/stability/contact_cases.h"
 #include "benchmarks/stability/geometry_cases.h"
 #include "benchmarks/stability/lens_cases.h"
@@ -48,6 +49,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       {"geometry", geometry_cases},
       {"lenses and light", lens_cases},
       {"bundles", [&] { return bundle_cases(quick); }},
+      {"calibration", calibration_cases},
       {"rays", [&] { return ray_cases(rays, Rng(1)); }},
       {"rays at bad meshes", mesh_ray_cases},
       {"light at its limits", [&] { return path_cases(quick); }},
