@@ -59,9 +59,11 @@ TEST(BoardsScene, AnInfraredCameraSeesThePrintByItsInksAlbedoThere) {
   view.camera.width_px = view.camera.height_px = 120;
   view.camera.fx_px = view.camera.fy_px = 300;
   view.camera.cx_px = view.camera.cy_px = 59.5;
-  const Eigen::Vector3d middle_m = board.world_from_object.translation_m;
+  // Off the middle, so that no edge of the print runs through pixels' centres.
+  const Eigen::Vector3d middle_m =
+      board.world_from_object.translation_m + Eigen::Vector3d(0.0013, 0.0007, 0);
   view.camera_from_world =
-      look_at(middle_m + Eigen::Vector3d(0, 0, 0.4), middle_m, Eigen::Vector3d::UnitY());
+      look_at(middle_m + Eigen::Vector3d(0, 0, 0.413), middle_m, Eigen::Vector3d::UnitY());
   view.camera_from_world_end = view.camera_from_world;
   const RayScene rays(scene);
   const TruthImages truth = render_truth(rays, scene, view, {.instance = true, .part = true});
