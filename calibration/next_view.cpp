@@ -218,7 +218,7 @@ std::optional<NextView> best_next_view(const CalibrationResult& result, int came
   if (camera < 0 || camera >= static_cast<int>(result.cameras.size()) || target_m.empty())
     return std::nullopt;
   const Camera& lens = result.cameras[static_cast<std::size_t>(camera)];
-  if (lens.model == LensModel::splined_stereographic || !(result.sigma_px > 0)) return std::nullopt;
+  if (lens.model == LensModel::splined_stereographic || !(result.rms_px > 0)) return std::nullopt;
   const auto free = free_parameters(result, camera);
   if (!free) return std::nullopt;
   const Lens ready(lens);
@@ -226,7 +226,8 @@ std::optional<NextView> best_next_view(const CalibrationResult& result, int came
   const auto rms_px = [&](const Eigen::MatrixXd& information) {
     return std::sqrt(std::max(0.0, information.ldlt().solve(weight).trace()));
   };
-  const double per_corner = 1 / (result.sigma_px * result.sigma_px);
+  // Weighed residuals have no unit, so that sigma_px is not a corner's deviation in pixels.
+  const double per_corner = 1 / (result.rms_px * result.rms_px);
   std::optional<NextView> best;
   const double now_px = rms_px(free->information);
   for (const Candidate& c : candidates()) {

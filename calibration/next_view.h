@@ -20,7 +20,8 @@ struct NextView {
 
 /// The view, of those tried, that lowers the mean variance of the camera's projection most: places
 /// in the picture, sizes, tilts up to 50 degrees. First order: the view's normal equations, its
-/// pose eliminated, are added to the inverse of the result's covariance; the variance is over a
+/// pose eliminated and its corners as good as the residuals' RMS, are added to the inverse of the
+/// result's covariance; the variance is over a
 /// grid of pixels, a rotation of the camera (which best fits) left out. Nothing for a splined lens,
 /// a result without covariance, or a target that no candidate shows.
 /// @param target_m  by id, flat in z = 0, about the origin
