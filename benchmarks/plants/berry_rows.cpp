@@ -164,19 +164,14 @@ std::vector<ScoreRow> berry_rows(std::uint64_t seed, bool quick) {
   published_rows(rows, seed);
   StrawberriesSceneConfig config;
   config.stand.fruits_min = config.stand.fruits_max = 8;
-  StandRest rest;
-  if (sag(BendingPlant{
-              {BendingStem{.points_m = {{0, 0, 0}, {0, 0, 0.1}}, .radii_m = {0.001, 0.001}}},
-              {},
-              {}})
-          .status == PlantStatus::not_built) {
+  if (!can_settle()) {
     ScoreRow row = base_row("stretch of bed", seed);
     row.metric = "not built in: MuJoCo (WITH_MUJOCO=OFF)";
     row.status = ScoreStatus::not_built;
     rows.push_back(row);
     return rows;
   }
-  rest = settle_stand(config.stand, config.bed, Rng(seed).fork("stretch"));
+  const StandRest rest = settle_stand(config.stand, config.bed, Rng(seed).fork("stretch"));
   occlusion_rows(rows, rest, config, seed, quick);
   wind_rows(rows, rest, config, seed, quick);
   return rows;

@@ -236,7 +236,7 @@ std::vector<ScoreRow> strawberry_rows(
   scene.views = 1;
   scene.plants = quick ? 3 : 12;
   scene.cache = scratch.path() / "stands";
-  if (sag(BendingPlant{}).status == PlantStatus::not_built) {
+  if (!can_settle()) {
     ScoreRow row = row_of("stretch of bed", "not built in: MuJoCo (WITH_MUJOCO=OFF)", "1", seed);
     row.status = ScoreStatus::not_built;
     rows.push_back(row);

@@ -119,11 +119,11 @@ ObjectModel path_model(const StrawberryBedConfig& config, const TrussShape& shap
                        std::uint64_t key) {
   const auto& c = config.path;
   const double far_m = config.film.half_length_m + 1.5;
-  const std::vector<double> along = places(far_m, 0.008);
+  const std::vector<double> along = places(far_m, 0.010);
   const double z = -shape.bed_height_m;
   ObjectModel model;
   model.name = "path";
-  constexpr int kAcross = 190;
+  constexpr int kAcross = 150;
   const double begin_m = -c.wall_m - 1, end_m = 3;
   const double foot_m = bed_outline(shape, 0.1).points_m.front().x();
   for (const double y : along) {

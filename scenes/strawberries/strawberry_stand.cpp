@@ -163,4 +163,14 @@ StandRest settle_stand(const StandConfig& config, const StrawberryBedConfig& bed
   fail(rest.sag, config.heavier);
 }
 
+bool can_settle() {
+  BendingPlant plant;
+  BendingStem stem;
+  stem.points_m = {{0, 0, 0}, {0, 0, 0.1}};
+  stem.radii_m = {0.001, 0.001};
+  stem.segments = 1;
+  plant.stems.push_back(stem);
+  return sag(plant).status != PlantStatus::not_built;
+}
+
 }  // namespace cousin

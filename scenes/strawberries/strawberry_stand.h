@@ -17,7 +17,7 @@ struct StandConfig {
   double fruits_share = 0.72;  ///< mean of the way from the fewest to the most
   /// Ripeness of a truss's first fruit, see TrussConfig: fitted to the shares of the paper's 8627
   /// fruits, low 55, medium 28, high 16 % [Strawberries 2.1].
-  double ripeness_low = 0.08, ripeness_high = 1.27;
+  double ripeness_low = 0.18, ripeness_high = 1.32;
   double heavier = 1;                ///< times the fruits' masses: what stalks can hold
   std::string family = "botanical";  ///< of the fruits' shapes, or harmonics
   double elongation = 1;             ///< times their length over diameter
@@ -59,6 +59,8 @@ struct StandRest {
 /// @throws std::runtime_error naming the status, stem and limit if none does: so for fruits that
 /// are too heavy for their stalks.
 StandRest settle_stand(const StandConfig& config, const StrawberryBedConfig& bed, const Rng& rng);
+/// Whether this build has the physics that settling needs.
+bool can_settle();
 /// The stream of one try, for draw_stand and grow_trusses; and of one truss of it.
 Rng attempt_rng(const Rng& rng, int attempt);
 Rng truss_rng(const Rng& rng, std::size_t truss);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "benchmarks/scenes/leaf_crossing.h"
 #include "benchmarks/scenes/stand_cache.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/strawberries/small_stretch.h"
@@ -35,6 +36,20 @@ TEST_F(StrawberryStand, HangsWithoutOverlapsAndItsPlantsKeepOff) {
   }
 }
 
+TEST_F(StrawberryStand, LeavesHardlyCrossAndSepalsLieOnTheFruitsBesideTheirs) {
+  config = small_stretch(7);
+  const StandRest rest = stand_at_rest(config, 3, 0);
+  const Scene scene = build_strawberries_scene(config, rest, stretch_rng(3, 0), Rng(1));
+  std::vector<const Instance*> plants;
+  for (const Instance& instance : scene.instances) {
+    if (instance.name.starts_with("plant ")) plants.push_back(&instance);
+  }
+  const SurfaceCrossing crossing = leaf_crossing(scene, plants);
+  EXPECT_GT(crossing.area_m2, 0.1);
+  EXPECT_LT(crossing.share(), 0.01);
+  EXPECT_LT(sepals_in_fruits_m(scene), 5e-4);
+}
+
 TEST_F(StrawberryStand, IsTheSameFromTheFolderAsFreshAndOnAnyThreads) {
   const StandRest fresh = stand_at_rest(config, 2, 1);
   const fs::path file = stand_file(config, 2, 1);
@@ -53,6 +68,26 @@ TEST_F(StrawberryStand, IsTheSameFromTheFolderAsFreshAndOnAnyThreads) {
   other.light = "noon";
   other.plant.leaf.leaflet_m = 0.05;
   EXPECT_EQ(stand_file(other, 2, 1), file);
+}
+
+TEST_F(StrawberryStand, EveryNumberOfTrussesAndVarietiesIsAKeyAndNamesTheFile) {
+  const fs::path file = stand_file(config, 2, 1);
+  for (const char* assignment :
+       {"truss.peduncle_length_m=0.11", "truss.bed_slope_rad=0.1", "variety.akihime.mass_kg=0.021",
+        "variety.benihoppe.hollow=0.03"}) {
+    StrawberriesSceneConfig other = config;
+    set_field(fields(other), assignment);
+    EXPECT_NO_THROW(validate(other)) << assignment;
+    EXPECT_NE(stand_file(other, 2, 1), file) << assignment;
+  }
+  StrawberriesSceneConfig heavy = config;
+  heavy.stand.variety = "akihime";
+  const double before_kg =
+      grow_trusses(draw_stand(heavy.stand, heavy.bed, Rng(1)), Rng(1))[0].fruits[0].mass_kg;
+  set_field(fields(heavy), "variety.akihime.mass_kg=0.04");
+  const double after_kg =
+      grow_trusses(draw_stand(heavy.stand, heavy.bed, Rng(1)), Rng(1))[0].fruits[0].mass_kg;
+  EXPECT_NEAR(after_kg / before_kg, 2, 1e-9);  // from 0.02: masses scale with their mean
 }
 
 TEST_F(StrawberryStand, ADamagedFileIsAnErrorThatNamesIt) {
