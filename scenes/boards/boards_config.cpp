@@ -59,8 +59,8 @@ Fields fields(CalibrationTarget& c) {
 
 Fields file_fields(BoardsSceneConfig& c) {
   return nested("body", fields(c.body)) + nested("flaws", fields(c.flaws)) +
-         nested("poses", fields(c.setting.poses)) + nested("place", fields(c.setting.place)) +
-         nested("light", fields(c.setting.light));
+         nested("poses", fields(c.setting.poses)) + nested("room", fields(c.setting.place)) +
+         nested("lights", fields(c.setting.light));
 }
 
 constexpr std::array<const char*, 9> kNames = {"chessboard_a4", "chessboard_a2", "charuco_a4",

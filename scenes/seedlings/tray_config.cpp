@@ -67,7 +67,7 @@ Fields fields(TrayConfig::LightNumbers& c) {
 
 Fields fields(TrayConfig& c) {
   return nested("tray", fields(c.tray)) + nested("substrate", fields(c.substrate)) +
-         nested("bench", fields(c.bench)) + nested("light", fields(c.light));
+         nested("bench", fields(c.bench)) + nested("lights", fields(c.light));
 }
 
 void validate(const TrayConfig& config) {

@@ -43,10 +43,10 @@ Fields fields(SpecimenSetting& c) {
       {"table.albedo", &c.table.albedo, "of the table", 0, 1},
       {"table.other_albedo", &c.table.other_albedo, "of its stains", 0, 1},
       {"table.noise_m", &c.table.noise_m, "size of the stains", 1e-3, 10},
-      {"light.sun_elevation_rad", &c.light.sun_elevation_rad, "of the sun", 0.05, 1.57},
-      {"light.sun_azimuth_rad", &c.light.sun_azimuth_rad, "of the sun about +z", -7, 7},
-      {"light.turbidity", &c.light.turbidity, "of the air", 1.7, 10},
-      {"light.overcast", &c.light.overcast, "radiance at the zenith", 0, 1e6},
+      {"lights.sun_elevation_rad", &c.light.sun_elevation_rad, "of the sun", 0.05, 1.57},
+      {"lights.sun_azimuth_rad", &c.light.sun_azimuth_rad, "of the sun about +z", -7, 7},
+      {"lights.turbidity", &c.light.turbidity, "of the air", 1.7, 10},
+      {"lights.overcast", &c.light.overcast, "radiance at the zenith", 0, 1e6},
   };
 }
 
