@@ -207,13 +207,33 @@ void check_deviations(const CalibrationInput& input, const CalibrationConfig& co
   if (result.reason.empty()) result.reason = why.str();
 }
 
+/// Whether a fisheye folds only well beyond all that was seen: the corners outside its image circle
+/// have no light, and nothing there can be calibrated.
+bool folds_in_the_dark(const CalibrationInput& input, const CalibrationResult& result,
+                       std::size_t camera) {
+  const Lens lens(result.cameras[camera]);
+  if (lens.camera().model != LensModel::kannala_brandt4) return false;
+  constexpr double kMargin = 0.95;
+  for (const TargetView& view : input.views) {
+    if (!is_usable(view) || view.camera != static_cast<int>(camera)) continue;
+    for (const TargetObservation& point : view.points) {
+      const auto way = lens.unproject(point.pixel_px);
+      if (!way || std::acos(std::clamp(way->z(), -1.0, 1.0)) > kMargin * lens.monotone_limit())
+        return false;
+    }
+  }
+  return true;
+}
+
 /// A lens that folds inside its image is no calibration of that image.
-void check_folding(CalibrationResult& result) {
+void check_folding(const CalibrationInput& input, CalibrationResult& result) {
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
     try {
       validate(result.cameras[c]);
     } catch (const std::invalid_argument& error) {
-      if (result.cameras[c].model == LensModel::splined_stereographic) continue;
+      if (result.cameras[c].model == LensModel::splined_stereographic ||
+          folds_in_the_dark(input, result, c))
+        continue;
       const std::string prefix = "camera" + std::to_string(c) + ".";
       for (const std::string& name : result.parameters) {
         const bool distortion = name.rfind(prefix + "k", 0) == 0 ||
@@ -319,7 +339,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationConf
   describe_state(problem, state, input, result);
   describe_residuals(problem, state, result);
   describe_covariance(problem, state, result);
-  check_folding(result);
+  check_folding(input, result);
   if (result.not_determined.empty()) check_deviations(input, config, result);
   // What is open keeps a solver from converging, too: that is then the reason.
   if (!result.not_determined.empty()) result.status = CalibrationStatus::not_determined;

@@ -60,7 +60,7 @@ Fields fields(StandConfig& c) {
   all = all + nested("truss", std::move(truss));
   const std::vector<std::string> names = strawberry_varieties();
   for (std::size_t i = 0; i < std::min(names.size(), c.varieties.size()); ++i)
-    all = all + nested("variety." + names[i], fields(c.varieties[i]));
+    all = all + nested("varieties." + names[i], fields(c.varieties[i]));
   return all;
 }
 

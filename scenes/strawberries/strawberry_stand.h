@@ -25,7 +25,7 @@ struct StandConfig {
   TrussShape truss = truss_shape();  ///< and the bed's size
   std::vector<StrawberryVariety> varieties = all_varieties();  ///< of strawberry_varieties()
 };
-/// Those of trusses are truss.*, of varieties variety.NAME.*.
+/// Those of trusses are truss.*, of varieties varieties.NAME.*.
 Fields fields(StandConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const StandConfig& config);

@@ -71,7 +71,7 @@ TEST(StrawberriesDataset, WhatCannotBeIsRefusedByName) {
   EXPECT_THAT(refusal("fruits_min=0"), HasSubstr("fruits_min"));
   EXPECT_THAT(refusal("fruits_max=500"), HasSubstr("fruits_max"));
   EXPECT_THAT(refusal("light=moon"), HasSubstr("morning, overcast, noon, lamp"));
-  EXPECT_THAT(refusal("heavier=40"), HasSubstr("too heavy for their stalks at heavier = 40"));
+  EXPECT_THAT(refusal("heavier=90"), HasSubstr("too heavy for their stalks at heavier = 90"));
 }
 
 }  // namespace

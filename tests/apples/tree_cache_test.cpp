@@ -16,7 +16,8 @@ class TreeCache : public testing::Test {
  protected:
   void SetUp() override {
     if (!COUSIN_WITH_MUJOCO) GTEST_SKIP() << "WITH_MUJOCO is OFF";
-    config.cache = (fs::path(testing::TempDir()) / "trees_at_rest").string();
+    const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+    config.cache = (fs::path(testing::TempDir()) / ("trees_at_rest_" + test)).string();
     fs::remove_all(config.cache);
   }
   void TearDown() override {

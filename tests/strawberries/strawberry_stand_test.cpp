@@ -73,8 +73,8 @@ TEST_F(StrawberryStand, IsTheSameFromTheFolderAsFreshAndOnAnyThreads) {
 TEST_F(StrawberryStand, EveryNumberOfTrussesAndVarietiesIsAKeyAndNamesTheFile) {
   const fs::path file = stand_file(config, 2, 1);
   for (const char* assignment :
-       {"truss.peduncle_length_m=0.11", "truss.bed_slope_rad=0.1", "variety.akihime.mass_kg=0.021",
-        "variety.benihoppe.hollow=0.03"}) {
+       {"truss.peduncle_length_m=0.11", "truss.bed_slope_rad=0.1", "varieties.akihime.mass_kg=0.021",
+        "varieties.benihoppe.hollow=0.03"}) {
     StrawberriesSceneConfig other = config;
     set_field(fields(other), assignment);
     EXPECT_NO_THROW(validate(other)) << assignment;
@@ -84,7 +84,7 @@ TEST_F(StrawberryStand, EveryNumberOfTrussesAndVarietiesIsAKeyAndNamesTheFile) {
   heavy.stand.variety = "akihime";
   const double before_kg =
       grow_trusses(draw_stand(heavy.stand, heavy.bed, Rng(1)), Rng(1))[0].fruits[0].mass_kg;
-  set_field(fields(heavy), "variety.akihime.mass_kg=0.04");
+  set_field(fields(heavy), "varieties.akihime.mass_kg=0.04");
   const double after_kg =
       grow_trusses(draw_stand(heavy.stand, heavy.bed, Rng(1)), Rng(1))[0].fruits[0].mass_kg;
   EXPECT_NEAR(after_kg / before_kg, 2, 1e-9);  // from 0.02: masses scale with their mean
