@@ -78,7 +78,7 @@ PlantCapture plant_capture(int images, int points, double noise_px, bool nadir,
 }
 
 /// What a structure from motion would hand over: all a little off.
-BundleAdjustmentInput disturbed(BundleAdjustmentInput input, std::uint64_t seed) {
+[[maybe_unused]] BundleAdjustmentInput disturbed(BundleAdjustmentInput input, std::uint64_t seed) {
   Rng rng = Rng(seed).fork("start");
   for (Camera& lens : input.lenses) {
     lens.fx_px *= 1.01;
