@@ -265,10 +265,10 @@ LinePlot plot_of(const std::vector<ScoreRow>& rows, const std::string& axis,
   LinePlot plot;
   plot.title = metric.shown;
   plot.title = plot.title.substr(0, plot.title.find(" (")) + ", over " + study_label(axis);
-  plot.caption = {"RMS over the runs with its 95 % interval. D457's colour camera, 640 x 480."};
   plot.x_label = study_label(axis);
   plot.y_label = metric.shown;
   plot.log_y = true;
+  bool has_interval = false;
   for (const StudyPoint& point : study_points(false)) {
     if (point.axis != axis) continue;
     for (const ScoreRow& row : rows) {
@@ -280,11 +280,15 @@ LinePlot plot_of(const std::vector<ScoreRow>& rows, const std::string& axis,
       LineSeries& series = at == plot.series.end()
                                ? plot.series.emplace_back(LineSeries{row.method, {}, false, true})
                                : *at;
+      has_interval = has_interval || std::isfinite(row.ci_low);
       series.points.push_back(
           {point.x,
            {metric.scale * row.value, metric.scale * row.ci_low, metric.scale * row.ci_high}});
     }
   }
+  plot.caption = {std::string(has_interval ? "RMS over the runs with its 95 % interval."
+                                           : "One run a point, so no interval.") +
+                  " D457's colour camera, 640 x 480."};
   return plot;
 }
 

@@ -184,7 +184,7 @@ TargetView make_view(const Scene& scene, const ApplesSceneConfig& config, std::s
   if (found.at.size() > 0) view.eye_from_world = pose_at(found.at);
   view.visible = found.share;
   if (found.met || !config.turns_leaves) return view;
-  const LeafTurning turning =
+  const MovedLeaves turning =
       turn_leaves(scene, leaves, target, counting_view(config, view.eye_from_world, visible),
                   reach_m(config), wanted);
   if (turning.found.at.size() > 0) view.visible = turning.found.share;

@@ -107,45 +107,21 @@ std::vector<Turn> turns_for(const Scene& scene, const TurnableLeaves& leaves, co
 
 }  // namespace
 
-LeafTurning turn_leaves(const Scene& scene, const TurnableLeaves& leaves, std::size_t target,
+MovedLeaves turn_leaves(const Scene& scene, const TurnableLeaves& leaves, std::size_t target,
                         const TrueView& view, double reach_m, double wanted) {
   const VisibleShare before(scene, target, reach_m);
   const double rest = before.seen(view);
   const Sight sight{centre_in_world_m(view.camera_from_world), before.centre_in_world_m(),
                     before.radius_m()};
   const std::vector<Turn> turns = turns_for(scene, leaves, sight, rest > wanted);
-  std::vector<std::size_t> places;
-  for (const Turn& turn : turns) places.push_back(turn.place);
-  const VisibleShare visible(scene, target, reach_m, places);
-  const auto count = static_cast<Eigen::Index>(turns.size());
-  // One leaf after the other, each as far as it goes.
-  std::vector<Eigen::VectorXd> starts = {Eigen::VectorXd::Zero(count)};
-  for (Eigen::Index k = 0; k < count; ++k) {
-    starts.push_back(starts.back());
-    starts.back()[k] = 1;
+  std::vector<MovableLeaf> movable;
+  for (const Turn& turn : turns) {
+    movable.push_back({turn.place, [&turn](double share) { return pose_at(turn, share); },
+                       [&leaves, &turn](double share) {
+                         return leaves.room.is_free(*turn.model, pose_at(turn, share));
+                       }});
   }
-  const auto moved = [&](const Eigen::VectorXd& shares) {
-    std::vector<MovedInstance> list;
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Turn& turn = turns[static_cast<std::size_t>(k)];
-      if (shares[k] > 0) list.push_back({turn.place, pose_at(turn, shares[k])});
-    }
-    return list;
-  };
-  LeafTurning result;
-  result.found = find_share(
-      starts,
-      [&](const Eigen::VectorXd& shares) {
-        for (Eigen::Index k = 0; k < count; ++k) {
-          const Turn& turn = turns[static_cast<std::size_t>(k)];
-          if (shares[k] > 0 && !leaves.room.is_free(*turn.model, pose_at(turn, shares[k])))
-            return std::numeric_limits<double>::quiet_NaN();
-        }
-        return visible.seen(view, moved(shares));
-      },
-      {.wanted = wanted});
-  if (result.found.at.size() == count) result.moved = moved(result.found.at);
-  return result;
+  return move_leaves(scene, movable, target, view, reach_m, wanted);
 }
 
 }  // namespace cousin

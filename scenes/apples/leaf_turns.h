@@ -6,8 +6,7 @@
 
 #include "scenes/apples/apples_scene.h"
 #include "scenes/apples/placed_fruit.h"
-#include "sim/geometry/share_search.h"
-#include "sim/render/visible_share.h"
+#include "scenes/fruit/leaf_search.h"
 
 namespace cousin {
 
@@ -21,15 +20,10 @@ struct TurnableLeaves {
   std::set<std::size_t> turned;  ///< places of those that a view has turned: they stay
 };
 
-/// Leaves to turn, and the share that a target then shows.
-struct LeafTurning {
-  ShareFound found;
-  std::vector<MovedInstance> moved;
-};
 /// Leaves near a target turned before it or aside, one after the other and the last as far as it
 /// takes, until `view` shows the share of it that is wanted; the scene stays as it is.
 /// @param view  as view_about gives it
-LeafTurning turn_leaves(const Scene& scene, const TurnableLeaves& leaves, std::size_t target,
+MovedLeaves turn_leaves(const Scene& scene, const TurnableLeaves& leaves, std::size_t target,
                         const TrueView& view, double reach_m, double wanted);
 
 }  // namespace cousin

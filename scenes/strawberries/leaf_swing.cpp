@@ -1,7 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "scenes/strawberries/target_views.h"
@@ -101,44 +100,18 @@ std::vector<Swing> swings_for(const Scene& scene, const SwingingLeaves& leaves, 
 
 }  // namespace
 
-LeafSwing swing_leaves(const Scene& scene, const SwingingLeaves& leaves, std::size_t target,
-                       const TrueView& view, double reach_m, double wanted) {
+MovedLeaves swing_leaves(const Scene& scene, const SwingingLeaves& leaves, std::size_t target,
+                         const TrueView& view, double reach_m, double wanted) {
   const VisibleShare before(scene, target, reach_m);
   const Sight sight{centre_in_world_m(view.camera_from_world), before.centre_in_world_m(),
                     before.radius_m()};
   const std::vector<Swing> swings = swings_for(scene, leaves, sight, before.seen(view) > wanted);
-  std::vector<std::size_t> places;
-  for (const Swing& swing : swings) places.push_back(swing.place);
-  const VisibleShare visible(scene, target, reach_m, places);
-  const auto count = static_cast<Eigen::Index>(swings.size());
-  // One leaf after the other, each as far as it goes.
-  std::vector<Eigen::VectorXd> starts = {Eigen::VectorXd::Zero(count)};
-  for (Eigen::Index k = 0; k < count; ++k) {
-    starts.push_back(starts.back());
-    starts.back()[k] = 1;
+  std::vector<MovableLeaf> movable;
+  for (const Swing& swing : swings) {
+    movable.push_back({swing.place, [&swing](double share) { return pose_at(swing, share); },
+                       [&](double share) { return is_free(scene, leaves.room, swing, share); }});
   }
-  const auto moved = [&](const Eigen::VectorXd& shares) {
-    std::vector<MovedInstance> list;
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Swing& swing = swings[static_cast<std::size_t>(k)];
-      if (shares[k] > 0) list.push_back({swing.place, pose_at(swing, shares[k])});
-    }
-    return list;
-  };
-  LeafSwing result;
-  result.found =
-      find_share(starts,
-                 [&](const Eigen::VectorXd& shares) {
-                   for (Eigen::Index k = 0; k < count; ++k) {
-                     if (shares[k] > 0 && !is_free(scene, leaves.room,
-                                                   swings[static_cast<std::size_t>(k)], shares[k]))
-                       return std::numeric_limits<double>::quiet_NaN();
-                   }
-                   return visible.seen(view, moved(shares));
-                 },
-                 {.wanted = wanted});
-  if (result.found.at.size() == count) result.moved = moved(result.found.at);
-  return result;
+  return move_leaves(scene, movable, target, view, reach_m, wanted);
 }
 
 }  // namespace cousin

@@ -117,7 +117,7 @@ TargetView make_view(const Scene& scene, const StrawberriesSceneConfig& config, 
   TargetView view{
       target, pose_at(found.at.size() > 0 ? found.at : starts.front()), found.share, {}};
   if (found.met || !config.swings_leaves) return view;
-  LeafSwing swing =
+  MovedLeaves swing =
       swing_leaves(scene, leaves, target, counting_view(config, view.eye_from_world, visible),
                    reach_m(config), wanted);
   if (swing.found.at.size() > 0) view.visible = swing.found.share;

@@ -3,10 +3,9 @@
 #include <set>
 #include <vector>
 
+#include "scenes/fruit/leaf_search.h"
 #include "scenes/strawberries/plant_rows.h"
 #include "scenes/strawberries/strawberries_scene.h"
-#include "sim/geometry/share_search.h"
-#include "sim/render/visible_share.h"
 
 namespace cousin {
 
@@ -19,15 +18,10 @@ struct SwingingLeaves {
   std::set<std::size_t> swung;  ///< places of those that a view has swung: they stay
 };
 
-/// Leaves to swing, and the share that a target then shows.
-struct LeafSwing {
-  ShareFound found;
-  std::vector<MovedInstance> moved;
-};
 /// Leaves swung before a target or aside, one after the other and the last as far as it takes,
 /// until `view` shows the share of it that is wanted; the scene stays as it is.
-LeafSwing swing_leaves(const Scene& scene, const SwingingLeaves& leaves, std::size_t target,
-                       const TrueView& view, double reach_m, double wanted);
+MovedLeaves swing_leaves(const Scene& scene, const SwingingLeaves& leaves, std::size_t target,
+                         const TrueView& view, double reach_m, double wanted);
 
 /// Replaces the scene's views by such of a fruit each, from which config.occlusion of it is hidden,
 /// and says how far in the traits of the bed: target, visible and met with the view's number, and
