@@ -1,0 +1,32 @@
+#pragma once
+
+#include "perception/splats/splat_model.h"
+#include "sim/types/camera.h"
+#include "sim/types/image.h"
+#include "sim/types/pose.h"
+
+namespace cousin {
+
+struct SplatRenderConfig {
+  std::array<float, 3> background{};  ///< shows where transmittance is left
+  double near = 0.01;                 ///< centres nearer than this share of the median depth are left out
+};
+
+/// Three channels of one image, each 0..1 and planar: red, green, blue.
+struct ColorPlanes {
+  std::array<Image<float>, 3> channel;
+};
+
+/// One view of a model. All images are of the camera's size.
+struct SplatImage {
+  ColorPlanes color;            ///< front to back, over the background
+  Image<float> alpha;           ///< 1 - transmittance
+  Image<float> depth_m;         ///< where transmittance falls through 1/2, along the axis; NaN = never
+  Image<float> mean_depth_m;    ///< mean of the Gaussians' depths weighted as their colours are; NaN = alpha 0
+};
+
+/// Renders with the fast kernels. @param camera  pinhole; other lenses throw std::invalid_argument.
+SplatImage render_splats(const SplatModel& model, const Camera& camera,
+                         const Pose& camera_from_world, const SplatRenderConfig& config = {});
+
+}  // namespace cousin
