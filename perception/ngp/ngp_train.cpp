@@ -1,0 +1,415 @@
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+#include "perception/ngp/ngp_rays.h"
+#include "sim/types/rng.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+using namespace ngp;
+
+constexpr int kGroups = 16;       ///< of rays, summed apart: the most threads of a step
+constexpr int kBundle = 16;       ///< rays that pass the networks together
+constexpr double kHuber = 0.1;    ///< where the loss turns from square to straight
+constexpr int kWarmUp = 256;      ///< steps in which every cell's density is looked at
+constexpr int kUpdateEvery = 16;  ///< steps between looks at densities
+constexpr int kCellShare = 4;     ///< later, a look takes one cell in this many
+constexpr float kThin = 0.01F;    ///< optical thickness of a step that counts as empty
+
+/// Adam's moments [Kingma & Ba 2015] with the reference's numbers.
+struct Moments {
+  std::vector<float> first, second;
+};
+constexpr float kBeta1 = 0.9F, kBeta2 = 0.99F, kEpsilon = 1e-15F, kDecay = 1e-6F;
+
+/// What one group of rays gives in one step.
+struct Group {
+  RayBundle bundle;
+  FieldBatch<float> gradient;
+  std::vector<float> d_log_density, d_weights;
+  /// Points and derivatives of their encodings: for each bundle its count, then rows x, y, z and
+  /// the features.
+  std::vector<float> points;
+  std::vector<int> counts;
+  std::vector<std::array<float, kHarmonics>> basis;
+  double loss = 0;
+  std::int64_t samples = 0;
+};
+
+class Trainer {
+ public:
+  Trainer(std::span<const NgpView> views, const NgpConfig& config, NgpModel& model)
+      : views_(views),
+        config_(config),
+        model_(model),
+        levels_(grid_levels(config.grid)),
+        kernels_(dense_kernels()),
+        shape_(network_shape(config)),
+        march_(march_config(config)),
+        rng_(Rng(config.seed).fork("ngp")) {
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      std::size_t same = 0;
+      while (same < v && !(views[same].camera == views[v].camera)) ++same;
+      directions_.push_back(same < v ? directions_[same]
+                                     : std::make_shared<const Image<Eigen::Vector3f>>(
+                                           pixel_directions(views[v].camera)));
+      const Pose world_from_camera = inverse(views[v].camera_from_world);
+      origins_.push_back(
+          ((world_from_camera.translation_m - model.volume.centre_in_world_m) / model.volume.side_m)
+              .cast<float>());
+      turns_.push_back(world_from_camera.rotation.toRotationMatrix().cast<float>());
+    }
+    for (std::size_t c = 0; c < 3; ++c) background_[c] = static_cast<float>(config.background[c]);
+    start();
+  }
+
+  /// One step; returns the mean loss of its rays.
+  double step(int iteration) {
+    if (iteration % kUpdateEvery == 0) look_for_matter(iteration);
+    const int rays_of_group = std::max(1, rays_ / kGroups);
+    const Rng step_rng = rng_.fork("step").fork(static_cast<std::uint64_t>(iteration));
+    tbb::parallel_for(0, kGroups, [&](int g) {
+      run_group(groups_[static_cast<std::size_t>(g)], rays_of_group,
+                step_rng.fork(static_cast<std::uint64_t>(g)));
+    });
+    double loss = 0;
+    std::int64_t samples = 0;
+    for (const Group& group : groups_) {
+      loss += group.loss;
+      samples += group.samples;
+    }
+    samples_ += samples;
+    update(iteration);
+    const int rays = rays_of_group * kGroups;
+    const double per_ray = std::max(1.0, static_cast<double>(samples) / rays);
+    rays_ = static_cast<int>(std::clamp(config_.samples_per_step / per_ray, 256.0, 65536.0));
+    return loss / (3.0 * rays);
+  }
+
+  std::int64_t samples() const { return samples_; }
+
+ private:
+  void start() {
+    Rng draw = rng_.fork("table");
+    model_.table.resize(table_size(levels_));
+    for (float& number : model_.table) number = static_cast<float>(uniform(draw, -1e-4, 1e-4));
+    Rng weights = rng_.fork("weights");
+    const int sizes[5][2] = {{shape_.encoded, kWidth},
+                             {kWidth, kGeometry},
+                             {kGeometry + kHarmonics, kWidth},
+                             {kWidth, kWidth},
+                             {kWidth, kColors}};
+    for (const auto& [inputs, outputs] : sizes) {
+      const double limit = std::sqrt(6.0 / (inputs + outputs));
+      for (int i = 0; i < inputs * outputs; ++i)
+        model_.weights.push_back(static_cast<float>(uniform(weights, -limit, limit)));
+    }
+    of_table_ = {std::vector<float>(model_.table.size()), std::vector<float>(model_.table.size())};
+    d_table_.assign(model_.table.size(), 0);
+    of_weights_ = {std::vector<float>(model_.weights.size()),
+                   std::vector<float>(model_.weights.size())};
+    groups_.resize(kGroups);
+    mark_seen();
+    rays_ = std::clamp(config_.samples_per_step / 64, 256, 65536);
+  }
+
+  /// Cells that no view sees stay empty.
+  void mark_seen() {
+    Occupancy& grid = model_.occupancy;
+    grid.resolution = config_.occupancy_cells;
+    const std::size_t cells =
+        grid.cells_of_cube() * static_cast<std::size_t>(model_.volume.cascades);
+    grid.thickness.assign(cells, -1);
+    grid.filled.assign(cells, 0);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells, 4096), [&](const auto& range) {
+      for (std::size_t cell = range.begin(); cell < range.end(); ++cell) {
+        const Eigen::Vector3d middle =
+            cell_middle(grid, cell).cast<double>() * model_.volume.side_m +
+            model_.volume.centre_in_world_m;
+        const double radius = 0.9 * cell_side(grid, cell) * model_.volume.side_m;
+        for (const NgpView& view : views_) {
+          const Eigen::Vector3d at = view.camera_from_world * middle;
+          if (at.z() < -radius) continue;
+          bool sees = at.norm() < 2 * radius;
+          if (!sees && at.z() > 0) {
+            const auto pixel = project(view.camera, at);
+            const double margin = view.camera.fx_px * radius / at.z() + 1;
+            sees = pixel && pixel->x() > -margin && pixel->y() > -margin &&
+                   pixel->x() < view.camera.width_px + margin &&
+                   pixel->y() < view.camera.height_px + margin;
+          }
+          if (!sees) continue;
+          grid.thickness[cell] = 0;
+          grid.filled[cell] = 1;
+          break;
+        }
+      }
+    });
+  }
+
+  void look_for_matter(int iteration) {
+    Occupancy& grid = model_.occupancy;
+    const int share = iteration < kWarmUp ? 1 : kCellShare;
+    const auto turn = static_cast<std::size_t>(iteration / kUpdateEvery);
+    const Rng draw = rng_.fork("cells").fork(static_cast<std::uint64_t>(iteration));
+    const std::size_t cells = grid.thickness.size();
+    const auto shortest = static_cast<float>(march_.shortest);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells, 2048), [&](const auto& range) {
+      RayBundle scratch;
+      std::vector<Eigen::Vector3f> at;
+      std::vector<std::size_t> which;
+      for (std::size_t cell = range.begin(); cell < range.end(); ++cell) {
+        if (grid.thickness[cell] < 0) continue;
+        // Neighbours take turns, so that each look covers the whole.
+        if (share > 1 && (cell * 0x9E3779B97F4A7C15ULL >> 40) % static_cast<std::size_t>(share) !=
+                             turn % static_cast<std::size_t>(share))
+          continue;
+        Rng of_cell = draw.fork(cell);
+        const float side = cell_side(grid, cell);
+        const Eigen::Vector3f off(static_cast<float>(uniform(of_cell, -0.5, 0.5)),
+                                  static_cast<float>(uniform(of_cell, -0.5, 0.5)),
+                                  static_cast<float>(uniform(of_cell, -0.5, 0.5)));
+        at.push_back(cell_middle(grid, cell) + side * off);
+        which.push_back(cell);
+      }
+      if (at.empty()) return;
+      std::vector<float> density(at.size());
+      densities(model_, levels_, kernels_, at, scratch, density);
+      const float fade = share > 1 ? 0.8F : 0.95F;
+      for (std::size_t i = 0; i < which.size(); ++i) {
+        float& thickness = grid.thickness[which[i]];
+        thickness = std::max(thickness * fade, density[i] * shortest);
+      }
+    });
+    double sum = 0;
+    std::size_t seen = 0;
+    for (const float thickness : grid.thickness) {
+      if (thickness < 0) continue;
+      sum += thickness;
+      ++seen;
+    }
+    const float limit = std::min(
+        kThin, static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(seen, 1))));
+    for (std::size_t cell = 0; cell < cells; ++cell)
+      grid.filled[cell] = grid.thickness[cell] >= 0 && grid.thickness[cell] >= limit;
+  }
+
+  /// A pixel to train on; masked ones are drawn again a few times, then left out.
+  bool draw_ray(Rng& rng, std::size_t& view, int& x, int& y) const {
+    for (int attempt = 0; attempt < 32; ++attempt) {
+      view = uniform_index(rng, views_.size());
+      const NgpView& of = views_[view];
+      x = static_cast<int>(uniform_index(rng, static_cast<std::uint64_t>(of.camera.width_px)));
+      y = static_cast<int>(uniform_index(rng, static_cast<std::uint64_t>(of.camera.height_px)));
+      if (of.mask.empty() || of.mask(x, y)) return true;
+    }
+    return false;
+  }
+
+  void run_group(Group& group, int rays, Rng rng) {
+    group.d_weights.assign(shape_.size(), 0);
+    group.points.clear();
+    group.counts.clear();
+    group.loss = 0;
+    group.samples = 0;
+    std::vector<std::array<float, 3>> wanted;
+    for (int first = 0; first < rays; first += kBundle) {
+      group.bundle.clear();
+      group.basis.clear();
+      wanted.clear();
+      for (int r = first; r < std::min(first + kBundle, rays); ++r) {
+        std::size_t view = 0;
+        int x = 0, y = 0;
+        const bool drawn = draw_ray(rng, view, x, y);
+        const auto jitter = static_cast<float>(uniform(rng));
+        if (!drawn) continue;
+        const Eigen::Vector3f& direction = (*directions_[view])(x, y);
+        if (direction.squaredNorm() == 0) continue;
+        const Eigen::Vector3f ray = turns_[view] * direction;
+        group.bundle.add(model_, march_, origins_[view], ray, jitter);
+        group.basis.push_back(harmonics(ray));
+        const Rgb8 color = views_[view].color(x, y);
+        wanted.push_back({static_cast<float>(color.r) / 255, static_cast<float>(color.g) / 255,
+                          static_cast<float>(color.b) / 255});
+      }
+      if (!wanted.empty()) learn(group, wanted, rays);
+    }
+  }
+
+  void learn(Group& group, const std::vector<std::array<float, 3>>& wanted, int rays) {
+    RayBundle& bundle = group.bundle;
+    bundle.run(model_, levels_, kernels_, group.basis);
+    FieldBatch<float>& gradient = group.gradient;
+    gradient.resize(shape_, static_cast<int>(bundle.samples.size()));
+    const int n = gradient.samples;
+    std::fill(gradient.color.begin(), gradient.color.end(), 0.0F);
+    group.d_log_density.assign(static_cast<std::size_t>(n), 0);
+    const auto scale = static_cast<float>(1.0 / (3.0 * rays * kGroups));
+    for (std::size_t r = 0; r < wanted.size(); ++r) {
+      const RaySamples<float> samples = bundle.ray(r);
+      const RayColor<float> color = composite(samples, background_);
+      std::array<float, 3> d_color;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float off = color.color[c] - wanted[r][c];
+        const auto limit = static_cast<float>(kHuber);
+        const float size = std::abs(off);
+        group.loss += size <= limit ? 0.5 * off * off / limit : size - 0.5 * limit;
+        d_color[c] = scale * std::clamp(off / limit, -1.0F, 1.0F);
+      }
+      composite_backward(samples, color, d_color, group.d_log_density.data() + bundle.begin[r],
+                         gradient.color.data() + bundle.begin[r]);
+    }
+    if (n == 0) return;
+    field_backward(shape_, kernels_, model_.weights.data(), bundle.batch,
+                   group.d_log_density.data(), gradient, group.d_weights.data());
+    group.samples += static_cast<std::int64_t>(bundle.samples.size());
+    group.counts.push_back(n);
+    for (const auto* row : {&bundle.x, &bundle.y, &bundle.z})
+      group.points.insert(group.points.end(), row->begin(), row->end());
+    group.points.insert(group.points.end(), gradient.encoded.begin(), gradient.encoded.end());
+  }
+
+  void adapt(std::vector<float>& values, Moments& moments, std::size_t i, float gradient,
+             float rate, float fix1, float fix2) {
+    float& m = moments.first[i];
+    float& v = moments.second[i];
+    m = kBeta1 * m + (1 - kBeta1) * gradient;
+    v = kBeta2 * v + (1 - kBeta2) * gradient * gradient;
+    values[i] -= rate * (m * fix1) / (std::sqrt(v * fix2) + kEpsilon);
+  }
+
+  void update(int iteration) {
+    // The reference falls by .33 every 10,000 steps from 20,000 on.
+    const double fall = iteration < 20000 ? 1 : std::pow(0.33, 1 + (iteration - 20000) / 10000);
+    const auto rate = static_cast<float>(config_.learning_rate * fall);
+    const auto fix1 = static_cast<float>(1 / (1 - std::pow(kBeta1, iteration + 1)));
+    const auto fix2 = static_cast<float>(1 / (1 - std::pow(kBeta2, iteration + 1)));
+    for (std::size_t i = 0; i < model_.weights.size(); ++i) {
+      float gradient = kDecay * model_.weights[i];
+      for (const Group& group : groups_) gradient += group.d_weights[i];
+      adapt(model_.weights, of_weights_, i, gradient, rate, fix1, fix2);
+    }
+    // A level's table belongs to one task: its sums keep their order.
+    tbb::parallel_for(std::size_t{0}, levels_.size(), [&](std::size_t l) {
+      const GridLevel& level = levels_[l];
+      for (const Group& group : groups_) {
+        const float* at = group.points.data();
+        for (const int n : group.counts) {
+          const auto stride = static_cast<std::size_t>(n);
+          const float* d = at + (3 + 2 * l) * stride;
+          add_derivatives(level, at, at + stride, at + 2 * stride, n, d, d + stride,
+                          d_table_.data());
+          at += (3 + 2 * levels_.size()) * stride;
+        }
+      }
+      // Entries that no sample touched stay, as the reference's do.
+      for (std::size_t i = level.offset; i < level.offset + std::size_t{kFeatures} * level.entries;
+           ++i) {
+        if (d_table_[i] == 0) continue;
+        adapt(model_.table, of_table_, i, d_table_[i], rate, fix1, fix2);
+        d_table_[i] = 0;
+      }
+    });
+  }
+
+  std::span<const NgpView> views_;
+  NgpConfig config_;
+  NgpModel& model_;
+  std::vector<GridLevel> levels_;
+  DenseKernels<float> kernels_;
+  NetworkShape shape_;
+  MarchConfig march_;
+  Rng rng_;
+  std::vector<std::shared_ptr<const Image<Eigen::Vector3f>>> directions_;
+  std::vector<Eigen::Vector3f> origins_;
+  std::vector<Eigen::Matrix3f> turns_;
+  std::array<float, 3> background_{};
+  std::vector<Group> groups_;
+  std::vector<float> d_table_;
+  Moments of_table_, of_weights_;
+  int rays_ = 0;
+  std::int64_t samples_ = 0;
+};
+
+void check(const NgpView& view, std::size_t index) {
+  const std::string name = "view " + std::to_string(index);
+  validate(view.camera);
+  const auto fits = [&](const auto& image) {
+    return image.width() == view.camera.width_px && image.height() == view.camera.height_px;
+  };
+  if (!fits(view.color))
+    throw std::invalid_argument(name + ": image of " + std::to_string(view.color.width()) + " x " +
+                                std::to_string(view.color.height()) + " but the camera has " +
+                                std::to_string(view.camera.width_px) + " x " +
+                                std::to_string(view.camera.height_px));
+  if (!view.mask.empty() && !fits(view.mask))
+    throw std::invalid_argument(name + ": the mask has another size than the image");
+  if (!view.camera_from_world.translation_m.allFinite() ||
+      !view.camera_from_world.rotation.coeffs().allFinite())
+    throw std::invalid_argument(name + ": the pose is not finite");
+}
+
+}  // namespace
+
+NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
+                      const NgpSnapshots& snapshots,
+                      const std::function<void(int, int)>& progress) {
+  validate(config);
+  for (std::size_t v = 0; v < views.size(); ++v) check(views[v], v);
+  const StageClock clock("ngp");
+  NgpTraining training;
+  const auto refuse = [&](NgpStatus status, const std::string& reason) {
+    training.status = status;
+    training.reason = reason;
+    training.timing = clock.finish();
+    return training;
+  };
+  if (views.size() < 2)
+    return refuse(NgpStatus::too_few_views, std::to_string(views.size()) + " views; at least 2");
+  const bool any = std::any_of(views.begin(), views.end(), [](const NgpView& view) {
+    return view.mask.empty() ||
+           std::any_of(view.mask.begin(), view.mask.end(), [](std::uint8_t m) { return m != 0; });
+  });
+  if (!any) return refuse(NgpStatus::no_pixels, "all masks are empty");
+  NgpModel& model = training.model;
+  model.config = config;
+  model.volume = choose_volume(config, views);
+  if (!(model.volume.side_m > 0))
+    return refuse(NgpStatus::no_volume,
+                  "most cameras look away from their common centre; give "
+                  "centre_m and side_m");
+
+  Trainer trainer(views, config, model);
+  double loss = 0;
+  int since = 0;
+  for (int i = 0; i < config.iterations; ++i) {
+    loss += trainer.step(i);
+    ++since;
+    const bool is_last = i + 1 == config.iterations;
+    if (!std::isfinite(loss))
+      return refuse(NgpStatus::not_finite, "the loss is not finite at step " + std::to_string(i));
+    if ((i + 1) % 100 == 0 || is_last) {
+      training.curve.push_back({i + 1, clock.finish().wall_s, loss / since});
+      loss = 0;
+      since = 0;
+    }
+    if (progress) progress(i + 1, config.iterations);
+    if (snapshots.take &&
+        std::find(snapshots.at.begin(), snapshots.at.end(), i + 1) != snapshots.at.end())
+      snapshots.take(i + 1, model);
+  }
+  training.samples = trainer.samples();
+  training.status = NgpStatus::ok;
+  training.timing = clock.finish();
+  return training;
+}
+
+}  // namespace cousin

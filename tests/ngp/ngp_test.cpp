@@ -1,0 +1,166 @@
+#include "perception/ngp/ngp.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/types/rng.h"
+
+namespace cousin {
+namespace {
+
+Camera small_camera() {
+  Camera camera;
+  camera.width_px = 48;
+  camera.height_px = 36;
+  camera.fx_px = camera.fy_px = 50;
+  camera.cx_px = 23.5;
+  camera.cy_px = 17.5;
+  return camera;
+}
+
+/// A ball of radius 0.3 m with stripes over a grey ground, by closed-form intersection.
+NgpView ball_view(const Camera& camera, double turn_rad) {
+  NgpView view;
+  view.camera = camera;
+  view.camera_from_world =
+      look_at({1.1 * std::cos(turn_rad), 1.1 * std::sin(turn_rad), 0.5}, {0, 0, 0});
+  view.color = Image<Rgb8>(camera.width_px, camera.height_px);
+  const Pose world_from_camera = inverse(view.camera_from_world);
+  const Eigen::Vector3d eye = world_from_camera.translation_m;
+  for (int y = 0; y < camera.height_px; ++y) {
+    for (int x = 0; x < camera.width_px; ++x) {
+      const Eigen::Vector3d ray =
+          world_from_camera.rotation * *unproject(camera, Eigen::Vector2d(x, y));
+      const double b = eye.dot(ray), c = eye.squaredNorm() - 0.09;
+      if (b * b - c > 0) {
+        const Eigen::Vector3d hit = eye - (b + std::sqrt(b * b - c)) * ray;
+        const bool stripe = std::fmod(hit.z() + 10, 0.2) < 0.1;
+        view.color(x, y) = stripe ? Rgb8{200, 60, 40} : Rgb8{40, 160, 60};
+      }
+    }
+  }
+  return view;
+}
+
+std::vector<NgpView> ball_views(int count) {
+  std::vector<NgpView> views;
+  for (int i = 0; i < count; ++i)
+    views.push_back(ball_view(small_camera(), 2 * std::numbers::pi * i / count));
+  return views;
+}
+
+NgpConfig small_config() {
+  NgpConfig config;
+  config.iterations = 120;
+  config.samples_per_step = 4096;
+  config.grid = {8, 12, 8, 128};
+  config.occupancy_cells = 32;
+  config.steps = 128;
+  config.cascades = 1;
+  config.side_m = 1.2;
+  return config;
+}
+
+double psnr(const Image<Rgb8>& a, const Image<Rgb8>& b) {
+  double sum = 0;
+  for (int y = 0; y < a.height(); ++y) {
+    for (int x = 0; x < a.width(); ++x) {
+      const double r = a(x, y).r - b(x, y).r, g = a(x, y).g - b(x, y).g, v = a(x, y).b - b(x, y).b;
+      sum += r * r + g * g + v * v;
+    }
+  }
+  return 10 * std::log10(255.0 * 255.0 * 3 * static_cast<double>(a.size()) / sum);
+}
+
+TEST(Ngp, LearnsAViewThatItHasNotSeen) {
+  std::vector<NgpView> views = ball_views(16);
+  const NgpView held = ball_view(small_camera(), 0.2);
+  NgpConfig config = small_config();
+  config.iterations = 400;
+  const NgpTraining training = train_ngp(views, config);
+  ASSERT_EQ(training.status, NgpStatus::ok) << training.reason;
+  const NgpImage image = render_ngp(training.model, held.camera, held.camera_from_world);
+  // An all-black picture has 12 dB; edges a pixel wide keep these views from being perfect.
+  EXPECT_GT(psnr(image.color, held.color), 21);
+  // The ball's middle is 1.208 - 0.3 m away.
+  EXPECT_NEAR(image.depth_m(24, 18), 0.908, 0.03);
+  EXPECT_TRUE(std::isnan(image.depth_m(0, 0)));
+  EXPECT_LT(training.curve.back().loss, 0.3 * training.curve.front().loss);
+}
+
+TEST(Ngp, SameBytesOnAnyNumberOfThreads) {
+  const std::vector<NgpView> views = ball_views(6);
+  NgpConfig config = small_config();
+  config.iterations = 40;
+  const NgpTraining many = train_ngp(views, config);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const NgpTraining single = train_ngp(views, config);
+  EXPECT_EQ(many.model.table, single.model.table);
+  EXPECT_EQ(many.model.weights, single.model.weights);
+  EXPECT_EQ(many.model.occupancy.filled, single.model.occupancy.filled);
+}
+
+TEST(Ngp, SnapshotsAreTakenWhereAsked) {
+  std::vector<int> taken;
+  NgpConfig config = small_config();
+  config.iterations = 12;
+  const NgpTraining training =
+      train_ngp(ball_views(4), config, {{5, 12, 99}, [&](int i, const NgpModel& model) {
+                                          taken.push_back(i);
+                                          EXPECT_FALSE(model.weights.empty());
+                                        }});
+  EXPECT_EQ(taken, (std::vector<int>{5, 12}));
+}
+
+TEST(Ngp, WhatCannotBeLearnedIsAStatus) {
+  NgpConfig config = small_config();
+  config.iterations = 3;
+  EXPECT_EQ(train_ngp({}, config).status, NgpStatus::too_few_views);
+  EXPECT_EQ(train_ngp(ball_views(1), config).status, NgpStatus::too_few_views);
+
+  std::vector<NgpView> masked = ball_views(3);
+  for (NgpView& view : masked) view.mask = Image<std::uint8_t>(48, 36, 0);
+  EXPECT_EQ(train_ngp(masked, config).status, NgpStatus::no_pixels);
+
+  // Cameras back to back: nothing lies in front of both.
+  std::vector<NgpView> away = ball_views(2);
+  for (std::size_t v = 0; v < 2; ++v)
+    away[v].camera_from_world = look_at({v ? 1.0 : -1.0, 0, 0}, {v ? 2.0 : -2.0, 0, 0});
+  config.side_m = 0;
+  EXPECT_EQ(train_ngp(away, config).status, NgpStatus::no_volume);
+}
+
+TEST(Ngp, IdenticalAndBlackViewsStayFinite) {
+  NgpConfig config = small_config();
+  config.iterations = 30;
+  std::vector<NgpView> same(3, ball_view(small_camera(), 0.1));
+  EXPECT_EQ(train_ngp(same, config).status, NgpStatus::ok);
+  std::vector<NgpView> black = ball_views(3);
+  for (NgpView& view : black) view.color = Image<Rgb8>(48, 36);
+  const NgpTraining dark = train_ngp(black, config);
+  EXPECT_EQ(dark.status, NgpStatus::ok);
+  for (const float w : dark.model.weights) ASSERT_TRUE(std::isfinite(w));
+}
+
+TEST(Ngp, BadInputIsNamed) {
+  std::vector<NgpView> views = ball_views(2);
+  views[1].color = Image<Rgb8>(10, 10);
+  try {
+    train_ngp(views, small_config());
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "view 1: image of 10 x 10 but the camera has 48 x 36");
+  }
+  NgpConfig config = small_config();
+  config.grid.log2_table = 40;
+  EXPECT_THROW(validate(config), std::invalid_argument);
+  config = small_config();
+  config.centre_m = {0, 0};
+  EXPECT_THROW(validate(config), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cousin
