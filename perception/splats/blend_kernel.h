@@ -61,16 +61,16 @@ inline int lane_place(int x, int y) { return (y / 2 * 4 + x / 4) * 8 + y % 2 * 4
 /// Copies a tile's part of an image to lanes and back.
 inline void load_tile(const float* image, const BlendTask& task, const TilePlace& p, float* lanes) {
   for (int y = 0; y < p.rows; ++y) {
-    const float* row = image + static_cast<std::size_t>(p.y0 + y) *
-                                   static_cast<std::size_t>(task.width_px) + p.x0;
+    const float* row =
+        image + static_cast<std::size_t>(p.y0 + y) * static_cast<std::size_t>(task.width_px) + p.x0;
     for (int x = 0; x < p.columns; ++x) lanes[lane_place(x, y)] = row[x];
   }
 }
 inline void store_tile(const float* lanes, const BlendTask& task, const TilePlace& p,
                        float* image) {
   for (int y = 0; y < p.rows; ++y) {
-    float* row = image + static_cast<std::size_t>(p.y0 + y) *
-                             static_cast<std::size_t>(task.width_px) + p.x0;
+    float* row =
+        image + static_cast<std::size_t>(p.y0 + y) * static_cast<std::size_t>(task.width_px) + p.x0;
     for (int x = 0; x < p.columns; ++x) row[x] = lanes[lane_place(x, y)];
   }
 }
@@ -125,9 +125,9 @@ inline void blend_tile_as(const BlendTask& task, int tile) {
     for (; todo != 0; todo &= todo - 1) {
       const int block = __builtin_ctz(todo);
       L log2;
-      const L alpha = block_alpha(tile_dx + L(static_cast<float>(block % 4 * 4)),
-                                  tile_dy + L(static_cast<float>(block / 4 * 2)), a, b, c,
-                                  log2_opacity, log2);
+      const L alpha =
+          block_alpha(tile_dx + L(static_cast<float>(block % 4 * 4)),
+                      tile_dy + L(static_cast<float>(block / 4 * 2)), a, b, c, log2_opacity, log2);
       float* t = transmittance + 8 * block;
       const L before = L::load(t);
       const L after = multiply_subtract(alpha, before, before);

@@ -46,9 +46,7 @@ inline Avx2Lanes round_nearest(Avx2Lanes a) {
 inline Avx2Lanes magnitude(Avx2Lanes a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v); }
 inline Avx2Lanes with_sign_set(Avx2Lanes a) { return _mm256_or_ps(_mm256_set1_ps(-0.0f), a.v); }
 
-inline Avx2Mask at_least(Avx2Lanes a, Avx2Lanes b) {
-  return {_mm256_cmp_ps(a.v, b.v, _CMP_GE_OQ)};
-}
+inline Avx2Mask at_least(Avx2Lanes a, Avx2Lanes b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_GE_OQ)}; }
 inline Avx2Mask less(Avx2Lanes a, Avx2Lanes b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)}; }
 inline Avx2Mask operator&(Avx2Mask a, Avx2Mask b) { return {_mm256_and_ps(a.v, b.v)}; }
 inline Avx2Mask operator|(Avx2Mask a, Avx2Mask b) { return {_mm256_or_ps(a.v, b.v)}; }

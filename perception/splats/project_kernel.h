@@ -15,9 +15,9 @@ struct ProjectedLanes {
   L q[4], q_norm;  ///< unit quaternion, and the norm it had
   L turn[3][3];    ///< its matrix
   L scale[3];
-  L m[2][3];                ///< p turn diag(scale)
-  L conic[3], determinant;  ///< of the image covariance: xx, xy, yy
-  L variance[2];            ///< of the image, xx and yy
+  L m[2][3];                 ///< p turn diag(scale)
+  L conic[3], determinant;   ///< of the image covariance: xx, xy, yy
+  L variance[2];             ///< of the image, xx and yy
   L direction[3], distance;  ///< unit, from the camera's centre
 };
 
@@ -80,9 +80,8 @@ inline ProjectedLanes<L> project_lanes(const SplatPlanes& planes, const SplatCam
   for (int a = 0; a < 3; ++a) {
     r.scale[a] = exponential(load(SplatPlane::log_scale + a));
     for (int b = 0; b < 2; ++b) {
-      const L sum = multiply_add(
-          r.p[b][0], r.turn[0][a],
-          multiply_add(r.p[b][1], r.turn[1][a], r.p[b][2] * r.turn[2][a]));
+      const L sum = multiply_add(r.p[b][0], r.turn[0][a],
+                                 multiply_add(r.p[b][1], r.turn[1][a], r.p[b][2] * r.turn[2][a]));
       r.m[b][a] = r.scale[a] * sum;
     }
   }

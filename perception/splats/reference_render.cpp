@@ -32,7 +32,8 @@ Eigen::Matrix3d turn_of(const Eigen::Vector4d& q) {
 Footprint footprint(const SplatParameters& parameters, Eigen::Index i, const ReferenceView& view) {
   Footprint f;
   const auto p = parameters.row(i);
-  if (!p.segment<10>(0).allFinite() || std::isnan(p[10]) || !p.segment<48>(11).allFinite()) return f;
+  if (!p.segment<10>(0).allFinite() || std::isnan(p[10]) || !p.segment<48>(11).allFinite())
+    return f;
   const Camera& camera = view.camera;
   const Eigen::Vector3d centre = p.segment<3>(0).transpose();
   f.in_camera = view.camera_from_origin * centre;
@@ -108,8 +109,8 @@ struct Blended {
 };
 
 std::vector<Blended> blended_at(const std::vector<Footprint>& all,
-                                const std::vector<std::size_t>& order,
-                                const Eigen::Vector2d& pixel, double& left) {
+                                const std::vector<std::size_t>& order, const Eigen::Vector2d& pixel,
+                                double& left) {
   std::vector<Blended> list;
   left = 1;
   for (const std::size_t i : order) {
@@ -167,8 +168,8 @@ void parameter_row(const SplatParameters& parameters, Eigen::Index i, const Refe
   if (f.u_free) grad_uv.x() += -fx / z * grad_j(0, 2);
   if (f.v_free) grad_uv.y() += -fy / z * grad_j(1, 2);
   Eigen::Vector3d in_camera(grad_uv.x() / z, grad_uv.y() / z, 0);
-  in_camera.z() = -grad_j.cwiseProduct(f.jacobian).sum() / z -
-                  grad_uv.dot(f.in_camera.head<2>()) / (z * z);
+  in_camera.z() =
+      -grad_j.cwiseProduct(f.jacobian).sum() / z - grad_uv.dot(f.in_camera.head<2>()) / (z * z);
   Eigen::Vector3d centre = rotation.transpose() * in_camera;
 
   Eigen::Vector3d color = g.color;

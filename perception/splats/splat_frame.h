@@ -15,8 +15,8 @@ struct SplatFrame {
   std::vector<ProjectedSplat> projected;
   std::vector<std::uint32_t> depth_order;
   TileLists lists;
-  ColorPlanes color;           ///< over the background
-  Image<float> transmittance;  ///< left at each pixel
+  ColorPlanes color;                   ///< over the background
+  Image<float> transmittance;          ///< left at each pixel
   Image<float> depth_m, mean_depth_m;  ///< if asked for, as in SplatImage
   std::vector<std::uint32_t> tile_done;
   std::vector<SplatPartial> partials;  ///< of blend_gradients

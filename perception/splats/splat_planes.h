@@ -28,7 +28,9 @@ class SplatPlanes {
   int size() const { return size_; }      ///< Gaussians
   int padded() const { return padded_; }  ///< floats a plane
   float* plane(int k) { return values_.data() + static_cast<std::size_t>(k) * stride(); }
-  const float* plane(int k) const { return values_.data() + static_cast<std::size_t>(k) * stride(); }
+  const float* plane(int k) const {
+    return values_.data() + static_cast<std::size_t>(k) * stride();
+  }
   int planes() const { return planes_; }
 
   /// The Gaussians `source[0]`, `source[1]`, ... of this; an entry of -1 makes one filled with

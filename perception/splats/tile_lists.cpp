@@ -82,8 +82,8 @@ void list_pairs(const ProjectedSplat& s, std::uint32_t splat, const TileLists& l
                 TileLists::Part& part) {
   const float pad = 0.05F + 1e-5F * (s.half_width_px + s.half_height_px);
   const int first_row = std::max(0, tile_of(s.y_px - s.half_height_px - pad, lists.tiles_down));
-  const int last_row = std::min(lists.tiles_down - 1,
-                                tile_of(s.y_px + s.half_height_px + pad, lists.tiles_down));
+  const int last_row =
+      std::min(lists.tiles_down - 1, tile_of(s.y_px + s.half_height_px + pad, lists.tiles_down));
   for (int row = first_row; row <= last_row; ++row) {
     const float y = static_cast<float>(row * SplatTile::side) - s.y_px;
     float low = 0, high = 0;

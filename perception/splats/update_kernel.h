@@ -169,7 +169,8 @@ inline void splat_gradients(const UpdateTask& task, int first, const ImageGradie
     weight[k] = L(0);
     for (int channel = 0; channel < 3; ++channel) {
       const int plane = SplatPlane::rest + 15 * channel + k - 1;
-      weight[k] = multiply_add(image.color[channel], L::load(planes.plane(plane) + first), weight[k]);
+      weight[k] =
+          multiply_add(image.color[channel], L::load(planes.plane(plane) + first), weight[k]);
       if (task.with_rest) sink(plane, task.rest, basis[k] * image.color[channel]);
     }
   }
@@ -182,8 +183,8 @@ inline void splat_gradients(const UpdateTask& task, int first, const ImageGradie
   for (int k = 0; k < 3; ++k) radial = multiply_add(grad_direction[k], r.direction[k], radial);
   const L inverse_distance = L(1) / larger(r.distance, L(1e-30));
   for (int k = 0; k < 3; ++k) {
-    const L turned = multiply_add(L(c[k]), in_camera[0],
-                                  multiply_add(L(c[3 + k]), in_camera[1], L(c[6 + k]) * in_camera[2]));
+    const L turned = multiply_add(
+        L(c[k]), in_camera[0], multiply_add(L(c[3 + k]), in_camera[1], L(c[6 + k]) * in_camera[2]));
     const L by_color = multiply_subtract(radial, r.direction[k], grad_direction[k]);
     sink(SplatPlane::centre + k, task.centre, multiply_add(by_color, inverse_distance, turned));
   }

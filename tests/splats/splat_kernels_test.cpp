@@ -68,7 +68,8 @@ TEST(SplatKernels, ImagesAreTheReferences) {
     int off = 0;
     for (int y = 0; y < 53; ++y) {
       for (int x = 0; x < 75; ++x) {
-        double difference = std::abs(d.frame.transmittance(x, y) - expected.transmittance[y * 75 + x]);
+        double difference =
+            std::abs(d.frame.transmittance(x, y) - expected.transmittance[y * 75 + x]);
         for (int k = 0; k < 3; ++k) {
           const float value = d.frame.color.channel[static_cast<std::size_t>(k)](x, y);
           difference = std::max(difference, std::abs(value - expected.color(y * 75 + x, k)));
@@ -93,8 +94,8 @@ TEST(SplatKernels, GradientsAreTheReferences) {
       rows(n, k) = gradient.channel[static_cast<std::size_t>(k)].data()[n];
     }
   }
-  const SplatParameters expected = reference_gradients(
-      splat_parameters(splats), reference_view(camera, view_of_cube()), rows);
+  const SplatParameters expected =
+      reference_gradients(splat_parameters(splats), reference_view(camera, view_of_cube()), rows);
   for (const SplatKernels* kernels : all_kernels()) {
     const Drawn d = draw(*kernels, splats, camera, view_of_cube(), gradient);
     int off = 0;
@@ -128,24 +129,24 @@ TEST(SplatKernels, BytesDoNotDependOnThreads) {
 }
 
 TEST(SplatKernels, EqualDepthsAreDrawnInTheirOrder) {
-  // Two opaque discs at one place: the first hides the second, whichever colours they have.
+  // Two discs of opacity 0.9 at one place: the second has what the first leaves.
   for (const SplatKernels* kernels : all_kernels()) {
     std::vector<Splat> two(2);
     for (Splat& s : two) {
       s.centre_m = {0, 0, 1};
       s.log_scale.setConstant(std::log(0.2F));
-      s.opacity_logit = 20;
+      s.opacity_logit = std::log(9.0F);
     }
     two[0].sh_dc = {0.5F / 0.28209479F, -0.5F / 0.28209479F, -0.5F / 0.28209479F};
     two[1].sh_dc = {-0.5F / 0.28209479F, 0.5F / 0.28209479F, -0.5F / 0.28209479F};
     Camera camera = pinhole(32, 32, 40);
     camera.cx_px = camera.cy_px = 16;
     const Drawn d = draw(*kernels, two, camera, Pose{}, random_gradient(32, 32));
-    EXPECT_NEAR(d.frame.color.channel[0](16, 16), 0.99 + 0.0001 * 0.2, 1e-5);
-    EXPECT_NEAR(d.frame.color.channel[1](16, 16), 0.0099 + 0.0001 * 0.5, 1e-5);
+    EXPECT_NEAR(d.frame.color.channel[0](16, 16), 0.9 + 0.01 * 0.2, 1e-5);
+    EXPECT_NEAR(d.frame.color.channel[1](16, 16), 0.09 + 0.01 * 0.5, 1e-5);
     std::swap(two[0], two[1]);
     const Drawn swapped = draw(*kernels, two, camera, Pose{}, random_gradient(32, 32));
-    EXPECT_NEAR(swapped.frame.color.channel[1](16, 16), 0.99 + 0.0001 * 0.5, 1e-5);
+    EXPECT_NEAR(swapped.frame.color.channel[1](16, 16), 0.9 + 0.01 * 0.5, 1e-5);
   }
 }
 
@@ -153,7 +154,8 @@ TEST(SplatKernels, EqualDepthsAreDrawnInTheirOrder) {
 TEST(SplatKernels, ExtremeGaussiansHaveFiniteImagesAndGradients) {
   const float scales[] = {1e-9F, 1e-4F, 1, 1e3F};
   const float logits[] = {-INFINITY, -5, 0, 40, INFINITY};
-  const Eigen::Vector4f turns[] = {{0, 0, 0, 0}, {1e-30F, 0, 0, 0}, {1, 2, -3, 0.5F}, {1e20F, 1e20F, 0, 0}};
+  const Eigen::Vector4f turns[] = {
+      {0, 0, 0, 0}, {1e-30F, 0, 0, 0}, {1, 2, -3, 0.5F}, {1e20F, 1e20F, 0, 0}};
   const float depths[] = {-1, 0, 1e-30F, kNear, 1, 1e6F};
   std::vector<Splat> splats;
   for (const float a : scales) {

@@ -17,8 +17,8 @@ double largest_difference(const ColorPlanes& a, const ColorPlanes& b) {
   double largest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t i = 0; i < a.channel[k].size(); ++i) {
-      largest = std::max(largest, static_cast<double>(std::abs(a.channel[k].data()[i] -
-                                                               b.channel[k].data()[i])));
+      largest = std::max(
+          largest, static_cast<double>(std::abs(a.channel[k].data()[i] - b.channel[k].data()[i])));
     }
   }
   return largest;
@@ -31,8 +31,8 @@ int pixels_off(const ColorPlanes& a, const ColorPlanes& b) {
   for (std::size_t i = 0; i < a.channel[0].size(); ++i) {
     double largest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      largest = std::max(largest, static_cast<double>(std::abs(a.channel[k].data()[i] -
-                                                               b.channel[k].data()[i])));
+      largest = std::max(
+          largest, static_cast<double>(std::abs(a.channel[k].data()[i] - b.channel[k].data()[i])));
     }
     off += largest > 1e-4 ? 1 : 0;
   }
