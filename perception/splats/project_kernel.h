@@ -93,7 +93,7 @@ inline ProjectedLanes<L> project_lanes(const SplatPlanes& planes, const SplatCam
     xy = multiply_add(r.m[0][a], r.m[1][a], xy);
     yy = multiply_add(r.m[1][a], r.m[1][a], yy);
   }
-  const L low(SplatLimits::low_pass_px2);
+  const L low(camera.low_pass_px2);
   r.determinant = multiply_add(low, xx + yy, low * low);
   for (int a = 0; a < 3; ++a) {
     const int b = (a + 1) % 3;

@@ -17,7 +17,6 @@ struct SplatLimits {
   static constexpr float smallest_log2_alpha = -7.99435344F;  ///< log2(1/255)
   static constexpr float largest_alpha = 0.99F;
   static constexpr float least_transmittance = 1e-4F;
-  static constexpr float low_pass_px2 = 0.3F;  ///< added to the variances of the image
 };
 
 /// A Gaussian in one image: log2 of its alpha at (x + dx, y + dy) is

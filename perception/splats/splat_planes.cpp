@@ -6,14 +6,14 @@ namespace {
 /// Far below 1/255: never drawn.
 constexpr float kUnseenLogit = -100;
 
+}  // namespace
+
 void hide_padding(SplatPlanes& planes) {
   if (planes.planes() != SplatPlane::count) return;
   for (int i = planes.size(); i < planes.padded(); ++i) {
     planes.plane(SplatPlane::opacity)[i] = kUnseenLogit;
   }
 }
-
-}  // namespace
 
 SplatPlanes::SplatPlanes(int planes, int size, float fill)
     : planes_(planes), size_(size), padded_((size + 7) / 8 * 8) {

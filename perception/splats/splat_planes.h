@@ -47,6 +47,8 @@ class SplatPlanes {
   std::vector<float> values_;
 };
 
+/// Makes what lies beyond `size()` invisible.
+void hide_padding(SplatPlanes& planes);
 SplatPlanes to_planes(const std::vector<Splat>& splats);
 std::vector<Splat> to_splats(const SplatPlanes& planes);
 
