@@ -15,7 +15,7 @@ struct SplatCamera {
   float fx = 0, fy = 0, cx = 0, cy = 0;
   /// x/z and y/z of a centre are clamped to these in the Jacobian: image plus 0.3 of its half.
   float u_min = 0, u_max = 0, v_min = 0, v_max = 0;
-  float near_m = 0;  ///< centres at less depth are left out; > 0
+  float near_m = 0;           ///< centres at less depth are left out; > 0
   float low_pass_px2 = 0.3F;  ///< added to the variances in the image; 0.3 in full-size images
   int width_px = 0;
   int height_px = 0;

@@ -51,8 +51,7 @@ class Taker {
 };
 
 std::string hash_of(const Image<float>& image) {
-  return sha256_hex(
-      {reinterpret_cast<const char*>(image.data()), image.size() * sizeof(float)});
+  return sha256_hex({reinterpret_cast<const char*>(image.data()), image.size() * sizeof(float)});
 }
 
 void add_camera(Bytes& bytes, const Camera& camera, const Pose& pose) {
@@ -113,6 +112,7 @@ void write_training(const std::filesystem::path& file, const SavedTraining& save
   bytes.text = kMagic;
   bytes.text += saved.fingerprint;
   const SplatTrainState& state = saved.state;
+  bytes.add(saved.loss_sum).add(saved.loss_count);
   bytes.add(state.step).add(state.rest_updates).add(state.started_with);
   bytes.add(state.origin_in_world_m.data(), 3 * sizeof(double));
   bytes.add(state.values.size()).add(static_cast<int>(saved.curve.size()));
@@ -131,7 +131,8 @@ void write_training(const std::filesystem::path& file, const SavedTraining& save
 SavedTraining read_training(const std::filesystem::path& file, int most_splats) {
   const std::string name = file.string();
   const std::size_t a_splat = (3 * SplatPlane::count + 2) * sizeof(float);
-  const std::size_t limit = static_cast<std::size_t>(most_splats) * a_splat + (std::size_t{1} << 26);
+  const std::size_t limit =
+      static_cast<std::size_t>(most_splats) * a_splat + (std::size_t{1} << 26);
   const std::string text = read_file(file, limit);
   if (!text.starts_with(kMagic) || text.size() < kMagic.size() + 2 * kHash) {
     throw std::runtime_error(name + ": not a checkpoint of a splat training");
@@ -144,6 +145,8 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
   saved.fingerprint = std::string(body.substr(kMagic.size(), kHash));
   Taker taker(body.substr(kMagic.size() + kHash), name);
   SplatTrainState& state = saved.state;
+  saved.loss_sum = taker.take<double>();
+  saved.loss_count = taker.take<int>();
   state.step = taker.take<int>();
   state.rest_updates = taker.take<int>();
   state.started_with = taker.take<int>();

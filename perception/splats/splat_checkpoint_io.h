@@ -14,6 +14,8 @@ struct SavedTraining {
   std::string fingerprint;  ///< of views, start and configuration
   SplatTrainState state;
   std::vector<SplatTrainPoint> curve;
+  double loss_sum = 0;  ///< since the curve's last point
+  int loss_count = 0;
 };
 
 /// A hash of all that decides a training's bytes.

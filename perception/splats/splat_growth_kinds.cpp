@@ -119,9 +119,10 @@ void grow_budgeted(SplatTrainState& state, const SplatTrainConfig& config, doubl
   }
   // Growth is even in the logarithm when its power is 1.
   const double most = config.most_splats;
-  const double wanted = progress >= 1 ? most
-                                      : most * std::pow(std::min(1.0, state.started_with / most),
-                                                        std::pow(1 - progress, config.growth_power));
+  const double wanted = progress >= 1
+                            ? most
+                            : most * std::pow(std::min(1.0, state.started_with / most),
+                                              std::pow(1 - progress, config.growth_power));
   const double room = std::max(0.0, wanted - static_cast<double>(kept.size()));
   const auto count = std::min(ranked.size(), static_cast<std::size_t>(room));
   std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count),

@@ -43,11 +43,11 @@ struct SplatTrainConfig {
   double quarter_until = 0, half_until = 0;
 
   SplatGrowth growth = SplatGrowth::budgeted;
-  int most_splats = 30000;     ///< never more; 1..10,000,000
-  int grow_every = 100;        ///< steps
-  double grow_from = 0.05;     ///< share of the steps
-  double grow_until = 0.5;     ///< share of the steps
-  double growth_power = 1;     ///< of the schedule between start and `most_splats`
+  int most_splats = 30000;       ///< never more; 1..10,000,000
+  int grow_every = 100;          ///< steps
+  double grow_from = 0.05;       ///< share of the steps
+  double grow_until = 0.5;       ///< share of the steps
+  double growth_power = 1;       ///< of the schedule between start and `most_splats`
   double gradient_limit = 2e-4;  ///< `adaptive`: mean gradient in an image of width and height 2
   double split_size = 0.01;      ///< share of the extent above which Gaussians split, not clone
   double least_opacity = 0.005;  ///< below it they are pruned, or moved by `mcmc`

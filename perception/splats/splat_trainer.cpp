@@ -73,8 +73,8 @@ std::size_t SplatTrainer::level_now() const {
 SplatCamera SplatTrainer::camera_of(std::size_t view, std::size_t level) {
   const SplatView& pyramid = views_[view];
   if (std::isnan(near_m_[view])) {
-    near_m_[view] = near_depth_m(state_.values, pyramid.camera_from_world,
-                                 state_.origin_in_world_m, config_.near);
+    near_m_[view] = near_depth_m(state_.values, pyramid.camera_from_world, state_.origin_in_world_m,
+                                 config_.near);
   }
   SplatCamera camera = splat_camera(pyramid.levels[level].camera, pyramid.camera_from_world,
                                     state_.origin_in_world_m, near_m_[view]);
@@ -100,8 +100,8 @@ SplatTrainer::Step SplatTrainer::step() {
   }
   const std::size_t view = order_[place];
   const std::size_t level = std::min(level_now(), views_[view].levels.size() - 1);
-  const int every = config_.sh_degree_every > 0 ? config_.sh_degree_every
-                                                : std::max(1, config_.steps / 30);
+  const int every =
+      config_.sh_degree_every > 0 ? config_.sh_degree_every : std::max(1, config_.steps / 30);
   const int degree = std::min(config_.sh_degree, state_.step / every);
 
   {
@@ -176,8 +176,9 @@ void SplatTrainer::update(double progress) {
 
 void SplatTrainer::grow_if_due() {
   const double from = config_.grow_from * config_.steps, until = config_.grow_until * config_.steps;
-  const bool grows = config_.growth != SplatGrowth::fixed && state_.step % config_.grow_every == 0 &&
-                     state_.step >= from && state_.step <= until;
+  const bool grows = config_.growth != SplatGrowth::fixed &&
+                     state_.step % config_.grow_every == 0 && state_.step >= from &&
+                     state_.step <= until;
   if (grows) {
     const double left = until - state_.step;
     const double progress =

@@ -2,8 +2,8 @@
 
 #include "perception/splats/photometric_loss.h"
 #include "perception/splats/splat_frame.h"
-#include "perception/splats/train_splats.h"
 #include "perception/splats/splat_train_state.h"
+#include "perception/splats/train_splats.h"
 
 namespace cousin {
 

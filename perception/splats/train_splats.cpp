@@ -16,7 +16,8 @@ int patience(std::size_t views) { return 2 * static_cast<int>(views); }
 bool any_weight(std::span<const SplatView> views) {
   return std::any_of(views.begin(), views.end(), [](const SplatView& view) {
     const Image<float>& weight = view.levels.front().weight;
-    return weight.empty() || std::any_of(weight.begin(), weight.end(), [](float w) { return w > 0; });
+    return weight.empty() ||
+           std::any_of(weight.begin(), weight.end(), [](float w) { return w > 0; });
   });
 }
 
@@ -109,8 +110,8 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   training.curve = std::move(saved.curve);
   const double before_s = training.curve.empty() ? 0 : training.curve.back().wall_s;
   SplatTrainer trainer(views, config, std::move(saved.state));
-  double loss_sum = 0;
-  int loss_count = 0;
+  double loss_sum = saved.loss_sum;
+  int loss_count = saved.loss_count;
   int blind = 0;
   while (trainer.state().step < config.steps) {
     const SplatTrainer::Step step = trainer.step();
@@ -135,7 +136,8 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     const bool stops = training.status != SplatTrainStatus::ok;
     if (!checkpoint.file.empty() && training.status != SplatTrainStatus::not_finite &&
         (stops || done % checkpoint.every == 0 || done == config.steps)) {
-      write_training(checkpoint.file, {saved.fingerprint, trainer.state(), training.curve});
+      write_training(checkpoint.file,
+                     {saved.fingerprint, trainer.state(), training.curve, loss_sum, loss_count});
     }
     if (stops) break;
   }

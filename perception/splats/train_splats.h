@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
+#include "perception/splats/splat_model.h"
 #include "perception/splats/splat_train_config.h"
 #include "perception/splats/splat_views.h"
-#include "perception/splats/splat_model.h"
 
 namespace cousin {
 
