@@ -14,6 +14,10 @@ void fit(Image<float>& image, const SplatCamera& camera) {
   }
 }
 
+int tile_count(const TileLists& lists) { return lists.tiles_across * lists.tiles_down; }
+
+}  // namespace
+
 BlendTask blend_task(SplatFrame& frame, const std::array<float, 3>& background) {
   BlendTask task;
   task.projected = frame.projected.data();
@@ -31,10 +35,6 @@ BlendTask blend_task(SplatFrame& frame, const std::array<float, 3>& background) 
   task.tile_done = frame.tile_done.data();
   return task;
 }
-
-int tile_count(const TileLists& lists) { return lists.tiles_across * lists.tiles_down; }
-
-}  // namespace
 
 void draw_splats(const SplatKernels& kernels, const SplatPlanes& planes, int sh_degree,
                  const SplatCamera& camera, const std::array<float, 3>& background,

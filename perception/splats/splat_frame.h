@@ -29,6 +29,9 @@ void draw_splats(const SplatKernels& kernels, const SplatPlanes& planes, int sh_
                  const SplatCamera& camera, const std::array<float, 3>& background,
                  SplatDepths depths, SplatFrame& frame);
 
+/// The frame drawn last, as the kernels take it: tile by tile.
+BlendTask blend_task(SplatFrame& frame, const std::array<float, 3>& background);
+
 /// Fills `partials` from d loss / d colour of the frame drawn last. @param background  as drawn
 void blend_gradients(const SplatKernels& kernels, const ColorPlanes& color_gradient,
                      const std::array<float, 3>& background, SplatFrame& frame);

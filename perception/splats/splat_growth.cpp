@@ -81,7 +81,7 @@ void grow_splats(SplatTrainState& state, const SplatTrainConfig& config, double 
       grow_adaptive(state, config, extent_m, rng);
       break;
     case SplatGrowth::budgeted:
-      grow_budgeted(state, config, extent_m, progress, rng);
+      grow_budgeted(state, config, progress);
       break;
     case SplatGrowth::mcmc:
       grow_mcmc(state, config, rng);

@@ -28,6 +28,25 @@ void split(SplatPlanes& values, const Pair& pair, const Rng& rng) {
   }
 }
 
+/// Two along the longest axis that together keep its mass and variance: half of the mass each, at
+/// 0.7 sigma to both sides, 0.714 times as long.
+void split_along(SplatPlanes& values, const Pair& pair) {
+  const Eigen::Matrix3d axes = splat_axes(values, pair.first);
+  int longest = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (axes.col(k).squaredNorm() > axes.col(longest).squaredNorm()) longest = k;
+  }
+  const double opacity = splat_opacity(values, pair.first);
+  for (const int i : {pair.first, pair.second}) {
+    const double side = i == pair.first ? 0.7 : -0.7;
+    for (int k = 0; k < 3; ++k) {
+      values.plane(k)[i] += static_cast<float>(side * axes(k, longest));
+    }
+    values.plane(SplatPlane::log_scale + longest)[i] += std::log(0.714F);
+    set_opacity(values, i, 0.7 * opacity);
+  }
+}
+
 double mean_gradient(const SplatTrainState& state, int i) {
   const auto n = static_cast<std::size_t>(i);
   return state.gradient_count[n] > 0 ? state.gradient_sum[n] / state.gradient_count[n] : 0;
@@ -88,11 +107,10 @@ void grow_adaptive(SplatTrainState& state, const SplatTrainConfig& config, doubl
                    const Rng& rng) {
   const SplatPlanes& values = state.values;
   std::vector<int> kept, chosen;
+  const bool was_reset = config.reset_every > 0 && state.step > config.reset_every * config.steps;
   for (int i = 0; i < values.size(); ++i) {
-    if (splat_opacity(values, i) < config.least_opacity ||
-        largest_scale_m(values, i) > config.largest_size * extent_m) {
-      continue;
-    }
+    if (splat_opacity(values, i) < config.least_opacity) continue;
+    if (was_reset && largest_scale_m(values, i) > config.largest_size * extent_m) continue;
     kept.push_back(i);
     if (mean_gradient(state, i) >= config.gradient_limit) chosen.push_back(i);
   }
@@ -107,8 +125,7 @@ void grow_adaptive(SplatTrainState& state, const SplatTrainConfig& config, doubl
   }
 }
 
-void grow_budgeted(SplatTrainState& state, const SplatTrainConfig& config, double extent_m,
-                   double progress, const Rng& rng) {
+void grow_budgeted(SplatTrainState& state, const SplatTrainConfig& config, double progress) {
   const SplatPlanes& values = state.values;
   std::vector<int> kept;
   std::vector<std::pair<double, int>> ranked;
@@ -134,14 +151,8 @@ void grow_budgeted(SplatTrainState& state, const SplatTrainConfig& config, doubl
   std::sort(chosen.begin(), chosen.end());
   const std::vector<Pair> pairs = add_copies(state, kept, chosen);
   for (const Pair& pair : pairs) {
-    if (largest_scale_m(state.values, pair.first) > config.split_size * extent_m) {
-      split(state.values, pair, rng);
-      clear_moments(state, pair.first);
-    } else {
-      const double opacity = 1 - std::sqrt(1 - splat_opacity(state.values, pair.first));
-      set_opacity(state.values, pair.first, opacity);
-      set_opacity(state.values, pair.second, opacity);
-    }
+    split_along(state.values, pair);
+    clear_moments(state, pair.first);
   }
 }
 

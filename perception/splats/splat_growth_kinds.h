@@ -7,8 +7,7 @@ namespace cousin {
 /// The kinds of growth behind `grow_splats`. Each leaves finite parameters and cleared sums.
 void grow_adaptive(SplatTrainState& state, const SplatTrainConfig& config, double extent_m,
                    const Rng& rng);
-void grow_budgeted(SplatTrainState& state, const SplatTrainConfig& config, double extent_m,
-                   double progress, const Rng& rng);
+void grow_budgeted(SplatTrainState& state, const SplatTrainConfig& config, double progress);
 void grow_mcmc(SplatTrainState& state, const SplatTrainConfig& config, const Rng& rng);
 
 /// Axes of Gaussian i, each as long as its standard deviation: A A' is the covariance.

@@ -92,9 +92,10 @@ struct UpdateTask {
   AdamRate centre, log_scale, rotation, opacity, dc, rest;
   bool with_rest = true;  ///< else the coefficients beyond dc stay as they are
   float beta1 = 0.9F, beta2 = 0.999F, epsilon = 1e-15F;
-  float opacity_pull = 0;           ///< added to d loss / d opacity (not its logit)
-  float scale_pull = 0;             ///< added to d loss / d scale in metres
-  float* gradient_sum = nullptr;    ///< += |d loss / d centre in the image|, of width and height 2
+  float opacity_pull = 0;         ///< added to d loss / d opacity (not its logit)
+  float scale_pull = 0;           ///< added to d loss / d scale in metres
+  float* gradient_sum = nullptr;  ///< += |d loss / d centre in the image|, of width and height 2
+  bool by_tile = false;  ///< the sum takes magnitudes tile by tile: pulls apart do not cancel
   float* gradient_count = nullptr;  ///< += 1
 };
 

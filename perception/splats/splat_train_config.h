@@ -9,8 +9,8 @@ namespace cousin {
 enum class SplatGrowth {
   fixed,     ///< it does not
   adaptive,  ///< the reference's clone, split, prune and opacity reset [Kerbl et al. 2023]
-  budgeted,  ///< the reference's places, but as many as a schedule grants, the best first; opacity
-             ///< is kept when Gaussians part [the idea: Mallick et al., Taming 3DGS, 2024]
+  budgeted,  ///< as many as a schedule grants, those of the largest gradients first [the idea:
+             ///< Mallick et al., Taming 3DGS, 2024]; each parts along its longest axis
   mcmc       ///< relocation and noise [Kheradmand et al., 3DGS as Markov Chain Monte Carlo, 2024]
 };
 
@@ -51,7 +51,8 @@ struct SplatTrainConfig {
   double gradient_limit = 2e-4;  ///< `adaptive`: mean gradient in an image of width and height 2
   double split_size = 0.01;      ///< share of the extent above which Gaussians split, not clone
   double least_opacity = 0.005;  ///< below it they are pruned, or moved by `mcmc`
-  double largest_size = 0.1;     ///< share of the extent above which `adaptive` prunes
+  double largest_size = 0.1;     ///< share of the extent; `adaptive` prunes larger ones once
+                                 ///< opacities have been reset
   double reset_every = 0;        ///< opacity reset, share of the steps; 0 = never
   double noise = 5e5;            ///< `mcmc`: times the centre's rate
   double opacity_pull = 0.01;    ///< `mcmc`: weight of the mean opacity in the loss

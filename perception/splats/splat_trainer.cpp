@@ -163,6 +163,7 @@ void SplatTrainer::update(double progress) {
     task.opacity_pull = static_cast<float>(config_.opacity_pull / count);
     task.scale_pull = static_cast<float>(config_.scale_pull / (3 * count * extent_m_));
   }
+  task.by_tile = config_.growth == SplatGrowth::budgeted;
   task.gradient_sum = state_.gradient_sum.data();
   task.gradient_count = state_.gradient_count.data();
   tbb::parallel_for(Range(0, state_.values.padded() / 8, 64), [&](const Range& range) {

@@ -10,6 +10,7 @@ template <class L>
 struct ImageGradients {
   L g, dx, dy, dx2, dx_dy, dy2;  ///< as in SplatPartial
   L color[3];                    ///< 0 where the colour is cut at 0
+  L moved_x, moved_y;            ///< sums over tiles of |d loss / d centre|, pixels
   typename L::Mask seen;         ///< has at least one pair
 };
 
@@ -17,6 +18,8 @@ template <class L>
 inline ImageGradients<L> sum_partials(const UpdateTask& task, int first) {
   alignas(32) float sums[12][8] = {};
   alignas(32) float count[8];
+  alignas(32) float moved[2][8] = {};
+  constexpr float to_conic = 0.6931471805599453F;  // a and c are -1/2 log2(e) times the conic's
   for (int i = 0; i < 8; ++i) {
     const int n = first + i;
     const bool real = n < task.planes->size();
@@ -25,11 +28,15 @@ inline ImageGradients<L> sum_partials(const UpdateTask& task, int first) {
     if (pairs == 0) continue;
     const auto* from = reinterpret_cast<const float*>(task.partials + task.pair_first[n]);
     float total[12] = {};
+    const ProjectedSplat& s = task.projected[n];
+    const float qxx = -2 * to_conic * s.a, qxy = -to_conic * s.b, qyy = -2 * to_conic * s.c;
     for (std::uint32_t p = 0; p < pairs; ++p, from += 12) {
       for (int k = 0; k < 12; ++k) total[k] += from[k];
+      moved[0][i] += __builtin_fabsf(qxx * from[1] + qxy * from[2]);
+      moved[1][i] += __builtin_fabsf(qxy * from[1] + qyy * from[2]);
     }
     for (int k = 0; k < 3; ++k) {
-      if (!(task.projected[n].color[k] > 0)) total[8 + k] = 0;
+      if (!(s.color[k] > 0)) total[8 + k] = 0;
     }
     for (int k = 0; k < 12; ++k) sums[k][i] = total[k];
   }
@@ -41,6 +48,8 @@ inline ImageGradients<L> sum_partials(const UpdateTask& task, int first) {
   r.dx_dy = L::load(sums[4]);
   r.dy2 = L::load(sums[5]);
   for (int k = 0; k < 3; ++k) r.color[k] = L::load(sums[8 + k]);
+  r.moved_x = L::load(moved[0]);
+  r.moved_y = L::load(moved[1]);
   r.seen = less(L(0), L::load(count));
   return r;
 }
@@ -196,7 +205,9 @@ inline void splat_gradients(const UpdateTask& task, int first, const ImageGradie
 
   if (task.gradient_sum != nullptr) {
     // In an image that is 2 wide and 2 high, so that its resolution does not matter.
-    const L gx = grad_x * L(0.5 * camera.width_px), gy = grad_y * L(0.5 * camera.height_px);
+    const L x_px = task.by_tile ? image.moved_x : grad_x;
+    const L y_px = task.by_tile ? image.moved_y : grad_y;
+    const L gx = x_px * L(0.5 * camera.width_px), gy = y_px * L(0.5 * camera.height_px);
     const L norm = square_root(multiply_add(gx, gx, gy * gy));
     const L finite = zero_unless(image.seen & less(norm, L(1e18)), norm);
     (L::load(task.gradient_sum + first) + finite).store(task.gradient_sum + first);
