@@ -27,6 +27,7 @@
 #include "benchmarks/sensors/sensors_page.h"
 #include "benchmarks/sensors/sensors_suite.h"
 #include "benchmarks/shards/shard_scores.h"
+#include "benchmarks/splats/splats_suite.h"
 #include "benchmarks/stability/suite.h"
 
 namespace cousin {
@@ -244,6 +245,17 @@ ScoreFile bench_plants(const JobContext& context, const fs::path& out) {
       context, out);
 }
 
+ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  const fs::path photographs = fs::path(COUSIN_REAL_DATA) / ".." / "data" / "splat_neutral";
+  return finish(
+      titled("Cousin: bench splats",
+             "Gaussian splatting on a CPU: core time of each blended pair, wall time of a training "
+             "step, and held-out PSNR against wall time on photographs that are not Cousin's.",
+             splats_suite(photographs, o.seed, o.quick, context.progress.function())),
+      context, out);
+}
+
 ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
   StudiesConfig config;
@@ -276,7 +288,7 @@ struct Suite {
   ScoreFile (*run)(const JobContext&, const fs::path&);
   std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 11> kSuites = {
+constexpr std::array<Suite, 12> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
@@ -285,6 +297,7 @@ constexpr std::array<Suite, 11> kSuites = {
      {"cousins", bench_cousins, {"--quick", "--set", "--shard"}},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
+     {"splats", bench_splats, {"--quick"}},
      {"calibration", bench_calibration, {"--quick", "--shard"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};

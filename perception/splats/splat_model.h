@@ -11,9 +11,9 @@ namespace cousin {
 /// 42(4), 2023]: covariance R diag(exp(2 log_scale)) R', opacity sigmoid(opacity_logit), colour
 /// max(0, 0.5 + sum of sh * Y(direction from the camera to the centre)).
 struct Splat {
-  Eigen::Vector3f centre_m = Eigen::Vector3f::Zero();     ///< from SplatModel::origin_in_world_m
-  Eigen::Vector3f log_scale = Eigen::Vector3f::Zero();    ///< ln of metres, along the own axes
-  Eigen::Vector4f rotation_wxyz = {1, 0, 0, 0};           ///< of any norm; axes -> world
+  Eigen::Vector3f centre_m = Eigen::Vector3f::Zero();   ///< from SplatModel::origin_in_world_m
+  Eigen::Vector3f log_scale = Eigen::Vector3f::Zero();  ///< ln of metres, along the own axes
+  Eigen::Vector4f rotation_wxyz = {1, 0, 0, 0};         ///< of any norm; axes -> world
   float opacity_logit = 0;
   std::array<float, 3> sh_dc{};     ///< red, green, blue
   std::array<float, 45> sh_rest{};  ///< 15 of red, 15 of green, 15 of blue, as the reference's PLY

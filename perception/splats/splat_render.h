@@ -9,7 +9,7 @@ namespace cousin {
 
 struct SplatRenderConfig {
   std::array<float, 3> background{};  ///< shows where transmittance is left
-  double near = 0.01;                 ///< centres nearer than this share of the median depth are left out
+  double near = 0.01;  ///< centres nearer than this share of the median depth are left out
 };
 
 /// Three channels of one image, each 0..1 and planar: red, green, blue.
@@ -19,10 +19,11 @@ struct ColorPlanes {
 
 /// One view of a model. All images are of the camera's size.
 struct SplatImage {
-  ColorPlanes color;            ///< front to back, over the background
-  Image<float> alpha;           ///< 1 - transmittance
-  Image<float> depth_m;         ///< where transmittance falls through 1/2, along the axis; NaN = never
-  Image<float> mean_depth_m;    ///< mean of the Gaussians' depths weighted as their colours are; NaN = alpha 0
+  ColorPlanes color;     ///< front to back, over the background
+  Image<float> alpha;    ///< 1 - transmittance
+  Image<float> depth_m;  ///< where transmittance falls through 1/2, along the axis; NaN = never
+  Image<float>
+      mean_depth_m;  ///< mean of the Gaussians' depths weighted as their colours are; NaN = alpha 0
 };
 
 /// Renders with the fast kernels. @param camera  pinhole; other lenses throw std::invalid_argument.

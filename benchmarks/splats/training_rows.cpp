@@ -1,0 +1,166 @@
+#include "benchmarks/splats/training_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "perception/splats/splat_start.h"
+#include "perception/splats/train_splats.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/import.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kListLimit = std::size_t{1} << 20;  ///< bytes of split.txt
+
+/// What one training is held to.
+struct Goal {
+  const char* name;
+  int steps;
+  int splats;
+  double psnr_db;
+  double wall_s;
+};
+constexpr Goal kGoals[] = {{"short", 2400, 26000, 30.85, 40}, {"long", 9000, 40000, 32.5, 180}};
+constexpr double kMemoryLimit_mb = 150;
+
+struct PhotographSet {
+  std::vector<SplatView> train, test;
+  SplatModel start;
+};
+
+/// Names of the files that split.txt calls "test".
+std::vector<std::string> test_files(const fs::path& file) {
+  std::istringstream lines(read_file(file, kListLimit));
+  std::vector<std::string> names;
+  std::string name, kind;
+  while (lines >> name >> kind) {
+    if (kind == "test") {
+      names.push_back(name);
+    } else if (kind != "train") {
+      throw std::runtime_error(file.string() + ": \"" + kind + "\" is neither train nor test");
+    }
+  }
+  return names;
+}
+
+PhotographSet read_set(const fs::path& folder) {
+  PhotographSet set;
+  const std::vector<std::string> held = test_files(folder / "split.txt");
+  const fs::path transforms = folder / "transforms.json";
+  const NerfstudioFile list =
+      parse_nerfstudio(read_file(transforms, std::size_t{1} << 26), transforms.string());
+  const Capture capture = import_nerfstudio(transforms);
+  if (!capture.warnings.empty()) throw std::runtime_error(capture.warnings.front());
+  for (SplatView& view : splat_views(capture, reported_poses(capture))) {
+    const std::string& image = list.frames.at(static_cast<std::size_t>(view.frame)).image;
+    const std::string name = fs::path(image).filename().string();
+    const bool is_test = std::find(held.begin(), held.end(), name) != held.end();
+    (is_test ? set.test : set.train).push_back(std::move(view));
+  }
+  set.start = splats_from_points(read_start_points(folder / "points.ply").points);
+  return set;
+}
+
+double psnr_db(const ColorPlanes& image, const ColorPlanes& photograph) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < image.channel[k].size(); ++i) {
+      const double value = std::clamp(image.channel[k].data()[i], 0.0F, 1.0F);
+      const double difference = value - photograph.channel[k].data()[i];
+      sum += difference * difference;
+      ++count;
+    }
+  }
+  return 10 * std::log10(static_cast<double>(count) / sum);
+}
+
+void training_rows(std::vector<ScoreRow>& rows, const PhotographSet& set, const Goal& goal,
+                   const ScoreRow& base) {
+  SplatTrainConfig config;
+  config.steps = goal.steps;
+  config.most_splats = goal.splats;
+  config.seed = base.seed;
+  const StageClock clock("train");
+  const SplatTraining training = train_splats(set.train, set.start, config);
+  const StageTiming timing = clock.finish();
+  ScoreRow row = base;
+  row.case_name = goal.name;
+  row.wall_s = timing.wall_s;
+  row.cpu_s = timing.cpu_s;
+  row.peak_rss_mb = peak_rss_mb();
+  row.peak_above_start_mb = row.peak_rss_mb - start_rss_mb();
+  if (training.status != SplatTrainStatus::ok) {
+    row.metric = "training: " + to_string(training.status);
+    row.status = ScoreStatus::not_solved;
+    rows.push_back(row);
+    return;
+  }
+  double sum = 0;
+  for (const SplatView& view : set.test) {
+    const SplatViewLevel& level = view.levels.front();
+    sum += psnr_db(render_splats(training.model, level.camera, view.camera_from_world).color,
+                   level.color);
+  }
+  const auto add = [&](const std::string& metric, double value, const char* unit, std::size_t n) {
+    ScoreRow next = row;
+    next.metric = metric;
+    next.value = value;
+    next.unit = unit;
+    next.n = static_cast<std::int64_t>(n);
+    rows.push_back(next);
+    return &rows.back();
+  };
+  char text[64];
+  std::snprintf(text, sizeof text, "held_out.psnr (at least %g dB)", goal.psnr_db);
+  const double mean = sum / static_cast<double>(set.test.size());
+  ScoreRow* psnr = add(text, mean, "dB", set.test.size());
+  *psnr = limited(*psnr, mean >= goal.psnr_db);
+  std::snprintf(text, sizeof text, "seconds.wall (at most %g s)", goal.wall_s);
+  ScoreRow* wall = add(text, timing.wall_s, "s", 1);
+  *wall = limited(*wall, timing.wall_s <= goal.wall_s);
+  add("gaussians", static_cast<double>(training.model.splats.size()), "1", 1);
+  add("steps", goal.steps, "1", 1);
+  std::snprintf(text, sizeof text, "memory.above_start (at most %g MB)", kMemoryLimit_mb);
+  ScoreRow* memory = add(text, row.peak_above_start_mb, "MB", 1);
+  *memory = limited(*memory, row.peak_above_start_mb <= kMemoryLimit_mb);
+}
+
+}  // namespace
+
+std::vector<ScoreRow> splat_training_rows(const fs::path& photographs, std::uint64_t seed,
+                                          bool quick) {
+  ScoreRow base;
+  base.suite = "splats";
+  base.scene = photographs.filename().string();
+  base.method = "cousin";
+  base.seed = seed;
+  std::vector<ScoreRow> rows;
+  if (!fs::is_directory(photographs)) {
+    base.case_name = "training";
+    base.metric = "no photographs at " + photographs.string();
+    base.status = ScoreStatus::not_solved;
+    rows.push_back(base);
+    return rows;
+  }
+  const PhotographSet set = read_set(photographs);
+  if (set.test.empty() || set.train.empty()) {
+    throw std::runtime_error(photographs.string() + ": split.txt leaves " +
+                             std::to_string(set.train.size()) + " views to train on and " +
+                             std::to_string(set.test.size()) + " to test");
+  }
+  for (const Goal& goal : kGoals) {
+    training_rows(rows, set, goal, base);
+    if (quick) break;
+  }
+  return rows;
+}
+
+}  // namespace cousin

@@ -1,0 +1,183 @@
+#include "perception/splats/splat_checkpoint_io.h"
+
+#include <bit>
+#include <cstring>
+#include <stdexcept>
+
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/manifest.h"
+
+namespace cousin {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+constexpr std::string_view kMagic = "cousin splat training 1\n";
+constexpr std::size_t kHash = 64;  ///< characters
+
+/// Numbers and texts, one after the other.
+class Bytes {
+ public:
+  template <class T>
+  Bytes& add(const T& value) {
+    static_assert(std::is_arithmetic_v<T>);
+    return add(&value, sizeof value);
+  }
+  Bytes& add(const void* from, std::size_t size) {
+    text.append(static_cast<const char*>(from), size);
+    return *this;
+  }
+  std::string text;
+};
+
+class Taker {
+ public:
+  Taker(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  template <class T>
+  T take() {
+    T value;
+    take(&value, sizeof value);
+    return value;
+  }
+  void take(void* to, std::size_t size) {
+    if (size > bytes_.size()) throw std::runtime_error(file_ + ": the checkpoint is cut off");
+    std::memcpy(to, bytes_.data(), size);
+    bytes_.remove_prefix(size);
+  }
+  std::size_t left() const { return bytes_.size(); }
+
+ private:
+  std::string_view bytes_;
+  std::string file_;
+};
+
+std::string hash_of(const Image<float>& image) {
+  return sha256_hex({reinterpret_cast<const char*>(image.data()), image.size() * sizeof(float)});
+}
+
+void add_camera(Bytes& bytes, const Camera& camera, const Pose& pose) {
+  bytes.add(camera.width_px).add(camera.height_px);
+  bytes.add(camera.fx_px).add(camera.fy_px).add(camera.cx_px).add(camera.cy_px);
+  bytes.add(pose.rotation.coeffs().data(), 4 * sizeof(double));
+  bytes.add(pose.translation_m.data(), 3 * sizeof(double));
+}
+
+void add_config(Bytes& bytes, const SplatTrainConfig& c) {
+  bytes.add(c.steps).add(c.sh_degree).add(c.sh_degree_every).add(c.seed).add(c.report_every);
+  for (const float value : c.background) bytes.add(value);
+  bytes.add(c.ssim_share).add(c.near);
+  const SplatRates& r = c.rates;
+  bytes.add(r.centre_first).add(r.centre_last).add(r.log_scale).add(r.rotation).add(r.opacity);
+  bytes.add(r.dc).add(r.rest).add(r.decay);
+  bytes.add(c.rest_every).add(c.quarter_until).add(c.half_until);
+  bytes.add(static_cast<int>(c.growth)).add(c.most_splats).add(c.grow_every).add(c.grow_from);
+  bytes.add(c.grow_until).add(c.growth_power).add(c.gradient_limit).add(c.split_size);
+  bytes.add(c.least_opacity).add(c.largest_size).add(c.reset_every).add(c.noise);
+  bytes.add(c.opacity_pull).add(c.scale_pull);
+}
+
+void add_planes(Bytes& bytes, const SplatPlanes& planes) {
+  for (int k = 0; k < planes.planes(); ++k) {
+    bytes.add(planes.plane(k), sizeof(float) * static_cast<std::size_t>(planes.size()));
+  }
+}
+
+SplatPlanes take_planes(Taker& taker, int size) {
+  SplatPlanes planes(SplatPlane::count, size);
+  for (int k = 0; k < planes.planes(); ++k) {
+    taker.take(planes.plane(k), sizeof(float) * static_cast<std::size_t>(size));
+  }
+  return planes;
+}
+
+}  // namespace
+
+std::string training_fingerprint(std::span<const SplatView> views, const SplatModel& start,
+                                 const SplatTrainConfig& config) {
+  Bytes bytes;
+  add_config(bytes, config);
+  for (const SplatView& view : views) {
+    for (const SplatViewLevel& level : view.levels) {
+      add_camera(bytes, level.camera, view.camera_from_world);
+      for (const Image<float>& channel : level.color.channel) bytes.text += hash_of(channel);
+      bytes.text += hash_of(level.weight);
+    }
+  }
+  bytes.add(start.origin_in_world_m.data(), 3 * sizeof(double));
+  add_planes(bytes, to_planes(start.splats));
+  return sha256_hex(bytes.text);
+}
+
+void write_training(const std::filesystem::path& file, const SavedTraining& saved) {
+  Bytes bytes;
+  bytes.text = kMagic;
+  bytes.text += saved.fingerprint;
+  const SplatTrainState& state = saved.state;
+  bytes.add(saved.loss_sum).add(saved.loss_count);
+  bytes.add(state.step).add(state.rest_updates).add(state.started_with);
+  bytes.add(state.origin_in_world_m.data(), 3 * sizeof(double));
+  bytes.add(state.values.size()).add(static_cast<int>(saved.curve.size()));
+  for (const SplatTrainPoint& p : saved.curve) {
+    bytes.add(p.step).add(p.wall_s).add(p.loss).add(p.splats);
+  }
+  add_planes(bytes, state.values);
+  add_planes(bytes, state.first_moment);
+  add_planes(bytes, state.second_moment);
+  const std::size_t row = sizeof(float) * static_cast<std::size_t>(state.values.size());
+  bytes.add(state.gradient_sum.data(), row).add(state.gradient_count.data(), row);
+  bytes.text += sha256_hex(bytes.text);
+  write_file(file, bytes.text);
+}
+
+SavedTraining read_training(const std::filesystem::path& file, int most_splats) {
+  const std::string name = file.string();
+  const std::size_t a_splat = (3 * SplatPlane::count + 2) * sizeof(float);
+  const std::size_t limit =
+      static_cast<std::size_t>(most_splats) * a_splat + (std::size_t{1} << 26);
+  const std::string text = read_file(file, limit);
+  if (!text.starts_with(kMagic) || text.size() < kMagic.size() + 2 * kHash) {
+    throw std::runtime_error(name + ": not a checkpoint of a splat training");
+  }
+  const std::string_view body = std::string_view(text).substr(0, text.size() - kHash);
+  if (sha256_hex(body) != std::string_view(text).substr(body.size())) {
+    throw std::runtime_error(name + ": the checkpoint is cut off or altered");
+  }
+  SavedTraining saved;
+  saved.fingerprint = std::string(body.substr(kMagic.size(), kHash));
+  Taker taker(body.substr(kMagic.size() + kHash), name);
+  SplatTrainState& state = saved.state;
+  saved.loss_sum = taker.take<double>();
+  saved.loss_count = taker.take<int>();
+  state.step = taker.take<int>();
+  state.rest_updates = taker.take<int>();
+  state.started_with = taker.take<int>();
+  taker.take(state.origin_in_world_m.data(), 3 * sizeof(double));
+  const int size = taker.take<int>();
+  const int points = taker.take<int>();
+  const std::size_t bytes_a_point = 2 * sizeof(int) + 2 * sizeof(double);
+  if (size < 0 || points < 0 ||
+      static_cast<std::size_t>(size) * a_splat + static_cast<std::size_t>(points) * bytes_a_point !=
+          taker.left()) {
+    throw std::runtime_error(name + ": " + std::to_string(size) + " splats and " +
+                             std::to_string(points) + " points do not fit the checkpoint's size");
+  }
+  for (int i = 0; i < points; ++i) {
+    SplatTrainPoint p;
+    p.step = taker.take<int>();
+    p.wall_s = taker.take<double>();
+    p.loss = taker.take<double>();
+    p.splats = taker.take<int>();
+    saved.curve.push_back(p);
+  }
+  state.values = take_planes(taker, size);
+  hide_padding(state.values);
+  state.first_moment = take_planes(taker, size);
+  state.second_moment = take_planes(taker, size);
+  const std::size_t row = sizeof(float) * static_cast<std::size_t>(size);
+  state.gradient_sum.assign(static_cast<std::size_t>(state.values.padded()), 0);
+  state.gradient_count.assign(static_cast<std::size_t>(state.values.padded()), 0);
+  taker.take(state.gradient_sum.data(), row);
+  taker.take(state.gradient_count.data(), row);
+  return saved;
+}
+
+}  // namespace cousin

@@ -1,0 +1,31 @@
+#include "perception/splats/splat_render.h"
+
+#include <stdexcept>
+
+#include "perception/splats/splat_frame.h"
+
+namespace cousin {
+
+SplatImage render_splats(const SplatModel& model, const Camera& camera,
+                         const Pose& camera_from_world, const SplatRenderConfig& config) {
+  if (model.sh_degree < 0 || model.sh_degree > 3) {
+    throw std::invalid_argument("sh_degree " + std::to_string(model.sh_degree) +
+                                " of a splat model is not 0..3");
+  }
+  const SplatPlanes planes = to_planes(model.splats);
+  const double near_m =
+      near_depth_m(planes, camera_from_world, model.origin_in_world_m, config.near);
+  SplatFrame frame;
+  draw_splats(best_splat_kernels(), planes, model.sh_degree,
+              splat_camera(camera, camera_from_world, model.origin_in_world_m, near_m),
+              config.background, SplatDepths::with, frame);
+  SplatImage image;
+  image.color = std::move(frame.color);
+  image.alpha = std::move(frame.transmittance);
+  for (float& value : image.alpha) value = 1 - value;
+  image.depth_m = std::move(frame.depth_m);
+  image.mean_depth_m = std::move(frame.mean_depth_m);
+  return image;
+}
+
+}  // namespace cousin

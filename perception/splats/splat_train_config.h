@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace cousin {
+
+/// How the number of Gaussians changes while they are trained.
+enum class SplatGrowth {
+  fixed,     ///< it does not
+  adaptive,  ///< the reference's clone, split, prune and opacity reset [Kerbl et al. 2023]
+  budgeted,  ///< as many as a schedule grants, those of the largest gradients first [the idea:
+             ///< Mallick et al., Taming 3DGS, 2024]; each parts along its longest axis
+  mcmc       ///< relocation and noise [Kheradmand et al., 3DGS as Markov Chain Monte Carlo, 2024]
+};
+
+/// Learning rates of Adam; those of the reference by default.
+struct SplatRates {
+  double centre_first = 1.6e-4;  ///< times the scene's extent; falls exponentially
+  double centre_last = 1.6e-6;   ///< to this at the last step
+  double log_scale = 5e-3;
+  double rotation = 1e-3;
+  double opacity = 5e-2;
+  double dc = 2.5e-3;
+  double rest = 1.25e-4;
+  double decay = 1;  ///< all but the centre's fall exponentially to this share of themselves
+};
+
+struct SplatTrainConfig {
+  int steps = 2000;  ///< one view each; 1..1,000,000
+  int sh_degree = 3;
+  int sh_degree_every = 0;  ///< steps between degrees; 0 = steps / 30, as 1000 of 30,000
+  std::uint64_t seed = 1;
+  int report_every = 50;  ///< steps between points of the curve
+  std::array<float, 3> background{};
+  double ssim_share = 0.2;  ///< of the loss; the rest is the mean absolute difference
+  double near = 0.01;       ///< share of the median depth, as in SplatRenderConfig
+  SplatRates rates;
+  int rest_every = 1;  ///< steps between updates of the coefficients beyond the first
+
+  /// Coarse to fine: images of a quarter of the size up to this share of the steps, of half the
+  /// size up to the next.
+  double quarter_until = 0, half_until = 0;
+
+  SplatGrowth growth = SplatGrowth::budgeted;
+  int most_splats = 30000;       ///< never more; 1..10,000,000
+  int grow_every = 100;          ///< steps
+  double grow_from = 0.05;       ///< share of the steps
+  double grow_until = 0.5;       ///< share of the steps
+  double growth_power = 1;       ///< of the schedule between start and `most_splats`
+  double gradient_limit = 2e-4;  ///< `adaptive`: mean gradient in an image of width and height 2
+  double split_size = 0.01;      ///< share of the extent above which Gaussians split, not clone
+  double least_opacity = 0.005;  ///< below it they are pruned, or moved by `mcmc`
+  double largest_size = 0.1;     ///< share of the extent; `adaptive` prunes larger ones once
+                                 ///< opacities have been reset
+  double reset_every = 0;        ///< opacity reset, share of the steps; 0 = never
+  double noise = 5e5;            ///< `mcmc`: times the centre's rate
+  double opacity_pull = 0.01;    ///< `mcmc`: weight of the mean opacity in the loss
+  double scale_pull = 0.01;      ///< `mcmc`: weight of the mean scale, in extents, in the loss
+};
+
+/// @throws std::invalid_argument naming the field, its value and the limits.
+void validate(const SplatTrainConfig& config);
+
+}  // namespace cousin

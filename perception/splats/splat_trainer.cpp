@@ -1,0 +1,215 @@
+#include "perception/splats/splat_trainer.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "perception/splats/splat_growth.h"
+
+namespace cousin {
+namespace {
+
+using Range = tbb::blocked_range<int>;
+using Clock = std::chrono::steady_clock;
+
+/// Adds the time from its making to its end to a sum.
+class Lap {
+ public:
+  explicit Lap(double& sum) : sum_(sum), start_(Clock::now()) {}
+  ~Lap() { sum_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  double& sum_;
+  Clock::time_point start_;
+};
+
+/// 1.1 times the largest distance of a camera from their mean, as the reference.
+double extent_of(std::span<const SplatView> views) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const SplatView& view : views) mean += centre_in_world_m(view.camera_from_world);
+  mean /= static_cast<double>(std::max<std::size_t>(1, views.size()));
+  double largest = 0;
+  for (const SplatView& view : views) {
+    largest = std::max(largest, (centre_in_world_m(view.camera_from_world) - mean).norm());
+  }
+  return 1.1 * largest;
+}
+
+double exponential_between(double first, double last, double progress) {
+  if (!(first > 0) || !(last > 0)) return first + (last - first) * progress;
+  return first * std::pow(last / first, progress);
+}
+
+AdamRate adam_rate(double rate, int update, double beta1, double beta2) {
+  return {static_cast<float>(rate / (1 - std::pow(beta1, update))),
+          static_cast<float>(1 / std::sqrt(1 - std::pow(beta2, update)))};
+}
+
+}  // namespace
+
+SplatTrainer::SplatTrainer(std::span<const SplatView> views, const SplatTrainConfig& config,
+                           SplatTrainState state)
+    : config_(config),
+      state_(std::move(state)),
+      views_(views),
+      near_m_(views.size(), std::numeric_limits<double>::quiet_NaN()),
+      kernels_(best_splat_kernels()),
+      loss_({.ssim_share = config.ssim_share}) {
+  extent_m_ = extent_of(views_);
+  // One view, or all from one place: their distance to the start stands in.
+  const Pose& first = views_.front().camera_from_world;
+  const double depth = near_depth_m(state_.values, first, state_.origin_in_world_m, 1);
+  if (extent_m_ < 1e-6 * depth) extent_m_ = depth;
+}
+
+std::size_t SplatTrainer::level_now() const {
+  const double share = static_cast<double>(state_.step) / config_.steps;
+  return share < config_.quarter_until ? 2 : share < config_.half_until ? 1 : 0;
+}
+
+SplatCamera SplatTrainer::camera_of(std::size_t view, std::size_t level) {
+  const SplatView& pyramid = views_[view];
+  if (std::isnan(near_m_[view])) {
+    near_m_[view] = near_depth_m(state_.values, pyramid.camera_from_world, state_.origin_in_world_m,
+                                 config_.near);
+  }
+  SplatCamera camera = splat_camera(pyramid.levels[level].camera, pyramid.camera_from_world,
+                                    state_.origin_in_world_m, near_m_[view]);
+  // A small image is the mean over boxes of the large one: its low-pass, in its own pixels, and
+  // the box's variance beyond a pixel of the large image.
+  const double box = static_cast<double>(std::size_t{1} << (2 * level));
+  camera.low_pass_px2 = static_cast<float>(0.3 / box + (1 - 1 / box) / 12);
+  return camera;
+}
+
+SplatTrainer::Step SplatTrainer::step() {
+  const Lap total(seconds_.total);
+  // Views in an order of their own each time round.
+  const std::size_t round = static_cast<std::size_t>(state_.step) / views_.size();
+  const std::size_t place = static_cast<std::size_t>(state_.step) % views_.size();
+  if (place == 0 || order_.empty()) {
+    order_.resize(views_.size());
+    std::iota(order_.begin(), order_.end(), std::size_t{0});
+    Rng rng = Rng(config_.seed).fork("order").fork(round);
+    for (std::size_t i = order_.size(); i > 1; --i) {
+      std::swap(order_[i - 1], order_[uniform_index(rng, i)]);
+    }
+  }
+  const std::size_t view = order_[place];
+  const std::size_t level = std::min(level_now(), views_[view].levels.size() - 1);
+  const int every =
+      config_.sh_degree_every > 0 ? config_.sh_degree_every : std::max(1, config_.steps / 30);
+  const int degree = std::min(config_.sh_degree, state_.step / every);
+
+  {
+    const Lap lap(seconds_.draw);
+    draw_splats(kernels_, state_.values, degree, camera_of(view, level), config_.background,
+                SplatDepths::none, frame_);
+  }
+  const LossAndGradient* loss = nullptr;
+  {
+    const Lap lap(seconds_.loss);
+    const SplatViewLevel& photograph = views_[view].levels[level];
+    loss = &loss_(frame_.color, photograph.color, photograph.weight);
+  }
+  {
+    const Lap lap(seconds_.gradients);
+    blend_gradients(kernels_, loss->gradient, config_.background, frame_);
+  }
+  const double progress = static_cast<double>(state_.step) / config_.steps;
+  {
+    const Lap lap(seconds_.update);
+    update(progress);
+  }
+  const Step done = {loss->value, frame_.lists.front_to_back.size()};
+  ++state_.step;
+  const Lap lap(seconds_.grow);
+  grow_if_due();
+  return done;
+}
+
+void SplatTrainer::update(double progress) {
+  const SplatRates& rates = config_.rates;
+  const bool with_rest = frame_.sh_degree > 0 && state_.step % config_.rest_every == 0;
+  state_.rest_updates += with_rest ? 1 : 0;
+  UpdateTask task;
+  task.planes = &state_.values;
+  task.camera = frame_.camera;
+  task.sh_degree = frame_.sh_degree;
+  task.projected = frame_.projected.data();
+  task.partials = frame_.partials.data();
+  task.pair_first = frame_.lists.pair_first.data();
+  task.pair_count = frame_.lists.pair_count.data();
+  task.first_moment = &state_.first_moment;
+  task.second_moment = &state_.second_moment;
+  const double centre =
+      extent_m_ * exponential_between(rates.centre_first, rates.centre_last, progress);
+  const double decay = exponential_between(1, rates.decay, progress);
+  const auto rate = [&](double value, int updates) {
+    return adam_rate(value, updates, task.beta1, task.beta2);
+  };
+  task.centre = rate(centre, state_.step + 1);
+  task.log_scale = rate(decay * rates.log_scale, state_.step + 1);
+  task.rotation = rate(decay * rates.rotation, state_.step + 1);
+  task.opacity = rate(decay * rates.opacity, state_.step + 1);
+  task.dc = rate(decay * rates.dc, state_.step + 1);
+  task.rest = rate(decay * rates.rest, std::max(1, state_.rest_updates));
+  task.with_rest = with_rest;
+  if (config_.growth == SplatGrowth::mcmc) {
+    const double count = std::max(1, state_.values.size());
+    task.opacity_pull = static_cast<float>(config_.opacity_pull / count);
+    task.scale_pull = static_cast<float>(config_.scale_pull / (3 * count * extent_m_));
+  }
+  task.by_tile = config_.growth == SplatGrowth::budgeted;
+  task.gradient_sum = state_.gradient_sum.data();
+  task.gradient_count = state_.gradient_count.data();
+  tbb::parallel_for(Range(0, state_.values.padded() / 8, 64), [&](const Range& range) {
+    kernels_.update(task, 8 * range.begin(), 8 * range.end());
+  });
+  if (config_.growth == SplatGrowth::mcmc && config_.noise > 0) {
+    add_centre_noise(state_.values, config_.noise * centre / extent_m_,
+                     Rng(config_.seed).fork("noise").fork(static_cast<std::uint64_t>(state_.step)));
+  }
+}
+
+void SplatTrainer::grow_if_due() {
+  const double from = config_.grow_from * config_.steps, until = config_.grow_until * config_.steps;
+  const bool grows = config_.growth != SplatGrowth::fixed &&
+                     state_.step % config_.grow_every == 0 && state_.step >= from &&
+                     state_.step <= until;
+  if (grows) {
+    const double left = until - state_.step;
+    const double progress =
+        left < config_.grow_every ? 1 : (state_.step - from) / std::max(1.0, until - from);
+    grow_splats(state_, config_, extent_m_, progress,
+                Rng(config_.seed).fork("growth").fork(static_cast<std::uint64_t>(state_.step)));
+    std::fill(near_m_.begin(), near_m_.end(), std::numeric_limits<double>::quiet_NaN());
+  }
+  const int reset = static_cast<int>(config_.reset_every * config_.steps);
+  if (reset > 0 && state_.step % reset == 0 && state_.step <= until) reset_opacity(state_);
+}
+
+std::vector<int> SplatTrainer::views_seen() {
+  std::vector<int> seen(static_cast<std::size_t>(state_.values.size()), 0);
+  ColorPlanes ones;
+  for (std::size_t view = 0; view < views_.size(); ++view) {
+    draw_splats(kernels_, state_.values, config_.sh_degree, camera_of(view, 0), config_.background,
+                SplatDepths::none, frame_);
+    for (Image<float>& channel : ones.channel) {
+      channel = Image<float>(frame_.camera.width_px, frame_.camera.height_px, 1.0F);
+    }
+    blend_gradients(kernels_, ones, config_.background, frame_);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const SplatPartial* partial = frame_.partials.data() + frame_.lists.pair_first[i];
+      float weight = 0;
+      for (std::uint32_t p = 0; p < frame_.lists.pair_count[i]; ++p) weight += partial[p].weight;
+      seen[i] += weight > 0 ? 1 : 0;
+    }
+  }
+  return seen;
+}
+
+}  // namespace cousin

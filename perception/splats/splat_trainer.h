@@ -1,0 +1,48 @@
+#pragma once
+
+#include "perception/splats/photometric_loss.h"
+#include "perception/splats/splat_frame.h"
+#include "perception/splats/splat_train_state.h"
+#include "perception/splats/train_splats.h"
+
+namespace cousin {
+
+/// One training: takes its state from step to step. What it holds beside the state follows from
+/// views and configuration, or is scratch.
+class SplatTrainer {
+ public:
+  /// @param views  must outlive this
+  SplatTrainer(std::span<const SplatView> views, const SplatTrainConfig& config,
+               SplatTrainState state);
+
+  const SplatTrainState& state() const { return state_; }
+  const SplatTrainSeconds& seconds() const { return seconds_; }
+  double extent_m() const { return extent_m_; }
+
+  struct Step {
+    double loss;
+    std::size_t shown;  ///< Gaussians in the view
+  };
+  Step step();
+  /// In how many of the views each Gaussian covers at least one pixel.
+  std::vector<int> views_seen();
+
+ private:
+  SplatCamera camera_of(std::size_t view, std::size_t level);
+  std::size_t level_now() const;
+  void update(double progress);
+  void grow_if_due();
+
+  SplatTrainConfig config_;
+  SplatTrainState state_;
+  std::span<const SplatView> views_;
+  std::vector<double> near_m_;  ///< of each view; NaN = to be found
+  double extent_m_ = 0;
+  const SplatKernels& kernels_;
+  PhotometricLoss loss_;
+  SplatFrame frame_;
+  std::vector<std::size_t> order_;  ///< of the views in this epoch
+  SplatTrainSeconds seconds_;
+};
+
+}  // namespace cousin

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "perception/splats/splat_render.h"
+#include "sim/types/capture.h"
+#include "sim/types/seams.h"
+
+namespace cousin {
+
+struct SplatViewsConfig {
+  int largest_side_px = 0;           ///< photographs are made this small; 0 = as they are
+  int levels = 3;                    ///< of the pyramid: full, half, quarter
+  double most_pixels = 268'435'456;  ///< of all views at full size: about 16 bytes each are kept
+};
+void validate(const SplatViewsConfig& config);  ///< throws std::invalid_argument
+
+/// A photograph at one size, as a pinhole camera would have taken it.
+struct SplatViewLevel {
+  Camera camera;        ///< pinhole, of this size
+  ColorPlanes color;    ///< sRGB-encoded, 0..1: codes are averaged, as a splat's colours are
+  Image<float> weight;  ///< share of the pixel that counts, 0..1; empty = every pixel counts
+};
+
+/// A photograph to train on or to be scored by.
+struct SplatView {
+  int frame = 0;  ///< index into the capture's frames
+  Pose camera_from_world;
+  std::vector<SplatViewLevel> levels;  ///< the largest first; at least one
+};
+
+/// The poses that a capture itself reports, of each frame's first sensor; frames without one have
+/// the status no_board.
+Poses reported_poses(const Capture& capture);
+
+/// The views of a capture whose poses are ok and whose first sensor has a colour image, in the
+/// capture's order. Lenses are undistorted to the pinhole camera of undistorted_camera(), with
+/// weight zero where the photograph shows nothing; then pixels are averaged over the areas of the
+/// larger ones, so that cameras keep where their rays go. A level halves the one before (a last odd
+/// row or column is left out) and is not made if a side would be below 16 pixels. Pixels of weight
+/// zero add no colour to a larger one, whose weight is the mean of theirs; where it is zero, colour
+/// is zero. TBB over views; the same bytes on any number of threads.
+/// @param masks  empty, or one for each frame: empty, or of the photograph's size, where a pixel of
+/// zero does not count.
+/// @throws std::invalid_argument if counts or sizes differ, a camera or the configuration is
+/// invalid, or there are more pixels than `most_pixels`.
+std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
+                                   const std::vector<Image<std::uint8_t>>& masks = {},
+                                   const SplatViewsConfig& config = {});
+
+/// The level of half the size.
+SplatViewLevel halved(const SplatViewLevel& level);
+
+}  // namespace cousin

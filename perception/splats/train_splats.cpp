@@ -1,0 +1,152 @@
+#include "perception/splats/train_splats.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "perception/splats/splat_checkpoint_io.h"
+#include "perception/splats/splat_trainer.h"
+
+namespace cousin {
+namespace {
+
+/// Steps before training gives up on views that show nothing.
+int patience(std::size_t views) { return 2 * static_cast<int>(views); }
+
+bool any_weight(std::span<const SplatView> views) {
+  return std::any_of(views.begin(), views.end(), [](const SplatView& view) {
+    const Image<float>& weight = view.levels.front().weight;
+    return weight.empty() ||
+           std::any_of(weight.begin(), weight.end(), [](float w) { return w > 0; });
+  });
+}
+
+/// @throws std::invalid_argument naming the view, and what is wrong with it
+void check_views(std::span<const SplatView> views) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const std::string name = "splat training: view " + std::to_string(i) + ": ";
+    if (views[i].levels.empty()) throw std::invalid_argument(name + "has no image");
+    for (const SplatViewLevel& level : views[i].levels) {
+      try {
+        splat_camera(level.camera, views[i].camera_from_world, Eigen::Vector3d::Zero(), 1);
+      } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument(name + error.what());
+      }
+      const auto check = [&](const char* what, const Image<float>& image) {
+        if (image.width() == level.camera.width_px && image.height() == level.camera.height_px)
+          return;
+        throw std::invalid_argument(name + what + " is " + std::to_string(image.width()) + " x " +
+                                    std::to_string(image.height()) + ", its camera " +
+                                    std::to_string(level.camera.width_px) + " x " +
+                                    std::to_string(level.camera.height_px));
+      };
+      for (const Image<float>& channel : level.color.channel) check("a channel", channel);
+      if (!level.weight.empty()) check("the weight", level.weight);
+    }
+  }
+}
+
+SavedTraining begin_or_go_on(std::span<const SplatView> views, const SplatModel& start,
+                             const SplatTrainConfig& config, const SplatCheckpoint& checkpoint) {
+  SavedTraining saved;
+  if (checkpoint.file.empty()) {
+    saved.state = start_training(start);
+    return saved;
+  }
+  const std::string fingerprint = training_fingerprint(views, start, config);
+  if (std::filesystem::exists(checkpoint.file)) {
+    const int most = std::max(config.most_splats, static_cast<int>(start.splats.size()));
+    saved = read_training(checkpoint.file, most);
+    if (saved.fingerprint != fingerprint) {
+      throw std::runtime_error(checkpoint.file.string() +
+                               ": the checkpoint is of other views, start or configuration");
+    }
+    return saved;
+  }
+  saved.fingerprint = fingerprint;
+  saved.state = start_training(start);
+  return saved;
+}
+
+}  // namespace
+
+std::string to_string(SplatTrainStatus status) {
+  switch (status) {
+    case SplatTrainStatus::ok:
+      return "ok";
+    case SplatTrainStatus::no_views:
+      return "no_views";
+    case SplatTrainStatus::no_start:
+      return "no_start";
+    case SplatTrainStatus::nothing_to_learn:
+      return "nothing_to_learn";
+    case SplatTrainStatus::nothing_seen:
+      return "nothing_seen";
+    case SplatTrainStatus::not_finite:
+      return "not_finite";
+    case SplatTrainStatus::stopped:
+      return "stopped";
+  }
+  return "";
+}
+
+SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& start,
+                           const SplatTrainConfig& config, const SplatProgress& progress,
+                           const SplatCheckpoint& checkpoint) {
+  validate(config);
+  if (!checkpoint.file.empty() && checkpoint.every < 1) {
+    throw std::invalid_argument("splat training: a checkpoint every " +
+                                std::to_string(checkpoint.every) + " steps is not at least 1");
+  }
+  SplatTraining training;
+  if (views.empty()) return training;
+  check_views(views);
+  SavedTraining saved = begin_or_go_on(views, start, config, checkpoint);
+  training.status = saved.state.values.size() == 0 ? SplatTrainStatus::no_start
+                    : any_weight(views)            ? SplatTrainStatus::ok
+                                                   : SplatTrainStatus::nothing_to_learn;
+  if (training.status != SplatTrainStatus::ok) return training;
+
+  training.curve = std::move(saved.curve);
+  const double before_s = training.curve.empty() ? 0 : training.curve.back().wall_s;
+  SplatTrainer trainer(views, config, std::move(saved.state));
+  double loss_sum = saved.loss_sum;
+  int loss_count = saved.loss_count;
+  int blind = 0;
+  while (trainer.state().step < config.steps) {
+    const SplatTrainer::Step step = trainer.step();
+    const int done = trainer.state().step;
+    blind = step.shown == 0 ? blind + 1 : 0;
+    if (!std::isfinite(step.loss)) training.status = SplatTrainStatus::not_finite;
+    if (trainer.state().values.size() == 0 || blind >= patience(views.size())) {
+      training.status = SplatTrainStatus::nothing_seen;
+    }
+    loss_sum += step.loss;
+    ++loss_count;
+    if (done % config.report_every == 0 || done == config.steps) {
+      training.curve.push_back({done, before_s + trainer.seconds().total, loss_sum / loss_count,
+                                trainer.state().values.size()});
+      loss_sum = 0;
+      loss_count = 0;
+      if (progress && training.status == SplatTrainStatus::ok && !progress(training.curve.back()) &&
+          done < config.steps) {
+        training.status = SplatTrainStatus::stopped;
+      }
+    }
+    const bool stops = training.status != SplatTrainStatus::ok;
+    if (!checkpoint.file.empty() && training.status != SplatTrainStatus::not_finite &&
+        (stops || done % checkpoint.every == 0 || done == config.steps)) {
+      write_training(checkpoint.file,
+                     {saved.fingerprint, trainer.state(), training.curve, loss_sum, loss_count});
+    }
+    if (stops) break;
+  }
+  training.seconds = trainer.seconds();
+  training.model.sh_degree = config.sh_degree;
+  training.model.origin_in_world_m = trainer.state().origin_in_world_m;
+  training.model.splats = to_splats(trainer.state().values);
+  training.model.views_seen = trainer.views_seen();
+  return training;
+}
+
+}  // namespace cousin

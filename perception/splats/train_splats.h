@@ -1,0 +1,64 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "perception/splats/splat_model.h"
+#include "perception/splats/splat_train_config.h"
+#include "perception/splats/splat_views.h"
+
+namespace cousin {
+
+enum class SplatTrainStatus {
+  ok,
+  no_views,          ///< none given
+  no_start,          ///< no Gaussian with finite parameters
+  nothing_to_learn,  ///< no pixel has weight
+  nothing_seen,      ///< no view shows any Gaussian: poses or start are wrong
+  not_finite,        ///< the loss was not a number
+  stopped            ///< `progress` said so
+};
+std::string to_string(SplatTrainStatus status);
+
+struct SplatTrainPoint {
+  int step = 0;
+  double wall_s = 0;  ///< since training began, this run's and those it goes on from
+  double loss = 0;    ///< mean since the point before
+  int splats = 0;
+};
+
+/// Seconds of wall time in each stage.
+struct SplatTrainSeconds {
+  double draw = 0, loss = 0, gradients = 0, update = 0, grow = 0, total = 0;
+};
+
+struct SplatTraining {
+  SplatTrainStatus status = SplatTrainStatus::no_views;
+  SplatModel model;  ///< with `views_seen`; as far as training came where status is not ok
+  std::vector<SplatTrainPoint> curve;
+  SplatTrainSeconds seconds;
+};
+
+/// Where a training keeps itself, so that one that was stopped goes on and ends in the same bytes.
+struct SplatCheckpoint {
+  std::filesystem::path file;  ///< empty = none. If it exists, training goes on from it
+  int every = 500;             ///< steps
+};
+
+/// Called at every point of the curve; false stops training.
+using SplatProgress = std::function<bool(const SplatTrainPoint& point)>;
+
+/// Fits Gaussians to photographs with known poses [Kerbl et al., ACM TOG 42(4), 2023]. The same
+/// views, start and configuration give the same model, byte for byte, on any number of threads,
+/// whether it was interrupted or not.
+/// @param start  its origin stays; degree is the configuration's
+/// @throws std::invalid_argument if the configuration, a camera, or an image's size is invalid
+/// @throws std::runtime_error if the checkpoint cannot be read or written, or is of another
+/// training
+SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& start,
+                           const SplatTrainConfig& config, const SplatProgress& progress = {},
+                           const SplatCheckpoint& checkpoint = {});
+
+}  // namespace cousin

@@ -1,0 +1,136 @@
+#include "perception/splats/splat_growth.h"
+
+#include <gtest/gtest.h>
+
+#include "perception/splats/splat_render.h"
+#include "tests/splats/random_splats.h"
+
+namespace cousin {
+namespace {
+
+/// Colour and alpha where one Gaussian, or `copies` that share it, stands before the camera.
+SplatImage shared_image(int copies, double opacity) {
+  const SharedOpacity shared = share_opacity(opacity, copies);
+  SplatModel model;
+  model.splats.resize(static_cast<std::size_t>(copies));
+  for (Splat& s : model.splats) {
+    s.centre_m = {0, 0, 1};
+    s.log_scale.setConstant(static_cast<float>(std::log(0.15 * shared.scale_factor)));
+    s.opacity_logit = static_cast<float>(std::log(shared.opacity / (1 - shared.opacity)));
+  }
+  Camera camera = pinhole(64, 64, 60);
+  camera.cx_px = camera.cy_px = 32;
+  return render_splats(model, camera, Pose{});
+}
+
+TEST(SplatGrowth, SharedOpacityIsTheOpacityOfOne) {
+  for (const int copies : {1, 2, 3, 7}) {
+    const SharedOpacity shared = share_opacity(0.7, copies);
+    EXPECT_NEAR(1 - std::pow(1 - shared.opacity, copies), 0.7, 1e-12);
+    // In the middle exactly, and the sum along a line through it: what the scale is made for.
+    const SplatImage one = shared_image(1, 0.7), many = shared_image(copies, 0.7);
+    EXPECT_NEAR(many.alpha(32, 32), one.alpha(32, 32), 1e-4);
+    double sum_one = 0, sum_many = 0;
+    for (int x = 0; x < 64; ++x) {
+      sum_one += one.alpha(x, 32);
+      sum_many += many.alpha(x, 32);
+    }
+    // Alphas below 1/255 are cut, of copies more: 1 % of the sum.
+    EXPECT_NEAR(sum_many, sum_one, 0.015 * sum_one) << copies;
+  }
+}
+
+SplatTrainState state_of(int count) {
+  SplatModel model;
+  model.splats = random_splats(count, 21, 0.02);
+  return start_training(model);
+}
+
+TEST(SplatGrowth, AdaptiveClonesTheSmallSplitsTheLargeAndPrunesTheFaint) {
+  SplatTrainState state = state_of(3);
+  for (int k = 0; k < 3; ++k) {
+    state.values.plane(SplatPlane::log_scale + k)[0] = std::log(0.001F);
+    state.values.plane(SplatPlane::log_scale + k)[1] = std::log(0.05F);
+  }
+  state.values.plane(SplatPlane::opacity)[0] = 0;
+  state.values.plane(SplatPlane::opacity)[1] = 0;
+  state.values.plane(SplatPlane::opacity)[2] = -9;
+  std::fill(state.gradient_sum.begin(), state.gradient_sum.end(), 1.0F);
+  std::fill(state.gradient_count.begin(), state.gradient_count.end(), 1.0F);
+  SplatTrainConfig config;
+  config.growth = SplatGrowth::adaptive;
+  grow_splats(state, config, 1, 0.5, Rng(1));
+  ASSERT_EQ(state.values.size(), 4);
+  int small = 0, parts = 0;
+  for (int i = 0; i < 4; ++i) {
+    const float scale = std::exp(state.values.plane(SplatPlane::log_scale)[i]);
+    small += std::abs(scale - 0.001F) < 1e-6F ? 1 : 0;
+    parts += std::abs(scale - 0.05F / 1.6F) < 1e-6F ? 1 : 0;
+  }
+  EXPECT_EQ(small, 2);
+  EXPECT_EQ(parts, 2);
+  EXPECT_EQ(state.gradient_count[0], 0);
+}
+
+TEST(SplatGrowth, NeighboursInMemoryAreNeighboursInSpace) {
+  SplatTrainState state = state_of(4000);
+  const auto mean_step = [&] {
+    double sum = 0;
+    for (int i = 1; i < state.values.size(); ++i) {
+      double square = 0;
+      for (int k = 0; k < 3; ++k) {
+        const double d = state.values.plane(k)[i] - state.values.plane(k)[i - 1];
+        square += d * d;
+      }
+      sum += std::sqrt(square);
+    }
+    return sum / state.values.size();
+  };
+  const double before = mean_step();
+  SplatTrainConfig config;
+  config.growth = SplatGrowth::fixed;
+  grow_splats(state, config, 1, 0.5, Rng(1));
+  EXPECT_EQ(state.values.size(), 4000);
+  // Random pairs are 0.66 apart; neighbours on the curve about a cell of the 4000.
+  EXPECT_LT(mean_step(), 0.2 * before);
+}
+
+TEST(SplatGrowth, ResetLeavesNoOpacityAboveAHundredth) {
+  SplatTrainState state = state_of(50);
+  reset_opacity(state);
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_LE(1 / (1 + std::exp(-state.values.plane(SplatPlane::opacity)[i])), 0.010001);
+  }
+}
+
+TEST(SplatGrowth, NoiseMovesTheFaintOnlyAndAsTheirShape) {
+  SplatTrainState state = state_of(4000);
+  for (int i = 0; i < 4000; ++i) {
+    const bool faint = i % 2 == 0;
+    state.values.plane(SplatPlane::opacity)[i] = faint ? -12.0F : 2.0F;
+    for (int k = 0; k < 3; ++k) {
+      state.values.plane(k)[i] = 0;
+      state.values.plane(SplatPlane::log_scale + k)[i] = std::log(k == 0 ? 0.2F : 0.1F);
+      state.values.plane(SplatPlane::rotation + 1 + k)[i] = 0;
+    }
+    state.values.plane(SplatPlane::rotation)[i] = 1;
+  }
+  add_centre_noise(state.values, 1, Rng(4));
+  double squares[3] = {};
+  for (int i = 0; i < 4000; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const double moved = state.values.plane(k)[i];
+      if (i % 2 == 1) {
+        EXPECT_EQ(moved, 0);
+      }
+      squares[k] += moved * moved / 2000;
+    }
+  }
+  // The gate is 1 / (1 + e^-0.5) for the transparent; 2000 draws: 1.6 % of sigma, allow five.
+  const double gate = 1 / (1 + std::exp(-100 * (1 - 1 / (1 + std::exp(12.0)) - 0.995)));
+  EXPECT_NEAR(std::sqrt(squares[0]), gate * 0.04, 5 * 0.016 * gate * 0.04);
+  EXPECT_NEAR(std::sqrt(squares[1]), gate * 0.01, 5 * 0.016 * gate * 0.01);
+}
+
+}  // namespace
+}  // namespace cousin

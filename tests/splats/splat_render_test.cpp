@@ -1,0 +1,110 @@
+#include "perception/splats/splat_render.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/splats/random_splats.h"
+
+namespace cousin {
+namespace {
+
+SplatModel cube_model() {
+  SplatModel model;
+  model.splats = random_splats(400, 8);
+  return model;
+}
+
+double largest_difference(const ColorPlanes& a, const ColorPlanes& b) {
+  double largest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < a.channel[k].size(); ++i) {
+      largest = std::max(
+          largest, static_cast<double>(std::abs(a.channel[k].data()[i] - b.channel[k].data()[i])));
+    }
+  }
+  return largest;
+}
+
+/// Pixels whose colours differ by more than 1e-4: a decision at 1/255 that rounding turns may
+/// change one by up to 4e-3.
+int pixels_off(const ColorPlanes& a, const ColorPlanes& b) {
+  int off = 0;
+  for (std::size_t i = 0; i < a.channel[0].size(); ++i) {
+    double largest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      largest = std::max(
+          largest, static_cast<double>(std::abs(a.channel[k].data()[i] - b.channel[k].data()[i])));
+    }
+    off += largest > 1e-4 ? 1 : 0;
+  }
+  return off;
+}
+
+// Views rescaled with the scene see the same; only roundings at thresholds differ, in a handful of
+// the 8100 pixels.
+TEST(SplatRender, AnImageDoesNotDependOnTheSceneScale) {
+  const Camera camera = pinhole(108, 75, 100);
+  const ColorPlanes expected = render_splats(cube_model(), camera, view_of_cube()).color;
+  for (const double factor : {1e-3, 0.37, 41.0, 1e3}) {
+    SplatModel model = cube_model();
+    for (Splat& s : model.splats) {
+      s.centre_m *= static_cast<float>(factor);
+      s.log_scale.array() += static_cast<float>(std::log(factor));
+    }
+    Pose pose = view_of_cube();
+    pose.translation_m *= factor;
+    const ColorPlanes image = render_splats(model, camera, pose).color;
+    EXPECT_LT(largest_difference(image, expected), 0.01) << factor;
+    EXPECT_LE(pixels_off(image, expected), 16) << factor;
+  }
+}
+
+TEST(SplatRender, AnImageDoesNotDependOnWhereTheSceneIs) {
+  const Camera camera = pinhole(108, 75, 100);
+  const ColorPlanes expected = render_splats(cube_model(), camera, view_of_cube()).color;
+  SplatModel model = cube_model();
+  model.origin_in_world_m = {1e6, -2e6, 3e5};
+  Pose pose = view_of_cube();
+  pose.translation_m -= pose.rotation * model.origin_in_world_m;
+  const ColorPlanes image = render_splats(model, camera, pose).color;
+  // The pose's own translation has 1e6 m in a double: 2e-10 m.
+  EXPECT_LT(largest_difference(image, expected), 0.01);
+  EXPECT_LE(pixels_off(image, expected), 16);
+}
+
+TEST(SplatRender, DepthsOfOneDiscAreItsCentres) {
+  SplatModel model;
+  model.splats.resize(2);
+  for (Splat& s : model.splats) {
+    s.log_scale.setConstant(std::log(0.1F));
+    s.opacity_logit = std::log(0.4F / 0.6F);
+  }
+  model.splats[0].centre_m = {0, 0, 1};
+  model.splats[1].centre_m = {0, 0, 2};
+  Camera camera = pinhole(64, 64, 60);
+  camera.cx_px = camera.cy_px = 32;
+  const SplatImage image = render_splats(model, camera, Pose{});
+  // 0.6 is left behind the first, 0.36 behind the second.
+  EXPECT_FLOAT_EQ(image.depth_m(32, 32), 2);
+  EXPECT_NEAR(image.mean_depth_m(32, 32), (0.4 * 1 + 0.24 * 2) / 0.64, 1e-5);
+  EXPECT_NEAR(image.alpha(32, 32), 0.64, 1e-5);
+  EXPECT_TRUE(std::isnan(image.depth_m(0, 0)));
+  EXPECT_TRUE(std::isnan(image.mean_depth_m(0, 0)));
+  EXPECT_EQ(image.alpha(0, 0), 0);
+}
+
+TEST(SplatRender, AnEmptyModelIsItsBackground) {
+  SplatRenderConfig config;
+  config.background = {0.1F, 0.2F, 0.3F};
+  const SplatImage image = render_splats({}, pinhole(17, 9, 10), Pose{}, config);
+  EXPECT_EQ(image.color.channel[2](16, 8), 0.3F);
+  EXPECT_EQ(image.alpha(3, 3), 0);
+}
+
+TEST(SplatRender, OtherLensesAreRefused) {
+  Camera camera = pinhole(32, 32, 30);
+  camera.model = LensModel::opencv5;
+  EXPECT_THROW(render_splats(cube_model(), camera, Pose{}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cousin

@@ -1,0 +1,301 @@
+#include "perception/splats/train_splats.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "perception/splats/splat_render.h"
+#include "tests/splats/random_splats.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+SplatModel true_model() {
+  SplatModel model;
+  model.splats = random_splats(60, 11, 0.12);
+  for (Splat& s : model.splats) s.sh_rest.fill(0);
+  return model;
+}
+
+SplatViewLevel photograph(const SplatModel& model, const Camera& camera, const Pose& pose) {
+  SplatViewLevel level;
+  level.camera = camera;
+  level.color = render_splats(model, camera, pose).color;
+  return level;
+}
+
+std::vector<SplatView> views_of(const SplatModel& model, int count) {
+  std::vector<SplatView> views;
+  for (int i = 0; i < count; ++i) {
+    SplatView view;
+    view.camera_from_world =
+        look_at({1.5 * std::cos(0.7 * i), 1.5 * std::sin(0.7 * i), 0.5 + 0.1 * i}, {0, 0, 0});
+    view.levels.push_back(photograph(model, pinhole(64, 48, 60), view.camera_from_world));
+    view.levels.push_back(photograph(model, pinhole(32, 24, 30), view.camera_from_world));
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+SplatModel start_model(int count) {
+  SplatModel model;
+  model.splats = random_splats(count, 12, 0.1);
+  for (Splat& s : model.splats) {
+    s.sh_rest.fill(0);
+    s.sh_dc.fill(0);
+    s.opacity_logit = -2;
+  }
+  return model;
+}
+
+SplatTrainConfig quick_config(SplatGrowth growth) {
+  SplatTrainConfig config;
+  config.steps = 160;
+  config.growth = growth;
+  config.most_splats = 300;
+  config.grow_every = 20;
+  config.half_until = 0.3;
+  config.report_every = 20;
+  config.gradient_limit = 1e-5;
+  return config;
+}
+
+bool same_bytes(const SplatModel& a, const SplatModel& b) {
+  return a.splats.size() == b.splats.size() &&
+         std::memcmp(a.splats.data(), b.splats.data(), a.splats.size() * sizeof(Splat)) == 0 &&
+         a.views_seen == b.views_seen;
+}
+
+bool all_finite(const SplatModel& model) {
+  for (const Splat& s : model.splats) {
+    if (!s.centre_m.allFinite() || !s.log_scale.allFinite() || !s.rotation_wxyz.allFinite() ||
+        !std::isfinite(s.opacity_logit)) {
+      return false;
+    }
+    for (const float x : s.sh_dc) {
+      if (!std::isfinite(x)) return false;
+    }
+    for (const float x : s.sh_rest) {
+      if (!std::isfinite(x)) return false;
+    }
+  }
+  return true;
+}
+
+constexpr SplatGrowth kKinds[] = {SplatGrowth::fixed, SplatGrowth::adaptive, SplatGrowth::budgeted,
+                                  SplatGrowth::mcmc};
+
+// Black pixels would leave most of the loss that the first point of the curve has.
+TEST(TrainSplats, EveryKindOfGrowthBringsTheLossDown) {
+  const std::vector<SplatView> views = views_of(true_model(), 9);
+  for (const SplatGrowth growth : kKinds) {
+    const SplatTraining training = train_splats(views, start_model(150), quick_config(growth));
+    EXPECT_EQ(training.status, SplatTrainStatus::ok);
+    ASSERT_EQ(training.curve.size(), 8u);
+    EXPECT_LT(training.curve.back().loss, 0.6 * training.curve.front().loss)
+        << static_cast<int>(growth);
+    EXPECT_TRUE(all_finite(training.model));
+    EXPECT_LE(training.model.splats.size(), 300u);
+    EXPECT_EQ(training.model.views_seen.size(), training.model.splats.size());
+  }
+}
+
+TEST(TrainSplats, GrowthReachesItsBudget) {
+  const std::vector<SplatView> views = views_of(true_model(), 6);
+  for (const SplatGrowth growth : {SplatGrowth::budgeted, SplatGrowth::mcmc}) {
+    SplatTrainConfig config = quick_config(growth);
+    config.most_splats = 180;
+    const SplatTraining training = train_splats(views, start_model(150), config);
+    EXPECT_GT(training.model.splats.size(), 165u) << static_cast<int>(growth);
+    EXPECT_LE(training.model.splats.size(), 180u) << static_cast<int>(growth);
+  }
+}
+
+TEST(TrainSplats, BytesDoNotDependOnThreads) {
+  const std::vector<SplatView> views = views_of(true_model(), 5);
+  for (const SplatGrowth growth : kKinds) {
+    const auto with_threads = [&](std::size_t threads) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      SplatTrainConfig config = quick_config(growth);
+      config.steps = 60;
+      return train_splats(views, start_model(150), config).model;
+    };
+    EXPECT_TRUE(same_bytes(with_threads(1), with_threads(8))) << static_cast<int>(growth);
+  }
+}
+
+class SplatCheckpointTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+TEST_F(SplatCheckpointTest, AStoppedTrainingEndsInTheSameBytes) {
+  const std::vector<SplatView> views = views_of(true_model(), 5);
+  for (const SplatGrowth growth : {SplatGrowth::budgeted, SplatGrowth::mcmc}) {
+    const SplatTrainConfig config = quick_config(growth);
+    const SplatTraining whole = train_splats(views, start_model(150), config);
+    const SplatCheckpoint checkpoint = {folder_ / std::to_string(static_cast<int>(growth)), 33};
+    const auto stop_at = [](int step) {
+      return [step](const SplatTrainPoint& point) { return point.step < step; };
+    };
+    const SplatTraining part =
+        train_splats(views, start_model(150), config, stop_at(80), checkpoint);
+    EXPECT_EQ(part.status, SplatTrainStatus::stopped);
+    const SplatTraining rest = train_splats(views, start_model(150), config, {}, checkpoint);
+    EXPECT_EQ(rest.status, SplatTrainStatus::ok);
+    EXPECT_TRUE(same_bytes(whole.model, rest.model));
+    ASSERT_EQ(rest.curve.size(), whole.curve.size());
+    for (std::size_t i = 0; i < rest.curve.size(); ++i) {
+      EXPECT_EQ(rest.curve[i].loss, whole.curve[i].loss);
+    }
+  }
+}
+
+TEST_F(SplatCheckpointTest, DamagedAndForeignOnesAreRefused) {
+  const std::vector<SplatView> views = views_of(true_model(), 3);
+  SplatTrainConfig config = quick_config(SplatGrowth::fixed);
+  config.steps = 4;
+  const SplatCheckpoint checkpoint = {folder_ / "c", 2};
+  (void)train_splats(views, start_model(20), config, {}, checkpoint);
+  config.steps = 5;
+  EXPECT_THROW((void)train_splats(views, start_model(20), config, {}, checkpoint),
+               std::runtime_error);
+  config.steps = 4;
+  std::string bytes;
+  {
+    std::ifstream in(checkpoint.file, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  for (const std::size_t cut :
+       {std::size_t{0}, std::size_t{30}, bytes.size() / 2, bytes.size() - 1}) {
+    std::ofstream(checkpoint.file, std::ios::binary) << bytes.substr(0, cut);
+    EXPECT_THROW((void)train_splats(views, start_model(20), config, {}, checkpoint),
+                 std::runtime_error);
+  }
+  std::string altered = bytes;
+  altered[bytes.size() / 2] ^= 1;
+  std::ofstream(checkpoint.file, std::ios::binary) << altered;
+  EXPECT_THROW((void)train_splats(views, start_model(20), config, {}, checkpoint),
+               std::runtime_error);
+}
+
+TEST(TrainSplats, WhatCannotBeTrainedSaysSo) {
+  const SplatTrainConfig config = quick_config(SplatGrowth::budgeted);
+  std::vector<SplatView> views = views_of(true_model(), 3);
+  EXPECT_EQ(train_splats({}, start_model(9), config).status, SplatTrainStatus::no_views);
+  EXPECT_EQ(train_splats(views, {}, config).status, SplatTrainStatus::no_start);
+  SplatModel broken = start_model(3);
+  for (Splat& s : broken.splats) s.centre_m[1] = NAN;
+  EXPECT_EQ(train_splats(views, broken, config).status, SplatTrainStatus::no_start);
+  // Cameras that look away.
+  std::vector<SplatView> away = views;
+  for (SplatView& view : away) view.camera_from_world = look_at({5, 0, 0}, {9, 0, 0});
+  EXPECT_EQ(train_splats(away, start_model(9), config).status, SplatTrainStatus::nothing_seen);
+  // Masks that hide all.
+  for (SplatView& view : views) {
+    for (SplatViewLevel& level : view.levels) {
+      level.weight = Image<float>(level.camera.width_px, level.camera.height_px, 0.0F);
+    }
+  }
+  EXPECT_EQ(train_splats(views, start_model(9), config).status, SplatTrainStatus::nothing_to_learn);
+}
+
+TEST(TrainSplats, ExtremeViewsGiveFiniteModels) {
+  const std::vector<SplatView> good = views_of(true_model(), 4);
+  std::vector<std::vector<SplatView>> cases;
+  cases.push_back({good[0]});                             // one view
+  cases.push_back({good[1], good[1], good[1], good[1]});  // the same one again
+  std::vector<SplatView> black = good;
+  for (SplatView& view : black) {
+    for (SplatViewLevel& level : view.levels) {
+      for (Image<float>& channel : level.color.channel) {
+        std::fill(channel.begin(), channel.end(), 0.0F);
+      }
+    }
+  }
+  cases.push_back(black);
+  std::vector<SplatView> wrong = good;  // photographs with each other's poses
+  for (std::size_t i = 0; i < wrong.size(); ++i) {
+    wrong[i].camera_from_world = good[(i + 1) % 4].camera_from_world;
+  }
+  cases.push_back(wrong);
+  std::vector<SplatView> one_hidden = good;  // one mask is empty
+  for (SplatViewLevel& level : one_hidden[2].levels) {
+    level.weight = Image<float>(level.camera.width_px, level.camera.height_px, 0.0F);
+  }
+  cases.push_back(one_hidden);
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    for (const SplatGrowth growth : kKinds) {
+      SplatTrainConfig config = quick_config(growth);
+      config.reset_every = 0.3;
+      const SplatTraining training = train_splats(cases[i], start_model(100), config);
+      EXPECT_TRUE(training.status == SplatTrainStatus::ok ||
+                  training.status == SplatTrainStatus::nothing_seen)
+          << i << to_string(training.status);
+      EXPECT_TRUE(all_finite(training.model)) << i;
+    }
+  }
+}
+
+TEST(TrainSplats, PixelsOfNoWeightAreNotLearned) {
+  // Half of every photograph is white noise that the weights hide.
+  std::vector<SplatView> views = views_of(true_model(), 6);
+  const std::vector<SplatView> clean = views;
+  Rng rng(3);
+  for (SplatView& view : views) {
+    for (SplatViewLevel& level : view.levels) {
+      level.weight = Image<float>(level.camera.width_px, level.camera.height_px, 1.0F);
+      for (int y = 0; y < level.camera.height_px; ++y) {
+        for (int x = level.camera.width_px / 2; x < level.camera.width_px; ++x) {
+          level.weight(x, y) = 0;
+          for (Image<float>& channel : level.color.channel) {
+            channel(x, y) = static_cast<float>(uniform(rng));
+          }
+        }
+      }
+    }
+  }
+  std::vector<SplatView> weighted = clean;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (std::size_t k = 0; k < views[i].levels.size(); ++k) {
+      weighted[i].levels[k].weight = views[i].levels[k].weight;
+    }
+  }
+  const SplatTrainConfig config = quick_config(SplatGrowth::fixed);
+  EXPECT_TRUE(same_bytes(train_splats(views, start_model(100), config).model,
+                         train_splats(weighted, start_model(100), config).model));
+}
+
+TEST(TrainSplats, WrongInputsAreNamed) {
+  std::vector<SplatView> views = views_of(true_model(), 2);
+  SplatTrainConfig config;
+  config.steps = 0;
+  try {
+    (void)train_splats(views, start_model(5), config);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("steps = 0"), std::string::npos) << error.what();
+  }
+  views[1].levels[0].color.channel[1] = Image<float>(3, 4);
+  try {
+    (void)train_splats(views, start_model(5), SplatTrainConfig{});
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("view 1: a channel is 3 x 4"), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace cousin
