@@ -16,6 +16,7 @@ import sys
 MAY_INCLUDE = {
     "sim/types": [],
     "sim/config": ["sim/types"],
+    "sim/process": [],
     "sim/truth": ["sim/types"],
     "sim/imaging": ["sim/types"],
     "sim/geometry": ["sim/types"],
@@ -24,11 +25,11 @@ MAY_INCLUDE = {
     "sim/plant": ["sim/truth", "sim/geometry", "sim/config"],
     "sim/physics": ["sim/truth", "sim/geometry", "sim/config"],
     "sim/render": ["sim/truth", "sim/geometry", "sim/config"],
-    "sim/render/cycles": ["sim/render", "sim/imaging"],
+    "sim/render/cycles": ["sim/render", "sim/imaging", "sim/process"],
     "sim/sensors": ["sim/render", "sim/imaging", "sim/config"],
     "scenes": ["sim/truth", "sim/geometry", "sim/plant", "sim/physics", "sim/render", "sim/config"],
     "calibration": ["sim/types", "sim/imaging", "sim/config", "sim/dataset"],
-    "perception": ["sim/types", "sim/imaging", "sim/config", "sim/geometry", "sim/dataset", "calibration"],
+    "perception": ["sim/types", "sim/imaging", "sim/config", "sim/geometry", "sim/dataset", "sim/process", "calibration"],
     "benchmarks": ["sim", "sim/dataset/truth", "scenes", "calibration", "perception"],
 }
 # Files of the dataset's truth target; the rest of sim/dataset must not see the truth.

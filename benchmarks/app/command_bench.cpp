@@ -26,6 +26,7 @@
 #include "benchmarks/seeds/suite.h"
 #include "benchmarks/sensors/sensors_page.h"
 #include "benchmarks/sensors/sensors_suite.h"
+#include "benchmarks/sfm/sfm_suite.h"
 #include "benchmarks/shards/shard_scores.h"
 #include "benchmarks/splats/splats_suite.h"
 #include "benchmarks/stability/suite.h"
@@ -40,8 +41,7 @@ void add_plots(SeedsReport& report) {
   report.lines = sensors_plots(report.scores.scores);
   for (LinePlot& plot : cousins_plots(report.scores.scores))
     report.lines.push_back(std::move(plot));
-  for (LinePlot& plot : study_plots(report.scores.scores))
-    report.lines.push_back(std::move(plot));
+  for (LinePlot& plot : study_plots(report.scores.scores)) report.lines.push_back(std::move(plot));
   for (ErrorTimeCurve& curve : study_times(report.scores.scores))
     report.curves.push_back(std::move(curve));
 }
@@ -263,11 +263,10 @@ ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
   config.quick = o.quick;
   const std::string verified = o.quick ? "verified.quick.json" : "verified.json";
   std::vector<ShardJob> jobs = study_jobs(config);
-  jobs.insert(jobs.begin(),
-              {verified, std::string(COUSIN_VERSION) + "/" + std::to_string(o.seed) + "/" + verified,
-               [&] {
-                 return to_json(calibration_suite(o.seed, o.quick, context.progress.function()));
-               }});
+  jobs.insert(
+      jobs.begin(),
+      {verified, std::string(COUSIN_VERSION) + "/" + std::to_string(o.seed) + "/" + verified,
+       [&] { return to_json(calibration_suite(o.seed, o.quick, context.progress.function())); }});
   const auto results = run_jobs(context, out, jobs);
   ScoreFile scores = scores_of_shards(results, "calibration", o.seed);
   std::vector<ScoreRow> studies = study_rows(scores.scores, config);
@@ -279,6 +278,23 @@ ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
              "OpenCV and mrcal. The studies photograph boards through a sensor's model, find them "
              "and hold the lens found against the true one.",
              std::move(scores));
+  note_missing(context, results, report);
+  return finish(std::move(report), context, out);
+}
+
+ScoreFile bench_sfm(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  SfmSuiteConfig config;
+  config.seed = o.seed;
+  config.quick = o.quick;
+  config.folder = fs::absolute(out / "colmap");
+  config.neutral = fs::path(COUSIN_REAL_DATA) / ".." / "data" / "splat_neutral";
+  const auto results = run_jobs(context, out, sfm_suite_jobs(config, context.progress.function()));
+  SeedsReport report =
+      titled("Cousin: bench sfm",
+             "Poses by COLMAP 3.8 before and after our adjustment, against exact ones. COLMAP's "
+             "results vary with its threads, whose number is fixed here, and with its build.",
+             scores_of_shards(results, "sfm", o.seed));
   note_missing(context, results, report);
   return finish(std::move(report), context, out);
 }
@@ -299,6 +315,7 @@ constexpr std::array<Suite, 12> kSuites = {
      {"plants", bench_plants, {"--quick"}},
      {"splats", bench_splats, {"--quick"}},
      {"calibration", bench_calibration, {"--quick", "--shard"}},
+     {"sfm", bench_sfm, {"--quick", "--shard"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
 

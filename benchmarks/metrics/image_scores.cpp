@@ -1,5 +1,6 @@
 #include "benchmarks/metrics/image_scores.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "benchmarks/metrics/order_statistics.h"
+#include "sim/geometry/similarity.h"
 
 namespace cousin {
 namespace {
@@ -17,6 +19,38 @@ void require_same_size(const Image<A>& a, const Image<B>& b, const char* what) {
   throw std::invalid_argument(std::string(what) + ": " + std::to_string(a.width()) + " x " +
                               std::to_string(a.height()) + " against " + std::to_string(b.width()) +
                               " x " + std::to_string(b.height()));
+}
+
+/// Mean distance of cameras from the point nearest to their optical axes; NaN if these are
+/// parallel.
+double looking_distance_m(std::span<const Pose> camera_from_world) {
+  Eigen::Matrix3d across = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Pose& pose : camera_from_world) {
+    const Eigen::Vector3d axis = pose.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    const Eigen::Matrix3d off_axis = Eigen::Matrix3d::Identity() - axis * axis.transpose();
+    across += off_axis;
+    sum += off_axis * centre_in_world_m(pose);
+  }
+  const Eigen::FullPivLU<Eigen::Matrix3d> solver(across);
+  constexpr double kLeastPivot = 1e-9;  // of the number of cameras
+  const double least = solver.matrixLU().diagonal().cwiseAbs().minCoeff();
+  if (!(least > kLeastPivot * static_cast<double>(camera_from_world.size()))) return kNaN;
+  const Eigen::Vector3d point = solver.solve(sum);
+  double distance = 0;
+  for (const Pose& pose : camera_from_world) distance += (centre_in_world_m(pose) - point).norm();
+  return distance / static_cast<double>(camera_from_world.size());
+}
+
+/// The similarity that takes the posed views' centres to the true ones.
+SimilarityFit aligned(const Poses& estimate, std::span<const Pose> truth) {
+  std::vector<Eigen::Vector3d> estimated_m, true_m;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    if (estimate[i].status != PoseStatus::ok) continue;
+    estimated_m.push_back(centre_in_world_m(estimate[i].camera_from_world));
+    true_m.push_back(centre_in_world_m(truth[i]));
+  }
+  return fit_similarity(true_m, estimated_m);
 }
 
 }  // namespace
@@ -64,7 +98,7 @@ DepthScore score_depth(const Image<float>& estimate_m, const Image<float>& truth
 }
 
 PoseScore score_poses(const Poses& estimate, std::span<const Pose> truth_camera_from_world,
-                      std::span<const Camera> truth_cameras) {
+                      std::span<const Camera> truth_cameras, PoseAlignment alignment) {
   if (estimate.size() != truth_camera_from_world.size() ||
       (!truth_cameras.empty() && truth_cameras.size() != estimate.size())) {
     throw std::invalid_argument("score_poses: " + std::to_string(estimate.size()) + " estimates, " +
@@ -73,21 +107,35 @@ PoseScore score_poses(const Poses& estimate, std::span<const Pose> truth_camera_
   }
   PoseScore score;
   score.views = static_cast<int>(estimate.size());
+  WorldSimilarity truth_from_estimate;
+  if (alignment == PoseAlignment::similarity) {
+    const SimilarityFit fit = aligned(estimate, truth_camera_from_world);
+    score.posed =
+        static_cast<int>(std::count_if(estimate.begin(), estimate.end(), [](const FramePose& pose) {
+          return pose.status == PoseStatus::ok;
+        }));
+    score.scale = fit.ok ? fit.a_from_b.scale : kNaN;
+    if (!fit.ok) return score;
+    truth_from_estimate = fit.a_from_b;
+  }
   std::vector<double> centres, rotations, focals;
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     if (estimate[i].status != PoseStatus::ok) continue;
     const Pose& truth = truth_camera_from_world[i];
-    centres.push_back(
-        (centre_in_world_m(estimate[i].camera_from_world) - centre_in_world_m(truth)).norm());
-    rotations.push_back(
-        angle_rad(estimate[i].camera_from_world.rotation * truth.rotation.conjugate()));
+    const Pose own = alignment == PoseAlignment::none
+                         ? estimate[i].camera_from_world
+                         : moved(estimate[i].camera_from_world, truth_from_estimate);
+    centres.push_back((centre_in_world_m(own) - centre_in_world_m(truth)).norm());
+    rotations.push_back(angle_rad(own.rotation * truth.rotation.conjugate()));
     if (!truth_cameras.empty())
       focals.push_back(estimate[i].camera.fx_px / truth_cameras[i].fx_px - 1);
   }
   score.posed = static_cast<int>(centres.size());
   score.centre_rms_m = rms(centres);
   score.centre_max_m = quantile(centres, 1);
+  score.centre_rms_share = score.centre_rms_m / looking_distance_m(truth_camera_from_world);
   score.rotation_rms_rad = rms(rotations);
+  score.rotation_max_rad = quantile(rotations, 1);
   score.focal_rms = rms(focals);
   return score;
 }

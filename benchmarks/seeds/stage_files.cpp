@@ -1,77 +1,22 @@
 #include "benchmarks/seeds/stage_files.h"
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <sstream>
 #include <stdexcept>
 
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/seam_io.h"
-
-extern char** environ;
+#include "sim/process/program_run.h"
+#include "sim/process/scratch_folder.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-/// A new folder that is removed with all it holds.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "cousin-stage-XXXXXX").string();
-    if (!mkdtemp(name.data())) {
-      throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string() +
-                               ": " + std::strerror(errno));
-    }
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 void call_program(const fs::path& program, const fs::path& input, const fs::path& output) {
-  const std::string name = program.string(), in = input.string(), out = output.string();
-  char* const arguments[] = {const_cast<char*>(name.c_str()), const_cast<char*>(in.c_str()),
-                             const_cast<char*>(out.c_str()), nullptr};
-  // Our stdout is for results (--json): what the program prints there goes to stderr.
-  posix_spawn_file_actions_t actions;
-  int error = posix_spawn_file_actions_init(&actions);
-  if (error != 0) throw std::runtime_error("posix_spawn: " + std::string(std::strerror(error)));
-  error = posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-  pid_t child = 0;
-  if (error == 0) {
-    error = posix_spawnp(&child, name.c_str(), &actions, nullptr, arguments, environ);
-  }
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) {
-    throw std::runtime_error("cannot start \"" + name + "\": " + std::strerror(error));
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR)
-      throw std::runtime_error("waiting for \"" + name + "\": " + std::strerror(errno));
-  }
-  if (WIFSIGNALED(status)) {
-    throw std::runtime_error("\"" + name + "\" was ended by signal " +
-                             std::to_string(WTERMSIG(status)));
-  }
-  if (WEXITSTATUS(status) != 0) {
-    throw std::runtime_error("\"" + name + "\" exited with " + std::to_string(WEXITSTATUS(status)));
-  }
+  const ProgramOutcome outcome =
+      run_program({.words = {program.string(), input.string(), output.string()}});
+  if (!succeeded(outcome)) throw std::runtime_error(outcome.reason);
 }
 
 /// A stage that reads its seam with `read` from files, or from what a program makes of the capture
@@ -87,7 +32,7 @@ std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSo
     };
   }
   return [source, scene_index, read](const Capture& capture, const SeedsEstimate& so_far) {
-    const TemporaryFolder folder;
+    const ScratchFolder folder("cousin-stage");
     const fs::path input = folder.path() / "input";
     const fs::path output = folder.path() / "output";
     fs::create_directories(output);
@@ -99,20 +44,6 @@ std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSo
     call_program(source.path, input, output);
     return read(output);
   };
-}
-
-/// A path with a slash is the file itself; a bare name is looked up in PATH, as a shell would.
-bool can_be_started(const fs::path& program) {
-  const auto executable = [](const fs::path& file) {
-    return fs::is_regular_file(file) && access(file.c_str(), X_OK) == 0;
-  };
-  if (program.has_parent_path()) return executable(program);
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    if (executable(fs::path(folder) / program)) return true;
-  }
-  return false;
 }
 
 /// Removes a folder's files that are named by six digits and `ending`, and the folder if that was
@@ -167,7 +98,7 @@ StageSource parse_stage_source(const std::string& text) {
     source.kind = StageSource::Kind::program;
     source.path = rest.substr(5);
     if (source.path.empty()) fail("no program is named");
-    if (!can_be_started(source.path)) {
+    if (find_program(source.path.string()).empty()) {
       fail("program \"" + source.path.string() + "\" does not exist or may not be executed");
     }
   } else {

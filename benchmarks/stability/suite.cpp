@@ -13,6 +13,7 @@
 #include "benchmarks/stability/mesh_ray_cases.h"
 #include "benchmarks/stability/path_cases.h"
 #include "benchmarks/stability/ray_cases.h"
+#include "benchmarks/stability/sfm_cases.h"
 #include "benchmarks/stability/stem_cases.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/types/stage_clock.h"
@@ -50,6 +51,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       {"lenses and light", lens_cases},
       {"bundles", [&] { return bundle_cases(quick); }},
       {"calibration", calibration_cases},
+      {"structure from motion", sfm_cases},
       {"rays", [&] { return ray_cases(rays, Rng(1)); }},
       {"rays at bad meshes", mesh_ray_cases},
       {"light at its limits", [&] { return path_cases(quick); }},

@@ -25,9 +25,9 @@ constexpr double kLeastShare = 0.01;  ///< of the median scale
   throw std::invalid_argument("splat_start: " + what);
 }
 
-StartPoints from_colmap(const std::vector<ColmapPoint>& points) {
+StartPoints from_colmap(const std::vector<ColmapStartPoint>& points) {
   StartPoints result;
-  for (const ColmapPoint& point : points) result.points.push_back({point.position, point.color});
+  for (const ColmapStartPoint& point : points) result.points.push_back({point.position, point.color});
   return result;
 }
 

@@ -16,6 +16,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "sim/dataset/byte_reader.h"
 #include "sim/dataset/colmap_camera.h"
 #include "sim/dataset/text_fields.h"
 
@@ -79,50 +80,6 @@ void put(std::string& bytes, Number value) {
   bytes.append(raw, sizeof raw);
 }
 
-/// Reads from the front; knows where it is.
-class Bytes {
- public:
-  Bytes(std::string_view bytes, std::string name)
-      : all_(bytes.size()), rest_(bytes), name_(std::move(name)) {}
-
-  template <class Number>
-  Number take() {
-    if (rest_.size() < sizeof(Number)) throw std::runtime_error(where() + "the file ends here");
-    Number value;
-    std::memcpy(&value, rest_.data(), sizeof value);
-    rest_.remove_prefix(sizeof value);
-    return value;
-  }
-  /// A count of records of at least `least_bytes` each, which must fit into what is left.
-  std::uint64_t count(std::size_t least_bytes) {
-    const std::string here = where();
-    const auto value = take<std::uint64_t>();
-    if (value > rest_.size() / least_bytes) {
-      throw std::runtime_error(here + "the count " + std::to_string(value) +
-                               " needs more bytes than the " + std::to_string(rest_.size()) +
-                               " that are left");
-    }
-    return value;
-  }
-  std::string text() {
-    const std::size_t end = rest_.substr(0, kMaxNameChars + 1).find('\0');
-    if (end == std::string_view::npos)
-      throw std::runtime_error(where() + "a name does not end within 4096 characters");
-    const std::string value(rest_.substr(0, end));
-    rest_.remove_prefix(end + 1);
-    return value;
-  }
-  void skip(std::uint64_t bytes) { rest_.remove_prefix(static_cast<std::size_t>(bytes)); }
-  std::string where() const {
-    return name_ + ": byte " + std::to_string(all_ - rest_.size()) + ": ";
-  }
-
- private:
-  std::size_t all_;
-  std::string_view rest_;
-  std::string name_;
-};
-
 int size_px(std::uint64_t value, const std::string& where) {
   if (value < 1 || value > static_cast<std::uint64_t>(kMaxSide_px)) {
     throw std::runtime_error(where + "a side of " + std::to_string(value) +
@@ -133,7 +90,7 @@ int size_px(std::uint64_t value, const std::string& where) {
 
 void read_cameras(std::string_view bytes, const std::string& name, ColmapModel& model) {
   constexpr std::size_t kLeastBytes = 4 + 4 + 8 + 8 + 3 * 8;
-  Bytes in(bytes, name + "/cameras.bin");
+  ByteReader in(bytes, name + "/cameras.bin");
   for (std::uint64_t left = in.count(kLeastBytes); left > 0; --left) {
     const std::string where = in.where();
     const auto id = in.take<std::int32_t>();
@@ -147,7 +104,7 @@ void read_cameras(std::string_view bytes, const std::string& name, ColmapModel& 
 
 void read_images(std::string_view bytes, const std::string& name, ColmapModel& model) {
   constexpr std::size_t kLeastBytes = 4 + 7 * 8 + 4 + 1 + 8, kPointBytes = 24;
-  Bytes in(bytes, name + "/images.bin");
+  ByteReader in(bytes, name + "/images.bin");
   for (std::uint64_t left = in.count(kLeastBytes); left > 0; --left) {
     const std::string where = in.where();
     const auto id = in.take<std::int32_t>();
@@ -156,7 +113,7 @@ void read_images(std::string_view bytes, const std::string& name, ColmapModel& m
     ColmapImage image;
     image.camera_from_world = pose_of(numbers, where);
     image.camera = in.take<std::int32_t>();
-    image.name = in.text();
+    image.name = in.text(kMaxNameChars);
     in.skip(in.count(kPointBytes) * kPointBytes);
     add_image(model, id, std::move(image), where);
   }

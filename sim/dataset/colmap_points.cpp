@@ -32,10 +32,10 @@ Number number_at(std::string_view bytes, std::size_t at) {
 
 }  // namespace
 
-std::vector<ColmapPoint> colmap_points_from_text(std::string_view text, const std::string& name) {
-  std::vector<ColmapPoint> points;
+std::vector<ColmapStartPoint> colmap_points_from_text(std::string_view text, const std::string& name) {
+  std::vector<ColmapStartPoint> points;
   for (const TextLine& line : records(text, name)) {
-    ColmapPoint point;
+    ColmapStartPoint point;
     for (std::size_t k = 0; k < 3; ++k) point.position[static_cast<int>(k)] = line.number(1 + k);
     point.color = {static_cast<std::uint8_t>(line.integer(4, 0, 255)),
                    static_cast<std::uint8_t>(line.integer(5, 0, 255)),
@@ -48,7 +48,7 @@ std::vector<ColmapPoint> colmap_points_from_text(std::string_view text, const st
   return points;
 }
 
-std::vector<ColmapPoint> colmap_points_from_binary(std::string_view bytes,
+std::vector<ColmapStartPoint> colmap_points_from_binary(std::string_view bytes,
                                                    const std::string& name) {
   std::size_t at = 0;
   const auto fail = [&](const std::string& what) {
@@ -59,11 +59,11 @@ std::vector<ColmapPoint> colmap_points_from_binary(std::string_view bytes,
   at += 8;
   if (count > (bytes.size() - at) / kHeadBytes)
     fail("the file is too short for " + std::to_string(count) + " points");
-  std::vector<ColmapPoint> points;
+  std::vector<ColmapStartPoint> points;
   points.reserve(static_cast<std::size_t>(count));
   for (std::uint64_t i = 0; i < count; ++i) {
     if (bytes.size() - at < kHeadBytes) fail("the file ends within point " + std::to_string(i));
-    ColmapPoint point;
+    ColmapStartPoint point;
     for (int k = 0; k < 3; ++k) {
       point.position[k] = number_at<double>(bytes, at + 8 + 8 * static_cast<std::size_t>(k));
     }

@@ -10,7 +10,7 @@
 namespace cousin {
 
 /// A point of COLMAP's sparse model, in the model's world and unit.
-struct ColmapPoint {
+struct ColmapStartPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Rgb8 color;
   double error_px = 0;  ///< mean reprojection error; -1 = COLMAP did not compute it
@@ -20,7 +20,7 @@ struct ColmapPoint {
 /// Points of a points3D.txt or points3D.bin, in the file's order. Points that are not finite are an
 /// error. @param name  of the file, for errors. @throws std::runtime_error naming it, line or byte,
 /// value and limit.
-std::vector<ColmapPoint> colmap_points_from_text(std::string_view text, const std::string& name);
-std::vector<ColmapPoint> colmap_points_from_binary(std::string_view bytes, const std::string& name);
+std::vector<ColmapStartPoint> colmap_points_from_text(std::string_view text, const std::string& name);
+std::vector<ColmapStartPoint> colmap_points_from_binary(std::string_view bytes, const std::string& name);
 
 }  // namespace cousin

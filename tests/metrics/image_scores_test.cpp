@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <vector>
+
+#include "sim/geometry/similarity.h"
 
 namespace cousin {
 namespace {
@@ -69,6 +72,66 @@ TEST(ScorePoses, NoPosedViewHasNoError) {
   const PoseScore score = score_poses({FramePose{}}, std::vector<Pose>{Pose{}});
   EXPECT_EQ(score.posed, 0);
   EXPECT_TRUE(std::isnan(score.centre_rms_m));
+}
+
+/// Cameras around the origin at 0.5 m, and the same in a world and unit of its own.
+struct TwoWorlds {
+  std::vector<Pose> truth;
+  Poses estimate;
+};
+TwoWorlds two_worlds(double scale) {
+  const WorldSimilarity other{
+      scale, Eigen::Quaterniond(0.3, 0.1, -0.6, 0.5).normalized(), {4, -2, 1}};
+  TwoWorlds worlds;
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Vector3d eye(std::cos(i), std::sin(i), 0.3 + 0.1 * (i % 2));
+    worlds.truth.push_back(look_at(0.5 * eye.normalized(), {0, 0, 0}));
+    worlds.estimate.push_back({.frame = i,
+                               .status = PoseStatus::ok,
+                               .camera_from_world = moved(worlds.truth.back(), other)});
+  }
+  return worlds;
+}
+
+TEST(ScorePoses, AnotherWorldAndUnitScoreNothingOnceAligned) {
+  const TwoWorlds worlds = two_worlds(3.5);
+  const PoseScore apart = score_poses(worlds.estimate, worlds.truth);
+  EXPECT_GT(apart.centre_rms_m, 1);
+  EXPECT_EQ(apart.scale, 1);
+  const PoseScore score = score_poses(worlds.estimate, worlds.truth, {}, PoseAlignment::similarity);
+  EXPECT_EQ(score.posed, 6);
+  EXPECT_NEAR(score.scale, 1 / 3.5, 1e-12);
+  EXPECT_NEAR(score.centre_rms_m, 0, 1e-12);
+  EXPECT_NEAR(score.rotation_rms_rad, 0, 1e-7);  // acos near one loses half the digits
+  EXPECT_NEAR(score.rotation_max_rad, 0, 1e-7);
+}
+
+TEST(ScorePoses, CentresAreAlsoAShareOfTheDistance) {
+  TwoWorlds worlds = two_worlds(1);
+  // All cameras look at the origin from 0.5 m; one of six is 6 mm off.
+  for (std::size_t i = 0; i < 6; ++i) worlds.estimate[i].camera_from_world = worlds.truth[i];
+  worlds.estimate[2].camera_from_world.translation_m.x() += 0.006;
+  const PoseScore score = score_poses(worlds.estimate, worlds.truth);
+  EXPECT_NEAR(score.centre_rms_m, 0.006 / std::sqrt(6), 1e-12);
+  EXPECT_NEAR(score.centre_rms_share, 0.006 / std::sqrt(6) / 0.5, 1e-9);
+  // Parallel views look at no point.
+  std::vector<Pose> parallel(3);
+  for (int i = 0; i < 3; ++i) parallel[static_cast<std::size_t>(i)].translation_m.x() = i;
+  Poses same(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    same[i].status = PoseStatus::ok;
+    same[i].camera_from_world = parallel[i];
+  }
+  EXPECT_TRUE(std::isnan(score_poses(same, parallel).centre_rms_share));
+}
+
+TEST(ScorePoses, TooFewViewsAreNotAligned) {
+  TwoWorlds worlds = two_worlds(2);
+  for (std::size_t i = 2; i < 6; ++i) worlds.estimate[i].status = PoseStatus::not_converged;
+  const PoseScore score = score_poses(worlds.estimate, worlds.truth, {}, PoseAlignment::similarity);
+  EXPECT_EQ(score.posed, 2);
+  EXPECT_TRUE(std::isnan(score.centre_rms_m));
+  EXPECT_TRUE(std::isnan(score.scale));
 }
 
 }  // namespace

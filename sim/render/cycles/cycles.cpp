@@ -1,14 +1,7 @@
 #include "sim/render/cycles/cycles.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <Eigen/Geometry>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -17,10 +10,9 @@
 #include <vector>
 
 #include "sim/imaging/image_io.h"
+#include "sim/process/program_run.h"
 #include "sim/render/cycles/cycles_scene.h"
 #include "sim/render/cycles/cycles_script.h"
-
-extern char** environ;
 
 namespace cousin {
 namespace {
@@ -34,56 +26,20 @@ void write_text(const std::filesystem::path& file, std::string_view text) {
   if (!out) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
-/// Exit status of a program, its output in `log`; -1 if it cannot be started.
-int run_program(std::vector<std::string> words, const std::filesystem::path& log) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
-                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return -1;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return -1;
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-std::string last_lines(const std::filesystem::path& log) {
-  std::ifstream in(log);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);) {
-    if (!line.empty()) lines.push_back(line);
-  }
-  std::string text;
-  for (std::size_t i = lines.size() > 4 ? lines.size() - 4 : 0; i < lines.size(); ++i)
-    text += "\n  " + lines[i].substr(0, 300);
-  return text;
-}
-
 void run_blender(const CyclesConfig& config, const json& spec) {
   write_text(config.folder / "scene.json", spec.dump());
   write_text(config.folder / "cycles_render.py", kCyclesScript);
   const std::filesystem::path log = config.folder / "blender.log";
   // Blender looks for relative names where the shell was started.
   const std::filesystem::path folder = std::filesystem::absolute(config.folder);
-  const int code =
-      run_program({config.program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1",
-                   "-P", (folder / "cycles_render.py").string(), "--", folder.string()},
-                  log);
-  if (code == -1)
-    throw std::runtime_error("Cycles: \"" + config.program +
-                             "\" cannot be started: is it installed?");
-  if (code != 0) {
-    throw std::runtime_error("Cycles: \"" + config.program + "\" ended with code " +
-                             std::to_string(code) + "; " + log.string() + " ends with" +
+  const ProgramOutcome outcome = run_program(
+      {.words = {config.program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1",
+                 "-P", (folder / "cycles_render.py").string(), "--", folder.string()},
+       .log = log});
+  if (outcome.end == ProgramEnd::not_started)
+    throw std::runtime_error("Cycles: " + outcome.reason + "; is it installed?");
+  if (!succeeded(outcome)) {
+    throw std::runtime_error("Cycles: " + outcome.reason + "; " + log.string() + " ends with" +
                              last_lines(log));
   }
 }
@@ -120,7 +76,7 @@ CyclesImage read_run(const std::filesystem::path& file, const Scene& scene, cons
 }  // namespace
 
 bool has_cycles(const std::string& program) {
-  return run_program({program, "--version"}, "/dev/null") == 0;
+  return succeeded(run_program({.words = {program, "--version"}, .log = "/dev/null"}));
 }
 
 std::vector<CyclesImage> render_with_cycles(const Scene& scene, const TrueView& view,

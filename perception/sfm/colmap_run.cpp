@@ -1,0 +1,314 @@
+#include "perception/sfm/colmap_run.h"
+
+#include <algorithm>
+#include <functional>
+#include <sstream>
+#include <stdexcept>
+
+#include "perception/sfm/colmap_files.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/colmap_model.h"
+#include "sim/dataset/manifest.h"
+#include "sim/imaging/image_io.h"
+#include "sim/process/program_run.h"
+#include "sim/process/scratch_folder.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+using Words = std::vector<std::string>;
+void check_input(const ColmapInput& input, const ColmapConfig& config) {
+  const auto count = static_cast<int>(input.images.size());
+  for (int i = 0; i < count; ++i) {
+    const Image<Rgb8>* image = input.images[static_cast<std::size_t>(i)];
+    if (image == nullptr || image->empty())
+      throw std::invalid_argument("run_colmap: image " + std::to_string(i) + " has no pixels");
+    const Image<Rgb8>& first = *input.images.front();
+    if (image->width() == first.width() && image->height() == first.height()) continue;
+    throw std::invalid_argument("run_colmap: image " + std::to_string(i) + " has " +
+                                std::to_string(image->width()) + " x " +
+                                std::to_string(image->height()) + " pixels, the first " +
+                                std::to_string(first.width()) + " x " +
+                                std::to_string(first.height()) + "; all must have one size");
+  }
+  for (const ImagePair& pair : input.pairs) {
+    if (pair[0] >= 0 && pair[0] < pair[1] && pair[1] < count) continue;
+    throw std::invalid_argument("run_colmap: the pair " + std::to_string(pair[0]) + ", " +
+                                std::to_string(pair[1]) + " is not two of " +
+                                std::to_string(count) + " images in order");
+  }
+  if (config.lens != ColmapLens::self && !input.lens)
+    throw std::invalid_argument("run_colmap: no lens is given, and the config asks for one");
+}
+
+/// COLMAP's words for the lens given: its model and its parameters, pixels from the corner.
+Words lens_words(const ColmapInput& input, const ColmapConfig& config) {
+  Words words = {config.lens_per_image ? "--ImageReader.single_camera_per_image"
+                                       : "--ImageReader.single_camera",
+                 "1", "--ImageReader.camera_model"};
+  if (config.lens == ColmapLens::self) {
+    words.emplace_back("SIMPLE_RADIAL");
+    return words;
+  }
+  ColmapModel model;
+  model.cameras[1] = *input.lens;
+  // The line "1 OPENCV 640 480 500 500 ..." after the file's head.
+  const std::string text = colmap_text(model).cameras;
+  std::istringstream line(text.substr(text.find('\n') + 1));
+  std::string skipped, parameters;
+  line >> skipped >> words.emplace_back() >> skipped >> skipped;
+  for (std::string number; line >> number;) parameters += (parameters.empty() ? "" : ",") + number;
+  words.insert(words.end(), {"--ImageReader.camera_params", parameters});
+  return words;
+}
+
+std::string images_hash(const ColmapInput& input) {
+  std::string hashes;
+  for (const Image<Rgb8>* image : input.images) {
+    const std::string_view pixels(reinterpret_cast<const char*>(image->data()),
+                                  image->size() * sizeof(Rgb8));
+    hashes += std::to_string(image->width()) + "x" + std::to_string(image->height()) + " " +
+              sha256_hex(pixels) + "\n";
+  }
+  return sha256_hex(hashes);
+}
+
+bool holds(const fs::path& file, const std::string& text) {
+  return fs::exists(file) && read_file(file) == text;
+}
+
+/// One run in its folder: the steps that are done, what is left of the time.
+class Steps {
+ public:
+  /// @param key  of everything that the first step starts from
+  Steps(std::string key, double time_limit_s, fs::path folder, ColmapRun& run)
+      : key_(std::move(key)), left_s_(time_limit_s), folder_(std::move(folder)), run_(run) {}
+
+  /// Runs `words` unless `name` was done by the same; what it leaves behind stays in the folder.
+  /// @returns false if it failed; then the run says why.
+  bool run(const std::string& name, const Words& words, const std::function<void()>& prepare) {
+    key_ = sha256_hex(key_ + "\n" + name + "\n" + joined(words));
+    const fs::path done = folder_ / (name + ".done"), log = folder_ / (name + ".log");
+    if (const std::optional<StageTiming> earlier = done_before(done)) {
+      run_.resumed = true;
+      run_.timings.push_back({.stage = name, .wall_s = earlier->wall_s, .cpu_s = earlier->cpu_s});
+      return true;
+    }
+    fs::remove(done);
+    prepare();
+    const ProgramOutcome outcome = run_program({.words = words,
+                                                .environment = {{"QT_QPA_PLATFORM", "offscreen"}},
+                                                .log = log,
+                                                .time_limit_s = std::max(left_s_, 1e-3)});
+    left_s_ -= outcome.wall_s;
+    run_.timings.push_back({.stage = name, .wall_s = outcome.wall_s, .cpu_s = outcome.cpu_s});
+    if (succeeded(outcome)) {
+      std::ostringstream text;
+      text << key_ << "\n" << outcome.wall_s << " " << outcome.cpu_s << "\n";
+      write_file(done, text.str());
+      return true;
+    }
+    run_.reason = name + ": " + outcome.reason;
+    switch (outcome.end) {
+      case ProgramEnd::not_started:
+        run_.status = ColmapStatus::not_built;
+        break;
+      case ProgramEnd::timed_out:
+        run_.status = ColmapStatus::timed_out;
+        break;
+      case ProgramEnd::exited:
+      case ProgramEnd::signalled:
+        run_.status = ColmapStatus::program_failed;
+        run_.reason += "; " + log.string() + " ends with" + last_lines(log);
+    }
+    return false;
+  }
+
+ private:
+  /// The seconds that the step took, if this very step was done before.
+  std::optional<StageTiming> done_before(const fs::path& done) const {
+    if (!fs::exists(done)) return {};
+    std::istringstream text(read_file(done, 1000));
+    std::string key;
+    StageTiming timing;
+    if (!(text >> key >> timing.wall_s >> timing.cpu_s) || key != key_) return {};
+    return timing;
+  }
+  static std::string joined(const Words& words) {
+    std::string text;
+    for (const std::string& word : words) text += word + '\0';
+    return text;
+  }
+
+  std::string key_;
+  double left_s_;
+  fs::path folder_;
+  ColmapRun& run_;
+};
+
+void write_images(const ColmapInput& input, const fs::path& folder) {
+  for (std::size_t i = 0; i < input.images.size(); ++i)
+    write_png(folder / colmap_image_name(static_cast<int>(i)), *input.images[i]);
+}
+
+/// Features and matches are in one database: what it was made of is written beside it, and a
+/// database of something else goes with all that came of it.
+void keep_database_of(const std::string& key, const fs::path& folder) {
+  if (holds(folder / "database.key", key)) return;
+  for (const char* name : {"database.db", "database.db-shm", "database.db-wal", "database.key",
+                           "features.done", "matches.done", "mapping.done"})
+    fs::remove(folder / name);
+  for (const char* name : {"images", "sparse"}) fs::remove_all(folder / name);
+}
+
+Words extraction_words(const ColmapInput& input, const ColmapConfig& config,
+                       const fs::path& folder) {
+  Words words = {config.program,
+                 "feature_extractor",
+                 "--random_seed",
+                 "0",
+                 "--database_path",
+                 (folder / "database.db").string(),
+                 "--image_path",
+                 (folder / "images").string(),
+                 "--SiftExtraction.use_gpu",
+                 "0",
+                 "--SiftExtraction.num_threads",
+                 std::to_string(config.threads),
+                 "--SiftExtraction.max_num_features",
+                 std::to_string(config.max_features)};
+  const Words lens = lens_words(input, config);
+  words.insert(words.end(), lens.begin(), lens.end());
+  return words;
+}
+
+Words matching_words(const ColmapConfig& config, const fs::path& folder) {
+  return {config.program,
+          "matches_importer",
+          "--random_seed",
+          "0",
+          "--database_path",
+          (folder / "database.db").string(),
+          "--match_list_path",
+          (folder / "pairs.txt").string(),
+          "--match_type",
+          "pairs",
+          "--SiftMatching.use_gpu",
+          "0",
+          "--SiftMatching.num_threads",
+          std::to_string(config.threads)};
+}
+
+Words mapping_words(const ColmapConfig& config, const fs::path& folder) {
+  return {config.program,
+          "mapper",
+          "--random_seed",
+          "0",
+          "--database_path",
+          (folder / "database.db").string(),
+          "--image_path",
+          (folder / "images").string(),
+          "--output_path",
+          (folder / "sparse").string(),
+          "--Mapper.num_threads",
+          std::to_string(config.threads),
+          "--Mapper.min_model_size",
+          "3",
+          "--Mapper.extract_colors",
+          "1",
+          "--Mapper.ba_refine_focal_length",
+          config.lens == ColmapLens::given ? "0" : "1",
+          "--Mapper.ba_refine_extra_params",
+          config.lens == ColmapLens::self ? "1" : "0"};
+}
+
+/// @returns whether all steps are done; if not, the run says why.
+bool run_steps(const ColmapInput& input, const ColmapConfig& config, const fs::path& folder,
+               ColmapRun& run) {
+  const Words extraction = extraction_words(input, config, folder);
+  const std::string list = match_list(input.pairs);
+  std::string key = run.version + "\n" + images_hash(input) + "\n" + list;
+  for (const std::string& word : extraction) key += "\n" + word;
+  key = sha256_hex(key);
+  keep_database_of(key, folder);
+  Steps steps(key, config.time_limit_s, folder, run);
+  const bool matched = steps.run("features", extraction, [&] {
+    write_images(input, folder / "images");
+    write_file(folder / "pairs.txt", list);
+    write_file(folder / "database.key", key);
+  }) && steps.run("matches", matching_words(config, folder), [] {});
+  if (!matched) return false;
+  const bool mapped = steps.run("mapping", mapping_words(config, folder), [&] {
+    fs::remove_all(folder / "sparse");
+    fs::create_directories(folder / "sparse");
+  });
+  // COLMAP ends with an error where it finds nothing to start from.
+  if (!mapped && run.status == ColmapStatus::program_failed &&
+      last_lines(folder / "mapping.log").find("failed to create sparse model") !=
+          std::string::npos) {
+    run.status = ColmapStatus::no_model;
+    run.reason = "COLMAP found no two images that show enough of the same";
+  }
+  return mapped;
+}
+
+}  // namespace
+
+std::string colmap_version(const std::string& program) {
+  if (find_program(program).empty()) return "";
+  const ScratchFolder scratch("cousin-colmap");
+  const fs::path log = scratch.path() / "help.log";
+  constexpr double kLimit_s = 60;
+  const ProgramOutcome outcome = run_program({.words = {program, "help"},
+                                              .environment = {{"QT_QPA_PLATFORM", "offscreen"}},
+                                              .log = log,
+                                              .time_limit_s = kLimit_s});
+  if (!succeeded(outcome)) return "";
+  // "COLMAP 3.8 -- Structure-from-Motion and Multi-View Stereo"
+  std::istringstream words(read_file(log));
+  std::string name, version;
+  words >> name >> version;
+  return name == "COLMAP" ? version.substr(0, 40) : "";
+}
+
+ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
+  validate(config);
+  check_input(input, config);
+  ColmapRun run;
+  if (input.images.size() < 2 || input.pairs.empty()) {
+    run.status = ColmapStatus::too_few_images;
+    run.reason = std::to_string(input.images.size()) + " images and " +
+                 std::to_string(input.pairs.size()) + " pairs of them; at least 2 and 1";
+    return run;
+  }
+  if (find_program(config.program).empty()) {
+    run.reason = "COLMAP was not found: there is no program \"" + config.program + "\"";
+    return run;
+  }
+  run.version = colmap_version(config.program);
+  if (run.version.empty()) {
+    run.status = ColmapStatus::program_failed;
+    run.reason = "\"" + config.program + "\" does not say its version as COLMAP does";
+    return run;
+  }
+  std::optional<ScratchFolder> scratch;
+  if (config.folder.empty()) scratch.emplace("cousin-colmap");
+  const fs::path folder = fs::absolute(scratch ? scratch->path() : fs::path(config.folder));
+  fs::create_directories(folder);
+  if (!run_steps(input, config, folder, run)) return run;
+  std::vector<SfmModel> models =
+      read_models(folder / "sparse", static_cast<int>(input.images.size()));
+  if (models.empty()) {
+    run.status = ColmapStatus::no_model;
+    run.reason = "COLMAP left no model";
+    return run;
+  }
+  for (const SfmModel& model : models)
+    run.model_sizes.push_back(static_cast<int>(model.images.size()));
+  run.model = std::move(models.front());
+  run.status = ColmapStatus::ok;
+  return run;
+}
+
+}  // namespace cousin

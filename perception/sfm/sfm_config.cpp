@@ -1,0 +1,98 @@
+#include <algorithm>
+#include <array>
+#include <span>
+#include <stdexcept>
+
+#include "perception/sfm/sfm_poses.h"
+#include "sim/config/limits.h"
+
+namespace cousin {
+namespace {
+
+template <class Choice>
+struct Named {
+  Choice value;
+  std::string_view name;
+};
+constexpr std::array<Named<SfmScale>, 3> kScales = {
+    {{SfmScale::adjusted, "adjusted"}, {SfmScale::squares, "squares"}, {SfmScale::none, "none"}}};
+constexpr std::array<Named<SfmFocal>, 2> kFocals = {
+    {{SfmFocal::shared, "shared"}, {SfmFocal::per_image, "per_image"}}};
+constexpr std::array<Named<SfmStatus>, 10> kStatuses = {
+    {{SfmStatus::ok, "ok"},
+     {SfmStatus::partly_registered, "partly_registered"},
+     {SfmStatus::no_scale, "no_scale"},
+     {SfmStatus::not_determined, "not_determined"},
+     {SfmStatus::not_converged, "not_converged"},
+     {SfmStatus::too_few_images, "too_few_images"},
+     {SfmStatus::no_model, "no_model"},
+     {SfmStatus::program_failed, "program_failed"},
+     {SfmStatus::timed_out, "timed_out"},
+     {SfmStatus::not_built, "not_built"}}};
+
+template <class Choice>
+std::string_view name_in(std::span<const Named<Choice>> names, Choice value) {
+  for (const Named<Choice>& each : names) {
+    if (each.value == value) return each.name;
+  }
+  throw std::invalid_argument("value " + std::to_string(static_cast<int>(value)) +
+                              " does not exist");
+}
+
+template <class Choice>
+TextField choice_field(std::span<const Named<Choice>> names, Choice& value) {
+  return {[names, &value] { return std::string(name_in<Choice>(names, value)); },
+          [names, &value](const std::string& text) {
+            std::string all;
+            for (const Named<Choice>& each : names) {
+              if (text == each.name) {
+                value = each.value;
+                return;
+              }
+              all += (all.empty() ? "" : ", ") + std::string(each.name);
+            }
+            throw std::invalid_argument("\"" + text + "\" is not one of " + all);
+          }};
+}
+
+}  // namespace
+
+std::string_view to_string(SfmScale scale) { return name_in<SfmScale>(kScales, scale); }
+std::string_view to_string(SfmStatus status) { return name_in<SfmStatus>(kStatuses, status); }
+
+Fields fields(SfmConfig& config) {
+  return nested("pairs", fields(config.pairs)) + nested("colmap", fields(config.colmap)) +
+         nested("board", fields(config.board)) +
+         Fields{{"scale", choice_field<SfmScale>(kScales, config.scale),
+                 "adjusted (board in the adjustment), squares (one factor) or none"},
+                {"refine", &config.refine, "our own adjustment of poses and lens"},
+                {"focal", choice_field<SfmFocal>(kFocals, config.focal),
+                 "shared, or per_image about the shared one"},
+                {"focal_jitter", &config.focal_jitter,
+                 "relative deviation of one image's focal length about all's", 1e-9, 1},
+                {"board_sigma_m", &config.board_sigma_m, "of a corner's coordinate", 1e-9, 1},
+                {"corner_floor_px", &config.corner_floor_px,
+                 "added in quadrature to each corner's deviation", 0, 100},
+                {"min_board_corners", &config.min_board_corners, "fewer: no scale", 3, 1000}} +
+         nested("adjust", fields(config.adjust));
+}
+
+void validate(const SfmConfig& config) {
+  SfmConfig copy = config;  // fields point into what they describe
+  check_limits(fields(copy));
+  validate(config.board);
+  if (config.scale == SfmScale::adjusted && !config.refine) {
+    throw std::invalid_argument(
+        "scale = adjusted needs refine = true: the board is part of that adjustment");
+  }
+}
+
+SfmConfig paper_sfm_config() {
+  SfmConfig config;
+  config.colmap.lens = ColmapLens::self;
+  config.scale = SfmScale::squares;
+  config.refine = false;
+  return config;
+}
+
+}  // namespace cousin

@@ -1,0 +1,242 @@
+#include "perception/sfm/colmap_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "perception/sfm/sfm_poses.h"
+#include "sim/process/scratch_folder.h"
+#include "tests/dataset/temporary_folder.h"
+#include "tests/sfm/plant_views.h"
+#include "tests/sfm/stand_in_colmap.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Some black pictures of the size of the lens, matched in order.
+struct Pictures {
+  explicit Pictures(int count) : images(static_cast<std::size_t>(count), Image<Rgb8>(1280, 720)) {
+    for (int i = 0; i < count; ++i) {
+      images[static_cast<std::size_t>(i)](0, 0).r = static_cast<std::uint8_t>(i);
+      input.images.push_back(&images[static_cast<std::size_t>(i)]);
+    }
+    input.lens = plant_lens();
+    input.pairs = image_pairs(count);
+  }
+  std::vector<Image<Rgb8>> images;
+  ColmapInput input;
+};
+
+class ColmapRunTest : public testing::Test {
+ protected:
+  ScratchFolder scratch_{"cousin-test"};
+  fs::path work_ = scratch_.path() / "a work folder; with $(odd) name";
+  ColmapConfig config(const StandInColmap& program) const {
+    ColmapConfig result;
+    result.program = program.program();
+    result.folder = work_.string();
+    return result;
+  }
+  /// What a run of five images throws, in a folder of its own.
+  std::string error_text(const StandInColmap& program) {
+    ColmapConfig own = config(program);
+    own.folder.clear();
+    return error_of([&] { run_colmap(Pictures(5).input, own); });
+  }
+};
+
+TEST_F(ColmapRunTest, ImagesAreKnownByTheirNamesWhateverTheirIds) {
+  StandInColmap program(scratch_.path() / "p");
+  const PlantViews views = plant_views({.images = 5, .points = 30, .lost = {3}}, 1);
+  program.add_model(0, views);
+  const ColmapRun run = run_colmap(Pictures(5).input, config(program));
+  ASSERT_EQ(run.status, ColmapStatus::ok) << run.reason;
+  EXPECT_EQ(run.version, "3.8");
+  EXPECT_THAT(run.model.images, ElementsAre(0, 1, 2, 4));
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(run.model.camera_from_world[i].translation_m,
+              views.model.camera_from_world[i].translation_m);
+    EXPECT_NEAR(run.model.lenses[i].cx_px, views.lens.cx_px, 1e-9);
+  }
+  ASSERT_EQ(run.model.points.size(), views.model.points.size());
+  for (std::size_t p = 0; p < run.model.points.size(); ++p) {
+    const auto& seen = run.model.points[p].sightings;
+    const auto& expected = views.model.points[p].sightings;
+    ASSERT_EQ(seen.size(), expected.size());
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      EXPECT_EQ(seen[k].image, expected[k].image);
+      EXPECT_NEAR((seen[k].pixel_px - expected[k].pixel_px).norm(), 0, 1e-9);
+    }
+  }
+  EXPECT_THAT(run.model_sizes, ElementsAre(4));
+}
+
+TEST_F(ColmapRunTest, OfSeveralModelsTheLargestCounts) {
+  StandInColmap program(scratch_.path() / "p");
+  program.add_model(0, plant_views({.images = 9, .points = 50, .lost = {0, 1, 2, 3, 4, 5}}, 1));
+  program.add_model(1, plant_views({.images = 9, .points = 20, .lost = {6, 7, 8}}, 1));
+  const ColmapRun run = run_colmap(Pictures(9).input, config(program));
+  EXPECT_THAT(run.model.images, ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(run.model_sizes, ElementsAre(6, 3));
+}
+
+TEST_F(ColmapRunTest, WhatIsDoneIsNotDoneAgain) {
+  StandInColmap program(scratch_.path() / "p");
+  program.add_model(0, plant_views({.images = 5, .points = 30}, 1));
+  const Pictures pictures(5);
+  EXPECT_FALSE(run_colmap(pictures.input, config(program)).resumed);
+  const std::string once = "help\nfeature_extractor\nmatches_importer\nmapper\n";
+  EXPECT_EQ(program.calls(), once);
+  const ColmapRun again = run_colmap(pictures.input, config(program));
+  EXPECT_TRUE(again.resumed);
+  EXPECT_EQ(again.status, ColmapStatus::ok);
+  EXPECT_EQ(program.calls(), once + "help\n");
+  // A step whose mark is gone is done again, and so is all after it.
+  fs::remove(work_ / "mapping.done");
+  EXPECT_TRUE(run_colmap(pictures.input, config(program)).resumed);
+  EXPECT_EQ(program.calls(), once + "help\nhelp\nmapper\n");
+}
+
+TEST_F(ColmapRunTest, OtherImagesPairsOrSettingsStartAnew) {
+  StandInColmap program(scratch_.path() / "p");
+  program.add_model(0, plant_views({.images = 5, .points = 30}, 1));
+  Pictures pictures(5);
+  run_colmap(pictures.input, config(program));
+  pictures.images[2](7, 7).g = 1;
+  EXPECT_FALSE(run_colmap(pictures.input, config(program)).resumed);
+  pictures.input.pairs.pop_back();
+  EXPECT_FALSE(run_colmap(pictures.input, config(program)).resumed);
+  pictures.input.lens->fx_px += 1;
+  EXPECT_FALSE(run_colmap(pictures.input, config(program)).resumed);
+  ColmapConfig other = config(program);
+  other.max_features = 4000;
+  EXPECT_FALSE(run_colmap(pictures.input, other).resumed);
+  EXPECT_TRUE(run_colmap(pictures.input, other).resumed);
+}
+
+TEST_F(ColmapRunTest, AStepThatFailedIsTriedAgainWithWhatWasDoneBefore) {
+  const std::string fails_once =
+      "if [ \"$1\" = mapper ] && ! [ -e \"$here/failed\" ]; then touch \"$here/failed\"; "
+      "echo 'no space left'; exit 3; fi";
+  StandInColmap program(scratch_.path() / "p", fails_once);
+  program.add_model(0, plant_views({.images = 5, .points = 30}, 1));
+  const Pictures pictures(5);
+  const ColmapRun failed = run_colmap(pictures.input, config(program));
+  EXPECT_EQ(failed.status, ColmapStatus::program_failed);
+  EXPECT_THAT(failed.reason, HasSubstr("mapping: "));
+  EXPECT_THAT(failed.reason, HasSubstr("exited with 3"));
+  EXPECT_THAT(failed.reason, HasSubstr("no space left"));
+  const ColmapRun again = run_colmap(pictures.input, config(program));
+  EXPECT_EQ(again.status, ColmapStatus::ok);
+  EXPECT_TRUE(again.resumed);
+}
+
+TEST_F(ColmapRunTest, AStepThatDoesNotEndIsStopped) {
+  StandInColmap program(scratch_.path() / "p", "[ \"$1\" = matches_importer ] && exec sleep 1000");
+  ColmapConfig limited = config(program);
+  limited.time_limit_s = 0.5;
+  const ColmapRun run = run_colmap(Pictures(5).input, limited);
+  // On a machine that stalls, the step before may have used the time up.
+  EXPECT_EQ(run.status, ColmapStatus::timed_out);
+  EXPECT_THAT(run.reason, HasSubstr("time limit"));
+}
+
+TEST_F(ColmapRunTest, ImagesThatShowNothingInCommonGiveNoModel) {
+  StandInColmap program(
+      scratch_.path() / "p",
+      "[ \"$1\" = mapper ] && echo 'E1 sfm.cc:286] failed to create sparse model' && exit 1");
+  const ColmapRun run = run_colmap(Pictures(5).input, config(program));
+  EXPECT_EQ(run.status, ColmapStatus::no_model);
+  StandInColmap empty(scratch_.path() / "q");
+  EXPECT_EQ(run_colmap(Pictures(4).input, config(empty)).status, ColmapStatus::no_model);
+}
+
+TEST_F(ColmapRunTest, AModelOfOtherImagesOrADamagedOneIsAnError) {
+  StandInColmap program(scratch_.path() / "p");
+  program.add_model(0, plant_views({.images = 9, .points = 30}, 1));
+  EXPECT_THAT(error_text(program), HasSubstr("a photograph \"000005.png\" that it was not given"));
+  write_file(scratch_.path() / "p" / "models" / "0" / "points3D.bin", "x");
+  EXPECT_THAT(error_text(program), HasSubstr("points3D.bin: byte 0: the file ends here"));
+}
+
+TEST_F(ColmapRunTest, WithoutTheProgramNothingRunsAndTheStatusSaysSo) {
+  ColmapConfig none;
+  none.program = "colmap-that-is-not-there";
+  const ColmapRun run = run_colmap(Pictures(3).input, none);
+  EXPECT_EQ(run.status, ColmapStatus::not_built);
+  EXPECT_THAT(run.reason, HasSubstr("COLMAP was not found"));
+  EXPECT_EQ(colmap_version(none.program), "");
+  none.program = "true";  // a program, but not COLMAP
+  EXPECT_EQ(run_colmap(Pictures(3).input, none).status, ColmapStatus::program_failed);
+}
+
+TEST_F(ColmapRunTest, TheLensIsHandedOverFromThePixelsCorner) {
+  StandInColmap program(scratch_.path() / "p");
+  program.add_model(0, plant_views({.images = 5, .points = 30}, 1));
+  Pictures pictures(5);
+  pictures.input.lens->distortion[4] = 0;
+  run_colmap(pictures.input, config(program));
+  EXPECT_THAT(program.arguments(), HasSubstr("\nOPENCV\n--ImageReader.camera_params\n1080,1080,"
+                                             "643.5,356.5,0.05,-0.08,0.0004,-0.0003\n"));
+  EXPECT_THAT(program.arguments(), HasSubstr("--ImageReader.single_camera\n1\n"));
+  EXPECT_THAT(program.arguments(),
+              HasSubstr("--database_path\n" + (work_ / "database.db").string()));
+  ColmapConfig self = config(program);
+  self.lens = ColmapLens::self;
+  self.lens_per_image = true;
+  self.folder = (scratch_.path() / "self").string();
+  pictures.input.lens.reset();
+  EXPECT_EQ(run_colmap(pictures.input, self).status, ColmapStatus::ok);
+  EXPECT_THAT(program.arguments(), HasSubstr("single_camera_per_image\n1\n"
+                                             "--ImageReader.camera_model\nSIMPLE_RADIAL\n"));
+}
+
+TEST_F(ColmapRunTest, WrongInputIsRefused) {
+  Pictures pictures(3);
+  EXPECT_THROW(run_colmap(pictures.input, {.threads = 0}), std::invalid_argument);
+  ColmapInput no_lens = pictures.input;
+  no_lens.lens.reset();
+  EXPECT_THROW(run_colmap(no_lens), std::invalid_argument);
+  ColmapInput pair = pictures.input;
+  pair.pairs.push_back({1, 3});
+  EXPECT_THROW(run_colmap(pair), std::invalid_argument);
+  const Image<Rgb8> other(640, 480);
+  ColmapInput sizes = pictures.input;
+  sizes.images[1] = &other;
+  EXPECT_THROW(run_colmap(sizes), std::invalid_argument);
+  sizes.images[1] = nullptr;
+  EXPECT_THROW(run_colmap(sizes), std::invalid_argument);
+  EXPECT_EQ(run_colmap({}, {.lens = ColmapLens::self}).status, ColmapStatus::too_few_images);
+}
+
+TEST_F(ColmapRunTest, ACaptureGoesThroughTheProgramToMetricPoses) {
+  StandInColmap program(scratch_.path() / "p");
+  const PlantViews views = plant_views({.lost = {4}}, 3);
+  program.add_model(0, views);
+  Capture capture;
+  for (const int id : views.frames) {
+    Frame frame{.id = id};
+    frame.sensors.push_back({.reported = views.lens, .color = Image<Rgb8>(1280, 720)});
+    capture.frames.push_back(std::move(frame));
+  }
+  SfmConfig sfm;
+  sfm.colmap = config(program);
+  const SfmEstimate estimate = estimate_poses_sfm(capture, views.corners, views.board, sfm);
+  if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
+  EXPECT_EQ(estimate.status, SfmStatus::partly_registered);
+  EXPECT_THAT(estimate.lost, ElementsAre(14));
+  EXPECT_EQ(estimate.gauge, BundleGauge::metric);
+  EXPECT_EQ(estimate.colmap_version, "3.8");
+  std::vector<std::string> stages;
+  for (const StageTiming& timing : estimate.timings) stages.push_back(timing.stage);
+  EXPECT_THAT(stages, ElementsAre("features", "matches", "mapping", "adjust"));
+}
+
+}  // namespace
+}  // namespace cousin

@@ -1,0 +1,236 @@
+#include "perception/sfm/sfm_poses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <stdexcept>
+
+#include "calibration/planar_pose.h"
+#include "tests/sfm/plant_views.h"
+
+namespace cousin {
+namespace {
+
+using Eigen::Vector3d;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+SfmEstimate refined(const PlantViews& views, const SfmConfig& config = {}) {
+  return refine_sfm(views.model, views.frames, views.lens, views.corners, views.board, config);
+}
+
+bool is_built() {
+  const PlantViews views = plant_views({.images = 6, .points = 20}, 1);
+  return refined(views).status != SfmStatus::not_built;
+}
+
+#define SKIP_WITHOUT_CERES() \
+  if (!is_built()) GTEST_SKIP() << "built without Ceres"
+
+double centre_rms_m(const PlantViews& views, const SfmEstimate& estimate) {
+  double squares = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < estimate.poses.size(); ++i) {
+    if (estimate.poses[i].status != PoseStatus::ok) continue;
+    squares += (centre_in_world_m(estimate.poses[i].camera_from_world) -
+                centre_in_world_m(views.camera_from_world[i]))
+                   .squaredNorm();
+    ++count;
+  }
+  return std::sqrt(squares / count);
+}
+
+TEST(SfmPoses, WithoutNoiseTheBoardGivesTruePosesInMetres) {
+  SKIP_WITHOUT_CERES();
+  const PlantViews views = plant_views({.noise_px = 0, .corner_noise_px = 0}, 1);
+  for (const SfmScale scale : {SfmScale::adjusted, SfmScale::squares}) {
+    const SfmEstimate estimate = refined(views, {.scale = scale});
+    ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+    EXPECT_EQ(estimate.gauge, BundleGauge::metric);
+    EXPECT_EQ(estimate.poses.size(), 18U);
+    EXPECT_EQ(estimate.poses[3].frame, 13);
+    // What the solver's tolerance leaves of 0.4 m.
+    EXPECT_LT(centre_rms_m(views, estimate), 1e-7);
+    EXPECT_NEAR(estimate.metres_per_unit, 1 / views.model_from_world.scale, 1e-7);
+    EXPECT_NEAR(estimate.lens.fx_px, views.lens.fx_px, 1e-3);
+    EXPECT_LT(estimate.poses[3].rms_px, 1e-4);
+    EXPECT_EQ(estimate.points.size(), views.model.points.size());
+  }
+}
+
+TEST(SfmPoses, TheBoardInTheAdjustmentBeatsOneFactor) {
+  SKIP_WITHOUT_CERES();
+  double adjusted = 0, squares = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const PlantViews views = plant_views({}, seed);
+    adjusted += centre_rms_m(views, refined(views));
+    squares += centre_rms_m(views, refined(views, {.scale = SfmScale::squares}));
+  }
+  EXPECT_LT(adjusted, squares);
+}
+
+TEST(SfmPoses, ErrorsOfPosesAreAsLargeAsPredicted) {
+  SKIP_WITHOUT_CERES();
+  SfmConfig config;
+  // The lens given is exact: priors about it would predict more than is there.
+  config.adjust.focal_prior_share = config.adjust.centre_prior_px = config.adjust.distortion_prior =
+      0;
+  config.corner_floor_px = 0;
+  config.board_sigma_m = 1e-6;
+  double sum = 0;
+  int count = 0;
+  constexpr int kRuns = 20;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const PlantViews views = plant_views({.images = 12, .points = 60}, seed);
+    const SfmEstimate estimate = refined(views, config);
+    ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+    for (std::size_t i = 0; i < estimate.poses.size(); ++i) {
+      const Pose off = estimate.poses[i].camera_from_world * inverse(views.camera_from_world[i]);
+      const Eigen::AngleAxisd turn(off.rotation);
+      Eigen::Matrix<double, 6, 1> error;
+      error.head<3>() = turn.angle() * turn.axis();
+      error.tail<3>() = estimate.poses[i].camera_from_world.translation_m -
+                        views.camera_from_world[i].translation_m;
+      sum += error.dot(estimate.poses[i].covariance.ldlt().solve(error));
+      count += 6;
+    }
+  }
+  // Mean square of normalised errors. The images of a run share its lens, so that runs count: 20
+  // of them with 6 to 72 freedoms leave a standard error of 2 to 13 %; allow 35 %.
+  EXPECT_NEAR(sum / count, 1, 0.35);
+}
+
+TEST(SfmPoses, ImagesWithoutAPlaceAreNamed) {
+  SKIP_WITHOUT_CERES();
+  const PlantViews views = plant_views({.lost = {2, 7}}, 2);
+  const SfmEstimate estimate = refined(views);
+  EXPECT_EQ(estimate.status, SfmStatus::partly_registered);
+  EXPECT_THAT(estimate.lost, ElementsAre(12, 17));
+  EXPECT_THAT(estimate.reason, HasSubstr("2 of 18 frames found no place: 12 17"));
+  EXPECT_EQ(estimate.poses[2].status, PoseStatus::not_converged);
+  EXPECT_EQ(estimate.poses[3].status, PoseStatus::ok);
+  // 100 points at 0.3 px and 0.4 m: 0.1 mm a coordinate of a camera; allow five times that.
+  EXPECT_LT(centre_rms_m(views, estimate), 5e-4);
+}
+
+TEST(SfmPoses, WithoutABoardPosesAreGoodUpToASimilarity) {
+  SKIP_WITHOUT_CERES();
+  PlantViews views = plant_views({.noise_px = 0}, 3);
+  views.corners.clear();
+  const SfmEstimate estimate = refined(views);
+  EXPECT_EQ(estimate.status, SfmStatus::no_scale);
+  EXPECT_EQ(estimate.gauge, BundleGauge::similarity);
+  EXPECT_THAT(estimate.reason, HasSubstr("there is no board"));
+  EXPECT_TRUE(std::isnan(estimate.metres_per_unit));
+  std::vector<Vector3d> estimated, expected;
+  for (std::size_t i = 0; i < views.frames.size(); ++i) {
+    estimated.push_back(centre_in_world_m(estimate.poses[i].camera_from_world));
+    expected.push_back(centre_in_world_m(views.camera_from_world[i]));
+  }
+  EXPECT_LT(fit_similarity(expected, estimated).rms_m, 1e-7);
+  EXPECT_EQ(refined(views, {.scale = SfmScale::none}).status, SfmStatus::ok);
+}
+
+TEST(SfmPoses, ABoardSeenTooLittleGivesNoScale) {
+  SKIP_WITHOUT_CERES();
+  PlantViews views = plant_views({}, 4);
+  for (FrameCorners& frame : views.corners) frame.corners.resize(3);
+  const SfmEstimate estimate = refined(views);
+  EXPECT_EQ(estimate.status, SfmStatus::no_scale);
+  EXPECT_THAT(estimate.reason, HasSubstr("corners of the board were placed, at least 8"));
+  for (FrameCorners& frame : views.corners) frame.status = BoardStatus::not_seen;
+  EXPECT_THAT(refined(views).reason, HasSubstr("0 corners"));
+}
+
+TEST(SfmPoses, TheScaleBySquaresLiesWithinItsInterval) {
+  SKIP_WITHOUT_CERES();
+  // Sides that share a corner have errors that partly cancel: the deviation is an upper bound.
+  int within = 0;
+  constexpr int kRuns = 20;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const PlantViews views = plant_views({.images = 12, .points = 60}, seed);
+    const SfmEstimate estimate = refined(views, {.scale = SfmScale::squares});
+    ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+    EXPECT_GT(estimate.scale_sigma_share, 0);
+    // The model as it was handed over was exact: what the adjustment changed is part of the scale.
+    const double off = estimate.metres_per_unit * views.model_from_world.scale - 1;
+    within += std::abs(off) < 0.01 ? 1 : 0;
+  }
+  EXPECT_EQ(within, kRuns);
+}
+
+TEST(SfmPoses, ImagesThatFocusOnTheirOwnAreAdjustedSo) {
+  SKIP_WITHOUT_CERES();
+  const PlantViews views = plant_views({.points = 150, .noise_px = 0.1, .focal_spread = 0.003}, 5);
+  SfmConfig config;
+  config.focal_jitter = 0.003;
+  const double shared = centre_rms_m(views, refined(views, config));
+  config.focal = SfmFocal::per_image;
+  const SfmEstimate own = refined(views, config);
+  ASSERT_EQ(own.status, SfmStatus::ok) << own.reason;
+  EXPECT_LT(centre_rms_m(views, own), 0.5 * shared);
+  double squares = 0;
+  for (std::size_t i = 0; i < own.poses.size(); ++i) {
+    squares += std::pow(own.poses[i].camera.fx_px / views.lenses[i].fx_px - 1, 2) /
+               static_cast<double>(own.poses.size());
+  }
+  EXPECT_LT(std::sqrt(squares), 0.001);  // a third of what they differ by
+}
+
+TEST(SfmPoses, ALensThatTheImagesLeaveOpenIsSaid) {
+  SKIP_WITHOUT_CERES();
+  const PlantViews views = plant_views({.path = CameraPath::nadir_flat}, 6);
+  SfmConfig config{.scale = SfmScale::none};
+  config.adjust.focal_prior_share = config.adjust.centre_prior_px = config.adjust.distortion_prior =
+      0;
+  const SfmEstimate estimate = refined(views, config);
+  EXPECT_EQ(estimate.status, SfmStatus::not_determined);
+  EXPECT_FALSE(has_poses(estimate.status));
+  EXPECT_THAT(estimate.not_determined, testing::Contains("fx_px"));
+  EXPECT_THAT(estimate.reason, HasSubstr("fx_px"));
+  for (const FramePose& pose : estimate.poses) EXPECT_NE(pose.status, PoseStatus::ok);
+}
+
+TEST(SfmPoses, WithoutOurAdjustmentPosesAreThoseOfTheModel) {
+  const PlantViews views = plant_views({.noise_px = 0, .corner_noise_px = 0}, 7);
+  const SfmEstimate estimate = refined(views, paper_sfm_config());
+  ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+  EXPECT_LT(centre_rms_m(views, estimate), 1e-9);
+  EXPECT_NEAR(estimate.metres_per_unit, 1 / views.model_from_world.scale, 1e-9);
+}
+
+TEST(SfmPoses, WhatDoesNotFitTogetherIsRefused) {
+  const PlantViews views = plant_views({.images = 4, .points = 20}, 8);
+  EXPECT_THROW(refined(views, {.scale = SfmScale::adjusted, .refine = false}),
+               std::invalid_argument);
+  EXPECT_THROW(refined(views, {.board_sigma_m = -1}), std::invalid_argument);
+  Corners fewer = views.corners;
+  fewer.pop_back();
+  EXPECT_THROW(refine_sfm(views.model, views.frames, views.lens, fewer, views.board),
+               std::invalid_argument);
+  Capture capture;
+  capture.frames.resize(2);
+  EXPECT_THROW(estimate_poses_sfm(capture), std::invalid_argument);
+}
+
+TEST(SfmPoses, WithoutTheProgramTheStatusSaysSo) {
+  Capture capture;
+  for (int i = 0; i < 3; ++i) {
+    Frame frame{.id = i};
+    frame.sensors.push_back({.reported = plant_lens(), .color = Image<Rgb8>(1280, 720)});
+    capture.frames.push_back(std::move(frame));
+  }
+  SfmConfig config;
+  config.colmap.program = "/no/such/colmap";
+  const SfmEstimate estimate = estimate_poses_sfm(capture, config);
+  EXPECT_EQ(estimate.status, SfmStatus::not_built);
+  EXPECT_THAT(estimate.reason, HasSubstr("COLMAP was not found"));
+  EXPECT_THAT(estimate.lost, ElementsAre(0, 1, 2));
+  EXPECT_EQ(estimate.poses.size(), 3U);
+  EXPECT_EQ(estimate_poses_sfm(Capture{}, config).status, SfmStatus::too_few_images);
+}
+
+}  // namespace
+}  // namespace cousin
