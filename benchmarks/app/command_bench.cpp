@@ -304,7 +304,7 @@ struct Suite {
   ScoreFile (*run)(const JobContext&, const fs::path&);
   std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 12> kSuites = {
+constexpr std::array<Suite, 13> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},

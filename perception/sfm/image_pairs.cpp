@@ -5,6 +5,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "sim/config/limits.h"
+
 namespace cousin {
 namespace {
 
