@@ -14,8 +14,9 @@
 
 namespace cousin {
 
-/// `opencv`: cv::calibrateCameraExtended and cv::fisheye::calibrate, one camera. `ceres`: our own
-/// cost, all lens models, several cameras. `mrcal`: through its C API, one camera.
+/// `opencv`: cv::calibrateCameraExtended and cv::fisheye::calibrate, or cv::stereoCalibrate of the
+/// points that both of two cameras see. `ceres`: our own cost, all lens models, several cameras.
+/// `mrcal`: through its C API, several cameras of one lens model.
 enum class CalibrationSolver { opencv, ceres, mrcal };
 std::string_view to_string(CalibrationSolver solver);
 /// @throws std::invalid_argument naming the text and the names that exist.
@@ -105,8 +106,11 @@ struct CalibrationResult {
   /// plus a part of its own with `mean_frame_covariance`. For calibration_uncertainty.h.
   Eigen::MatrixXd mean_frame_gain;
   Eigen::Matrix<double, 6, 6> mean_frame_covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  /// sqrt(squares / (2 N - p)); of weighed residuals, hence near 1, where they are weighed.
+  /// Of a point's coordinate: sqrt(squares / (2 N - p)). Where residuals are weighed, that is
+  /// `noise_factor`, what predicted deviations are to be multiplied with (near 1 if they are
+  /// honest), and sigma_px is it times the RMS of the predicted ones.
   double sigma_px = std::numeric_limits<double>::quiet_NaN();
+  double noise_factor = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not weighed
   double rms_px = std::numeric_limits<double>::quiet_NaN();
   double cost_px2 = std::numeric_limits<double>::quiet_NaN();  ///< sum of squares (robust, weighed)
   double solver_rms_px = std::numeric_limits<double>::quiet_NaN();  ///< as the solver defines it
@@ -127,6 +131,9 @@ struct CalibrationResult {
 /// @throws std::invalid_argument for an invalid config
 [[nodiscard]] CalibrationResult calibrate(const CalibrationInput& input,
                                           const CalibrationConfig& config = {});
+
+/// Ceres, or OpenCV where the program is built without.
+CalibrationSolver default_calibration_solver();
 
 /// Index of a name in `result.parameters`, or -1.
 int parameter_index(const CalibrationResult& result, std::string_view name);

@@ -285,6 +285,8 @@ void seed_lenses(const CalibrationProblem& problem, CalibrationState& state, Sol
 
 }  // namespace
 
+CalibrationSolver default_calibration_solver() { return CalibrationSolver::ceres; }
+
 SolverRun solve_with_ceres(CalibrationProblem& problem, CalibrationState& state) {
   SolverRun seeded;
   const bool from_start = state.lenses.empty();

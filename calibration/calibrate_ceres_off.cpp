@@ -2,6 +2,8 @@
 
 namespace cousin {
 
+CalibrationSolver default_calibration_solver() { return CalibrationSolver::opencv; }
+
 SolverRun solve_with_ceres(CalibrationProblem&, CalibrationState&) {
   SolverRun run;
   run.status = CalibrationStatus::not_built;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "calibration/calibration_seed.h"
@@ -109,20 +110,23 @@ Pose pose_from(const mrcal_pose_t& pose) {
 struct MrcalProblem {
   mrcal_lensmodel_t model{};
   Lattice lattice;
-  std::vector<double> intrinsics;
+  std::vector<double> intrinsics;        ///< lens by lens
+  std::vector<mrcal_pose_t> extrinsics;  ///< of cameras 1..
   std::vector<mrcal_pose_t> frames;
   mrcal_calobject_warp_t warp{};
   std::vector<mrcal_observation_board_t> boards;
   std::vector<mrcal_point3_t> pool;
-  int image_size[2] = {0, 0};
+  std::vector<int> image_sizes;    ///< width, height of each lens
+  std::vector<std::size_t> order;  ///< of the problem's views: by frame, then camera
 
   mrcal_stats_t optimise(const mrcal_problem_selections_t& what) {
     const mrcal_problem_constants_t constants{1e-3, 1e9};
-    return mrcal_optimize(nullptr, 0, nullptr, 0, intrinsics.data(), nullptr, frames.data(),
-                          nullptr, &warp, 1, 0, static_cast<int>(frames.size()), 0, 0,
-                          boards.data(), nullptr, static_cast<int>(boards.size()), 0, pool.data(),
-                          &model, image_size, what, &constants, lattice.spacing, lattice.columns,
-                          lattice.rows, false, false);
+    return mrcal_optimize(nullptr, 0, nullptr, 0, intrinsics.data(), extrinsics.data(),
+                          frames.data(), nullptr, &warp, static_cast<int>(image_sizes.size() / 2),
+                          static_cast<int>(extrinsics.size()), static_cast<int>(frames.size()), 0,
+                          0, boards.data(), nullptr, static_cast<int>(boards.size()), 0,
+                          pool.data(), &model, image_sizes.data(), what, &constants,
+                          lattice.spacing, lattice.columns, lattice.rows, false, false);
   }
 };
 
@@ -132,11 +136,21 @@ void add_views(const CalibrationProblem& problem, const CalibrationState& state,
   const Pose target_from_lattice{Eigen::Quaterniond::Identity(),
                                  {lattice.first.x(), lattice.first.y(), 0}};
   const auto cells = static_cast<std::size_t>(lattice.columns * lattice.rows);
-  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+  for (const Vector6d& frame : state.frames)
+    mrcal.frames.push_back(pose_to(pose_of_vector(frame) * target_from_lattice));
+  for (std::size_t c = 1; c < state.cameras.size(); ++c)
+    mrcal.extrinsics.push_back(pose_to(pose_of_vector(state.cameras[c])));
+  mrcal.order.resize(problem.views.size());
+  std::iota(mrcal.order.begin(), mrcal.order.end(), std::size_t{0});
+  std::sort(mrcal.order.begin(), mrcal.order.end(), [&](std::size_t a, std::size_t b) {
+    const ProblemView &x = problem.views[a], &y = problem.views[b];
+    return x.frame != y.frame ? x.frame < y.frame : x.camera < y.camera;
+  });
+  for (const std::size_t v : mrcal.order) {
     const ProblemView& view = problem.views[v];
-    mrcal.frames.push_back(pose_to(
-        pose_of_vector(state.frames[static_cast<std::size_t>(view.frame)]) * target_from_lattice));
-    mrcal.boards.push_back({{0, -1}, static_cast<int>(v)});
+    mrcal.boards.push_back(
+        {{problem.lens_of_camera[static_cast<std::size_t>(view.camera)], view.camera - 1},
+         view.frame});
     const std::size_t from = mrcal.pool.size();
     mrcal.pool.resize(from + cells, mrcal_point3_t{{0, 0, -1}});
     for (const ProblemPoint& p : view.points) {
@@ -151,21 +165,32 @@ void take_views(CalibrationProblem& problem, CalibrationState& state, const Mrca
   const Pose lattice_from_target{Eigen::Quaterniond::Identity(),
                                  {-lattice.first.x(), -lattice.first.y(), 0}};
   const auto cells = static_cast<std::size_t>(lattice.columns * lattice.rows);
-  for (std::size_t v = 0; v < problem.views.size(); ++v) {
-    state.frames[v] = pose_vector(pose_from(mrcal.frames[v]) * lattice_from_target);
-    for (ProblemPoint& p : problem.views[v].points) {
+  for (std::size_t f = 0; f < state.frames.size(); ++f)
+    state.frames[f] = pose_vector(pose_from(mrcal.frames[f]) * lattice_from_target);
+  for (std::size_t c = 1; c < state.cameras.size(); ++c)
+    state.cameras[c] = pose_vector(pose_from(mrcal.extrinsics[c - 1]));
+  for (std::size_t i = 0; i < mrcal.order.size(); ++i) {
+    for (ProblemPoint& p : problem.views[mrcal.order[i]].points) {
       const auto cell = static_cast<std::size_t>(lattice.cell[static_cast<std::size_t>(p.id)]);
-      p.rejected = mrcal.pool[v * cells + cell].z < 0;
+      p.rejected = mrcal.pool[i * cells + cell].z < 0;
     }
   }
-  const auto n = static_cast<Eigen::Index>(mrcal.intrinsics.size());
-  state.lenses.front().head(n) = Eigen::Map<const Eigen::VectorXd>(mrcal.intrinsics.data(), n);
+  const auto n = static_cast<Eigen::Index>(mrcal.intrinsics.size() / state.lenses.size());
+  for (std::size_t i = 0; i < state.lenses.size(); ++i)
+    state.lenses[i].head(n) = Eigen::Map<const Eigen::VectorXd>(
+        mrcal.intrinsics.data() + static_cast<Eigen::Index>(i) * n, n);
   state.deformation = {mrcal.warp.x2, mrcal.warp.y2};
 }
 
 std::string unsupported(const CalibrationProblem& problem) {
   const CalibrationConfig& config = problem.config;
-  if (problem.lens_of_camera.size() != 1) return "one camera at a time";
+  for (const ProblemLens& lens : problem.lenses) {
+    const LensShape &a = lens.shape, &b = problem.lenses.front().shape;
+    const SplineLens &p = a.grid, &q = b.grid;
+    if (a.model != b.model || p.order != q.order || p.columns != q.columns || p.rows != q.rows ||
+        p.fov_x_rad != q.fov_x_rad)
+      return "all its cameras have one lens model";
+  }
   if (config.weigh_by_covariance) return "observations are not weighed by a covariance";
   if (config.loss != RobustLoss::none) return "it has no robust loss";
   if (config.focal_prior_share + config.centre_prior_px + config.distortion_prior +
@@ -187,27 +212,39 @@ SolverRun solve_with_mrcal(CalibrationProblem& problem, CalibrationState& state)
   if (!mrcal_lensmodel_from_name(&mrcal.model, name.c_str())) return refuse("no lens " + name);
   mrcal.lattice = *lattice;
 
-  // mrcal 2.2 has no seeding in C: our lens without distortion and our poses.
-  state.lenses = {seed_lens(problem, 0)};
-  assemble_rig(problem, seed_view_poses(problem, state.lenses), state);
+  // mrcal 2.2 has no seeding in C: our lenses without distortion and our poses.
+  state = {};
+  for (std::size_t i = 0; i < problem.lenses.size(); ++i)
+    state.lenses.push_back(seed_lens(problem, static_cast<int>(i)));
+  const std::vector<int> alone =
+      assemble_rig(problem, seed_view_poses(problem, state.lenses), state);
   SolverRun run;
-  if (problem.views.size() != problem.frames.size()) return refuse("two views of one frame");
-  if (problem.views.empty()) {
+  if (problem.views.empty() || !alone.empty()) {
     run.status = CalibrationStatus::not_determined;
-    run.reason = "no view has a pose of the target under any focal length";
+    run.reason = problem.views.empty() ? "no view has a pose of the target under any focal length"
+                                       : "cameras that share no frame with the others";
+    for (const int c : alone) run.not_determined.push_back("camera" + std::to_string(c) + ".pose");
     return run;
   }
-  const Camera& like = problem.lenses.front().like;
-  mrcal.image_size[0] = like.width_px;
-  mrcal.image_size[1] = like.height_px;
-  const auto count = static_cast<std::size_t>(mrcal_lensmodel_num_params(&mrcal.model));
-  mrcal.intrinsics.assign(state.lenses.front().data(), state.lenses.front().data() + count);
+  for (std::size_t v = 1; v < problem.views.size(); ++v) {
+    if (problem.views[v].frame == problem.views[v - 1].frame &&
+        problem.views[v].camera == problem.views[v - 1].camera)
+      return refuse("two views of one frame");
+  }
+  const auto count = static_cast<Eigen::Index>(mrcal_lensmodel_num_params(&mrcal.model));
+  for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
+    const Camera& like = problem.lenses[i].like;
+    mrcal.image_sizes.insert(mrcal.image_sizes.end(), {like.width_px, like.height_px});
+    mrcal.intrinsics.insert(mrcal.intrinsics.end(), state.lenses[i].data(),
+                            state.lenses[i].data() + count);
+  }
   add_views(problem, state, mrcal);
 
   const bool splined = problem.lenses.front().shape.model == LensModel::splined_stereographic;
   mrcal_problem_selections_t what{};
   what.do_optimize_intrinsics_core = true;
   what.do_optimize_frames = true;
+  what.do_optimize_extrinsics = !mrcal.extrinsics.empty();
   mrcal_stats_t stats = mrcal.optimise(what);
   what.do_optimize_intrinsics_core = !splined;
   what.do_optimize_intrinsics_distortions = count > 4;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
+#include "calibration/calibrate_opencv_stereo.h"
 #include "calibration/calibration_seed.h"
 #include "calibration/calibration_solvers.h"
 
@@ -37,54 +38,6 @@ CvViews views_of(const CalibrationProblem& problem) {
     views.pixels.push_back(std::move(pixels));
   }
   return views;
-}
-
-/// OpenCV's flags for what is fixed; a message where it cannot fix just that.
-std::string flags_of(const ProblemLens& lens, int& flags) {
-  const std::vector<std::string> names = lens_parameter_names(lens.shape);
-  const auto fixed = [&](const char* name) {
-    const auto at = std::find(names.begin(), names.end(), name);
-    return at == names.end() || !lens.free[static_cast<std::size_t>(at - names.begin())];
-  };
-  if (fixed("fx_px") != fixed("fy_px")) return "fx_px and fy_px are fixed together or not at all";
-  if (fixed("cx_px") != fixed("cy_px")) return "cx_px and cy_px are fixed together or not at all";
-  const bool fisheye = lens.shape.model == LensModel::kannala_brandt4;
-  if (fisheye) {
-    flags = cv::fisheye::CALIB_RECOMPUTE_EXTRINSIC | cv::fisheye::CALIB_FIX_SKEW |
-            cv::fisheye::CALIB_USE_INTRINSIC_GUESS;
-    constexpr std::array<int, 4> kFix = {cv::fisheye::CALIB_FIX_K1, cv::fisheye::CALIB_FIX_K2,
-                                         cv::fisheye::CALIB_FIX_K3, cv::fisheye::CALIB_FIX_K4};
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (!lens.free[4 + i]) flags |= kFix[i];
-    }
-    if (fixed("cx_px")) flags |= cv::fisheye::CALIB_FIX_PRINCIPAL_POINT;
-    return fixed("fx_px") ? "cv::fisheye cannot fix the focal lengths" : "";
-  }
-  if (fixed("p1") != fixed("p2")) return "p1 and p2 are fixed together or not at all";
-  flags = cv::CALIB_USE_LU;
-  if (lens.given) flags |= cv::CALIB_USE_INTRINSIC_GUESS;
-  if (fixed("fx_px")) flags |= cv::CALIB_FIX_FOCAL_LENGTH;
-  if (fixed("cx_px")) flags |= cv::CALIB_FIX_PRINCIPAL_POINT;
-  if (fixed("p1")) flags |= cv::CALIB_FIX_TANGENT_DIST;
-  const int n = distortion_count(lens.shape.model);
-  if (n >= 8) flags |= cv::CALIB_RATIONAL_MODEL;
-  if (n >= 12) flags |= cv::CALIB_THIN_PRISM_MODEL;
-  constexpr std::array<std::pair<const char*, int>, 6> kFix = {{{"k1", cv::CALIB_FIX_K1},
-                                                                {"k2", cv::CALIB_FIX_K2},
-                                                                {"k3", cv::CALIB_FIX_K3},
-                                                                {"k4", cv::CALIB_FIX_K4},
-                                                                {"k5", cv::CALIB_FIX_K5},
-                                                                {"k6", cv::CALIB_FIX_K6}}};
-  for (const auto& [name, flag] : kFix) {
-    const bool known = std::find(names.begin(), names.end(), name) != names.end();
-    if ((known || n == 0) && fixed(name)) flags |= flag;
-  }
-  if (n >= 12) {
-    const int prisms = fixed("s1") + fixed("s2") + fixed("s3") + fixed("s4");
-    if (prisms != 0 && prisms != 4) return "s1 to s4 are fixed together or not at all";
-    if (prisms == 4) flags |= cv::CALIB_FIX_S1_S2_S3_S4;
-  }
-  return "";
 }
 
 Pose pose_of_cv(const cv::Mat& r, const cv::Mat& t) {
@@ -164,9 +117,59 @@ SolverRun fisheye(const CalibrationProblem& problem, CalibrationState& state, in
 
 }  // namespace
 
+std::string opencv_flags(const ProblemLens& lens, int& flags) {
+  const std::vector<std::string> names = lens_parameter_names(lens.shape);
+  const auto fixed = [&](const char* name) {
+    const auto at = std::find(names.begin(), names.end(), name);
+    return at == names.end() || !lens.free[static_cast<std::size_t>(at - names.begin())];
+  };
+  if (fixed("fx_px") != fixed("fy_px")) return "fx_px and fy_px are fixed together or not at all";
+  if (fixed("cx_px") != fixed("cy_px")) return "cx_px and cy_px are fixed together or not at all";
+  const bool fisheye = lens.shape.model == LensModel::kannala_brandt4;
+  if (fisheye) {
+    flags = cv::fisheye::CALIB_RECOMPUTE_EXTRINSIC | cv::fisheye::CALIB_FIX_SKEW |
+            cv::fisheye::CALIB_USE_INTRINSIC_GUESS;
+    constexpr std::array<int, 4> kFix = {cv::fisheye::CALIB_FIX_K1, cv::fisheye::CALIB_FIX_K2,
+                                         cv::fisheye::CALIB_FIX_K3, cv::fisheye::CALIB_FIX_K4};
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (!lens.free[4 + i]) flags |= kFix[i];
+    }
+    if (fixed("cx_px")) flags |= cv::fisheye::CALIB_FIX_PRINCIPAL_POINT;
+    return fixed("fx_px") ? "cv::fisheye cannot fix the focal lengths" : "";
+  }
+  if (fixed("p1") != fixed("p2")) return "p1 and p2 are fixed together or not at all";
+  flags = cv::CALIB_USE_LU;
+  if (lens.given) flags |= cv::CALIB_USE_INTRINSIC_GUESS;
+  if (fixed("fx_px")) flags |= cv::CALIB_FIX_FOCAL_LENGTH;
+  if (fixed("cx_px")) flags |= cv::CALIB_FIX_PRINCIPAL_POINT;
+  if (fixed("p1")) flags |= cv::CALIB_FIX_TANGENT_DIST;
+  const int n = distortion_count(lens.shape.model);
+  if (n >= 8) flags |= cv::CALIB_RATIONAL_MODEL;
+  if (n >= 12) flags |= cv::CALIB_THIN_PRISM_MODEL;
+  constexpr std::array<std::pair<const char*, int>, 6> kFix = {{{"k1", cv::CALIB_FIX_K1},
+                                                                {"k2", cv::CALIB_FIX_K2},
+                                                                {"k3", cv::CALIB_FIX_K3},
+                                                                {"k4", cv::CALIB_FIX_K4},
+                                                                {"k5", cv::CALIB_FIX_K5},
+                                                                {"k6", cv::CALIB_FIX_K6}}};
+  for (const auto& [name, flag] : kFix) {
+    const bool known = std::find(names.begin(), names.end(), name) != names.end();
+    if ((known || n == 0) && fixed(name)) flags |= flag;
+  }
+  if (n >= 12) {
+    const int prisms = fixed("s1") + fixed("s2") + fixed("s3") + fixed("s4");
+    if (prisms != 0 && prisms != 4) return "s1 to s4 are fixed together or not at all";
+    if (prisms == 4) flags |= cv::CALIB_FIX_S1_S2_S3_S4;
+  }
+  return "";
+}
+
 SolverRun solve_with_opencv(CalibrationProblem& problem, CalibrationState& state) {
   const CalibrationConfig& config = problem.config;
-  if (problem.lens_of_camera.size() != 1) return refuse("one camera at a time");
+  const std::size_t cameras = problem.lens_of_camera.size();
+  if (cameras > 2)
+    return refuse("it calibrates one camera or two (cv::stereoCalibrate), not " +
+                  std::to_string(cameras));
   if (problem.lenses.front().shape.model == LensModel::splined_stereographic)
     return refuse("it has no splined lens");
   if (config.board_deformation) return refuse("it knows no board deformation");
@@ -174,12 +177,13 @@ SolverRun solve_with_opencv(CalibrationProblem& problem, CalibrationState& state
   if (config.loss != RobustLoss::none) return refuse("it has no robust loss");
   if (config.focal_prior_share + config.centre_prior_px + config.distortion_prior > 0)
     return refuse("it has no priors");
+  if (cameras == 2) return solve_stereo_with_opencv(problem, state);
   for (std::size_t v = 0; v < problem.views.size(); ++v) {
     // Each view is a frame of its own here.
     if (problem.views[v].frame != static_cast<int>(v)) return refuse("two views of one frame");
   }
   int flags = 0;
-  const std::string unable = flags_of(problem.lenses.front(), flags);
+  const std::string unable = opencv_flags(problem.lenses.front(), flags);
   if (!unable.empty()) return refuse(unable);
   try {
     const bool is_fisheye = problem.lenses.front().shape.model == LensModel::kannala_brandt4;

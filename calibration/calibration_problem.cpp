@@ -1,6 +1,7 @@
 #include "calibration/calibration_problem.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -261,6 +262,20 @@ std::vector<Eigen::Vector2d> residuals_of(const CalibrationProblem& problem,
              : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
   }
   return residuals;
+}
+
+void describe_noise(const CalibrationProblem& problem, double deviation,
+                    CalibrationResult& result) {
+  result.sigma_px = deviation;
+  if (!problem.config.weigh_by_covariance) return;
+  double variance = 0;
+  for (const ProblemView& view : problem.views) {
+    for (const ProblemPoint& p : view.points) {
+      if (!p.rejected) variance += p.white.inverse().squaredNorm();  // the covariance's trace
+    }
+  }
+  result.noise_factor = deviation;
+  result.sigma_px = deviation * std::sqrt(variance / std::max(1, 2 * observation_count(problem)));
 }
 
 int observation_count(const CalibrationProblem& problem) {

@@ -69,6 +69,9 @@ Eigen::Vector2d d_deformation(const CalibrationProblem& problem, int id);
 std::vector<Eigen::Vector2d> residuals_of(const CalibrationProblem& problem,
                                           const CalibrationState& state, const ProblemView& view);
 
+/// `deviation` of whitened residuals as the result's sigma_px and, if they are weighed, factor.
+void describe_noise(const CalibrationProblem& problem, double deviation, CalibrationResult& result);
+
 /// Points that count, in all views.
 int observation_count(const CalibrationProblem& problem);
 /// Free parameters of lenses, cameras and deformation; `with_frames`: and of all frames' poses.

@@ -7,6 +7,8 @@
 #include <opencv2/features2d.hpp>
 #include <vector>
 
+#include "calibration/partial_circles.h"
+
 namespace cousin {
 namespace {
 
@@ -95,6 +97,20 @@ double mean_y(const TargetGrid& grid, const FoundPixels& found, int row) {
   return sum / grid.columns();
 }
 
+/// Takes the part of the grid that a lattice of the blobs is; else says why not, unless hardly any
+/// lattice is there.
+void place_part(const Image<std::uint8_t>& image, const TargetGrid& grid, const Blobs& blobs,
+                CircleGrid& result) {
+  std::vector<Eigen::Vector2d> discs;
+  for (const cv::Point2f& c : blobs.centres)
+    discs.emplace_back(static_cast<double>(c.x), static_cast<double>(c.y));
+  PartialCircles part = place_partial_circles(image, discs, grid);
+  if (part.status == TargetStatus::not_seen) return;
+  result.status = part.status;
+  result.reason = std::move(part.reason);
+  result.found = std::move(part.found);
+}
+
 }  // namespace
 
 CircleGrid find_circle_grid(const Image<std::uint8_t>& image, const TargetGrid& grid) {
@@ -111,6 +127,14 @@ CircleGrid find_circle_grid(const Image<std::uint8_t>& image, const TargetGrid& 
     result.status = some ? TargetStatus::too_few_points : TargetStatus::not_seen;
     result.reason = std::to_string(blobs.centres.size()) + " dark discs are seen; the grid has " +
                     std::to_string(needed);
+    place_part(image, grid, blobs, result);
+    return result;
+  }
+  const bool symmetric = is_half_turn_symmetric(grid);
+  if (staggered && symmetric) {
+    // cv::findCirclesGrid counts an even number of staggered rows from the wrong end.
+    result.reason = "no lattice of dark discs is seen";
+    place_part(image, grid, blobs, result);
     return result;
   }
   std::vector<cv::Point2f> centres;
@@ -126,6 +150,7 @@ CircleGrid find_circle_grid(const Image<std::uint8_t>& image, const TargetGrid& 
     result.reason = std::to_string(blobs.centres.size()) +
                     " dark discs are seen, which make no grid of " +
                     std::to_string(grid.columns()) + " x " + std::to_string(grid.rows());
+    place_part(image, grid, blobs, result);
     return result;
   }
   // Staggered rows allow one way only; even rows two that show the face.
@@ -155,8 +180,8 @@ CircleGrid find_circle_grid(const Image<std::uint8_t>& image, const TargetGrid& 
     return result;
   }
   result.found = *best;
-  result.status = staggered ? TargetStatus::ok : TargetStatus::half_turn_unknown;
-  if (!staggered) result.reason = "an even grid of discs looks the same after half a turn";
+  result.status = symmetric ? TargetStatus::half_turn_unknown : TargetStatus::ok;
+  if (symmetric) result.reason = "this grid of discs looks the same after half a turn";
   return result;
 }
 

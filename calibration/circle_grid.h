@@ -17,9 +17,11 @@ struct CircleGrid {
   double radius_px = 0;  ///< of a disc, the median
 };
 
-/// All discs of a symmetric or asymmetric grid, by cv::findCirclesGrid. A symmetric grid looks the
-/// same after half a turn: it is numbered from the end that is up in the image. Staggered rows of
-/// an odd number are their own mirror image, so that a mirrored picture goes unnoticed.
+/// All discs of a symmetric or asymmetric grid, by cv::findCirclesGrid; else a part of them, where
+/// its outline tells which (partial_circles.h). A symmetric grid and an even number of staggered
+/// rows look the same after half a turn: they are numbered from the end that is up in the image.
+/// Staggered rows of an odd number are their own mirror image, so that a mirrored picture goes
+/// unnoticed.
 CircleGrid find_circle_grid(const Image<std::uint8_t>& image, const TargetGrid& grid);
 
 }  // namespace cousin

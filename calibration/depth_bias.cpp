@@ -3,7 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include "sim/config/limits.h"
@@ -13,6 +15,8 @@ namespace {
 
 constexpr double kNormalMad = 1.4826;
 constexpr int kMostPasses = 10;
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kMostGap = 0.4;     ///< of a disparity's fractions that no sample has
 constexpr double kRounding = 1e-12;  ///< an eigenvalue below is what rounding leaves of zero
 
 double radius2(const Eigen::Vector2d& pixel, int width_px, int height_px) {
@@ -26,16 +30,24 @@ std::vector<std::string> terms_of(const DepthBiasConfig& config) {
   if (config.scale) terms.emplace_back("scale");
   if (config.bowl) terms.emplace_back("bowl");
   if (config.disparity_shift) terms.emplace_back("disparity_shift_per_m");
+  if (config.ripple) terms.insert(terms.end(), {"ripple_sin_px", "ripple_cos_px"});
   return terms;
 }
 
 Eigen::VectorXd row_of(const DepthBiasConfig& config, double depth_m, double r2) {
-  Eigen::VectorXd row(config.offset + config.scale + config.bowl + config.disparity_shift);
+  Eigen::VectorXd row(config.offset + config.scale + config.bowl + config.disparity_shift +
+                      2 * config.ripple);
   Eigen::Index at = 0;
   if (config.offset) row(at++) = 1;
   if (config.scale) row(at++) = depth_m;
   if (config.bowl) row(at++) = r2 * depth_m;
   if (config.disparity_shift) row(at++) = depth_m * depth_m;
+  if (config.ripple) {
+    const double turn = kTurn * config.focal_baseline_px_m / depth_m;
+    const double per_px = -depth_m * depth_m / config.focal_baseline_px_m;
+    row(at++) = per_px * std::sin(turn);
+    row(at++) = per_px * std::cos(turn);
+  }
   return row;
 }
 
@@ -105,6 +117,41 @@ DepthBias open_bias(DepthBias bias, const std::vector<int>& open, const std::str
   return bias;
 }
 
+/// The longest stretch of a pixel's period that no sample's disparity falls into.
+double longest_gap(const std::vector<DepthSample>& samples, double focal_baseline_px_m) {
+  std::vector<double> fractions;
+  for (const DepthSample& s : samples) {
+    const double disparity_px = focal_baseline_px_m / s.true_m;
+    fractions.push_back(disparity_px - std::floor(disparity_px));
+  }
+  std::sort(fractions.begin(), fractions.end());
+  double longest = 1 + fractions.front() - fractions.back();
+  for (std::size_t i = 1; i < fractions.size(); ++i)
+    longest = std::max(longest, fractions[i] - fractions[i - 1]);
+  return longest;
+}
+
+/// Why a ripple is not to be used; empty if it is.
+std::string ripple_complaint(const DepthBias& bias, const DepthBiasConfig& config,
+                             const std::vector<DepthSample>& samples) {
+  std::ostringstream text;
+  const double gap = longest_gap(samples, config.focal_baseline_px_m);
+  const Eigen::Index n = bias.covariance.rows();
+  const double sigma_px = std::sqrt(bias.covariance.diagonal().tail<2>().maxCoeff());
+  const double amplitude_px = std::hypot(bias.ripple_sin_px, bias.ripple_cos_px);
+  if (gap > kMostGap) {
+    text << "the planes' disparities leave " << gap << " of a pixel's period out (at most "
+         << kMostGap << ")";
+  } else if (!(sigma_px <= config.max_ripple_deviation_px) || n < 2) {
+    text << "the ripple has a deviation of " << sigma_px << " px (at most "
+         << config.max_ripple_deviation_px << ")";
+  } else if (kTurn * amplitude_px >= 1) {
+    text << "a ripple of " << amplitude_px << " px is no function of depth (below " << 1 / kTurn
+         << ")";
+  }
+  return text.str();
+}
+
 }  // namespace
 
 Fields fields(DepthBiasConfig& config) {
@@ -113,6 +160,11 @@ Fields fields(DepthBiasConfig& config) {
       {"scale", &config.scale, "solve for a share of the depth"},
       {"bowl", &config.bowl, "solve for a share of the depth that grows with the radius squared"},
       {"disparity_shift", &config.disparity_shift, "solve for a term in the depth squared"},
+      {"ripple", &config.ripple, "solve for a sine of the disparity's fraction; needs f B"},
+      {"focal_baseline_px_m", &config.focal_baseline_px_m, "of the depth's pixels; 0 = unknown", 0,
+       1e9},
+      {"max_ripple_deviation_px", &config.max_ripple_deviation_px,
+       "of the ripple's terms, above which they are not determined", 1e-9, 10},
       {"reject_sigmas", &config.reject_sigmas, "samples beyond are left out; 0 = none", 0, 1e6},
       {"max_deviation_m", &config.max_deviation_m,
        "of the bias at the mean depth, above which it is not determined", 1e-9, 10},
@@ -123,6 +175,9 @@ void validate(const DepthBiasConfig& config) {
   DepthBiasConfig copy = config;
   check_limits(fields(copy));
   if (terms_of(config).empty()) throw std::invalid_argument("depth bias: no term to solve for");
+  if (config.ripple && !(config.focal_baseline_px_m > 0))
+    throw std::invalid_argument("depth bias: ripple needs focal_baseline_px_m > 0, not " +
+                                std::to_string(config.focal_baseline_px_m));
 }
 
 DepthBias fit_depth_bias(const std::vector<DepthSample>& samples, int width_px, int height_px,
@@ -159,6 +214,11 @@ DepthBias fit_depth_bias(const std::vector<DepthSample>& samples, int width_px, 
   if (config.scale) bias.scale = fitted.solution(at++);
   if (config.bowl) bias.bowl = fitted.solution(at++);
   if (config.disparity_shift) bias.disparity_shift_per_m = fitted.solution(at++);
+  if (config.ripple) {
+    bias.ripple_sin_px = fitted.solution(at++);
+    bias.ripple_cos_px = fitted.solution(at++);
+    bias.focal_baseline_px_m = config.focal_baseline_px_m;
+  }
   bias.covariance = fitted.squares_m2 / (count - static_cast<double>(n)) * fitted.inverse;
   bias.rms_m = std::sqrt(fitted.squares_m2 / count);
   bias.samples = static_cast<int>(used.size());
@@ -168,20 +228,65 @@ DepthBias fit_depth_bias(const std::vector<DepthSample>& samples, int width_px, 
   const Eigen::VectorXd row = row_of(config, mean_m, 0);
   const double deviation_m = std::sqrt(row.dot(bias.covariance * row));
   bias.status = CalibrationStatus::ok;
+  if (config.ripple) {
+    const std::string complaint = ripple_complaint(bias, config, used);
+    const int first = static_cast<int>(n) - 2;
+    if (!complaint.empty()) return open_bias(bias, {first, first + 1}, complaint);
+  }
   if (deviation_m <= config.max_deviation_m) return bias;
   return open_bias(bias, {},
                    "the bias at the mean depth has a deviation of " + std::to_string(deviation_m) +
                        " m (at most " + std::to_string(config.max_deviation_m) + ")");
 }
 
+DepthRipple ripple_of(const DepthBias& bias) {
+  const Eigen::Index n = bias.covariance.rows();
+  if (bias.status != CalibrationStatus::ok || bias.terms.empty() ||
+      bias.terms.back() != "ripple_cos_px" || n < 2)
+    throw std::invalid_argument("ripple: this depth bias was fitted without one");
+  DepthRipple ripple;
+  const Eigen::Vector2d at(bias.ripple_sin_px, bias.ripple_cos_px);
+  ripple.amplitude_px = at.norm();
+  ripple.phase_rad = std::atan2(at.y(), at.x());
+  const Eigen::Matrix2d covariance = bias.covariance.bottomRightCorner<2, 2>();
+  const Eigen::Vector2d along = at / ripple.amplitude_px, across(-along.y(), along.x());
+  ripple.amplitude_sigma_px = std::sqrt(along.dot(covariance * along));
+  ripple.phase_sigma_rad = std::sqrt(across.dot(covariance * across)) / ripple.amplitude_px;
+  return ripple;
+}
+
 double corrected_depth_m(const DepthBias& bias, const Eigen::Vector2d& pixel_px, double measured_m,
                          int width_px, int height_px) {
   const double slope = 1 + bias.scale + bias.bowl * radius2(pixel_px, width_px, height_px);
-  const double depth = (measured_m - bias.offset_m) / slope;
-  if (bias.disparity_shift_per_m == 0) return depth;
-  // Root of shift z^2 + slope z = measured - offset that goes to `depth` for no shift.
-  const double c = measured_m - bias.offset_m, d = bias.disparity_shift_per_m;
-  return 2 * c / (slope + std::sqrt(std::max(0.0, slope * slope + 4 * d * c)));
+  // Root of shift z^2 + slope z = measured - offset that goes to the linear one for no shift.
+  const double d = bias.disparity_shift_per_m;
+  const auto smooth_m = [&](double depth_m) {
+    const double c = depth_m - bias.offset_m;
+    return 2 * c / (slope + std::sqrt(std::max(0.0, slope * slope + 4 * d * c)));
+  };
+  const double around_m = smooth_m(measured_m);
+  const double fb = bias.focal_baseline_px_m;
+  if (!(fb > 0) || !(around_m > 0)) return around_m;
+
+  // Depth grows with distance: Newton's steps within a bracket of twice the ripple's amplitude.
+  const double most_m =
+      std::hypot(bias.ripple_sin_px, bias.ripple_cos_px) * around_m * around_m / fb;
+  double low = around_m - 2 * most_m, high = around_m + 2 * most_m, z = around_m;
+  constexpr int kMostSteps = 60;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const double turn = kTurn * fb / z;
+    const double wave = bias.ripple_sin_px * std::sin(turn) + bias.ripple_cos_px * std::cos(turn);
+    const double by_turn =
+        bias.ripple_sin_px * std::cos(turn) - bias.ripple_cos_px * std::sin(turn);
+    const double miss = bias.offset_m + slope * z + d * z * z - z * z / fb * wave - measured_m;
+    (miss > 0 ? high : low) = z;
+    const double rise = slope + 2 * d * z - 2 * z / fb * wave + kTurn * by_turn;
+    double next = z - miss / rise;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - z) <= 1e-14 * z) return next;
+    z = next;
+  }
+  return z;
 }
 
 double plane_depth_m(const Camera& camera, const Pose& camera_from_target,

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "calibration/lens_jacobian.h"
+#include "calibration/lens_value.h"
 #include "calibration/planar_pose.h"
 
 namespace cousin {
@@ -15,29 +15,25 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The lens's free parameters: columns of d(pixel)/d(fx, fy, cx, cy, distortion).
+/// The lens and which of its parameters are free, by their number among all of them.
 struct FreeParameters {
+  LensShape shape;
+  Eigen::VectorXd values;  ///< of all
   std::vector<int> columns;
   Eigen::MatrixXd information;
 };
 
 std::optional<FreeParameters> free_parameters(const CalibrationResult& result, int camera) {
-  static constexpr std::array<const char*, 16> kNames = {
-      "fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2",
-      "k3",    "k4",    "k5",    "k6",    "s1", "s2", "s3", "s4"};
-  static constexpr std::array<const char*, 8> kWide = {"fx_px", "fy_px", "cx_px", "cy_px",
-                                                       "k1",    "k2",    "k3",    "k4"};
   const Camera& lens = result.cameras[static_cast<std::size_t>(camera)];
-  const bool wide = lens.model == LensModel::kannala_brandt4;
-  const int count = 4 + distortion_count(lens.model);
   FreeParameters free;
+  free.shape = shape_of(lens);
+  free.values = lens_parameters(lens);
+  const std::vector<std::string> names = lens_parameter_names(free.shape);
   std::vector<int> at;
-  for (int i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const int index = parameter_index(
-        result, "camera" + std::to_string(camera) + "." + (wide ? kWide.at(k) : kNames.at(k)));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const int index = parameter_index(result, "camera" + std::to_string(camera) + "." + names[i]);
     if (index < 0) continue;
-    free.columns.push_back(i);
+    free.columns.push_back(static_cast<int>(i));
     at.push_back(index);
   }
   const auto n = static_cast<Eigen::Index>(at.size());
@@ -55,15 +51,12 @@ std::optional<FreeParameters> free_parameters(const CalibrationResult& result, i
   return free.information.allFinite() ? std::optional(free) : std::nullopt;
 }
 
-/// d(pixel)/d(free lens parameters) of a point in the camera.
-Eigen::MatrixXd lens_columns(const Camera& lens, const FreeParameters& free,
-                             const Eigen::Vector3d& point, const Eigen::Vector2d& pixel_px) {
-  Eigen::MatrixXd all(2, 4 + distortion_count(lens.model));
-  all.setZero();
-  all(0, 0) = (pixel_px.x() - lens.cx_px) / lens.fx_px;
-  all(1, 1) = (pixel_px.y() - lens.cy_px) / lens.fy_px;
-  all(0, 2) = all(1, 3) = 1;
-  all.rightCols(distortion_count(lens.model)) = d_pixel_d_distortion(lens, point);
+/// d(pixel)/d(free lens parameters) of a point in the camera; nothing if it has no pixel.
+std::optional<Eigen::MatrixXd> lens_columns(const FreeParameters& free,
+                                            const Eigen::Vector3d& point) {
+  RowMatrix all(2, free.values.size());
+  LensValue value;
+  if (!lens_value(free.shape, free.values.data(), point, value, all.data())) return std::nullopt;
   Eigen::MatrixXd some(2, static_cast<Eigen::Index>(free.columns.size()));
   for (std::size_t i = 0; i < free.columns.size(); ++i)
     some.col(static_cast<Eigen::Index>(i)) = all.col(free.columns[i]);
@@ -87,7 +80,9 @@ Eigen::MatrixXd projection_weight(const Camera& camera, const FreeParameters& fr
       if (!ray) continue;
       const auto projection = lens.project_with_jacobian(*ray);
       if (!projection) continue;
-      lens_parts.push_back(lens_columns(camera, free, *ray, pixel));
+      const auto columns = lens_columns(free, *ray);
+      if (!columns) continue;
+      lens_parts.push_back(*columns);
       turn_parts.push_back(-projection->d_point * cross_matrix(*ray));
     }
   }
@@ -138,7 +133,9 @@ std::optional<Eigen::MatrixXd> view_information(const Camera& camera, const Lens
     if (!seen || !(seen->pixel_px.minCoeff() > 0) || !(seen->pixel_px.x() < camera.width_px - 1) ||
         !(seen->pixel_px.y() < camera.height_px - 1))
       return std::nullopt;
-    const Eigen::MatrixXd a = lens_columns(camera, free, p, seen->pixel_px);
+    const auto columns = lens_columns(free, p);
+    if (!columns) return std::nullopt;
+    const Eigen::MatrixXd& a = *columns;
     Eigen::Matrix<double, 2, 6> b;
     b << -seen->d_point * cross_matrix(p), seen->d_point;
     aa += a.transpose() * a;
@@ -218,7 +215,7 @@ std::optional<NextView> best_next_view(const CalibrationResult& result, int came
   if (camera < 0 || camera >= static_cast<int>(result.cameras.size()) || target_m.empty())
     return std::nullopt;
   const Camera& lens = result.cameras[static_cast<std::size_t>(camera)];
-  if (lens.model == LensModel::splined_stereographic || !(result.rms_px > 0)) return std::nullopt;
+  if (!(result.rms_px > 0)) return std::nullopt;
   const auto free = free_parameters(result, camera);
   if (!free) return std::nullopt;
   const Lens ready(lens);

@@ -22,8 +22,10 @@ struct NextView {
 /// in the picture, sizes, tilts up to 50 degrees. First order: the view's normal equations, its
 /// pose eliminated and its corners as good as the residuals' RMS, are added to the inverse of the
 /// result's covariance; the variance is over a
-/// grid of pixels, a rotation of the camera (which best fits) left out. Nothing for a splined lens,
-/// a result without covariance, or a target that no candidate shows.
+/// grid of pixels, a rotation of the camera (which best fits) left out. Of a splined lens the
+/// covariance holds its regularising prior, without which what no corner saw would be infinitely
+/// unsure: now_px is then large, and the view goes where nothing was seen. Nothing for a result
+/// without covariance or a target that no candidate shows.
 /// @param target_m  by id, flat in z = 0, about the origin
 /// @param reach_px  pixels farther from the principal point are none of the image's: a fisheye's
 /// dark corners

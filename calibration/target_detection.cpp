@@ -10,6 +10,7 @@
 #include "calibration/circle_grid.h"
 #include "calibration/grid_growth.h"
 #include "calibration/marker_detection.h"
+#include "calibration/seed_board_target.h"
 #include "calibration/target_refinement.h"
 #include "sim/config/limits.h"
 #include "sim/imaging/color.h"
@@ -267,11 +268,10 @@ TargetView find_target(const Image<float>& light, const CalibrationTarget& targe
                        const TargetDetectionConfig& config) {
   validate(target);
   validate(config);
-  if (target.kind == TargetKind::seed_board)
-    throw std::invalid_argument("target: a seed board is found by detect_board");
   constexpr int kLeastSide = 40;
   if (std::min(light.width(), light.height()) < kLeastSide)
     return refused(TargetStatus::not_seen, "the image has less than 40 pixels a side");
+  if (target.kind == TargetKind::seed_board) return find_seed_board(light, target, config);
 
   const TargetGrid grid(target);
   const bool has_discs =

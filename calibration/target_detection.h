@@ -24,8 +24,7 @@ void validate(const TargetDetectionConfig& config);
 Image<float> light_of(const Image<Rgb8>& color);
 Image<float> light_of(const Image<std::uint8_t>& linear_grey);
 
-/// Finds a target of any kind but the seed board (which calibration/board_detection.h finds) and
-/// measures its points:
+/// Finds a target of any kind and measures its points (the seed board by seed_board_target.h):
 /// 1. chessboard: saddles grow into a lattice, whose size and colours say which corner is which;
 ///    charuco and april grid: cv::aruco's markers predict the corners; circles: OpenCV's grids.
 /// 2. what neighbours predict and is not found yet is looked for among the saddles, outward;
@@ -35,11 +34,10 @@ Image<float> light_of(const Image<std::uint8_t>& linear_grey);
 /// 4. corners by fit_saddle in a window that holds nothing of the print but the corner's squares;
 ///    discs by fit_disc, moved from the ellipse's centre to the disc's by the homography of all.
 /// The covariance is each fit's own, scaled by the noise it leaves pooled with the view's median.
-/// Parts of a charuco board and of an april grid are views; of a chessboard, its whole lattice must
-/// be spanned, of circles all discs seen.
+/// Parts of a charuco board, an april grid and a seed board are views; of a chessboard, its whole
+/// lattice must be spanned; a part of circles is one where its outline tells which part it is.
 /// @param light  linear, black to white anywhere in it; 65535 a side at most
-/// @throws std::invalid_argument for an invalid target or config, a seed board, an unknown
-/// dictionary.
+/// @throws std::invalid_argument for an invalid target or config, an unknown dictionary.
 TargetView find_target(const Image<float>& light, const CalibrationTarget& target,
                        const TargetDetectionConfig& config = {});
 

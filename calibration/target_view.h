@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,9 @@ struct TargetView {
   TargetStatus status = TargetStatus::not_seen;
   std::string reason;                     ///< why not ok, with the number and its limit
   std::vector<TargetObservation> points;  ///< ids unique, ascending; empty unless usable
+  /// By the camera's clock, of the middle row up to a constant; NaN: unknown. Only a rolling
+  /// shutter's calibration asks for it.
+  double time_s = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Whether the points can be used.

@@ -15,6 +15,7 @@ namespace {
 
 CalibrateConfig config_of(const Options& o) {
   CalibrateConfig config;
+  config.calibration.solver = default_calibration_solver();
   if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
   if (!o.model.empty()) config.model = lens_model_from_string(o.model);
   if (!o.solver.empty()) config.calibration.solver = calibration_solver_from_string(o.solver);
@@ -56,6 +57,9 @@ ExitCode command_calibrate(const JobContext& context) {
       run_calibration(std::move(photos), config, context.progress.function());
 
   ScoreFile scores;
+  if (o.solver.empty() && config.calibration.solver != CalibrationSolver::ceres)
+    context.progress.line("built without Ceres: solved by " +
+                          std::string(to_string(config.calibration.solver)));
   scores.scores = calibration_rows(run);
   scores.header.program_version = COUSIN_VERSION;
   scores.header.machine = machine_text();

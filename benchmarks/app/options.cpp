@@ -45,6 +45,10 @@ constexpr const char* kCalibrateHelp =
     "  aprilgrid:6x6:0.022:0.3          tags, side of a tag, space over tag (Kalibr's)\n"
     "  circles:8x6:0.030[:0.3]          discs, distance of centres, radius over distance\n"
     "  acircles:4x11:0.018[:0.42]       discs in staggered rows, distance of rows\n"
+    "--set rolling_shutter=true solves for the line delay of a moving camera: from a dataset's "
+    "time\n"
+    "stamps, or of a folder that is a video with --set frame_rate_hz=30. A depth camera's dataset\n"
+    "compares the registration that the device reports with the one found.\n"
     "Lens models: pinhole, opencv5, opencv8, opencv12, kannala_brandt4, splined_stereographic.\n"
     "See docs/calibration.md.";
 
@@ -54,7 +58,7 @@ void add_calibrate(CLI::App& verb, Options& o) {
       ->required();
   verb.add_option("--board", o.board, "The board, as above; a dataset's own if not given");
   verb.add_option("--model", o.model, "Lens model; default opencv5");
-  verb.add_option("--solver", o.solver, "ceres (default), opencv or mrcal");
+  verb.add_option("--solver", o.solver, "ceres (default where built in), opencv or mrcal");
   verb.add_option("--fix", o.fixed, "Parameters that stay 0 or at their start, such as k3,p1,p2");
   add_config(verb, o);
   add_set(verb, o);

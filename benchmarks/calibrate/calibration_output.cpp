@@ -101,6 +101,42 @@ Json camera_json(const CalibrationRun& run, std::size_t c) {
   return json;
 }
 
+std::string line_of(const char* format, auto... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+Json rolling_json(const CalibrationRun& run) {
+  const RollingShutterResult& rolling = *run.rolling;
+  const double deviation_s = deviation(run.result, "camera0.line_delay_s");
+  return {{"line_delay_s", number(rolling.line_delay_s)},
+          {"deviation_s", number(std::isfinite(rolling.line_delay_s) ? deviation_s : std::nan(""))},
+          {"neighbouring_views", rolling.neighbours}};
+}
+
+Json registration_json(const RegistrationDifference& d) {
+  return {{"verdict", to_string(d.verdict)},
+          {"rms_px", number(d.rms_px)},
+          {"max_px", number(d.max_px)},
+          {"fresh_rms_px", number(d.fresh_rms_px)},
+          {"reported_rms_px", number(d.factory_rms_px)},
+          {"reported_square_deviation_px2", number(d.factory_square_sigma_px2)}};
+}
+
+std::string registration_text(const CalibrationRun& run) {
+  const RegistrationDifference& d = *run.registration;
+  const std::string what = d.verdict == RegistrationVerdict::replace ? "worth replacing by this one"
+                           : d.verdict == RegistrationVerdict::keep
+                               ? "as good as this one, or nearly"
+                               : "open: this calibration is not sure enough, take more images";
+  return line_of(
+             "\nreported registration of depth to colour, at %.2f m: differs by %.3f px RMS, "
+             "%.3f px at most;\n  this one is sure to %.3f px; the reported one is ",
+             run.config.registration.distance_m, d.rms_px, d.max_px, d.fresh_rms_px) +
+         what + "\n";
+}
+
 std::vector<CalibratedCamera> calibrated(const CalibrationRun& run) {
   std::vector<CalibratedCamera> cameras;
   for (std::size_t c = 0; c < run.result.cameras.size(); ++c)
@@ -131,12 +167,6 @@ void write_colmap(const fs::path& folder, const CalibrationRun& run) {
   write_file(folder / "points3D.txt", files.points);
 }
 
-std::string line_of(const char* format, auto... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
 }  // namespace
 
 std::string calibration_json(const CalibrationRun& run) {
@@ -148,6 +178,7 @@ std::string calibration_json(const CalibrationRun& run) {
             {"solver", to_string(run.config.calibration.solver)},
             {"rms_px", number(run.result.rms_px)},
             {"sigma_px", number(run.result.sigma_px)},
+            {"noise_factor", number(run.result.noise_factor)},
             {"solver_rms_px", number(run.result.solver_rms_px)},
             {"solver_rms_name", run.result.solver_rms_name},
             {"observations", run.result.observations},
@@ -164,6 +195,8 @@ std::string calibration_json(const CalibrationRun& run) {
     json["cross_validation"] = {{"difference_rms_px", number(run.cross->difference.rms_px)},
                                 {"predicted_rms_px", number(run.cross->predicted_rms_px)}};
   }
+  if (run.rolling) json["rolling_shutter"] = rolling_json(run);
+  if (run.registration) json["registration"] = registration_json(*run.registration);
   json["images"] = Json::array();
   const std::vector<double> rms = view_rms_px(run);
   for (std::size_t i = 0; i < run.input.views.size(); ++i) {
@@ -223,6 +256,11 @@ std::string calibration_table(const CalibrationRun& run) {
     text +=
         line_of("\nhalves of the images differ by %.4f px RMS; their deviations predict %.4f px\n",
                 run.cross->difference.rms_px, run.cross->predicted_rms_px);
+  if (run.rolling && std::isfinite(run.rolling->line_delay_s))
+    text += line_of("\nline delay %.4g us a row +- %.2g, by %d pairs of neighbouring pictures\n",
+                    1e6 * run.rolling->line_delay_s,
+                    1e6 * deviation(run.result, "camera0.line_delay_s"), run.rolling->neighbours);
+  if (run.registration) text += registration_text(run);
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";
   for (const std::string& problem : run.problems) text += "REFUSED: " + problem + "\n";
   return text;
@@ -240,7 +278,10 @@ std::vector<ScoreRow> calibration_rows(const CalibrationRun& run) {
     row.method = std::string(to_string(run.config.calibration.solver));
     row.metric = dot == name.npos ? name : name.substr(dot + 1);
     row.value = run.result.values(static_cast<Eigen::Index>(i));
-    row.unit = row.metric.ends_with("_px") ? "px" : row.metric.starts_with("t_") ? "m" : "1";
+    row.unit = row.metric.ends_with("_px")    ? "px"
+               : row.metric.ends_with("_s")   ? "s"
+               : row.metric.starts_with("t_") ? "m"
+                                              : "1";
     row.n = run.result.observations;
     const double half = kSigmas95 * deviation(run.result, name);
     row.ci_low = row.value - half;

@@ -182,6 +182,7 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
   if (scenes.empty())
     throw std::runtime_error(dataset.string() + ": no scene folder such as 000000 in this dataset");
   int first_frame = 0;
+  double first_s = 0;  // scenes follow each other with a gap that no video has
   for (const fs::path& scene : scenes) {
     const Capture capture = read_capture(scene);
     CalibrationTarget target;
@@ -201,6 +202,7 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
       result.target = target;
       first_scene = scene.filename().string();
       for (const SensorReport& sensor : capture.rig) result.cameras.push_back(sensor.name);
+      result.reported = capture.rig;
     }
     if (!(target == result.target))
       throw std::runtime_error((scene / "rig.json").string() + ": /board = \"" + to_text(target) +
@@ -222,16 +224,22 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
         result.photos.push_back(
             {path,
              scene.filename().string() + "/" + capture.rig[s].name + "/" + path.filename().string(),
-             static_cast<int>(s), first_frame + frame.id, image.color.empty()});
+             static_cast<int>(s), first_frame + frame.id, image.color.empty(),
+             image.time_s.value_or(frame.time_s) + first_s});
       }
     }
     for (const Frame& frame : capture.frames) first_frame = std::max(first_frame, frame.id + 1);
+    double last_s = first_s;
+    for (const CalibrationPhoto& p : result.photos) last_s = std::max(last_s, p.time_s);
+    constexpr double kGap_s = 1000;
+    first_s = last_s + kGap_s;
     if (result.photos.size() > kMostPhotos)
       throw std::runtime_error(dataset.string() + ": more than 5000 images");
   }
   // Sensors without images, such as depth, are no cameras.
   std::vector<int> number(result.cameras.size(), -1);
   std::vector<std::string> kept;
+  std::vector<SensorReport> reported;
   for (std::size_t s = 0; s < result.cameras.size(); ++s) {
     const bool used =
         std::any_of(result.photos.begin(), result.photos.end(),
@@ -239,9 +247,11 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
     if (!used) continue;
     number[s] = static_cast<int>(kept.size());
     kept.push_back(result.cameras[s]);
+    reported.push_back(result.reported[s]);
   }
   if (kept.empty()) throw std::runtime_error(dataset.string() + ": no colour or grey image");
   result.cameras = kept;
+  result.reported = reported;
   for (CalibrationPhoto& p : result.photos) p.camera = number[static_cast<std::size_t>(p.camera)];
   std::stable_sort(result.photos.begin(), result.photos.end(),
                    [](const CalibrationPhoto& a, const CalibrationPhoto& b) {

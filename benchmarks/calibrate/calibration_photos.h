@@ -1,10 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "sim/types/calibration_target.h"
+#include "sim/types/capture.h"
 #include "sim/types/image.h"
 
 namespace cousin {
@@ -16,6 +18,7 @@ struct CalibrationPhoto {
   int camera = 0;               ///< index into CalibrationPhotos::cameras
   int frame = 0;                ///< same number = same instant
   bool is_linear_grey = false;  ///< of an infrared imager; else 8-bit sRGB
+  double time_s = std::numeric_limits<double>::quiet_NaN();  ///< NaN: unknown
 };
 
 /// What is calibrated from.
@@ -23,6 +26,7 @@ struct CalibrationPhotos {
   CalibrationTarget target;
   std::vector<std::string> cameras;
   std::vector<CalibrationPhoto> photos;  ///< by camera, then frame
+  std::vector<SensorReport> reported;    ///< what a dataset's device says of `cameras`; or empty
 };
 
 /// "KIND:COLUMNSxROWS:PITCH[:SHARE[:DICTIONARY]]" in metres, or a preset of the boards scene:

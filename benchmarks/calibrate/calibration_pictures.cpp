@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "sim/imaging/image_io.h"
+
 namespace cousin {
 namespace {
 
@@ -104,6 +106,24 @@ struct Cell {
 };
 
 }  // namespace
+
+Image<Rgb8> sample_picture(const CalibrationPhotos& photos, const std::vector<TargetView>& views) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const CalibrationPhoto& photo = photos.photos[i];
+    if (photo.camera != 0 || !is_usable(views[i])) continue;
+    if (!photo.is_linear_grey) {
+      return read_color(photo.file);
+    }
+    const Image<std::uint8_t> grey = read_png8(photo.file);
+    Image<Rgb8> sample(grey.width(), grey.height());
+    for (std::size_t k = 0; k < grey.size(); ++k) {
+      const std::uint8_t v = grey.data()[k];
+      sample.data()[k] = {v, v, v};
+    }
+    return sample;
+  }
+  return {};
+}
 
 Image<Rgb8> coverage_picture(const CalibrationRun& run, int camera) {
   Canvas canvas(lens_of(run, camera), {235, 235, 235});

@@ -1,9 +1,15 @@
 #pragma once
 
+#include <vector>
+
 #include "benchmarks/calibrate/calibration_run.h"
 #include "sim/types/image.h"
 
 namespace cousin {
+
+/// The first of camera 0's photos that shows the board, an infrared one as grey; empty if none
+/// does. @throws std::runtime_error naming a file that cannot be read.
+Image<Rgb8> sample_picture(const CalibrationPhotos& photos, const std::vector<TargetView>& views);
 
 /// Where a camera's points fell, over the first picture of it: green used, red rejected; the
 /// outline of where to hold the board next, blue.

@@ -32,6 +32,9 @@ void add_headlines(const CalibrationRun& run, ReportInput& input) {
     add(who + "residual RMS", run.verdicts[c].rms_px, "px");
     if (!run.verdicts[c].uncertainty.covariance_px2.empty())
       add(who + "projection's deviation, median", run.verdicts[c].deviation_px, "px");
+    if (c == 0 && run.rolling && std::isfinite(run.rolling->line_delay_s))
+      add("line delay", run.rolling->line_delay_s, "s",
+          deviation(run.result, prefix + "line_delay_s"));
     if (c > 0) add(who + "baseline", run.result.camera_from_rig[c].translation_m.norm(), "m");
   }
 }
@@ -86,6 +89,14 @@ void write_calibration_report(const std::filesystem::path& file, const Calibrati
     input.summary += " Calibrated from either half of the images alone, projections differ by " +
                      shown_number(run.cross->difference.rms_px) + " px RMS, where " +
                      shown_number(run.cross->predicted_rms_px) + " px is predicted.";
+  }
+  if (run.registration) {
+    input.summary += " The device's own registration of depth to colour differs by " +
+                     shown_number(run.registration->rms_px) + " px RMS at " +
+                     shown_number(run.config.registration.distance_m) +
+                     " m, where this one is sure to " +
+                     shown_number(run.registration->fresh_rms_px) + " px: verdict \"" +
+                     std::string(to_string(run.registration->verdict)) + "\".";
   }
   if (!command_line.empty()) input.commands = {command_line};
   CalibrateConfig config = run.config;

@@ -11,8 +11,9 @@
 #include <set>
 #include <stdexcept>
 
+#include "benchmarks/calibrate/calibration_pictures.h"
+#include "benchmarks/calibrate/device_report.h"
 #include "sim/config/limits.h"
-#include "sim/imaging/image_io.h"
 
 namespace cousin {
 namespace {
@@ -282,7 +283,13 @@ Fields fields(CalibrateConfig& config) {
                  "projection's median deviation over the width that is warned of", 0, 1},
                 {"most_deviation_share", &config.most_deviation_share, "and that is refused", 0, 1},
                 {"least_tilt_spread_rad", &config.least_tilt_spread_rad,
-                 "below, boards count as parallel", 0, 1.5}} +
+                 "below, boards count as parallel", 0, 1.5},
+                {"rolling_shutter", &config.rolling_shutter,
+                 "one camera: rows are read one after the other, the camera moves"},
+                {"frame_rate_hz", &config.frame_rate_hz, "of a folder that is a video; 0 = none", 0,
+                 1e5}} +
+         nested("rolling", fields(config.rolling)) +
+         nested("registration", fields(config.registration)) +
          nested("calibration", fields(config.calibration)) +
          nested("detection", fields(config.detection));
 }
@@ -292,6 +299,8 @@ void validate(const CalibrateConfig& config) {
   check_limits(fields(copy));
   validate(config.calibration);
   validate(config.detection);
+  validate(config.rolling);
+  validate(config.registration);
 }
 
 CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& config,
@@ -307,14 +316,20 @@ CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& 
   std::vector<TargetView> views;
   for (Found& f : found) views.push_back(std::move(f.view));
   check_views(run.photos, views);
-  for (std::size_t i = 0; i < views.size() && run.sample.empty(); ++i) {
-    if (is_usable(views[i]) && !run.photos.photos[i].is_linear_grey)
-      run.sample = read_color(run.photos.photos[i].file);
+  run.sample = sample_picture(run.photos, views);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const CalibrationPhoto& photo = run.photos.photos[i];
+    views[i].time_s = config.frame_rate_hz > 0 ? photo.frame / config.frame_rate_hz : photo.time_s;
   }
   run.input = calibration_input(run.photos.target, std::move(views), cameras);
   agree_on_half_turns(run.input, config.calibration);
   if (progress) progress("solving", 0, 1);
-  run.result = calibrate(run.input, config.calibration);
+  if (config.rolling_shutter) {
+    run.rolling = calibrate_rolling_shutter(run.input, config.calibration, config.rolling);
+    run.result = run.rolling->calibration;
+  } else {
+    run.result = calibrate(run.input, config.calibration);
+  }
   if (progress) progress("solving", 1, 1);
   const bool has_lenses = run.result.status == CalibrationStatus::ok ||
                           run.result.status == CalibrationStatus::not_determined ||
@@ -322,10 +337,13 @@ CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& 
   if (has_lenses && run.result.cameras.size() == cameras.size()) {
     for (std::size_t c = 0; c < cameras.size(); ++c)
       run.verdicts.push_back(verdict_of(run, static_cast<int>(c)));
-    if (run.result.status == CalibrationStatus::ok && run.result.frames.size() >= 6)
+    if (run.result.status == CalibrationStatus::ok) compare_with_reported(run);
+    if (run.result.status == CalibrationStatus::ok && run.result.frames.size() >= 6 &&
+        !config.rolling_shutter)
       run.cross = cross_validate(run.input, config.calibration);
   }
   judge(run);
+  warn_of_shutters(run);
   return run;
 }
 

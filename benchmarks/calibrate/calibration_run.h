@@ -9,6 +9,8 @@
 #include "calibration/calibrate.h"
 #include "calibration/calibration_uncertainty.h"
 #include "calibration/next_view.h"
+#include "calibration/registration.h"
+#include "calibration/rolling_shutter.h"
 #include "calibration/target_detection.h"
 
 namespace cousin {
@@ -19,6 +21,11 @@ struct CalibrateConfig {
   /// beyond the points is judged by the median over the image instead of the RMS.
   CalibrationConfig calibration{.weigh_by_covariance = true, .max_deviation_share = 1e6};
   TargetDetectionConfig detection;
+  bool rolling_shutter =
+      false;                 ///< one camera: rows are read one after the other, time stamps count
+  double frame_rate_hz = 0;  ///< of a folder that is a video, picture by picture; 0: it is none
+  RollingShutterConfig rolling;
+  RegistrationConfig registration;      ///< of a depth camera's dataset, which reports its own
   double most_rms_px = 0.5;             ///< RMS a coordinate above which the lens does not fit ...
   double most_rms_sigmas = 8;           ///< ... if it is as many times what detection predicts, too
   double most_deviation_share = 0.01;   ///< of the width: median of the projection's deviation
@@ -48,9 +55,13 @@ struct CalibrationRun {
   CalibrationResult result;
   std::vector<CameraVerdict> verdicts;  ///< one for each camera, empty unless there is a result
   std::optional<CrossValidation> cross;
+  std::optional<RollingShutterResult> rolling;  ///< with rolling_shutter; `result` is its lens
+  /// Where a dataset has a colour camera and a depth camera's left imager: what the device reports
+  /// against `result`.
+  std::optional<RegistrationDifference> registration;
   std::vector<std::string> problems;  ///< why nothing should be used; empty = use it
   std::vector<std::string> warnings;
-  Image<Rgb8> sample;  ///< the first photo in which the board was found
+  Image<Rgb8> sample;  ///< camera 0's first photo in which the board was found
   double detect_s = 0;
 };
 

@@ -3,12 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "benchmarks/calibration/corner_views.h"
 #include "benchmarks/calibration/hand_eye_views.h"
 #include "calibration/calibrate.h"
-#include "calibration/depth_bias.h"
 #include "calibration/hand_eye.h"
 
 namespace cousin {
@@ -74,6 +74,98 @@ TEST(Rig, TwoCamerasFindTheirBaseline) {
   }
 }
 
+/// Three cameras, of which the last sees less of the boards.
+CornerViews rig_views(int cameras) {
+  const Camera camera = study_camera(LensModel::opencv5);
+  const std::vector<Pose> places = {
+      Pose{},
+      {Eigen::Quaterniond(Eigen::AngleAxisd(0.006, Eigen::Vector3d::UnitY())),
+       {-0.12, 0.0003, 0.0002}},
+      {Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitX())), {0.05, -0.06, 0.01}}};
+  CornerViewsConfig config;
+  config.near_m = 0.3;
+  config.far_m = 0.6;
+  const auto n = static_cast<std::ptrdiff_t>(cameras);
+  return make_corner_views(std::vector<Camera>(static_cast<std::size_t>(cameras), camera),
+                           {places.begin(), places.begin() + n}, config, Rng(8));
+}
+
+/// Frames in which all cameras see all points: what cv::stereoCalibrate takes.
+CalibrationInput seen_by_all(const CalibrationInput& input) {
+  std::map<int, std::size_t> whole;
+  for (const TargetView& view : input.views)
+    whole[view.frame] += view.points.size() == input.target_m.size() ? 1U : 0U;
+  CalibrationInput some = input;
+  std::erase_if(some.views,
+                [&](const TargetView& view) { return whole[view.frame] != input.cameras.size(); });
+  return some;
+}
+
+void expect_same_minimum(const CalibrationResult& a, const CalibrationResult& b) {
+  ASSERT_EQ(a.status, CalibrationStatus::ok) << a.reason;
+  ASSERT_EQ(b.status, CalibrationStatus::ok) << b.reason;
+  ASSERT_EQ(a.observations, b.observations);
+  // Both costs are our sum of squares at the solution found.
+  EXPECT_NEAR(a.cost_px2, b.cost_px2, 1e-6 * a.cost_px2);
+  ASSERT_EQ(a.parameters, b.parameters);
+  for (std::size_t i = 0; i < a.parameters.size(); ++i) {
+    EXPECT_NEAR(a.values(static_cast<Eigen::Index>(i)), b.values(static_cast<Eigen::Index>(i)),
+                1e-3 * deviation(a, a.parameters[i]))
+        << a.parameters[i];
+  }
+}
+
+TEST(Rig, StereoCalibrateFindsTheMinimumOfCeres) {
+#ifdef COUSIN_NO_CERES
+  GTEST_SKIP() << "built without Ceres";
+#endif
+  const CalibrationInput input = seen_by_all(rig_views(2).input);
+  ASSERT_GE(input.views.size(), 30U);
+  CalibrationConfig theirs;
+  theirs.solver = CalibrationSolver::opencv;
+  theirs.max_iterations = 300;
+  expect_same_minimum(calibrate(input), calibrate(input, theirs));
+}
+
+TEST(Rig, StereoCalibrateTakesWhatBothSeeAndFindsTheBaseline) {
+  const CornerViews views = rig_views(2);
+  CalibrationInput input = views.input;
+  // Every third view lacks a row, and one camera misses two frames.
+  for (std::size_t i = 0; i < input.views.size(); i += 3)
+    input.views[i].points.erase(input.views[i].points.begin(), input.views[i].points.begin() + 8);
+  std::erase_if(input.views, [](const TargetView& v) { return v.camera == 1 && v.frame < 2; });
+  CalibrationConfig config;
+  config.solver = CalibrationSolver::opencv;
+  const CalibrationResult result = calibrate(input, config);
+  ASSERT_EQ(result.status, CalibrationStatus::ok) << result.reason;
+  for (const char axis : {'x', 'y', 'z'}) {
+    const double sigma = deviation(result, std::string("camera1.t_") + axis);
+    const int k = axis - 'x';
+    EXPECT_NEAR(result.camera_from_rig[1].translation_m(k),
+                views.camera_from_rig[1].translation_m(k), 4 * sigma);
+    EXPECT_LT(sigma, 5e-4);
+  }
+  EXPECT_NEAR(result.solver_rms_px / result.rms_px, std::sqrt(2.0), 1e-5);
+}
+
+TEST(Rig, ThreeCamerasAreNotOpenCvs) {
+  CalibrationConfig config;
+  config.solver = CalibrationSolver::opencv;
+  const CalibrationResult result = calibrate(rig_views(3).input, config);
+  EXPECT_EQ(result.status, CalibrationStatus::bad_input);
+  EXPECT_NE(result.reason.find("not 3"), std::string::npos) << result.reason;
+}
+
+TEST(Rig, MrcalFindsTheMinimumOfCeresForThreeCameras) {
+#if defined(COUSIN_NO_CERES) || defined(COUSIN_NO_MRCAL)
+  GTEST_SKIP() << "a solver is not built in";
+#endif
+  const CornerViews views = rig_views(3);
+  CalibrationConfig theirs;
+  theirs.solver = CalibrationSolver::mrcal;
+  expect_same_minimum(calibrate(views.input), calibrate(views.input, theirs));
+}
+
 TEST(Rig, HalfTurnsThatAreUnknownAreMadeToAgree) {
 #ifdef COUSIN_NO_CERES
   GTEST_SKIP() << "built without Ceres";
@@ -106,46 +198,6 @@ TEST(Rig, CamerasThatShareNoFrameAreNotDetermined) {
   const CalibrationResult result = calibrate(views.input);
   EXPECT_EQ(result.status, CalibrationStatus::not_determined);
   EXPECT_EQ(result.not_determined, std::vector<std::string>{"camera1.pose"});
-}
-
-std::vector<DepthSample> walls(const std::vector<double>& distances_m, double noise_m) {
-  std::vector<DepthSample> samples;
-  Rng rng(3);
-  for (const double z : distances_m) {
-    for (int y = 0; y < 480; y += 24) {
-      for (int x = 0; x < 640; x += 32) {
-        const double r2 = (Eigen::Vector2d(x, y) - Eigen::Vector2d(319.5, 239.5)).squaredNorm() /
-                          Eigen::Vector2d(319.5, 239.5).squaredNorm();
-        samples.push_back(
-            {{x, y}, z + 0.003 + 0.01 * z - 0.004 * r2 * z + noise_m * normal(rng), z});
-      }
-    }
-  }
-  return samples;
-}
-
-TEST(DepthBias, OffsetScaleAndBowlAreFound) {
-  const DepthBias bias = fit_depth_bias(walls({0.4, 0.6, 0.9}, 0.001), 640, 480);
-  ASSERT_EQ(bias.status, CalibrationStatus::ok) << bias.reason;
-  const double truth[] = {0.003, 0.01, -0.004}, found[] = {bias.offset_m, bias.scale, bias.bowl};
-  for (int i = 0; i < 3; ++i)
-    EXPECT_NEAR(found[i], truth[i], 4 * std::sqrt(bias.covariance(i, i))) << i;
-  const double measured = 0.7 + 0.003 + 0.01 * 0.7 - 0.004 * 0.7;
-  EXPECT_NEAR(corrected_depth_m(bias, {0, 0}, measured, 640, 480), 0.7, 5e-4);
-}
-
-TEST(DepthBias, OneDistanceDoesNotTellOffsetFromScale) {
-  const DepthBias bias = fit_depth_bias(walls({0.6}, 0.001), 640, 480);
-  EXPECT_EQ(bias.status, CalibrationStatus::not_determined);
-  EXPECT_EQ(bias.not_determined, (std::vector<std::string>{"offset_m", "scale"}));
-}
-
-TEST(DepthBias, PlaneDepthIsAlongTheAxis) {
-  const Camera camera = study_camera(LensModel::opencv5);
-  const Pose pose{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX())),
-                  {0, 0, 0.5}};
-  const Eigen::Vector3d point = pose * Eigen::Vector3d(0.05, -0.08, 0);
-  EXPECT_NEAR(plane_depth_m(camera, pose, *project(camera, point)), point.z(), 1e-9);
 }
 
 }  // namespace
