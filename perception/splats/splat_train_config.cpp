@@ -16,6 +16,26 @@ void check(const char* name, double value, double low, double high) {
 
 }  // namespace
 
+SplatTrainConfig reference_training() {
+  SplatTrainConfig config;
+  config.steps = 30000;
+  config.rates = {.centre_first = 1.6e-4,
+                  .centre_last = 1.6e-6,
+                  .log_scale = 5e-3,
+                  .rotation = 1e-3,
+                  .opacity = 5e-2,
+                  .dc = 2.5e-3,
+                  .rest = 1.25e-4};
+  config.quarter_until = config.half_until = 0;
+  config.growth = SplatGrowth::adaptive;
+  config.most_splats = 10'000'000;
+  config.grow_every = 100;
+  config.grow_from = 500.0 / 30000;
+  config.grow_until = 0.5;
+  config.reset_every = 0.1;
+  return config;
+}
+
 void validate(const SplatTrainConfig& config) {
   check("steps", config.steps, 1, 1e6);
   check("sh_degree", config.sh_degree, 0, 3);

@@ -277,6 +277,21 @@ TEST(TrainSplats, PixelsOfNoWeightAreNotLearned) {
                          train_splats(weighted, start_model(100), config).model));
 }
 
+TEST(TrainSplats, TheReferencesSettingsAreValidAndStart) {
+  SplatTrainConfig config = reference_training();
+  validate(config);
+  // The published ones: degrees every 1000 steps, resets every 3000, growth from 500 to 15,000.
+  EXPECT_EQ(config.steps / 30, 1000);
+  EXPECT_DOUBLE_EQ(config.reset_every * config.steps, 3000);
+  EXPECT_DOUBLE_EQ(config.grow_from * config.steps, 500);
+  EXPECT_DOUBLE_EQ(config.grow_until * config.steps, 15000);
+  const std::vector<SplatView> views = views_of(true_model(), 4);
+  const auto stop = [](const SplatTrainPoint& point) { return point.step < 100; };
+  const SplatTraining training = train_splats(views, start_model(100), config, stop);
+  EXPECT_EQ(training.status, SplatTrainStatus::stopped);
+  EXPECT_LT(training.curve.back().loss, training.curve.front().loss);
+}
+
 TEST(TrainSplats, WrongInputsAreNamed) {
   std::vector<SplatView> views = views_of(true_model(), 2);
   SplatTrainConfig config;
