@@ -76,41 +76,6 @@ const Instance& board_of(const Scene& scene) {
 
 }  // namespace
 
-struct BoardPhotographs::Impl {
-  PlantRunConfig config;
-  Scene scene;
-  RayScene rays;
-  RigCapture rig;
-  RadianceConfig radiance;
-  IrradianceCache light;
-  Streams streams;
-  std::vector<Eigen::Vector3d> points_in_world_m;
-
-  Impl(const PlantRunConfig& run, Scene built, std::uint64_t seed)
-      : config(run),
-        scene(plain(built)),
-        rays(scene),
-        rig(config.rig, config.capture, rays, scene, Rng(seed).fork("photographs")),
-        radiance(radiance_config()),
-        light(rays, scene, radiance, Rng(seed).fork("light")) {
-    streams.color = true;
-    const Instance& board = board_of(built);
-    for (const Keypoint& keypoint :
-         built.models.at(static_cast<std::size_t>(board.model)).keypoints)
-      points_in_world_m.push_back(board.world_from_object * keypoint.in_object_m);
-  }
-
-  /// Enough rays where an edge crosses that a corner moves by less than .003 px.
-  static RadianceConfig radiance_config() {
-    RadianceConfig c;
-    c.edge_samples = 64;
-    c.irradiance_samples = 64;
-    c.max_bounces = 2;
-    c.board_texel_m = 0.01;
-    return c;
-  }
-};
-
 namespace {
 
 PlantRunConfig boards_run(const std::vector<std::string>& assignments) {
@@ -120,12 +85,81 @@ PlantRunConfig boards_run(const std::vector<std::string>& assignments) {
   return run;
 }
 
+RadianceConfig radiance_config(int edge_samples) {
+  RadianceConfig c;
+  c.edge_samples = edge_samples;
+  c.irradiance_samples = 64;
+  c.max_bounces = 2;
+  c.board_texel_m = 0.01;
+  return c;
+}
+
+bool is_same(const Pose& a, const Pose& b) {
+  return a.rotation.coeffs() == b.rotation.coeffs() && a.translation_m == b.translation_m;
+}
+
+/// Whether both see the same light.
+bool is_same(const TrueView& a, const TrueView& b) {
+  return a.camera == b.camera && is_same(a.camera_from_world, b.camera_from_world) &&
+         is_same(a.camera_from_world_end, b.camera_from_world_end) &&
+         a.exposure_s == b.exposure_s && a.readout_s == b.readout_s &&
+         a.aperture_radius_m == b.aperture_radius_m && a.focus_m == b.focus_m;
+}
+
 }  // namespace
 
-BoardPhotographs::BoardPhotographs(const std::vector<std::string>& assignments,
-                                   std::uint64_t seed) {
+struct BoardPhotographs::Impl {
+  PlantRunConfig config;
+  Scene scene;
+  RayScene rays;
+  std::vector<RigCapture> rigs;  ///< one a sensor
+  RadianceConfig radiance;
+  IrradianceCache light;
+  Streams streams;
+  std::vector<Eigen::Vector3d> points_in_world_m;
+
+  Impl(const PlantRunConfig& run, Scene built, std::uint64_t seed,
+       const BoardPhotographsConfig& photographs)
+      : config(run),
+        scene(plain(built)),
+        rays(scene),
+        radiance(radiance_config(photographs.edge_samples)),
+        light(rays, scene, radiance, Rng(seed).fork("light")) {
+    streams.color = true;
+    const Instance& board = board_of(built);
+    for (const Keypoint& keypoint :
+         built.models.at(static_cast<std::size_t>(board.model)).keypoints)
+      points_in_world_m.push_back(board.world_from_object * keypoint.in_object_m);
+  }
+
+  void add_rig(const PlantRunConfig& run, std::uint64_t seed) {
+    rigs.emplace_back(run.rig, run.capture, rays, scene, Rng(seed).fork("photographs"));
+    const std::vector<SensorViews>&first = rigs.front().views(), &own = rigs.back().views();
+    bool fits = first.size() == own.size();
+    for (std::size_t c = 0; fits && c < first.size(); ++c) {
+      fits = std::equal(first[c].views.begin(), first[c].views.end(), own[c].views.begin(),
+                        own[c].views.end(),
+                        [](const TrueView& a, const TrueView& b) { return is_same(a, b); });
+    }
+    if (!fits) {
+      throw std::invalid_argument("board photographs: sensor " + std::to_string(rigs.size() - 1) +
+                                  " sees other light than the first: lens, places and shutter "
+                                  "must be the same");
+    }
+  }
+};
+
+BoardPhotographs::BoardPhotographs(const std::vector<std::string>& assignments, std::uint64_t seed,
+                                   const BoardPhotographsConfig& config) {
+  if (config.sensors.empty()) throw std::invalid_argument("board photographs: no sensor");
   const PlantRunConfig run = boards_run(assignments);
-  impl_ = std::make_unique<Impl>(run, build_scene(seen_by(run.scene, run.rig), seed, 0), seed);
+  impl_ =
+      std::make_unique<Impl>(run, build_scene(seen_by(run.scene, run.rig), seed, 0), seed, config);
+  for (const std::vector<std::string>& sensor : config.sensors) {
+    std::vector<std::string> all = assignments;
+    all.insert(all.end(), sensor.begin(), sensor.end());
+    impl_->add_rig(boards_run(all), seed);
+  }
 }
 BoardPhotographs::~BoardPhotographs() = default;
 BoardPhotographs::BoardPhotographs(BoardPhotographs&&) noexcept = default;
@@ -135,20 +169,30 @@ const CalibrationTarget& BoardPhotographs::target() const {
 }
 
 int BoardPhotographs::size() const {
-  return static_cast<int>(impl_->rig.views().front().views.size());
+  return static_cast<int>(impl_->rigs.front().views().front().views.size());
 }
 
-Frame BoardPhotographs::take(int view) const {
+Frame BoardPhotographs::take(int view) const { return take_each(view, 1).front(); }
+
+std::vector<Frame> BoardPhotographs::take_each(int view, std::size_t sensors) const {
   const Impl& impl = *impl_;
-  return impl.rig
-      .take(view, impl.streams,
-            [&](const TrueView& seen, const Rng& rng) {
-              return render_radiance(impl.rays, impl.scene, impl.light, seen, impl.radiance, rng);
-            })
-      .frame;
+  std::vector<Image<Rgbf>> seen;  // by each camera of the first sensor
+  std::vector<Frame> frames;
+  for (std::size_t s = 0; s < std::min(sensors, impl.rigs.size()); ++s) {
+    std::size_t camera = 0;
+    const auto radiance = [&](const TrueView& of, const Rng& rng) {
+      if (s == 0)
+        seen.push_back(render_radiance(impl.rays, impl.scene, impl.light, of, impl.radiance, rng));
+      return seen.at(camera++);
+    };
+    frames.push_back(impl.rigs[s].take(view, impl.streams, radiance).frame);
+  }
+  return frames;
 }
 
-const std::vector<SensorViews>& BoardPhotographs::truth() const { return impl_->rig.views(); }
+const std::vector<SensorViews>& BoardPhotographs::truth() const {
+  return impl_->rigs.front().views();
+}
 
 const std::vector<Eigen::Vector3d>& BoardPhotographs::points_in_world_m() const {
   return impl_->points_in_world_m;

@@ -12,15 +12,18 @@ namespace {
 constexpr int kMostDraws = 10'000;
 constexpr std::size_t kLeastCorners = 12;
 
-std::vector<Eigen::Vector3d> board_points(const CornerViewsConfig& config,
+/// As designed, or bent.
+std::vector<Eigen::Vector3d> board_points(const CornerViewsConfig& config, const CornerFlaws& flaws,
                                           const Eigen::Vector2d& deformation_m) {
   std::vector<Eigen::Vector3d> points;
   for (int r = 0; r < config.rows; ++r) {
     for (int c = 0; c < config.columns; ++c) {
       const double x = 2.0 * c / (config.columns - 1) - 1, y = 2.0 * r / (config.rows - 1) - 1;
-      points.emplace_back((c - 0.5 * (config.columns - 1)) * config.pitch_m,
-                          (0.5 * (config.rows - 1) - r) * config.pitch_m,
-                          deformation_m.x() * (1 - x * x) + deformation_m.y() * (1 - y * y));
+      const double across_m = (c - 0.5 * (config.columns - 1)) * config.pitch_m;
+      const double up_m = (0.5 * (config.rows - 1) - r) * config.pitch_m;
+      points.emplace_back(flaws.stretch_x * across_m + flaws.shear * up_m, up_m,
+                          deformation_m.x() * (1 - x * x) + deformation_m.y() * (1 - y * y) +
+                              0.25 * flaws.edge_m * (1 + y) * (1 + y) + flaws.twist_m * x * y);
     }
   }
   return points;
@@ -45,7 +48,8 @@ Pose draw_pose(const Lens& lens, const CornerViewsConfig& config, Rng rng) {
                                     Eigen::Quaterniond(0, 1, 0, 0);
     const Pose pose{turn.normalized(), distance_m * *ray};
     std::size_t seen = 0;
-    const std::vector<Eigen::Vector3d> points = board_points(config, config.deformation_m);
+    const std::vector<Eigen::Vector3d> points =
+        board_points(config, config.flaws, config.deformation_m);
     for (const Eigen::Vector3d& p : points) {
       const std::optional<Eigen::Vector2d> q = lens.project(pose * p);
       seen += q && q->x() > 0 && q->y() > 0 && q->x() < camera.width_px - 1 &&
@@ -59,6 +63,34 @@ Pose draw_pose(const Lens& lens, const CornerViewsConfig& config, Rng rng) {
                            std::to_string(kMostDraws) + " draws");
 }
 
+/// What is drawn of the flaws for one frame.
+struct FrameFlaws {
+  std::vector<Eigen::Vector3d> points;                 ///< of the board as it is then
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  ///< from the first row to the last
+};
+FrameFlaws draw_flaws(const CornerViewsConfig& config, Rng rng) {
+  const CornerFlaws& f = config.flaws;
+  const double bend_x = f.flutter_m * normal(rng), bend_y = f.flutter_m * normal(rng);
+  FrameFlaws drawn;
+  drawn.points = board_points(config, f, config.deformation_m + Eigen::Vector2d(bend_x, bend_y));
+  for (int k = 0; k < 3; ++k) drawn.turn_rad(k) = f.turn_rad * normal(rng);
+  return drawn;
+}
+
+/// Where a point is seen by a camera that turns while its rows are read.
+std::optional<Eigen::Vector2d> seen_at(const Lens& lens, const Eigen::Vector3d& in_camera_m,
+                                       const Eigen::Vector3d& turn_rad) {
+  std::optional<Eigen::Vector2d> pixel = lens.project(in_camera_m);
+  if (turn_rad.isZero(0)) return pixel;
+  // The row that sees the point depends on the turn by then: twice is enough for turns of
+  // hundredths.
+  for (int i = 0; i < 2 && pixel; ++i) {
+    const double share = pixel->y() / (lens.camera().height_px - 1) - 0.5;
+    pixel = lens.project(in_camera_m + share * turn_rad.cross(in_camera_m));
+  }
+  return pixel;
+}
+
 }  // namespace
 
 CornerViews make_corner_views(const std::vector<Camera>& cameras,
@@ -67,8 +99,7 @@ CornerViews make_corner_views(const std::vector<Camera>& cameras,
   CornerViews views;
   views.cameras = cameras;
   views.camera_from_rig = camera_from_rig;
-  views.input.target_m = board_points(config, Eigen::Vector2d::Zero());
-  const std::vector<Eigen::Vector3d> bent = board_points(config, config.deformation_m);
+  views.input.target_m = board_points(config, {}, Eigen::Vector2d::Zero());
   std::vector<Lens> lenses(cameras.begin(), cameras.end());
   for (const Camera& camera : cameras) {
     Camera start = camera;
@@ -81,13 +112,15 @@ CornerViews make_corner_views(const std::vector<Camera>& cameras,
     const Rng frame = rng.fork("frame").fork(static_cast<std::uint64_t>(f));
     const Pose pose =
         inverse(camera_from_rig.front()) * draw_pose(lenses.front(), config, frame.fork("pose"));
+    const FrameFlaws flaws = draw_flaws(config, frame.fork("flaws"));
     views.rig_from_target.push_back(pose);
     for (std::size_t c = 0; c < cameras.size(); ++c) {
       Rng noise = frame.fork("noise").fork(c), outlier = frame.fork("outlier").fork(c);
       TargetView view{f, static_cast<int>(c), TargetStatus::ok, "", {}};
       std::vector<bool> wrong;
-      for (std::size_t i = 0; i < bent.size(); ++i) {
-        const auto q = lenses[c].project(camera_from_rig[c] * (pose * bent[i]));
+      for (std::size_t i = 0; i < flaws.points.size(); ++i) {
+        const auto q =
+            seen_at(lenses[c], camera_from_rig[c] * (pose * flaws.points[i]), flaws.turn_rad);
         const double dx = normal(noise), dy = normal(noise);
         const bool out = uniform(outlier) < config.outlier_share;
         const double ox = uniform(outlier, -1, 1), oy = uniform(outlier, -1, 1);
@@ -96,7 +129,8 @@ CornerViews make_corner_views(const std::vector<Camera>& cameras,
           continue;
         const Eigen::Vector2d shift = (out ? config.outlier_px : 0) * Eigen::Vector2d(ox, oy);
         const Eigen::Vector2d last(cameras[c].width_px - 1, cameras[c].height_px - 1);
-        const Eigen::Vector2d off = config.noise_px * Eigen::Vector2d(dx, dy) + shift;
+        const Eigen::Vector2d off =
+            config.flaws.shift_px + config.noise_px * Eigen::Vector2d(dx, dy) + shift;
         TargetObservation seen{static_cast<int>(i),
                                (*q + off).cwiseMax(Eigen::Vector2d::Zero()).cwiseMin(last)};
         seen.covariance_px2 =

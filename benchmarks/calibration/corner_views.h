@@ -8,6 +8,17 @@
 
 namespace cousin {
 
+/// What is wrong with a board, a shutter or a detector beside noise. All 0 and 1: nothing.
+struct CornerFlaws {
+  double stretch_x = 1;  ///< true pitch across over the designed
+  double shear = 0;      ///< x += shear * y
+  double edge_m = 0;     ///< an end bends up: z += edge ((1 + y) / 2)^2, y from -1 to 1
+  double twist_m = 0;    ///< a corner lifts: z += twist x y, x and y from -1 to 1
+  double flutter_m = 0;  ///< deviation of the bend along each axis, drawn anew for each frame
+  double turn_rad = 0;   ///< deviation of the turn about each axis while the rows are read
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< by which each corner is found off
+};
+
 /// Corners of a chessboard as cameras would see them, computed, not photographed: for what solvers
 /// do with corners whose noise is known exactly.
 struct CornerViewsConfig {
@@ -21,6 +32,7 @@ struct CornerViewsConfig {
   double outlier_share = 0;
   double outlier_px = 10;  ///< largest shift of an outlier along each axis
   Eigen::Vector2d deformation_m = Eigen::Vector2d::Zero();
+  CornerFlaws flaws;
   /// Where the board's middle lies in camera 0's image, as shares of it: low corner, high corner.
   Eigen::Vector4d region{0, 0, 1, 1};
   bool whole = true;  ///< only views that camera 0 sees whole; else at least twelve corners

@@ -33,6 +33,24 @@ StudyMethod factory() {
   return method;
 }
 
+/// Whether calibrating anew is worth while: after it, from few photographs and from many; before
+/// it; not at all.
+std::vector<StudyMethod> fresh_and_factory() {
+  std::vector<StudyMethod> methods;
+  for (const int views : {5, 12, 30}) {
+    StudyMethod fresh = ours();
+    fresh.views = views;
+    fresh.is_fresh = true;
+    fresh.name = "fresh, " + std::to_string(views) + " photographs";
+    methods.push_back(fresh);
+  }
+  StudyMethod before = ours();
+  before.name = "calibrated before";
+  methods.push_back(before);
+  methods.push_back(factory());
+  return methods;
+}
+
 /// A study: its name, its unit, what it draws, and one point for each value.
 struct Study {
   std::string axis, unit;
@@ -50,7 +68,7 @@ std::vector<Study> studies_of_views() {
        {3, 5, 8, 12, 20, 30, 60},
        {5, 12},
        [](double n, StudyPoint& p) {
-         p.sets = {key("views", n)};
+         p.views = static_cast<int>(n);
          StudyMethod opencv = ours();
          opencv.name = "opencv opencv5";
          opencv.solve.solver = CalibrationSolver::opencv;
@@ -60,27 +78,27 @@ std::vector<Study> studies_of_views() {
        }},
       {"tilt",
        "deg",
-       {3, 5, 10, 20, 30, 45, 60},
+       {3, 5, 10, 20, 45},
        {5, 45},
        [](double deg, StudyPoint& p) { p.sets = {key("poses.tilt_max_rad", deg * kDegree)}; }},
       {"size of the board in the picture",
        "1",
-       {0.25, 0.35, 0.5, 0.65, 0.85},
-       {0.35, 0.85},
+       {0.25, 0.5, 0.85},
+       {0.25, 0.85},
        [](double fill, StudyPoint& p) {
          p.sets = {key("poses.fill_min", fill - 0.05), key("poses.fill_max", fill + 0.05)};
        }},
       {"coverage",
        "1",
-       {0, 0.25, 0.5, 0.75, 1},
+       {0, 0.5, 1},
        {0, 1},
        [](double c, StudyPoint& p) {
          p.sets = {key("coverage", c), "poses.fill_min=0.25", "poses.fill_max=0.4"};
        }},
       {"squares",
        "m",
-       {0.012, 0.016, 0.022, 0.03, 0.045},
-       {0.016, 0.03},
+       {0.012, 0.022, 0.045},
+       {0.012, 0.045},
        [](double side_m, StudyPoint& p) {
          // As many as fit on an A4 sheet.
          p.sets = {"board=chessboard_a4", key("target.pitch_m", side_m),
@@ -96,15 +114,17 @@ std::vector<Study> studies_of_images() {
        "e",
        {3, 10, 30, 100, 300},
        {10, 100},
-       [](double e, StudyPoint& p) { p.sets = {key("rig.color.photosites.read_noise_e", e)}; }},
+       [](double e, StudyPoint& p) {
+         p.sensor_sets = {key("rig.color.photosites.read_noise_e", e)};
+       }},
       {"blur",
        "px",
        {0.3, 0.5, 1, 2, 3},
        {0.5, 2},
-       [](double px, StudyPoint& p) { p.sets = {key("rig.color.lens.blur_sigma_px", px)}; }},
+       [](double px, StudyPoint& p) { p.sensor_sets = {key("rig.color.lens.blur_sigma_px", px)}; }},
       {"rolling shutter",
        "s",
-       {0, 0.005, 0.01, 0.02, 0.033},
+       {0, 0.01, 0.033},
        {0, 0.033},
        [](double s, StudyPoint& p) {
          p.sets = {key("rig.color.photosites.readout_s", s), "rig.hand_speed_m_per_s=0.05",
@@ -131,8 +151,8 @@ std::vector<Study> studies_of_boards() {
   return {
       {"warp",
        "m",
-       {0, 0.0005, 0.001, 0.002, 0.004},
-       {0, 0.002},
+       {0, 0.001, 0.004},
+       {0, 0.004},
        [](double m, StudyPoint& p) {
          p.sets = {key("flaws.warp_x_m", m), key("flaws.warp_y_m", -0.5 * m)};
          StudyMethod bends = ours();
@@ -142,8 +162,8 @@ std::vector<Study> studies_of_boards() {
        }},
       {"print stretch",
        "1",
-       {0, 0.001, 0.002, 0.005, 0.01},
-       {0, 0.005},
+       {0, 0.003, 0.01},
+       {0, 0.01},
        [](double s, StudyPoint& p) { p.sets = {key("flaws.stretch_x", 1 + s)}; }},
       {"warming",
        "K",
@@ -158,7 +178,7 @@ std::vector<Study> studies_of_boards() {
            camera.cx_px += 0.02 * kelvin;
            return camera;
          };
-         p.methods = {ours(), factory()};
+         p.methods = fresh_and_factory();
        }},
       {"knock",
        "px",
@@ -170,7 +190,7 @@ std::vector<Study> studies_of_boards() {
            camera.cy_px -= 0.6 * px;
            return camera;
          };
-         p.methods = {ours(), factory()};
+         p.methods = fresh_and_factory();
        }},
   };
 }
@@ -184,6 +204,22 @@ StudyPoint kind(const std::string& axis, int number, const std::string& label,
   point.sets = std::move(sets);
   point.methods = std::move(methods);
   return point;
+}
+
+std::vector<std::string> with(std::vector<std::string> sets, const std::string& set) {
+  sets.push_back(set);
+  return sets;
+}
+
+/// The paper's two programs, each with its own corner finder as far as that is known, and ours.
+std::vector<StudyMethod> paper_methods() {
+  StudyMethod opencv = ours();
+  opencv.name = "opencv opencv5, OpenCV's corners";
+  opencv.solve.solver = CalibrationSolver::opencv;
+  opencv.finder = CornerFinder::opencv;
+  StudyMethod lean = ours(LensModel::opencv5, {"p1", "p2", "k3"});
+  lean.name = "ceres k1 k2";
+  return {opencv, lean, ours()};
 }
 
 void add_kinds(bool quick, std::vector<StudyPoint>& points) {
@@ -201,34 +237,39 @@ void add_kinds(bool quick, std::vector<StudyPoint>& points) {
   for (const LensModel rich : {LensModel::opencv8, LensModel::opencv12, LensModel::kannala_brandt4,
                                LensModel::splined_stereographic})
     models.push_back(ours(rich));
-  for (const int n : quick ? std::vector<int>{12} : std::vector<int>{8, 20, 60}) {
-    std::vector<std::string> sets = wide;
-    sets.push_back("views=" + std::to_string(n));
-    points.push_back(kind("lens model", number++, std::to_string(n) + " images", sets, models));
+  for (const int n : quick ? std::vector<int>{12} : std::vector<int>{8, 30}) {
+    points.push_back(kind("lens model", number++, std::to_string(n) + " images", wide, models));
+    points.back().views = n;
   }
   // The board and the number of photographs of the Strawberries paper; how far it was tilted is not
   // said.
-  StudyMethod opencv = ours();
-  opencv.name = "opencv opencv5";
-  opencv.solve.solver = CalibrationSolver::opencv;
   const std::vector<std::string> paper = {"board=chessboard_a4", "target.columns=6",
                                           "target.rows=9", "target.pitch_m=0.025"};
-  for (const auto& [label, more] :
-       {std::pair<std::string, std::vector<std::string>>{
-            "tilted up to 4 deg", {"poses.tilt_max_rad=0.07", "poses.fill_max=0.5"}},
-        {"tilted up to 10 deg", {"poses.tilt_max_rad=0.175", "poses.fill_max=0.5"}},
-        {"tilted up to 45 deg, close", {}},
-        {"tilted up to 10 deg, paper bent by 2 mm",
-         {"poses.tilt_max_rad=0.175", "poses.fill_max=0.5", "flaws.warp_y_m=0.002"}}}) {
+  const std::vector<std::string> little = {"poses.tilt_max_rad=0.07", "poses.fill_max=0.5"};
+  const std::vector<std::string> more = {"poses.tilt_max_rad=0.175", "poses.fill_max=0.5"};
+  struct Copy {
+    const char* label;
+    std::vector<std::string> sets, sensor_sets;
+  };
+  for (const Copy& copy :
+       {Copy{"tilted up to 4 deg", little, {}},
+        {"tilted up to 4 deg, blurred by 2 px", little, {"rig.color.lens.blur_sigma_px=2"}},
+        {"tilted up to 10 deg", more, {}},
+        {"tilted up to 45 deg, close", {}, {}},
+        {"tilted up to 10 deg, paper bent by 2 mm", with(more, "flaws.warp_y_m=0.002"), {}}}) {
     std::vector<std::string> sets = paper;
-    sets.insert(sets.end(), more.begin(), more.end());
-    points.push_back(kind("strawberries", number++, label, sets, {opencv, ours()}));
+    sets.insert(sets.end(), copy.sets.begin(), copy.sets.end());
+    points.push_back(kind("strawberries", number++, copy.label, sets, paper_methods()));
+    points.back().sensor_sets = copy.sensor_sets;
   }
   // A phone focuses anew for each picture: its focal length breathes.
+  const int phone_views = quick ? 8 : 12;  // of three times as many pixels
   for (const auto& [label, sets] : {std::pair<std::string, std::vector<std::string>>{
                                         "held", {"rig=phone_video_720p", "rig.autofocus=false"}},
-                                    {"breathes", {"rig=phone_video_720p", "rig.autofocus=true"}}})
+                                    {"breathes", {"rig=phone_video_720p", "rig.autofocus=true"}}}) {
     points.push_back(kind("focus", number++, label, sets, {ours()}));
+    points.back().views = phone_views;
+  }
 }
 
 }  // namespace
@@ -250,12 +291,13 @@ std::vector<StudyPoint> study_points(bool quick) {
     }
   }
   add_kinds(quick, points);
+  for (StudyPoint& point : points) {
+    if (point.views == 0) point.views = quick ? 8 : 30;
+  }
   return points;
 }
 
-std::vector<std::string> study_sets(bool quick) {
-  return {"rig=d457", "board=charuco_a4", quick ? "views=8" : "views=30"};
-}
+std::vector<std::string> study_sets() { return {"rig=d457", "board=charuco_a4"}; }
 
 std::string study_label(const std::string& axis) {
   static const std::array<std::pair<const char*, const char*>, 13> kLabels = {

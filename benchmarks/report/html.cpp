@@ -103,6 +103,14 @@ std::string shown_number(double value) {
   return buffer.data();
 }
 
+std::string shown_precisely(double value) {
+  const double size = std::abs(value);
+  if (!(size >= 10 && size < 1e4) || size == std::floor(size)) return shown_number(value);
+  std::array<char, 32> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.2f", value);
+  return buffer.data();
+}
+
 std::string shown_interval(const WithInterval& value, double factor) {
   std::string text = shown_number(factor * value.value);
   if (std::isfinite(value.low) && std::isfinite(value.high)) {

@@ -83,10 +83,10 @@ void add_headlines(Page& page, const std::vector<Headline>& headlines) {
     const std::string status(to_string(h.status));
     page.html += "<div class=\"tile " + status + "\"><div class=\"muted\">" +
                  html_escaped(h.label) + "</div><div class=\"value\">" +
-                 shown_number(unit.factor * h.value.value) + " <small>" + unit.name;
+                 shown_precisely(unit.factor * h.value.value) + " <small>" + unit.name;
     if (std::isfinite(h.value.low) && std::isfinite(h.value.high)) {
-      page.html += " [" + shown_number(unit.factor * h.value.low) + ", " +
-                   shown_number(unit.factor * h.value.high) + "]";
+      page.html += " [" + shown_precisely(unit.factor * h.value.low) + ", " +
+                   shown_precisely(unit.factor * h.value.high) + "]";
     }
     page.html += "</small></div>";
     if (!h.limit.empty() || h.status != ScoreStatus::ok) {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sim/render/idle_lanes.h"
 #include "sim/render/infrared_sky.h"
 
 namespace cousin {
@@ -49,6 +50,7 @@ void InfraredShader::operator()(InfraredSamples& s) {
     s.steady[i] = s.projected[i] = s.ambient[i] = s.asked[i] = s.open[i] = 0;
     s.met[i] = false;
   }
+  idle_lanes(s.mask, camera_.ray);
   rtcIntersect16(s.mask.lane, impl_.scene, &coherent_, &camera_);
   for (int i = 0; i < kLanes; ++i) {
     if (!s.mask.lane[i] || camera_.hit.geomID[i] == kNone) continue;
@@ -123,6 +125,7 @@ void InfraredShader::aim(const InfraredHit& hit, int i, const Eigen::Vector3f& d
 }
 
 void InfraredShader::add_unblocked(RTCIntersectContext& context, float* radiance) {
+  idle_lanes(mask_, shadow_);
   find_occluded(mask_, impl_.scene, context, shadow_);
   for (int i = 0; i < kLanes; ++i) {
     if (mask_.lane[i] && shadow_.tfar[i] >= 0) radiance[i] += light_[i];

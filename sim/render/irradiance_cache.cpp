@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/render/idle_lanes.h"
 #include "sim/render/sample_points.h"
 #include "sim/render/surface_light.h"
 
@@ -230,6 +231,7 @@ class Gatherer {
                   draw.direction.x(), draw.direction.y(), draw.direction.z(), draw.distance_m);
         }
         if (!any) continue;
+        idle_lanes(mask, packet);
         find_occluded(mask, cache_.rays->scene, context, packet);
         for (int i = 0; i < kLanes; ++i) {
           if (mask.lane[i] && packet.tfar[i] >= 0) arriving += weight[i];
@@ -268,6 +270,7 @@ class Gatherer {
           set_ray(packet, i, point.origin_m.x(), point.origin_m.y(), point.origin_m.z(), d.x(),
                   d.y(), d.z());
         }
+        idle_lanes(mask, packet);
         find_occluded(mask, cache_.rays->scene, context, packet);
         for (int i = 0; i < kLanes; ++i) {
           if (mask.lane[i] && packet.tfar[i] >= 0) sum += light[i];
@@ -304,6 +307,7 @@ class Gatherer {
                 direction[i].x(), direction[i].y(), direction[i].z());
         packet.hit.geomID[i] = kNone;
       }
+      idle_lanes(all, packet.ray);
       rtcIntersect16(all.lane, cache_.rays->scene, &context, &packet);
       for (int i = 0; i < kLanes; ++i) {
         secondary.mask.lane[i] = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/render/idle_lanes.h"
 #include "sim/render/subsurface.h"
 
 namespace cousin {
@@ -84,6 +85,7 @@ void PathBatch::trace_packets() {
       packet.hit.instID[0][i] = kNone;
       mask.lane[i] = first + static_cast<std::size_t>(i) < paths_.size() ? -1 : 0;
     }
+    idle_lanes(mask, packet.ray);
     rtcIntersect16(mask.lane, scene_.rays->scene, &context, &packet);
     for (int i = 0; i < kLanes && mask.lane[i]; ++i) {
       hits_[first + static_cast<std::size_t>(i)] = {packet.hit.instID[0][i], packet.hit.geomID[i],

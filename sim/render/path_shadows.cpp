@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "sim/render/idle_lanes.h"
 #include "sim/render/path_batch.h"
 
 namespace cousin {
@@ -36,6 +37,7 @@ void PathBatch::trace_shadow_packets() {
       mask.lane[i] = first + static_cast<std::size_t>(i) < shadows_.size() ? -1 : 0;
     }
     use_skips(context, any_skips);
+    idle_lanes(mask, packet);
     find_occluded(mask, scene_.rays->scene, context.context, packet);
     for (int i = 0; i < kLanes && mask.lane[i]; ++i) {
       if (packet.tfar[i] < 0) continue;

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/render/idle_lanes.h"
 #include "sim/render/pixel_rays.h"
 #include "sim/render/sample_points.h"
 #include "sim/render/surface_light.h"
@@ -66,6 +67,7 @@ class PacketShader {
       s.diffuse[i] = 0;
       s.key[i] = kSky;
     }
+    idle_lanes(s.mask, camera_.ray);
     rtcIntersect16(s.mask.lane, cache_.rays->scene, &context_, &camera_);
     for (int i = 0; i < kLanes; ++i) {
       lit_.lane[i] = 0;
@@ -150,6 +152,7 @@ class PacketShader {
       set_ray(shadow, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
       mask.lane[i] = -1;
     }
+    idle_lanes(mask, shadow);
     find_occluded(mask, cache_.rays->scene, context_, shadow);
     for (int i = 0; i < kLanes; ++i) {
       if (!mask.lane[i] || shadow.tfar[i] < 0) continue;
@@ -191,6 +194,7 @@ class PacketShader {
       any = true;
     }
     if (!any) return;
+    idle_lanes(mask, shadow);
     find_occluded(mask, cache_.rays->scene, context_, shadow);
     for (int i = 0; i < kLanes; ++i) {
       if (mask.lane[i] && shadow.tfar[i] >= 0) s.radiance[i] += light[i] * lamp.radiance;
@@ -229,6 +233,7 @@ class PacketShader {
       any = true;
     }
     if (!any) return;
+    idle_lanes(mask, packet.ray);
     rtcIntersect16(mask.lane, cache_.rays->scene, &context_, &packet);
     for (int i = 0; i < kLanes; ++i) {
       secondary_.mask.lane[i] = 0;

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "sim/render/idle_lanes.h"
 #include "sim/render/ray_scene_impl.h"
 
 namespace cousin {
@@ -88,6 +89,7 @@ std::int64_t cast_packets(const RayScene& rays, const PreparedRays& prepared) {
               static_cast<std::size_t>(y) * static_cast<std::size_t>(prepared.stride);
           for (int x = 0; x < prepared.width; x += kLanes) {
             load_packet(prepared, row + static_cast<std::size_t>(x), o, time, packet, mask);
+            idle_lanes(mask, packet.ray);
             rtcIntersect16(mask.lane, scene, &context, &packet);
             for (int i = 0; i < kLanes; ++i)
               hits += packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID ? 1 : 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "sim/render/idle_lanes.h"
 #include "sim/render/sample_points.h"
 
 namespace cousin {
@@ -114,6 +115,7 @@ void add_suns(const IrradianceCache::Impl& cache, SecondaryPacket& packet) {
       set_ray(shadow, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
       mask.lane[i] = -1;
     }
+    idle_lanes(mask, shadow);
     find_occluded(mask, cache.rays->scene, context, shadow);
     for (int i = 0; i < kLanes; ++i) {
       if (!mask.lane[i] || shadow.tfar[i] < 0) continue;

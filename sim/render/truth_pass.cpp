@@ -12,6 +12,7 @@
 #include <string>
 
 #include "sim/render/exact_hit.h"
+#include "sim/render/idle_lanes.h"
 #include "sim/render/keypoint_truth.h"
 #include "sim/render/leaf_area_truth.h"
 #include "sim/render/ray_scene_impl.h"
@@ -55,6 +56,7 @@ class RowTracer {
     for (int x = 0; x < rays_.width; x += kLanes) {
       const std::size_t at = first + static_cast<std::size_t>(x);
       load_packet(rays_, at, o, row.time, packet_, mask_);
+      idle_lanes(mask_, packet_.ray);
       rtcIntersect16(mask_.lane, impl_.scene, &context_, &packet_);
       const int lanes = std::min(kLanes, rays_.width - x);
       if (lanes == kLanes && resolve_together(row, at, x, out)) continue;

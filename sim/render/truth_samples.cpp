@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/render/idle_lanes.h"
 #include "sim/render/ray_scene_impl.h"
 
 namespace cousin {
@@ -53,6 +54,7 @@ float pixel_coverage(const RayScene::Impl& impl, const PreparedRays& rays, int x
       packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
       mask.lane[i] = first + i < samples ? -1 : 0;
     }
+    idle_lanes(mask, packet.ray);
     rtcIntersect16(mask.lane, impl.scene, &context, &packet);
     for (int i = 0; i < kLanes; ++i) {
       if (!mask.lane[i] || packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
@@ -138,6 +140,7 @@ void cast_alone(const RayScene::Impl& impl, const RayGeometry& geometry, const P
         if (geometry.is_instanced) d = frame.mesh_from_world * d;
         set_ray(packet, i, o.x(), o.y(), o.z(), d.x(), d.y(), d.z());
       }
+      idle_lanes(valid, packet);
       find_occluded(valid, alone, context, packet);
       for (int i = 0; i < kLanes && x + i < box.x1; ++i) {
         // A visible pixel is in the full mask by definition, whatever the rounding in the other

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/render/idle_lanes.h"
 #include "sim/render/ray_scene_impl.h"
 #include "sim/render/sample_points.h"
 #include "sim/render/truth_samples.h"
@@ -60,6 +61,7 @@ class RowSampler {
       mask.lane[i] = i < lane_ ? -1 : 0;
       packet_.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     }
+    idle_lanes(mask, packet_.ray);
     rtcIntersect16(mask.lane, impl_.scene, &context_, &packet_);
     for (int i = 0; i < lane_; ++i) {
       if (packet_.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;

@@ -40,6 +40,16 @@ TEST(ShownNumber, HasThreeDigitsAndNoNeedlessExponent) {
   EXPECT_EQ(shown_interval({.value = 0.001}, 1e3), "1.00");
 }
 
+TEST(ShownNumber, OnCardsHasEnoughDigitsForAPublishedOne) {
+  EXPECT_EQ(shown_precisely(120.044), "120.04");
+  EXPECT_EQ(shown_precisely(-701.006), "-701.01");
+  EXPECT_EQ(shown_precisely(12.345), "12.35");
+  EXPECT_EQ(shown_precisely(60), shown_number(60));
+  EXPECT_EQ(shown_precisely(0.12345), shown_number(0.12345));
+  EXPECT_EQ(shown_precisely(123456.7), shown_number(123456.7));
+  EXPECT_EQ(shown_precisely(std::nan("")), "–");
+}
+
 TEST(ShownUnit, IsWhatPeopleRead) {
   EXPECT_EQ(shown_unit("m").name, "mm");
   EXPECT_EQ(shown_unit("m3").factor, 1e9);
