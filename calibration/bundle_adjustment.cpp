@@ -358,10 +358,13 @@ void add_covariance(const BundleProblem& problem, BundleAdjustmentResult& result
   if (own.solved && std::isfinite(result.sigma_px)) {
     const double s2 = result.sigma_px * result.sigma_px;
     result.covariance = s2 * own.lens;
-    for (const Eigen::Matrix<double, 6, 6>& pose : own.poses) {
-      Eigen::Matrix<double, 6, 1> unit;
-      unit << 1, 1, 1, problem.unit_m, problem.unit_m, problem.unit_m;
-      result.pose_covariance.emplace_back(s2 * (unit.asDiagonal() * pose * unit.asDiagonal()));
+    for (std::size_t i = 0; i < own.poses.size(); ++i) {
+      // From the cameras' middle c to the world's origin: t = t' - R c, so that a turn moves t too.
+      const Vector3d middle = result.camera_from_world[i].rotation * problem.centre_m;
+      Eigen::Matrix<double, 6, 6> to_world = Eigen::Matrix<double, 6, 6>::Identity();
+      to_world.bottomLeftCorner<3, 3>() = cross_matrix(middle);
+      to_world.bottomRightCorner<3, 3>() *= problem.unit_m;
+      result.pose_covariance.emplace_back(s2 * (to_world * own.poses[i] * to_world.transpose()));
     }
   }
   for (std::size_t l = 0; l < problem.lenses.size(); ++l) judge_lens(problem, l, result);

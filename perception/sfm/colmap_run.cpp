@@ -32,6 +32,15 @@ void check_input(const ColmapInput& input, const ColmapConfig& config) {
                                 std::to_string(first.width()) + " x " +
                                 std::to_string(first.height()) + "; all must have one size");
   }
+  if (input.lens && count > 0 &&
+      (input.lens->width_px != input.images.front()->width() ||
+       input.lens->height_px != input.images.front()->height())) {
+    throw std::invalid_argument("run_colmap: the lens is of " +
+                                std::to_string(input.lens->width_px) + " x " +
+                                std::to_string(input.lens->height_px) + " pixels, the images of " +
+                                std::to_string(input.images.front()->width()) + " x " +
+                                std::to_string(input.images.front()->height()));
+  }
   for (const ImagePair& pair : input.pairs) {
     if (pair[0] >= 0 && pair[0] < pair[1] && pair[1] < count) continue;
     throw std::invalid_argument("run_colmap: the pair " + std::to_string(pair[0]) + ", " +

@@ -7,11 +7,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "calibration/planar_pose.h"
 #include "sim/geometry/similarity.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
+
+constexpr double kLeastSigma_px = 1e-3;  ///< of a track's sighting, where there is no noise
 
 /// An adjustment's start and what came of it.
 struct Bundle {
@@ -67,9 +70,15 @@ void take_failure(const BundleAdjustmentResult& result, SfmEstimate& estimate) {
 void move_bundle(const WorldSimilarity& board_from_model, Bundle& bundle) {
   for (Pose& pose : bundle.result.camera_from_world) pose = moved(pose, board_from_model);
   for (Eigen::Vector3d& point : bundle.result.points_in_world_m) point = board_from_model * point;
-  for (Eigen::Matrix<double, 6, 6>& covariance : bundle.result.pose_covariance) {
-    covariance.bottomRows<3>() *= board_from_model.scale;
-    covariance.rightCols<3>() *= board_from_model.scale;
+  for (std::size_t i = 0; i < bundle.result.pose_covariance.size(); ++i) {
+    // t' = s t - R' shift: a turn of the camera moves t' too.
+    const Eigen::Vector3d shift =
+        bundle.result.camera_from_world[i].rotation * board_from_model.shift_m;
+    Eigen::Matrix<double, 6, 6> to_board = Eigen::Matrix<double, 6, 6>::Identity();
+    to_board.bottomLeftCorner<3, 3>() = cross_matrix(shift);
+    to_board.bottomRightCorner<3, 3>() *= board_from_model.scale;
+    Eigen::Matrix<double, 6, 6>& covariance = bundle.result.pose_covariance[i];
+    covariance = (to_board * covariance * to_board.transpose()).eval();
   }
 }
 
@@ -81,12 +90,19 @@ void add_scale_covariance(double sigma_share, BundleAdjustmentResult& result) {
   }
 }
 
+/// Sightings over a deviation of their own: the loss turns where it did in pixels of a track.
+BundleAdjustmentConfig weighed(const SfmConfig& config, double feature_sigma_px) {
+  BundleAdjustmentConfig own = config.adjust;
+  own.loss_px /= std::max(feature_sigma_px, kLeastSigma_px);
+  return own;
+}
+
 /// The bundle again, from where it ended, with the board's corners as known points.
 BundleAdjustmentInput with_board(const Bundle& bundle, const std::vector<BoardCorner>& corners,
                                  const SeedBoard& board, const SfmConfig& config) {
   BundleAdjustmentInput input = bundle.input;
   input.camera_from_world = bundle.result.camera_from_world;
-  const double sigma_px = std::max(bundle.result.sigma_px, 1e-3);
+  const double sigma_px = std::max(bundle.result.sigma_px, kLeastSigma_px);
   std::vector<BundleObservation> kept;
   for (BundleObservation seen : input.observations) {
     if (!bundle.result.points_in_world_m[static_cast<std::size_t>(seen.point)].allFinite())
@@ -115,7 +131,7 @@ BundleAdjustmentInput with_board(const Bundle& bundle, const std::vector<BoardCo
 /// Each image its own focal lengths about the shared ones; all else of the lens stays.
 BundleAdjustmentResult adjust_focal_lengths(BundleAdjustmentInput& input,
                                             const BundleAdjustmentResult& shared,
-                                            const SfmConfig& config) {
+                                            double feature_sigma_px, const SfmConfig& config) {
   input.lenses.assign(input.camera_from_world.size(), shared.lenses.at(0));
   std::iota(input.lens_of_image.begin(), input.lens_of_image.end(), 0);
   input.camera_from_world = shared.camera_from_world;
@@ -123,21 +139,21 @@ BundleAdjustmentResult adjust_focal_lengths(BundleAdjustmentInput& input,
     if (shared.points_in_world_m[p].allFinite())
       input.points_in_world_m[p] = shared.points_in_world_m[p];
   }
-  BundleAdjustmentConfig own = config.adjust;
+  BundleAdjustmentConfig own = weighed(config, feature_sigma_px);
   own.fixed = {"cx_px", "cy_px", "k1", "k2", "k3", "k4", "k5",
                "k6",    "p1",    "p2", "s1", "s2", "s3", "s4"};
   own.focal_prior_share = config.focal_jitter;
   return adjust_bundle(input, own);
 }
 
-struct Squares {
+struct ImageResiduals {
   double sum_px2 = 0;
   int points = 0;
 };
 
 /// Squared residuals of each image's sightings that count.
-std::vector<Squares> residuals(const Bundle& bundle) {
-  std::vector<Squares> squares(bundle.result.camera_from_world.size());
+std::vector<ImageResiduals> residuals(const Bundle& bundle) {
+  std::vector<ImageResiduals> squares(bundle.result.camera_from_world.size());
   std::vector<Lens> lenses;
   for (const Camera& lens : bundle.result.lenses) lenses.emplace_back(lens);
   for (std::size_t i = 0; i < bundle.input.observations.size(); ++i) {
@@ -168,7 +184,7 @@ Camera mean_lens(const std::vector<Camera>& lenses) {
 
 /// The bundle's poses, lens and points into the estimate.
 void report(const Bundle& bundle, const SfmModel& model, bool good, SfmEstimate& estimate) {
-  const std::vector<Squares> squares = residuals(bundle);
+  const std::vector<ImageResiduals> squares = residuals(bundle);
   for (std::size_t i = 0; i < model.images.size(); ++i) {
     FramePose& pose = estimate.poses.at(static_cast<std::size_t>(model.images[i]));
     pose.status = good ? PoseStatus::ok : PoseStatus::degenerate;
@@ -258,7 +274,7 @@ bool scale_bundle(const SfmModel& model, const Corners& corners, const SeedBoard
     return true;
   }
   bundle.input = with_board(bundle, found, board, config);
-  bundle.result = adjust_bundle(bundle.input, config.adjust);
+  bundle.result = adjust_bundle(bundle.input, weighed(config, estimate.feature_sigma_px));
   return bundle.result.status == CalibrationStatus::ok;
 }
 
@@ -294,7 +310,11 @@ SfmEstimate refine_sfm(const SfmModel& model, const std::vector<int>& frames,
       report_lens(bundle.result, estimate);
   }
   if (good && config.refine && config.focal == SfmFocal::per_image) {
-    bundle.result = adjust_focal_lengths(bundle.input, bundle.result, config);
+    // With the board in it, sightings are over their deviation; else they are in pixels.
+    const bool is_weighed =
+        config.scale == SfmScale::adjusted && bundle.result.gauge == BundleGauge::metric;
+    bundle.result = adjust_focal_lengths(bundle.input, bundle.result,
+                                         is_weighed ? estimate.feature_sigma_px : 1, config);
     good = bundle.result.status == CalibrationStatus::ok;
   }
   if (!good) take_failure(bundle.result, estimate);

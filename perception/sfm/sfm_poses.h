@@ -28,8 +28,11 @@ struct SfmConfig {
   double board_sigma_m = 2e-5;    ///< of each coordinate of a corner of the print
   double corner_floor_px = 0.05;  ///< added in quadrature to each corner's predicted deviation
   int min_board_corners = 8;      ///< fewer: there is no scale
+  /// `loss_px` is in pixels of a track: matches of SIFT have long tails. Of 48 views of 1756 points
+  /// by COLMAP with exact poses known, 0.5 px left centres 0.13 % of the distance off, 2 px 0.18 %,
+  /// COLMAP itself 0.27 %.
   BundleAdjustmentConfig adjust = {.loss = RobustLoss::cauchy,
-                                   .loss_px = 2,
+                                   .loss_px = 0.5,
                                    .focal_prior_share = 0.02,
                                    .centre_prior_px = 10,
                                    .distortion_prior = 0.02,

