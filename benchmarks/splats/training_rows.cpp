@@ -27,7 +27,7 @@ struct Goal {
   double psnr_db;
   double wall_s;
 };
-constexpr Goal kGoals[] = {{"short", 2400, 26000, 30.85, 40}, {"long", 9000, 40000, 32.5, 180}};
+constexpr Goal kGoals[] = {{"short", 2000, 26000, 30.85, 40}, {"long", 7000, 40000, 32.5, 180}};
 constexpr double kMemoryLimit_mb = 150;
 
 struct PhotographSet {

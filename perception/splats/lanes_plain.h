@@ -135,6 +135,10 @@ inline PlainLanes times_power_of_two(const PlainLanes& a, const PlainLanes& n) {
     return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + shifted);
   });
 }
+/// The same where n is within its limits, and any number where it is not.
+inline PlainLanes times_power_unchecked(const PlainLanes& a, const PlainLanes& n) {
+  return times_power_of_two(a, n);
+}
 /// Splits a > 0, not subnormal, into mantissa [sqrt(1/2), sqrt(2)) and a whole exponent.
 inline void split_exponent(const PlainLanes& a, PlainLanes& mantissa, PlainLanes& exponent) {
   for (int i = 0; i < 8; ++i) {
