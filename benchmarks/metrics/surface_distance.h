@@ -26,6 +26,10 @@ class DistanceTree {
   /// an edge or a corner, their normals are weighted by angle; points and flat triangles have no
   /// sides: positive.
   double signed_distance_m(const Eigen::Vector3d& point_m) const;
+  /// Whether a triangle lies across the way from one point to another, between them. Edges belong
+  /// to their triangles, so that no way leads between two of them; ways along a triangle's plane
+  /// are free.
+  bool blocks(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) const;
 
  private:
   struct Node {
