@@ -247,7 +247,8 @@ ScoreFile bench_plants(const JobContext& context, const fs::path& out) {
 
 ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  const fs::path photographs = fs::path(COUSIN_REAL_DATA) / ".." / "data" / "splat_neutral";
+  const fs::path photographs =
+      (fs::path(COUSIN_REAL_DATA) / ".." / "data" / "splat_neutral").lexically_normal();
   return finish(
       titled("Cousin: bench splats",
              "Gaussian splatting on a CPU: core time of each blended pair, wall time of a training "

@@ -9,15 +9,16 @@
 #include "perception/splats/splat_frame.h"
 #include "perception/splats/splat_trainer.h"
 #include "sim/types/rng.h"
+#include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
 
-constexpr int kSplats = 26000, kWidth = 400, kHeight = 300, kRepeats = 9;
+constexpr int kSplats = 26000, kWidth = 400, kHeight = 300, kRepeats = 9, kSteps = 40;
 constexpr double kForwardLimit_s = 3e-9, kBackwardLimit_s = 6e-9, kStepLimit_s = 0.03;
 constexpr std::array<float, 3> kBlack{};
 
-/// Gaussians in a cube of 2 m, so many and so faint that about 30 blend in a pixel of its image.
+/// Gaussians in a cube of 2 m; about 30 blend in a pixel of its image, as in photographs.
 SplatModel cube_of_splats(std::uint64_t seed) {
   Rng rng = Rng(seed).fork("cube of splats");
   SplatModel model;
@@ -25,11 +26,11 @@ SplatModel cube_of_splats(std::uint64_t seed) {
   for (Splat& s : model.splats) {
     for (int k = 0; k < 3; ++k) {
       s.centre_m[k] = static_cast<float>(uniform(rng, -1, 1));
-      s.log_scale[k] = static_cast<float>(std::log(0.022) + 0.5 * normal(rng));
+      s.log_scale[k] = static_cast<float>(std::log(0.019) + 0.5 * normal(rng));
       s.sh_dc[static_cast<std::size_t>(k)] = static_cast<float>(normal(rng));
     }
     for (int k = 0; k < 4; ++k) s.rotation_wxyz[k] = static_cast<float>(normal(rng));
-    s.opacity_logit = static_cast<float>(normal(rng) - 1.5);
+    s.opacity_logit = static_cast<float>(1.5 * normal(rng));
     for (float& c : s.sh_rest) c = static_cast<float>(0.1 * normal(rng));
   }
   return model;
@@ -159,16 +160,21 @@ void step_row(std::vector<ScoreRow>& rows, const SplatModel& model, const Pose& 
   config.quarter_until = config.half_until = 0;
   SplatTrainer trainer(views, config, start_training(model));
   std::vector<double> seconds;
-  for (int i = 0; i < 40; ++i) {
+  const StageClock clock("steps");
+  for (int i = 0; i < kSteps; ++i) {
     const auto before = std::chrono::steady_clock::now();
     trainer.step();
     seconds.push_back(
         std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
   }
-  std::nth_element(seconds.begin(), seconds.begin() + 20, seconds.end());
+  const StageTiming timing = clock.finish();
+  std::nth_element(seconds.begin(), seconds.begin() + kSteps / 2, seconds.end());
+  const double median = seconds[kSteps / 2];
   ScoreRow row = row_of("26,000 Gaussians, 400 x 300", best_splat_kernels().name,
-                        "seconds.step (at most 0.03 s)", seconds[20], "s", 40);
-  rows.push_back(limited(row, seconds[20] <= kStepLimit_s));
+                        "seconds.step (at most 0.03 s)", median, "s", kSteps);
+  row.wall_s = timing.wall_s / kSteps;
+  row.cpu_s = timing.cpu_s / kSteps;
+  rows.push_back(limited(row, median <= kStepLimit_s));
 }
 
 }  // namespace

@@ -26,14 +26,14 @@ inline void blend_gradient_tile(const BlendGradientTask& task, int tile) {
   std::uint32_t alive = start_tile(place, transmittance);
 
   const std::uint32_t begin = blend.tile_begin[tile], end = blend.tile_begin[tile + 1];
+  const std::uint32_t done = begin + blend.tile_done[tile];
   std::uint32_t entry = begin;
-  for (; entry < end && alive != 0; ++entry) {
+  for (; entry < done; ++entry) {
+    if ((entry - begin) % kEntryBatch == 0) alive = alive_blocks<L>(transmittance);
+    std::uint32_t todo = blend.touched[entry] & alive;
     const ProjectedSplat& s = blend.projected[blend.tile_splat[entry]];
-    const float x = static_cast<float>(place.x0) - s.x_px;
-    const float y = static_cast<float>(place.y0) - s.y_px;
-    std::uint32_t todo = blocks_touched<L>(s, x, y) & alive;
-    const L tile_dx = L::load(TileLayout::lane_x) + L(x);
-    const L tile_dy = L::load(TileLayout::lane_y) + L(y);
+    const L tile_dx = L::load(TileLayout::lane_x) + L(static_cast<float>(place.x0) - s.x_px);
+    const L tile_dy = L::load(TileLayout::lane_y) + L(static_cast<float>(place.y0) - s.y_px);
     const L a(s.a), b(s.b), c(s.c), log2_opacity(s.log2_opacity);
     const L red(s.color[0]), green(s.color[1]), blue(s.color[2]);
     const L zero(0);
@@ -74,7 +74,6 @@ inline void blend_gradient_tile(const BlendGradientTask& task, int tile) {
       sums[4] = multiply_add(gdx, dy, sums[4]);
       sums[5] = multiply_add(gdy, dy, sums[5]);
       sums[6] = sums[6] + weight;
-      if (bits(less(next, zero)) == 0xffU) alive &= ~(1U << block);
     }
     auto* to = reinterpret_cast<float*>(task.partials + blend.tile_pair[entry]);
     lane_sums(sums).store(to);

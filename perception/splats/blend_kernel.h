@@ -88,6 +88,21 @@ inline std::uint32_t start_tile(const TilePlace& p, float* transmittance) {
   return alive;
 }
 
+/// Blocks with a pixel that takes more.
+template <class L>
+inline std::uint32_t alive_blocks(const float* transmittance) {
+  std::uint32_t alive = 0;
+  for (int block = 0; block < SplatTile::blocks; ++block) {
+    const bool any = bits(less(L(0), L::load(transmittance + 8 * block))) != 0;
+    alive |= (any ? 1U : 0U) << block;
+  }
+  return alive;
+}
+
+/// Entries of a list that are looked at together: the blocks of all first, without a branch that
+/// waits for them.
+constexpr std::uint32_t kEntryBatch = 32;
+
 /// Alpha of one Gaussian in one block, 0 below 1/255. `log2` receives the logarithm of what alpha
 /// is before it is limited.
 template <class L>
@@ -113,38 +128,44 @@ inline void blend_tile_as(const BlendTask& task, int tile) {
 
   const std::uint32_t begin = task.tile_begin[tile], end = task.tile_begin[tile + 1];
   std::uint32_t entry = begin;
-  for (; entry < end && alive != 0; ++entry) {
-    const ProjectedSplat& s = task.projected[task.tile_splat[entry]];
-    const float x = static_cast<float>(place.x0) - s.x_px;
-    const float y = static_cast<float>(place.y0) - s.y_px;
-    std::uint32_t todo = blocks_touched<L>(s, x, y) & alive;
-    const L tile_dx = L::load(TileLayout::lane_x) + L(x);
-    const L tile_dy = L::load(TileLayout::lane_y) + L(y);
-    const L a(s.a), b(s.b), c(s.c), log2_opacity(s.log2_opacity);
-    const L red(s.color[0]), green(s.color[1]), blue(s.color[2]), depth(s.depth_m);
-    for (; todo != 0; todo &= todo - 1) {
-      const int block = __builtin_ctz(todo);
-      L log2;
-      const L alpha =
-          block_alpha(tile_dx + L(static_cast<float>(block % 4 * 4)),
-                      tile_dy + L(static_cast<float>(block / 4 * 2)), a, b, c, log2_opacity, log2);
-      float* t = transmittance + 8 * block;
-      const L before = L::load(t);
-      const L after = multiply_subtract(alpha, before, before);
-      const auto takes = at_least(after, L(SplatLimits::least_transmittance));
-      const L weight = zero_unless(takes, alpha * before);
-      const L next = where(takes, after, with_sign_set(before));
-      next.store(t);
-      multiply_add(weight, red, L::load(color[0] + 8 * block)).store(color[0] + 8 * block);
-      multiply_add(weight, green, L::load(color[1] + 8 * block)).store(color[1] + 8 * block);
-      multiply_add(weight, blue, L::load(color[2] + 8 * block)).store(color[2] + 8 * block);
-      if constexpr (kDepth) {
-        multiply_add(weight, depth, L::load(mean + 8 * block)).store(mean + 8 * block);
-        const auto falls = takes & at_least(before, L(0.5)) & less(after, L(0.5));
-        where(falls, depth, L::load(median + 8 * block)).store(median + 8 * block);
-      }
-      if (bits(less(next, L(0))) == 0xffU) alive &= ~(1U << block);
+  while (entry < end && alive != 0) {
+    const std::uint32_t batch_end = end - entry < kEntryBatch ? end : entry + kEntryBatch;
+    for (std::uint32_t e = entry; e < batch_end; ++e) {
+      const ProjectedSplat& s = task.projected[task.tile_splat[e]];
+      task.touched[e] = blocks_touched<L>(s, static_cast<float>(place.x0) - s.x_px,
+                                          static_cast<float>(place.y0) - s.y_px);
     }
+    for (; entry < batch_end; ++entry) {
+      std::uint32_t todo = task.touched[entry] & alive;
+      const ProjectedSplat& s = task.projected[task.tile_splat[entry]];
+      const L tile_dx = L::load(TileLayout::lane_x) + L(static_cast<float>(place.x0) - s.x_px);
+      const L tile_dy = L::load(TileLayout::lane_y) + L(static_cast<float>(place.y0) - s.y_px);
+      const L a(s.a), b(s.b), c(s.c), log2_opacity(s.log2_opacity);
+      const L red(s.color[0]), green(s.color[1]), blue(s.color[2]), depth(s.depth_m);
+      for (; todo != 0; todo &= todo - 1) {
+        const int block = __builtin_ctz(todo);
+        L log2;
+        const L alpha = block_alpha(tile_dx + L(static_cast<float>(block % 4 * 4)),
+                                    tile_dy + L(static_cast<float>(block / 4 * 2)), a, b, c,
+                                    log2_opacity, log2);
+        float* t = transmittance + 8 * block;
+        const L before = L::load(t);
+        const L after = multiply_subtract(alpha, before, before);
+        const auto takes = at_least(after, L(SplatLimits::least_transmittance));
+        const L weight = zero_unless(takes, alpha * before);
+        const L next = where(takes, after, with_sign_set(before));
+        next.store(t);
+        multiply_add(weight, red, L::load(color[0] + 8 * block)).store(color[0] + 8 * block);
+        multiply_add(weight, green, L::load(color[1] + 8 * block)).store(color[1] + 8 * block);
+        multiply_add(weight, blue, L::load(color[2] + 8 * block)).store(color[2] + 8 * block);
+        if constexpr (kDepth) {
+          multiply_add(weight, depth, L::load(mean + 8 * block)).store(mean + 8 * block);
+          const auto falls = takes & at_least(before, L(0.5)) & less(after, L(0.5));
+          where(falls, depth, L::load(median + 8 * block)).store(median + 8 * block);
+        }
+      }
+    }
+    alive = alive_blocks<L>(transmittance);
   }
   task.tile_done[tile] = entry - begin;
 

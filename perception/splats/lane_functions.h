@@ -2,7 +2,8 @@
 
 namespace cousin {
 
-/// 2^x for x in [-126, 127], to 3e-6 relative: the blending kernels' own, where 1/255 is the unit.
+/// 2^x for x in [-126, 127], to 3e-6 relative, any number elsewhere: the blending kernels' own,
+/// where 1/255 is the unit.
 template <class L>
 inline L exp2_blending(const L& x) {
   const L whole = round_nearest(x);
@@ -11,7 +12,7 @@ inline L exp2_blending(const L& x) {
   p = multiply_add(p, f, L(0.240247448));
   p = multiply_add(p, f, L(0.693121815));
   p = multiply_add(p, f, L(0.999999261));
-  return times_power_of_two(p, whole);
+  return times_power_unchecked(p, whole);
 }
 
 /// e^x to 2e-7 relative; x is clamped to [-87, 88].

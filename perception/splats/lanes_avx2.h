@@ -62,6 +62,10 @@ inline Avx2Lanes times_power_of_two(Avx2Lanes a, Avx2Lanes n) {
   const __m256i shifted = _mm256_slli_epi32(_mm256_cvtps_epi32(bounded), 23);
   return _mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(a.v), shifted));
 }
+inline Avx2Lanes times_power_unchecked(Avx2Lanes a, Avx2Lanes n) {
+  const __m256i shifted = _mm256_slli_epi32(_mm256_cvtps_epi32(n.v), 23);
+  return _mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(a.v), shifted));
+}
 inline void split_exponent(Avx2Lanes a, Avx2Lanes& mantissa, Avx2Lanes& exponent) {
   const __m256i raw = _mm256_castps_si256(a.v);
   const __m256i e = _mm256_srai_epi32(_mm256_sub_epi32(raw, _mm256_set1_epi32(0x3f3504f3)), 23);

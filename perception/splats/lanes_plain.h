@@ -6,9 +6,9 @@
 
 namespace cousin {
 
-/// Eight truth values, one a lane.
+/// Eight truth values, one a lane: 0 or -1, as wide as the floats that they choose.
 struct PlainMask {
-  bool lane[8];
+  std::int32_t lane[8];
 };
 
 /// Eight floats that kernels compute with at once, in plain C++: the portable twin of `Avx2Lanes`.
@@ -46,7 +46,7 @@ inline PlainLanes plain_map(const PlainLanes& a, const PlainLanes& b, F f) {
 template <class F>
 inline PlainMask plain_mask(F f) {
   PlainMask r;
-  for (int i = 0; i < 8; ++i) r.lane[i] = f(i);
+  for (int i = 0; i < 8; ++i) r.lane[i] = f(i) ? -1 : 0;
   return r;
 }
 
@@ -106,20 +106,20 @@ inline PlainMask less(const PlainLanes& a, const PlainLanes& b) {
   return plain_mask([&](int i) { return a.lane[i] < b.lane[i]; });
 }
 inline PlainMask operator&(const PlainMask& a, const PlainMask& b) {
-  return plain_mask([&](int i) { return a.lane[i] && b.lane[i]; });
+  return plain_mask([&](int i) { return (a.lane[i] & b.lane[i]) != 0; });
 }
 inline PlainMask operator|(const PlainMask& a, const PlainMask& b) {
-  return plain_mask([&](int i) { return a.lane[i] || b.lane[i]; });
+  return plain_mask([&](int i) { return (a.lane[i] | b.lane[i]) != 0; });
 }
 /// Bit i is lane i.
 inline unsigned bits(const PlainMask& m) {
   unsigned r = 0;
-  for (int i = 0; i < 8; ++i) r |= (m.lane[i] ? 1u : 0u) << i;
+  for (int i = 0; i < 8; ++i) r |= (m.lane[i] != 0 ? 1u : 0u) << i;
   return r;
 }
 inline PlainLanes where(const PlainMask& m, const PlainLanes& yes, const PlainLanes& no) {
   PlainLanes r;
-  for (int i = 0; i < 8; ++i) r.lane[i] = m.lane[i] ? yes.lane[i] : no.lane[i];
+  for (int i = 0; i < 8; ++i) r.lane[i] = m.lane[i] != 0 ? yes.lane[i] : no.lane[i];
   return r;
 }
 inline PlainLanes zero_unless(const PlainMask& m, const PlainLanes& a) {
@@ -134,6 +134,10 @@ inline PlainLanes times_power_of_two(const PlainLanes& a, const PlainLanes& n) {
     const auto shifted = static_cast<std::int32_t>(e) * (1 << 23);
     return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + shifted);
   });
+}
+/// The same where n is within its limits, and any number where it is not.
+inline PlainLanes times_power_unchecked(const PlainLanes& a, const PlainLanes& n) {
+  return times_power_of_two(a, n);
 }
 /// Splits a > 0, not subnormal, into mantissa [sqrt(1/2), sqrt(2)) and a whole exponent.
 inline void split_exponent(const PlainLanes& a, PlainLanes& mantissa, PlainLanes& exponent) {
@@ -164,7 +168,7 @@ inline std::uint32_t nibble_spans(const PlainLanes& from, const PlainLanes& to,
                                   const PlainMask& valid) {
   std::uint32_t r = 0;
   for (int i = 0; i < 8; ++i) {
-    if (!valid.lane[i]) continue;
+    if (valid.lane[i] == 0) continue;
     const auto f = static_cast<unsigned>(from.lane[i]);
     const auto t = static_cast<unsigned>(to.lane[i]);
     r |= (((2u << t) - (1u << f)) & 15u) << (4 * i);

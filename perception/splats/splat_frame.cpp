@@ -33,6 +33,7 @@ BlendTask blend_task(SplatFrame& frame, const std::array<float, 3>& background) 
   }
   task.transmittance = frame.transmittance.data();
   task.tile_done = frame.tile_done.data();
+  task.touched = frame.touched.data();
   return task;
 }
 
@@ -59,6 +60,7 @@ void draw_splats(const SplatKernels& kernels, const SplatPlanes& planes, int sh_
   for (Image<float>& channel : frame.color.channel) fit(channel, camera);
   fit(frame.transmittance, camera);
   frame.tile_done.resize(static_cast<std::size_t>(tile_count(frame.lists)));
+  frame.touched.resize(frame.lists.tile_splat.size());
   BlendTask blend = blend_task(frame, background);
   if (depths == SplatDepths::with) {
     fit(frame.depth_m, camera);

@@ -62,6 +62,7 @@ struct BlendTask {
   float* depth_m = nullptr;            ///< may be null, together with mean_depth_m
   float* mean_depth_m = nullptr;       ///< likewise
   std::uint32_t* tile_done = nullptr;  ///< entries of the list that were looked at
+  std::uint32_t* touched = nullptr;    ///< of those entries: blocks that the ellipse may meet
 };
 
 struct BlendGradientTask {
