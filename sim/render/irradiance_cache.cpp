@@ -307,7 +307,6 @@ class Gatherer {
                 direction[i].x(), direction[i].y(), direction[i].z());
         packet.hit.geomID[i] = kNone;
       }
-      idle_lanes(all, packet.ray);
       rtcIntersect16(all.lane, cache_.rays->scene, &context, &packet);
       for (int i = 0; i < kLanes; ++i) {
         secondary.mask.lane[i] = 0;
