@@ -262,6 +262,12 @@ RollingShutterResult calibrate_rolling_shutter(const CalibrationInput& input,
   c.reason.clear();
   c.not_determined.clear();
   complaint = solve_rolling(all, state, covariance, c.iterations, c.cost_px2);
+  if (!complaint.empty() && all.delay_is_free) {
+    // A camera that hardly moves leaves a valley: any delay, and the velocities that go with it.
+    c.not_determined = {kLineDelay};
+    return refuse(CalibrationStatus::not_determined,
+                  complaint + " while the line delay is free: is there motion between neighbours?");
+  }
   if (!complaint.empty()) return refuse(CalibrationStatus::not_converged, complaint);
   describe(all, state, covariance, input, result);
   judge_calibration(input, calibration, c);

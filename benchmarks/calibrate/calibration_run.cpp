@@ -49,6 +49,8 @@ std::vector<Found> find_in_all(const CalibrationPhotos& photos, const CalibrateC
     }
     found.view.frame = photo.frame;
     found.view.camera = photo.camera;
+    found.view.time_s =
+        config.frame_rate_hz > 0 ? photo.frame / config.frame_rate_hz : photo.time_s;
     const std::lock_guard lock(mutex);
     if (progress) progress("finding the board", ++done, static_cast<int>(all.size()));
   });
@@ -317,10 +319,6 @@ CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& 
   for (Found& f : found) views.push_back(std::move(f.view));
   check_views(run.photos, views);
   run.sample = sample_picture(run.photos, views);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const CalibrationPhoto& photo = run.photos.photos[i];
-    views[i].time_s = config.frame_rate_hz > 0 ? photo.frame / config.frame_rate_hz : photo.time_s;
-  }
   run.input = calibration_input(run.photos.target, std::move(views), cameras);
   agree_on_half_turns(run.input, config.calibration);
   if (progress) progress("solving", 0, 1);

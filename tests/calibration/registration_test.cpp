@@ -40,11 +40,7 @@ CalibrationResult fresh_of(const DepthCameraRig& rig, std::uint64_t seed) {
   config.columns = 10, config.rows = 7;
   const CornerViews views =
       make_corner_views({rig.color, rig.depth}, {Pose{}, rig.depth_from_color}, config, Rng(seed));
-  CalibrationConfig quick;
-#ifdef COUSIN_NO_CERES
-  quick.solver = CalibrationSolver::opencv;
-#endif
-  return calibrate(views.input, quick);
+  return calibrate(views.input, {.solver = default_calibration_solver()});
 }
 
 TEST(Registration, IsTheClosedFormOfTwoParallelPinholes) {
