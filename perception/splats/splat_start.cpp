@@ -27,7 +27,8 @@ constexpr double kLeastShare = 0.01;  ///< of the median scale
 
 StartPoints from_colmap(const std::vector<ColmapStartPoint>& points) {
   StartPoints result;
-  for (const ColmapStartPoint& point : points) result.points.push_back({point.position, point.color});
+  for (const ColmapStartPoint& point : points)
+    result.points.push_back({point.position, point.color});
   return result;
 }
 

@@ -32,7 +32,8 @@ Number number_at(std::string_view bytes, std::size_t at) {
 
 }  // namespace
 
-std::vector<ColmapStartPoint> colmap_points_from_text(std::string_view text, const std::string& name) {
+std::vector<ColmapStartPoint> colmap_points_from_text(std::string_view text,
+                                                      const std::string& name) {
   std::vector<ColmapStartPoint> points;
   for (const TextLine& line : records(text, name)) {
     ColmapStartPoint point;
@@ -49,7 +50,7 @@ std::vector<ColmapStartPoint> colmap_points_from_text(std::string_view text, con
 }
 
 std::vector<ColmapStartPoint> colmap_points_from_binary(std::string_view bytes,
-                                                   const std::string& name) {
+                                                        const std::string& name) {
   std::size_t at = 0;
   const auto fail = [&](const std::string& what) {
     throw std::runtime_error(name + ": byte " + std::to_string(at) + ": " + what);

@@ -20,7 +20,9 @@ struct ColmapStartPoint {
 /// Points of a points3D.txt or points3D.bin, in the file's order. Points that are not finite are an
 /// error. @param name  of the file, for errors. @throws std::runtime_error naming it, line or byte,
 /// value and limit.
-std::vector<ColmapStartPoint> colmap_points_from_text(std::string_view text, const std::string& name);
-std::vector<ColmapStartPoint> colmap_points_from_binary(std::string_view bytes, const std::string& name);
+std::vector<ColmapStartPoint> colmap_points_from_text(std::string_view text,
+                                                      const std::string& name);
+std::vector<ColmapStartPoint> colmap_points_from_binary(std::string_view bytes,
+                                                        const std::string& name);
 
 }  // namespace cousin

@@ -153,9 +153,10 @@ TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
   EXPECT_EQ(unknown.code, 2);
   EXPECT_THAT(
       unknown.err,
-      HasSubstr("\"colour\" is not one of depth, normal, instance, part, position, "
-                "coverage, visibility, shares, keypoints, leaf_area, flow, disparity, noise_free_depth, "
-                "invalid_reason, all, none"));
+      HasSubstr(
+          "\"colour\" is not one of depth, normal, instance, part, position, "
+          "coverage, visibility, shares, keypoints, leaf_area, flow, disparity, noise_free_depth, "
+          "invalid_reason, all, none"));
   EXPECT_FALSE(fs::exists(program.path("new")));
 }
 

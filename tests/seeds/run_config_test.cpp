@@ -88,7 +88,9 @@ TEST(TruthChoice, ReadsListsInAnyOrderAndWritesOneText) {
   EXPECT_EQ(to_string(needs), "depth,visibility");
   EXPECT_EQ(to_string(truth_needs_from_string("depth,depth")), "depth");
   const std::string all = to_string(truth_needs_from_string("all"));
-  EXPECT_EQ(all, "depth,normal,instance,part,position,coverage,visibility,shares,keypoints,leaf_area,flow");
+  EXPECT_EQ(
+      all,
+      "depth,normal,instance,part,position,coverage,visibility,shares,keypoints,leaf_area,flow");
   EXPECT_EQ(to_string(truth_needs_from_string(all)), all);
   EXPECT_EQ(to_string(truth_needs_from_string("none")), "none");
   EXPECT_EQ(to_string(truth_there_is(device_preset("zed_hd720"), {.color = true})),

@@ -10,7 +10,6 @@
 
 #include "sim/imaging/color.h"
 #include "sim/sensors/metering.h"
-#include "sim/sensors/metering.h"
 
 namespace cousin {
 namespace {

@@ -73,8 +73,8 @@ TEST_F(StrawberryStand, IsTheSameFromTheFolderAsFreshAndOnAnyThreads) {
 TEST_F(StrawberryStand, EveryNumberOfTrussesAndVarietiesIsAKeyAndNamesTheFile) {
   const fs::path file = stand_file(config, 2, 1);
   for (const char* assignment :
-       {"truss.peduncle_length_m=0.11", "truss.bed_slope_rad=0.1", "varieties.akihime.mass_kg=0.021",
-        "varieties.benihoppe.hollow=0.03"}) {
+       {"truss.peduncle_length_m=0.11", "truss.bed_slope_rad=0.1",
+        "varieties.akihime.mass_kg=0.021", "varieties.benihoppe.hollow=0.03"}) {
     StrawberriesSceneConfig other = config;
     set_field(fields(other), assignment);
     EXPECT_NO_THROW(validate(other)) << assignment;
