@@ -26,7 +26,7 @@ SplatModel cube_of_splats(std::uint64_t seed) {
   for (Splat& s : model.splats) {
     for (int k = 0; k < 3; ++k) {
       s.centre_m[k] = static_cast<float>(uniform(rng, -1, 1));
-      s.log_scale[k] = static_cast<float>(std::log(0.019) + 0.5 * normal(rng));
+      s.log_scale[k] = static_cast<float>(std::log(0.0165) + 0.5 * normal(rng));
       s.sh_dc[static_cast<std::size_t>(k)] = static_cast<float>(normal(rng));
     }
     for (int k = 0; k < 4; ++k) s.rotation_wxyz[k] = static_cast<float>(normal(rng));

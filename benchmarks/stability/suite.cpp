@@ -14,6 +14,7 @@
 #include "benchmarks/stability/path_cases.h"
 #include "benchmarks/stability/ray_cases.h"
 #include "benchmarks/stability/sfm_cases.h"
+#include "benchmarks/stability/splat_cases.h"
 #include "benchmarks/stability/stem_cases.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/types/stage_clock.h"
@@ -56,6 +57,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       {"rays at bad meshes", mesh_ray_cases},
       {"light at its limits", [&] { return path_cases(quick); }},
       {"watertight seeds", [&] { return watertight_seeds(quick); }},
+      {"splats", splat_cases},
       {"contacts", [&] { return contact_cases(quick); }},
       {"stems", [&] { return stem_cases(quick); }}};
   ScoreFile file;

@@ -277,6 +277,33 @@ TEST(TrainSplats, PixelsOfNoWeightAreNotLearned) {
                          train_splats(weighted, start_model(100), config).model));
 }
 
+TEST(TrainSplats, ViewsAreCountedThatSeeAGaussian) {
+  // One before the first camera, one behind it and so before the second, one hidden, one above.
+  SplatModel model;
+  model.splats.resize(4);
+  const Eigen::Vector3f centres[] = {{2, 0, 0}, {-2, 0, 0}, {2.5F, 0, 0}, {0, 0, 9}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    model.splats[i].centre_m = centres[i];
+    model.splats[i].log_scale.setConstant(i == 2 ? std::log(0.01F) : 0.0F);
+    model.splats[i].opacity_logit = std::log(0.97F / 0.03F);
+  }
+  // Two more discs before the hidden one: 0.03^3 is less than 1e-4.
+  for (const float x : {2.1F, 2.2F}) {
+    model.splats.push_back(model.splats[0]);
+    model.splats.back().centre_m.x() = x;
+  }
+  std::vector<SplatView> views(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    views[i].camera_from_world = look_at({0, 0, 0}, {i == 1 ? -1.0 : 1.0, 0, 0});
+    views[i].levels.push_back(photograph(model, pinhole(64, 48, 60), views[i].camera_from_world));
+  }
+  SplatTrainConfig config;
+  config.steps = 1;
+  config.growth = SplatGrowth::fixed;
+  EXPECT_EQ(train_splats(views, model, config).model.views_seen,
+            (std::vector<int>{2, 1, 0, 0, 2, 2}));
+}
+
 TEST(TrainSplats, TheReferencesSettingsAreValidAndStart) {
   SplatTrainConfig config = reference_training();
   validate(config);

@@ -1,0 +1,34 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "benchmarks/splats/training_rows.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(SplatsSuite, PhotographsThatAreAbsentGiveARowThatIsNotSolved) {
+  const std::vector<ScoreRow> rows = splat_training_rows("/no/such/folder", 1, true);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].status, ScoreStatus::not_solved);
+  EXPECT_NE(rows[0].metric.find("/no/such/folder"), std::string::npos);
+}
+
+TEST(SplatsSuite, AWordThatIsNeitherTrainNorTestIsNamed) {
+  const fs::path folder = fs::path(testing::TempDir()) / "splats_suite_split";
+  fs::create_directories(folder);
+  std::ofstream(folder / "split.txt") << "000.png train\n001.png trial\n";
+  try {
+    (void)splat_training_rows(folder, 1, true);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("\"trial\""), std::string::npos) << error.what();
+  }
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace cousin
