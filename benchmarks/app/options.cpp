@@ -287,8 +287,8 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
 
   CLI::App* bench = verb("bench", "The papers' tables, error against time, stability cases");
   takes(bench, "SUITE",
-        "seeds, stability, render, renderers, sensors, cousins, scenes, plants, calibration, real, "
-        "program; "
+        "seeds, stability, render, renderers, sensors, cousins, scenes, plants, calibration, "
+        "sfm, splats, real, program; "
         "none = "
         "all",
         0, -1);
