@@ -253,7 +253,9 @@ ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
       titled("Cousin: bench splats",
              "Gaussian splatting on a CPU: core time of each blended pair, wall time of a training "
              "step, and held-out PSNR against wall time on photographs that are not Cousin's.",
-             splats_suite(photographs, o.seed, o.quick, context.progress.function())),
+             splats_suite(photographs,
+                          fs::path(COUSIN_REAL_DATA) / "multiview/instantngp_fox/transforms.json",
+                          o.seed, o.quick, context.progress.function())),
       context, out);
 }
 

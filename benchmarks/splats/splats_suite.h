@@ -14,8 +14,10 @@ namespace cousin {
 /// time hold on two quiet cores.
 /// @param photographs  a folder with transforms.json, points.ply and split.txt (a line "FILE train"
 /// or "FILE test" for each view); absent gives rows with status not_solved
-/// @param quick  without the long training
-ScoreFile splats_suite(const std::filesystem::path& photographs, std::uint64_t seed, bool quick,
+/// @param fox  a transforms.json, every eighth view of which is held out; absent likewise
+/// @param quick  without the long training and the fox
+ScoreFile splats_suite(const std::filesystem::path& photographs, const std::filesystem::path& fox,
+                       std::uint64_t seed, bool quick,
                        const std::function<void(const std::string&, int, int)>& progress = {});
 
 }  // namespace cousin

@@ -1,24 +1,17 @@
 #include "benchmarks/splats/training_rows.h"
 
-#include <algorithm>
 #include <cstdio>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 
 #include "benchmarks/metrics/image_fidelity.h"
-#include "perception/splats/splat_start.h"
+#include "benchmarks/splats/posed_set.h"
 #include "perception/splats/train_splats.h"
-#include "sim/dataset/atomic_file.h"
-#include "sim/dataset/import.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kListLimit = std::size_t{1} << 20;  ///< bytes of split.txt
 
 /// What one training is held to.
 struct Goal {
@@ -32,45 +25,7 @@ constexpr Goal kGoals[] = {{"short", 2000, 26000, 30.85, 40}, {"long", 5000, 400
 constexpr double kMemoryLimit_mb = 150;
 constexpr int kMemorySplats = 26000;
 
-struct PhotographSet {
-  std::vector<SplatView> train, test;
-  SplatModel start;
-};
-
-/// Names of the files that split.txt calls "test".
-std::vector<std::string> test_files(const fs::path& file) {
-  std::istringstream lines(read_file(file, kListLimit));
-  std::vector<std::string> names;
-  std::string name, kind;
-  while (lines >> name >> kind) {
-    if (kind == "test") {
-      names.push_back(name);
-    } else if (kind != "train") {
-      throw std::runtime_error(file.string() + ": \"" + kind + "\" is neither train nor test");
-    }
-  }
-  return names;
-}
-
-PhotographSet read_set(const fs::path& folder) {
-  PhotographSet set;
-  const std::vector<std::string> held = test_files(folder / "split.txt");
-  const fs::path transforms = folder / "transforms.json";
-  const NerfstudioFile list =
-      parse_nerfstudio(read_file(transforms, std::size_t{1} << 26), transforms.string());
-  const Capture capture = import_nerfstudio(transforms);
-  if (!capture.warnings.empty()) throw std::runtime_error(capture.warnings.front());
-  for (SplatView& view : splat_views(capture, reported_poses(capture))) {
-    const std::string& image = list.frames.at(static_cast<std::size_t>(view.frame)).image;
-    const std::string name = fs::path(image).filename().string();
-    const bool is_test = std::find(held.begin(), held.end(), name) != held.end();
-    (is_test ? set.test : set.train).push_back(std::move(view));
-  }
-  set.start = splats_from_points(read_start_points(folder / "points.ply").points);
-  return set;
-}
-
-void training_rows(std::vector<ScoreRow>& rows, const PhotographSet& set, const Goal& goal,
+void training_rows(std::vector<ScoreRow>& rows, const PosedSet& set, const Goal& goal,
                    const ScoreRow& base) {
   SplatTrainConfig config;
   config.steps = goal.steps;
@@ -146,12 +101,7 @@ std::vector<ScoreRow> splat_training_rows(const fs::path& photographs, std::uint
     rows.push_back(base);
     return rows;
   }
-  const PhotographSet set = read_set(photographs);
-  if (set.test.empty() || set.train.empty()) {
-    throw std::runtime_error(photographs.string() + ": split.txt leaves " +
-                             std::to_string(set.train.size()) + " views to train on and " +
-                             std::to_string(set.test.size()) + " to test");
-  }
+  const PosedSet set = read_split_set(photographs);
   for (const Goal& goal : kGoals) {
     training_rows(rows, set, goal, base);
     if (quick) break;

@@ -43,6 +43,11 @@ struct NgpView {
   Image<std::uint8_t> mask;  ///< zero = the pixel is not trained on; empty = all are
 };
 
+/// The volume that a configuration asks for, or that the views suggest. side_m is 0 where they do
+/// not: fewer than half of the cameras have the point in front of them that their optical axes pass
+/// nearest to.
+ngp::NgpVolume ngp_volume(const NgpConfig& config, std::span<const NgpView> views);
+
 struct NgpModel {
   NgpConfig config;
   ngp::NgpVolume volume;

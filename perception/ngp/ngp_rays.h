@@ -19,10 +19,6 @@ std::array<float, kHarmonics> harmonics(const Eigen::Vector3f& unit);
 /// The shortest step and how steps grow, as a configuration says.
 MarchConfig march_config(const NgpConfig& config);
 
-/// The volume that a configuration asks for, or that the views suggest. side_m is 0 where they do
-/// not: cameras without a common point in front of them.
-NgpVolume choose_volume(const NgpConfig& config, std::span<const NgpView> views);
-
 /// A bundle of rays through a field: samples ray after ray, as columns of a batch.
 struct RayBundle {
   std::vector<RaySample> samples;      ///< of all rays

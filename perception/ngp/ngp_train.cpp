@@ -381,7 +381,7 @@ NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
   if (!any) return refuse(NgpStatus::no_pixels, "all masks are empty");
   NgpModel& model = training.model;
   model.config = config;
-  model.volume = choose_volume(config, views);
+  model.volume = ngp_volume(config, views);
   if (!(model.volume.side_m > 0))
     return refuse(NgpStatus::no_volume,
                   "most cameras look away from their common centre; give "

@@ -1,0 +1,168 @@
+#include "benchmarks/splats/field_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "benchmarks/metrics/image_fidelity.h"
+#include "benchmarks/splats/posed_set.h"
+#include "perception/ngp/ngp.h"
+#include "perception/splats/train_splats.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFoxSide_px = 480;
+constexpr int kFoxPoints = 20000;
+
+std::uint8_t to_byte(float value) {
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
+}
+
+NgpView photograph(const SplatView& view) {
+  const SplatViewLevel& level = view.levels.front();
+  NgpView out{level.camera, view.camera_from_world, {}, {}};
+  out.color = Image<Rgb8>(level.camera.width_px, level.camera.height_px);
+  if (!level.weight.empty()) out.mask = Image<std::uint8_t>(out.color.width(), out.color.height());
+  for (int y = 0; y < out.color.height(); ++y) {
+    for (int x = 0; x < out.color.width(); ++x) {
+      const auto& channel = level.color.channel;
+      out.color(x, y) = {to_byte(channel[0](x, y)), to_byte(channel[1](x, y)),
+                         to_byte(channel[2](x, y))};
+      if (!level.weight.empty()) out.mask(x, y) = level.weight(x, y) >= 0.999F;
+    }
+  }
+  return out;
+}
+
+ColorPlanes planes(const Image<Rgb8>& image) {
+  ColorPlanes out;
+  for (auto& channel : out.channel) channel = Image<float>(image.width(), image.height());
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const Rgb8 c = image(x, y);
+      out.channel[0](x, y) = static_cast<float>(c.r) / 255;
+      out.channel[1](x, y) = static_cast<float>(c.g) / 255;
+      out.channel[2](x, y) = static_cast<float>(c.b) / 255;
+    }
+  }
+  return out;
+}
+
+/// Mean over the held-out views.
+template <class Render>
+double held_out_db(const PosedSet& set, const Render& render) {
+  double sum = 0;
+  for (const SplatView& view : set.test) {
+    const SplatViewLevel& level = view.levels.front();
+    sum += psnr_db(render(level.camera, view.camera_from_world).channel, level.color.channel);
+  }
+  return sum / static_cast<double>(set.test.size());
+}
+
+void add_point(std::vector<ScoreRow>& rows, ScoreRow row, const PosedSet& set, int steps,
+               double wall_s, double cpu_s, double psnr) {
+  row.case_name = std::to_string(steps) + " steps";
+  row.metric = "held_out.psnr";
+  row.unit = "dB";
+  row.value = psnr;
+  row.n = static_cast<std::int64_t>(set.test.size());
+  row.wall_s = wall_s;
+  row.cpu_s = cpu_s;
+  rows.push_back(row);
+}
+
+void splat_points(std::vector<ScoreRow>& rows, const ScoreRow& base, const PosedSet& set,
+                  const std::vector<int>& steps) {
+  for (const int count : steps) {
+    SplatTrainConfig config;
+    config.steps = count;
+    config.seed = base.seed;
+    const StageClock clock("splats");
+    const SplatTraining training = train_splats(set.train, set.start, config);
+    const StageTiming time = clock.finish();
+    ScoreRow row = base;
+    row.method = "splats";
+    if (training.status != SplatTrainStatus::ok) {
+      row.metric = "training: " + to_string(training.status);
+      row.status = ScoreStatus::not_solved;
+      rows.push_back(row);
+      return;
+    }
+    add_point(rows, row, set, count, time.wall_s, time.cpu_s,
+              held_out_db(set, [&](const Camera& camera, const Pose& pose) {
+                return render_splats(training.model, camera, pose).color;
+              }));
+  }
+}
+
+void ngp_points(std::vector<ScoreRow>& rows, const ScoreRow& base, const PosedSet& set,
+                const std::vector<int>& steps) {
+  std::vector<NgpView> views;
+  for (const SplatView& view : set.train) views.push_back(photograph(view));
+  NgpConfig config;
+  config.iterations = *std::max_element(steps.begin(), steps.end());
+  config.seed = base.seed;
+  ScoreRow row = base;
+  row.method = "instant-ngp";
+  // Scoring a snapshot is not training: its seconds are taken off.
+  StageTiming scored;
+  const StageClock clock("ngp");
+  const NgpTraining training =
+      train_ngp(views, config, {steps, [&](int iteration, const NgpModel& model) {
+                  const StageTiming before = clock.finish();
+                  const double psnr =
+                      held_out_db(set, [&](const Camera& camera, const Pose& pose) {
+                        return planes(render_ngp(model, camera, pose).color);
+                      });
+                  add_point(rows, row, set, iteration, before.wall_s - scored.wall_s,
+                            before.cpu_s - scored.cpu_s, psnr);
+                  const StageTiming after = clock.finish();
+                  scored.wall_s += after.wall_s - before.wall_s;
+                  scored.cpu_s += after.cpu_s - before.cpu_s;
+                }});
+  if (training.status == NgpStatus::ok) return;
+  row.metric = "training: " + std::string(to_string(training.status)) + ", " + training.reason;
+  row.status = ScoreStatus::not_solved;
+  rows.push_back(row);
+}
+
+ScoreRow absent(ScoreRow row, const fs::path& where) {
+  row.metric = "no photographs at " + where.string();
+  row.status = ScoreStatus::not_solved;
+  return row;
+}
+
+}  // namespace
+
+std::vector<ScoreRow> field_rows(const fs::path& split_set, const fs::path& fox, std::uint64_t seed,
+                                 bool quick) {
+  ScoreRow base;
+  base.suite = "splats";
+  base.seed = seed;
+  std::vector<ScoreRow> rows;
+  base.scene = split_set.filename().string();
+  if (fs::is_directory(split_set)) {
+    const PosedSet set = read_split_set(split_set);
+    splat_points(rows, base, set, quick ? std::vector<int>{500} : std::vector<int>{500, 1000, 5000});
+    ngp_points(rows, base, set,
+               quick ? std::vector<int>{200, 500} : std::vector<int>{500, 1000, 2000, 5000});
+  } else {
+    rows.push_back(absent(base, split_set));
+  }
+  if (quick) return rows;
+  base.scene = "fox";
+  if (!fs::is_regular_file(fox)) {
+    rows.push_back(absent(base, fox));
+    return rows;
+  }
+  const PosedSet set = read_every_eighth(fox, kFoxSide_px, kFoxPoints, seed);
+  splat_points(rows, base, set, {1000, 3000});
+  ngp_points(rows, base, set, {1000, 3000});
+  return rows;
+}
+
+}  // namespace cousin

@@ -1,0 +1,86 @@
+#include "benchmarks/splats/posed_set.h"
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include "perception/ngp/ngp.h"
+#include "perception/splats/splat_start.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/import.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kListLimit = std::size_t{1} << 20;  ///< bytes of split.txt
+
+/// Names of the files that split.txt calls "test".
+std::vector<std::string> test_files(const fs::path& file) {
+  std::istringstream lines(read_file(file, kListLimit));
+  std::vector<std::string> names;
+  std::string name, kind;
+  while (lines >> name >> kind) {
+    if (kind == "test") {
+      names.push_back(name);
+    } else if (kind != "train") {
+      throw std::runtime_error(file.string() + ": \"" + kind + "\" is neither train nor test");
+    }
+  }
+  return names;
+}
+
+void require_both(const PosedSet& set, const fs::path& where) {
+  if (!set.test.empty() && !set.train.empty()) return;
+  throw std::runtime_error(where.string() + ": " + std::to_string(set.train.size()) +
+                           " views to train on and " + std::to_string(set.test.size()) +
+                           " to test; at least 1 of each");
+}
+
+}  // namespace
+
+PosedSet read_split_set(const fs::path& folder) {
+  PosedSet set;
+  const std::vector<std::string> held = test_files(folder / "split.txt");
+  const fs::path transforms = folder / "transforms.json";
+  const NerfstudioFile list =
+      parse_nerfstudio(read_file(transforms, std::size_t{1} << 26), transforms.string());
+  const Capture capture = import_nerfstudio(transforms);
+  if (!capture.warnings.empty()) throw std::runtime_error(capture.warnings.front());
+  for (SplatView& view : splat_views(capture, reported_poses(capture))) {
+    const std::string& image = list.frames.at(static_cast<std::size_t>(view.frame)).image;
+    const std::string name = fs::path(image).filename().string();
+    const bool is_test = std::find(held.begin(), held.end(), name) != held.end();
+    (is_test ? set.test : set.train).push_back(std::move(view));
+  }
+  require_both(set, folder);
+  set.start = splats_from_points(read_start_points(folder / "points.ply").points);
+  return set;
+}
+
+PosedSet read_every_eighth(const fs::path& transforms_json, int largest_side_px, int points,
+                           std::uint64_t seed) {
+  PosedSet set;
+  const Capture capture = import_nerfstudio(transforms_json);
+  SplatViewsConfig config;
+  config.largest_side_px = largest_side_px;
+  std::vector<NgpView> cameras;
+  std::size_t index = 0;
+  for (SplatView& view : splat_views(capture, reported_poses(capture), {}, config)) {
+    cameras.push_back({view.levels.front().camera, view.camera_from_world, {}, {}});
+    (index++ % 8 == 0 ? set.test : set.train).push_back(std::move(view));
+  }
+  require_both(set, transforms_json);
+  const ngp::NgpVolume volume = ngp_volume({}, cameras);
+  if (!(volume.side_m > 0))
+    throw std::runtime_error(transforms_json.string() + ": the cameras look at no common point");
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(volume.side_m);
+  set.start = splats_from_points(random_start_points(volume.centre_in_world_m - half,
+                                                     volume.centre_in_world_m + half, points,
+                                                     Rng(seed).fork("start")));
+  return set;
+}
+
+}  // namespace cousin
