@@ -111,19 +111,19 @@ void ngp_points(std::vector<ScoreRow>& rows, const ScoreRow& base, const PosedSe
   // Scoring a snapshot is not training: its seconds are taken off.
   StageTiming scored;
   const StageClock clock("ngp");
-  const NgpTraining training =
-      train_ngp(views, config, {steps, [&](int iteration, const NgpModel& model) {
-                  const StageTiming before = clock.finish();
-                  const double psnr =
-                      held_out_db(set, [&](const Camera& camera, const Pose& pose) {
-                        return planes(render_ngp(model, camera, pose).color);
-                      });
-                  add_point(rows, row, set, iteration, before.wall_s - scored.wall_s,
-                            before.cpu_s - scored.cpu_s, psnr);
-                  const StageTiming after = clock.finish();
-                  scored.wall_s += after.wall_s - before.wall_s;
-                  scored.cpu_s += after.cpu_s - before.cpu_s;
-                }});
+  const NgpTraining training = train_ngp(
+      views, config, {steps, [&](int iteration, const NgpModel& model) {
+                        const StageTiming before = clock.finish();
+                        const double psnr =
+                            held_out_db(set, [&](const Camera& camera, const Pose& pose) {
+                              return planes(render_ngp(model, camera, pose).color);
+                            });
+                        add_point(rows, row, set, iteration, before.wall_s - scored.wall_s,
+                                  before.cpu_s - scored.cpu_s, psnr);
+                        const StageTiming after = clock.finish();
+                        scored.wall_s += after.wall_s - before.wall_s;
+                        scored.cpu_s += after.cpu_s - before.cpu_s;
+                      }});
   if (training.status == NgpStatus::ok) return;
   row.metric = "training: " + std::string(to_string(training.status)) + ", " + training.reason;
   row.status = ScoreStatus::not_solved;
@@ -147,7 +147,8 @@ std::vector<ScoreRow> field_rows(const fs::path& split_set, const fs::path& fox,
   base.scene = split_set.filename().string();
   if (fs::is_directory(split_set)) {
     const PosedSet set = read_split_set(split_set);
-    splat_points(rows, base, set, quick ? std::vector<int>{500} : std::vector<int>{500, 1000, 5000});
+    splat_points(rows, base, set,
+                 quick ? std::vector<int>{500} : std::vector<int>{500, 1000, 5000});
     ngp_points(rows, base, set,
                quick ? std::vector<int>{200, 500} : std::vector<int>{500, 1000, 2000, 5000});
   } else {

@@ -104,10 +104,10 @@ double centre_rms_m(const RingOfViews& ring, const SfmEstimate& estimate) {
 }
 
 void add_missing_program(std::vector<StabilityRow>& rows) {
-  const Image<Rgb8> picture(16, 16);
   ColmapInput input;
-  input.images = {&picture, &picture};
   input.lens = grey_lens();
+  const Image<Rgb8> picture(input.lens.width_px, input.lens.height_px);
+  input.images = {&picture, &picture};
   input.pairs = image_pairs(2);
   ColmapConfig config;
   config.program = "colmap-that-is-not-there";

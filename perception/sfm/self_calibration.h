@@ -60,8 +60,10 @@ struct SelfCalibration {
   Eigen::VectorXd values;               ///< of `parameters`
   Eigen::VectorXd deviations;           ///< of these; NaN where the covariance is not there
   Eigen::MatrixXd covariance;           ///< of these, poses and points marginalised
-  double sigma_px = 0;                  ///< of a sighting, a coordinate, as the fit left it
-  int observations = 0;                 ///< that count
+  /// Of a sighting, a coordinate, with residuals counted down as the loss does: below the noise
+  /// where there is a loss.
+  double sigma_px = 0;
+  int observations = 0;  ///< that count
 };
 
 /// The lens of a model's images, one for all, from its tracks alone: nothing in the scene is known.
