@@ -106,7 +106,7 @@ double centre_rms_m(const RingOfViews& ring, const SfmEstimate& estimate) {
 void add_missing_program(std::vector<StabilityRow>& rows) {
   ColmapInput input;
   input.lens = grey_lens();
-  const Image<Rgb8> picture(input.lens.width_px, input.lens.height_px);
+  const Image<Rgb8> picture(input.lens->width_px, input.lens->height_px);
   input.images = {&picture, &picture};
   input.pairs = image_pairs(2);
   ColmapConfig config;
