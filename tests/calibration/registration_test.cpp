@@ -64,7 +64,7 @@ TEST(Registration, TheTruthDiffersByWhatTheCovarianceSays) {
     off += d.rms_px * d.rms_px - d.fresh_rms_px * d.fresh_rms_px;
     said += d.factory_square_sigma_px2 * d.factory_square_sigma_px2;
     EXPECT_NE(d.verdict, RegistrationVerdict::replace);
-    EXPECT_LT(d.fresh_rms_px, 0.4);  // 20 views of 70 corners, each of 0.1 px: 0.15 to 0.25
+    EXPECT_LT(d.fresh_rms_px, 0.6);  // 20 views of 70 corners, each of 0.1 px: 0.15 to 0.45
     EXPECT_GE(d.max_px, d.rms_px);
   }
   EXPECT_LT(std::abs(off), 4 * std::sqrt(said));
