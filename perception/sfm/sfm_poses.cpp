@@ -233,6 +233,17 @@ void refuse_scale(const std::string& why, SfmEstimate& estimate) {
   estimate.status = SfmStatus::no_scale;
 }
 
+/// Deviation of the focal length over itself; 0 where it was not solved for. Where it is off by a
+/// share, cameras stand off by the same share from what they look at, and so does a model's scale.
+double focal_share(const SfmEstimate& estimate, const Bundle& bundle) {
+  const auto& names = estimate.lens_parameters;
+  const auto at = std::find(names.begin(), names.end(), "fx_px");
+  if (at == names.end() || bundle.result.lenses.empty()) return 0;
+  const auto i = static_cast<Eigen::Index>(at - names.begin());
+  if (i >= estimate.lens_covariance.rows()) return 0;
+  return std::sqrt(estimate.lens_covariance(i, i)) / bundle.result.lenses.front().fx_px;
+}
+
 /// Brings the bundle into the board's frame in metres. @returns false where the adjustment failed
 bool scale_bundle(const SfmModel& model, const Corners& corners, const SeedBoard& board,
                   const SfmConfig& config, Bundle& bundle, SfmEstimate& estimate) {
@@ -266,7 +277,7 @@ bool scale_bundle(const SfmModel& model, const Corners& corners, const SeedBoard
     fit.scale_sigma_share = squares.sigma_share;
   }
   estimate.metres_per_unit = fit.a_from_b.scale;
-  estimate.scale_sigma_share = fit.scale_sigma_share;
+  estimate.scale_sigma_share = std::hypot(fit.scale_sigma_share, focal_share(estimate, bundle));
   move_bundle(fit.a_from_b, bundle);
   bundle.result.gauge = BundleGauge::metric;
   if (config.scale == SfmScale::squares) {

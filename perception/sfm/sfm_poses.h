@@ -78,7 +78,9 @@ struct SfmEstimate {
   std::vector<SfmPoint> points;  ///< images as indices into the capture's frames
   BundleGauge gauge = BundleGauge::similarity;
   double metres_per_unit = kNaN;    ///< of the model as COLMAP left it
-  double scale_sigma_share = kNaN;  ///< deviation of the metric scale over the scale
+  /// Deviation of that over itself: of the fit to the board, and of the focal length before the
+  /// board was adjusted with the rest.
+  double scale_sigma_share = kNaN;
   double feature_sigma_px = kNaN;   ///< of a track's sighting, a coordinate, as the fit left it
   std::vector<std::string> not_determined;   ///< parameters of the lens
   std::vector<std::string> lens_parameters;  ///< those refined: "fx_px"
