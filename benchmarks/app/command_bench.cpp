@@ -28,6 +28,7 @@
 #include "benchmarks/sensors/sensors_suite.h"
 #include "benchmarks/sfm/sfm_suite.h"
 #include "benchmarks/shards/shard_scores.h"
+#include "benchmarks/splats/splats_page.h"
 #include "benchmarks/splats/splats_suite.h"
 #include "benchmarks/stability/suite.h"
 
@@ -43,6 +44,8 @@ void add_plots(SeedsReport& report) {
     report.lines.push_back(std::move(plot));
   for (LinePlot& plot : study_plots(report.scores.scores)) report.lines.push_back(std::move(plot));
   for (ErrorTimeCurve& curve : study_times(report.scores.scores))
+    report.curves.push_back(std::move(curve));
+  for (ErrorTimeCurve& curve : splats_curves(report.scores.scores))
     report.curves.push_back(std::move(curve));
 }
 

@@ -27,17 +27,6 @@ TrueCameras true_cameras(const SceneTruth& truth) {
   return result;
 }
 
-Camera mean_camera(const std::vector<Camera>& lenses) {
-  Camera mean = lenses.at(0);
-  const auto n = static_cast<double>(lenses.size());
-  mean.fx_px = mean.fy_px = 0;
-  for (const Camera& lens : lenses) {
-    mean.fx_px += lens.fx_px / n;
-    mean.fy_px += lens.fy_px / n;
-  }
-  return mean;
-}
-
 ScoreStatus status_of(SfmStatus status) {
   return status == SfmStatus::not_built ? ScoreStatus::not_built : ScoreStatus::not_solved;
 }
@@ -160,7 +149,7 @@ std::vector<ScoreRow> seeds_sfm_rows(const SfmSuiteConfig& config, const Progres
   input.pairs = image_pairs(static_cast<int>(input.images.size()), paper.pairs);
   const ColmapRun tracks = run_colmap(input, paper.colmap);
   if (tracks.status == ColmapStatus::ok) {
-    add(lens_rows(config, tracks.model, run.capture.rig.front().camera, mean_camera(truth.lenses)),
+    add(lens_rows(config, tracks.model, run.capture.rig.front().camera, mean_lens(truth.lenses)),
         rows);
   }
   return rows;

@@ -171,17 +171,6 @@ std::vector<ImageResiduals> residuals(const Bundle& bundle) {
   return squares;
 }
 
-Camera mean_lens(const std::vector<Camera>& lenses) {
-  Camera mean = lenses.at(0);
-  const auto n = static_cast<double>(lenses.size());
-  mean.fx_px = mean.fy_px = 0;
-  for (const Camera& lens : lenses) {
-    mean.fx_px += lens.fx_px / n;
-    mean.fy_px += lens.fy_px / n;
-  }
-  return mean;
-}
-
 /// The bundle's poses, lens and points into the estimate.
 void report(const Bundle& bundle, const SfmModel& model, bool good, SfmEstimate& estimate) {
   const std::vector<ImageResiduals> squares = residuals(bundle);
@@ -290,6 +279,17 @@ bool scale_bundle(const SfmModel& model, const Corners& corners, const SeedBoard
 }
 
 }  // namespace
+
+Camera mean_lens(const std::vector<Camera>& lenses) {
+  Camera mean = lenses.at(0);
+  const auto n = static_cast<double>(lenses.size());
+  mean.fx_px = mean.fy_px = 0;
+  for (const Camera& lens : lenses) {
+    mean.fx_px += lens.fx_px / n;
+    mean.fy_px += lens.fy_px / n;
+  }
+  return mean;
+}
 
 SfmEstimate refine_sfm(const SfmModel& model, const std::vector<int>& frames,
                        const std::optional<Camera>& lens, const Corners& corners,

@@ -77,11 +77,11 @@ struct SfmEstimate {
   Camera lens;                   ///< of all images; with SfmFocal::per_image their mean
   std::vector<SfmPoint> points;  ///< images as indices into the capture's frames
   BundleGauge gauge = BundleGauge::similarity;
-  double metres_per_unit = kNaN;    ///< of the model as COLMAP left it
+  double metres_per_unit = kNaN;  ///< of the model as COLMAP left it
   /// Deviation of that over itself: of the fit to the board, and of the focal length before the
   /// board was adjusted with the rest.
   double scale_sigma_share = kNaN;
-  double feature_sigma_px = kNaN;   ///< of a track's sighting, a coordinate, as the fit left it
+  double feature_sigma_px = kNaN;  ///< of a track's sighting, a coordinate, as the fit left it
   std::vector<std::string> not_determined;   ///< parameters of the lens
   std::vector<std::string> lens_parameters;  ///< those refined: "fx_px"
   Eigen::MatrixXd lens_covariance;           ///< of these
@@ -89,6 +89,9 @@ struct SfmEstimate {
   std::string colmap_version;
   std::vector<StageTiming> timings;
 };
+
+/// The first lens with the mean of all focal lengths. @throws std::out_of_range if there is none
+Camera mean_lens(const std::vector<Camera>& lenses);
 
 /// Poses of a capture's colour images without known ones: COLMAP on pairs chosen by their order,
 /// then our adjustment of poses, lens and points over its tracks, and the scale from the board that

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "benchmarks/splats/splats_page.h"
 #include "benchmarks/splats/training_rows.h"
 
 namespace cousin {
@@ -28,6 +29,23 @@ TEST(SplatsSuite, AWordThatIsNeitherTrainNorTestIsNamed) {
     EXPECT_NE(std::string(error.what()).find("\"trial\""), std::string::npos) << error.what();
   }
   fs::remove_all(folder);
+}
+
+TEST(SplatsPage, HeldOutPsnrBecomesItsErrorOverSeconds) {
+  ScoreRow row;
+  row.suite = "splats";
+  row.scene = "fox";
+  row.method = "splats";
+  row.metric = "held_out.psnr";
+  row.value = 20;  // an error of a tenth
+  row.wall_s = 3;
+  ScoreRow other = row;
+  other.metric = "gaussians";
+  const std::vector<ErrorTimeCurve> curves = splats_curves({row, other});
+  ASSERT_EQ(curves.size(), 1u);
+  ASSERT_EQ(curves[0].points.size(), 1u);
+  EXPECT_NEAR(curves[0].points[0].error.value, 0.1, 1e-12);
+  EXPECT_EQ(curves[0].points[0].wall_s, 3);
 }
 
 }  // namespace
