@@ -145,7 +145,13 @@ ExitCode command_methods(const JobContext& context) {
         "(--set rig=d405)"},
        {"seeds/depth_only", "built in",
         "a depth camera on an arm that knows its poses: points, PCA box, alpha shape; reads depth "
-        "(--set rig=d405 --set knows_pose=true)"}},
+        "(--set rig=d405 --set knows_pose=true)"},
+       {"seeds/splats", built(COUSIN_WITH_CERES, "WITH_CERES"),
+        "board poses, Gaussians trained on the board's part of each photograph, their depth fused; "
+        "points, PCA box, alpha shape"},
+       {"seeds/splats_paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
+        "the paper's chain: Gaussians trained as their reference does, their centres, the paper's "
+        "steps (--set splats.poses=sfm: poses by COLMAP)"}},
       context.options.json);
   return ExitCode::done;
 }

@@ -27,6 +27,7 @@ std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipeli
   // A stage that this method leaves out has no seam to fill.
   const PipelineNeeds needed = needs(config);
   for (const std::string& stage : seeds_stage_names()) {
+    if (stage == "splats") continue;  // no set of Gaussians is the true one
     if (std::find(needed.stages.begin(), needed.stages.end(), stage) != needed.stages.end())
       bars.push_back(stage);
   }
@@ -39,9 +40,13 @@ std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipeli
       result = *estimate;
     } else {
       SeedsStages stages = replace_stages(own, truth, replaced);
+      // True depth has no use for Gaussians.
+      if (std::find(replaced.begin(), replaced.end(), "depth") != replaced.end())
+        stages.splats = nullptr;
       // True clusters and everything after them do not read depth and cloud: leave those stages
       // out.
       if (std::find(replaced.begin(), replaced.end(), "clusters") != replaced.end()) {
+        stages.splats = nullptr;
         stages.depth = nullptr;
         stages.cloud = nullptr;
       }

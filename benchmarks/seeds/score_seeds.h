@@ -55,6 +55,10 @@ inline constexpr const char* kSphere = "sphere";
 /// are pooled on their own.
 inline constexpr const char* kPaperSpread = "seeds_paper_spread";
 
+/// Suite and dataset of the captures on which Gaussians are trained as well, at 1280 x 720. They
+/// are pooled on their own.
+inline constexpr const char* kSplatsSuite = "seeds_splats";
+
 /// maize, wheat, rice; other names stand for themselves.
 std::string species_of(const std::string& cultivar);
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "benchmarks/seeds/truth_stages.h"
+#include "perception/splats/splat_ply.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/seam_io.h"
 #include "sim/process/program_run.h"
@@ -45,6 +46,10 @@ std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSo
     return read(output);
   };
 }
+
+constexpr const char* kSplatsFile = "splats.ply";  ///< the reference's layout
+
+SplatModel read_splats(const fs::path& dir) { return read_splat_ply(dir / kSplatsFile).model; }
 
 /// Removes a folder's files that are named by six digits and `ending`, and the folder if that was
 /// all: it may be somebody's own.
@@ -112,6 +117,7 @@ SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>&
   for (const StageSource& source : sources) {
     if (source.stage == "corners") base.corners = sourced(source, scene_index, read_corners);
     if (source.stage == "poses") base.poses = sourced(source, scene_index, read_poses);
+    if (source.stage == "splats") base.splats = sourced(source, scene_index, read_splats);
     if (source.stage == "depth") base.depth = sourced(source, scene_index, read_depths);
     if (source.stage == "cloud") base.cloud = sourced(source, scene_index, read_cloud);
     if (source.stage == "clusters") base.clusters = sourced(source, scene_index, read_clusters);
@@ -125,6 +131,7 @@ SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>&
 void remove_seam(const fs::path& dir, const std::string& stage) {
   if (stage == "corners") fs::remove(dir / "corners.json");
   if (stage == "poses") fs::remove(dir / "poses.json");
+  if (stage == "splats") fs::remove(dir / kSplatsFile);
   if (stage == "depth") {
     fs::remove(dir / "depth" / "frames.json");
     remove_numbered(dir / "depth", ".exr");
@@ -144,6 +151,7 @@ void write_seam(const fs::path& dir, const std::string& stage, const SeedsEstima
                 int scene_index) {
   if (stage == "corners") write_corners(dir, estimate.corners);
   if (stage == "poses") write_poses(dir, estimate.poses);
+  if (stage == "splats") write_splat_ply(dir / kSplatsFile, estimate.splats);
   if (stage == "depth") write_depths(dir, estimate.depths);
   if (stage == "cloud") write_cloud(dir, estimate.cloud);
   if (stage == "clusters") write_clusters(dir, estimate.clusters);

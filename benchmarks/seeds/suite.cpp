@@ -12,6 +12,7 @@
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/report_scene.h"
 #include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/seeds/splat_images.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "benchmarks/shards/shard_scores.h"
 
@@ -29,7 +30,8 @@ struct SuiteJob {
       view_counts;      ///< evenly spread subsets of the views; the last one is all of them
   bool pooled = false;  ///< its specimens (all views) enter a table of many runs
   bool attribution = false;
-  bool shown = false;  ///< the page has pictures of it
+  bool shown = false;   ///< the page has pictures of it
+  bool splats = false;  ///< Gaussians are trained on all its views too, the paper's way and ours
 };
 
 Capture subset(const Capture& capture, int views) {
@@ -107,6 +109,21 @@ void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
   }
 }
 
+/// Measures by Gaussians on all views of a capture.
+void add_splats(const SuiteJob& job, const SimulatedRun& run, SeedsMethod method,
+                std::uint64_t stage_seed, SeedsScoreLabels labels, const Progress& progress,
+                ScoreFile& file) {
+  SeedsPipelineConfig config = job.config.pipeline;
+  config.method = method;
+  labels.method = std::string(to_string(method));
+  const SeedsEstimate estimate =
+      perceive_seeds(run.capture, config, stage_seed, {}, 0, {}, progress);
+  SeedsScores scores = score_run(run.truth, estimate, labels);
+  add_curve_rows(scores, estimate, labels, file.scores);
+  append({.scores = std::move(scores.rows), .specimens = std::move(scores.specimens)}, file);
+  append({.scores = splat_image_rows(run.capture, estimate, config, labels)}, file);
+}
+
 std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Progress& progress) {
   const SimulatedRun run = stored_seeds(suite.captures, job.config, job.seed, job.run,
                                         planned_truth(job.attribution), progress);
@@ -115,6 +132,7 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Pr
   file.header.config_hash = config_hash(job.config, job.seed);
   SeedsScoreLabels labels;
   if (job.config.scene.spread == SizeSpread::paper) labels.suite = kPaperSpread;
+  if (job.splats) labels.suite = kSplatsSuite;
   labels.scene = job.config.scene.sphere ? "sphere" : job.config.scene.cultivar;
   labels.run = std::to_string(job.run);
   labels.seed = job.seed;
@@ -139,6 +157,10 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Pr
         file.specimens.insert(file.specimens.end(), scores.specimens.begin(),
                               scores.specimens.end());
       }
+    }
+    if (all && job.splats) {
+      for (const SeedsMethod method : {SeedsMethod::splats_paper, SeedsMethod::splats})
+        add_splats(job, run, method, stage_seed, labels, progress, file);
     }
     if (all && job.shown && !suite.report.empty())
       write_report_scene(suite.report,
@@ -275,7 +297,8 @@ void drop_repeated(std::vector<SuiteJob>& jobs) {
 std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   std::vector<SuiteJob> jobs;
   const auto add = [&](const std::string& name, int run, const std::vector<std::string>& sets,
-                       std::vector<int> view_counts, bool pooled, bool attribution) {
+                       std::vector<int> view_counts, bool pooled, bool attribution,
+                       bool splats = false) {
     const SeedsRunConfig config = job_config(suite, sets);
     view_counts.push_back(config.scene.views);
     std::sort(view_counts.begin(), view_counts.end());
@@ -284,11 +307,11 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     // One cultivar a species has pictures, so that the page stays small.
     const std::string& cultivar = config.scene.cultivar;
     const bool shown =
-        pooled && run == 0 && !config.scene.sphere &&
+        pooled && run == 0 && !splats && !config.scene.sphere &&
         (cultivar == "zhengdan958" || cultivar == "jimai22" || cultivar == "suijing18") &&
         config.scene.spread == SizeSpread::literature;
-    jobs.push_back(
-        {name + ".json", sets, config, suite.seed, run, view_counts, pooled, attribution, shown});
+    jobs.push_back({name + ".json", sets, config, suite.seed, run, view_counts, pooled, attribution,
+                    shown, splats});
   };
   if (suite.quick) {
     for (const char* cultivar : {"zhengdan958", "jimai22", "suijing18"}) {
@@ -296,6 +319,10 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
           {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=30"}, {10, 20}, true,
           suite.attribution);
     }
+    add("quick_splats_zhengdan958", 0,
+        {"cultivar=zhengdan958", "rig=phone_video_720p", "views=24",
+         "pipeline.splats.reference_steps=2000", "pipeline.splats.steps=1500"},
+        {}, true, false, true);
     drop_repeated(jobs);
     return jobs;
   }
@@ -313,6 +340,10 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
           {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=60"}, {10, 20, 40},
           false, false);
     }
+  }
+  for (const std::string& cultivar : cultivars) {
+    add(cultivar + "_splats", 0, {"cultivar=" + cultivar, "rig=phone_video_720p", "views=60"}, {},
+        true, false, true);
   }
   for (const std::string& cultivar : cultivars) {
     add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"},
@@ -334,7 +365,8 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
   for (const SuiteJob& job : list_jobs(config)) {
     std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
-                      (job.attribution ? "/attribution" : "") + user_files_hash(job.config.scene);
+                      (job.attribution ? "/attribution" : "") + (job.splats ? "/splats" : "") +
+                      user_files_hash(job.config.scene);
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back(
         {job.name, key, [job, config, progress] { return run_job(job, config, progress); }});
@@ -350,15 +382,17 @@ ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
   pooled.header.program_version = COUSIN_VERSION;
   labels.scene = "pooled";
   const std::vector<ScoreRow> of_runs = pooled.scores;
-  for (const char* dataset : {"seeds", kPaperSpread}) {
+  for (const char* dataset : {"seeds", kPaperSpread, kSplatsSuite}) {
     labels.suite = dataset;
     std::vector<SpecimenRow> specimens;
     for (const SpecimenRow& row : pooled.specimens) {
       if (row.dataset == dataset) specimens.push_back(row);
     }
     std::vector<ScoreRow> rows = pooled_rows(specimens, labels);
-    for (ScoreRow& row : paired_rows(specimens, "ours", "paper", labels))
-      rows.push_back(std::move(row));
+    for (const auto& [a, b] : {std::pair{"ours", "paper"}, std::pair{"splats", "splats_paper"},
+                               std::pair{"paper", "splats_paper"}, std::pair{"ours", "splats"}}) {
+      for (ScoreRow& row : paired_rows(specimens, a, b, labels)) rows.push_back(std::move(row));
+    }
     for (ScoreRow& row : pooled_pose_rows(of_runs, specimens, labels))
       rows.push_back(std::move(row));
     add_run_times(of_runs, specimens, rows);

@@ -222,7 +222,7 @@ Traits true_traits(const SimulatedRun& run) {
 }  // namespace
 
 const std::vector<std::string>& seeds_stage_names() {
-  static const std::vector<std::string> names = {"corners",  "poses", "depth",    "cloud",
+  static const std::vector<std::string> names = {"corners",  "poses", "splats",   "depth", "cloud",
                                                  "clusters", "masks", "surfaces", "traits"};
   return names;
 }
@@ -259,6 +259,8 @@ SeedsStages replace_stages(SeedsStages base, const SeedsStages& replacement,
       base.corners = replacement.corners;
     else if (name == "poses")
       base.poses = replacement.poses;
+    else if (name == "splats")
+      base.splats = replacement.splats;
     else if (name == "depth")
       base.depth = replacement.depth;
     else if (name == "cloud")

@@ -8,16 +8,19 @@
 #include <vector>
 
 #include "perception/pipelines/seeds_sensor.h"
+#include "perception/splats/splat_geometry.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
 
-constexpr std::array<std::pair<SeedsMethod, std::string_view>, 4> kMethods = {
+constexpr std::array<std::pair<SeedsMethod, std::string_view>, 6> kMethods = {
     {{SeedsMethod::ours, "ours"},
      {SeedsMethod::paper, "paper"},
      {SeedsMethod::sensor_depth, "sensor_depth"},
-     {SeedsMethod::depth_only, "depth_only"}}};
+     {SeedsMethod::depth_only, "depth_only"},
+     {SeedsMethod::splats, "splats"},
+     {SeedsMethod::splats_paper, "splats_paper"}}};
 
 SeedsMethod method_of(const std::string& text) {
   std::string known;
@@ -51,13 +54,12 @@ BoardKind board_kind_of(const std::string& text) {
   throw std::invalid_argument("board \"" + text + "\" is not one of as_reported, markers, plain");
 }
 
-SweepVolume sweep_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
-  const double half = 0.5 * board.plate_m + config.margin_m;
-  return {{-half, -half, -config.below_board_m}, {half, half, config.tallest_m}};
+bool trains_splats(SeedsMethod method) {
+  return method == SeedsMethod::splats || method == SeedsMethod::splats_paper;
 }
 
 DepthVolume depth_volume(const SeedsPipelineConfig& config, const SeedBoard& board) {
-  const SweepVolume volume = sweep_volume(config, board);
+  const SweepVolume volume = volume_of(config, board);
   return {volume.low_m, volume.high_m, board.plate_m};
 }
 
@@ -94,7 +96,8 @@ Fields fields(SeedsPipelineConfig& config) {
        TextField{[&config] { return std::string(to_string(config.method)); },
                  [&config](const std::string& text) { config.method = method_of(text); }},
        "ours: closed surfaces; paper: clusters of points, PCA box, alpha shape; sensor_depth: ours "
-       "with a depth camera's depth; depth_only: its depth and nothing else"},
+       "with a depth camera's depth; depth_only: its depth and nothing else; splats: points of the "
+       "depth of trained Gaussians; splats_paper: their centres, trained as the reference does"},
       {"board_kind",
        TextField{[&config] { return text_of(config.board_kind); },
                  [&config](const std::string& text) { config.board_kind = board_kind_of(text); }},
@@ -114,7 +117,8 @@ Fields fields(SeedsPipelineConfig& config) {
   };
   return own + nested("board", fields(config.board)) + nested("poses", fields(config.poses)) +
          nested("green", fields(config.green)) + nested("mvs", fields(config.mvs)) +
-         nested("sensor_depth", fields(config.sensor_depth)) + nested("fuse", fields(config.fuse)) +
+         nested("sensor_depth", fields(config.sensor_depth)) +
+         nested("splats", fields(config.splats)) + nested("fuse", fields(config.fuse)) +
          nested("clusters", fields(config.clusters)) + nested("outlines", fields(config.outlines)) +
          nested("surface", fields(config.surface)) + nested("traits", fields(config.traits)) +
          nested("paper_clusters", fields(config.paper_clusters)) +
@@ -127,6 +131,7 @@ void validate(const SeedsPipelineConfig& config) {
   validate(config.green);
   validate(config.mvs);
   validate(config.sensor_depth);
+  validate(config.splats);
   validate(config.fuse);
   validate(config.clusters);
   validate(config.outlines);
@@ -149,6 +154,11 @@ SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config) {
     board.has_markers = config.board_kind == BoardKind::markers;
   }
   return board;
+}
+
+SweepVolume volume_of(const SeedsPipelineConfig& config, const SeedBoard& board) {
+  const double half = 0.5 * board.plate_m + config.margin_m;
+  return {{-half, -half, -config.below_board_m}, {half, half, config.tallest_m}};
 }
 
 namespace {
@@ -174,9 +184,51 @@ void measure_points(const SeedsPipelineConfig& config, SeedsStages& stages) {
   };
   stages.traits = [config](const Capture& capture, const SeedsEstimate& so_far) {
     Traits traits = traits_as_paper(so_far.surfaces, config.paper_traits);
-    if (config.method == SeedsMethod::paper) return traits;
+    if (config.method != SeedsMethod::depth_only) return traits;
     return without_noise(with_point_sigmas(std::move(traits), config, capture, so_far), config,
                          capture, so_far);
+  };
+}
+
+/// Gaussians between poses and what is measured: as the reference trains them with their centres
+/// for a cloud, or our way with their depth.
+void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsStages& stages) {
+  const bool paper = config.method == SeedsMethod::splats_paper;
+  if (config.splats.poses == SplatPoses::sfm) {
+    stages.poses = [config](const Capture& capture, const SeedsEstimate& so_far) {
+      return poses_by_sfm(capture, so_far.corners, board_of(capture, config));
+    };
+  }
+  stages.splats = [config, seed, paper](const Capture& capture, const SeedsEstimate& so_far) {
+    const SweepVolume volume = volume_of(config, board_of(capture, config));
+    SplatTrainConfig training = paper ? reference_training() : SplatTrainConfig{};
+    training.seed = Rng(seed).fork("splats")();
+    if (!paper) {
+      training.steps = config.splats.steps;
+      training.most_splats = config.splats.most_splats;
+    }
+    return train_on_seeds(
+        seed_views(capture, so_far.poses, volume, config.green, config.splats.margin_px), volume,
+        training, paper ? config.splats.reference_steps : training.steps,
+        config.splats.start_points, seed);
+  };
+  if (paper) {
+    stages.depth = nullptr;
+    stages.cloud = [config](const Capture&, const SeedsEstimate& so_far) {
+      return splat_centres(so_far.splats, config.splats.least_opacity);
+    };
+    return;
+  }
+  stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return depths_of_splats(so_far.splats, so_far.poses,
+                            volume_of(config, board_of(capture, config)));
+  };
+}
+
+/// The paper's clusters of the cloud, whatever it is of.
+void cluster_as_papers(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsStages& stages) {
+  stages.clusters = [config, seed](const Capture&, const SeedsEstimate& so_far) {
+    return cluster_as_paper(so_far.cloud, config.paper_clusters, Rng(seed).fork("paper_clusters"));
   };
 }
 
@@ -192,25 +244,24 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
     return estimate_board_poses(capture, so_far.corners, board_of(capture, config), config.poses);
   };
   stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
-    return estimate_depths(capture, so_far.poses, sweep_volume(config, board_of(capture, config)),
+    return estimate_depths(capture, so_far.poses, volume_of(config, board_of(capture, config)),
                            config.mvs);
   };
   stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return fuse_depths(capture, so_far.poses, so_far.depths, config.green, config.fuse);
   };
-  if (config.method == SeedsMethod::paper) {
-    stages.clusters = [config, seed](const Capture&, const SeedsEstimate& so_far) {
-      return cluster_as_paper(so_far.cloud, config.paper_clusters,
-                              Rng(seed).fork("paper_clusters"));
-    };
+  if (trains_splats(config.method)) take_splats(config, seed, stages);
+  if (config.method == SeedsMethod::paper || config.method == SeedsMethod::splats_paper) {
+    cluster_as_papers(config, seed, stages);
     measure_points(config, stages);
     return stages;
   }
   stages.clusters = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return cluster_on_board(so_far.cloud, clusters_for(config, capture, so_far));
   };
-  if (config.method != SeedsMethod::ours) take_sensor_depth(config, stages);
-  if (config.method == SeedsMethod::depth_only) {
+  if (config.method == SeedsMethod::sensor_depth || config.method == SeedsMethod::depth_only)
+    take_sensor_depth(config, stages);
+  if (config.method == SeedsMethod::depth_only || config.method == SeedsMethod::splats) {
     measure_points(config, stages);
     return stages;
   }
@@ -232,8 +283,10 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
 
 PipelineNeeds needs(const SeedsPipelineConfig& config) {
   PipelineNeeds result;
-  const bool points =
-      config.method == SeedsMethod::paper || config.method == SeedsMethod::depth_only;
+  const bool splats = trains_splats(config.method);
+  const bool papers =
+      config.method == SeedsMethod::paper || config.method == SeedsMethod::splats_paper;
+  const bool points = papers || splats || config.method == SeedsMethod::depth_only;
   if (config.method == SeedsMethod::depth_only) {
     result.images = {"depth"};
     result.left_out.emplace_back("corners", "the rig knows its poses");
@@ -242,14 +295,21 @@ PipelineNeeds needs(const SeedsPipelineConfig& config) {
     result.images = {"color"};
     if (config.method == SeedsMethod::sensor_depth) result.images.emplace_back("depth");
     result.stages = {"corners", "poses", "depth", "cloud", "clusters"};
+    if (splats) result.stages.insert(result.stages.begin() + 2, "splats");
+    if (config.method == SeedsMethod::splats_paper) {
+      std::erase(result.stages, "depth");
+      result.left_out.emplace_back("depth", "the cloud is the Gaussians' centres");
+    }
   }
   if (points) {
-    result.left_out.emplace_back("masks", config.method == SeedsMethod::paper
+    result.left_out.emplace_back("masks", papers
                                               ? "the paper's chain measures points, not silhouettes"
-                                              : "without colour there are no silhouettes");
+                                          : splats ? "points of the Gaussians' depth are measured"
+                                                   : "without colour there are no silhouettes");
   } else {
     result.stages.push_back("masks");
   }
+  if (!splats) result.left_out.emplace_back("splats", "no Gaussians are trained");
   result.stages.insert(result.stages.end(), {"surfaces", "traits"});
   return result;
 }
@@ -279,6 +339,7 @@ SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& confi
   SeedsEstimate estimate;
   run_stage("corners", stages.corners, capture, estimate, &SeedsEstimate::corners, observer);
   run_stage("poses", stages.poses, capture, estimate, &SeedsEstimate::poses, observer);
+  run_stage("splats", stages.splats, capture, estimate, &SeedsEstimate::splats, observer);
   run_stage("depth", stages.depth, capture, estimate, &SeedsEstimate::depths, observer);
   run_stage("cloud", stages.cloud, capture, estimate, &SeedsEstimate::cloud, observer);
   run_stage("clusters", stages.clusters, capture, estimate, &SeedsEstimate::clusters, observer);

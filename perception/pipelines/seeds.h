@@ -12,17 +12,22 @@
 #include "perception/cloud/fuse.h"
 #include "perception/cloud/measure_traits.h"
 #include "perception/mvs/plane_sweep.h"
+#include "perception/pipelines/seeds_splats.h"
 #include "perception/segment/green.h"
 #include "perception/silhouette/outlines.h"
 #include "perception/silhouette/surface_fit.h"
+#include "perception/splats/splat_model.h"
 #include "perception/stereo/sensor_depth.h"
 
 namespace cousin {
 
 /// `ours` fits closed surfaces and `paper` measures clusters of points; both take depth from
 /// several views. `sensor_depth` is ours with a depth camera's own depth in its place. `depth_only`
-/// looks at no colour: a rig that knows its poses, its depth, clusters of points.
-enum class SeedsMethod { ours, paper, sensor_depth, depth_only };
+/// looks at no colour: a rig that knows its poses, its depth, clusters of points. `splats_paper` is
+/// the Seeds paper's own chain: Gaussians trained as the reference trains them, their centres are
+/// the cloud that its steps measure. `splats` takes depth from Gaussians trained our way and
+/// measures clusters of points as the paper does.
+enum class SeedsMethod { ours, paper, sensor_depth, depth_only, splats, splats_paper };
 
 /// Which print lies under the seeds. A real capture without a rig.json does not say: then it is
 /// asked for here.
@@ -39,6 +44,7 @@ struct SeedsPipelineConfig {
   GreenConfig green;
   MvsConfig mvs;
   SensorDepthConfig sensor_depth;
+  SeedsSplatConfig splats;
   /// Of the methods that read a sensor's depth: depths of two views agree within so many of their
   /// sigmas, if that is more than fuse.agreement_m.
   double agreement_sigmas = 3;
@@ -64,6 +70,7 @@ void validate(const SeedsPipelineConfig& config);
 struct SeedsEstimate {
   Corners corners;
   Poses poses;
+  SplatModel splats;
   Depths depths;
   Cloud cloud;
   Clusters clusters;
@@ -78,6 +85,7 @@ struct SeedsEstimate {
 struct SeedsStages {
   std::function<Corners(const Capture&, const SeedsEstimate&)> corners;
   std::function<Poses(const Capture&, const SeedsEstimate&)> poses;
+  std::function<SplatModel(const Capture&, const SeedsEstimate&)> splats;
   std::function<Depths(const Capture&, const SeedsEstimate&)> depth;
   std::function<Cloud(const Capture&, const SeedsEstimate&)> cloud;
   std::function<Clusters(const Capture&, const SeedsEstimate&)> clusters;
@@ -91,6 +99,9 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed);
 /// The board a configuration and a capture agree on; without a word from either, the one with
 /// markers.
 SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config);
+
+/// The part of the world that is reconstructed, in the board's frame.
+SweepVolume volume_of(const SeedsPipelineConfig& config, const SeedBoard& board);
 
 /// A stage failed: ours, a user's program, or a file that does not fit. Nested: the cause.
 class StageError : public std::runtime_error {

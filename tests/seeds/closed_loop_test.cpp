@@ -161,6 +161,13 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
   const SeedsScores paper = score_run(
       run.truth, perceive_seeds(run.capture, pipeline, 3, {}, 0, {}), {.method = "paper"});
   EXPECT_LT(worst_length_m(paper), 3e-3);
+  pipeline.method = SeedsMethod::splats;
+  pipeline.splats.steps = 800;
+  pipeline.splats.most_splats = 12000;
+  const SeedsScores splats = score_run(
+      run.truth, perceive_seeds(run.capture, pipeline, 3, {}, 0, {}), {.method = "splats"});
+  ASSERT_EQ(splats.specimens.size(), 10U);
+  EXPECT_LT(worst_length_m(splats), 2e-3);
 }
 
 TEST(ClosedLoop, APlainBoardsFrameIsTurnedToTheTruths) {

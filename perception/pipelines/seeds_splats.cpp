@@ -1,0 +1,226 @@
+#include "perception/pipelines/seeds_splats.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "perception/splats/splat_render.h"
+#include "perception/splats/splat_start.h"
+#include "perception/splats/train_splats.h"
+#include "sim/config/limits.h"
+#include "sim/imaging/undistort.h"
+
+namespace cousin {
+namespace {
+
+constexpr int kLeastSide_px = 16;  ///< of a photograph's part
+
+/// Columns and rows of an image, last ones included.
+struct Window {
+  int left = 0, top = 0, right = -1, bottom = -1;
+};
+
+/// What the photograph, or the pinhole image made of it, shows of the volume. None where part of it
+/// lies behind the camera or too little is left.
+std::optional<Window> window_of(const FramePose& pose, const SweepVolume& volume, int margin_px) {
+  const Lens lens(pose.camera), straight(undistorted_camera(pose.camera));
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = -low;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d at_m((corner & 1 ? volume.high_m : volume.low_m).x(),
+                               (corner & 2 ? volume.high_m : volume.low_m).y(),
+                               (corner & 4 ? volume.high_m : volume.low_m).z());
+    const Eigen::Vector3d in_camera_m = pose.camera_from_world * at_m;
+    for (const Lens* seen_by : {&lens, &straight}) {
+      const auto pixel = seen_by->project(in_camera_m);
+      if (!pixel) return std::nullopt;
+      low = low.cwiseMin(*pixel);
+      high = high.cwiseMax(*pixel);
+    }
+  }
+  const auto clamped = [](double value, int last) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(last)));
+  };
+  const Window window{clamped(std::floor(low.x()) - margin_px, pose.camera.width_px - 1),
+                      clamped(std::floor(low.y()) - margin_px, pose.camera.height_px - 1),
+                      clamped(std::ceil(high.x()) + margin_px, pose.camera.width_px - 1),
+                      clamped(std::ceil(high.y()) + margin_px, pose.camera.height_px - 1)};
+  if (window.right - window.left + 1 < kLeastSide_px ||
+      window.bottom - window.top + 1 < kLeastSide_px) {
+    return std::nullopt;
+  }
+  return window;
+}
+
+Image<Rgb8> part_of(const Image<Rgb8>& image, const Image<std::uint8_t>& keep,
+                    const Window& window) {
+  Image<Rgb8> part(window.right - window.left + 1, window.bottom - window.top + 1);
+  for (int y = 0; y < part.height(); ++y) {
+    for (int x = 0; x < part.width(); ++x) {
+      const int from_x = window.left + x, from_y = window.top + y;
+      part(x, y) = keep(from_x, from_y) != 0 ? image(from_x, from_y) : Rgb8{};
+    }
+  }
+  return part;
+}
+
+Camera camera_of(const Camera& camera, const Window& window) {
+  Camera part = camera;
+  part.width_px = window.right - window.left + 1;
+  part.height_px = window.bottom - window.top + 1;
+  part.cx_px -= window.left;
+  part.cy_px -= window.top;
+  return part;
+}
+
+/// Depth between the four pixels around a place: their mixture on one surface, the nearest one's at
+/// an edge; NaN outside.
+float depth_at(const Image<float>& depth_m, const Eigen::Vector2d& pixel_px) {
+  constexpr float kSameSurface = 0.01F;  ///< relative difference
+  const int x = static_cast<int>(std::floor(pixel_px.x()));
+  const int y = static_cast<int>(std::floor(pixel_px.y()));
+  if (!depth_m.contains(x, y) || !depth_m.contains(x + 1, y + 1)) return NAN;
+  const std::array<float, 4> around = {depth_m(x, y), depth_m(x + 1, y), depth_m(x, y + 1),
+                                       depth_m(x + 1, y + 1)};
+  const auto [low, high] = std::minmax_element(around.begin(), around.end());
+  const auto right = static_cast<float>(pixel_px.x() - x),
+             down = static_cast<float>(pixel_px.y() - y);
+  const bool finite =
+      std::all_of(around.begin(), around.end(), [](float d) { return std::isfinite(d); });
+  if (!finite || *high - *low > kSameSurface * *low)
+    return depth_m(x + (right >= 0.5F ? 1 : 0), y + (down >= 0.5F ? 1 : 0));
+  const float above = around[0] + right * (around[1] - around[0]);
+  const float below = around[2] + right * (around[3] - around[2]);
+  return above + down * (below - above);
+}
+
+bool contains(const SweepVolume& volume, const Eigen::Vector3d& at_m) {
+  return (at_m.array() >= volume.low_m.array()).all() &&
+         (at_m.array() <= volume.high_m.array()).all();
+}
+
+Image<float> depth_of_view(const SplatModel& model, const FramePose& pose,
+                           const SweepVolume& volume) {
+  const Camera straight = undistorted_camera(pose.camera);
+  const Image<float> rendered_m = render_splats(model, straight, pose.camera_from_world).depth_m;
+  const Lens lens(pose.camera), pinhole(straight);
+  const Pose world_from_camera = inverse(pose.camera_from_world);
+  Image<float> depth_m(pose.camera.width_px, pose.camera.height_px, NAN);
+  tbb::parallel_for(0, depth_m.height(), [&](int y) {
+    for (int x = 0; x < depth_m.width(); ++x) {
+      const auto ray = lens.unproject({x, y});
+      if (!ray || !(ray->z() > 0)) continue;
+      const auto pixel = pinhole.project(*ray);
+      if (!pixel) continue;
+      const float value_m = depth_at(rendered_m, *pixel);
+      if (!std::isfinite(value_m)) continue;
+      if (contains(volume, world_from_camera * (static_cast<double>(value_m) / ray->z() * *ray)))
+        depth_m(x, y) = value_m;
+    }
+  });
+  return depth_m;
+}
+
+}  // namespace
+
+Fields fields(SeedsSplatConfig& config) {
+  return {
+      {"poses",
+       TextField{[&config] { return config.poses == SplatPoses::sfm ? "sfm" : "board"; },
+                 [&config](const std::string& text) {
+                   if (text != "board" && text != "sfm")
+                     throw std::invalid_argument("poses \"" + text + "\" is not one of board, sfm");
+                   config.poses = text == "sfm" ? SplatPoses::sfm : SplatPoses::board;
+                 }},
+       "board: from its corners; sfm: by COLMAP without the lens, scaled by the board's squares"},
+      {"steps", &config.steps, "splats: training steps, one view each", 1, 1e6},
+      {"most_splats", &config.most_splats, "splats: Gaussians at the end", 1, 1e7},
+      {"reference_steps", &config.reference_steps,
+       "splats_paper: steps of the reference's 30,000 after which training is left", 1, 30000},
+      {"start_points", &config.start_points, "Gaussians at the beginning, over the volume", 1, 1e6},
+      {"least_opacity", &config.least_opacity,
+       "splats_paper: opacity of a centre that becomes a point", 0, 1},
+      {"margin_px", &config.margin_px, "kept around the volume in each photograph", 0, 1000}};
+}
+
+void validate(const SeedsSplatConfig& config) {
+  SeedsSplatConfig copy = config;
+  check_limits(fields(copy), "splats");
+}
+
+Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board) {
+  const SfmEstimate estimate = estimate_poses_sfm(capture, corners, board, paper_sfm_config());
+  if (!has_poses(estimate.status) || estimate.gauge != BundleGauge::metric) {
+    throw std::runtime_error("no metric model: " + std::string(to_string(estimate.status)) +
+                             (estimate.reason.empty() ? "" : ", " + estimate.reason));
+  }
+  return estimate.poses;
+}
+
+std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
+                                  const SweepVolume& volume, const GreenConfig& green,
+                                  int margin_px) {
+  Capture cut;
+  cut.rig = capture.rig;
+  Poses cut_poses;
+  for (std::size_t i = 0; i < capture.frames.size(); ++i) {
+    const Frame& frame = capture.frames[i];
+    if (poses.at(i).status != PoseStatus::ok || frame.sensors.empty() ||
+        frame.sensors.front().color.empty()) {
+      continue;
+    }
+    const auto window = window_of(poses[i], volume, margin_px);
+    if (!window) continue;
+    const Image<Rgb8>& color = frame.sensors.front().color;
+    Frame next{.id = frame.id, .time_s = frame.time_s};
+    FramePose pose = poses[i];
+    pose.camera = camera_of(pose.camera, *window);
+    next.sensors.push_back(
+        {.reported = pose.camera, .color = part_of(color, remove_green(color, green), *window)});
+    cut.frames.push_back(std::move(next));
+    cut_poses.push_back(pose);
+  }
+  std::vector<SplatView> views = splat_views(cut, cut_poses);
+  for (SplatView& view : views) {  // back to the frames of the capture
+    const int id = cut.frames[static_cast<std::size_t>(view.frame)].id;
+    const auto own = std::find_if(capture.frames.begin(), capture.frames.end(),
+                                  [&](const Frame& frame) { return frame.id == id; });
+    view.frame = static_cast<int>(own - capture.frames.begin());
+  }
+  return views;
+}
+
+SplatModel train_on_seeds(std::span<const SplatView> views, const SweepVolume& volume,
+                          const SplatTrainConfig& training, int stop_after, int start_points,
+                          std::uint64_t seed) {
+  const SplatModel start = splats_from_points(random_start_points(
+      volume.low_m, volume.high_m, start_points, Rng(seed).fork("splat_start")));
+  SplatTraining trained = train_splats(views, start, training, [&](const SplatTrainPoint& point) {
+    return point.step < stop_after;
+  });
+  switch (trained.status) {
+    case SplatTrainStatus::ok:
+    case SplatTrainStatus::stopped:
+      return std::move(trained.model);
+    case SplatTrainStatus::not_finite:
+      throw std::runtime_error("training diverged: the loss is not a number");
+    default:
+      return {};
+  }
+}
+
+Depths depths_of_splats(const SplatModel& model, const Poses& poses, const SweepVolume& volume) {
+  Depths depths;
+  for (const FramePose& pose : poses) {
+    FrameDepth depth{pose.frame, {}, {}};
+    if (pose.status == PoseStatus::ok && !model.splats.empty())
+      depth.depth_m = depth_of_view(model, pose, volume);
+    depths.push_back(std::move(depth));
+  }
+  return depths;
+}
+
+}  // namespace cousin

@@ -1,0 +1,215 @@
+#include "perception/pipelines/seeds_splats.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "perception/pipelines/seeds.h"
+#include "perception/splats/splat_render.h"
+
+namespace cousin {
+namespace {
+
+using testing::Contains;
+using testing::Not;
+
+constexpr SweepVolume kVolume{{-0.05, -0.05, -0.002}, {0.05, 0.05, 0.026}};
+constexpr Rgb8 kGreen{40, 200, 60};
+
+/// A camera that looks down at the board's middle from a slant, with a lens that bends.
+FramePose slanted(int frame, double turn_rad) {
+  FramePose pose;
+  pose.frame = frame;
+  pose.status = PoseStatus::ok;
+  pose.camera = {LensModel::opencv5,          320, 240, 400, 400, 159.5, 119.5,
+                 {-0.1, 0.02, 1e-3, -1e-3, 0}};
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI - 0.4, Eigen::Vector3d::UnitX()) *
+                                Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()));
+  pose.camera_from_world = {down, {0, 0, 0.3}};
+  return pose;
+}
+
+/// A plate of flat, dense Gaussians at z = height, and no colour beside grey.
+SplatModel plate(double height_m) {
+  SplatModel model;
+  model.sh_degree = 0;
+  for (double x = -0.03; x <= 0.03; x += 0.0005) {
+    for (double y = -0.03; y <= 0.03; y += 0.0005) {
+      Splat splat;
+      splat.centre_m = Eigen::Vector3d(x, y, height_m).cast<float>();
+      splat.log_scale = {std::log(0.0004F), std::log(0.0004F), std::log(1e-5F)};
+      splat.opacity_logit = 4;
+      model.splats.push_back(splat);
+    }
+  }
+  return model;
+}
+
+Capture capture_of(const Poses& poses, Rgb8 color) {
+  Capture capture;
+  capture.rig.push_back({.camera = poses.front().camera});
+  for (const FramePose& pose : poses) {
+    Frame frame{.id = pose.frame};
+    frame.sensors.push_back(
+        {.reported = pose.camera,
+         .color = Image<Rgb8>(pose.camera.width_px, pose.camera.height_px, color)});
+    capture.frames.push_back(std::move(frame));
+  }
+  return capture;
+}
+
+TEST(SeedsSplats, DepthLiesOnThePhotographsOwnPixels) {
+  const FramePose pose = slanted(4, 0.3);
+  const Depths depths = depths_of_splats(plate(0.01), {pose}, kVolume);
+  ASSERT_EQ(depths.size(), 1U);
+  EXPECT_EQ(depths[0].frame, 4);
+  ASSERT_EQ(depths[0].depth_m.width(), 320);
+  const Lens lens(pose.camera);
+  int compared = 0;
+  for (double x = -0.025; x <= 0.025; x += 0.005) {
+    for (double y = -0.025; y <= 0.025; y += 0.005) {
+      const Eigen::Vector3d in_camera_m = pose.camera_from_world * Eigen::Vector3d(x, y, 0.01);
+      const auto pixel = lens.project(in_camera_m);
+      ASSERT_TRUE(pixel);
+      const double found_m = depths[0].depth_m(static_cast<int>(std::lround(pixel->x())),
+                                               static_cast<int>(std::lround(pixel->y())));
+      // Half a pixel to the side is 0.3 mm of depth on the slant.
+      EXPECT_NEAR(found_m, in_camera_m.z(), 6e-4) << x << " " << y;
+      ++compared;
+    }
+  }
+  EXPECT_EQ(compared, 121);
+  EXPECT_TRUE(std::isnan(depths[0].depth_m(2, 2)));
+}
+
+TEST(SeedsSplats, DepthOutsideTheVolumeAndOfViewsWithoutAPoseIsLeftOut) {
+  FramePose lost = slanted(1, 0);
+  lost.status = PoseStatus::no_board;
+  const Depths depths = depths_of_splats(plate(0.04), {slanted(0, 0), lost}, kVolume);
+  for (const float depth_m : depths.at(0).depth_m) EXPECT_TRUE(std::isnan(depth_m));
+  EXPECT_TRUE(depths.at(1).depth_m.empty());
+}
+
+TEST(SeedsSplats, ViewsAreCutToTheVolumeAndGreenIsBlack) {
+  FramePose lost = slanted(1, 0);
+  lost.status = PoseStatus::no_board;
+  const Poses poses = {lost, slanted(7, 0.2)};
+  Capture capture = capture_of(poses, kGreen);
+  const auto middle =
+      *Lens(poses[1].camera).project(poses[1].camera_from_world * Eigen::Vector3d::Zero());
+  capture.frames[1].sensors[0].color(static_cast<int>(std::lround(middle.x())),
+                                     static_cast<int>(std::lround(middle.y()))) = {250, 250, 250};
+  const auto views = seed_views(capture, poses, kVolume, {}, 8);
+  ASSERT_EQ(views.size(), 1U);
+  EXPECT_EQ(views[0].frame, 1);
+  const SplatViewLevel& level = views[0].levels.front();
+  EXPECT_LT(level.camera.width_px, 260);
+  // The white pixel is where the smaller pinhole camera sees the board's middle.
+  const auto place =
+      *Lens(level.camera).project(views[0].camera_from_world * Eigen::Vector3d::Zero());
+  float brightest = 0;
+  Eigen::Vector2d at(0, 0);
+  const Image<float>& green = level.color.channel[1];
+  double dark = 0;
+  for (int y = 0; y < green.height(); ++y) {
+    for (int x = 0; x < green.width(); ++x) {
+      dark += std::abs(green(x, y)) < 1e-6F;
+      if (green(x, y) <= brightest) continue;
+      brightest = green(x, y);
+      at = {x, y};
+    }
+  }
+  EXPECT_GT(brightest, 0.3F);
+  EXPECT_LT((at - place).norm(), 1.0);
+  EXPECT_GT(dark, 0.99 * static_cast<double>(green.size()));
+}
+
+TEST(SeedsSplats, NothingToLearnGivesNoGaussians) {
+  const Poses poses = {slanted(0, 0), slanted(1, 1)};
+  EXPECT_TRUE(train_on_seeds({}, kVolume, {}, 100, 500, 1).splats.empty());
+  FramePose away = slanted(0, 0);
+  away.camera_from_world.translation_m = {0, 0, -0.3};  // looks away from the board
+  EXPECT_TRUE(seed_views(capture_of({away}, kGreen), {away}, kVolume, {}, 8).empty());
+}
+
+TEST(SeedsSplats, TrainedGaussiansLieWhereThePhotographsSayTheSurfaceIs) {
+  // A chequered plate photographed from eight sides.
+  SplatModel truth = plate(0.01);
+  for (Splat& splat : truth.splats) {
+    const auto cell = [](float at_m) { return static_cast<int>(std::floor(at_m / 0.004F)); };
+    const bool white = ((cell(splat.centre_m.x()) + cell(splat.centre_m.y())) & 1) != 0;
+    splat.sh_dc = white ? std::array<float, 3>{1.5F, 1.5F, 1.5F} : std::array<float, 3>{-1, -1, 0};
+  }
+  Poses poses;
+  for (int i = 0; i < 8; ++i) {
+    FramePose pose = slanted(i, i * M_PI / 4);
+    pose.camera.model = LensModel::pinhole;
+    pose.camera.distortion = {};
+    poses.push_back(pose);
+  }
+  Capture capture = capture_of(poses, {});
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const ColorPlanes image =
+        render_splats(truth, poses[i].camera, poses[i].camera_from_world).color;
+    for (std::size_t p = 0; p < image.channel[0].size(); ++p) {
+      const auto code = [&](std::size_t c) {
+        return static_cast<std::uint8_t>(
+            std::lround(255 * std::clamp(image.channel[c].data()[p], 0.0F, 1.0F)));
+      };
+      capture.frames[i].sensors[0].color.data()[p] = {code(0), code(1), code(2)};
+    }
+  }
+  SplatTrainConfig training;
+  training.steps = 400;
+  training.most_splats = 6000;
+  const SplatModel model = train_on_seeds(seed_views(capture, poses, kVolume, {}, 4), kVolume,
+                                          training, training.steps, 4000, 3);
+  ASSERT_FALSE(model.splats.empty());
+  const Depths depths = depths_of_splats(model, poses, kVolume);
+  double squares = 0;
+  int count = 0;
+  const Pose world_from_camera = inverse(poses[0].camera_from_world);
+  const Lens lens(poses[0].camera);
+  for (int y = 90; y < 150; ++y) {
+    for (int x = 130; x < 190; ++x) {
+      const double depth_m = depths[0].depth_m(x, y);
+      if (std::isnan(depth_m)) continue;
+      const Eigen::Vector3d ray = *lens.unproject({x, y});
+      const double z_m = (world_from_camera * (depth_m / ray.z() * ray)).z();
+      squares += (z_m - 0.01) * (z_m - 0.01);
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 3000);
+  EXPECT_LT(std::sqrt(squares / count), 1e-3);
+}
+
+TEST(SeedsSplats, EachMethodReadsWhatItNeeds) {
+  SeedsPipelineConfig config;
+  EXPECT_THAT(needs(config).stages, Not(Contains("splats")));
+  config.method = SeedsMethod::splats;
+  EXPECT_EQ(needs(config).stages,
+            (std::vector<std::string>{"corners", "poses", "splats", "depth", "cloud", "clusters",
+                                      "surfaces", "traits"}));
+  EXPECT_FALSE(seeds_stages(config, 1).masks);
+  config.method = SeedsMethod::splats_paper;
+  EXPECT_EQ(needs(config).stages, (std::vector<std::string>{"corners", "poses", "splats", "cloud",
+                                                            "clusters", "surfaces", "traits"}));
+  EXPECT_FALSE(seeds_stages(config, 1).depth);
+}
+
+TEST(SeedsSplats, KeysOutsideTheirLimitsAreNamed) {
+  SeedsSplatConfig config;
+  config.least_opacity = 1.5;
+  try {
+    validate(config);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("least_opacity"));
+  }
+  EXPECT_THROW(set_field(fields(config), "poses=guess"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace cousin
