@@ -203,14 +203,21 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsSta
     const SweepVolume volume = volume_of(config, board_of(capture, config));
     SplatTrainConfig training = paper ? reference_training() : SplatTrainConfig{};
     training.seed = Rng(seed).fork("splats")();
+    std::vector<StartPoint> start;
     if (!paper) {
       training.steps = config.splats.steps;
       training.most_splats = config.splats.most_splats;
+      training.rates.centre_first = config.splats.centre_rate;
+      training.rates.centre_last = 0.01 * config.splats.centre_rate;
+      start = start_of_cloud(fuse_depths(capture, so_far.poses,
+                                         estimate_depths(capture, so_far.poses, volume, config.mvs),
+                                         config.green, config.fuse),
+                             config.splats.start_points);
     }
+    fill_start(volume, config.splats.start_points, Rng(seed).fork("splat_start"), start);
     return train_on_seeds(
-        seed_views(capture, so_far.poses, volume, config.green, config.splats.margin_px), volume,
-        training, paper ? config.splats.reference_steps : training.steps,
-        config.splats.start_points, seed);
+        seed_views(capture, so_far.poses, volume, config.green, config.splats.margin_px), start,
+        training, paper ? config.splats.reference_steps : training.steps);
   };
   if (paper) {
     stages.depth = nullptr;

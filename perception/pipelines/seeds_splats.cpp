@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "perception/splats/splat_render.h"
-#include "perception/splats/splat_start.h"
 #include "perception/splats/train_splats.h"
 #include "sim/config/limits.h"
 #include "sim/imaging/undistort.h"
@@ -140,7 +139,10 @@ Fields fields(SeedsSplatConfig& config) {
       {"most_splats", &config.most_splats, "splats: Gaussians at the end", 1, 1e7},
       {"reference_steps", &config.reference_steps,
        "splats_paper: steps of the reference's 30,000 after which training is left", 1, 30000},
-      {"start_points", &config.start_points, "Gaussians at the beginning, over the volume", 1, 1e6},
+      {"start_points", &config.start_points, "Gaussians at the beginning", 1, 1e6},
+      {"centre_rate", &config.centre_rate,
+       "splats: first rate of the centres, a share of the cameras' extent; the last is a hundredth",
+       1e-9, 1},
       {"least_opacity", &config.least_opacity,
        "splats_paper: opacity of a centre that becomes a point", 0, 1},
       {"margin_px", &config.margin_px, "kept around the volume in each photograph", 0, 1000}};
@@ -193,11 +195,26 @@ std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
   return views;
 }
 
-SplatModel train_on_seeds(std::span<const SplatView> views, const SweepVolume& volume,
-                          const SplatTrainConfig& training, int stop_after, int start_points,
-                          std::uint64_t seed) {
-  const SplatModel start = splats_from_points(random_start_points(
-      volume.low_m, volume.high_m, start_points, Rng(seed).fork("splat_start")));
+std::vector<StartPoint> start_of_cloud(const Cloud& cloud, int most) {
+  std::vector<StartPoint> points;
+  const std::size_t count = std::min(cloud.size(), static_cast<std::size_t>(most));
+  for (std::size_t i = 0; i < count; ++i) {
+    const CloudPoint& point = cloud[i * cloud.size() / count];
+    points.push_back({point.position_m.cast<double>(), point.color});
+  }
+  return points;
+}
+
+void fill_start(const SweepVolume& volume, int count, Rng rng, std::vector<StartPoint>& start) {
+  if (2 * start.size() >= static_cast<std::size_t>(count)) return;
+  const auto more = random_start_points(volume.low_m, volume.high_m,
+                                        count - static_cast<int>(start.size()), std::move(rng));
+  start.insert(start.end(), more.begin(), more.end());
+}
+
+SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const StartPoint> from,
+                          const SplatTrainConfig& training, int stop_after) {
+  const SplatModel start = splats_from_points(from);
   SplatTraining trained = train_splats(views, start, training, [&](const SplatTrainPoint& point) {
     return point.step < stop_after;
   });

@@ -141,13 +141,13 @@ inline void blend_tile_as(const BlendTask& task, int tile) {
       const L tile_dx = L::load(TileLayout::lane_x) + L(static_cast<float>(place.x0) - s.x_px);
       const L tile_dy = L::load(TileLayout::lane_y) + L(static_cast<float>(place.y0) - s.y_px);
       const L a(s.a), b(s.b), c(s.c), log2_opacity(s.log2_opacity);
-      const L red(s.color[0]), green(s.color[1]), blue(s.color[2]), depth(s.depth_m);
+      const L red(s.color[0]), green(s.color[1]), blue(s.color[2]);
       for (; todo != 0; todo &= todo - 1) {
         const int block = __builtin_ctz(todo);
         L log2;
-        const L alpha = block_alpha(tile_dx + L(static_cast<float>(block % 4 * 4)),
-                                    tile_dy + L(static_cast<float>(block / 4 * 2)), a, b, c,
-                                    log2_opacity, log2);
+        const L dx = tile_dx + L(static_cast<float>(block % 4 * 4));
+        const L dy = tile_dy + L(static_cast<float>(block / 4 * 2));
+        const L alpha = block_alpha(dx, dy, a, b, c, log2_opacity, log2);
         float* t = transmittance + 8 * block;
         const L before = L::load(t);
         const L after = multiply_subtract(alpha, before, before);
@@ -159,6 +159,9 @@ inline void blend_tile_as(const BlendTask& task, int tile) {
         multiply_add(weight, green, L::load(color[1] + 8 * block)).store(color[1] + 8 * block);
         multiply_add(weight, blue, L::load(color[2] + 8 * block)).store(color[2] + 8 * block);
         if constexpr (kDepth) {
+          const float* slope = task.depth_slope + 2 * std::size_t{task.tile_splat[entry]};
+          const L depth =
+              multiply_add(L(slope[0]), dx, multiply_add(L(slope[1]), dy, L(s.depth_m)));
           multiply_add(weight, depth, L::load(mean + 8 * block)).store(mean + 8 * block);
           const auto falls = takes & at_least(before, L(0.5)) & less(after, L(0.5));
           where(falls, depth, L::load(median + 8 * block)).store(median + 8 * block);

@@ -3,6 +3,10 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
 namespace cousin {
 namespace {
 
@@ -12,6 +16,46 @@ void fit(Image<float>& image, const SplatCamera& camera) {
   if (image.width() != camera.width_px || image.height() != camera.height_px) {
     image = Image<float>(camera.width_px, camera.height_px);
   }
+}
+
+/// A ray is deepest in a Gaussian of precision A, in the camera's frame, where the density along it
+/// is largest: at r'Ac / r'Ar of the ray r with r.z = 1, c the centre. At the centre's own ray that
+/// changes by -c.z (e'Ar) / (r'Ar) along the unit vector e of the image [the idea of a depth for
+/// each ray: Zhang et al., RaDe-GS, 2024].
+void set_depth_slope(const SplatPlanes& planes, const SplatCamera& camera, int i, float* slope) {
+  slope[0] = slope[1] = 0;
+  const auto value = [&](int plane) { return static_cast<double>(planes.plane(plane)[i]); };
+  Eigen::Vector3d centre_m, scale;
+  for (int k = 0; k < 3; ++k) {
+    centre_m[k] = value(SplatPlane::centre + k);
+    scale[k] = std::exp(value(SplatPlane::log_scale + k));
+  }
+  const Eigen::Quaterniond q(value(SplatPlane::rotation), value(SplatPlane::rotation + 1),
+                             value(SplatPlane::rotation + 2), value(SplatPlane::rotation + 3));
+  using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+  const Eigen::Matrix3d camera_from_world =
+      Eigen::Map<const RowMajor>(camera.rotation).cast<double>();
+  const Eigen::Vector3d c = camera_from_world * centre_m +
+                            Eigen::Map<const Eigen::Vector3f>(camera.translation).cast<double>();
+  const Eigen::Vector3d ray = c / c.z();
+  const Eigen::Matrix3d axes =
+      camera_from_world *
+      (q.norm() < 1e-12 ? Eigen::Matrix3d::Identity() : q.normalized().toRotationMatrix());
+  const Eigen::Vector3d precision = (scale.minCoeff() / scale.array()).square();
+  const Eigen::Vector3d along = precision.cwiseProduct(axes.transpose() * ray);
+  const Eigen::Vector3d a_ray = axes * along;
+  const double denominator = ray.dot(a_ray);
+  const double right = -c.z() * a_ray.x() / denominator / static_cast<double>(camera.fx);
+  const double down = -c.z() * a_ray.y() / denominator / static_cast<double>(camera.fy);
+  // A disc seen edge-on, or a needle along the ray, says nothing of where a surface is on its
+  // length: its centre is the better guess.
+  constexpr double kSteepest = 2.75;  ///< tan 70 degrees
+  const double steepness =
+      std::hypot(right * static_cast<double>(camera.fx), down * static_cast<double>(camera.fy)) /
+      c.z();
+  if (!(steepness <= kSteepest)) return;
+  slope[0] = static_cast<float>(right);
+  slope[1] = static_cast<float>(down);
 }
 
 int tile_count(const TileLists& lists) { return lists.tiles_across * lists.tiles_down; }
@@ -67,6 +111,13 @@ void draw_splats(const SplatKernels& kernels, const SplatPlanes& planes, int sh_
     fit(frame.mean_depth_m, camera);
     blend.depth_m = frame.depth_m.data();
     blend.mean_depth_m = frame.mean_depth_m.data();
+    frame.depth_slope.resize(2 * frame.projected.size());
+    tbb::parallel_for(0, planes.size(), [&](int i) {
+      const auto place = static_cast<std::size_t>(i);
+      if (frame.depth_order[place] == 0xffffffffU) return;
+      set_depth_slope(planes, camera, i, &frame.depth_slope[2 * place]);
+    });
+    blend.depth_slope = frame.depth_slope.data();
   }
   tbb::parallel_for(Range(0, tile_count(frame.lists), 4), [&](const Range& range) {
     for (int tile = range.begin(); tile < range.end(); ++tile) kernels.blend(blend, tile);

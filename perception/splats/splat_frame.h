@@ -18,6 +18,7 @@ struct SplatFrame {
   ColorPlanes color;                   ///< over the background
   Image<float> transmittance;          ///< left at each pixel
   Image<float> depth_m, mean_depth_m;  ///< if asked for, as in SplatImage
+  std::vector<float> depth_slope;      ///< with them, see BlendTask
   std::vector<std::uint32_t> tile_done, touched;
   std::vector<SplatPartial> partials;  ///< of blend_gradients
 };

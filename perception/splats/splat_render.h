@@ -21,7 +21,9 @@ struct ColorPlanes {
 struct SplatImage {
   ColorPlanes color;     ///< front to back, over the background
   Image<float> alpha;    ///< 1 - transmittance
-  Image<float> depth_m;  ///< where transmittance falls through 1/2, along the axis; NaN = never
+  /// Along the axis, of the Gaussian at which transmittance falls through 1/2, where the pixel's
+  /// ray is deepest in it (to first order about its centre); NaN = never.
+  Image<float> depth_m;
   Image<float>
       mean_depth_m;  ///< mean of the Gaussians' depths weighted as their colours are; NaN = alpha 0
 };

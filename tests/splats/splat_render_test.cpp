@@ -92,6 +92,36 @@ TEST(SplatRender, DepthsOfOneDiscAreItsCentres) {
   EXPECT_EQ(image.alpha(0, 0), 0);
 }
 
+TEST(SplatRender, FlatGaussiansOfASlantedPlaneHaveThePlanesDepth) {
+  // Discs of 0.05 in the plane z = 1 + 0.8 x: their centres' depths alone are up to 0.1 off.
+  const double slant = std::atan(0.8);
+  SplatModel model;
+  model.sh_degree = 0;
+  for (int column = -12; column <= 12; ++column) {
+    for (int row = -12; row <= 12; ++row) {
+      Splat s;
+      const float x = 0.05F * static_cast<float>(column);
+      s.centre_m = {x, 0.05F * static_cast<float>(row), 1 + 0.8F * x};
+      s.log_scale = {std::log(0.05F), std::log(0.05F), std::log(1e-4F)};
+      s.rotation_wxyz = {static_cast<float>(std::cos(-slant / 2)), 0,
+                         static_cast<float>(std::sin(-slant / 2)), 0};
+      s.opacity_logit = 2;
+      model.splats.push_back(s);
+    }
+  }
+  Camera camera = pinhole(64, 64, 80);
+  camera.cx_px = camera.cy_px = 31.5;
+  const SplatImage image = render_splats(model, camera, Pose{});
+  for (int y = 16; y < 48; y += 3) {
+    for (int x = 16; x < 48; x += 3) {
+      const double u = (x - camera.cx_px) / camera.fx_px;
+      const double plane_m = 1 / (1 - 0.8 * u);
+      EXPECT_NEAR(image.depth_m(x, y), plane_m, 0.01 * plane_m) << x << " " << y;
+      EXPECT_NEAR(image.mean_depth_m(x, y), plane_m, 0.01 * plane_m) << x << " " << y;
+    }
+  }
+}
+
 TEST(SplatRender, AnEmptyModelIsItsBackground) {
   SplatRenderConfig config;
   config.background = {0.1F, 0.2F, 0.3F};
