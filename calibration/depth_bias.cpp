@@ -289,6 +289,18 @@ double corrected_depth_m(const DepthBias& bias, const Eigen::Vector2d& pixel_px,
   return z;
 }
 
+double biased_depth_m(const DepthBias& bias, const Eigen::Vector2d& pixel_px, double true_m,
+                      int width_px, int height_px) {
+  const double slope = 1 + bias.scale + bias.bowl * radius2(pixel_px, width_px, height_px);
+  double measured_m = bias.offset_m + true_m * (slope + bias.disparity_shift_per_m * true_m);
+  if (bias.focal_baseline_px_m > 0) {
+    const double turn = kTurn * bias.focal_baseline_px_m / true_m;
+    measured_m -= true_m * true_m / bias.focal_baseline_px_m *
+                  (bias.ripple_sin_px * std::sin(turn) + bias.ripple_cos_px * std::cos(turn));
+  }
+  return measured_m;
+}
+
 double plane_depth_m(const Camera& camera, const Pose& camera_from_target,
                      const Eigen::Vector2d& pixel_px) {
   const std::optional<Eigen::Vector3d> ray = unproject(camera, pixel_px);

@@ -71,6 +71,10 @@ DepthRipple ripple_of(const DepthBias& bias);
 double corrected_depth_m(const DepthBias& bias, const Eigen::Vector2d& pixel_px, double measured_m,
                          int width_px, int height_px);
 
+/// What is measured where `true_m` is: the inverse of corrected_depth_m.
+double biased_depth_m(const DepthBias& bias, const Eigen::Vector2d& pixel_px, double true_m,
+                      int width_px, int height_px);
+
 /// Depth along the axis at a pixel of the target's plane z = 0; NaN where the ray misses it.
 double plane_depth_m(const Camera& camera, const Pose& camera_from_target,
                      const Eigen::Vector2d& pixel_px);

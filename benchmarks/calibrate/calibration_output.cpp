@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "benchmarks/calibrate/device_output.h"
 #include "benchmarks/metrics/distributions.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/camera_files.h"
@@ -107,36 +108,6 @@ std::string line_of(const char* format, auto... values) {
   return text;
 }
 
-Json rolling_json(const CalibrationRun& run) {
-  const RollingShutterResult& rolling = *run.rolling;
-  const double deviation_s = deviation(run.result, "camera0.line_delay_s");
-  return {{"line_delay_s", number(rolling.line_delay_s)},
-          {"deviation_s", number(std::isfinite(rolling.line_delay_s) ? deviation_s : std::nan(""))},
-          {"neighbouring_views", rolling.neighbours}};
-}
-
-Json registration_json(const RegistrationDifference& d) {
-  return {{"verdict", to_string(d.verdict)},
-          {"rms_px", number(d.rms_px)},
-          {"max_px", number(d.max_px)},
-          {"fresh_rms_px", number(d.fresh_rms_px)},
-          {"reported_rms_px", number(d.factory_rms_px)},
-          {"reported_square_deviation_px2", number(d.factory_square_sigma_px2)}};
-}
-
-std::string registration_text(const CalibrationRun& run) {
-  const RegistrationDifference& d = *run.registration;
-  const std::string what = d.verdict == RegistrationVerdict::replace ? "worth replacing by this one"
-                           : d.verdict == RegistrationVerdict::keep
-                               ? "as good as this one, or nearly"
-                               : "open: this calibration is not sure enough, take more images";
-  return line_of(
-             "\nreported registration of depth to colour, at %.2f m: differs by %.3f px RMS, "
-             "%.3f px at most;\n  this one is sure to %.3f px; the reported one is ",
-             run.config.registration.distance_m, d.rms_px, d.max_px, d.fresh_rms_px) +
-         what + "\n";
-}
-
 std::vector<CalibratedCamera> calibrated(const CalibrationRun& run) {
   std::vector<CalibratedCamera> cameras;
   for (std::size_t c = 0; c < run.result.cameras.size(); ++c)
@@ -195,8 +166,7 @@ std::string calibration_json(const CalibrationRun& run) {
     json["cross_validation"] = {{"difference_rms_px", number(run.cross->difference.rms_px)},
                                 {"predicted_rms_px", number(run.cross->predicted_rms_px)}};
   }
-  if (run.rolling) json["rolling_shutter"] = rolling_json(run);
-  if (run.registration) json["registration"] = registration_json(*run.registration);
+  add_device(run, json);
   json["images"] = Json::array();
   const std::vector<double> rms = view_rms_px(run);
   for (std::size_t i = 0; i < run.input.views.size(); ++i) {
@@ -256,11 +226,7 @@ std::string calibration_table(const CalibrationRun& run) {
     text +=
         line_of("\nhalves of the images differ by %.4f px RMS; their deviations predict %.4f px\n",
                 run.cross->difference.rms_px, run.cross->predicted_rms_px);
-  if (run.rolling && std::isfinite(run.rolling->line_delay_s))
-    text += line_of("\nline delay %.4g us a row +- %.2g, by %d pairs of neighbouring pictures\n",
-                    1e6 * run.rolling->line_delay_s,
-                    1e6 * deviation(run.result, "camera0.line_delay_s"), run.rolling->neighbours);
-  if (run.registration) text += registration_text(run);
+  text += device_table(run);
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";
   for (const std::string& problem : run.problems) text += "REFUSED: " + problem + "\n";
   return text;

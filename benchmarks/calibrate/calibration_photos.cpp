@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -90,6 +91,29 @@ std::vector<std::string> picture_names(const fs::path& folder) {
     throw std::runtime_error(folder.string() + ": no .png, .jpg or .jpeg in this folder");
   std::sort(names.begin(), names.end(), counts_before);
   return names;
+}
+
+std::string file_name(int frame) {
+  char file[32];
+  std::snprintf(file, sizeof file, "%06d.png", frame);
+  return file;
+}
+
+std::string depth_folder(const SensorReport& sensor, std::size_t place) {
+  return sensor.name == kDepthSensor || place == 0 ? "depth" : sensor.name + "_depth";
+}
+
+/// The sensor with images whose pixels a depth image has: itself, or the one that stands where it
+/// does with its lens.
+int sensor_of_depth(const std::vector<SensorReport>& rig, const SensorFrame& image,
+                    std::size_t depth) {
+  if (!image.color.empty() || !image.grey.empty()) return static_cast<int>(depth);
+  for (std::size_t s = 0; s < rig.size(); ++s) {
+    if (s != depth && rig[s].camera == rig[depth].camera &&
+        to_matrix(rig[s].sensor_from_rig) == to_matrix(rig[depth].sensor_from_rig))
+      return static_cast<int>(s);
+  }
+  return static_cast<int>(depth);
 }
 
 }  // namespace
@@ -216,10 +240,12 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
     for (const Frame& frame : capture.frames) {
       for (std::size_t s = 0; s < frame.sensors.size(); ++s) {
         const SensorFrame& image = frame.sensors[s];
+        if (!image.depth.empty())
+          result.depths.push_back({scene / depth_folder(capture.rig[s], s) / file_name(frame.id),
+                                   sensor_of_depth(capture.rig, image, s), first_frame + frame.id,
+                                   image.depth_unit_m});
         if (image.color.empty() && image.grey.empty()) continue;
-        char file[32];
-        std::snprintf(file, sizeof file, "%06d.png", frame.id);
-        fs::path path = scene / capture.rig[s].name / file;
+        fs::path path = scene / capture.rig[s].name / file_name(frame.id);
         if (!fs::exists(path)) path.replace_extension(".jpg");  // of a real capture
         result.photos.push_back(
             {path,
@@ -253,11 +279,22 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
   result.cameras = kept;
   result.reported = reported;
   for (CalibrationPhoto& p : result.photos) p.camera = number[static_cast<std::size_t>(p.camera)];
+  for (CalibrationDepth& d : result.depths) d.camera = number[static_cast<std::size_t>(d.camera)];
+  std::erase_if(result.depths, [](const CalibrationDepth& d) { return d.camera < 0; });
   std::stable_sort(result.photos.begin(), result.photos.end(),
                    [](const CalibrationPhoto& a, const CalibrationPhoto& b) {
                      return a.camera != b.camera ? a.camera < b.camera : a.frame < b.frame;
                    });
   return result;
+}
+
+Image<float> read_depth(const CalibrationDepth& depth) {
+  const Image<std::uint16_t> codes = read_png16(depth.file);
+  Image<float> depth_m(codes.width(), codes.height(), std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    if (codes.data()[i] > 0) depth_m.data()[i] = static_cast<float>(codes.data()[i] * depth.unit_m);
+  }
+  return depth_m;
 }
 
 Image<float> read_light(const CalibrationPhoto& photo) {

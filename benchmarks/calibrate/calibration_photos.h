@@ -21,12 +21,21 @@ struct CalibrationPhoto {
   double time_s = std::numeric_limits<double>::quiet_NaN();  ///< NaN: unknown
 };
 
+/// One depth image of a dataset, in the pixels of one of its cameras.
+struct CalibrationDepth {
+  std::filesystem::path file;
+  int camera = 0;  ///< index into CalibrationPhotos::cameras
+  int frame = 0;
+  double unit_m = 0.001;
+};
+
 /// What is calibrated from.
 struct CalibrationPhotos {
   CalibrationTarget target;
   std::vector<std::string> cameras;
   std::vector<CalibrationPhoto> photos;  ///< by camera, then frame
   std::vector<SensorReport> reported;    ///< what a dataset's device says of `cameras`; or empty
+  std::vector<CalibrationDepth> depths;  ///< by frame
 };
 
 /// "KIND:COLUMNSxROWS:PITCH[:SHARE[:DICTIONARY]]" in metres, or a preset of the boards scene:
@@ -45,6 +54,9 @@ CalibrationPhotos photos_of_folder(const std::filesystem::path& folder,
 /// `board`, if not empty, must agree. @throws std::runtime_error naming the scene whose board is
 /// none, or another than the others', with both.
 CalibrationPhotos photos_of_dataset(const std::filesystem::path& dataset, const std::string& board);
+
+/// Metres, NaN = none. @throws std::runtime_error naming the file.
+Image<float> read_depth(const CalibrationDepth& depth);
 
 /// @throws std::runtime_error naming the file.
 Image<float> read_light(const CalibrationPhoto& photo);

@@ -235,4 +235,44 @@ UncertaintyPicture uncertainty_picture(const CalibrationRun& run, int camera) {
   return picture;
 }
 
+DepthPicture depth_picture(const CalibrationRun& run) {
+  DepthPicture picture;
+  if (!run.depth || run.photos.depths.empty()) return picture;
+  const Camera& lens = lens_of(run, run.photos.depths.front().camera);
+  std::vector<std::vector<double>> cells(kColumns * kRows);
+  for (const DepthView& view : run.depth_views) {
+    for (const DepthSample& s : view.samples) {
+      const int c = std::clamp(static_cast<int>((s.pixel_px.x() + 0.5) / lens.width_px * kColumns),
+                               0, kColumns - 1);
+      const int row = std::clamp(static_cast<int>((s.pixel_px.y() + 0.5) / lens.height_px * kRows),
+                                 0, kRows - 1);
+      const double share = run.config.depth.distance_m / s.true_m;
+      cells[static_cast<std::size_t>(row * kColumns + c)].push_back((s.measured_m - s.true_m) *
+                                                                    share * share);
+    }
+  }
+  for (std::vector<double>& cell : cells) {
+    if (cell.empty()) continue;
+    const auto middle = cell.begin() + static_cast<std::ptrdiff_t>(cell.size() / 2);
+    std::nth_element(cell.begin(), middle, cell.end());
+    cell = {*middle};
+    picture.most_m = std::max(picture.most_m, std::abs(cell.front()));
+  }
+  Canvas canvas(lens, {200, 200, 200});
+  const Eigen::Vector2d size(static_cast<double>(lens.width_px) / kColumns,
+                             static_cast<double>(lens.height_px) / kRows);
+  for (int row = 0; row < kRows; ++row) {
+    for (int c = 0; c < kColumns; ++c) {
+      const std::vector<double>& cell = cells[static_cast<std::size_t>(row * kColumns + c)];
+      if (cell.empty()) continue;
+      const Eigen::Vector2d low(c * size.x(), row * size.y());
+      cv::rectangle(canvas.image, canvas.at(low), canvas.at(low + size),
+                    shade(0.5 + 0.5 * cell.front() / std::max(1e-9, picture.most_m)), cv::FILLED,
+                    cv::LINE_8, 4);
+    }
+  }
+  picture.image = canvas.result();
+  return picture;
+}
+
 }  // namespace cousin

@@ -31,4 +31,13 @@ struct UncertaintyPicture {
 };
 UncertaintyPicture uncertainty_picture(const CalibrationRun& run, int camera);
 
+/// Measured less true depth in each cell of a 16 x 12 grid, the median of samples that are brought
+/// to the working distance as a disparity's error is, by its square; grey without samples. Blue is
+/// `-most_m`, green 0, yellow `most_m`. Empty for a run without depth.
+struct DepthPicture {
+  Image<Rgb8> image;
+  double most_m = 0;
+};
+DepthPicture depth_picture(const CalibrationRun& run);
+
 }  // namespace cousin

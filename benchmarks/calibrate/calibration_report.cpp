@@ -5,6 +5,7 @@
 
 #include "benchmarks/calibrate/calibration_output.h"
 #include "benchmarks/calibrate/calibration_pictures.h"
+#include "benchmarks/calibrate/device_output.h"
 #include "benchmarks/metrics/distributions.h"
 #include "benchmarks/report/html.h"
 #include "benchmarks/report/report.h"
@@ -70,6 +71,16 @@ void add_pictures(const CalibrationRun& run, ReportInput& input) {
                               encode_png(uncertainty.image)});
     }
   }
+  const DepthPicture depth = depth_picture(run);
+  if (!depth.image.empty()) {
+    input.images.push_back({"depth on the boards",
+                            "Measured less true depth in each cell, the median, brought to " +
+                                shown_number(run.config.depth.distance_m) +
+                                " m by the square of the distance: dark blue " +
+                                shown_number(-1000 * depth.most_m) + " mm, green 0, yellow " +
+                                shown_number(1000 * depth.most_m) + " mm.",
+                            encode_png(depth.image)});
+  }
 }
 
 }  // namespace
@@ -90,14 +101,7 @@ void write_calibration_report(const std::filesystem::path& file, const Calibrati
                      shown_number(run.cross->difference.rms_px) + " px RMS, where " +
                      shown_number(run.cross->predicted_rms_px) + " px is predicted.";
   }
-  if (run.registration) {
-    input.summary += " The device's own registration of depth to colour differs by " +
-                     shown_number(run.registration->rms_px) + " px RMS at " +
-                     shown_number(run.config.registration.distance_m) +
-                     " m, where this one is sure to " +
-                     shown_number(run.registration->fresh_rms_px) + " px: verdict \"" +
-                     std::string(to_string(run.registration->verdict)) + "\".";
-  }
+  input.summary += device_sentences(run);
   if (!command_line.empty()) input.commands = {command_line};
   CalibrateConfig config = run.config;
   input.config_toml = to_toml(fields(config));

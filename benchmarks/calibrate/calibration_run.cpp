@@ -292,7 +292,7 @@ Fields fields(CalibrateConfig& config) {
                  1e5}} +
          nested("rolling", fields(config.rolling)) +
          nested("registration", fields(config.registration)) +
-         nested("calibration", fields(config.calibration)) +
+         nested("depth", fields(config.depth)) + nested("calibration", fields(config.calibration)) +
          nested("detection", fields(config.detection));
 }
 
@@ -303,6 +303,7 @@ void validate(const CalibrateConfig& config) {
   validate(config.detection);
   validate(config.rolling);
   validate(config.registration);
+  validate(config.depth);
 }
 
 CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& config,
@@ -335,7 +336,10 @@ CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& 
   if (has_lenses && run.result.cameras.size() == cameras.size()) {
     for (std::size_t c = 0; c < cameras.size(); ++c)
       run.verdicts.push_back(verdict_of(run, static_cast<int>(c)));
-    if (run.result.status == CalibrationStatus::ok) compare_with_reported(run);
+    if (run.result.status == CalibrationStatus::ok) {
+      compare_with_reported(run);
+      check_depth_on_boards(run);
+    }
     if (run.result.status == CalibrationStatus::ok && run.result.frames.size() >= 6 &&
         !config.rolling_shutter)
       run.cross = cross_validate(run.input, config.calibration);

@@ -8,6 +8,7 @@
 #include "benchmarks/seeds/simulate.h"
 #include "calibration/calibrate.h"
 #include "calibration/calibration_uncertainty.h"
+#include "calibration/depth_check.h"
 #include "calibration/next_view.h"
 #include "calibration/registration.h"
 #include "calibration/rolling_shutter.h"
@@ -26,6 +27,7 @@ struct CalibrateConfig {
   double frame_rate_hz = 0;  ///< of a folder that is a video, picture by picture; 0: it is none
   RollingShutterConfig rolling;
   RegistrationConfig registration;      ///< of a depth camera's dataset, which reports its own
+  DepthCheckConfig depth;               ///< of its depth on the boards
   double most_rms_px = 0.5;             ///< RMS a coordinate above which the lens does not fit ...
   double most_rms_sigmas = 8;           ///< ... if it is as many times what detection predicts, too
   double most_deviation_share = 0.01;   ///< of the width: median of the projection's deviation
@@ -59,7 +61,9 @@ struct CalibrationRun {
   /// Where a dataset has a colour camera and a depth camera's left imager: what the device reports
   /// against `result`.
   std::optional<RegistrationDifference> registration;
-  std::vector<std::string> problems;  ///< why nothing should be used; empty = use it
+  std::optional<DepthCheck> depth;     ///< where a dataset has depth in one of the cameras' pixels
+  std::vector<DepthView> depth_views;  ///< what it is of
+  std::vector<std::string> problems;   ///< why nothing should be used; empty = use it
   std::vector<std::string> warnings;
   Image<Rgb8> sample;  ///< camera 0's first photo in which the board was found
   double detect_s = 0;

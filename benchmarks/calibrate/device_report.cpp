@@ -33,6 +33,24 @@ void compare_with_reported(CalibrationRun& run) {
       run.result, static_cast<int>(d), static_cast<int>(c), run.config.registration);
 }
 
+void check_depth_on_boards(CalibrationRun& run) {
+  if (run.photos.depths.empty() || run.result.covariance.rows() == 0) return;
+  // One depth camera; of several the first.
+  const int camera = run.photos.depths.front().camera;
+  const auto d = static_cast<std::size_t>(camera);
+  const Camera& lens = run.result.cameras[d];
+  for (const CalibrationDepth& depth : run.photos.depths) {
+    const auto placed = std::find_if(run.result.frames.begin(), run.result.frames.end(),
+                                     [&](const auto& f) { return f.frame == depth.frame; });
+    if (depth.camera != camera || placed == run.result.frames.end()) continue;
+    run.depth_views.push_back(
+        {depth.frame, depth_on_target(read_depth(depth), lens,
+                                      run.result.camera_from_rig[d] * placed->rig_from_target,
+                                      run.photos.target, run.config.depth.step_px)});
+  }
+  run.depth = check_depth(run.depth_views, run.result, camera, run.config.depth);
+}
+
 void warn_of_shutters(CalibrationRun& run) {
   if (run.config.rolling_shutter) return;
   for (const SensorReport& sensor : run.photos.reported) {

@@ -1,5 +1,6 @@
 #include "benchmarks/scenes/plant_run.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "benchmarks/scenes/stand_cache.h"
@@ -67,6 +68,17 @@ RigEye eye_of(const ActiveStereoConfig& rig) {
   return eye;
 }
 RigEye eye_of(const RangeRigConfig& rig) { return eye_of(rig.body); }
+
+/// Of its rows, the slowest camera's.
+double readout_s(const PhoneConfig& rig) { return rig.readout_s; }
+double readout_s(const RigConfig& rig) {
+  double longest_s = 0;
+  for (const RigSensor& sensor : rig.sensors)
+    longest_s = std::max(longest_s, sensor.camera.photosites.readout_s);
+  return longest_s;
+}
+double readout_s(const ActiveStereoConfig& rig) { return rig.color.photosites.readout_s; }
+double readout_s(const RangeRigConfig& rig) { return readout_s(rig.body); }
 
 std::vector<std::string> shared(const SeedlingsSceneConfig& config, int /*index*/) {
   return config.day_step > 0 ? std::vector<std::string>{"tray"} : std::vector<std::string>{};
@@ -234,6 +246,8 @@ PlantSceneConfig seen_by(PlantSceneConfig scene, const DeviceConfig& rig) {
   if (auto* boards = std::get_if<BoardsSceneConfig>(&scene)) {
     boards->half_view = {0.5 * eye.camera.width_px / eye.camera.fx_px,
                          0.5 * eye.camera.height_px / eye.camera.fy_px};
+    boards->eye_from_rig = eye.eye_from_rig;
+    boards->readout_s = std::visit([](const auto& r) { return readout_s(r); }, rig);
   }
   return scene;
 }

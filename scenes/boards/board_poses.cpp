@@ -90,7 +90,7 @@ std::vector<Pose> board_poses(const BoardsSceneConfig& config,
                               const std::function<bool(const Pose& camera_from_board)>& is_free,
                               Rng rng) {
   constexpr double kLeastCosine = 0.15;
-  const bool is_planned = config.plan == "planned";
+  const bool is_planned = config.plan != "random";
   const auto& c = config.setting.poses;
   Rng start = rng.fork("start");
   std::array<double, 5> shift{};

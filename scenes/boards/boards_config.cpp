@@ -19,6 +19,11 @@ Fields fields(BoardSetting::Poses& c) {
       {"fill_max", &c.fill_max, "largest", 0.05, 2}};
 }
 
+Fields fields(BoardSetting::Video& c) {
+  return {{"rate_hz", &c.rate_hz, "pictures a second", 1, 1000},
+          {"pose_step_s", &c.pose_step_s, "from one planned pose past the next", 0.05, 100}};
+}
+
 Fields fields(BoardSetting::Place& c) {
   return {{"table_m", &c.table_m, "height of the table", 0.2, 2},
           {"stand_m", &c.stand_m, "height of the board's middle on a stand", 0.3, 3},
@@ -59,8 +64,8 @@ Fields fields(CalibrationTarget& c) {
 
 Fields file_fields(BoardsSceneConfig& c) {
   return nested("body", fields(c.body)) + nested("flaws", fields(c.flaws)) +
-         nested("poses", fields(c.setting.poses)) + nested("room", fields(c.setting.place)) +
-         nested("lights", fields(c.setting.light));
+         nested("poses", fields(c.setting.poses)) + nested("video", fields(c.setting.video)) +
+         nested("room", fields(c.setting.place)) + nested("lights", fields(c.setting.light));
 }
 
 constexpr std::array<const char*, 9> kNames = {"chessboard_a4", "chessboard_a2", "charuco_a4",
@@ -127,7 +132,9 @@ Fields fields(BoardsSceneConfig& c) {
                  "table: it lies; stand: it is upright; hand: held before a camera that stays"},
                 {"light", &c.light, "soft (panel), hard (small lamp in a dim room) or sun"},
                 {"views", &c.views, "photographs", 1, 10000},
-                {"plan", &c.plan, "planned: places, tilts and sizes spread evenly; or random"},
+                {"plan", &c.plan,
+                 "planned: places, tilts and sizes spread evenly; random; or video: a camera that "
+                 "moves past planned ones while its rows are read"},
                 {"coverage", &c.coverage,
                  "share of the picture that the board's middle goes to; 0 = its middle", 0, 1},
                 {"outside", &c.outside, "largest share of the print beyond the picture's border", 0,
@@ -141,7 +148,10 @@ void validate(const BoardsSceneConfig& config) {
   check_limits(fields(copy), "boards");
   require_one_of("place", config.place, {"table", "stand", "hand"});
   require_one_of("light", config.light, {"soft", "hard", "sun"});
-  require_one_of("plan", config.plan, {"planned", "random"});
+  require_one_of("plan", config.plan, {"planned", "random", "video"});
+  if (config.plan == "video" && config.place == "hand")
+    throw std::invalid_argument(
+        "plan \"video\" moves the camera; place \"hand\" keeps it still: take table or stand");
   const auto& poses = config.setting.poses;
   require_ordered("poses.tilt_min_rad", poses.tilt_min_rad, "poses.tilt_max_rad",
                   poses.tilt_max_rad);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/boards/board_video.h"
 #include "sim/plant/color.h"
 
 namespace cousin {
@@ -164,9 +165,9 @@ void add_room(Scene& scene, const BoardsSceneConfig& config, double wall_y_m) {
             add_material(scene, "paint", c.wall_albedo, c.wall_dark, 0.25));
 }
 
-View make_view(int frame, const Pose& rig_from_world, const Vector3d& focus_in_world_m) {
+View make_view(double time_s, const Pose& rig_from_world, const Vector3d& focus_in_world_m) {
   View view;
-  view.time_s = kStep_s * frame;
+  view.time_s = time_s;
   view.rig_from_world = view.rig_from_world_end = rig_from_world;
   view.focus_in_world_m = focus_in_world_m;
   return view;
@@ -179,10 +180,27 @@ void add_views_around(Scene& scene, const BoardsSceneConfig& config, const Pose&
   const auto is_free = [&](const Pose& camera_from_board) {
     return (world_from_board * centre_in_world_m(camera_from_board)).z() > lowest_m;
   };
-  const std::vector<Pose> poses = board_poses(config, is_free, rng);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    scene.views.push_back(make_view(static_cast<int>(i), poses[i] * inverse(world_from_board),
-                                    world_from_board.translation_m));
+  const auto rig_from_world = [&](const Pose& camera_from_board) {
+    return inverse(config.eye_from_rig) * camera_from_board * inverse(world_from_board);
+  };
+  const Vector3d& focus_m = world_from_board.translation_m;
+  if (config.plan != "video") {
+    const std::vector<Pose> poses = board_poses(config, is_free, rng);
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      scene.views.push_back(
+          make_view(kStep_s * static_cast<double>(i), rig_from_world(poses[i]), focus_m));
+    return;
+  }
+  const auto& video = config.setting.video;
+  const double length_s = (config.views - 1) / video.rate_hz + config.readout_s;
+  BoardsSceneConfig stations = config;
+  stations.views = PosePath::pose_count(length_s, video.pose_step_s);
+  const PosePath path(board_poses(stations, is_free, rng), video.pose_step_s);
+  for (int i = 0; i < config.views; ++i) {
+    const double time_s = i / video.rate_hz;
+    View view = make_view(time_s, rig_from_world(path.at(time_s)), focus_m);
+    view.rig_from_world_end = rig_from_world(path.at(time_s + config.readout_s));
+    scene.views.push_back(view);
   }
 }
 
@@ -192,6 +210,7 @@ double add_views_of_held(Scene& scene, const BoardsSceneConfig& config,
                          const std::vector<int>& held, const Rng& rng) {
   const Pose camera_from_world =
       look_at({0, 0, config.setting.place.stand_m}, {0, 1, config.setting.place.stand_m});
+  const Pose rig_from_world = inverse(config.eye_from_rig) * camera_from_world;
   const Pose world_from_camera = inverse(camera_from_world);
   const auto is_free = [&](const Pose& camera_from_board) {
     const Vector3d middle = (world_from_camera * camera_from_board).translation_m;
@@ -209,8 +228,7 @@ double add_views_of_held(Scene& scene, const BoardsSceneConfig& config,
       if (i == 0) instance.world_from_object = world_from_board;
     }
     farthest_m = std::max(farthest_m, world_from_board.translation_m.y());
-    scene.views.push_back(
-        make_view(static_cast<int>(i), camera_from_world, world_from_board.translation_m));
+    scene.views.push_back(make_view(time_s, rig_from_world, world_from_board.translation_m));
   }
   return farthest_m + half_height_m(config);
 }

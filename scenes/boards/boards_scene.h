@@ -8,6 +8,7 @@
 #include "sim/config/fields.h"
 #include "sim/truth/scene.h"
 #include "sim/types/calibration_target.h"
+#include "sim/types/pose.h"
 #include "sim/types/rng.h"
 
 namespace cousin {
@@ -17,6 +18,9 @@ struct BoardSetting {
   struct Poses {
     double tilt_min_rad = 0, tilt_max_rad = 0, roll_max_rad = 0, fill_min = 0, fill_max = 0;
   } poses;
+  struct Video {
+    double rate_hz = 0, pose_step_s = 0;
+  } video;
   struct Place {
     double table_m = 0, stand_m = 0, wall_m = 0;
     std::vector<double> table_albedo, table_dark, wall_albedo, wall_dark, floor_albedo;
@@ -37,13 +41,17 @@ struct BoardsSceneConfig {
   std::string place = "stand";
   std::string light = "soft";  ///< soft, hard or sun
   int views = 24;
-  std::string plan = "planned";  ///< planned: places, tilts and sizes spread evenly; or random
+  /// planned: places, tilts and sizes spread evenly; random; video: the camera goes smoothly past
+  /// planned ones, picture by picture, and moves on while rows are read.
+  std::string plan = "planned";
   double coverage = 1;  ///< share of the picture that the board's middle goes to; 0 = its middle
   double outside = 0;   ///< largest share of the print that may lie beyond the picture's border
   std::string rig = "phone_video_720p";
   BoardSetting setting;
   /// Half the picture's width and height at depth 1, of the rig that takes it; not a key.
   Eigen::Vector2d half_view{0.55, 0.31};
+  Pose eye_from_rig;     ///< of the camera that views are planned for; not a key
+  double readout_s = 0;  ///< of the rig, the longest; not a key
 
   BoardsSceneConfig();  ///< as boards.toml says
 };
@@ -61,7 +69,7 @@ CalibrationTarget board_preset(const std::string& name);
 /// that perception gets. With place = hand board and grip move, at rest about each view's time.
 Scene build_boards_scene(const BoardsSceneConfig& config, Rng rng);
 
-/// Where the board is seen from in each view: camera_from_board.
+/// Where the board is seen from in each planned or random view: camera_from_board.
 /// @param is_free  whether a camera can be there; a tilt is lessened until it says so
 std::vector<Pose> board_poses(const BoardsSceneConfig& config,
                               const std::function<bool(const Pose& camera_from_board)>& is_free,

@@ -107,6 +107,8 @@ Fields fields(ActiveStereoConfig& c) {
              {"disparity_step_px", &c.disparity_step_px, "disparities are multiples of this", 0, 1},
              {"has_projector", &c.has_projector, "whether it has a dot projector"},
              {"projector_x_m", &c.projector_x_m, "from the left towards the right imager", -10, 10},
+             {"infrared_without_dots", &c.infrared_without_dots,
+              "infrared images are taken with the projector off, depth with it on"},
              {"color_columns", &c.color_columns, "colour image", 32, 8192},
              {"color_rows", &c.color_rows, "colour image", 32, 8192},
              {"color_focal_px", &c.color_focal_px, "colour camera", 10, 1e5},

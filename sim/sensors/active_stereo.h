@@ -32,6 +32,9 @@ struct ActiveStereoConfig {
   double disparity_step_px = 1.0 / 32;
   bool has_projector = true;
   double projector_x_m = 0.03;
+  /// The infrared images handed over are taken without the projector's dots, beside those that
+  /// depth is matched from: devices switch it off every other frame for that.
+  bool infrared_without_dots = false;
   DotProjectorConfig projector;
   InfraredConfig infrared;
   InfraredImagerConfig imager;

@@ -219,19 +219,38 @@ SensorFrame sense_color(const RangeRig& rig, std::size_t sensor, const Image<Rgb
 
 namespace {
 
+/// Infrared images handed over.
+void give_infrared(const DepthRig& rig, const InfraredCodes& codes, RigFrame& into) {
+  into.frame.sensors[kLeftSensor].grey = eight_bits(codes.left, rig.config.imager.bits);
+  into.frame.sensors[kRightSensor].grey = eight_bits(codes.right, rig.config.imager.bits);
+}
+
+/// What both imagers see without the projector, exposed for that.
+void take_without_dots(const DepthRig& rig, const DepthTake& from, RigFrame& into) {
+  ActiveStereoUnit dark = rig.unit;
+  dark.projector.reset();
+  const InfraredPair pair =
+      render_infrared_pair(from.rays, from.scene, from.rig_from_world, rig.config, dark,
+                           from.rig.fork("infrared").fork("without dots"));
+  give_infrared(rig,
+                expose_pair(pair, rig.config, dark, from.frame.fork("depth").fork("without dots")),
+                into);
+}
+
 /// Renders the infrared pair; gives the images and, if depth is matched and asked for, matches
 /// them.
 void take_matched(const DepthRig& rig, const DepthTake& from, const Streams& streams,
                   RigFrame& into) {
+  const bool matches = streams.depth && from.depth_by == DepthBy::matched;
+  const bool apart = rig.unit.projector && rig.config.infrared_without_dots;
+  if (streams.infrared && apart) take_without_dots(rig, from, into);
+  if (!matches && (apart || !streams.infrared)) return;
   const InfraredPair pair = render_infrared_pair(from.rays, from.scene, from.rig_from_world,
                                                  rig.config, rig.unit, from.rig.fork("infrared"));
   const Rng exposure = from.frame.fork("depth");
   InfraredCodes codes = expose_pair(pair, rig.config, rig.unit, exposure);
-  if (streams.infrared) {
-    into.frame.sensors[kLeftSensor].grey = eight_bits(codes.left, rig.config.imager.bits);
-    into.frame.sensors[kRightSensor].grey = eight_bits(codes.right, rig.config.imager.bits);
-  }
-  if (!streams.depth || from.depth_by != DepthBy::matched) return;
+  if (streams.infrared && !apart) give_infrared(rig, codes, into);
+  if (!matches) return;
   StereoDepth sensed = match_pair(pair, std::move(codes), rig.config, rig.unit);
   into.frame.sensors[*depth_place(rig)].depth = std::move(sensed.depth);
   into.noise_free_depth_m = std::move(sensed.noise_free_depth_m);

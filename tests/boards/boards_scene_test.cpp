@@ -14,6 +14,7 @@
 namespace cousin {
 namespace {
 
+using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
 BoardsSceneConfig with_board(const std::string& name) {
@@ -261,6 +262,65 @@ TEST(BoardsScene, RefusesByName) {
   config.flaws.stretch_x = std::nan("");
   EXPECT_THAT(refusal(config), HasSubstr("stretch_x"));
   EXPECT_THROW(board_preset("a5"), std::invalid_argument);
+}
+
+/// Turn and shift from one pose to another, of what the camera sees.
+double angle_between(const Pose& a, const Pose& b) {
+  return a.rotation.angularDistance(b.rotation);
+}
+
+TEST(BoardVideo, TheCameraMovesOnWhileRowsAreReadAsItDoesFromPictureToPicture) {
+  BoardsSceneConfig config = with_board("chessboard_a4");
+  config.plan = "video";
+  config.views = 60;
+  config.readout_s = 0.02;
+  config.setting.video = {.rate_hz = 50, .pose_step_s = 0.8};
+  const Scene scene = build_boards_scene(config, Rng(4));
+  ASSERT_EQ(scene.views.size(), 60U);
+  double farthest_m = 0, most_turned = 0;
+  for (std::size_t i = 0; i + 1 < scene.views.size(); ++i) {
+    const View &here = scene.views[i], &next = scene.views[i + 1];
+    EXPECT_NEAR(next.time_s - here.time_s, 0.02, 1e-12);
+    // A readout as long as a picture ends where the next one begins.
+    EXPECT_LT(angle_between(here.rig_from_world_end, next.rig_from_world), 1e-9);
+    EXPECT_LT((here.rig_from_world_end.translation_m - next.rig_from_world.translation_m).norm(),
+              1e-9);
+    const Pose& first = scene.views.front().rig_from_world;
+    farthest_m = std::max(
+        farthest_m, (centre_in_world_m(next.rig_from_world) - centre_in_world_m(first)).norm());
+    most_turned = std::max(most_turned, angle_between(first, next.rig_from_world));
+    if (i == 0) continue;
+    // No jump of the velocity: a step differs from the last one by the acceleration alone.
+    const Vector3d before = centre_in_world_m(scene.views[i - 1].rig_from_world);
+    const Vector3d at = centre_in_world_m(here.rig_from_world);
+    const Vector3d after = centre_in_world_m(next.rig_from_world);
+    EXPECT_LT((after - 2 * at + before).norm() / (0.02 * 0.02), 6) << i;  // m/s^2
+  }
+  EXPECT_GT(farthest_m, 0.05);
+  EXPECT_GT(most_turned, 0.1);
+}
+
+TEST(BoardVideo, AHeldBoardHasNone) {
+  BoardsSceneConfig config = with_board("chessboard_a4");
+  config.plan = "video";
+  config.place = "hand";
+  EXPECT_THROW(build_boards_scene(config, Rng(1)), std::invalid_argument);
+}
+
+TEST(BoardsScene, ViewsArePlannedForTheCameraThatTheRigSeesBy) {
+  BoardsSceneConfig config = with_board("chessboard_a4");
+  config.views = 4;
+  for (const char* place : {"stand", "hand"}) {
+    config.place = place;
+    config.eye_from_rig = {};
+    const Scene plain = build_boards_scene(config, Rng(1));
+    config.eye_from_rig.translation_m = {-0.06, 0, 0};
+    const Scene beside = build_boards_scene(config, Rng(1));
+    for (std::size_t i = 0; i < plain.views.size(); ++i) {
+      const Pose eye = config.eye_from_rig * beside.views[i].rig_from_world;
+      EXPECT_LT((eye.translation_m - plain.views[i].rig_from_world.translation_m).norm(), 1e-12);
+    }
+  }
 }
 
 }  // namespace

@@ -161,6 +161,35 @@ TEST(RigCapture, TheModelsDepthIsOfTheSameSurfacesAndReadsNoInfrared) {
   }
 }
 
+TEST(RigCapture, InfraredWithoutDotsIsThatOfARigWithItsProjectorOff) {
+  ActiveStereoConfig config = small_d457();
+  const RigFrame dotted = Rigged(config).rig.take(0, kAll, grey);
+  config.infrared_without_dots = true;
+  const RigFrame plain = Rigged(config).rig.take(0, kAll, grey);
+  config.has_projector = false;
+  const RigFrame off = Rigged(config).rig.take(0, kAll, grey);
+  // How much neighbours differ over the print's wall, off the plate.
+  const auto roughness = [](const RigFrame& taken) {
+    const Image<std::uint8_t>& image = taken.frame.sensors[1].grey;
+    double differences = 0, level = 0;
+    for (int y = 40; y < 80; ++y) {
+      for (int x = 40; x < 120; ++x) {
+        differences += std::abs(image(x + 1, y) - image(x, y));
+        level += image(x, y);
+      }
+    }
+    return differences / level;
+  };
+  EXPECT_GT(roughness(dotted), 2 * roughness(off));
+  EXPECT_NEAR(roughness(plain), roughness(off), 0.2 * roughness(off));
+  // Depth is matched with dots as before.
+  EXPECT_EQ(plain.frame.sensors[3].depth, dotted.frame.sensors[3].depth);
+  EXPECT_NE(off.frame.sensors[3].depth, dotted.frame.sensors[3].depth);
+  // Of the images alone no depth is matched.
+  const RigFrame alone = Rigged(config).rig.take(0, {.infrared = true}, no_light);
+  EXPECT_TRUE(alone.frame.sensors[3].depth.empty());
+}
+
 TEST(RigCapture, ReportsDifferFromTheTruthByTheConfiguredErrors) {
   ActiveStereoConfig config = small_d457();
   config.focal_error = config.color_focal_error = 0.01;
