@@ -35,11 +35,11 @@ struct SfmConfig {
   double max_board_turn_rad = 0.2;
   /// `loss_px` is in pixels of a track: matches of SIFT have long tails. Of 48 views of 1756 points
   /// by COLMAP with exact poses known, 0.5 px left centres 0.13 % of the distance off, 2 px 0.18 %,
-  /// COLMAP itself 0.27 %.
+  /// COLMAP itself 0.27 %. Priors about the lens given are as those of BoardPosesConfig.
   BundleAdjustmentConfig adjust = {.loss = RobustLoss::cauchy,
                                    .loss_px = 0.5,
-                                   .focal_prior_share = 0.02,
-                                   .centre_prior_px = 10,
+                                   .focal_prior_share = 0.005,
+                                   .centre_prior_px = 6,
                                    .distortion_prior = 0.02,
                                    .max_iterations = 300,
                                    .tolerance = 1e-9};
