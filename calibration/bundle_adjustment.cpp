@@ -214,6 +214,22 @@ int reject(BundleProblem& problem) {
   return gone;
 }
 
+/// From a start whose residuals are far beyond where the loss turns, most of them would count as
+/// outliers and hold each other where they are: the loss turns at two deviations of most residuals
+/// first, loosely, and comes down as they do [graduated non-convexity, Blake & Zisserman 1987].
+std::string minimise_from_afar(BundleProblem& problem, int& iterations) {
+  const BundleAdjustmentConfig asked = problem.config;
+  problem.config.tolerance = std::max(asked.tolerance, 1e-3);
+  constexpr int kPasses = 10;
+  for (int pass = 0; pass < kPasses && asked.loss != RobustLoss::none; ++pass) {
+    problem.config.loss_px = 2 * robust_sigma(problem);
+    if (!(problem.config.loss_px > 2 * asked.loss_px)) break;
+    minimise_bundle(problem, iterations);
+  }
+  problem.config = asked;
+  return minimise_bundle(problem, iterations);
+}
+
 /// Least squares first, loosely, as the start may be far off; then a loss that turns at two
 /// deviations of most residuals; then what is left beyond the limit goes until nothing does.
 std::string minimise_without_outliers(BundleProblem& problem, int& iterations) {
@@ -430,7 +446,7 @@ BundleAdjustmentResult adjust_bundle(const BundleAdjustmentInput& input,
   const std::vector<Vector6d> before = problem.poses;
   const std::string why = config.reject_sigmas > 0
                               ? minimise_without_outliers(problem, result.iterations)
-                              : minimise_bundle(problem, result.iterations);
+                              : minimise_from_afar(problem, result.iterations);
   hold_frame(before, problem);
   result.status = why.empty() ? CalibrationStatus::ok : CalibrationStatus::not_converged;
   result.reason = why;

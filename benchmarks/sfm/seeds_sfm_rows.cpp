@@ -51,6 +51,10 @@ std::vector<ScoreRow> estimate_rows(const ScoreRow& row, const SfmEstimate& esti
   std::vector<ScoreRow> rows;
   const auto placed = static_cast<double>(estimate.poses.size() - estimate.lost.size());
   rows.push_back(numbered(row, "views placed", placed, "1", n));
+  rows.push_back(numbered(row, "views placed by the board alone",
+                          static_cast<double>(estimate.by_board.size()), "1", n));
+  rows.push_back(numbered(row, "views whose place the board denied",
+                          static_cast<double>(estimate.contradicted.size()), "1", n));
   rows.push_back(
       numbered(row, "COLMAP's models", static_cast<double>(estimate.model_sizes.size()), "1", n));
   for (const StageTiming& timing : estimate.timings) {

@@ -135,7 +135,9 @@ void add_missing_program(std::vector<StabilityRow>& rows) {
 
 void add_lost_images(std::vector<StabilityRow>& rows) {
   const RingOfViews half = ring_of_views(6);
-  const SfmEstimate estimate = refined(half);
+  SfmConfig alone;
+  alone.place_by_board = false;
+  const SfmEstimate estimate = refined(half, alone);
   rows.push_back(make_row("half of the images placed", "says partly_registered", "", 1,
                           estimate.status == SfmStatus::partly_registered, false));
   const std::vector<int> expected = {6, 7, 8, 9, 10, 11};
@@ -144,6 +146,12 @@ void add_lost_images(std::vector<StabilityRow>& rows) {
   // All centres err alike, by the focal length: three deviations.
   rows.push_back(make_row("half of the images placed", "centres, RMS error over the predicted", "",
                           3, centre_rms_m(half, estimate) / predicted_centre_rms_m(estimate)));
+  const SfmEstimate whole = refined(half);
+  rows.push_back(make_row("half of the images placed, the rest by the board", "says ok", "", 1,
+                          whole.status == SfmStatus::ok, false));
+  rows.push_back(make_row("half of the images placed, the rest by the board",
+                          "centres, RMS error over the predicted", "", 3,
+                          centre_rms_m(half, whole) / predicted_centre_rms_m(whole)));
 }
 
 /// A model of some images as COLMAP leaves it, without points.

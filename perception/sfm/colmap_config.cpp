@@ -62,6 +62,8 @@ Fields fields(ColmapConfig& config) {
           {"lens_per_image", &config.lens_per_image, "else all images share one"},
           {"threads", &config.threads, "COLMAP's models vary with it", 1, 256},
           {"max_features", &config.max_features, "of an image", 100, 100000},
+          {"match_lost", &config.match_lost,
+           "images without a place are matched with all others, then all are mapped again"},
           {"time_limit_s", &config.time_limit_s, "of all steps together", 0.01, 1e6}};
 }
 

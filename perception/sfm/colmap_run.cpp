@@ -165,10 +165,11 @@ void write_images(const ColmapInput& input, const fs::path& folder) {
 /// database of something else goes with all that came of it.
 void keep_database_of(const std::string& key, const fs::path& folder) {
   if (holds(folder / "database.key", key)) return;
-  for (const char* name : {"database.db", "database.db-shm", "database.db-wal", "database.key",
-                           "features.done", "matches.done", "mapping.done"})
+  for (const char* name :
+       {"database.db", "database.db-shm", "database.db-wal", "database.key", "features.done",
+        "matches.done", "mapping.done", "matches_lost.done", "mapping_lost.done"})
     fs::remove(folder / name);
-  for (const char* name : {"images", "sparse"}) fs::remove_all(folder / name);
+  for (const char* name : {"images", "sparse", "sparse_lost"}) fs::remove_all(folder / name);
 }
 
 Words extraction_words(const ColmapInput& input, const ColmapConfig& config,
@@ -192,7 +193,8 @@ Words extraction_words(const ColmapInput& input, const ColmapConfig& config,
   return words;
 }
 
-Words matching_words(const ColmapConfig& config, const fs::path& folder) {
+/// @param list  name of the file of pairs
+Words matching_words(const ColmapConfig& config, const fs::path& folder, const char* list) {
   return {config.program,
           "matches_importer",
           "--random_seed",
@@ -200,7 +202,7 @@ Words matching_words(const ColmapConfig& config, const fs::path& folder) {
           "--database_path",
           (folder / "database.db").string(),
           "--match_list_path",
-          (folder / "pairs.txt").string(),
+          (folder / list).string(),
           "--match_type",
           "pairs",
           "--SiftMatching.use_gpu",
@@ -209,7 +211,8 @@ Words matching_words(const ColmapConfig& config, const fs::path& folder) {
           std::to_string(config.threads)};
 }
 
-Words mapping_words(const ColmapConfig& config, const fs::path& folder) {
+/// @param models  name of the folder that they go to
+Words mapping_words(const ColmapConfig& config, const fs::path& folder, const char* models) {
   return {config.program,
           "mapper",
           "--random_seed",
@@ -219,7 +222,7 @@ Words mapping_words(const ColmapConfig& config, const fs::path& folder) {
           "--image_path",
           (folder / "images").string(),
           "--output_path",
-          (folder / "sparse").string(),
+          (folder / models).string(),
           "--Mapper.num_threads",
           std::to_string(config.threads),
           "--Mapper.min_model_size",
@@ -232,25 +235,34 @@ Words mapping_words(const ColmapConfig& config, const fs::path& folder) {
           config.lens == ColmapLens::self ? "1" : "0"};
 }
 
-/// @returns whether all steps are done; if not, the run says why.
-bool run_steps(const ColmapInput& input, const ColmapConfig& config, const fs::path& folder,
-               ColmapRun& run) {
-  const Words extraction = extraction_words(input, config, folder);
-  const std::string list = match_list(input.pairs);
-  std::string key = run.version + "\n" + images_hash(input) + "\n" + list;
+void empty_folder(const fs::path& folder) {
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+}
+
+/// What of the images and words a run in `folder` depends on; a folder of another run is emptied.
+std::string prepared_key(const ColmapInput& input, const Words& extraction, const fs::path& folder,
+                         const std::string& version) {
+  std::string key = version + "\n" + images_hash(input) + "\n" + match_list(input.pairs);
   for (const std::string& word : extraction) key += "\n" + word;
   key = sha256_hex(key);
   keep_database_of(key, folder);
-  Steps steps(key, config.time_limit_s, folder, run);
+  return key;
+}
+
+/// @returns whether all steps are done; if not, the run says why.
+bool map_pairs(const ColmapInput& input, const ColmapConfig& config, const Words& extraction,
+               const std::string& key, const fs::path& folder, Steps& steps, ColmapRun& run) {
   const bool matched = steps.run("features", extraction, [&] {
     write_images(input, folder / "images");
-    write_file(folder / "pairs.txt", list);
+    write_file(folder / "pairs.txt", match_list(input.pairs));
     write_file(folder / "database.key", key);
-  }) && steps.run("matches", matching_words(config, folder), [] {});
+  }) && steps.run("matches", matching_words(config, folder, "pairs.txt"), [] {});
   if (!matched) return false;
-  const bool mapped = steps.run("mapping", mapping_words(config, folder), [&] {
-    fs::remove_all(folder / "sparse");
-    fs::create_directories(folder / "sparse");
+  const bool mapped = steps.run("mapping", mapping_words(config, folder, "sparse"), [&] {
+    empty_folder(folder / "sparse");
+    // Which images are lost is this step's outcome.
+    for (const char* name : {"matches_lost.done", "mapping_lost.done"}) fs::remove(folder / name);
   });
   // COLMAP ends with an error where it finds nothing to start from.
   if (!mapped && run.status == ColmapStatus::program_failed &&
@@ -260,6 +272,16 @@ bool run_steps(const ColmapInput& input, const ColmapConfig& config, const fs::p
     run.reason = "COLMAP found no two images that show enough of the same";
   }
   return mapped;
+}
+
+/// Matches images without a place with all others and maps again. @returns as map_pairs
+bool map_lost(const std::vector<ImagePair>& pairs, const ColmapConfig& config,
+              const fs::path& folder, Steps& steps) {
+  return steps.run("matches_lost", matching_words(config, folder, "pairs_lost.txt"), [&] {
+    write_file(folder / "pairs_lost.txt", match_list(pairs));
+  }) && steps.run("mapping_lost", mapping_words(config, folder, "sparse_lost"), [&] {
+    empty_folder(folder / "sparse_lost");
+  });
 }
 
 }  // namespace
@@ -305,9 +327,21 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
   if (config.folder.empty()) scratch.emplace("cousin-colmap");
   const fs::path folder = fs::absolute(scratch ? scratch->path() : fs::path(config.folder));
   fs::create_directories(folder);
-  if (!run_steps(input, config, folder, run)) return run;
-  std::vector<SfmModel> models =
-      read_models(folder / "sparse", static_cast<int>(input.images.size()));
+  const Words extraction = extraction_words(input, config, folder);
+  const std::string key = prepared_key(input, extraction, folder, run.version);
+  Steps steps(key, config.time_limit_s, folder, run);
+  if (!map_pairs(input, config, extraction, key, folder, steps, run)) return run;
+  const auto images = static_cast<int>(input.images.size());
+  std::vector<SfmModel> models = read_models(folder / "sparse", images);
+  if (config.match_lost && !models.empty()) {
+    const std::vector<ImagePair> pairs = pairs_of_lost(images, models.front().images, input.pairs);
+    if (!pairs.empty()) {
+      if (!map_lost(pairs, config, folder, steps)) return run;
+      std::vector<SfmModel> again = read_models(folder / "sparse_lost", images);
+      if (!again.empty() && again.front().images.size() > models.front().images.size())
+        models = std::move(again);
+    }
+  }
   if (models.empty()) {
     run.status = ColmapStatus::no_model;
     run.reason = "COLMAP left no model";

@@ -28,7 +28,10 @@ struct ColmapConfig {
   bool lens_per_image = false;  ///< else all images share one
   int threads = 1;              ///< COLMAP's models vary with it
   int max_features = 8192;      ///< of an image
-  double time_limit_s = 3600;   ///< of all steps together
+  /// Where images find no place they are matched with all others, and mapping starts again; the
+  /// larger model counts.
+  bool match_lost = true;
+  double time_limit_s = 3600;  ///< of all steps together
 };
 Fields fields(ColmapConfig& config);
 void validate(const ColmapConfig& config);
@@ -49,7 +52,7 @@ struct ColmapRun {
   std::string version;               ///< "3.8"
   SfmModel model;                    ///< the one of most images
   std::vector<int> model_sizes;      ///< images of each, descending
-  std::vector<StageTiming> timings;  ///< features, matches, mapping; also of a step found done
+  std::vector<StageTiming> timings;  ///< of each step; also of one found done
   bool resumed = false;              ///< some step was found done
 };
 

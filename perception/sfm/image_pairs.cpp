@@ -77,4 +77,18 @@ std::vector<ImagePair> image_pairs(int images, const PairConfig& config) {
   return {pairs.begin(), pairs.end()};
 }
 
+std::vector<ImagePair> pairs_of_lost(int images, const std::vector<int>& placed,
+                                     const std::vector<ImagePair>& matched) {
+  const std::set<int> there(placed.begin(), placed.end());
+  const std::set<ImagePair> done(matched.begin(), matched.end());
+  std::vector<ImagePair> pairs;
+  for (int a = 0; a < images; ++a) {
+    for (int b = a + 1; b < images; ++b) {
+      const bool both = there.contains(a) && there.contains(b);
+      if (!both && !done.contains({a, b})) pairs.push_back({a, b});
+    }
+  }
+  return pairs;
+}
+
 }  // namespace cousin

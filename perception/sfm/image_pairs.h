@@ -31,4 +31,9 @@ using ImagePair = std::array<int, 2>;
 /// @throws std::invalid_argument if the config is not valid or `images` is negative
 std::vector<ImagePair> image_pairs(int images, const PairConfig& config = {});
 
+/// All pairs with an image that has no place yet, without those that were matched; ascending.
+/// @param placed  images with a place, in any order, as `matched` is
+std::vector<ImagePair> pairs_of_lost(int images, const std::vector<int>& placed,
+                                     const std::vector<ImagePair>& matched);
+
 }  // namespace cousin

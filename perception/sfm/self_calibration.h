@@ -37,7 +37,8 @@ struct ViewGeometry {
 ViewGeometry view_geometry(const BundleAdjustmentInput& input);
 
 struct SelfCalibrationConfig {
-  BundleAdjustmentConfig adjust = {.loss = RobustLoss::cauchy, .loss_px = 0.5, .tolerance = 1e-10};
+  BundleAdjustmentConfig adjust = {
+      .loss = RobustLoss::cauchy, .loss_px = 0.5, .max_iterations = 300, .tolerance = 1e-10};
   /// Below (forward: above) these a weakness is named beside parameters that are not determined.
   double min_flatness = 0.05;
   double min_axes_rad = 0.15;

@@ -18,10 +18,11 @@ constexpr std::array<Named<SfmScale>, 3> kScales = {
     {{SfmScale::adjusted, "adjusted"}, {SfmScale::squares, "squares"}, {SfmScale::none, "none"}}};
 constexpr std::array<Named<SfmFocal>, 2> kFocals = {
     {{SfmFocal::shared, "shared"}, {SfmFocal::per_image, "per_image"}}};
-constexpr std::array<Named<SfmStatus>, 10> kStatuses = {
+constexpr std::array<Named<SfmStatus>, 11> kStatuses = {
     {{SfmStatus::ok, "ok"},
      {SfmStatus::partly_registered, "partly_registered"},
      {SfmStatus::no_scale, "no_scale"},
+     {SfmStatus::contradicted, "contradicted"},
      {SfmStatus::not_determined, "not_determined"},
      {SfmStatus::not_converged, "not_converged"},
      {SfmStatus::too_few_images, "too_few_images"},
@@ -73,7 +74,11 @@ Fields fields(SfmConfig& config) {
                 {"board_sigma_m", &config.board_sigma_m, "of a corner's coordinate", 1e-9, 1},
                 {"corner_floor_px", &config.corner_floor_px,
                  "added in quadrature to each corner's deviation", 0, 100},
-                {"min_board_corners", &config.min_board_corners, "fewer: no scale", 3, 1000}} +
+                {"min_board_corners", &config.min_board_corners, "fewer: no scale", 4, 1000},
+                {"place_by_board", &config.place_by_board,
+                 "images that COLMAP lost enter the adjustment by the board"},
+                {"max_board_turn_rad", &config.max_board_turn_rad,
+                 "images that the board turns by more are taken out", 0, 3.2}} +
          nested("adjust", fields(config.adjust));
 }
 

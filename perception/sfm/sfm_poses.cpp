@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "calibration/planar_pose.h"
+#include "perception/sfm/board_views.h"
+#include "perception/sfm/sfm_bundle.h"
 #include "sim/geometry/similarity.h"
 #include "sim/types/stage_clock.h"
 
@@ -15,80 +17,6 @@ namespace cousin {
 namespace {
 
 constexpr double kLeastSigma_px = 1e-3;  ///< of a track's sighting, where there is no noise
-
-/// An adjustment's start and what came of it.
-struct Bundle {
-  BundleAdjustmentInput input;
-  BundleAdjustmentResult result;
-};
-
-/// COLMAP's own poses and lenses as if they were an adjustment's.
-Bundle as_it_is(const SfmModel& model) {
-  Bundle bundle;
-  bundle.input = track_bundle(model, std::nullopt, 1);
-  bundle.input.lenses = model.lenses;
-  std::iota(bundle.input.lens_of_image.begin(), bundle.input.lens_of_image.end(), 0);
-  bundle.result.status = CalibrationStatus::ok;
-  bundle.result.lenses = model.lenses;
-  bundle.result.camera_from_world = model.camera_from_world;
-  bundle.result.points_in_world_m = bundle.input.points_in_world_m;
-  bundle.result.rejected.assign(bundle.input.observations.size(), false);
-  return bundle;
-}
-
-/// What an adjustment that did not succeed makes of the estimate.
-void take_failure(const BundleAdjustmentResult& result, SfmEstimate& estimate) {
-  estimate.reason = "adjustment: " + result.reason;
-  estimate.not_determined.clear();
-  for (const std::string& name : result.not_determined) {
-    // With a lens an image, one image's name stands for all.
-    const std::string own = name.substr(name.find('.') + 1);
-    if (std::find(estimate.not_determined.begin(), estimate.not_determined.end(), own) ==
-        estimate.not_determined.end())
-      estimate.not_determined.push_back(own);
-  }
-  switch (result.status) {
-    case CalibrationStatus::ok:
-      return;
-    case CalibrationStatus::not_determined:
-      estimate.status = SfmStatus::not_determined;
-      for (const std::string& name : estimate.not_determined) estimate.reason += " " + name;
-      return;
-    case CalibrationStatus::not_converged:
-      estimate.status = SfmStatus::not_converged;
-      return;
-    case CalibrationStatus::bad_input:
-      estimate.status = SfmStatus::no_model;
-      return;
-    case CalibrationStatus::not_built:
-      estimate.status = SfmStatus::not_built;
-      return;
-  }
-}
-
-/// The whole bundle in the world `board_from_model` leads to. The start's lenses stay.
-void move_bundle(const WorldSimilarity& board_from_model, Bundle& bundle) {
-  for (Pose& pose : bundle.result.camera_from_world) pose = moved(pose, board_from_model);
-  for (Eigen::Vector3d& point : bundle.result.points_in_world_m) point = board_from_model * point;
-  for (std::size_t i = 0; i < bundle.result.pose_covariance.size(); ++i) {
-    // t' = s t - R' shift: a turn of the camera moves t' too.
-    const Eigen::Vector3d shift =
-        bundle.result.camera_from_world[i].rotation * board_from_model.shift_m;
-    Eigen::Matrix<double, 6, 6> to_board = Eigen::Matrix<double, 6, 6>::Identity();
-    to_board.bottomLeftCorner<3, 3>() = cross_matrix(shift);
-    to_board.bottomRightCorner<3, 3>() *= board_from_model.scale;
-    Eigen::Matrix<double, 6, 6>& covariance = bundle.result.pose_covariance[i];
-    covariance = (to_board * covariance * to_board.transpose()).eval();
-  }
-}
-
-/// A scale that is off moves cameras along their translations.
-void add_scale_covariance(double sigma_share, BundleAdjustmentResult& result) {
-  for (std::size_t i = 0; i < result.pose_covariance.size(); ++i) {
-    const Eigen::Vector3d along = sigma_share * result.camera_from_world[i].translation_m;
-    result.pose_covariance[i].bottomRightCorner<3, 3>() += along * along.transpose();
-  }
-}
 
 /// Sightings over a deviation of their own: the loss turns where it did in pixels of a track.
 BundleAdjustmentConfig weighed(const SfmConfig& config, double feature_sigma_px) {
@@ -98,8 +26,9 @@ BundleAdjustmentConfig weighed(const SfmConfig& config, double feature_sigma_px)
 }
 
 /// The bundle again, from where it ended, with the board's corners as known points.
-BundleAdjustmentInput with_board(const Bundle& bundle, const std::vector<BoardCorner>& corners,
-                                 const SeedBoard& board, const SfmConfig& config) {
+BundleAdjustmentInput with_board(const SfmBundle& bundle, const std::vector<BoardCorner>& corners,
+                                 const SeedBoard& board, const SfmConfig& config,
+                                 CornerPoints& points) {
   BundleAdjustmentInput input = bundle.input;
   input.camera_from_world = bundle.result.camera_from_world;
   const double sigma_px = std::max(bundle.result.sigma_px, kLeastSigma_px);
@@ -120,6 +49,7 @@ BundleAdjustmentInput with_board(const Bundle& bundle, const std::vector<BoardCo
     const Eigen::Vector3d known = corner_in_world_m(board, corner.column, corner.row);
     input.points_in_world_m.push_back(known);
     input.known_points.push_back({point, known, config.board_sigma_m});
+    points[{corner.row, corner.column}] = point;
     for (BundleObservation seen : corner.observations) {
       seen.point = point;
       input.observations.push_back(seen);
@@ -146,77 +76,6 @@ BundleAdjustmentResult adjust_focal_lengths(BundleAdjustmentInput& input,
   return adjust_bundle(input, own);
 }
 
-struct ImageResiduals {
-  double sum_px2 = 0;
-  int points = 0;
-};
-
-/// Squared residuals of each image's sightings that count.
-std::vector<ImageResiduals> residuals(const Bundle& bundle) {
-  std::vector<ImageResiduals> squares(bundle.result.camera_from_world.size());
-  std::vector<Lens> lenses;
-  for (const Camera& lens : bundle.result.lenses) lenses.emplace_back(lens);
-  for (std::size_t i = 0; i < bundle.input.observations.size(); ++i) {
-    const BundleObservation& seen = bundle.input.observations[i];
-    const Eigen::Vector3d& point =
-        bundle.result.points_in_world_m[static_cast<std::size_t>(seen.point)];
-    if (bundle.result.rejected[i] || !point.allFinite()) continue;
-    const auto image = static_cast<std::size_t>(seen.image);
-    const Lens& lens = lenses[static_cast<std::size_t>(bundle.input.lens_of_image[image])];
-    const auto pixel_px = lens.project(bundle.result.camera_from_world[image] * point);
-    if (!pixel_px) continue;
-    squares[image].sum_px2 += (*pixel_px - seen.pixel_px).squaredNorm();
-    ++squares[image].points;
-  }
-  return squares;
-}
-
-/// The bundle's poses, lens and points into the estimate.
-void report(const Bundle& bundle, const SfmModel& model, bool good, SfmEstimate& estimate) {
-  const std::vector<ImageResiduals> squares = residuals(bundle);
-  for (std::size_t i = 0; i < model.images.size(); ++i) {
-    FramePose& pose = estimate.poses.at(static_cast<std::size_t>(model.images[i]));
-    pose.status = good ? PoseStatus::ok : PoseStatus::degenerate;
-    pose.camera_from_world = bundle.result.camera_from_world[i];
-    pose.camera = bundle.result.lenses[static_cast<std::size_t>(bundle.input.lens_of_image[i])];
-    if (i < bundle.result.pose_covariance.size())
-      pose.covariance = bundle.result.pose_covariance[i];
-    pose.corner_count = squares[i].points;
-    pose.rms_px = std::sqrt(squares[i].sum_px2 / std::max(1, 2 * squares[i].points));
-  }
-  estimate.lens = mean_lens(bundle.result.lenses);
-  estimate.gauge = bundle.result.gauge;
-  for (std::size_t p = 0; p < model.points.size(); ++p) {
-    if (!bundle.result.points_in_world_m[p].allFinite()) continue;
-    estimate.points.push_back(model.points[p]);
-    estimate.points.back().in_world_m = bundle.result.points_in_world_m[p];
-  }
-}
-
-/// The lens as all images share it, with its covariance.
-void report_lens(const BundleAdjustmentResult& result, SfmEstimate& estimate) {
-  estimate.lens_parameters.clear();
-  for (const std::string& name : result.parameters)
-    estimate.lens_parameters.push_back(name.substr(name.find('.') + 1));
-  estimate.lens_covariance = result.covariance;
-}
-
-void lose_frames(const SfmModel& model, const std::vector<int>& frames, SfmEstimate& estimate) {
-  const std::set<int> placed(model.images.begin(), model.images.end());
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    estimate.poses.push_back({.frame = frames[i], .status = PoseStatus::not_converged});
-    if (!placed.contains(static_cast<int>(i))) estimate.lost.push_back(frames[i]);
-  }
-  if (estimate.lost.empty()) return;
-  estimate.status = SfmStatus::partly_registered;
-  estimate.reason = std::to_string(estimate.lost.size()) + " of " + std::to_string(frames.size()) +
-                    " frames found no place:";
-  constexpr std::size_t kMostNamed = 20;
-  for (std::size_t i = 0; i < std::min(kMostNamed, estimate.lost.size()); ++i)
-    estimate.reason += " " + std::to_string(estimate.lost[i]);
-  if (estimate.lost.size() > kMostNamed) estimate.reason += " ...";
-}
-
 void refuse_scale(const std::string& why, SfmEstimate& estimate) {
   estimate.reason += (estimate.reason.empty() ? "" : "; ") + why;
   estimate.status = SfmStatus::no_scale;
@@ -224,7 +83,7 @@ void refuse_scale(const std::string& why, SfmEstimate& estimate) {
 
 /// Deviation of the focal length over itself; 0 where it was not solved for. Where it is off by a
 /// share, cameras stand off by the same share from what they look at, and so does a model's scale.
-double focal_share(const SfmEstimate& estimate, const Bundle& bundle) {
+double focal_share(const SfmEstimate& estimate, const SfmBundle& bundle) {
   const auto& names = estimate.lens_parameters;
   const auto at = std::find(names.begin(), names.end(), "fx_px");
   if (at == names.end() || bundle.result.lenses.empty()) return 0;
@@ -233,11 +92,46 @@ double focal_share(const SfmEstimate& estimate, const Bundle& bundle) {
   return std::sqrt(estimate.lens_covariance(i, i)) / bundle.result.lenses.front().fx_px;
 }
 
+/// The model's own adjustment.
+SfmBundle adjust_tracks(const SfmModel& model, const std::optional<Camera>& lens,
+                        const SfmConfig& config) {
+  SfmBundle bundle;
+  bundle.images = model.images;
+  bundle.input = track_bundle(model, lens, 1);
+  bundle.result = adjust_bundle(bundle.input, config.adjust);
+  return bundle;
+}
+
+/// Takes images that the board contradicts out of an adjusted model, and adjusts what is left.
+/// @returns false where the board contradicts the model as a whole: the estimate says so
+bool keep_what_agrees(const std::vector<int>& frames, const std::optional<Camera>& lens,
+                      const Corners& corners, const SeedBoard& board, const SfmConfig& config,
+                      SfmModel& model, SfmBundle& bundle, SfmEstimate& estimate) {
+  const BoardAgreement agreement = board_agreement(
+      bundle.result.camera_from_world, model.images, bundle.result.lenses.at(0), corners, board,
+      config.max_board_turn_rad, {.min_corners = config.min_board_corners});
+  if (agreement.against.empty()) return true;
+  for (const int image : agreement.against)
+    estimate.contradicted.push_back(
+        frames[static_cast<std::size_t>(model.images[static_cast<std::size_t>(image)])]);
+  // Two of many images agree by chance, and a half may be either half.
+  if (agreement.with < 3 || 2 * agreement.with <= agreement.seen) {
+    estimate.status = SfmStatus::contradicted;
+    estimate.reason = "of " + std::to_string(agreement.seen) +
+                      " placed images that show the board, at most " +
+                      std::to_string(agreement.with) + " agree where it stands";
+    return false;
+  }
+  model = without_images(model, agreement.against);
+  bundle = adjust_tracks(model, lens, config);
+  return true;
+}
+
 /// Brings the bundle into the board's frame in metres. @returns false where the adjustment failed
-bool scale_bundle(const SfmModel& model, const Corners& corners, const SeedBoard& board,
-                  const SfmConfig& config, Bundle& bundle, SfmEstimate& estimate) {
+bool scale_bundle(const std::vector<int>& frames, const Corners& corners, const SeedBoard& board,
+                  const SfmConfig& config, SfmBundle& bundle, SfmEstimate& estimate) {
   const std::vector<BoardCorner> found = board_corners(
-      bundle.result, bundle.input.lens_of_image, model.images, corners, config.corner_floor_px);
+      bundle.result, bundle.input.lens_of_image, bundle.images, corners, config.corner_floor_px);
   if (static_cast<int>(found.size()) < config.min_board_corners) {
     refuse_scale(std::to_string(found.size()) + " corners of the board were placed, at least " +
                      std::to_string(config.min_board_corners) + " are needed",
@@ -273,7 +167,15 @@ bool scale_bundle(const SfmModel& model, const Corners& corners, const SeedBoard
     add_scale_covariance(fit.scale_sigma_share, bundle.result);
     return true;
   }
-  bundle.input = with_board(bundle, found, board, config);
+  CornerPoints points;
+  bundle.input = with_board(bundle, found, board, config, points);
+  if (config.place_by_board) {
+    for (const int image :
+         add_board_views(bundle.result.lenses.at(0), corners, board, config.board_sigma_m,
+                         config.corner_floor_px, {.min_corners = config.min_board_corners},
+                         bundle.input, bundle.images, points))
+      estimate.by_board.push_back(frames[static_cast<std::size_t>(image)]);
+  }
   bundle.result = adjust_bundle(bundle.input, weighed(config, estimate.feature_sigma_px));
   return bundle.result.status == CalibrationStatus::ok;
 }
@@ -291,7 +193,7 @@ Camera mean_lens(const std::vector<Camera>& lenses) {
   return mean;
 }
 
-SfmEstimate refine_sfm(const SfmModel& model, const std::vector<int>& frames,
+SfmEstimate refine_sfm(const SfmModel& given, const std::vector<int>& frames,
                        const std::optional<Camera>& lens, const Corners& corners,
                        const SeedBoard& board, const SfmConfig& config) {
   validate(config);
@@ -302,21 +204,24 @@ SfmEstimate refine_sfm(const SfmModel& model, const std::vector<int>& frames,
   const StageClock clock("adjust");
   SfmEstimate estimate;
   estimate.status = SfmStatus::ok;
-  lose_frames(model, frames, estimate);
-  Bundle bundle;
-  if (config.refine) {
-    bundle.input = track_bundle(model, lens, 1);
-    bundle.result = adjust_bundle(bundle.input, config.adjust);
-    estimate.feature_sigma_px = bundle.result.sigma_px;
-    report_lens(bundle.result, estimate);
-  } else {
-    bundle = as_it_is(model);
-  }
+  for (const int frame : frames)
+    estimate.poses.push_back({.frame = frame, .status = PoseStatus::not_converged});
+  SfmModel model = given;
+  SfmBundle bundle = config.refine ? adjust_tracks(model, lens, config) : as_it_is(model);
   bool good = bundle.result.status == CalibrationStatus::ok;
   const bool wants_scale = config.scale != SfmScale::none;
+  bool agrees = true;
+  if (good && config.refine && wants_scale && !corners.empty()) {
+    agrees = keep_what_agrees(frames, lens, corners, board, config, model, bundle, estimate);
+    good = agrees && bundle.result.status == CalibrationStatus::ok;
+  }
+  if (config.refine) {
+    estimate.feature_sigma_px = bundle.result.sigma_px;
+    report_lens(bundle.result, estimate);
+  }
   if (good && wants_scale && corners.empty()) refuse_scale("there is no board", estimate);
   if (good && wants_scale && !corners.empty()) {
-    good = scale_bundle(model, corners, board, config, bundle, estimate);
+    good = scale_bundle(frames, corners, board, config, bundle, estimate);
     if (good && config.scale == SfmScale::adjusted && bundle.result.gauge == BundleGauge::metric)
       report_lens(bundle.result, estimate);
   }
@@ -328,8 +233,9 @@ SfmEstimate refine_sfm(const SfmModel& model, const std::vector<int>& frames,
                                          is_weighed ? estimate.feature_sigma_px : 1, config);
     good = bundle.result.status == CalibrationStatus::ok;
   }
-  if (!good) take_failure(bundle.result, estimate);
-  if (!bundle.result.camera_from_world.empty()) report(bundle, model, good, estimate);
+  if (agrees) take_failure(bundle.result, estimate);
+  lose_frames(bundle, frames, estimate);
+  if (!bundle.result.camera_from_world.empty()) report_poses(bundle, model, good, estimate);
   estimate.timings.push_back(clock.finish());
   return estimate;
 }

@@ -27,15 +27,21 @@ struct SfmConfig {
   double focal_jitter = 3e-4;     ///< relative deviation of one image's focal length about all's
   double board_sigma_m = 2e-5;    ///< of each coordinate of a corner of the print
   double corner_floor_px = 0.05;  ///< added in quadrature to each corner's predicted deviation
-  int min_board_corners = 8;      ///< fewer: there is no scale
+  int min_board_corners = 8;      ///< fewer: there is no scale; in one image: no place by them
+  /// `adjusted` only: images that COLMAP lost but that show the board enter the adjustment by it.
+  bool place_by_board = true;
+  /// Images whose adjusted turn differs by more from what their own corners say are taken out of
+  /// the model, and count as lost. Needs `refine`; with pi none is.
+  double max_board_turn_rad = 0.2;
   /// `loss_px` is in pixels of a track: matches of SIFT have long tails. Of 48 views of 1756 points
   /// by COLMAP with exact poses known, 0.5 px left centres 0.13 % of the distance off, 2 px 0.18 %,
-  /// COLMAP itself 0.27 %.
+  /// COLMAP itself 0.27 %. Priors about the lens given are as those of BoardPosesConfig.
   BundleAdjustmentConfig adjust = {.loss = RobustLoss::cauchy,
                                    .loss_px = 0.5,
-                                   .focal_prior_share = 0.02,
-                                   .centre_prior_px = 10,
+                                   .focal_prior_share = 0.005,
+                                   .centre_prior_px = 6,
                                    .distortion_prior = 0.02,
+                                   .max_iterations = 300,
                                    .tolerance = 1e-9};
 };
 Fields fields(SfmConfig& config);
@@ -47,11 +53,13 @@ SfmConfig paper_sfm_config();
 
 /// `partly_registered`: some images found no place, the rest have poses. `no_scale`: poses are
 /// good up to a similarity, the board was not seen well enough. `not_determined`: the images do not
-/// fix the lens, whose parameters `reason` names. `not_built`: no COLMAP, or Ceres is not built in.
+/// fix the lens, whose parameters `reason` names. `contradicted`: the board, as the images show it
+/// one by one, does not stand still in the model. `not_built`: no COLMAP, or Ceres is not built in.
 enum class SfmStatus {
   ok,
   partly_registered,
   no_scale,
+  contradicted,
   not_determined,
   not_converged,
   too_few_images,
@@ -70,12 +78,14 @@ inline bool has_poses(SfmStatus status) {
 struct SfmEstimate {
   SfmStatus status = SfmStatus::not_built;
   std::string reason;  ///< unless ok: what and why
-  /// One for each frame of the capture. Status ok where COLMAP found a place. The world is the
-  /// board's frame in metres, or where `gauge` is a similarity the model's own.
+  /// One for each frame of the capture. Status ok where there is a place. The world is the board's
+  /// frame in metres, or where `gauge` is a similarity the model's own.
   Poses poses;
-  std::vector<int> lost;         ///< ids of frames without a place
-  Camera lens;                   ///< of all images; with SfmFocal::per_image their mean
-  std::vector<SfmPoint> points;  ///< images as indices into the capture's frames
+  std::vector<int> lost;          ///< ids of frames without a place
+  std::vector<int> contradicted;  ///< ids of frames whose place in the model the board denied
+  std::vector<int> by_board;      ///< ids of frames that only the board placed
+  Camera lens;                    ///< of all images; with SfmFocal::per_image their mean
+  std::vector<SfmPoint> points;   ///< images as indices into the capture's frames
   BundleGauge gauge = BundleGauge::similarity;
   double metres_per_unit = kNaN;  ///< of the model as COLMAP left it
   /// Deviation of that over itself: of the fit to the board, and of the focal length before the

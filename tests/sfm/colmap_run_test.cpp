@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <stdexcept>
+#include <tuple>
 
 #include "perception/sfm/sfm_poses.h"
 #include "sim/process/scratch_folder.h"
@@ -103,6 +104,46 @@ TEST_F(ColmapRunTest, WhatIsDoneIsNotDoneAgain) {
   fs::remove(work_ / "mapping.done");
   EXPECT_TRUE(run_colmap(pictures.input, config(program)).resumed);
   EXPECT_EQ(program.calls(), once + "help\nhelp\nmapper\n");
+}
+
+/// A mapper that leaves other images without a place the second time.
+const std::string kSecondModel =
+    "if [ \"$1\" = mapper ]; then\n"
+    "  [ -e \"$here/mapped\" ] && rm -r \"$here/models/0\" && mv \"$here/second\" "
+    "\"$here/models/0\"\n"
+    "  touch \"$here/mapped\"; fi";
+
+TEST_F(ColmapRunTest, ImagesWithoutAPlaceAreMatchedWithAllOthers) {
+  Pictures pictures(12);
+  pictures.input.pairs = image_pairs(12, {.neighbours = 2, .far_per_image = 0});
+  // The larger of both models counts.
+  for (const auto& [folder, lost_then, expected] :
+       {std::tuple("better", std::vector{7}, 11U),
+        std::tuple("worse", std::vector{1, 3, 7, 9, 10}, 9U)}) {
+    const fs::path home = scratch_.path() / folder;
+    StandInColmap program(home, kSecondModel);
+    program.add_model(0, plant_views({.images = 12, .points = 30, .lost = lost_then}, 1));
+    fs::rename(home / "models" / "0", home / "second");
+    program.add_model(0, plant_views({.images = 12, .points = 30, .lost = {3, 7, 9}}, 1));
+    ColmapConfig own = config(program);
+    own.folder += folder;
+    own.match_lost = false;
+    EXPECT_EQ(run_colmap(pictures.input, own).model.images.size(), 9U);
+    EXPECT_FALSE(fs::exists(fs::path(own.folder) / "pairs_lost.txt"));
+    own.match_lost = true;
+    const ColmapRun run = run_colmap(pictures.input, own);
+    ASSERT_EQ(run.status, ColmapStatus::ok) << run.reason;
+    EXPECT_EQ(run.model.images.size(), expected);
+    EXPECT_EQ(run.timings.size(), 5U);
+    const std::string list = read_file(fs::path(own.folder) / "pairs_lost.txt");
+    EXPECT_THAT(list, HasSubstr("000000.png 000003.png\n"));
+    EXPECT_THAT(list, testing::Not(HasSubstr("000002.png 000003.png\n")));  // matched before
+    EXPECT_THAT(list, testing::Not(HasSubstr("000000.png 000004.png\n")));  // both have a place
+    // It goes on where it was, there too.
+    const std::string calls = program.calls();
+    EXPECT_EQ(run_colmap(pictures.input, own).model.images.size(), expected);
+    EXPECT_EQ(program.calls(), calls + "help\n");
+  }
 }
 
 TEST_F(ColmapRunTest, OtherImagesPairsOrSettingsStartAnew) {
@@ -235,13 +276,14 @@ TEST_F(ColmapRunTest, ACaptureGoesThroughTheProgramToMetricPoses) {
   sfm.colmap = config(program);
   const SfmEstimate estimate = estimate_poses_sfm(capture, views.corners, views.board, sfm);
   if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
-  EXPECT_EQ(estimate.status, SfmStatus::partly_registered);
-  EXPECT_THAT(estimate.lost, ElementsAre(14));
+  EXPECT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+  EXPECT_THAT(estimate.by_board, ElementsAre(14));
   EXPECT_EQ(estimate.gauge, BundleGauge::metric);
   EXPECT_EQ(estimate.colmap_version, "3.8");
   std::vector<std::string> stages;
   for (const StageTiming& timing : estimate.timings) stages.push_back(timing.stage);
-  EXPECT_THAT(stages, ElementsAre("features", "matches", "mapping", "adjust"));
+  EXPECT_THAT(stages, ElementsAre("features", "matches", "mapping", "matches_lost", "mapping_lost",
+                                  "adjust"));
 }
 
 }  // namespace

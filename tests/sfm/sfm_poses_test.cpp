@@ -105,7 +105,7 @@ TEST(SfmPoses, ErrorsOfPosesAreAsLargeAsPredicted) {
 TEST(SfmPoses, ImagesWithoutAPlaceAreNamed) {
   SKIP_WITHOUT_CERES();
   const PlantViews views = plant_views({.lost = {2, 7}}, 2);
-  const SfmEstimate estimate = refined(views);
+  const SfmEstimate estimate = refined(views, {.place_by_board = false});
   EXPECT_EQ(estimate.status, SfmStatus::partly_registered);
   EXPECT_THAT(estimate.lost, ElementsAre(12, 17));
   EXPECT_THAT(estimate.reason, HasSubstr("2 of 18 frames found no place: 12 17"));
@@ -113,6 +113,71 @@ TEST(SfmPoses, ImagesWithoutAPlaceAreNamed) {
   EXPECT_EQ(estimate.poses[3].status, PoseStatus::ok);
   // 100 points at 0.3 px and 0.4 m: 0.1 mm a coordinate of a camera; allow five times that.
   EXPECT_LT(centre_rms_m(views, estimate), 5e-4);
+}
+
+TEST(SfmPoses, ImagesWithoutAPlaceAreGivenOneByTheBoard) {
+  SKIP_WITHOUT_CERES();
+  PlantViews views = plant_views({.lost = {2, 7, 11}}, 2);
+  views.corners[11].corners.resize(5);
+  const SfmEstimate estimate = refined(views);
+  EXPECT_EQ(estimate.status, SfmStatus::partly_registered);
+  EXPECT_THAT(estimate.reason, HasSubstr("1 of 18 frames found no place: 21"));
+  EXPECT_THAT(estimate.lost, ElementsAre(21));
+  EXPECT_THAT(estimate.by_board, ElementsAre(12, 17));
+  EXPECT_EQ(estimate.poses[2].status, PoseStatus::ok);
+  EXPECT_GT(estimate.poses[2].corner_count, 100);
+  // As for the images that were placed before.
+  EXPECT_LT(centre_rms_m(views, estimate), 5e-4);
+  const SfmEstimate one_factor = refined(views, {.scale = SfmScale::squares});
+  EXPECT_THAT(one_factor.lost, ElementsAre(12, 17, 21));
+}
+
+/// The views, some of them as if the board had been taken for itself turned by half a turn.
+PlantViews with_turned(PlantViews views, const std::vector<int>& images) {
+  const WorldSimilarity turn{1, Eigen::Quaterniond(0, 0, 0, 1), Vector3d::Zero()};
+  const WorldSimilarity& away = views.model_from_world;
+  for (const int i : images) {
+    const auto at = static_cast<std::size_t>(i);
+    const Pose turned = moved(views.camera_from_world[at], turn);
+    views.model.camera_from_world[at] = moved(turned, away);
+    const Lens lens(views.lens);
+    // Each of their sightings is of another grain, where the wrong place wants it.
+    for (SfmPoint& point : views.model.points) {
+      for (SfmSighting& seen : point.sightings) {
+        if (seen.image != i) continue;
+        const auto pixel = lens.project(views.model.camera_from_world[at] * point.in_world_m);
+        if (pixel) seen.pixel_px = *pixel;
+      }
+    }
+  }
+  return views;
+}
+
+TEST(SfmPoses, ImagesThatTheBoardContradictsAreTakenOut) {
+  SKIP_WITHOUT_CERES();
+  const PlantViews views = with_turned(plant_views({}, 9), {4, 13});
+  const SfmEstimate estimate = refined(views);
+  EXPECT_THAT(estimate.contradicted, ElementsAre(14, 23));
+  EXPECT_THAT(estimate.by_board, ElementsAre(14, 23));
+  EXPECT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+  EXPECT_LT(centre_rms_m(views, estimate), 5e-4);
+  const SfmEstimate lost = refined(views, {.place_by_board = false});
+  EXPECT_EQ(lost.status, SfmStatus::partly_registered);
+  EXPECT_THAT(lost.lost, ElementsAre(14, 23));
+  // Believed, they are far off.
+  const SfmEstimate believed = refined(views, {.max_board_turn_rad = 3.2});
+  EXPECT_GT(centre_rms_m(views, believed), 0.1);
+}
+
+TEST(SfmPoses, AModelThatTheBoardContradictsAsAWholeIsNone) {
+  SKIP_WITHOUT_CERES();
+  const PlantViews views = with_turned(plant_views({}, 9), {0, 1, 2, 3, 4, 5, 6, 7, 8});
+  const SfmEstimate estimate = refined(views);
+  EXPECT_EQ(estimate.status, SfmStatus::contradicted);
+  EXPECT_FALSE(has_poses(estimate.status));
+  EXPECT_THAT(estimate.reason,
+              HasSubstr("of 18 placed images that show the board, at most 9 agree"));
+  for (const FramePose& pose : estimate.poses) EXPECT_NE(pose.status, PoseStatus::ok);
 }
 
 TEST(SfmPoses, WithoutABoardPosesAreGoodUpToASimilarity) {
