@@ -121,6 +121,7 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   SeedsSuiteConfig config;
   config.seed = o.seed;
   config.quick = o.quick;
+  if (o.runs > 0) config.runs = o.runs;
   config.attribution = o.attribution;
   config.sets = o.sets;
   config.captures = o.captures;
@@ -267,6 +268,7 @@ ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
   StudiesConfig config;
   config.seed = o.seed;
   config.quick = o.quick;
+  if (o.runs > 0) config.runs = o.runs;
   const std::string verified = o.quick ? "verified.quick.json" : "verified.json";
   std::vector<ShardJob> jobs = study_jobs(config);
   jobs.insert(
@@ -308,19 +310,19 @@ ScoreFile bench_sfm(const JobContext& context, const fs::path& out) {
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
-  std::array<std::string_view, 5> takes;  ///< the options that it reads, of those not all do
+  std::array<std::string_view, 6> takes;  ///< the options that it reads, of those not all do
 };
 constexpr std::array<Suite, 13> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
      {"sensors", bench_sensors, {"--quick", "--shard"}},
-     {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution"}},
+     {"seeds", bench_seeds, {"--quick", "--set", "--captures", "--shard", "--attribution", "--runs"}},
      {"cousins", bench_cousins, {"--quick", "--set", "--shard"}},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
      {"splats", bench_splats, {"--quick"}},
-     {"calibration", bench_calibration, {"--quick", "--shard"}},
+     {"calibration", bench_calibration, {"--quick", "--shard", "--runs"}},
      {"sfm", bench_sfm, {"--quick", "--shard"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
@@ -331,6 +333,7 @@ void check_takes(const Suite& suite, const Options& o) {
                                                      {"--set", !o.sets.empty()},
                                                      {"--captures", !o.captures.empty()},
                                                      {"--shard", !o.shard.empty()},
+                                                     {"--runs", o.runs > 0},
                                                      {"--attribution", o.attribution}};
   for (const auto& [option, is_given] : given) {
     if (!is_given || std::find(suite.takes.begin(), suite.takes.end(), option) != suite.takes.end())

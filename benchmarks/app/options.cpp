@@ -295,6 +295,11 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   bench->add_flag("--quick", o.quick,
                   "Smaller samples: each suite ends within ten minutes, same columns");
   bench->add_flag("--attribution", o.attribution, "Put truth in place of each seam in turn");
+  bench
+      ->add_option("--runs", o.runs,
+                   "Of each point: seeds and calibration, 5 unless given. Runs that were finished "
+                   "in the same --out are taken as they are")
+      ->check(CLI::Range(1, 1000));
   bench->add_option("--shard", o.shard, "i/n: only part i (from 0) of n of the suite's jobs");
   bench->add_option(
       "--captures", o.captures,

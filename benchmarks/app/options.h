@@ -45,6 +45,7 @@ struct Options {
   std::string fixed;         ///< parameters that `calibrate` keeps, parted by commas
   bool plan = false;
   bool quick = false;
+  int runs = 0;  ///< of each point of a benchmark; 0 = the suite's own number
   bool attribution = false;
   bool keys = false;  ///< print configuration keys
 };
