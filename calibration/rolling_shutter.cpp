@@ -254,9 +254,13 @@ RollingShutterResult calibrate_rolling_shutter(const CalibrationInput& input,
   result.neighbours = static_cast<int>(
       std::count_if(all.gap_s.begin(), all.gap_s.end(), [](double gap) { return gap > 0; }));
   all.delay_is_free = config.readout_s == 0 && result.neighbours > 0;
-  all.noise = c.rms_px > 0 ? c.rms_px : 1;
 
   RollingState state = start_of(all, lens_parameters(c.cameras.front()), poses);
+  // What the start leaves, in the corners' own deviations: much less would let velocities wander
+  // as if nothing tied them, along a valley of delays.
+  const RollingSystem start_system = rolling_system(all, state);
+  const double start_noise = std::sqrt(start_system.squares / start_system.coordinates);
+  if (start_noise > 0 && std::isfinite(start_noise)) all.noise = start_noise;
   RollingCovariance covariance;
   c.status = CalibrationStatus::ok;
   c.reason.clear();
