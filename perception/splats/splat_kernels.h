@@ -57,10 +57,10 @@ struct BlendTask {
   int tiles_across = 0;
   int width_px = 0, height_px = 0;
   float background[3]{};
-  float* color[3]{};                   ///< rows of the whole image
-  float* transmittance = nullptr;      ///< likewise
-  float* depth_m = nullptr;            ///< may be null, together with mean_depth_m
-  float* mean_depth_m = nullptr;       ///< likewise
+  float* color[3]{};               ///< rows of the whole image
+  float* transmittance = nullptr;  ///< likewise
+  float* depth_m = nullptr;        ///< may be null, together with mean_depth_m
+  float* mean_depth_m = nullptr;   ///< likewise
   /// With depth_m: two of each Gaussian, change of its depth a pixel to the right and down.
   const float* depth_slope = nullptr;
   std::uint32_t* tile_done = nullptr;  ///< entries of the list that were looked at

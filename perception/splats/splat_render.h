@@ -19,8 +19,8 @@ struct ColorPlanes {
 
 /// One view of a model. All images are of the camera's size.
 struct SplatImage {
-  ColorPlanes color;     ///< front to back, over the background
-  Image<float> alpha;    ///< 1 - transmittance
+  ColorPlanes color;   ///< front to back, over the background
+  Image<float> alpha;  ///< 1 - transmittance
   /// Along the axis, of the Gaussian at which transmittance falls through 1/2, where the pixel's
   /// ray is deepest in it (to first order about its centre); NaN = never.
   Image<float> depth_m;
