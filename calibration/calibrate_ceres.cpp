@@ -283,6 +283,35 @@ void seed_lenses(const CalibrationProblem& problem, CalibrationState& state, Sol
   }
 }
 
+bool is_rational(LensModel model) {
+  return model == LensModel::opencv8 || model == LensModel::opencv12;
+}
+
+/// A rational lens from the solution of its plain five coefficients, with poses found anew. All
+/// coefficients freed at once may end where poles of the fraction lie beside the image, at eight
+/// times the residuals; the lower of both ways is taken.
+void solve_by_plain_lens(const CalibrationProblem& problem, const CalibrationState& begin,
+                         CalibrationState& state, SolverRun& run) {
+  constexpr std::size_t kPlain = 4 + 5;
+  CalibrationProblem plain = problem;
+  for (std::size_t k = kPlain; k < plain.lenses.front().free.size(); ++k)
+    plain.lenses.front().free[k] = false;
+  CalibrationState lean = begin;
+  SolverRun by_plain = solve_staged(plain, lean, true);
+  CalibrationProblem again = problem;
+  CalibrationState rich;
+  rich.lenses = lean.lenses;
+  assemble_rig(again, seed_view_poses(again, rich.lenses), rich);
+  if (again.views.size() != problem.views.size()) return;
+  const int before = by_plain.iterations + run.iterations;
+  by_plain = solve_staged(again, rich, false);
+  run.iterations = before + by_plain.iterations;
+  if (!(by_plain.rms_px < run.rms_px)) return;
+  by_plain.iterations = run.iterations;
+  run = by_plain;
+  state = std::move(rich);
+}
+
 }  // namespace
 
 CalibrationSolver default_calibration_solver() { return CalibrationSolver::ceres; }
@@ -309,7 +338,10 @@ SolverRun solve_with_ceres(CalibrationProblem& problem, CalibrationState& state)
   }
   const bool from_core =
       from_start && problem.lens_of_camera.size() == 1 && !problem.lenses.front().given;
+  const CalibrationState begin = state;
   SolverRun run = solve_staged(problem, state, from_core);
+  if (from_core && is_rational(problem.lenses.front().shape.model))
+    solve_by_plain_lens(problem, begin, state, run);
   run.iterations += seeded.iterations;
   return run;
 }
