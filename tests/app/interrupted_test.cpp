@@ -130,7 +130,9 @@ TEST(AppInterrupted, AKilledRunGoesOnWithTheNextScene) {
 
 TEST(AppInterrupted, AKilledBenchGoesOn) {
   const Program program;
-  const Words bench = Words{"bench", "seeds", "--quick", "--out", "b"} + tiny_scene();
+  const Words bench =
+      Words{"bench", "seeds", "--quick", "--out", "b"} + tiny_scene() +
+      Words{"--set", "pipeline.splats.steps=40", "--set", "pipeline.splats.reference_steps=40"};
   const fs::path shards = program.path("b/seeds/shards");
   const Outcome killed = program.run_until(bench, [&] { return !times(shards).empty(); });
   if (killed.signal != SIGKILL) GTEST_SKIP() << "it was finished before it could be killed";
@@ -140,7 +142,7 @@ TEST(AppInterrupted, AKilledBenchGoesOn) {
   const Outcome rest = program.run(bench);
   EXPECT_EQ(rest.code, 0) << rest.err;
   expect_untouched(finished);
-  EXPECT_EQ(times(shards).size(), 3U);
+  EXPECT_EQ(times(shards).size(), 4U);
   EXPECT_THAT(rest.err, Not(HasSubstr(finished.begin()->first.filename().string())));
   EXPECT_GT(fs::file_size(program.path("b/seeds/scores.csv")), 0U);
 }
