@@ -290,7 +290,9 @@ SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::
 void drop_repeated(std::vector<SuiteJob>& jobs) {
   std::set<std::string> seen;
   std::erase_if(jobs, [&](const SuiteJob& job) {
-    return !seen.insert(resolved_toml(job.config) + std::to_string(job.run)).second;
+    return !seen.insert(resolved_toml(job.config) + std::to_string(job.run) +
+                        (job.splats ? " splats" : ""))
+                .second;
   });
 }
 

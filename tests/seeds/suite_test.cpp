@@ -117,9 +117,16 @@ TEST(SeedsSuite, OnlyTheWholeExperimentIsHeldToItsLimits) {
 TEST(SeedsSuite, TheSameSeedsAreNotCountedTwice) {
   SeedsSuiteConfig config;
   config.quick = true;
-  EXPECT_EQ(seeds_suite_jobs(config).size(), 3U);
+  EXPECT_EQ(seeds_suite_jobs(config).size(), 4U);
   config.sets = {"cultivar=jimai22"};
-  EXPECT_EQ(seeds_suite_jobs(config).size(), 1U);
+  EXPECT_EQ(seeds_suite_jobs(config).size(), 2U);  // one of them with Gaussians
+}
+
+TEST(SeedsSuite, CapturesForGaussiansAreNotTakenForThoseOfTheCurves) {
+  int found = 0;
+  for (const ShardJob& job : seeds_suite_jobs(SeedsSuiteConfig{}))
+    found += job.name == "zhengdan958_splats.json" || job.name == "zhengdan958_720p.json";
+  EXPECT_EQ(found, 2);
 }
 
 TEST(SeedsSuite, ItsConfigurationNamesEveryJob) {
