@@ -25,7 +25,8 @@ void add_config(CLI::App& verb, Options& o) {
 
 void add_stages(CLI::App& verb, Options& o) {
   verb.add_option("--method", o.method,
-                  "ours (default), paper, sensor_depth or depth_only; see `cousin methods`");
+                  "ours (default), paper, splats, splats_paper, sensor_depth, depth_only; see "
+                  "`cousin methods`");
   verb.add_option("--stage", o.stages,
                   "NAME=dir:PATH or NAME=exec:PROGRAM in place of a stage; repeatable")
       ->type_size(1)
