@@ -65,6 +65,7 @@ CalibrationCause cause(const std::string& name) {
   throw std::logic_error(name);
 }
 
+#ifndef COUSIN_NO_CERES
 TEST(Causes, NoiseAloneGivesReprojectionErrorsOfTheirDefinitions) {
   const auto outcomes = run_cause(cause("corner noise"), 0.1, 4, Rng(1));
   for (const CauseOutcome& o : outcomes) {
@@ -95,6 +96,7 @@ TEST(Causes, AStretchedPrintIsAWrongRatioOfFocalLengthsNotAPrincipalPoint) {
   EXPECT_GT(some.projection_px, 1);
   EXPECT_LT(some.projection_px, 6);
 }
+#endif
 
 TEST(Causes, FlawsMoveCornersAndSameBytesComeAgain) {
   for (const CalibrationCause& c : calibration_causes()) {
@@ -113,6 +115,7 @@ TEST(Causes, FlawsMoveCornersAndSameBytesComeAgain) {
   }
 }
 
+#ifndef COUSIN_NO_CERES
 TEST(Exhibits, HoldOnOtherSeeds) {
   int verdicts = 0;
   for (const ScoreRow& row : exhibit_rows(7, true)) {
@@ -123,6 +126,7 @@ TEST(Exhibits, HoldOnOtherSeeds) {
   }
   EXPECT_GE(verdicts, 6);
 }
+#endif
 
 }  // namespace
 }  // namespace cousin
