@@ -58,6 +58,7 @@ TEST(Choice, EveryRowHasNumbersAndAShareIsOne) {
 }
 #endif
 
+#ifndef COUSIN_NO_CERES
 CalibrationCause cause(const std::string& name) {
   for (const CalibrationCause& c : calibration_causes()) {
     if (c.name == name) return c;
@@ -65,7 +66,6 @@ CalibrationCause cause(const std::string& name) {
   throw std::logic_error(name);
 }
 
-#ifndef COUSIN_NO_CERES
 TEST(Causes, NoiseAloneGivesReprojectionErrorsOfTheirDefinitions) {
   const auto outcomes = run_cause(cause("corner noise"), 0.1, 4, Rng(1));
   for (const CauseOutcome& o : outcomes) {
