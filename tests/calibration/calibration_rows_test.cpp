@@ -56,9 +56,7 @@ TEST(Choice, EveryRowHasNumbersAndAShareIsOne) {
     }
   }
 }
-#endif
 
-#ifndef COUSIN_NO_CERES
 CalibrationCause cause(const std::string& name) {
   for (const CalibrationCause& c : calibration_causes()) {
     if (c.name == name) return c;
