@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -46,40 +47,84 @@ std::vector<PlanePoint> plane_points(const CalibrationTarget& target, const Seen
   return points;
 }
 
+/// A quadrilateral whose black has lost `lost_px` along x and y to white that grew by a square.
+std::array<Eigen::Vector2d, 4> with_edges_back(const std::array<Eigen::Vector2d, 4>& corners,
+                                               double lost_px) {
+  std::array<Eigen::Vector3d, 4> edges;  // lines: normal outward, less the distance
+  const Eigen::Vector2d centre = middle(corners);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector2d along = corners[(k + 1) % 4] - corners[k];
+    Eigen::Vector2d normal = Eigen::Vector2d(along.y(), -along.x()).normalized();
+    if (normal.dot(corners[k] - centre) < 0) normal = -normal;
+    edges[k] << normal, -normal.dot(corners[k]) - lost_px * normal.lpNorm<1>();
+  }
+  std::array<Eigen::Vector2d, 4> back = corners;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector3d at = edges[(k + 3) % 4].cross(edges[k]);
+    const Eigen::Vector2d moved = at.head<2>() / at.z();
+    if (moved.allFinite() && (moved - corners[k]).norm() < 4 * lost_px) back[k] = moved;
+  }
+  return back;
+}
+
+/// cv::aruco with what Kalibr's tags need.
+class MarkerFinder {
+ public:
+  explicit MarkerFinder(const CalibrationTarget& target)
+      : dictionary_(dictionary_of(target)),
+        parameters_(cv::aruco::DetectorParameters::create()),
+        has_tags_(target.kind == TargetKind::april_grid) {
+    if (has_tags_) parameters_->markerBorderBits = 2;
+    parameters_->adaptiveThreshWinSizeMax = 43;
+    parameters_->minMarkerPerimeterRate = 0.02;
+  }
+  /// All, also those seen again in copies of the image. Tags touch the squares between them, and
+  /// outlines run on from one to the next: they come apart where white grows by a pixel or two.
+  std::vector<SeenMarker> operator()(const Image<std::uint8_t>& image) const {
+    const cv::Mat source(image.height(), image.width(), CV_8U,
+                         const_cast<std::uint8_t*>(image.data()));
+    std::vector<SeenMarker> markers;
+    for (const int size : has_tags_ ? std::vector<int>{1, 3, 5} : std::vector<int>{1}) {
+      cv::Mat grown = source;
+      if (size > 1)
+        cv::dilate(source, grown, cv::getStructuringElement(cv::MORPH_RECT, {size, size}));
+      std::vector<std::vector<cv::Point2f>> corners;
+      std::vector<int> ids;
+      cv::aruco::detectMarkers(grown, dictionary_, corners, ids, parameters_);
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        SeenMarker marker{ids[i], {}};
+        for (std::size_t k = 0; k < 4; ++k) {
+          marker.corners_px[k] = Eigen::Vector2d(static_cast<double>(corners[i][k].x),
+                                                 static_cast<double>(corners[i][k].y));
+        }
+        if (size > 1) marker.corners_px = with_edges_back(marker.corners_px, (size - 1) / 2);
+        markers.push_back(marker);
+      }
+    }
+    return markers;
+  }
+
+ private:
+  cv::Ptr<cv::aruco::Dictionary> dictionary_;
+  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+  bool has_tags_;
+};
+
 }  // namespace
 
-std::vector<SeenMarker> find_markers(const Image<std::uint8_t>& image,
+std::vector<SeenMarker> find_markers(std::span<const Image<std::uint8_t>* const> images,
                                      const CalibrationTarget& target) {
-  const auto dictionary = dictionary_of(target);
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  const bool tags = target.kind == TargetKind::april_grid;
-  if (tags) parameters->markerBorderBits = 2;
-  parameters->adaptiveThreshWinSizeMax = 43;
-  parameters->minMarkerPerimeterRate = 0.02;
-  const cv::Mat source(image.height(), image.width(), CV_8U,
-                       const_cast<std::uint8_t*>(image.data()));
-  // Tags touch the squares between them, and outlines run on from one to the next: they come apart
-  // where white grows by a pixel or two.
+  const MarkerFinder find(target);
   std::map<int, std::vector<std::array<Eigen::Vector2d, 4>>> seen;
-  for (const int size : tags ? std::vector<int>{1, 3, 5} : std::vector<int>{1}) {
-    cv::Mat grown = source;
-    if (size > 1) {
-      cv::dilate(source, grown, cv::getStructuringElement(cv::MORPH_RECT, {size, size}));
-    }
-    std::vector<std::vector<cv::Point2f>> corners;
-    std::vector<int> ids;
-    cv::aruco::detectMarkers(grown, dictionary, corners, ids, parameters);
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      std::array<Eigen::Vector2d, 4> at;
-      for (std::size_t k = 0; k < 4; ++k) {
-        at[k] = Eigen::Vector2d(static_cast<double>(corners[i][k].x),
-                                static_cast<double>(corners[i][k].y));
-      }
-      auto& places = seen[ids[i]];
+  for (const Image<std::uint8_t>* image : images) {
+    if (static_cast<int>(seen.size()) >= marker_count(target)) break;
+    for (const SeenMarker& marker : find(*image)) {
+      auto& places = seen[marker.id];
       const bool known = std::any_of(places.begin(), places.end(), [&](const auto& other) {
-        return (middle(other) - middle(at)).norm() < 0.5 * (at[0] - at[2]).norm();
+        return (middle(other) - middle(marker.corners_px)).norm() <
+               0.5 * (marker.corners_px[0] - marker.corners_px[2]).norm();
       });
-      if (!known) places.push_back(at);
+      if (!known) places.push_back(marker.corners_px);
     }
   }
   std::vector<SeenMarker> markers;
@@ -147,26 +192,16 @@ MarkerOrder marker_order(const CalibrationTarget& target, const std::vector<Seen
 FoundPixels points_from_markers(const TargetGrid& grid, const std::vector<SeenMarker>& markers) {
   const CalibrationTarget& target = grid.target();
   FoundPixels found(grid.points().size());
-  if (target.kind == TargetKind::april_grid) {
-    for (const SeenMarker& marker : markers) {
-      const auto at_m = marker_corners_m(target, marker.id);
-      for (std::size_t k = 0; k < 4; ++k) {
-        const int column = marker.id % target.columns * 2 + (k == 0 || k == 3 ? 1 : 0);
-        const int row = marker.id / target.columns * 2 + (k >= 2 ? 1 : 0);
-        const int index = grid.at(column, row);
-        if ((grid.points()[static_cast<std::size_t>(index)].at_m - at_m[k]).norm() <
-            1e-6 * target.pitch_m)
-          found[static_cast<std::size_t>(index)] = marker.corners_px[k];
-      }
-    }
-    return found;
-  }
+  // Of a tag's own, its side neighbours' and the one across the corner: outlines of tags lie a
+  // pixel or two inside, which about a corner where four tags meet evens out.
+  const double reach_m = target.pitch_m * (target.kind == TargetKind::april_grid
+                                               ? 0.5 * std::numbers::sqrt2 + 1.5 * target.mark_share
+                                               : 0.8);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Eigen::Vector2d& at_m = grid.points()[i].at_m;
     std::vector<PlanePoint> near;
     for (const SeenMarker& marker : markers) {
-      if ((middle(marker_corners_m(target, marker.id)) - at_m).norm() > 0.8 * target.pitch_m)
-        continue;
+      if ((middle(marker_corners_m(target, marker.id)) - at_m).norm() > reach_m) continue;
       for (const PlanePoint& p : plane_points(target, marker)) near.push_back(p);
     }
     if (near.empty()) continue;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,12 @@ struct SeenMarker {
 };
 
 /// Markers of a charuco board's dictionary or an april grid's tags, by cv::aruco, sorted by id; a
-/// code seen twice is left out. `corners_m` of each: marker_corners_m.
+/// code seen twice is left out. Corners to a pixel or two. `corners_m` of each: marker_corners_m.
+/// @param images  of one size, the same picture by several tones: linear ones, whose edges stay
+/// between black and white where they are blurred, show small markers; lifted shadows dark ones. A
+/// later one is looked at only if not all markers are found yet.
 /// @throws std::invalid_argument if the dictionary does not exist.
-std::vector<SeenMarker> find_markers(const Image<std::uint8_t>& image,
+std::vector<SeenMarker> find_markers(std::span<const Image<std::uint8_t>* const> images,
                                      const CalibrationTarget& target);
 
 /// How many markers the board has.

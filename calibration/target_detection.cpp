@@ -26,7 +26,8 @@ constexpr double kSmoothing_px = 1.0, kSaddleContrast = 0.01;
 struct Tones {
   int scale = 1;
   Image<float> tone;
-  Image<std::uint8_t> bytes;
+  Image<std::uint8_t> bytes;   ///< of `tone`
+  Image<std::uint8_t> linear;  ///< black to white 0..255 in proportion to light
 
   Eigen::Vector2d full_px(const Eigen::Vector2d& small_px) const {
     return scale * (small_px + Eigen::Vector2d::Constant(0.5)) - Eigen::Vector2d::Constant(0.5);
@@ -75,11 +76,13 @@ Tones tones_of(const Image<float>& light, const Levels& levels, int scale) {
     small = made;
   }
   tones.tone = Image<float>(width, height);
-  tones.bytes = Image<std::uint8_t>(width, height);
+  tones.bytes = tones.linear = Image<std::uint8_t>(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const float v = (small.at<float>(y, x) - levels.black) / (levels.white - levels.black);
-      const float tone = std::isfinite(v) ? tone_of(std::clamp(v, 0.0F, 1.0F)) : 0.0F;
+      const float share = std::isfinite(v) ? std::clamp(v, 0.0F, 1.0F) : 0.0F;
+      const float tone = tone_of(share);
+      tones.linear(x, y) = static_cast<std::uint8_t>(std::lround(255 * share));
       tones.tone(x, y) = tone;
       tones.bytes(x, y) = static_cast<std::uint8_t>(std::lround(255 * tone));
     }
@@ -170,7 +173,8 @@ Guess guess_markers(const Image<float>& light, const TargetGrid& grid) {
   constexpr double kMostDiffer = 0.25;
   const int scale = std::max(1, static_cast<int>(std::lround(light.width() / 1600.0)));
   const Tones tones = tones_of(light, levels_of(light), scale);
-  std::vector<SeenMarker> markers = find_markers(tones.bytes, grid.target());
+  std::vector<SeenMarker> markers = find_markers(
+      std::array<const Image<std::uint8_t>*, 2>{&tones.linear, &tones.bytes}, grid.target());
   Guess guess;
   const int count = marker_count(grid.target());
   const std::size_t seen = markers.size();
@@ -233,6 +237,8 @@ Fields fields(TargetDetectionConfig& config) {
       {"half_window_px", &config.half_window_px, "of a corner's window", 2, 20},
       {"least_share", &config.least_share, "of the target's points that a view must show", 0, 1},
       {"max_stray", &config.max_stray, "of a step: points farther from their place go", 0.01, 1},
+      {"max_misplaced", &config.max_misplaced,
+       "of a step: measured points farther from their neighbours' homography go", 0.01, 1},
       {"max_noise", &config.max_noise, "of the contrast: what a point's fit may leave", 0.001, 1},
       {"max_sigma_px", &config.max_sigma_px, "points predicted worse than this are dropped", 1e-3,
        10},

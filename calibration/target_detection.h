@@ -10,12 +10,13 @@
 namespace cousin {
 
 struct TargetDetectionConfig {
-  int half_window_px = 5;     ///< of a corner's window, if the print about it is wide enough
-  double least_share = 0;     ///< of the target's points; fewer are too few; at least 6 points
-  double max_stray = 0.25;    ///< of a step: points farther from where their neighbours have them
-  double max_noise = 0.15;    ///< of the contrast: what a corner's fit may leave
-  double max_sigma_px = 0.5;  ///< points predicted worse than this are dropped
-  double floor_px = 0.002;    ///< deviation that is added for what the model leaves out
+  int half_window_px = 5;      ///< of a corner's window, if the print about it is wide enough
+  double least_share = 0;      ///< of the target's points; fewer are too few; at least 6 points
+  double max_stray = 0.25;     ///< of a step: points farther from where their neighbours have them
+  double max_misplaced = 0.1;  ///< of a step: and measured ones, from their neighbours' homography
+  double max_noise = 0.15;     ///< of the contrast: what a corner's fit may leave
+  double max_sigma_px = 0.5;   ///< points predicted worse than this are dropped
+  double floor_px = 0.002;     ///< deviation that is added for what the model leaves out
 };
 Fields fields(TargetDetectionConfig& config);
 void validate(const TargetDetectionConfig& config);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/homography.h"
+
 namespace cousin {
 
 TargetGrid::TargetGrid(const CalibrationTarget& target)
@@ -80,6 +82,47 @@ int drop_strays(const TargetGrid& grid, FoundPixels& found, double max_share) {
     if (worst_index < 0) return dropped;
     found[static_cast<std::size_t>(worst_index)].reset();
     ++dropped;
+  }
+}
+
+namespace {
+
+/// How far a point lies from its neighbours' homography, in steps; nothing with few neighbours.
+std::optional<double> misplacement(const TargetGrid& grid, const FoundPixels& found, int index) {
+  constexpr int kReach = 3;
+  constexpr std::size_t kLeast = 8;
+  const auto i = static_cast<std::size_t>(index);
+  const TargetPoint& middle = grid.points()[i];
+  std::vector<PlanePoint> near;
+  for (int dr = -kReach; dr <= kReach; ++dr) {
+    for (int dc = -kReach; dc <= kReach; ++dc) {
+      const int k = grid.at(middle.column + dc, middle.row + dr);
+      if (k < 0 || k == index || !found[static_cast<std::size_t>(k)]) continue;
+      near.push_back({grid.points()[static_cast<std::size_t>(k)].at_m,
+                      *found[static_cast<std::size_t>(k)], 0.1});
+    }
+  }
+  if (near.size() < kLeast) return std::nullopt;
+  const auto map = local_map(grid, found, index);
+  const HomographyFit fit = fit_homography(near);
+  if (!map || !fit.ok) return std::nullopt;
+  return (*found[i] - transfer(fit.normalized_from_plane, middle.at_m)).norm() /
+         std::max(1e-9, step_px(*map, grid.target()));
+}
+
+}  // namespace
+
+int drop_misplaced(const TargetGrid& grid, FoundPixels& found, double max_share) {
+  for (int dropped = 0;; ++dropped) {
+    double worst = max_share;
+    int worst_index = -1;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!found[i]) continue;
+      const auto share = misplacement(grid, found, static_cast<int>(i));
+      if (share && *share > worst) worst = *share, worst_index = static_cast<int>(i);
+    }
+    if (worst_index < 0) return dropped;
+    found[static_cast<std::size_t>(worst_index)].reset();
   }
 }
 

@@ -46,6 +46,13 @@ std::optional<LocalMap> local_map(const TargetGrid& grid, const FoundPixels& fou
 /// them, worst first. Returns how many.
 int drop_strays(const TargetGrid& grid, FoundPixels& found, double max_share);
 
+/// Takes away measured points that lie farther than `max_share` of a step from where a homography
+/// of the found points within three places has them, worst first. Stricter than `drop_strays`: a
+/// homography follows perspective past the outermost points, where a corner that lies outside the
+/// picture may be taken for one of a marker's. Points with fewer than eight others about them stay.
+/// Returns how many.
+int drop_misplaced(const TargetGrid& grid, FoundPixels& found, double max_share);
+
 /// Whether the points are seen from the printed side: most local maps turn y up into y down.
 bool is_face_seen(const TargetGrid& grid, const FoundPixels& found);
 

@@ -198,6 +198,7 @@ std::vector<TargetObservation> measure_corners(const Image<float>& light, const 
   FoundPixels better(found.size());
   for (const Measured& m : all) better[static_cast<std::size_t>(m.index)] = m.pixel_px;
   drop_strays(grid, better, config.max_stray);
+  drop_misplaced(grid, better, config.max_misplaced);
   all = fit_all(light, grid, better, inverted, median_blur_px(all), config);
   keep_clean(all, config);
   return observations(all, grid, config);

@@ -21,6 +21,7 @@ namespace cousin {
 namespace {
 
 constexpr int kWidth = 400, kHeight = 300;
+constexpr int kHalfWindow_px = 5;
 constexpr double kBlur_px = 1, kNoise = 0.01;
 
 /// A board alone under an even sky, without noise.
@@ -89,11 +90,10 @@ Image<float> with_noise(const RenderedBoard& board, Rng rng) {
 
 /// Fisher's information of a shift of the window's content, all else known.
 Eigen::Matrix2d window_information(const RenderedBoard& board, const Eigen::Vector2d& at) {
-  constexpr int kHalf = 5;
   const int cx = static_cast<int>(std::lround(at.x())), cy = static_cast<int>(std::lround(at.y()));
   Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-  for (int y = cy - kHalf; y <= cy + kHalf; ++y) {
-    for (int x = cx - kHalf; x <= cx + kHalf; ++x) {
+  for (int y = cy - kHalfWindow_px; y <= cy + kHalfWindow_px; ++y) {
+    for (int x = cx - kHalfWindow_px; x <= cx + kHalfWindow_px; ++x) {
       if (!board.light.contains(x - 1, y - 1) || !board.light.contains(x + 1, y + 1)) continue;
       const auto at_pixel = [&](int i, int j) { return static_cast<double>(board.light(i, j)); };
       const Eigen::Vector2d g(0.5 * (at_pixel(x + 1, y) - at_pixel(x - 1, y)),
@@ -107,17 +107,25 @@ Eigen::Matrix2d window_information(const RenderedBoard& board, const Eigen::Vect
 struct Tally {
   Eigen::Vector2d sum_px = Eigen::Vector2d::Zero();
   double over_bound = 0;  ///< squares of whitened coordinates
-  int inside_95 = 0, points = 0, expected = 0;
+  int inside_95 = 0, points = 0;
+  int expected = 0, found = 0;  ///< of those whose window is in the picture
 };
+
+bool is_window_seen(const RenderedBoard& board, const Eigen::Vector2d& at_px) {
+  return (at_px.array() >= kHalfWindow_px).all() &&
+         at_px.x() <= board.light.width() - 1 - kHalfWindow_px &&
+         at_px.y() <= board.light.height() - 1 - kHalfWindow_px;
+}
 
 void add(Tally& tally, const RenderedBoard& board, const TargetView& view) {
   constexpr double kChi95 = 5.991;  // of two degrees
-  tally.expected += static_cast<int>(board.true_px.size());
+  for (const auto& [id, at_px] : board.true_px) tally.expected += is_window_seen(board, at_px);
   for (const TargetObservation& o : view.points) {
     const Eigen::Vector2d off = o.pixel_px - board.true_px.at(o.id);
     tally.sum_px += off;
     tally.over_bound += off.dot(window_information(board, board.true_px.at(o.id)) * off);
     tally.inside_95 += off.dot(o.covariance_px2.inverse() * off) < kChi95;
+    tally.found += is_window_seen(board, board.true_px.at(o.id));
     ++tally.points;
   }
 }
@@ -164,7 +172,7 @@ void kind_rows(std::vector<ScoreRow>& rows, const std::string& name, double dist
   row.n = tally.points;
   row.wall_s = seconds / (poses * draws);
   rows.push_back(held(row, "share of points found", "1",
-                      tally.points / static_cast<double>(tally.expected), 0.9, false));
+                      tally.found / static_cast<double>(tally.expected), 0.9, false));
   if (tally.points == 0) return;
   rows.push_back(held(row, "bias", "px", (tally.sum_px / tally.points).norm(), 0.01, true));
   const bool has_discs = name.find("circles") != name.npos;

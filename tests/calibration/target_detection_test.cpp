@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "calibration/target_grid.h"
 #include "tests/calibration/synthetic_target.h"
 
 namespace cousin {
@@ -161,6 +162,57 @@ TEST(FindTarget, PartsOfMarkerBoardsAreViews) {
     EXPECT_GT(e.count, 0.7 * static_cast<double>(shot.true_px.size()));
     EXPECT_LT(e.worst_px, 0.06);
   }
+}
+
+TEST(FindTarget, ACornerBeyondTheBorderIsNotSoughtAmongAMarkersOwn) {
+  // A row of corners has left the picture; corners of the markers' bits are still in it.
+  int taken = 0;
+  for (const Pose& pose : {tilted(0.288, 0.257, 4.403, 1.774, {-0.034, -0.0477}),
+                           tilted(0.36, 0.82, 0.974, 3.326, {-0.0907, 0.0298})}) {
+    const TargetShot shot =
+        shoot_target(charuco(), camera_640(), pose, {.noise = 0.01, .samples = 3}, Rng(1));
+    const auto count_outside = [&](const TargetDetectionConfig& config) {
+      const TargetView view = find_target(shot.light, charuco(), config);
+      EXPECT_EQ(view.status, TargetStatus::ok) << view.reason;
+      return std::count_if(view.points.begin(), view.points.end(),
+                           [&](const auto& o) { return !shot.true_px.contains(o.id); });
+    };
+    taken += static_cast<int>(count_outside({.max_misplaced = 1}));
+    EXPECT_EQ(count_outside({}), 0);
+  }
+  EXPECT_GT(taken, 0) << "these poses show nothing";
+}
+
+TEST(FindTarget, AnAprilGridOfSmallTagsIsFound) {
+  // Tags of 35 pixels, 11 between them: outlines are a pixel or two off.
+  for (int k = 0; k < 4; ++k) {
+    const TargetShot shot =
+        shoot_target(april_grid(), camera_640(), tilted(0.6, 0.2 + 0.1 * k, 0.7 * k, 0.4 * k),
+                     {.noise = 0.01}, Rng(1));
+    const TargetView view = find_target(shot.light, april_grid());
+    ASSERT_EQ(view.status, TargetStatus::ok) << k << ": " << view.reason;
+    const Errors e = errors_of(view, shot);
+    EXPECT_GT(e.count, 0.9 * static_cast<double>(shot.true_px.size()));
+    EXPECT_LT(e.worst_px, 0.2);
+  }
+}
+
+TEST(DropMisplaced, TakesWhatItsNeighboursDenyAndKeepsAPlaneThroughALens) {
+  const TargetGrid grid(charuco());
+  const Camera camera = camera_640();
+  const Pose pose = tilted(0.35, 0.6, 0.4, 0.2);
+  FoundPixels found;
+  for (const TargetPoint& p : grid.points())
+    found.push_back(project(camera, pose * Eigen::Vector3d(p.at_m.x(), p.at_m.y(), 0)));
+  const FoundPixels whole = found;
+  EXPECT_EQ(drop_misplaced(grid, found, 0.05), 0);
+  // An outermost corner, as drop_strays still has it among its neighbours.
+  *found.front() += Eigen::Vector2d(7, -5);
+  FoundPixels by_strays = found;
+  EXPECT_EQ(drop_strays(grid, by_strays, 0.25), 0);
+  EXPECT_EQ(drop_misplaced(grid, found, 0.1), 1);
+  EXPECT_FALSE(found.front());
+  EXPECT_EQ(count_found(found), count_found(whole) - 1);
 }
 
 TEST(FindTarget, APartOfAChessboardIsRefused) {
