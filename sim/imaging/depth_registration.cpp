@@ -39,10 +39,15 @@ std::vector<Eigen::Vector3f> corner_rays(const Camera& camera) {
   return rays;
 }
 
-/// Range of whole pixels whose centres lie in [low, high), at least one, cut at the image; empty if
-/// outside.
+/// Range of whole pixels whose centres lie in [low, high) or just beside, at least one, cut at the
+/// image; empty if outside.
 bool whole_pixels(double low, double high, int size, std::int16_t& first, std::int16_t& last) {
+  // Neighbours of unlike depth come apart; what is behind a slanted surface would show between
+  // them. The same image still comes out of the same camera.
+  constexpr double kOverlap_px = 0.49;
   if (!(low < high)) std::swap(low, high);
+  low -= kOverlap_px;
+  high += kOverlap_px;
   if (!(high >= -0.5 && low <= size - 0.5)) return false;
   const double from = std::ceil(low), to = std::ceil(high) - 1;
   const double middle = std::round(0.5 * (low + high));

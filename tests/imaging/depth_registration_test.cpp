@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace cousin {
@@ -59,6 +60,28 @@ TEST(DepthRegistration, AWallHasNoPinHolesInAFinerImage) {
       register_depth(depth, 0.001, camera(40, 30, 50), camera(120, 90, 150), shifted(0.013, 0.001));
   for (int y = 5; y < 85; ++y) {
     for (int x = 5; x < 115; ++x) ASSERT_EQ(fine(x, y), 801) << x << " " << y;
+  }
+}
+
+TEST(DepthRegistration, NothingShowsThroughASlantedSurface) {
+  // Depth falls by 1 mm each 2 pixels, as codes do: beside a camera 6 cm away its pixels come apart
+  // by a quarter of a pixel. A wall is behind.
+  const Camera c = camera(320, 240, 390);
+  Image<std::uint16_t> depth(320, 240, std::uint16_t{900});
+  for (int y = 40; y < 200; ++y) {
+    for (int x = 100; x < 220; ++x) depth(x, y) = static_cast<std::uint16_t>(300 + (x + y) / 2);
+  }
+  const Image<std::uint16_t> moved = register_depth(depth, 0.001, c, c, shifted(-0.06));
+  for (int y = 60; y < 180; ++y) {
+    int low = 320, high = -1, seen = 0;
+    for (int x = 0; x < 320; ++x) {
+      if (moved(x, y) == 0 || moved(x, y) > 600) continue;
+      low = std::min(low, x);
+      high = std::max(high, x);
+      ++seen;
+    }
+    ASSERT_GT(seen, 100);
+    ASSERT_EQ(high - low + 1, seen) << "the wall shows through row " << y;
   }
 }
 
