@@ -95,6 +95,24 @@ void polish(const CalibrationProblem& problem, CalibrationState& state) {
   }
 }
 
+/// Residuals that count and are far off by all others' measure.
+int count_outliers(const std::vector<CalibrationResidual>& residuals) {
+  constexpr double kSigmas = 10, kLeast_px = 0.1;
+  std::vector<double> sizes;
+  for (const CalibrationResidual& r : residuals) {
+    if (r.rejected || !r.residual_px.allFinite()) continue;
+    sizes.push_back(std::abs(r.residual_px.x()));
+    sizes.push_back(std::abs(r.residual_px.y()));
+  }
+  if (sizes.empty()) return 0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double limit = std::max(kSigmas * kNormalMad * *middle, kLeast_px);
+  return static_cast<int>(std::count_if(residuals.begin(), residuals.end(), [&](const auto& r) {
+    return !r.rejected && !(r.residual_px.cwiseAbs().maxCoeff() <= limit);
+  }));
+}
+
 void describe_residuals(const CalibrationProblem& problem, const CalibrationState& state,
                         CalibrationResult& result) {
   double squares = 0;
@@ -108,6 +126,7 @@ void describe_residuals(const CalibrationProblem& problem, const CalibrationStat
     }
   }
   result.observations = observation_count(problem);
+  result.outliers = count_outliers(result.residuals);
   result.rms_px = std::sqrt(squares / (2.0 * result.observations));
 }
 

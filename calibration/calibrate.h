@@ -121,6 +121,9 @@ struct CalibrationResult {
   Eigen::VectorXd solver_deviations, corrected_deviations;
   int observations = 0;  ///< points that count
   int rejected = 0;
+  /// Of those that count: more than ten robust deviations of all residuals off, and 0.1 px: wrong
+  /// detections that pull at the result, since no outlier pass or robust loss was asked for.
+  int outliers = 0;
   int iterations = 0;
   double seconds = 0;  ///< wall, all of it
 };

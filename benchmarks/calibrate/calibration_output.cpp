@@ -154,6 +154,7 @@ std::string calibration_json(const CalibrationRun& run) {
             {"solver_rms_name", run.result.solver_rms_name},
             {"observations", run.result.observations},
             {"rejected", run.result.rejected},
+            {"outliers", run.result.outliers},
             {"detect_s", number(run.detect_s)},
             {"solve_s", number(run.result.seconds)}};
   json["problems"] = run.problems;

@@ -258,6 +258,12 @@ void judge(CalibrationRun& run) {
                            three_digits(run.cross->predicted_rms_px) +
                            " is predicted: the lens model or the board is not as assumed");
   }
+  if (run.result.outliers > 0) {
+    run.warnings.push_back(
+        std::to_string(run.result.outliers) + " of " + std::to_string(run.result.observations) +
+        " points lie more than ten robust deviations off and pull at the result: "
+        "--set calibration.reject_sigmas=5 leaves wrong detections out");
+  }
   for (const std::string& name : run.result.not_determined)
     run.warnings.push_back(name + " cannot be determined from these views");
   const auto refused = std::count_if(run.input.views.begin(), run.input.views.end(),

@@ -216,6 +216,22 @@ TEST(Calibrate, OutliersAreFoundAndOthersKept) {
   EXPECT_LT(projection_difference(made.cameras[0], result.cameras[0]).rms_px, 0.3);
 }
 
+TEST(Calibrate, OutliersThatWereKeptAreCounted) {
+  const CornerViewsConfig views = close_views();
+  CornerViews made = views_of(LensModel::opencv5, views);
+  CalibrationConfig config;
+  config.solver = default_calibration_solver();
+  EXPECT_EQ(calibrate(made.input, config).outliers, 0);
+  made.input.views[1].points[7].pixel_px += Eigen::Vector2d(12, -9);
+  made.input.views[4].points[2].pixel_px += Eigen::Vector2d(-15, 4);
+  EXPECT_GE(calibrate(made.input, config).outliers, 2);  // and neighbours that they drag along
+  if (!built(CalibrationSolver::ceres)) return;
+  config.reject_sigmas = 5;
+  const CalibrationResult result = calibrate(made.input, config);
+  EXPECT_EQ(result.outliers, 0);
+  EXPECT_EQ(result.rejected, 2);
+}
+
 TEST(Calibrate, RefusesWhatItCannotUse) {
   const CornerViews views = views_of(LensModel::opencv5, close_views());
   CalibrationInput input = views.input;
