@@ -22,8 +22,14 @@ bool has_line_delay(const CalibrationRun& run) {
   return run.rolling && std::isfinite(run.rolling->line_delay_s);
 }
 
+/// NaN: the line delay was given, not solved for.
 double line_delay_deviation_s(const CalibrationRun& run) {
   return has_line_delay(run) ? deviation(run.result, "camera0.line_delay_s") : std::nan("");
+}
+
+/// " +- 0.2", or nothing of what was given.
+std::string plus_minus(double deviation) {
+  return std::isfinite(deviation) ? line_of(" +- %.2g", deviation) : std::string(", as given");
 }
 
 /// From first to last row, of the line delay.
@@ -127,14 +133,14 @@ void add_device(const CalibrationRun& run, Json& json) {
 std::string device_table(const CalibrationRun& run) {
   std::string text;
   if (has_line_delay(run)) {
-    text += line_of("\nline delay %.4g us a row +- %.2g, by %d pairs of neighbouring pictures\n",
-                    1e6 * run.rolling->line_delay_s, 1e6 * line_delay_deviation_s(run),
-                    run.rolling->neighbours);
+    text += line_of("\nline delay %.4g us a row%s, by %d pairs of neighbouring pictures\n",
+                    1e6 * run.rolling->line_delay_s,
+                    plus_minus(1e6 * line_delay_deviation_s(run)).c_str(), run.rolling->neighbours);
     if (std::isfinite(reported_readout_s(run)))
-      text +=
-          line_of("  first to last row %.4g ms +- %.2g; the device reports %.4g ms\n",
-                  1e3 * rows_of(run) * run.rolling->line_delay_s,
-                  1e3 * rows_of(run) * line_delay_deviation_s(run), 1e3 * reported_readout_s(run));
+      text += line_of("  first to last row %.4g ms%s; the device reports %.4g ms\n",
+                      1e3 * rows_of(run) * run.rolling->line_delay_s,
+                      plus_minus(1e3 * rows_of(run) * line_delay_deviation_s(run)).c_str(),
+                      1e3 * reported_readout_s(run));
   }
   if (run.registration) text += registration_text(run);
   if (run.depth) text += depth_text(run);
@@ -145,7 +151,10 @@ std::string device_sentences(const CalibrationRun& run) {
   std::string text;
   if (has_line_delay(run)) {
     text += " Rows are read one after the other, " + shown_number(1e6 * run.rolling->line_delay_s) +
-            " us apart, sure to " + shown_number(1e6 * line_delay_deviation_s(run)) + " us.";
+            " us apart" +
+            (std::isfinite(line_delay_deviation_s(run))
+                 ? ", sure to " + shown_number(1e6 * line_delay_deviation_s(run)) + " us."
+                 : std::string(", as given."));
   }
   if (run.registration) {
     text += " The device's own registration of depth to colour differs by " +

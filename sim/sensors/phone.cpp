@@ -148,6 +148,7 @@ TrueView true_view(const PhoneConfig& config, const PhoneUnit& unit, const Scene
   view.camera_from_world = seen.rig_from_world;
   view.camera_from_world_end = seen.rig_from_world;
   view.camera = unit.camera_at_infinity;
+  view.readout_s = config.readout_s;
 
   if (config.autofocus) {
     Rng focus = rng.fork("focus");

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/calibrate/calibration_output.h"
+#include "benchmarks/calibrate/device_output.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/imaging/color.h"
 #include "tests/calibration/synthetic_target.h"
@@ -133,6 +134,19 @@ TEST(DeviceReport, ATrueFactoryRegistrationIsNotReplaced) {
   ASSERT_TRUE(run.registration);
   EXPECT_NE(run.registration->verdict, RegistrationVerdict::replace);
   EXPECT_LT(run.registration->rms_px, 5 * run.registration->fresh_rms_px);
+}
+
+TEST(DeviceReport, AReadoutThatWasGivenHasNoDeviation) {
+  CalibrationRun run;
+  Camera camera;
+  camera.height_px = 481;
+  run.result.cameras = {camera};
+  run.rolling.emplace();
+  run.rolling->line_delay_s = 2e-5;
+  EXPECT_THAT(device_table(run), HasSubstr("20 us a row, as given"));
+  run.result.parameters = {"camera0.line_delay_s"};
+  run.result.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-14);
+  EXPECT_THAT(device_table(run), HasSubstr("20 us a row +- 0.1,"));
 }
 
 }  // namespace

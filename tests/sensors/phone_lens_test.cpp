@@ -101,6 +101,7 @@ TEST(PhoneShutter, MovesTheCameraByTheHandWhileRowsAreRead) {
   std::vector<double> shift, turn;
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     const TrueView view = true_view(config, unit, scene, 0, Rng(seed));
+    EXPECT_EQ(view.readout_s, config.readout_s);
     const Pose end_from_begin = view.camera_from_world_end * inverse(view.camera_from_world);
     for (int axis = 0; axis < 3; ++axis) shift.push_back(end_from_begin.translation_m[axis]);
     turn.push_back(angle_rad(end_from_begin.rotation) / std::sqrt(3.0));
