@@ -200,37 +200,13 @@ std::string unsupported(const CalibrationProblem& problem) {
   return "";
 }
 
-}  // namespace
-
-SolverRun solve_with_mrcal(CalibrationProblem& problem, CalibrationState& state) {
-  std::string unable = unsupported(problem);
+/// From a state's lenses and poses to a minimum, with mrcal's own outlier pass if that is asked
+/// for.
+SolverRun optimise_from(CalibrationProblem& problem, const Lattice& lattice,
+                        const std::string& model, CalibrationState& state) {
   MrcalProblem mrcal;
-  const std::optional<Lattice> lattice = lattice_of(problem);
-  if (unable.empty() && !lattice) unable = "its target is a full square lattice of points";
-  const std::string name = mrcal_name(problem.lenses.front(), unable);
-  if (!unable.empty()) return refuse(unable);
-  if (!mrcal_lensmodel_from_name(&mrcal.model, name.c_str())) return refuse("no lens " + name);
-  mrcal.lattice = *lattice;
-
-  // mrcal 2.2 has no seeding in C: our lenses without distortion and our poses.
-  state = {};
-  for (std::size_t i = 0; i < problem.lenses.size(); ++i)
-    state.lenses.push_back(seed_lens(problem, static_cast<int>(i)));
-  const std::vector<int> alone =
-      assemble_rig(problem, seed_view_poses(problem, state.lenses), state);
-  SolverRun run;
-  if (problem.views.empty() || !alone.empty()) {
-    run.status = CalibrationStatus::not_determined;
-    run.reason = problem.views.empty() ? "no view has a pose of the target under any focal length"
-                                       : "cameras that share no frame with the others";
-    for (const int c : alone) run.not_determined.push_back("camera" + std::to_string(c) + ".pose");
-    return run;
-  }
-  for (std::size_t v = 1; v < problem.views.size(); ++v) {
-    if (problem.views[v].frame == problem.views[v - 1].frame &&
-        problem.views[v].camera == problem.views[v - 1].camera)
-      return refuse("two views of one frame");
-  }
+  if (!mrcal_lensmodel_from_name(&mrcal.model, model.c_str())) return refuse("no lens " + model);
+  mrcal.lattice = lattice;
   const auto count = static_cast<Eigen::Index>(mrcal_lensmodel_num_params(&mrcal.model));
   for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
     const Camera& like = problem.lenses[i].like;
@@ -251,6 +227,7 @@ SolverRun solve_with_mrcal(CalibrationProblem& problem, CalibrationState& state)
   what.do_apply_regularization = splined;  // else its unseen control points are singular
   what.do_optimize_calobject_warp = problem.config.board_deformation;
   what.do_apply_outlier_rejection = problem.config.reject_sigmas > 0;
+  SolverRun run;
   // It stops early by its own limits, which its C API does not give out: again from where it is.
   constexpr int kRestarts = 10;
   double before = std::numeric_limits<double>::infinity();
@@ -267,6 +244,69 @@ SolverRun solve_with_mrcal(CalibrationProblem& problem, CalibrationState& state)
     run.reason = "mrcal: the optimisation failed";
   }
   take_views(problem, state, mrcal);
+  return run;
+}
+
+bool is_rational(LensModel model) {
+  return model == LensModel::opencv8 || model == LensModel::opencv12;
+}
+
+/// As calibrate_ceres does: from the plain coefficients' solution too, with poses found anew; the
+/// lower of both.
+void optimise_by_plain_lens(const CalibrationProblem& unsolved, const Lattice& lattice,
+                            const std::string& model, const CalibrationState& begin,
+                            CalibrationProblem& problem, CalibrationState& state, SolverRun& run) {
+  CalibrationProblem again = unsolved;
+  CalibrationState lean = begin;
+  const SolverRun plain = optimise_from(again, lattice, "LENSMODEL_OPENCV5", lean);
+  again = unsolved;
+  CalibrationState rich;
+  rich.lenses = lean.lenses;
+  assemble_rig(again, seed_view_poses(again, rich.lenses), rich);
+  if (again.views.size() != unsolved.views.size()) return;
+  SolverRun found = optimise_from(again, lattice, model, rich);
+  found.iterations += plain.iterations + run.iterations;
+  run.iterations = found.iterations;
+  if (found.status != run.status || !(found.rms_px < run.rms_px)) return;
+  run = found;
+  state = std::move(rich);
+  problem = std::move(again);
+}
+
+}  // namespace
+
+SolverRun solve_with_mrcal(CalibrationProblem& problem, CalibrationState& state) {
+  std::string unable = unsupported(problem);
+  const std::optional<Lattice> lattice = lattice_of(problem);
+  if (unable.empty() && !lattice) unable = "its target is a full square lattice of points";
+  const std::string name = mrcal_name(problem.lenses.front(), unable);
+  if (!unable.empty()) return refuse(unable);
+
+  // mrcal 2.2 has no seeding in C: our lenses without distortion and our poses.
+  state = {};
+  for (std::size_t i = 0; i < problem.lenses.size(); ++i)
+    state.lenses.push_back(seed_lens(problem, static_cast<int>(i)));
+  const std::vector<int> alone =
+      assemble_rig(problem, seed_view_poses(problem, state.lenses), state);
+  SolverRun run;
+  if (problem.views.empty() || !alone.empty()) {
+    run.status = CalibrationStatus::not_determined;
+    run.reason = problem.views.empty() ? "no view has a pose of the target under any focal length"
+                                       : "cameras that share no frame with the others";
+    for (const int c : alone) run.not_determined.push_back("camera" + std::to_string(c) + ".pose");
+    return run;
+  }
+  for (std::size_t v = 1; v < problem.views.size(); ++v) {
+    if (problem.views[v].frame == problem.views[v - 1].frame &&
+        problem.views[v].camera == problem.views[v - 1].camera)
+      return refuse("two views of one frame");
+  }
+  const CalibrationProblem unsolved = problem;
+  const CalibrationState begin = state;
+  run = optimise_from(problem, *lattice, name, state);
+  const ProblemLens& lens = problem.lenses.front();
+  if (problem.lens_of_camera.size() == 1 && !lens.given && is_rational(lens.shape.model))
+    optimise_by_plain_lens(unsolved, *lattice, name, begin, problem, state, run);
   return run;
 }
 
