@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "perception/pipelines/seeds_sensor.h"
-#include "perception/splats/splat_geometry.h"
+#include "perception/pipelines/splat_stages.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -96,7 +96,7 @@ Fields fields(SeedsPipelineConfig& config) {
        TextField{[&config] { return std::string(to_string(config.method)); },
                  [&config](const std::string& text) { config.method = method_of(text); }},
        "ours: closed surfaces; paper: clusters of points, PCA box, alpha shape; sensor_depth: ours "
-       "with a depth camera's depth; depth_only: its depth and nothing else; splats: points of the "
+       "with a depth camera's depth; depth_only: its depth and nothing else; splats: with the "
        "depth of trained Gaussians; splats_paper: their centres, trained as the reference does"},
       {"board_kind",
        TextField{[&config] { return text_of(config.board_kind); },
@@ -190,48 +190,6 @@ void measure_points(const SeedsPipelineConfig& config, SeedsStages& stages) {
   };
 }
 
-/// Gaussians between poses and what is measured: as the reference trains them with their centres
-/// for a cloud, or our way with their depth.
-void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsStages& stages) {
-  const bool paper = config.method == SeedsMethod::splats_paper;
-  if (config.splats.poses == SplatPoses::sfm) {
-    stages.poses = [config](const Capture& capture, const SeedsEstimate& so_far) {
-      return poses_by_sfm(capture, so_far.corners, board_of(capture, config));
-    };
-  }
-  stages.splats = [config, seed, paper](const Capture& capture, const SeedsEstimate& so_far) {
-    const SweepVolume volume = volume_of(config, board_of(capture, config));
-    SplatTrainConfig training = paper ? reference_training() : SplatTrainConfig{};
-    training.seed = Rng(seed).fork("splats")();
-    std::vector<StartPoint> start;
-    if (!paper) {
-      training.steps = config.splats.steps;
-      training.most_splats = config.splats.most_splats;
-      training.rates.centre_first = config.splats.centre_rate;
-      training.rates.centre_last = 0.01 * config.splats.centre_rate;
-      start = start_of_cloud(fuse_depths(capture, so_far.poses,
-                                         estimate_depths(capture, so_far.poses, volume, config.mvs),
-                                         config.green, config.fuse),
-                             config.splats.start_points);
-    }
-    fill_start(volume, config.splats.start_points, Rng(seed).fork("splat_start"), start);
-    return train_on_seeds(
-        seed_views(capture, so_far.poses, volume, config.green, config.splats.margin_px), start,
-        training, paper ? config.splats.reference_steps : training.steps);
-  };
-  if (paper) {
-    stages.depth = nullptr;
-    stages.cloud = [config](const Capture&, const SeedsEstimate& so_far) {
-      return splat_centres(so_far.splats, config.splats.least_opacity);
-    };
-    return;
-  }
-  stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
-    return depths_of_splats(so_far.splats, so_far.poses,
-                            volume_of(config, board_of(capture, config)));
-  };
-}
-
 /// The paper's clusters of the cloud, whatever it is of.
 void cluster_as_papers(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsStages& stages) {
   stages.clusters = [config, seed](const Capture&, const SeedsEstimate& so_far) {
@@ -268,7 +226,7 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed) 
   };
   if (config.method == SeedsMethod::sensor_depth || config.method == SeedsMethod::depth_only)
     take_sensor_depth(config, stages);
-  if (config.method == SeedsMethod::depth_only || config.method == SeedsMethod::splats) {
+  if (config.method == SeedsMethod::depth_only) {
     measure_points(config, stages);
     return stages;
   }
@@ -293,7 +251,7 @@ PipelineNeeds needs(const SeedsPipelineConfig& config) {
   const bool splats = trains_splats(config.method);
   const bool papers =
       config.method == SeedsMethod::paper || config.method == SeedsMethod::splats_paper;
-  const bool points = papers || splats || config.method == SeedsMethod::depth_only;
+  const bool points = papers || config.method == SeedsMethod::depth_only;
   if (config.method == SeedsMethod::depth_only) {
     result.images = {"depth"};
     result.left_out.emplace_back("corners", "the rig knows its poses");
@@ -311,8 +269,7 @@ PipelineNeeds needs(const SeedsPipelineConfig& config) {
   if (points) {
     result.left_out.emplace_back("masks", papers
                                               ? "the paper's chain measures points, not silhouettes"
-                                          : splats ? "points of the Gaussians' depth are measured"
-                                                   : "without colour there are no silhouettes");
+                                              : "without colour there are no silhouettes");
   } else {
     result.stages.push_back("masks");
   }

@@ -54,13 +54,13 @@ std::optional<Window> window_of(const FramePose& pose, const SweepVolume& volume
   return window;
 }
 
-Image<Rgb8> part_of(const Image<Rgb8>& image, const Image<std::uint8_t>& keep,
-                    const Window& window) {
+Image<Rgb8> part_of(const Image<Rgb8>& image, const Image<std::uint8_t>& keep, const Window& window,
+                    const Rgb8& screen) {
   Image<Rgb8> part(window.right - window.left + 1, window.bottom - window.top + 1);
   for (int y = 0; y < part.height(); ++y) {
     for (int x = 0; x < part.width(); ++x) {
       const int from_x = window.left + x, from_y = window.top + y;
-      part(x, y) = keep(from_x, from_y) != 0 ? image(from_x, from_y) : Rgb8{};
+      part(x, y) = keep(from_x, from_y) != 0 ? image(from_x, from_y) : screen;
     }
   }
   return part;
@@ -143,6 +143,13 @@ Fields fields(SeedsSplatConfig& config) {
       {"centre_rate", &config.centre_rate,
        "splats: first rate of the centres, a share of the cameras' extent; the last is a hundredth",
        1e-9, 1},
+      {"flatness", &config.flatness,
+       "splats: thickness of a Gaussian over its width at the start, across the surface", 1e-3, 1},
+      {"shape_rate", &config.shape_rate,
+       "splats: rates of scales and rotations over those that training has", 0, 1},
+      {"start_opacity", &config.start_opacity, "splats: of each Gaussian at the start", 0.01, 0.99},
+      {"raised_share", &config.raised_share, "splats: of the points at the start, those on grains",
+       0, 1},
       {"least_opacity", &config.least_opacity,
        "splats_paper: opacity of a centre that becomes a point", 0, 1},
       {"margin_px", &config.margin_px, "kept around the volume in each photograph", 0, 1000}};
@@ -162,9 +169,31 @@ Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoa
   return estimate.poses;
 }
 
+Rgb8 screen_color(const Capture& capture, const GreenConfig& green) {
+  constexpr std::size_t kEvery = 7;  // pixels
+  std::array<std::uint64_t, 3> sum{};
+  std::uint64_t count = 0;
+  for (const Frame& frame : capture.frames) {
+    if (frame.sensors.empty() || frame.sensors.front().color.empty()) continue;
+    const Image<Rgb8>& color = frame.sensors.front().color;
+    const Image<std::uint8_t> keep = remove_green(color, green);
+    for (std::size_t i = 0; i < color.size(); i += kEvery) {
+      if (keep.data()[i] != 0) continue;
+      const Rgb8 c = color.data()[i];
+      sum = {sum[0] + c.r, sum[1] + c.g, sum[2] + c.b};
+      ++count;
+    }
+  }
+  if (count == 0) return {};
+  const auto mean = [&](std::uint64_t s) {
+    return static_cast<std::uint8_t>((s + count / 2) / count);
+  };
+  return {mean(sum[0]), mean(sum[1]), mean(sum[2])};
+}
+
 std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
                                   const SweepVolume& volume, const GreenConfig& green,
-                                  int margin_px) {
+                                  int margin_px, const Rgb8& screen) {
   Capture cut;
   cut.rig = capture.rig;
   Poses cut_poses;
@@ -180,8 +209,8 @@ std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
     Frame next{.id = frame.id, .time_s = frame.time_s};
     FramePose pose = poses[i];
     pose.camera = camera_of(pose.camera, *window);
-    next.sensors.push_back(
-        {.reported = pose.camera, .color = part_of(color, remove_green(color, green), *window)});
+    next.sensors.push_back({.reported = pose.camera,
+                            .color = part_of(color, remove_green(color, green), *window, screen)});
     cut.frames.push_back(std::move(next));
     cut_poses.push_back(pose);
   }
@@ -195,16 +224,6 @@ std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
   return views;
 }
 
-std::vector<StartPoint> start_of_cloud(const Cloud& cloud, int most) {
-  std::vector<StartPoint> points;
-  const std::size_t count = std::min(cloud.size(), static_cast<std::size_t>(most));
-  for (std::size_t i = 0; i < count; ++i) {
-    const CloudPoint& point = cloud[i * cloud.size() / count];
-    points.push_back({point.position_m.cast<double>(), point.color});
-  }
-  return points;
-}
-
 void fill_start(const SweepVolume& volume, int count, Rng rng, std::vector<StartPoint>& start) {
   if (2 * start.size() >= static_cast<std::size_t>(count)) return;
   const auto more = random_start_points(volume.low_m, volume.high_m,
@@ -213,8 +232,9 @@ void fill_start(const SweepVolume& volume, int count, Rng rng, std::vector<Start
 }
 
 SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const StartPoint> from,
-                          const SplatTrainConfig& training, int stop_after) {
-  const SplatModel start = splats_from_points(from);
+                          const SplatStartConfig& start_config, const SplatTrainConfig& training,
+                          int stop_after) {
+  const SplatModel start = splats_from_points(from, start_config);
   SplatTraining trained = train_splats(views, start, training, [&](const SplatTrainPoint& point) {
     return point.step < stop_after;
   });

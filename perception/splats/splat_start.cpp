@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -28,7 +29,7 @@ constexpr double kLeastShare = 0.01;  ///< of the median scale
 StartPoints from_colmap(const std::vector<ColmapStartPoint>& points) {
   StartPoints result;
   for (const ColmapStartPoint& point : points)
-    result.points.push_back({point.position, point.color});
+    result.points.push_back({.position_m = point.position, .color = point.color});
   return result;
 }
 
@@ -127,6 +128,13 @@ Eigen::Vector3d origin_of(const std::vector<Eigen::Vector3d>& points_m) {
   return largest > kFarOff * spread ? mean : Eigen::Vector3d::Zero();
 }
 
+/// Turns a round Gaussian's third axis along a normal and makes it thinner there.
+void lay_flat(const Eigen::Vector3d& normal, double flatness, Splat& splat) {
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+  splat.rotation_wxyz = Eigen::Vector4d(turn.w(), turn.x(), turn.y(), turn.z()).cast<float>();
+  splat.log_scale.z() += static_cast<float>(std::log(flatness));
+}
+
 }  // namespace
 
 StartPoints read_start_points(const fs::path& file, std::size_t most_points) {
@@ -167,6 +175,8 @@ void validate(const SplatStartConfig& config) {
     fail_config("sh_degree = " + std::to_string(config.sh_degree) + " is not in 0..3");
   if (!(config.opacity > 0 && config.opacity < 1))
     fail_config("opacity = " + std::to_string(config.opacity) + " is not between 0 and 1");
+  if (!(config.flatness > 0 && config.flatness <= 1))
+    fail_config("flatness = " + std::to_string(config.flatness) + " is not above 0 and at most 1");
   if (!(config.alone_m > 0) || !std::isfinite(config.alone_m))
     fail_config("alone_m = " + std::to_string(config.alone_m) + " is not a length");
 }
@@ -197,6 +207,7 @@ SplatModel splats_from_points(std::span<const StartPoint> points, const SplatSta
     splat.centre_m = (positions_m[i] - model.origin_in_world_m).cast<float>();
     const double scale = std::max(scales[i], least);
     splat.log_scale.setConstant(static_cast<float>(std::log(scale > 0 ? scale : config.alone_m)));
+    if (points[i].normal.squaredNorm() > 0.5) lay_flat(points[i].normal, config.flatness, splat);
     splat.opacity_logit = static_cast<float>(std::log(config.opacity / (1 - config.opacity)));
     const std::array<std::uint8_t, 3> codes = {points[i].color.r, points[i].color.g,
                                                points[i].color.b};

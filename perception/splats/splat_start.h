@@ -16,6 +16,7 @@ namespace cousin {
 struct StartPoint {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< in the world
   Rgb8 color{128, 128, 128};                             ///< sRGB
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< of the surface, unit; zero = unknown
 };
 
 /// What a file of points held.
@@ -40,13 +41,15 @@ std::vector<StartPoint> random_start_points(const Eigen::Vector3d& low_m,
 struct SplatStartConfig {
   int sh_degree = 3;      ///< of the model; coefficients beyond the first start at zero
   double opacity = 0.1;   ///< of each Gaussian, 0..1 exclusive
+  double flatness = 1;    ///< thickness over width where the point has a normal; 0..1, not 0
   double alone_m = 0.01;  ///< scale where no other point gives one
 };
 void validate(const SplatStartConfig& config);  ///< throws std::invalid_argument
 
 /// A round Gaussian for each point, as the reference starts [Kerbl et al. 2023, section 5.1]: its
 /// scale is the root mean square distance of the three nearest other points, and at least a
-/// hundredth of the median of those (points may coincide); its colour is the point's in every
+/// hundredth of the median of those (points may coincide); where the point has a normal, a disc
+/// across it, `flatness` times as thick; its colour is the point's in every
 /// direction. The origin is zero, or, where coordinates are more than a hundred times the points'
 /// spread, their mean: floats then keep what they tell apart. TBB; the same bytes on any number of
 /// threads. @throws std::invalid_argument if a point is not finite or the configuration is invalid.

@@ -128,25 +128,92 @@ TEST(SeedsSplats, ViewsAreCutToTheVolumeAndGreenIsBlack) {
 
 TEST(SeedsSplats, NothingToLearnGivesNoGaussians) {
   const Poses poses = {slanted(0, 0), slanted(1, 1)};
-  EXPECT_TRUE(train_on_seeds({}, std::vector<StartPoint>(9), {}, 100).splats.empty());
+  EXPECT_TRUE(train_on_seeds({}, std::vector<StartPoint>(9), {}, {}, 100).splats.empty());
   FramePose away = slanted(0, 0);
   away.camera_from_world.translation_m = {0, 0, -0.3};  // looks away from the board
   EXPECT_TRUE(seed_views(capture_of({away}, kGreen), {away}, volume, {}, 8).empty());
 }
 
-TEST(SeedsSplats, TheStartIsThePlaneSweepsCloudOrElseDrawnInTheVolume) {
+/// A closed box of 4 mm on the board.
+Mesh box_mesh() {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i)
+    mesh.vertices_m.emplace_back(0.004 * (i & 1), 0.004 * (i >> 1 & 1), 0.004 * (i >> 2 & 1));
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh;
+}
+
+TEST(SeedsSplats, GaussiansBeginOnClosedSurfacesAndElseOnTheCloud) {
+  // A board, a grain with a closed surface, one without, and a stray point above the board.
   Cloud cloud(100);
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    cloud[i].position_m = {1e-4F * static_cast<float>(i), 0, 0};
-  std::vector<StartPoint> start = start_of_cloud(cloud, 10);
-  ASSERT_EQ(start.size(), 10U);
-  EXPECT_NEAR(start[3].position_m.x(), 30e-4, 1e-9);
+    cloud[i].position_m = {0.02F + 1e-4F * static_cast<float>(i), 0, 0};
+  Clusters clusters;
+  clusters.count = 2;
+  for (const auto& [x, instance] : {std::pair{0.001F, 0}, {0.04F, 1}, {0.045F, -1}}) {
+    CloudPoint point;
+    point.position_m = {x, 0.001F, 0.003F};
+    point.color = {200, 150, 100};
+    clusters.cloud.push_back(point);
+    clusters.instance.push_back(instance);
+    cloud.push_back(point);
+  }
+  Surface closed;
+  closed.status = SurfaceStatus::ok;
+  closed.mesh = box_mesh();
+  Surface open;
+  open.instance = 1;
+  open.status = SurfaceStatus::too_few_views;
+  SeedsSplatConfig config;
+  config.start_points = 60;
+  config.raised_share = 0.8;
+  std::vector<StartPoint> start =
+      start_on_surfaces(clusters, cloud, {closed, open}, config, Rng(1));
+  ASSERT_EQ(start.size(), 60U);
+  std::array<int, 3> on_face{};
+  for (std::size_t i = 0; i < 48; ++i) {
+    const Eigen::Vector3d from_middle = start[i].position_m - Eigen::Vector3d::Constant(0.002);
+    EXPECT_NEAR(from_middle.cwiseAbs().maxCoeff(), 0.002, 1e-9) << i;
+    Eigen::Index axis = 0;
+    start[i].normal.cwiseAbs().maxCoeff(&axis);
+    EXPECT_NEAR(std::abs(start[i].normal[axis]), 1, 1e-9);
+    EXPECT_NEAR(start[i].normal.dot(from_middle), 0.002, 1e-9) << "outward";
+    ++on_face[static_cast<std::size_t>(axis)];
+    EXPECT_EQ(start[i].color, (Rgb8{200, 150, 100}));
+  }
+  EXPECT_EQ(on_face, (std::array<int, 3>{16, 16, 16}));  // evenly over the area
+  const auto is_high = [](const StartPoint& p) { return p.position_m.z() > 0.001; };
+  EXPECT_EQ(std::count_if(start.begin() + 48, start.end(), is_high), 0);  // of 102 each 8.5th
+  config.start_points = 200;
+  start = start_on_surfaces(clusters, cloud, {closed, open}, config, Rng(1));
+  ASSERT_EQ(start.size(), 200U);  // 160 on the box, then of 102: all but one in five
+  EXPECT_TRUE(start_on_surfaces({}, {}, {}, config, Rng(1)).empty());
+  config.raised_share = 0.2;
+  start = start_on_surfaces(clusters, cloud, {closed, open}, config, Rng(1));
+  EXPECT_EQ(start.size(), 40U + 102U);
+  EXPECT_EQ(std::count_if(start.begin() + 40, start.end(), is_high), 2);
+}
+
+TEST(SeedsSplats, TooFewPointsAreFilledUpInTheVolume) {
+  std::vector<StartPoint> start(10);
   fill_start(volume, 20, Rng(1), start);
   EXPECT_EQ(start.size(), 10U);  // half is enough
   fill_start(volume, 50, Rng(1), start);
   ASSERT_EQ(start.size(), 50U);
   for (const StartPoint& point : start)
     EXPECT_LE(point.position_m.cwiseAbs().maxCoeff(), 0.05 + 1e-9);
+}
+
+TEST(SeedsSplats, TheScreenIsOfItsMeanColour) {
+  const Poses poses = {slanted(0, 0)};
+  Capture capture = capture_of(poses, kGreen);
+  EXPECT_EQ(screen_color(capture, {}), kGreen);
+  const auto views = seed_views(capture, poses, volume, {}, 8, {10, 255, 20});
+  ASSERT_EQ(views.size(), 1U);
+  const Image<float>& green = views[0].levels.front().color.channel[1];
+  EXPECT_NEAR(green(green.width() / 2, green.height() / 2), 1, 1e-3);
+  EXPECT_EQ(screen_color(capture_of(poses, {250, 250, 250}), {}), (Rgb8{}));
 }
 
 TEST(SeedsSplats, TrainedGaussiansShowThePhotographs) {
@@ -183,7 +250,7 @@ TEST(SeedsSplats, TrainedGaussiansShowThePhotographs) {
   training.rates.centre_last = 0.01 * training.rates.centre_first;
   const std::vector<SplatView> views = seed_views(capture, poses, volume, {}, 4);
   const SplatModel model = train_on_seeds(
-      views, random_start_points({-0.03, -0.03, 0.0097}, {0.03, 0.03, 0.0103}, 4000, Rng(3)),
+      views, random_start_points({-0.03, -0.03, 0.0097}, {0.03, 0.03, 0.0103}, 4000, Rng(3)), {},
       training, training.steps);
   ASSERT_FALSE(model.splats.empty());
   double off = 0;
@@ -207,8 +274,7 @@ TEST(SeedsSplats, EachMethodReadsWhatItNeeds) {
   config.method = SeedsMethod::splats;
   EXPECT_EQ(needs(config).stages,
             (std::vector<std::string>{"corners", "poses", "splats", "depth", "cloud", "clusters",
-                                      "surfaces", "traits"}));
-  EXPECT_FALSE(seeds_stages(config, 1).masks);
+                                      "masks", "surfaces", "traits"}));
   config.method = SeedsMethod::splats_paper;
   EXPECT_EQ(needs(config).stages, (std::vector<std::string>{"corners", "poses", "splats", "cloud",
                                                             "clusters", "surfaces", "traits"}));

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -81,6 +83,26 @@ TEST(SplatStart, ALatticeHasItsSpacingAsScale) {
     EXPECT_NEAR(0.5 + 0.28209479177387814 * splat.sh_dc[1], 0, 1e-6);
     EXPECT_NEAR(0.5 + 0.28209479177387814 * splat.sh_dc[2], 0.2, 1e-6);
   }
+}
+
+TEST(SplatStart, APointWithANormalIsADiscAcrossIt) {
+  std::vector<StartPoint> points;
+  for (int i = 0; i < 25; ++i) points.push_back({0.1 * Eigen::Vector3d(i % 5, i / 5, 0)});
+  const std::array<Eigen::Vector3d, 3> normals = {
+      Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitZ(), Eigen::Vector3d(2, -1, 2) / 3};
+  for (std::size_t i = 0; i < 3; ++i) points[i].normal = normals[i];
+  const SplatModel model = splats_from_points(points, {.flatness = 0.2});
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Splat& splat = model.splats[i];
+    EXPECT_FLOAT_EQ(splat.log_scale.x(), splat.log_scale.y());
+    EXPECT_NEAR(std::exp(splat.log_scale.z() - splat.log_scale.x()), 0.2, 1e-6);
+    const Eigen::Quaternionf turn(splat.rotation_wxyz[0], splat.rotation_wxyz[1],
+                                  splat.rotation_wxyz[2], splat.rotation_wxyz[3]);
+    const Eigen::Vector3d axis = (turn * Eigen::Vector3f::UnitZ()).cast<double>();
+    EXPECT_NEAR(std::abs(axis.dot(normals[i])), 1, 1e-6) << i;
+  }
+  EXPECT_EQ(model.splats[7].log_scale.x(), model.splats[7].log_scale.z());
+  EXPECT_THROW(splats_from_points(points, {.flatness = 0}), std::invalid_argument);
 }
 
 TEST(SplatStart, ScaleIsTheRootMeanSquareOfThreeDistances) {
