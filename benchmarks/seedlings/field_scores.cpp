@@ -53,10 +53,17 @@ FidelityPlanes image_of(const FieldRenderer& render, const SampleView& view) {
 
 }  // namespace
 
+std::vector<std::size_t> scored_views(std::size_t trained) {
+  const std::size_t count = std::min(trained, kScoredViews);
+  std::vector<std::size_t> scored;
+  for (std::size_t i = 0; i < count; ++i) scored.push_back(i * trained / count);
+  return scored;
+}
+
 FieldViews field_views(std::vector<const SampleView*> train,
                        std::vector<const SampleView*> held_out) {
   FieldViews views{std::move(train), std::move(held_out), {}};
-  std::vector<DepthView> eyes;
+  std::vector<DepthSight> eyes;
   for (const SampleView* view : views.train) {
     eyes.push_back({view->photograph.levels.front().camera, view->photograph.camera_from_world,
                     &view->depth_m});
@@ -69,7 +76,8 @@ FieldViews field_views(std::vector<const SampleView*> train,
 FieldScores score_field(const FieldRenderer& render, const FieldViews& views) {
   FieldScores scores;
   ViewSums train, held_out;
-  for (const SampleView* view : views.train) train.add(image_of(render, *view), *view);
+  for (const std::size_t i : scored_views(views.train.size()))
+    train.add(image_of(render, *views.train[i]), *views.train[i]);
   PooledPsnr covered, uncovered;
   for (std::size_t v = 0; v < views.held_out.size(); ++v) {
     const SampleView& view = *views.held_out[v];

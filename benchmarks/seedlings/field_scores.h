@@ -44,6 +44,11 @@ struct FieldViews {
 FieldViews field_views(std::vector<const SampleView*> train,
                        std::vector<const SampleView*> held_out);
 
+/// A radiance field takes seconds to show a view, so of many views trained on these are scored:
+/// evenly spread, all where they are few.
+inline constexpr std::size_t kScoredViews = 10;
+std::vector<std::size_t> scored_views(std::size_t trained);
+
 /// Scores `render` on both; steps, seconds and the number of Gaussians are the caller's.
 FieldScores score_field(const FieldRenderer& render, const FieldViews& views);
 

@@ -170,11 +170,17 @@ SampleCapture photograph_sample(const SeedlingsSample& sample, SamplePlan plan, 
 std::vector<StartPoint> sample_start(const SeedlingsSample& sample, int points, Rng rng) {
   const PlantRunConfig config = sample_config(sample);
   const auto& tray = std::get<SeedlingsSceneConfig>(config.scene).setting.tray;
-  constexpr double kMargin_m = 0.1, kPlants_m = 0.12;
-  const double half_x_m = 0.5 * tray.columns * tray.pitch_m + kMargin_m;
-  const double half_y_m = 0.5 * tray.rows * tray.pitch_m + kMargin_m;
-  return random_start_points({-half_x_m, -half_y_m, -tray.depth_m}, {half_x_m, half_y_m, kPlants_m},
-                             points, rng);
+  constexpr double kPlants_m = 0.1, kBeside_m = 0.5, kBench_m = 0.01;
+  const double half_x_m = 0.5 * tray.columns * tray.pitch_m;
+  const double half_y_m = 0.5 * tray.rows * tray.pitch_m;
+  std::vector<StartPoint> start =
+      random_start_points({-half_x_m, -half_y_m, -tray.depth_m}, {half_x_m, half_y_m, kPlants_m},
+                          points - points / 3, rng.fork("tray"));
+  const std::vector<StartPoint> bench = random_start_points(
+      {-half_x_m - kBeside_m, -half_y_m - kBeside_m, -tray.depth_m - kBench_m},
+      {half_x_m + kBeside_m, half_y_m + kBeside_m, -tray.depth_m}, points / 3, rng.fork("bench"));
+  start.insert(start.end(), bench.begin(), bench.end());
+  return start;
 }
 
 }  // namespace cousin

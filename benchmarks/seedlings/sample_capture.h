@@ -61,9 +61,9 @@ struct SampleCapture {
 SampleCapture photograph_sample(const SeedlingsSample& sample, SamplePlan plan, int noise_views,
                                 std::uint64_t seed);
 
-/// What Gaussians begin from: grey points spread evenly over the slab that holds the tray, a
-/// margin, and the plants. Exact poses come without the points that a reconstruction of poses
-/// makes; the reference begins likewise where it has none.
+/// What Gaussians begin from: grey points, two thirds spread evenly over the space of the tray and
+/// its plants, a third over a layer of the bench about it. Exact poses come without the points that
+/// a reconstruction of poses makes; where the reference has none, it begins at random points too.
 std::vector<StartPoint> sample_start(const SeedlingsSample& sample, int points, Rng rng);
 
 }  // namespace cousin

@@ -23,7 +23,7 @@ double farthest_m(const Image<float>& depth_m, int x, int y) {
   return farthest;
 }
 
-bool sees(const DepthView& view, const Lens& lens, const Eigen::Vector3d& point_in_world_m) {
+bool sees(const DepthSight& view, const Lens& lens, const Eigen::Vector3d& point_in_world_m) {
   const Eigen::Vector3d in_camera_m =
       view.camera_from_world.rotation * point_in_world_m + view.camera_from_world.translation_m;
   if (!(in_camera_m.z() > 0)) return false;
@@ -40,9 +40,9 @@ bool sees(const DepthView& view, const Lens& lens, const Eigen::Vector3d& point_
 }  // namespace
 
 Image<std::uint16_t> views_that_see(const Image<Eigen::Vector3f>& position_m,
-                                    std::span<const DepthView> views) {
+                                    std::span<const DepthSight> views) {
   std::vector<Lens> lenses;
-  for (const DepthView& view : views) {
+  for (const DepthSight& view : views) {
     if (view.depth_m->width() != view.camera.width_px ||
         view.depth_m->height() != view.camera.height_px) {
       throw std::invalid_argument(

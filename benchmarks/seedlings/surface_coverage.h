@@ -12,7 +12,7 @@
 namespace cousin {
 
 /// What a view could see of surfaces.
-struct DepthView {
+struct DepthSight {
   Camera camera;
   Pose camera_from_world;
   const Image<float>* depth_m = nullptr;  ///< true, along the axis; NaN = no surface
@@ -24,7 +24,7 @@ struct DepthView {
 /// of threads. @param position_m  in the world; NaN = none
 /// @throws std::invalid_argument if a depth image has another size than its camera.
 Image<std::uint16_t> views_that_see(const Image<Eigen::Vector3f>& position_m,
-                                    std::span<const DepthView> views);
+                                    std::span<const DepthSight> views);
 
 /// Surface points of several views by the number of views that see them.
 class CoverageShare {

@@ -94,15 +94,19 @@ TEST(SampleCapture, ViewsOfOneSideAreOfTheSameTrayFromFewerSides) {
   EXPECT_GT(bias(side), 0.6);
 }
 
-TEST(SampleCapture, GaussiansStartWhereTheTrayIs) {
-  const std::vector<StartPoint> points = sample_start(small_sample(), 500, Rng(1));
-  EXPECT_EQ(points.size(), 500u);
+TEST(SampleCapture, GaussiansStartWhereTheTrayIsAndOnTheBench) {
+  const std::vector<StartPoint> points = sample_start(small_sample(), 600, Rng(1));
+  ASSERT_EQ(points.size(), 600u);
+  int beside = 0;
   for (const StartPoint& point : points) {
-    EXPECT_LE(std::abs(point.position_m.x()), 0.45);
-    EXPECT_LE(std::abs(point.position_m.y()), 0.275);
-    EXPECT_GE(point.position_m.z(), -0.03);
-    EXPECT_LE(point.position_m.z(), 0.12);
+    const bool is_on_tray =
+        std::abs(point.position_m.x()) <= 0.35 && std::abs(point.position_m.y()) <= 0.175;
+    beside += !is_on_tray;
+    EXPECT_LE(point.position_m.z(), is_on_tray ? 0.1 : -0.03);
+    EXPECT_GE(point.position_m.z(), -0.04);
   }
+  EXPECT_LT(beside, 200);
+  EXPECT_GT(beside, 120);
 }
 
 }  // namespace

@@ -60,6 +60,16 @@ TEST(SeedlingsJobs, TheKeyTellsWhatDecidesTheResult) {
   EXPECT_FALSE(changed([](SeedlingsJob& j) { j.shown = !j.shown; }));
 }
 
+TEST(FieldScores, OfManyViewsTrainedOnTenAreScored) {
+  EXPECT_EQ(scored_views(3), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(scored_views(10).back(), 9u);
+  const std::vector<std::size_t> of_thirty = scored_views(30);
+  ASSERT_EQ(of_thirty.size(), 10u);
+  EXPECT_EQ(of_thirty[1], 3u);
+  EXPECT_EQ(of_thirty.back(), 27u);
+  EXPECT_TRUE(scored_views(0).empty());
+}
+
 SeedlingsJob tiny_job(const std::string& method, std::vector<int> at) {
   SeedlingsJob job;
   job.sample.views = 6;

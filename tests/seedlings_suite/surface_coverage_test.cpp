@@ -35,9 +35,9 @@ TEST(SurfaceCoverage, AViewSeesWhatIsInItsImageAndNotBehindASurface) {
   const Image<float> open = plane_m();
   Image<float> covered = plane_m();
   for (float& z : covered) z = 0.5F;  // a leaf half way up, all over
-  const std::vector<DepthView> views = {{camera_64(), above(0), &open},
-                                        {camera_64(), above(0.4), &open},
-                                        {camera_64(), above(0), &covered}};
+  const std::vector<DepthSight> views = {{camera_64(), above(0), &open},
+                                         {camera_64(), above(0.4), &open},
+                                         {camera_64(), above(0), &covered}};
   // Half a picture is 32 / 60 = 0.533 m wide at 1 m.
   const Image<std::uint16_t> seen =
       views_that_see(points({{0, 0, 0},      // by the first two; the leaf hides it
@@ -54,7 +54,7 @@ TEST(SurfaceCoverage, AViewSeesWhatIsInItsImageAndNotBehindASurface) {
 
 TEST(SurfaceCoverage, NothingBehindAPixelWithoutSurfaceIsHidden) {
   const Image<float> none(64, 48, kNone);
-  const std::vector<DepthView> views = {{camera_64(), above(0), &none}};
+  const std::vector<DepthSight> views = {{camera_64(), above(0), &none}};
   EXPECT_EQ(views_that_see(points({{0, 0, 0}}), views)(0, 0), 1);
 }
 
@@ -64,7 +64,7 @@ TEST(SurfaceCoverage, APointBesideAnEdgeIsSeen) {
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 32; ++x) edge(x, y) = 0.5F;
   }
-  const std::vector<DepthView> views = {{camera_64(), above(0), &edge}};
+  const std::vector<DepthSight> views = {{camera_64(), above(0), &edge}};
   const auto at_pixel = [](double x) {
     return Eigen::Vector3f(static_cast<float>((x - 31.5) / 60), 0, 0);
   };
@@ -78,7 +78,7 @@ TEST(SurfaceCoverage, APointBesideAnEdgeIsSeen) {
 
 TEST(SurfaceCoverage, ADepthImageOfAnotherSizeIsRefused) {
   const Image<float> small(32, 48, 1.0F);
-  const std::vector<DepthView> views = {{camera_64(), above(0), &small}};
+  const std::vector<DepthSight> views = {{camera_64(), above(0), &small}};
   EXPECT_THROW(views_that_see(points({{0, 0, 0}}), views), std::invalid_argument);
 }
 
