@@ -38,7 +38,7 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
           {500, 1000, 2000, 5000, 7000},
           {500, 1000, 2000, 5000, 7000, 10000, 30000},
           {500, 1000, 2000, 5000},
-          {250, 500, 1000, 2000},
+          {500, 2000},
           {{"20 views", 20, false}, {"10 views", 10, false}, {"30 views of one side", 30, true}}};
 }
 
