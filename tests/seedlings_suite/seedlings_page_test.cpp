@@ -69,8 +69,8 @@ TEST(SeedlingsPage, PsnrIsDrawnOverTheSecondsOfEachMethod) {
 }
 
 TEST(SeedlingsPage, PsnrIsDrawnOverCoverageWhereAllSetsWereScoredAlike) {
-  const LinePlot& plot =
-      plot_named(seedlings_plots(some_rows()), "PSNR of held-out views over view coverage");
+  const std::vector<LinePlot> plots = seedlings_plots(some_rows());
+  const LinePlot& plot = plot_named(plots, "PSNR of held-out views over view coverage");
   ASSERT_EQ(plot.series.size(), 2u);
   EXPECT_EQ(plot.series[0].name, "10 views");
   ASSERT_EQ(plot.series[0].points.size(), 1u);

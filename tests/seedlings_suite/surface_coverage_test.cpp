@@ -39,16 +39,16 @@ TEST(SurfaceCoverage, AViewSeesWhatIsInItsImageAndNotBehindASurface) {
                                          {camera_64(), above(0.4), &open},
                                          {camera_64(), above(0), &covered}};
   // Half a picture is 32 / 60 = 0.533 m wide at 1 m.
-  const Image<std::uint16_t> seen =
-      views_that_see(points({{0, 0, 0},      // by the first two; the leaf hides it
-                             {-0.5F, 0, 0},  // outside the second's
-                             {0.9F, 0, 0},   // outside the first's
-                             {0, 0, 0.5F},   // on the leaf: by all
-                             {2, 0, 0},      // by none
-                             {0, 0, 2},      // behind the cameras
-                             {kNone, kNone, kNone}}),
-                     views);
-  const int expected[] = {2, 1, 1, 3, 0, 0, 0};
+  const Image<std::uint16_t> seen = views_that_see(
+      points({{0, 0, 0},      // by the first two; the leaf hides it
+              {-0.5F, 0, 0},  // outside the second's
+              {0.9F, 0, 0},   // outside the first's
+              {0, 0, 0.5F},   // on the leaf: outside the second's, which is half as wide there
+              {2, 0, 0},      // by none
+              {0, 0, 2},      // behind the cameras
+              {kNone, kNone, kNone}}),
+      views);
+  const int expected[] = {2, 1, 1, 2, 0, 0, 0};
   for (int i = 0; i < 7; ++i) EXPECT_EQ(seen(i, 0), expected[i]) << i;
 }
 
