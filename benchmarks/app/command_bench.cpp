@@ -20,6 +20,8 @@
 #include "benchmarks/renderers/renderers_page.h"
 #include "benchmarks/renderers/renderers_suite.h"
 #include "benchmarks/scenes/scenes_suite.h"
+#include "benchmarks/seedlings/seedlings_page.h"
+#include "benchmarks/seedlings/seedlings_suite.h"
 #include "benchmarks/seeds/cousins_suite.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/seeds_report.h"
@@ -46,6 +48,10 @@ void add_plots(SeedsReport& report) {
   for (ErrorTimeCurve& curve : study_times(report.scores.scores))
     report.curves.push_back(std::move(curve));
   for (ErrorTimeCurve& curve : splats_curves(report.scores.scores))
+    report.curves.push_back(std::move(curve));
+  for (LinePlot& plot : seedlings_plots(report.scores.scores))
+    report.lines.push_back(std::move(plot));
+  for (ErrorTimeCurve& curve : seedlings_curves(report.scores.scores))
     report.curves.push_back(std::move(curve));
 }
 
@@ -116,6 +122,19 @@ void note_missing(const JobContext& context, const std::vector<ShardResult>& res
   report.scores.header.more["note"] = note;
 }
 
+/// The pictures of the jobs on this page: a --quick run and a full one share the folder.
+void show_scenes(const std::vector<ShardResult>& results, const fs::path& folder,
+                 SeedsReport& report) {
+  std::set<std::string> shown;
+  for (const ShardResult& result : results) {
+    if (!result.text.empty()) shown.insert(fs::path(result.name).stem());
+  }
+  report.scenes =
+      read_report_scenes(folder, [&](const std::string& name) { return shown.contains(name); });
+  std::string& names = report.scores.header.more["scenes"];
+  for (const ReportScene& scene : report.scenes) names += (names.empty() ? "" : " ") + scene.name;
+}
+
 ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
   SeedsSuiteConfig config;
@@ -132,15 +151,7 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
       titled("Cousin: bench seeds", kMeasuredAgainstTruth, pool_seeds_suite(results, config));
   note_missing(context, results, report);
   report.config_toml = suite_toml(config);
-  // The pictures of the jobs on this page: a --quick run and a full one share the folder.
-  std::set<std::string> shown;
-  for (const ShardResult& result : results) {
-    if (!result.text.empty()) shown.insert(fs::path(result.name).stem());
-  }
-  report.scenes = read_report_scenes(config.report,
-                                     [&](const std::string& name) { return shown.contains(name); });
-  std::string& names = report.scores.header.more["scenes"];
-  for (const ReportScene& scene : report.scenes) names += (names.empty() ? "" : " ") + scene.name;
+  show_scenes(results, config.report, report);
   return finish(std::move(report), context, out);
 }
 
@@ -307,12 +318,34 @@ ScoreFile bench_sfm(const JobContext& context, const fs::path& out) {
   return finish(std::move(report), context, out);
 }
 
+ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  SeedlingsSuiteConfig config;
+  config.seed = o.seed;
+  config.quick = o.quick;
+  if (o.runs > 0) config.samples = o.runs;
+  config.report = report_scenes_folder(out);
+  const auto results = run_jobs(context, out, seedlings_suite_jobs(config));
+  SeedsReport report = titled(
+      "Cousin: bench seedlings",
+      "Trays of watermelon seedlings under three lights, reconstructed from hand-held "
+      "photographs with exact poses: how well Gaussians and a radiance field show the views "
+      "they were trained on and others, over the time they took and over what the views "
+      "cover. Published numbers are the Seedlings paper's tables 2 to 4: other plants, other "
+      "photographs, a graphics card; its PSNR is taken to be of views trained on.",
+      pool_seedlings_suite(results, config));
+  note_missing(context, results, report);
+  report.config_toml = seedlings_toml(config);
+  show_scenes(results, config.report, report);
+  return finish(std::move(report), context, out);
+}
+
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
   std::array<std::string_view, 6> takes;  ///< the options that it reads, of those not all do
 };
-constexpr std::array<Suite, 13> kSuites = {
+constexpr std::array<Suite, 14> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
@@ -320,6 +353,7 @@ constexpr std::array<Suite, 13> kSuites = {
      {"seeds",
       bench_seeds,
       {"--quick", "--set", "--captures", "--shard", "--attribution", "--runs"}},
+     {"seedlings", bench_seedlings, {"--quick", "--shard", "--runs"}},
      {"cousins", bench_cousins, {"--quick", "--set", "--shard"}},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},

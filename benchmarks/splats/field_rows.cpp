@@ -5,8 +5,8 @@
 #include <string>
 
 #include "benchmarks/metrics/image_fidelity.h"
+#include "benchmarks/splats/ngp_view.h"
 #include "benchmarks/splats/posed_set.h"
-#include "perception/ngp/ngp.h"
 #include "perception/splats/train_splats.h"
 #include "sim/types/stage_clock.h"
 
@@ -17,40 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr int kFoxSide_px = 480;
 constexpr int kFoxPoints = 20000;
-
-std::uint8_t to_byte(float value) {
-  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
-}
-
-NgpView photograph(const SplatView& view) {
-  const SplatViewLevel& level = view.levels.front();
-  NgpView out{level.camera, view.camera_from_world, {}, {}};
-  out.color = Image<Rgb8>(level.camera.width_px, level.camera.height_px);
-  if (!level.weight.empty()) out.mask = Image<std::uint8_t>(out.color.width(), out.color.height());
-  for (int y = 0; y < out.color.height(); ++y) {
-    for (int x = 0; x < out.color.width(); ++x) {
-      const auto& channel = level.color.channel;
-      out.color(x, y) = {to_byte(channel[0](x, y)), to_byte(channel[1](x, y)),
-                         to_byte(channel[2](x, y))};
-      if (!level.weight.empty()) out.mask(x, y) = level.weight(x, y) >= 0.999F;
-    }
-  }
-  return out;
-}
-
-ColorPlanes planes(const Image<Rgb8>& image) {
-  ColorPlanes out;
-  for (auto& channel : out.channel) channel = Image<float>(image.width(), image.height());
-  for (int y = 0; y < image.height(); ++y) {
-    for (int x = 0; x < image.width(); ++x) {
-      const Rgb8 c = image(x, y);
-      out.channel[0](x, y) = static_cast<float>(c.r) / 255;
-      out.channel[1](x, y) = static_cast<float>(c.g) / 255;
-      out.channel[2](x, y) = static_cast<float>(c.b) / 255;
-    }
-  }
-  return out;
-}
 
 /// Mean over the held-out views.
 template <class Render>
@@ -102,7 +68,7 @@ void splat_points(std::vector<ScoreRow>& rows, const ScoreRow& base, const Posed
 void ngp_points(std::vector<ScoreRow>& rows, const ScoreRow& base, const PosedSet& set,
                 const std::vector<int>& steps) {
   std::vector<NgpView> views;
-  for (const SplatView& view : set.train) views.push_back(photograph(view));
+  for (const SplatView& view : set.train) views.push_back(ngp_view(view));
   NgpConfig config;
   config.iterations = *std::max_element(steps.begin(), steps.end());
   config.seed = base.seed;
@@ -112,18 +78,18 @@ void ngp_points(std::vector<ScoreRow>& rows, const ScoreRow& base, const PosedSe
   StageTiming scored;
   const StageClock clock("ngp");
   const NgpTraining training = train_ngp(
-      views, config, {steps, [&](int iteration, const NgpModel& model) {
-                        const StageTiming before = clock.finish();
-                        const double psnr =
-                            held_out_db(set, [&](const Camera& camera, const Pose& pose) {
-                              return planes(render_ngp(model, camera, pose).color);
-                            });
-                        add_point(rows, row, set, iteration, before.wall_s - scored.wall_s,
-                                  before.cpu_s - scored.cpu_s, psnr);
-                        const StageTiming after = clock.finish();
-                        scored.wall_s += after.wall_s - before.wall_s;
-                        scored.cpu_s += after.cpu_s - before.cpu_s;
-                      }});
+      views, config,
+      {steps, [&](int iteration, const NgpModel& model) {
+         const StageTiming before = clock.finish();
+         const double psnr = held_out_db(set, [&](const Camera& camera, const Pose& pose) {
+           return ColorPlanes{fidelity_planes(render_ngp(model, camera, pose).color)};
+         });
+         add_point(rows, row, set, iteration, before.wall_s - scored.wall_s,
+                   before.cpu_s - scored.cpu_s, psnr);
+         const StageTiming after = clock.finish();
+         scored.wall_s += after.wall_s - before.wall_s;
+         scored.cpu_s += after.cpu_s - before.cpu_s;
+       }});
   if (training.status == NgpStatus::ok) return;
   row.metric = "training: " + std::string(to_string(training.status)) + ", " + training.reason;
   row.status = ScoreStatus::not_solved;

@@ -68,6 +68,14 @@ SavedTraining begin_or_go_on(std::span<const SplatView> views, const SplatModel&
   return saved;
 }
 
+SplatModel learned(const SplatTrainer& trainer, const SplatTrainConfig& config) {
+  SplatModel model;
+  model.sh_degree = config.sh_degree;
+  model.origin_in_world_m = trainer.state().origin_in_world_m;
+  model.splats = to_splats(trainer.state().values);
+  return model;
+}
+
 }  // namespace
 
 std::string to_string(SplatTrainStatus status) {
@@ -92,7 +100,7 @@ std::string to_string(SplatTrainStatus status) {
 
 SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& start,
                            const SplatTrainConfig& config, const SplatProgress& progress,
-                           const SplatCheckpoint& checkpoint) {
+                           const SplatCheckpoint& checkpoint, const SplatSnapshots& snapshots) {
   validate(config);
   if (!checkpoint.file.empty() && checkpoint.every < 1) {
     throw std::invalid_argument("splat training: a checkpoint every " +
@@ -121,6 +129,10 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     if (trainer.state().values.size() == 0 || blind >= patience(views.size())) {
       training.status = SplatTrainStatus::nothing_seen;
     }
+    if (snapshots.take && training.status == SplatTrainStatus::ok &&
+        std::find(snapshots.at.begin(), snapshots.at.end(), done) != snapshots.at.end()) {
+      snapshots.take(done, before_s + trainer.seconds().total, learned(trainer, config));
+    }
     loss_sum += step.loss;
     ++loss_count;
     if (done % config.report_every == 0 || done == config.steps) {
@@ -142,9 +154,7 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     if (stops) break;
   }
   training.seconds = trainer.seconds();
-  training.model.sh_degree = config.sh_degree;
-  training.model.origin_in_world_m = trainer.state().origin_in_world_m;
-  training.model.splats = to_splats(trainer.state().values);
+  training.model = learned(trainer, config);
   training.model.views_seen = trainer.views_seen();
   return training;
 }

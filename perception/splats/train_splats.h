@@ -50,6 +50,15 @@ struct SplatCheckpoint {
 /// Called at every point of the curve; false stops training.
 using SplatProgress = std::function<bool(const SplatTrainPoint& point)>;
 
+/// Called after each of `at` steps with what has been learned so far. It changes no byte of the
+/// training.
+struct SplatSnapshots {
+  std::vector<int> at;
+  /// @param wall_s  as in SplatTrainPoint: without the seconds that snapshots take
+  /// @param model  without `views_seen`
+  std::function<void(int step, double wall_s, const SplatModel& model)> take;
+};
+
 /// Fits Gaussians to photographs with known poses [Kerbl et al., ACM TOG 42(4), 2023]. The same
 /// views, start and configuration give the same model, byte for byte, on any number of threads,
 /// whether it was interrupted or not.
@@ -59,6 +68,7 @@ using SplatProgress = std::function<bool(const SplatTrainPoint& point)>;
 /// training
 SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& start,
                            const SplatTrainConfig& config, const SplatProgress& progress = {},
-                           const SplatCheckpoint& checkpoint = {});
+                           const SplatCheckpoint& checkpoint = {},
+                           const SplatSnapshots& snapshots = {});
 
 }  // namespace cousin

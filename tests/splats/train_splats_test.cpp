@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <chrono>
 #include <cstring>
 #include <fstream>
+#include <thread>
 
 #include "perception/splats/splat_render.h"
 #include "tests/splats/random_splats.h"
@@ -113,6 +115,56 @@ TEST(TrainSplats, GrowthReachesItsBudget) {
     EXPECT_GT(training.model.splats.size(), 165u) << static_cast<int>(growth);
     EXPECT_LE(training.model.splats.size(), 180u) << static_cast<int>(growth);
   }
+}
+
+TEST(TrainSplats, SnapshotsChangeNoByteAndTheirSecondsDoNotCount) {
+  const std::vector<SplatView> views = views_of(true_model(), 5);
+  constexpr double kPause_s = 0.2;
+  for (const SplatGrowth growth : kKinds) {
+    const SplatTrainConfig config = quick_config(growth);
+    const SplatTraining alone = train_splats(views, start_model(80), config);
+    std::vector<int> steps;
+    std::vector<double> seconds;
+    SplatModel last;
+    const SplatTraining watched =
+        train_splats(views, start_model(80), config, {}, {},
+                     {{7, 160, 900}, [&](int step, double wall_s, const SplatModel& model) {
+                        steps.push_back(step);
+                        seconds.push_back(wall_s);
+                        last = model;
+                        std::this_thread::sleep_for(std::chrono::duration<double>(kPause_s));
+                      }});
+    EXPECT_TRUE(same_bytes(alone.model, watched.model)) << static_cast<int>(growth);
+    EXPECT_EQ(steps, (std::vector<int>{7, 160}));
+    ASSERT_EQ(last.splats.size(), watched.model.splats.size());
+    for (std::size_t i = 0; i < last.splats.size(); ++i) {
+      EXPECT_EQ(last.splats[i].centre_m, watched.model.splats[i].centre_m);
+      EXPECT_EQ(last.splats[i].sh_rest, watched.model.splats[i].sh_rest);
+    }
+    // Of its own clock: the pause after step 7 is not in the seconds of step 160.
+    EXPECT_GT(seconds.front(), 0);
+    EXPECT_EQ(seconds.back(), watched.seconds.total);
+    EXPECT_EQ(seconds.back(), watched.curve.back().wall_s);
+  }
+}
+
+// What goes on from a checkpoint is told the seconds of before too.
+TEST(TrainSplats, SnapshotsGoOnWithTheTraining) {
+  const std::vector<SplatView> views = views_of(true_model(), 5);
+  const SplatTrainConfig config = quick_config(SplatGrowth::budgeted);
+  const fs::path file = fs::path(testing::TempDir()) / "splat_snapshots.checkpoint";
+  fs::remove(file);
+  const auto stop = [](const SplatTrainPoint& point) { return point.step < 80; };
+  (void)train_splats(views, start_model(80), config, stop, {file, 40});
+  std::vector<double> seconds;
+  const SplatTraining rest = train_splats(
+      views, start_model(80), config, {}, {file, 40},
+      {{40, 100}, [&](int, double wall_s, const SplatModel&) { seconds.push_back(wall_s); }});
+  ASSERT_EQ(seconds.size(), 1u);  // step 40 was before
+  ASSERT_EQ(rest.curve.size(), 8u);
+  EXPECT_GE(seconds[0], rest.curve[3].wall_s);
+  EXPECT_LE(seconds[0], rest.curve[4].wall_s);
+  fs::remove(file);
 }
 
 TEST(TrainSplats, BytesDoNotDependOnThreads) {

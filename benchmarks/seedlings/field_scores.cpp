@@ -1,0 +1,100 @@
+#include "benchmarks/seedlings/field_scores.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/seedlings/surface_coverage.h"
+
+namespace cousin {
+namespace {
+
+/// PSNR over the pixels of several images together.
+class PooledPsnr {
+ public:
+  void add(const FidelityPlanes& image, const FidelityPlanes& photograph, std::size_t pixel) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double shown = std::clamp(image[c].data()[pixel], 0.0F, 1.0F);
+      const double off = shown - photograph[c].data()[pixel];
+      squares_ += off * off;
+      ++count_;
+    }
+  }
+  double value_db() const {
+    return count_ > 0 ? -10 * std::log10(squares_ / static_cast<double>(count_)) : kNaN;
+  }
+
+ private:
+  double squares_ = 0;
+  std::int64_t count_ = 0;
+};
+
+struct ViewSums {
+  std::vector<double> psnr_db, ssim, flip, seedlings_db;
+
+  void add(const FidelityPlanes& image, const SampleView& view) {
+    const FidelityPlanes& photograph = view.photograph.levels.front().color.channel;
+    const ImageFidelity whole = score_fidelity(image, photograph, view.shown);
+    psnr_db.push_back(whole.psnr_db);
+    ssim.push_back(whole.ssim);
+    flip.push_back(whole.flip);
+    const double plants_db = cousin::psnr_db(image, photograph, view.seedlings);
+    if (!std::isnan(plants_db)) seedlings_db.push_back(plants_db);  // some views show none
+  }
+  ViewScores scores() const {
+    return {static_cast<std::int64_t>(psnr_db.size()), mean(psnr_db), mean(ssim), mean(flip),
+            mean(seedlings_db)};
+  }
+};
+
+FidelityPlanes image_of(const FieldRenderer& render, const SampleView& view) {
+  return render(view.photograph.levels.front().camera, view.photograph.camera_from_world);
+}
+
+}  // namespace
+
+std::vector<std::size_t> scored_views(std::size_t trained) {
+  const std::size_t count = std::min(trained, kScoredViews);
+  std::vector<std::size_t> scored;
+  for (std::size_t i = 0; i < count; ++i) scored.push_back(i * trained / count);
+  return scored;
+}
+
+FieldViews field_views(std::vector<const SampleView*> train,
+                       std::vector<const SampleView*> held_out) {
+  FieldViews views{std::move(train), std::move(held_out), {}};
+  std::vector<DepthSight> eyes;
+  for (const SampleView* view : views.train) {
+    eyes.push_back({view->photograph.levels.front().camera, view->photograph.camera_from_world,
+                    &view->depth_m});
+  }
+  for (const SampleView* view : views.held_out)
+    views.seen.push_back(views_that_see(view->position_m, eyes));
+  return views;
+}
+
+FieldScores score_field(const FieldRenderer& render, const FieldViews& views) {
+  FieldScores scores;
+  ViewSums train, held_out;
+  for (const std::size_t i : scored_views(views.train.size()))
+    train.add(image_of(render, *views.train[i]), *views.train[i]);
+  PooledPsnr covered, uncovered;
+  for (std::size_t v = 0; v < views.held_out.size(); ++v) {
+    const SampleView& view = *views.held_out[v];
+    const FidelityPlanes image = image_of(render, view);
+    held_out.add(image, view);
+    for (std::size_t i = 0; i < view.shown.size(); ++i) {
+      if (view.shown.data()[i] == 0) continue;
+      const bool is_covered = views.seen[v].data()[i] >= kEnoughViews;
+      (is_covered ? covered : uncovered)
+          .add(image, view.photograph.levels.front().color.channel, i);
+    }
+  }
+  scores.train = train.scores();
+  scores.held_out = held_out.scores();
+  scores.covered_db = covered.value_db();
+  scores.uncovered_db = uncovered.value_db();
+  return scores;
+}
+
+}  // namespace cousin

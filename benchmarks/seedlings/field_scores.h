@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "benchmarks/metrics/image_fidelity.h"
+#include "benchmarks/seedlings/sample_capture.h"
+
+namespace cousin {
+
+/// A model's image of a pinhole camera.
+using FieldRenderer = std::function<FidelityPlanes(const Camera&, const Pose&)>;
+
+/// How a model's images look beside photographs: means over the views, NaN where no pixel counts.
+struct ViewScores {
+  std::int64_t views = 0;
+  double psnr_db = kNaN, ssim = kNaN, flip = kNaN;  ///< over what the photograph shows
+  double psnr_seedlings_db = kNaN;                  ///< over the plants alone
+};
+
+/// A model after some of its training.
+struct FieldScores {
+  int steps = 0;
+  double wall_s = 0, cpu_s = 0;  ///< of training
+  std::int64_t gaussians = 0;    ///< 0: it has none
+  ViewScores train, held_out;
+  /// PSNR over all pixels of the held-out views whose surface is seen by enough of the views that
+  /// were trained on, and over the others.
+  double covered_db = kNaN, uncovered_db = kNaN;
+};
+
+/// Views that number and cover.
+inline constexpr int kEnoughViews = 3;
+
+/// What a model is trained on and scored by.
+struct FieldViews {
+  std::vector<const SampleView*> train, held_out;
+  /// By how many of `train` the surface of each held-out pixel is seen.
+  std::vector<Image<std::uint16_t>> seen;
+};
+/// @param train  any of the capture's; `held_out`: those of the plan that are held out
+FieldViews field_views(std::vector<const SampleView*> train,
+                       std::vector<const SampleView*> held_out);
+
+/// A radiance field takes seconds to show a view, so of many views trained on these are scored:
+/// evenly spread, all where they are few.
+inline constexpr std::size_t kScoredViews = 10;
+std::vector<std::size_t> scored_views(std::size_t trained);
+
+/// Scores `render` on both; steps, seconds and the number of Gaussians are the caller's.
+FieldScores score_field(const FieldRenderer& render, const FieldViews& views);
+
+}  // namespace cousin

@@ -1,0 +1,146 @@
+#include "benchmarks/seedlings/field_training.h"
+
+#include <memory>
+#include <stdexcept>
+
+#include "benchmarks/splats/ngp_view.h"
+#include "perception/splats/splat_render.h"
+#include "perception/splats/train_splats.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+/// CPU and wall time of training without that of scoring.
+class TrainingClock {
+ public:
+  StageTiming now() const {
+    StageTiming timing = clock_.finish();
+    timing.wall_s -= paused_.wall_s;
+    timing.cpu_s -= paused_.cpu_s;
+    return timing;
+  }
+  /// What `work` takes does not count.
+  template <class Work>
+  void pause(const Work& work) {
+    const StageTiming before = clock_.finish();
+    work();
+    const StageTiming after = clock_.finish();
+    paused_.wall_s += after.wall_s - before.wall_s;
+    paused_.cpu_s += after.cpu_s - before.cpu_s;
+  }
+
+ private:
+  StageClock clock_{"training"};
+  StageTiming paused_;
+};
+
+FieldRenderer renderer_of(SplatModel model) {
+  return [model = std::make_shared<const SplatModel>(std::move(model))](const Camera& camera,
+                                                                        const Pose& pose) {
+    return render_splats(*model, camera, pose).color.channel;
+  };
+}
+
+FieldRenderer renderer_of(const NgpModel& model) {
+  return [kept = std::make_shared<const NgpModel>(model)](const Camera& camera, const Pose& pose) {
+    return fidelity_planes(render_ngp(*kept, camera, pose).color);
+  };
+}
+
+/// Scores a model and keeps it as the last.
+void add_scores(const FieldViews& views, int steps, const StageTiming& timing,
+                std::int64_t gaussians, FieldRenderer render, TrainedField& field) {
+  FieldScores scores = score_field(render, views);
+  scores.steps = steps;
+  scores.wall_s = timing.wall_s;
+  scores.cpu_s = timing.cpu_s;
+  scores.gaussians = gaussians;
+  field.scores.push_back(scores);
+  field.render = std::move(render);
+}
+
+std::vector<SplatView> photographs(const FieldViews& views) {
+  std::vector<SplatView> result;
+  for (const SampleView* view : views.train) result.push_back(view->photograph);
+  return result;
+}
+
+TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<int>& at,
+                             const FieldViews& views, const SplatModel& start) {
+  TrainedField field;
+  TrainingClock clock;
+  const auto take = [&](int step, double wall_s, const SplatModel& model) {
+    StageTiming timing = clock.now();
+    timing.wall_s = wall_s;
+    clock.pause([&] {
+      add_scores(views, step, timing, static_cast<std::int64_t>(model.splats.size()),
+                 renderer_of(model), field);
+    });
+  };
+  const auto go_on = [&](const SplatTrainPoint& point) { return point.step < at.back(); };
+  const SplatTraining training =
+      train_splats(photographs(views), start, config, go_on, {}, {at, take});
+  const bool is_left = training.status == SplatTrainStatus::stopped;
+  field.status = is_left ? "ok" : to_string(training.status);
+  return field;
+}
+
+TrainedField train_reference(const FieldPlan& plan, const FieldViews& views,
+                             const SplatModel& start, std::uint64_t seed) {
+  SplatTrainConfig config = reference_training();
+  config.seed = seed;
+  config.report_every = 10;  // where it can be left
+  return train_gaussians(config, plan.at, views, start);
+}
+
+TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const SplatModel& start,
+                        std::uint64_t seed) {
+  TrainedField field;
+  for (const int steps : plan.at) {
+    SplatTrainConfig config;
+    config.steps = steps;
+    config.seed = seed;
+    TrainedField one = train_gaussians(config, {steps}, views, start);
+    field.status = one.status;
+    if (one.status != "ok") break;
+    field.scores.push_back(one.scores.back());
+    field.render = std::move(one.render);
+  }
+  return field;
+}
+
+TrainedField train_radiance_field(const FieldPlan& plan, const FieldViews& views,
+                                  std::uint64_t seed) {
+  std::vector<NgpView> photographs;
+  for (const SampleView* view : views.train) photographs.push_back(ngp_view(view->photograph));
+  NgpConfig config;
+  config.iterations = plan.at.back();
+  config.samples_per_step = plan.ngp_samples;
+  config.seed = seed;
+  TrainedField field;
+  TrainingClock clock;
+  const auto take = [&](int step, const NgpModel& model) {
+    const StageTiming timing = clock.now();
+    clock.pause([&] { add_scores(views, step, timing, 0, renderer_of(model), field); });
+  };
+  const NgpTraining training = train_ngp(photographs, config, {plan.at, take});
+  field.status = to_string(training.status);
+  if (training.status != NgpStatus::ok) field.status += ", " + training.reason;
+  return field;
+}
+
+}  // namespace
+
+TrainedField train_field(const FieldPlan& plan, const FieldViews& views,
+                         const std::vector<StartPoint>& start, std::uint64_t seed) {
+  if (plan.at.empty()) throw std::invalid_argument(plan.method + ": no steps to score after");
+  if (plan.method == kNgp) return train_radiance_field(plan, views, seed);
+  const SplatModel from = splats_from_points(start);
+  if (plan.method == kReference) return train_reference(plan, views, from, seed);
+  if (plan.method == kOurs) return train_ours(plan, views, from, seed);
+  throw std::invalid_argument("method \"" + plan.method + "\" is not one of " + kReference + ", " +
+                              kOurs + ", " + kNgp);
+}
+
+}  // namespace cousin

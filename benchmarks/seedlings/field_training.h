@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "benchmarks/seedlings/field_scores.h"
+
+namespace cousin {
+
+/// Methods as the tables call them.
+inline constexpr const char* kReference = "3DGS, reference schedule";
+inline constexpr const char* kOurs = "3DGS, ours";
+inline constexpr const char* kNgp = "Instant-NGP";
+
+/// One method on one set of views.
+struct FieldPlan {
+  std::string method = kReference;
+  /// Steps after which it is scored, rising. The reference's schedule is one training of 30,000
+  /// steps that is left after the last of these; so is the radiance field's, whose schedule has no
+  /// end; ours is a training of its own for each, since its schedule ends with its steps.
+  std::vector<int> at;
+  int start_points = 20000;  ///< of Gaussians
+  int ngp_samples = 65536;   ///< of a step of the radiance field, about
+};
+
+struct TrainedField {
+  std::string status;  ///< "ok", or why there are no scores
+  std::vector<FieldScores> scores;
+  FieldRenderer render;  ///< of the last scores' model
+};
+
+/// Trains and scores. @param start  of Gaussians; radiance fields need none
+TrainedField train_field(const FieldPlan& plan, const FieldViews& views,
+                         const std::vector<StartPoint>& start, std::uint64_t seed);
+
+}  // namespace cousin

@@ -1,0 +1,165 @@
+#include "benchmarks/seedlings/seedlings_jobs.h"
+
+#include <algorithm>
+
+#include "benchmarks/seedlings/sample_pictures.h"
+#include "benchmarks/seedlings/seedlings_rows.h"
+
+namespace cousin {
+namespace {
+
+constexpr double kFirstDay = 2, kLastDay = 10;  // of the paper's seedlings
+constexpr const char* kLights[] = {"D1", "D2", "D3"};
+
+/// Numbers of a run, and of a quick one.
+struct Extent {
+  int samples, width_px, height_px, pixel_samples, noise_views;
+  std::vector<int> reference, reference_long, ours, ngp;
+  std::vector<ViewSet> fewer;  ///< sets that the reference alone is trained on
+};
+Extent extent_of(const SeedlingsSuiteConfig& config) {
+  if (config.quick) {
+    return {1,
+            200,
+            150,
+            16,
+            2,
+            {250, 500, 1000},
+            {250, 500, 1000},
+            {250, 500},
+            {50, 100},
+            {{"10 views", 10, false}, {"30 views of one side", 30, true}}};
+  }
+  return {config.samples,
+          400,
+          300,
+          16,
+          4,
+          {500, 1000, 2000, 5000, 7000},
+          {500, 1000, 2000, 5000, 7000, 10000, 30000},
+          {500, 1000, 2000, 5000},
+          {500, 2000},
+          {{"20 views", 20, false}, {"10 views", 10, false}, {"30 views of one side", 30, true}}};
+}
+
+std::string short_name(const std::string& method) {
+  return method == kReference ? "reference" : method == kOurs ? "ours" : "ngp";
+}
+
+/// The middle of the sample's share of the days.
+double day_of(int number, int samples) {
+  return kFirstDay + (kLastDay - kFirstDay) * (number + 0.5) / samples;
+}
+
+std::string text_of(const SeedlingsSample& sample, int noise_views) {
+  return resolved_toml(sample_config(sample)) + "/" + std::to_string(sample.number) + "/" +
+         std::to_string(sample.views) + "/" + std::to_string(noise_views);
+}
+
+/// The views that a set trains on.
+std::vector<const SampleView*> trained_views(const SeedlingsJob& job, std::uint64_t seed,
+                                             LastCaptures& captures) {
+  const SamplePlan plan = job.set.one_side ? SamplePlan::one_side : SamplePlan::whole_tray;
+  const SampleCapture& capture = captures.of(job.sample, plan, job.noise_views, seed);
+  std::vector<const SampleView*> all;
+  for (const SampleView& view : capture.views) {
+    if (job.set.one_side || !is_held_out(view.photograph.frame)) all.push_back(&view);
+  }
+  std::vector<const SampleView*> drawn;
+  const Rng rng = Rng(seed).fork("sets").fork(static_cast<std::uint64_t>(job.sample.number));
+  for (const int i : drawn_views(static_cast<int>(all.size()), job.set.views, rng))
+    drawn.push_back(all[static_cast<std::size_t>(i)]);
+  return drawn;
+}
+
+std::vector<const SampleView*> held_out_views(const SampleCapture& whole) {
+  std::vector<const SampleView*> views;
+  for (const SampleView& view : whole.views) {
+    if (is_held_out(view.photograph.frame)) views.push_back(&view);
+  }
+  return views;
+}
+
+}  // namespace
+
+std::string SeedlingsJob::name() const {
+  return sample.light + "_" + std::to_string(sample.number) + "_" + std::to_string(set.views) +
+         (set.one_side ? "_side_" : "_") + short_name(plan.method) + "_" +
+         std::to_string(sample.width_px) + "px";
+}
+
+std::string SeedlingsJob::case_name() const {
+  return "sample " + std::to_string(sample.number) + ", " + set.name + ", " +
+         std::to_string(sample.width_px) + "x" + std::to_string(sample.height_px);
+}
+
+std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config) {
+  const Extent extent = extent_of(config);
+  std::vector<SeedlingsJob> jobs;
+  for (const char* light : kLights) {
+    for (int i = 0; i < extent.samples; ++i) {
+      SeedlingsJob job;
+      job.sample = {light,
+                    i,
+                    day_of(i, extent.samples),
+                    30,
+                    extent.width_px,
+                    extent.height_px,
+                    extent.pixel_samples};
+      job.set = {"30 views", job.sample.views, false};
+      job.noise_views = extent.noise_views;
+      job.shown = i == 0;
+      job.plan = {kReference, i == 0 ? extent.reference_long : extent.reference};
+      jobs.push_back(job);
+      job.plan = {kOurs, extent.ours};
+      jobs.push_back(job);
+      job.plan = {kNgp, extent.ngp};
+      jobs.push_back(job);
+      for (const ViewSet& set : extent.fewer) {
+        job.set = set;
+        job.plan = {kReference, {extent.reference.back()}};
+        jobs.push_back(job);
+      }
+    }
+  }
+  return jobs;
+}
+
+std::string key_of(const SeedlingsJob& job) {
+  std::string key = text_of(job.sample, job.noise_views) + "/" + job.set.name + "/" +
+                    std::to_string(job.set.views) + "/" + job.plan.method + "/" +
+                    std::to_string(job.plan.start_points) + "/" +
+                    std::to_string(job.plan.ngp_samples);
+  if (job.set.one_side) key += "/" + std::to_string(kOneSideShare);
+  for (const int step : job.plan.at) key += "/" + std::to_string(step);
+  return key;
+}
+
+const SampleCapture& LastCaptures::of(const SeedlingsSample& sample, SamplePlan plan,
+                                      int noise_views, std::uint64_t seed) {
+  Kept& kept = kept_[plan == SamplePlan::one_side ? 1 : 0];
+  if (plan == SamplePlan::one_side) noise_views = 0;  // the same camera's
+  const std::string key = text_of(sample, noise_views) + "/" + std::to_string(seed);
+  if (kept.key == key) return kept.capture;
+  kept = {};
+  kept.capture = photograph_sample(sample, plan, noise_views, seed);
+  kept.key = key;
+  return kept.capture;
+}
+
+ScoreFile run_seedlings_job(const SeedlingsJob& job, std::uint64_t seed, LastCaptures& captures,
+                            const std::filesystem::path& report) {
+  const SampleCapture& whole =
+      captures.of(job.sample, SamplePlan::whole_tray, job.noise_views, seed);
+  const FieldViews views = field_views(trained_views(job, seed, captures), held_out_views(whole));
+  const Rng rng = Rng(seed).fork("start").fork(static_cast<std::uint64_t>(job.sample.number));
+  const TrainedField field =
+      train_field(job.plan, views, sample_start(job.sample, job.plan.start_points, rng), seed);
+  ScoreFile file;
+  file.scores = sample_rows(job, seed, field, views, whole);
+  if (job.shown && field.render && !report.empty())
+    write_sample_pictures(report, job, field, views);
+  return file;
+}
+
+}  // namespace cousin

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "benchmarks/metrics/scores.h"
+#include "benchmarks/seedlings/field_training.h"
+#include "benchmarks/seedlings/sample_capture.h"
+
+namespace cousin {
+
+struct SeedlingsSuiteConfig {
+  std::uint64_t seed = 1;
+  int samples = 3;               ///< trays, each under every light
+  bool quick = false;            ///< one tray, small photographs, few steps: minutes
+  std::filesystem::path report;  ///< folder for pictures of the page; empty: none
+};
+
+/// One method on one set of photographs of one sample.
+struct SeedlingsJob {
+  SeedlingsSample sample;
+  ViewSet set;
+  FieldPlan plan;
+  int noise_views = 4;
+  bool shown = false;  ///< the page has pictures of it
+
+  std::string name() const;  ///< "D1_0_20_reference": letters, digits, _
+  std::string case_name()
+      const;  ///< "sample 0, 20 views, 400x300"; rows of a snapshot add its steps
+};
+
+/// All jobs, those of one capture one after another.
+std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config);
+/// Everything that decides a job's result but the seed.
+std::string key_of(const SeedlingsJob& job);
+
+/// Keeps the last capture of each plan, since neighbouring jobs share it.
+class LastCaptures {
+ public:
+  const SampleCapture& of(const SeedlingsSample& sample, SamplePlan plan, int noise_views,
+                          std::uint64_t seed);
+
+ private:
+  struct Kept {
+    std::string key;
+    SampleCapture capture;
+  };
+  Kept kept_[2];
+};
+
+/// Photographs, trains, scores: rows of this sample (seedlings_rows.h).
+/// @param report  folder for pictures if the job is shown; empty: none
+ScoreFile run_seedlings_job(const SeedlingsJob& job, std::uint64_t seed, LastCaptures& captures,
+                            const std::filesystem::path& report = {});
+
+}  // namespace cousin

@@ -1,0 +1,175 @@
+#include "benchmarks/seedlings/seedlings_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "benchmarks/seedlings/field_training.h"
+#include "benchmarks/seedlings/published_psnr.h"
+#include "benchmarks/seedlings/seedlings_rows.h"
+
+namespace cousin {
+namespace {
+
+constexpr const char* kTimeSection = "PSNR over time";
+constexpr const char* kCoverageSection = "PSNR over view coverage";
+constexpr const char* kAll = "mean, 30 views, ";  ///< cases of the full set of photographs
+
+bool is_mean_of(const ScoreRow& row, const std::string& light, const std::string& metric) {
+  return row.suite == kSeedlingsSuite && row.scene == light && row.metric == metric &&
+         row.case_name.starts_with(kAll) && steps_of(row.case_name) > 0 && row.wall_s > 0;
+}
+
+std::set<std::string> lights_of(const std::vector<ScoreRow>& rows) {
+  std::set<std::string> lights;
+  for (const ScoreRow& row : rows) {
+    if (row.suite == kSeedlingsSuite) lights.insert(row.scene);
+  }
+  return lights;
+}
+
+/// Of longer trainings there are fewer samples, so their intervals differ in kind.
+WithInterval interval_of(const ScoreRow& row) { return {row.value, row.ci_low, row.ci_high}; }
+
+LineSeries published_series(const std::vector<ScoreRow>& rows, const std::string& light) {
+  LineSeries series;
+  series.name = "published: 3DGS (RTX 4090)";
+  for (const ScoreRow& row : rows) {
+    if (row.suite == kSeedlingsSuite && row.scene == light && row.method == kPublishedGaussians &&
+        row.case_name.starts_with("mean, "))
+      series.points.push_back({row.wall_s, interval_of(row)});
+  }
+  return series;
+}
+
+LinePlot time_plot(const std::vector<ScoreRow>& rows, const std::string& light,
+                   const std::string& metric, const std::string& what) {
+  LinePlot plot;
+  plot.section = kTimeSection;
+  plot.title = light + ": PSNR of " + what + " over training time";
+  plot.caption = {
+      "Means over the samples with 95 % intervals where there are several; the longest "
+      "trainings are of one."};
+  plot.x_label = "wall time of training (s)";
+  plot.y_label = "PSNR (dB)";
+  plot.log_x = true;
+  for (const char* method : {kReference, kOurs, kNgp}) {
+    LineSeries series;
+    series.name = method;
+    for (const ScoreRow& row : rows) {
+      if (is_mean_of(row, light, metric) && row.method == method)
+        series.points.push_back({row.wall_s, interval_of(row)});
+    }
+    if (!series.points.empty()) plot.series.push_back(std::move(series));
+  }
+  for (LineSeries& series : plot.series) {
+    std::sort(series.points.begin(), series.points.end(),
+              [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+  }
+  if (metric == "train.psnr" && !plot.series.empty()) {
+    LineSeries published = published_series(rows, light);
+    if (!published.points.empty()) plot.series.push_back(std::move(published));
+  }
+  return plot;
+}
+
+/// "20 views" of "sample 0, 20 views, 400x300".
+std::string set_of(const std::string& case_name) {
+  const std::size_t begin = case_name.find(", ") + 2;
+  return case_name.substr(begin, case_name.find(", ", begin) - begin);
+}
+
+/// The last snapshot of every set of photographs that all of them have.
+int common_steps(const std::vector<ScoreRow>& rows) {
+  std::map<std::string, std::set<int>> of_photographs;
+  for (const ScoreRow& row : rows) {
+    const int steps = steps_of(row.case_name);
+    if (row.suite == kSeedlingsSuite && row.method == kReference && steps > 0 &&
+        row.case_name.starts_with("sample "))
+      of_photographs[row.scene + row.case_name.substr(0, row.case_name.rfind(", "))].insert(steps);
+  }
+  int common = 0;
+  for (const auto& [photographs, steps] : of_photographs) {
+    for (const int step : steps) {
+      const bool all_have = std::all_of(of_photographs.begin(), of_photographs.end(),
+                                        [&](const auto& o) { return o.second.contains(step); });
+      if (all_have) common = std::max(common, step);
+    }
+  }
+  return common;
+}
+
+LinePlot coverage_plot(const std::vector<ScoreRow>& rows, const std::string& metric,
+                       const std::string& what) {
+  const int steps = common_steps(rows);
+  LinePlot plot;
+  plot.section = kCoverageSection;
+  plot.title = "PSNR of " + what + " over view coverage";
+  plot.caption = {"Each point is a sample under a light, by the reference's schedule after " +
+                  std::to_string(steps) + " steps."};
+  plot.x_label =
+      "held-out pixels whose surface at least " + std::to_string(kEnoughViews) + " views see (%)";
+  plot.y_label = "PSNR (dB)";
+  std::map<std::string, LineSeries> by_set;
+  for (const ScoreRow& covered : rows) {
+    if (covered.suite != kSeedlingsSuite || !covered.case_name.starts_with("sample ") ||
+        covered.metric != "coverage.seen_by_" + std::to_string(kEnoughViews))
+      continue;
+    const std::string wanted = covered.case_name + ", " + std::to_string(steps) + " steps";
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& r) {
+      return r.suite == kSeedlingsSuite && r.scene == covered.scene && r.method == kReference &&
+             r.metric == metric && r.case_name == wanted;
+    });
+    if (row == rows.end()) continue;
+    const std::string name = set_of(covered.case_name);
+    LineSeries& series = by_set[name];
+    series.name = name;
+    series.is_joined = false;
+    series.points.push_back({100 * covered.value, interval_of(*row)});
+  }
+  for (auto& [name, series] : by_set) {
+    std::sort(series.points.begin(), series.points.end(),
+              [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+}  // namespace
+
+std::vector<LinePlot> seedlings_plots(const std::vector<ScoreRow>& rows) {
+  std::vector<LinePlot> plots;
+  const auto add = [&](LinePlot plot) {
+    if (!plot.series.empty()) plots.push_back(std::move(plot));
+  };
+  for (const std::string& light : lights_of(rows)) {
+    add(time_plot(rows, light, "held_out.psnr", "held-out views"));
+    add(time_plot(rows, light, "train.psnr", "views trained on"));
+  }
+  add(coverage_plot(rows, "held_out.psnr", "held-out views"));
+  add(coverage_plot(rows, "train.psnr", "views trained on"));
+  return plots;
+}
+
+std::vector<ErrorTimeCurve> seedlings_curves(const std::vector<ScoreRow>& rows) {
+  std::vector<ErrorTimeCurve> curves;
+  for (const std::string& light : lights_of(rows)) {
+    ErrorTimeCurve curve{"Seedlings, " + light + ", held-out views",
+                         "RMS error of a colour channel, of its range",
+                         "1",
+                         {}};
+    for (const ScoreRow& row : rows) {
+      if (!is_mean_of(row, light, "held_out.psnr")) continue;
+      const auto error = [](double psnr_db) { return std::pow(10, -psnr_db / 20); };
+      curve.points.push_back({row.method,
+                              std::to_string(steps_of(row.case_name)) + " steps",
+                              row.wall_s,
+                              {error(row.value), error(row.ci_high), error(row.ci_low)}});
+    }
+    if (!curve.points.empty()) curves.push_back(std::move(curve));
+  }
+  return curves;
+}
+
+}  // namespace cousin

@@ -1,0 +1,208 @@
+#include "benchmarks/seedlings/seedlings_rows.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "benchmarks/metrics/distributions.h"
+#include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/seedlings/surface_coverage.h"
+
+namespace cousin {
+namespace {
+
+constexpr const char* kSteps = " steps";
+
+ScoreRow base_row(const SeedlingsJob& job, std::uint64_t seed) {
+  ScoreRow row;
+  row.suite = kSeedlingsSuite;
+  row.scene = job.sample.light;
+  row.case_name = job.case_name();
+  row.method = job.plan.method;
+  row.seed = seed;
+  return row;
+}
+
+ScoreRow with_number(ScoreRow row, const std::string& metric, double value, const char* unit,
+                     std::int64_t n) {
+  row.metric = metric;
+  row.value = value;
+  row.unit = unit;
+  row.n = n;
+  return row;
+}
+
+void add_view_scores(const ScoreRow& row, const std::string& set, const ViewScores& scores,
+                     std::vector<ScoreRow>& rows) {
+  rows.push_back(with_number(row, set + ".psnr", scores.psnr_db, "dB", scores.views));
+  rows.push_back(with_number(row, set + ".ssim", scores.ssim, "1", scores.views));
+  rows.push_back(with_number(row, set + ".flip", scores.flip, "1", scores.views));
+  rows.push_back(
+      with_number(row, set + ".psnr_seedlings", scores.psnr_seedlings_db, "dB", scores.views));
+}
+
+void add_field_scores(ScoreRow row, const FieldScores& scores, std::vector<ScoreRow>& rows) {
+  row.case_name += ", " + std::to_string(scores.steps) + kSteps;
+  row.wall_s = scores.wall_s;
+  row.cpu_s = scores.cpu_s;
+  add_view_scores(row, "train", scores.train, rows);
+  add_view_scores(row, "held_out", scores.held_out, rows);
+  const std::int64_t n = scores.held_out.views;
+  rows.push_back(with_number(row, "held_out.psnr_covered", scores.covered_db, "dB", n));
+  rows.push_back(with_number(row, "held_out.psnr_uncovered", scores.uncovered_db, "dB", n));
+  if (scores.gaussians > 0) {
+    rows.push_back(with_number(row, "gaussians", static_cast<double>(scores.gaussians), "1", 1));
+  }
+}
+
+void add_coverage(ScoreRow row, const FieldViews& views, std::vector<ScoreRow>& rows) {
+  row.method = "photographs";
+  CoverageShare all, plants;
+  for (std::size_t v = 0; v < views.held_out.size(); ++v) {
+    all.add(views.seen[v], views.held_out[v]->shown);
+    plants.add(views.seen[v], views.held_out[v]->seedlings);
+  }
+  for (const int count : {1, kEnoughViews}) {
+    const std::string by = "seen_by_" + std::to_string(count);
+    rows.push_back(with_number(row, "coverage." + by, all.seen_by(count), "1", all.points()));
+    rows.push_back(
+        with_number(row, "coverage.seedlings_" + by, plants.seen_by(count), "1", plants.points()));
+  }
+}
+
+/// "30 views, ..." of "sample 0, 30 views, ..."; empty if it is of no sample.
+std::string without_sample(const std::string& case_name) {
+  const std::size_t comma = case_name.find(", ");
+  return case_name.starts_with("sample ") && comma != std::string::npos
+             ? case_name.substr(comma + 2)
+             : std::string();
+}
+
+WithInterval student_mean(const std::vector<double>& values) {
+  WithInterval result;
+  result.value = mean(values);
+  const auto n = static_cast<double>(values.size());
+  if (n < 2) return result;
+  double squares = 0;
+  for (const double v : values) squares += (v - result.value) * (v - result.value);
+  const double half = student_t_quantile(0.05, n - 1) * std::sqrt(squares / (n - 1) / n);
+  result.low = result.value - half;
+  result.high = result.value + half;
+  return result;
+}
+
+double column_mean(const std::vector<const ScoreRow*>& rows, double ScoreRow::*column) {
+  std::vector<double> values;
+  for (const ScoreRow* row : rows) values.push_back(row->*column);
+  return mean(values);
+}
+
+/// Value at `wall_s` of rows that rise in their seconds.
+double at_seconds(const std::vector<const ScoreRow*>& sweep, double wall_s) {
+  const auto after = std::find_if(sweep.begin(), sweep.end(),
+                                  [&](const ScoreRow* row) { return row->wall_s >= wall_s; });
+  if (after == sweep.end()) return sweep.back()->value;
+  if (after == sweep.begin()) return sweep.front()->value;
+  const ScoreRow& low = **(after - 1);
+  const ScoreRow& high = **after;
+  const double share = std::log(wall_s / low.wall_s) / std::log(high.wall_s / low.wall_s);
+  return low.value + share * (high.value - low.value);
+}
+
+/// Snapshots of the same photographs and metric, by their seconds.
+struct Sweeps {
+  std::vector<const ScoreRow*> reference, ours;
+};
+
+}  // namespace
+
+int steps_of(const std::string& case_name) {
+  if (!case_name.ends_with(kSteps)) return 0;
+  const std::size_t begin = case_name.rfind(", ");
+  if (begin == std::string::npos) return 0;
+  int steps = 0;
+  std::from_chars(case_name.data() + begin + 2, case_name.data() + case_name.size(), steps);
+  return steps;
+}
+
+std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
+                                  const TrainedField& field, const FieldViews& views,
+                                  const SampleCapture& whole) {
+  const ScoreRow base = base_row(job, seed);
+  std::vector<ScoreRow> rows;
+  for (const FieldScores& scores : field.scores) add_field_scores(base, scores, rows);
+  if (field.status != "ok") {
+    ScoreRow row = with_number(base, "training: " + field.status, ScoreRow::kNone, "1", 0);
+    row.status = ScoreStatus::not_solved;
+    rows.push_back(row);
+  }
+  if (job.plan.method != kReference) return rows;
+  add_coverage(base, views, rows);
+  if (job.set.one_side || job.set.views != job.sample.views) return rows;
+  ScoreRow of_capture = base;
+  of_capture.method = "photographs";
+  rows.push_back(
+      with_number(of_capture, "noise_floor.psnr", whole.noise_psnr_db, "dB", whole.noise_views));
+  rows.push_back(with_number(of_capture, "sample.day", job.sample.day, "d", 1));
+  of_capture.method = "simulator";
+  rows.push_back(with_number(of_capture, "seconds.photographs", whole.wall_s, "s",
+                             static_cast<std::int64_t>(whole.views.size())));
+  return rows;
+}
+
+std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows) {
+  std::vector<std::vector<const ScoreRow*>> groups;  // in the order of their first rows
+  std::map<std::tuple<std::string, std::string, std::string, std::string>, std::size_t> index;
+  for (const ScoreRow& row : rows) {
+    const std::string rest = without_sample(row.case_name);
+    if (rest.empty() || row.status != ScoreStatus::ok || !std::isfinite(row.value)) continue;
+    const auto [at, is_new] =
+        index.try_emplace({row.scene, row.method, row.metric, rest}, groups.size());
+    if (is_new) groups.emplace_back();
+    groups[at->second].push_back(&row);
+  }
+  std::vector<ScoreRow> means;
+  for (const auto& group : groups) {
+    std::vector<double> values;
+    for (const ScoreRow* row : group) values.push_back(row->value);
+    ScoreRow row = *group.front();
+    row.case_name = "mean, " + without_sample(row.case_name);
+    row.wall_s = column_mean(group, &ScoreRow::wall_s);
+    row.cpu_s = column_mean(group, &ScoreRow::cpu_s);
+    means.push_back(with_interval(row, row.metric, row.unit, student_mean(values),
+                                  static_cast<std::int64_t>(values.size())));
+  }
+  return means;
+}
+
+std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int steps) {
+  std::map<std::tuple<std::string, std::string, std::string>, Sweeps> all;
+  for (const ScoreRow& row : rows) {
+    const int own = steps_of(row.case_name);
+    if (own == 0 || !(row.wall_s > 0) || without_sample(row.case_name).empty()) continue;
+    if (row.metric != "train.psnr" && row.metric != "held_out.psnr") continue;
+    const std::string photographs = row.case_name.substr(0, row.case_name.rfind(", "));
+    Sweeps& sweeps = all[{row.scene, photographs, row.metric}];
+    if (row.method == kReference && own <= steps) sweeps.reference.push_back(&row);
+    if (row.method == kOurs) sweeps.ours.push_back(&row);
+  }
+  const auto by_seconds = [](const ScoreRow* a, const ScoreRow* b) {
+    return a->wall_s < b->wall_s;
+  };
+  std::vector<ScoreRow> gains;
+  for (auto& [key, sweeps] : all) {
+    if (sweeps.reference.empty() || sweeps.ours.empty()) continue;
+    std::sort(sweeps.ours.begin(), sweeps.ours.end(), by_seconds);
+    const ScoreRow& last =
+        **std::max_element(sweeps.reference.begin(), sweeps.reference.end(), by_seconds);
+    ScoreRow row = with_number(last, last.metric + "_gain_at_equal_seconds",
+                               at_seconds(sweeps.ours, last.wall_s) - last.value, "dB", last.n);
+    row.method = kOurs;
+    gains.push_back(row);
+  }
+  return gains;
+}
+
+}  // namespace cousin

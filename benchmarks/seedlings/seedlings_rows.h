@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "benchmarks/metrics/scores.h"
+#include "benchmarks/seedlings/seedlings_jobs.h"
+
+namespace cousin {
+
+inline constexpr const char* kSeedlingsSuite = "seedlings";
+
+/// Rows of one job. After each of its steps ("CASE, 7000 steps"): train.psnr, .ssim, .flip,
+/// .psnr_seedlings, the same of held_out, held_out.psnr_covered and .psnr_uncovered, gaussians. The
+/// reference's say of their photographs how much of the held-out pixels' surface is seen by 1 and
+/// by kEnoughViews of them (coverage.seen_by_3); on the full set also noise_floor.psnr.
+std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
+                                  const TrainedField& field, const FieldViews& views,
+                                  const SampleCapture& whole);
+
+/// Means over the samples of rows whose cases differ in "sample N" alone ("mean, 30 views, 400x300,
+/// 7000 steps"), with Student's 95 % interval where there are two samples; n = samples. Seconds are
+/// means.
+std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows);
+
+/// Ours less the reference, PSNR in dB: the reference at its last but at most `steps` steps, ours
+/// where its sweep passes the same seconds of wall time, linear between its points in their
+/// logarithm and held at its ends. One row a sample and metric.
+std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int steps);
+
+/// The number of steps that a snapshot's case ends with; 0: it is of no snapshot.
+int steps_of(const std::string& case_name);
+
+}  // namespace cousin

@@ -1,0 +1,62 @@
+#include "benchmarks/seedlings/seedlings_suite.h"
+
+#include <memory>
+#include <utility>
+
+#include "benchmarks/seedlings/published_psnr.h"
+#include "benchmarks/seedlings/seedlings_rows.h"
+#include "benchmarks/shards/shard_scores.h"
+
+namespace cousin {
+namespace {
+
+/// Where ours is held beside the reference: the iterations of the paper's first column.
+constexpr int kComparedSteps = 7000;
+
+void add(std::vector<ScoreRow> more, std::vector<ScoreRow>& rows) {
+  for (ScoreRow& row : more) rows.push_back(std::move(row));
+}
+
+}  // namespace
+
+std::vector<ShardJob> seedlings_suite_jobs(const SeedlingsSuiteConfig& config) {
+  const auto captures = std::make_shared<LastCaptures>();
+  std::vector<ShardJob> jobs;
+  for (const SeedlingsJob& job : seedlings_jobs(config)) {
+    const std::string key =
+        std::string(COUSIN_VERSION) + "/" + key_of(job) + "/" + std::to_string(config.seed);
+    jobs.push_back({job.name() + ".json", key, [job, config, captures] {
+                      return to_json(run_seedlings_job(job, config.seed, *captures, config.report));
+                    }});
+  }
+  return jobs;
+}
+
+ScoreFile pool_seedlings_suite(const std::vector<ShardResult>& results,
+                               const SeedlingsSuiteConfig& config) {
+  ScoreFile file = scores_of_shards(results, kSeedlingsSuite, config.seed);
+  std::vector<ScoreRow>& rows = file.scores;
+  add(equal_time_rows(rows, kComparedSteps), rows);
+  add(published_rows(), rows);
+  std::vector<ScoreRow> all = mean_rows(rows);
+  // Means first: they are the tables.
+  all.insert(all.end(), rows.begin(), rows.end());
+  rows = std::move(all);
+  return file;
+}
+
+std::string seedlings_toml(const SeedlingsSuiteConfig& config) {
+  const std::vector<SeedlingsJob> jobs = seedlings_jobs(config);
+  std::string text = "# " + jobs.front().name() + "\n" +
+                     resolved_toml(sample_config(jobs.front().sample)) + "\n# All jobs: --seed " +
+                     std::to_string(config.seed) + "\n";
+  for (const SeedlingsJob& job : jobs) {
+    text += "#   " + job.name() + ": " + job.case_name() + ", day " +
+            std::to_string(job.sample.day) + ", " + job.plan.method + ", scored after";
+    for (const int step : job.plan.at) text += " " + std::to_string(step);
+    text += " steps\n";
+  }
+  return text;
+}
+
+}  // namespace cousin

@@ -1,0 +1,85 @@
+#include "benchmarks/seedlings/surface_coverage.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace cousin {
+namespace {
+
+constexpr double kBehind_m = 0.002;
+
+/// The farthest depth about a pixel; NaN where there is no surface.
+double farthest_m(const Image<float>& depth_m, int x, int y) {
+  double farthest = std::nan("");
+  for (int v = y - 1; v <= y + 1; ++v) {
+    for (int u = x - 1; u <= x + 1; ++u) {
+      if (depth_m.contains(u, v)) farthest = std::fmax(farthest, depth_m(u, v));
+    }
+  }
+  return farthest;
+}
+
+bool sees(const DepthSight& view, const Lens& lens, const Eigen::Vector3d& point_in_world_m) {
+  const Eigen::Vector3d in_camera_m =
+      view.camera_from_world.rotation * point_in_world_m + view.camera_from_world.translation_m;
+  if (!(in_camera_m.z() > 0)) return false;
+  const auto pixel = lens.project(in_camera_m);
+  if (!pixel) return false;
+  if (!(pixel->x() > -0.5 && pixel->x() < view.camera.width_px - 0.5 && pixel->y() > -0.5 &&
+        pixel->y() < view.camera.height_px - 0.5))
+    return false;
+  const double surface_m = farthest_m(*view.depth_m, static_cast<int>(std::lround(pixel->x())),
+                                      static_cast<int>(std::lround(pixel->y())));
+  return !(in_camera_m.z() > surface_m + kBehind_m);
+}
+
+}  // namespace
+
+Image<std::uint16_t> views_that_see(const Image<Eigen::Vector3f>& position_m,
+                                    std::span<const DepthSight> views) {
+  std::vector<Lens> lenses;
+  for (const DepthSight& view : views) {
+    if (view.depth_m->width() != view.camera.width_px ||
+        view.depth_m->height() != view.camera.height_px) {
+      throw std::invalid_argument(
+          "coverage: a depth image of " + std::to_string(view.depth_m->width()) + " x " +
+          std::to_string(view.depth_m->height()) + " for a camera of " +
+          std::to_string(view.camera.width_px) + " x " + std::to_string(view.camera.height_px));
+    }
+    lenses.emplace_back(view.camera);
+  }
+  Image<std::uint16_t> seen(position_m.width(), position_m.height());
+  tbb::parallel_for(0, position_m.height(), [&](int y) {
+    for (int x = 0; x < position_m.width(); ++x) {
+      const Eigen::Vector3d point_m = position_m(x, y).cast<double>();
+      if (!point_m.allFinite()) continue;
+      for (std::size_t i = 0; i < views.size(); ++i)
+        seen(x, y) = static_cast<std::uint16_t>(seen(x, y) + sees(views[i], lenses[i], point_m));
+    }
+  });
+  return seen;
+}
+
+void CoverageShare::add(const Image<std::uint16_t>& seen, const Image<std::uint8_t>& mask) {
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!mask.empty() && mask.data()[i] == 0) continue;
+    const std::size_t count = seen.data()[i];
+    if (count >= by_count_.size()) by_count_.resize(count + 1);
+    ++by_count_[count];
+    ++points_;
+  }
+}
+
+double CoverageShare::seen_by(int views) const {
+  if (points_ == 0) return std::nan("");
+  std::int64_t enough = 0;
+  for (std::size_t i = static_cast<std::size_t>(std::max(0, views)); i < by_count_.size(); ++i)
+    enough += by_count_[i];
+  return static_cast<double>(enough) / static_cast<double>(points_);
+}
+
+}  // namespace cousin

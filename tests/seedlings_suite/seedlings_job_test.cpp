@@ -1,0 +1,166 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "benchmarks/seedlings/sample_pictures.h"
+#include "benchmarks/seedlings/seedlings_jobs.h"
+#include "benchmarks/seedlings/seedlings_suite.h"
+#include "benchmarks/seeds/report_scene.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(SeedlingsJobs, ThreeLightsThreeMethodsThreeSamples) {
+  const std::vector<SeedlingsJob> jobs = seedlings_jobs({});
+  std::set<std::string> names, keys, lights;
+  std::set<int> longest;
+  int full = 0;
+  for (const SeedlingsJob& job : jobs) {
+    names.insert(job.name());
+    keys.insert(key_of(job));
+    lights.insert(job.sample.light);
+    EXPECT_EQ(job.sample.width_px, 400);
+    EXPECT_GE(job.sample.day, 2);
+    EXPECT_LE(job.sample.day, 10);
+    EXPECT_TRUE(std::is_sorted(job.plan.at.begin(), job.plan.at.end()));
+    full += job.set.name == "30 views";
+    if (job.plan.method == kReference) {
+      longest.insert(job.plan.at.back());
+      EXPECT_NE(std::find(job.plan.at.begin(), job.plan.at.end(), 7000), job.plan.at.end());
+    }
+  }
+  EXPECT_EQ(names.size(), jobs.size());
+  EXPECT_EQ(keys.size(), jobs.size());
+  EXPECT_EQ(lights, (std::set<std::string>{"D1", "D2", "D3"}));
+  EXPECT_EQ(full, 3 * 3 * 3);
+  EXPECT_EQ(longest, (std::set<int>{7000, 30000}));
+}
+
+TEST(SeedlingsJobs, TheKeyTellsWhatDecidesTheResult) {
+  const SeedlingsJob job = seedlings_jobs({.quick = true}).front();
+  const auto changed = [&](auto change) {
+    SeedlingsJob other = job;
+    change(other);
+    return key_of(other) != key_of(job);
+  };
+  EXPECT_TRUE(changed([](SeedlingsJob& j) { j.sample.light = "D3"; }));
+  EXPECT_TRUE(changed([](SeedlingsJob& j) { j.sample.number = 1; }));
+  EXPECT_TRUE(changed([](SeedlingsJob& j) { j.sample.day += 1; }));
+  EXPECT_TRUE(changed([](SeedlingsJob& j) { j.sample.width_px += 8; }));
+  EXPECT_TRUE(changed([](SeedlingsJob& j) { j.sample.pixel_samples += 1; }));
+  EXPECT_TRUE(changed([](SeedlingsJob& j) { j.set.views -= 1; }));
+  EXPECT_TRUE(changed([](SeedlingsJob& j) { j.plan.at.push_back(12345); }));
+  EXPECT_TRUE(changed([](SeedlingsJob& j) { j.plan.method = kNgp; }));
+  EXPECT_TRUE(changed([](SeedlingsJob& j) { j.plan.start_points += 1; }));
+  EXPECT_FALSE(changed([](SeedlingsJob& j) { j.shown = !j.shown; }));
+}
+
+TEST(FieldScores, OfManyViewsTrainedOnTenAreScored) {
+  EXPECT_EQ(scored_views(3), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(scored_views(10).back(), 9u);
+  const std::vector<std::size_t> of_thirty = scored_views(30);
+  ASSERT_EQ(of_thirty.size(), 10u);
+  EXPECT_EQ(of_thirty[1], 3u);
+  EXPECT_EQ(of_thirty.back(), 27u);
+  EXPECT_TRUE(scored_views(0).empty());
+}
+
+SeedlingsJob tiny_job(const std::string& method, std::vector<int> at) {
+  SeedlingsJob job;
+  job.sample.views = 6;
+  job.sample.width_px = 80;
+  job.sample.height_px = 60;
+  job.sample.pixel_samples = 4;
+  job.set = {"6 views", 6, false};
+  job.plan = {method, std::move(at), 1500, 4096};
+  job.noise_views = 1;
+  return job;
+}
+
+double value_of(const ScoreFile& file, const std::string& case_end, const std::string& metric) {
+  const auto row = std::find_if(file.scores.begin(), file.scores.end(), [&](const ScoreRow& r) {
+    return r.metric == metric && r.case_name.ends_with(case_end);
+  });
+  return row == file.scores.end() ? std::nan("") : row->value;
+}
+
+TEST(SeedlingsJobs, ATinyJobOfEachMethodLearnsItsPhotographs) {
+  LastCaptures captures;
+  for (const auto& [method, at] :
+       {std::pair{kReference, std::vector{20, 150}}, std::pair{kOurs, std::vector{20, 150}},
+        std::pair{kNgp, std::vector{5, 40}}}) {
+    const ScoreFile file = run_seedlings_job(tiny_job(method, at), 2, captures);
+    const auto after = [&](int steps, const std::string& metric) {
+      return value_of(file, ", " + std::to_string(steps) + " steps", metric);
+    };
+    for (const char* set : {"train", "held_out"}) {
+      EXPECT_GT(after(at[1], std::string(set) + ".psnr"), 10) << method;
+      EXPECT_LT(after(at[1], std::string(set) + ".psnr"), 60) << method;
+      EXPECT_LE(after(at[1], std::string(set) + ".ssim"), 1) << method;
+      EXPECT_GT(after(at[1], std::string(set) + ".flip"), 0) << method;
+    }
+    EXPECT_GT(after(at[1], "train.psnr"), after(at[0], "train.psnr")) << method;
+    if (method == kReference) {
+      const double covered = value_of(file, "80x60", "coverage.seen_by_3");
+      EXPECT_GT(covered, 0);
+      EXPECT_LT(covered, value_of(file, "80x60", "coverage.seen_by_1"));
+      EXPECT_LE(value_of(file, "80x60", "coverage.seen_by_1"), 1);
+    }
+    for (const ScoreRow& row : file.scores) EXPECT_EQ(row.status, ScoreStatus::ok) << row.metric;
+  }
+}
+
+TEST(SeedlingsJobs, ShownJobsKeepPictures) {
+  const fs::path folder = fs::path(testing::TempDir()) / "seedlings_job_pictures";
+  fs::remove_all(folder);
+  LastCaptures captures;
+  SeedlingsJob job = tiny_job(kReference, {10});
+  job.shown = true;
+  run_seedlings_job(job, 2, captures, folder);
+  const std::vector<ReportScene> scenes = read_report_scenes(folder);
+  ASSERT_EQ(scenes.size(), 1u);
+  EXPECT_EQ(scenes[0].name, "D1_0_6_reference_80px");
+  EXPECT_EQ(scenes[0].pictures.size(), 3u);
+  fs::remove_all(folder);
+}
+
+TEST(SeedlingsJobs, PicturesStandSideBySide) {
+  const auto grey = [](float value) {
+    return FidelityPlanes{Image<float>(3, 2, value), Image<float>(3, 2, value),
+                          Image<float>(3, 2, value)};
+  };
+  const Image<Rgb8> both = side_by_side(grey(0), grey(2));  // beyond white is white
+  EXPECT_EQ(both.width(), 10);
+  EXPECT_EQ(both.height(), 2);
+  EXPECT_EQ(both(0, 0), (Rgb8{0, 0, 0}));
+  EXPECT_EQ(both(9, 1), (Rgb8{255, 255, 255}));
+}
+
+TEST(SeedlingsSuite, PooledTablesHaveThePublishedNumbersAndWhatFailed) {
+  ShardResult failed;
+  failed.name = "D1_0_30_ngp_400px.json";
+  failed.error = "no memory";
+  const ScoreFile file = pool_seedlings_suite({failed}, {});
+  const auto count = [&](auto accept) {
+    return std::count_if(file.scores.begin(), file.scores.end(), accept);
+  };
+  EXPECT_EQ(count([](const ScoreRow& r) { return r.status == ScoreStatus::error; }), 1);
+  EXPECT_EQ(count([](const ScoreRow& r) { return r.case_name.starts_with("sample S"); }), 108);
+  EXPECT_EQ(count([](const ScoreRow& r) { return r.case_name.starts_with("mean, "); }), 9);
+}
+
+TEST(SeedlingsSuite, EachJobIsAShardAndItsKeyHasTheSeed) {
+  const auto first = seedlings_suite_jobs({.seed = 1, .quick = true});
+  const auto second = seedlings_suite_jobs({.seed = 2, .quick = true});
+  EXPECT_EQ(first.size(), seedlings_jobs({.quick = true}).size());
+  EXPECT_EQ(first[0].name, second[0].name);
+  EXPECT_NE(first[0].key, second[0].key);
+}
+
+}  // namespace
+}  // namespace cousin

@@ -1,0 +1,84 @@
+#include "benchmarks/seedlings/seedlings_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace cousin {
+namespace {
+
+ScoreRow row_of(const std::string& case_name, const std::string& method, double value,
+                double wall_s) {
+  ScoreRow row;
+  row.suite = kSeedlingsSuite;
+  row.scene = "D1";
+  row.case_name = case_name;
+  row.method = method;
+  row.metric = "held_out.psnr";
+  row.unit = "dB";
+  row.value = value;
+  row.wall_s = wall_s;
+  row.n = 7;
+  return row;
+}
+
+TEST(SeedlingsRows, StepsAreTheEndOfASnapshotsCase) {
+  EXPECT_EQ(steps_of("sample 0, 30 views, 400x300, 7000 steps"), 7000);
+  EXPECT_EQ(steps_of("sample 0, 30 views, 400x300"), 0);
+  EXPECT_EQ(steps_of(""), 0);
+}
+
+TEST(SeedlingsRows, MeansAreOverTheSamplesOfOneCase) {
+  std::vector<ScoreRow> rows = {row_of("sample 0, 30 views, 400x300, 500 steps", kOurs, 20, 4),
+                                row_of("sample 1, 30 views, 400x300, 500 steps", kOurs, 24, 8),
+                                row_of("sample 0, 30 views, 400x300, 900 steps", kOurs, 30, 9)};
+  rows.push_back(row_of("sample 2, 30 views, 400x300, 500 steps", kOurs, 99, 1));
+  rows.back().status = ScoreStatus::not_solved;
+  const std::vector<ScoreRow> means = mean_rows(rows);
+  ASSERT_EQ(means.size(), 2u);
+  EXPECT_EQ(means[0].case_name, "mean, 30 views, 400x300, 500 steps");
+  EXPECT_DOUBLE_EQ(means[0].value, 22);
+  EXPECT_DOUBLE_EQ(means[0].wall_s, 6);
+  EXPECT_EQ(means[0].n, 2);
+  // Of two values 4 apart: standard error 2, and t(0.975, 1) = 12.7062.
+  EXPECT_NEAR(means[0].ci_high - 22, 2 * 12.7062, 1e-3);
+  EXPECT_NEAR(means[0].ci_low - 22, -2 * 12.7062, 1e-3);
+  EXPECT_EQ(means[1].n, 1);
+  EXPECT_TRUE(std::isnan(means[1].ci_low));
+}
+
+TEST(SeedlingsRows, OursIsReadWhereTheReferenceTookAsLong) {
+  const std::string at = "sample 0, 30 views, 400x300, ";
+  const std::vector<ScoreRow> rows = {
+      row_of(at + "500 steps", kReference, 20, 5), row_of(at + "7000 steps", kReference, 25, 100),
+      row_of(at + "30000 steps", kReference, 30, 900), row_of(at + "1000 steps", kOurs, 24, 10),
+      row_of(at + "5000 steps", kOurs, 28, 1000)};
+  const std::vector<ScoreRow> gains = equal_time_rows(rows, 7000);
+  ASSERT_EQ(gains.size(), 1u);
+  // 100 s lies half way between 10 and 1000 in the logarithm: 26 dB.
+  EXPECT_NEAR(gains[0].value, 1, 1e-12);
+  EXPECT_EQ(gains[0].metric, "held_out.psnr_gain_at_equal_seconds");
+  EXPECT_EQ(gains[0].case_name, at + "7000 steps");
+  EXPECT_EQ(gains[0].method, kOurs);
+  // Beyond the sweep its end holds; without one of both there is nothing.
+  EXPECT_NEAR(equal_time_rows({rows[1], rows[3]}, 7000).at(0).value, -1, 1e-12);
+  EXPECT_TRUE(equal_time_rows({rows[3], rows[4]}, 7000).empty());
+  EXPECT_TRUE(equal_time_rows({rows[2], rows[4]}, 7000).empty());
+}
+
+TEST(SeedlingsRows, ATrainingThatFailedSaysWhy) {
+  SeedlingsJob job;
+  job.set = {"10 views", 10, false};
+  job.plan = {kNgp, {100}};
+  TrainedField field;
+  field.status = "no_volume, because";
+  const std::vector<ScoreRow> rows = sample_rows(job, 3, field, {}, {});
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].status, ScoreStatus::not_solved);
+  EXPECT_EQ(rows[0].metric, "training: no_volume, because");
+  EXPECT_EQ(rows[0].case_name, "sample 0, 10 views, 400x300");
+}
+
+}  // namespace
+}  // namespace cousin
