@@ -7,12 +7,12 @@
 #include <chrono>
 #include <cmath>
 #include <mutex>
-#include <numbers>
 #include <set>
 #include <stdexcept>
 
 #include "benchmarks/calibrate/calibration_pictures.h"
 #include "benchmarks/calibrate/device_report.h"
+#include "benchmarks/calibrate/run_judgement.h"
 #include "sim/config/limits.h"
 
 namespace cousin {
@@ -204,74 +204,6 @@ CameraVerdict verdict_of(const CalibrationRun& run, int camera) {
                                 : std::numeric_limits<double>::infinity());
   }
   return v;
-}
-
-std::string three_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-/// What a person should know before using the result.
-void judge(CalibrationRun& run) {
-  const CalibrateConfig& config = run.config;
-  const bool several = run.photos.cameras.size() > 1;
-  if (run.result.status != CalibrationStatus::ok)
-    run.problems.push_back(std::string(to_string(run.result.status)) + ": " + run.result.reason);
-  for (std::size_t c = 0; c < run.verdicts.size(); ++c) {
-    const CameraVerdict& v = run.verdicts[c];
-    const std::string who = several ? run.photos.cameras[c] + ": " : "";
-    if (v.rms_px > config.most_rms_px && v.rms_px > config.most_rms_sigmas * v.predicted_px) {
-      run.problems.push_back(who + "the lens model " + std::string(to_string(config.model)) +
-                             " does not fit: residuals of " + three_digits(v.rms_px) +
-                             " px RMS where detection predicts " + three_digits(v.predicted_px) +
-                             "; try a richer model, or kannala_brandt4 for a fisheye");
-    }
-    if (v.tilt_spread_rad < config.least_tilt_spread_rad) {
-      run.warnings.push_back(
-          who + "the boards are nearly parallel: " +
-          three_digits(v.tilt_spread_rad * 180 / std::numbers::pi) +
-          " degrees at most between two; focal length and distance cannot be told apart");
-    }
-    const double width_px = run.result.cameras[c].width_px;
-    const std::string known = "the projection's deviation is " + three_digits(v.deviation_px) +
-                              " px, the median over the image";
-    if (v.deviation_px > config.most_deviation_share * width_px) {
-      run.problems.push_back(who + known + "; the limit is " +
-                             three_digits(config.most_deviation_share * width_px) + " px");
-    } else if (v.deviation_px > config.warn_deviation_share * width_px) {
-      run.warnings.push_back(who + known + "; " +
-                             std::to_string(static_cast<int>(std::lround(100 * v.valid_share))) +
-                             " % of the image is valid");
-    }
-    constexpr double kLeastCoverage = 0.35;
-    if (v.coverage < kLeastCoverage) {
-      run.warnings.push_back(who + "points cover " +
-                             std::to_string(static_cast<int>(std::lround(100 * v.coverage))) +
-                             " % of the image: the lens is extrapolated beyond them");
-    }
-  }
-  constexpr double kTimesPredicted = 2;
-  if (run.cross && run.cross->difference.rms_px > kTimesPredicted * run.cross->predicted_rms_px) {
-    run.warnings.push_back("calibrated from either half of the images, projections differ by " +
-                           three_digits(run.cross->difference.rms_px) + " px RMS where " +
-                           three_digits(run.cross->predicted_rms_px) +
-                           " is predicted: the lens model or the board is not as assumed");
-  }
-  if (run.result.outliers > 0) {
-    run.warnings.push_back(
-        std::to_string(run.result.outliers) + " of " + std::to_string(run.result.observations) +
-        " points lie more than ten robust deviations off and pull at the result: "
-        "--set calibration.reject_sigmas=5 leaves wrong detections out");
-  }
-  for (const std::string& name : run.result.not_determined)
-    run.warnings.push_back(name + " cannot be determined from these views");
-  const auto refused = std::count_if(run.input.views.begin(), run.input.views.end(),
-                                     [](const TargetView& view) { return !is_usable(view); });
-  if (refused > 0) {
-    run.warnings.push_back("no board was used in " + std::to_string(refused) + " of " +
-                           std::to_string(run.input.views.size()) + " images");
-  }
 }
 
 }  // namespace
