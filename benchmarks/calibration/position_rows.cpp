@@ -136,6 +136,15 @@ std::vector<ScoreRow> position_rows(const Runs& runs, const std::string& unit_na
            moved(runs, step(PositionStep::tape), step(PositionStep::pinhole)), seed);
   add_rows(rows, "with the lens's distortion", unit_name,
            moved(runs, step(PositionStep::tape), step(PositionStep::calibrated)), seed);
+  add_rows(rows, "as the paper, but held to the point under the box's centre", unit_name,
+           moved(
+               runs,
+               [](const FruitPosition& p) -> Vector3d {
+                 return at(p, PositionStep::box) + at(p, PositionStep::tape) -
+                        at(p, PositionStep::held);
+               },
+               step(PositionStep::pinhole)),
+           seed);
   struct Share {
     const char* name;
     PositionStep from, to;

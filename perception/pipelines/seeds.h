@@ -25,8 +25,8 @@ namespace cousin {
 /// several views. `sensor_depth` is ours with a depth camera's own depth in its place. `depth_only`
 /// looks at no colour: a rig that knows its poses, its depth, clusters of points. `splats_paper` is
 /// the Seeds paper's own chain: Gaussians trained as the reference trains them, their centres are
-/// the cloud that its steps measure. `splats` takes depth from Gaussians trained our way and
-/// measures clusters of points as the paper does.
+/// the cloud that its steps measure. `splats` is ours with the depth of Gaussians that are trained
+/// our way from what ours finds.
 enum class SeedsMethod { ours, paper, sensor_depth, depth_only, splats, splats_paper };
 
 /// Which print lies under the seeds. A real capture without a rig.json does not say: then it is

@@ -91,6 +91,26 @@ TEST(PositionRows, AKnownOffsetScoresItselfWhereItIsMade) {
   EXPECT_EQ(value_of(rows, "unit, 0.5 to 0.6 m", "share of the calibration", "x.rmse"), 0);
 }
 
+TEST(PositionRows, TheTapeAtThePointUnderTheBoxLeavesThatShareOut) {
+  std::vector<std::vector<FruitPosition>> runs(1);
+  for (int k = 0; k < 12; ++k) {
+    const Eigen::Vector3d truth(0.01 * (k - 6), 0.02, 0.31 + 0.024 * k);
+    FruitPosition p = made_up(truth, truth + Eigen::Vector3d(0.001, -0.002, 0.003));
+    // Held 1 cm below the box's centre, and read 1 mm off.
+    for (const PositionStep step : {PositionStep::tape, PositionStep::held})
+      p.step_m[static_cast<std::size_t>(step)].y() += 0.01;
+    p.step_m[static_cast<std::size_t>(PositionStep::tape)].x() += 0.001;
+    runs[0].push_back(p);
+  }
+  const auto rows = position_rows(runs, "unit", 1);
+  const std::string all = "unit, 0.3 to 0.6 m";
+  EXPECT_NEAR(value_of(rows, all, "as the paper", "y.rmse"), 0.012, 1e-12);
+  const std::string held = "as the paper, but held to the point under the box's centre";
+  EXPECT_NEAR(value_of(rows, all, held, "y.rmse"), 0.002, 1e-12);
+  EXPECT_NEAR(value_of(rows, all, held, "x.rmse"), 0, 1e-12);
+  EXPECT_NEAR(value_of(rows, all, held, "z.rmse"), 0.003, 1e-12);
+}
+
 TEST(PositionRows, TurnedAxesTakeUpARotationAndNothingElse) {
   std::vector<std::vector<FruitPosition>> runs(1);
   const Eigen::AngleAxisd turn(0.06, Eigen::Vector3d::UnitX());
