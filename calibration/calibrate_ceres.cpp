@@ -283,10 +283,6 @@ void seed_lenses(const CalibrationProblem& problem, CalibrationState& state, Sol
   }
 }
 
-bool is_rational(LensModel model) {
-  return model == LensModel::opencv8 || model == LensModel::opencv12;
-}
-
 /// A rational lens from the solution of its plain five coefficients, with poses found anew. All
 /// coefficients freed at once may end where poles of the fraction lie beside the image, at eight
 /// times the residuals; the lower of both ways is taken.

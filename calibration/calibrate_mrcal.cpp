@@ -247,10 +247,6 @@ SolverRun optimise_from(CalibrationProblem& problem, const Lattice& lattice,
   return run;
 }
 
-bool is_rational(LensModel model) {
-  return model == LensModel::opencv8 || model == LensModel::opencv12;
-}
-
 /// As calibrate_ceres does: from the plain coefficients' solution too, with poses found anew; the
 /// lower of both.
 void optimise_by_plain_lens(const CalibrationProblem& unsolved, const Lattice& lattice,

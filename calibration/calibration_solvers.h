@@ -25,4 +25,9 @@ SolverRun solve_with_opencv(CalibrationProblem& problem, CalibrationState& state
 /// With `reject_sigmas` > 0 by mrcal's own outlier pass, at 4 sigmas.
 SolverRun solve_with_mrcal(CalibrationProblem& problem, CalibrationState& state);
 
+/// Lenses whose coefficients, all freed at once, may end in a high minimum.
+inline bool is_rational(LensModel model) {
+  return model == LensModel::opencv8 || model == LensModel::opencv12;
+}
+
 }  // namespace cousin

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "benchmarks/calibration/fruit_positions.h"
 #include "benchmarks/calibration/studies.h"
 
 namespace cousin {
@@ -65,10 +66,12 @@ std::vector<LinePlot> position_plots(const std::vector<ScoreRow>& rows) {
   struct Line {
     const char *name, *unit_name, *method;
   };
-  constexpr std::array<Line, 5> kLines = {
+  constexpr std::array<Line, 7> kLines = {
       {{"published", "published", "the Strawberries paper"},
        {"as the paper, unit as made", "unit as made", "as the paper"},
        {"as the paper, unit off by 0.45 px", "unit off by 0.45 px", "as the paper"},
+       {"held under the box, unit as made", "unit as made", kHeldUnderBox},
+       {"held under the box, unit off by 0.45 px", "unit off by 0.45 px", kHeldUnderBox},
        {"stereo noise alone", "unit as made", "share of the stereo noise"},
        {"tape alone", "unit as made", "share of the tape"}}};
   constexpr std::array<std::pair<const char*, double>, 3> kBins = {

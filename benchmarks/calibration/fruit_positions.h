@@ -49,6 +49,10 @@ std::vector<FruitPosition> measure_positions(const PositionsConfig& config, std:
 /// The paper's own calibration (Table 4).
 Camera strawberry_paper_lens();
 
+/// The method whose rows hold the tape to the point under the box's centre, not to the nearest.
+inline constexpr const char* kHeldUnderBox =
+    "as the paper, but held to the point under the box's centre";
+
 /// Rows of several runs' positions: RMSE and MAE of x, y, z and range over 0.3-0.6 m and each
 /// 0.1 m of it; for the whole chain, for each step's share alone, for the paper's lens in place of
 /// the calibrated one with the tape's axes as the camera's and turned to fit, and the paper's

@@ -136,7 +136,7 @@ std::vector<ScoreRow> position_rows(const Runs& runs, const std::string& unit_na
            moved(runs, step(PositionStep::tape), step(PositionStep::pinhole)), seed);
   add_rows(rows, "with the lens's distortion", unit_name,
            moved(runs, step(PositionStep::tape), step(PositionStep::calibrated)), seed);
-  add_rows(rows, "as the paper, but held to the point under the box's centre", unit_name,
+  add_rows(rows, kHeldUnderBox, unit_name,
            moved(
                runs,
                [](const FruitPosition& p) -> Vector3d {

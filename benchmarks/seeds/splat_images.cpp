@@ -37,21 +37,31 @@ std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstima
                                        const SeedsPipelineConfig& config,
                                        const SeedsScoreLabels& labels) {
   if (estimate.splats.splats.empty()) return {};
-  const auto views =
-      seed_views(capture, estimate.poses, volume_of(config, board_of(capture, config)),
-                 config.green, config.splats.margin_px);
+  // Behind what was trained on: see take_splats. Green screen is black in the second views alone.
+  const Rgb8 screen =
+      config.method == SeedsMethod::splats ? screen_color(capture, config.green) : Rgb8{};
+  const SplatRenderConfig before_screen{.background = {static_cast<float>(screen.r) / 255,
+                                                       static_cast<float>(screen.g) / 255,
+                                                       static_cast<float>(screen.b) / 255}};
+  const auto views_before = [&](const Rgb8& color) {
+    return seed_views(capture, estimate.poses, volume_of(config, board_of(capture, config)),
+                      config.green, config.splats.margin_px, color);
+  };
+  const std::vector<SplatView> views = views_before(screen), masked = views_before({});
   Mean psnr, object, whole, similarity, flips;
-  for (const SplatView& view : views) {
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const SplatView& view = views[v];
     const SplatViewLevel& level = view.levels.front();
     const FidelityPlanes image =
-        render_splats(estimate.splats, level.camera, view.camera_from_world).color.channel;
+        render_splats(estimate.splats, level.camera, view.camera_from_world, before_screen)
+            .color.channel;
     const double part_db = psnr_db(image, level.color.channel);
     const Camera& camera = capture.frames[static_cast<std::size_t>(view.frame)].sensors[0].reported;
     const double share = static_cast<double>(image[0].size()) /
                          (static_cast<double>(camera.width_px) * camera.height_px);
     psnr.add(part_db);
     whole.add(part_db - 10 * std::log10(share));
-    object.add(psnr_db(image, level.color.channel, objects_of(level)));
+    object.add(psnr_db(image, level.color.channel, objects_of(masked[v].levels.front())));
     similarity.add(ssim(image, level.color.channel));
     flips.add(flip(image, level.color.channel));
   }

@@ -21,7 +21,7 @@ enum class SplatPoses { board, sfm };
 
 struct SeedsSplatConfig {
   SplatPoses poses = SplatPoses::board;
-  int steps = 1200;            ///< of `splats`; 3000 left the cloud 0.14 mm off instead of 0.11
+  int steps = 1200;            ///< of `splats`
   int most_splats = 60000;     ///< of `splats`
   int reference_steps = 7000;  ///< of `splats_paper`: the reference's schedule is left here
   /// Gaussians at the beginning. `splats`: see start_on_surfaces; where that has less than half as
@@ -50,11 +50,12 @@ Rgb8 screen_color(const Capture& capture, const GreenConfig& green);
 
 /// The photographs of a training: each is cut to what it shows of the volume, and green screen is
 /// of one colour. Views without a pose, or that show none of it, are left out.
-/// @param screen  the paper's is black; but before a black background nothing dark has to be opaque
+/// @param screen  the background of the training too. The paper's is black; but before black
+/// nothing dark has to be opaque
 /// @throws as splat_views
 std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
                                   const SweepVolume& volume, const GreenConfig& green,
-                                  int margin_px, const Rgb8& screen = {});
+                                  int margin_px, const Rgb8& screen);
 
 /// Where Gaussians begin, at most `start_points` of them: `raised_share` on closed surfaces, drawn
 /// evenly over their area with their normals; the others on the cloud, where it shows the board or

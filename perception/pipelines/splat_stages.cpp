@@ -60,9 +60,9 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsSta
       start = start_on_surfaces(found.clusters, found.cloud, found.surfaces, splats, rng);
     }
     fill_start(volume, splats.start_points, rng, start);
-    return train_on_seeds(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px),
-                          start, gaussians, training,
-                          paper ? splats.reference_steps : training.steps);
+    return train_on_seeds(
+        seed_views(capture, so_far.poses, volume, config.green, splats.margin_px, screen), start,
+        gaussians, training, paper ? splats.reference_steps : training.steps);
   };
   if (paper) {
     stages.depth = nullptr;

@@ -105,7 +105,7 @@ TEST(PositionRows, TheTapeAtThePointUnderTheBoxLeavesThatShareOut) {
   const auto rows = position_rows(runs, "unit", 1);
   const std::string all = "unit, 0.3 to 0.6 m";
   EXPECT_NEAR(value_of(rows, all, "as the paper", "y.rmse"), 0.012, 1e-12);
-  const std::string held = "as the paper, but held to the point under the box's centre";
+  const std::string held = kHeldUnderBox;
   EXPECT_NEAR(value_of(rows, all, held, "y.rmse"), 0.002, 1e-12);
   EXPECT_NEAR(value_of(rows, all, held, "x.rmse"), 0, 1e-12);
   EXPECT_NEAR(value_of(rows, all, held, "z.rmse"), 0.003, 1e-12);

@@ -101,7 +101,7 @@ TEST(SeedsSplats, ViewsAreCutToTheVolumeAndGreenIsBlack) {
       *Lens(poses[1].camera).project(poses[1].camera_from_world * Eigen::Vector3d::Zero());
   capture.frames[1].sensors[0].color(static_cast<int>(std::lround(middle.x())),
                                      static_cast<int>(std::lround(middle.y()))) = {250, 250, 250};
-  const auto views = seed_views(capture, poses, volume, {}, 8);
+  const auto views = seed_views(capture, poses, volume, {}, 8, {});
   ASSERT_EQ(views.size(), 1U);
   EXPECT_EQ(views[0].frame, 1);
   const SplatViewLevel& level = views[0].levels.front();
@@ -131,7 +131,7 @@ TEST(SeedsSplats, NothingToLearnGivesNoGaussians) {
   EXPECT_TRUE(train_on_seeds({}, std::vector<StartPoint>(9), {}, {}, 100).splats.empty());
   FramePose away = slanted(0, 0);
   away.camera_from_world.translation_m = {0, 0, -0.3};  // looks away from the board
-  EXPECT_TRUE(seed_views(capture_of({away}, kGreen), {away}, volume, {}, 8).empty());
+  EXPECT_TRUE(seed_views(capture_of({away}, kGreen), {away}, volume, {}, 8, {}).empty());
 }
 
 /// A closed box of 4 mm on the board.
@@ -248,7 +248,7 @@ TEST(SeedsSplats, TrainedGaussiansShowThePhotographs) {
   training.most_splats = 6000;
   training.rates.centre_first = SeedsSplatConfig{}.centre_rate;
   training.rates.centre_last = 0.01 * training.rates.centre_first;
-  const std::vector<SplatView> views = seed_views(capture, poses, volume, {}, 4);
+  const std::vector<SplatView> views = seed_views(capture, poses, volume, {}, 4, {});
   const SplatModel model = train_on_seeds(
       views, random_start_points({-0.03, -0.03, 0.0097}, {0.03, 0.03, 0.0103}, 4000, Rng(3)), {},
       training, training.steps);
