@@ -93,12 +93,12 @@ SeedsReport titled(const char* title, const char* summary, ScoreFile scores) {
 /// Runs a suite's jobs that `out` holds no result of; says which were there and which failed.
 std::vector<ShardResult> run_jobs(const JobContext& context, const fs::path& out,
                                   const std::vector<ShardJob>& jobs) {
-  const auto results =
-      run_shards(out / "shards", jobs, parse_shard(context.options.shard),
-                 [&](const std::string& name, int done, int total) {
-                   context.progress.line("job " + std::to_string(done + 1) + " of " +
-                                         std::to_string(total) + ": " + name);
-                 });
+  const auto results = run_shards(
+      out / "shards", jobs_named(jobs, context.options.only), parse_shard(context.options.shard),
+      [&](const std::string& name, int done, int total) {
+        context.progress.line("job " + std::to_string(done + 1) + " of " + std::to_string(total) +
+                              ": " + name);
+      });
   const auto reused =
       std::count_if(results.begin(), results.end(), [](const ShardResult& r) { return r.reused; });
   if (reused > 0) {
@@ -343,23 +343,23 @@ ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
-  std::array<std::string_view, 6> takes;  ///< the options that it reads, of those not all do
+  std::array<std::string_view, 7> takes;  ///< the options that it reads, of those not all do
 };
 constexpr std::array<Suite, 14> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
-     {"sensors", bench_sensors, {"--quick", "--shard"}},
+     {"sensors", bench_sensors, {"--quick", "--shard", "--only"}},
      {"seeds",
       bench_seeds,
-      {"--quick", "--set", "--captures", "--shard", "--attribution", "--runs"}},
-     {"seedlings", bench_seedlings, {"--quick", "--shard", "--runs"}},
-     {"cousins", bench_cousins, {"--quick", "--set", "--shard"}},
+      {"--quick", "--set", "--captures", "--shard", "--only", "--attribution", "--runs"}},
+     {"seedlings", bench_seedlings, {"--quick", "--shard", "--only", "--runs"}},
+     {"cousins", bench_cousins, {"--quick", "--set", "--shard", "--only"}},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
      {"splats", bench_splats, {"--quick"}},
-     {"calibration", bench_calibration, {"--quick", "--shard", "--runs"}},
-     {"sfm", bench_sfm, {"--quick", "--shard"}},
+     {"calibration", bench_calibration, {"--quick", "--shard", "--only", "--runs"}},
+     {"sfm", bench_sfm, {"--quick", "--shard", "--only"}},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
 
@@ -369,6 +369,7 @@ void check_takes(const Suite& suite, const Options& o) {
                                                      {"--set", !o.sets.empty()},
                                                      {"--captures", !o.captures.empty()},
                                                      {"--shard", !o.shard.empty()},
+                                                     {"--only", !o.only.empty()},
                                                      {"--runs", o.runs > 0},
                                                      {"--attribution", o.attribution}};
   for (const auto& [option, is_given] : given) {

@@ -288,7 +288,8 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
 
   CLI::App* bench = verb("bench", "The papers' tables, error against time, stability cases");
   takes(bench, "SUITE",
-        "seeds, stability, render, renderers, sensors, cousins, scenes, plants, calibration, "
+        "seeds, seedlings, stability, render, renderers, sensors, cousins, scenes, plants, "
+        "calibration, "
         "sfm, splats, real, program; "
         "none = "
         "all",
@@ -302,6 +303,9 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
                    "in the same --out are taken as they are")
       ->check(CLI::Range(1, 1000));
   bench->add_option("--shard", o.shard, "i/n: only part i (from 0) of n of the suite's jobs");
+  bench->add_option(
+      "--only", o.only,
+      "Only jobs whose names hold this text, as \"_splats\": the page is of them alone");
   bench->add_option(
       "--captures", o.captures,
       "Folder that keeps what `seeds` renders (15 GB in full): a later run with another "

@@ -1,5 +1,6 @@
 #include "benchmarks/shards/shard.h"
 
+#include <algorithm>
 #include <charconv>
 #include <exception>
 #include <optional>
@@ -52,6 +53,22 @@ std::pair<int, int> shard_range(const Shard& shard, int size) {
     return static_cast<int>(static_cast<long long>(size) * i / shard.count);
   };
   return {cut(shard.index), cut(shard.index + 1)};
+}
+
+std::vector<ShardJob> jobs_named(std::vector<ShardJob> jobs, const std::string& part) {
+  constexpr std::size_t kNamed = 5;
+  std::string some;
+  for (std::size_t i = 0; i < std::min(kNamed, jobs.size()); ++i)
+    some += (i == 0 ? "" : ", ") + jobs[i].name;
+  const std::size_t count = jobs.size();
+  std::erase_if(jobs,
+                [&](const ShardJob& job) { return job.name.find(part) == std::string::npos; });
+  if (jobs.empty() && count > 0) {
+    throw std::invalid_argument("no job's name holds \"" + part + "\"; there are " +
+                                std::to_string(count) + ": " + some +
+                                (count > kNamed ? ", ..." : ""));
+  }
+  return jobs;
 }
 
 bool is_missing(const ShardResult& result) { return result.text.empty() && result.error.empty(); }

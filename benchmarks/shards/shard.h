@@ -37,6 +37,10 @@ struct ShardResult {
 /// Whether the job belongs to another shard that has not written its result yet.
 bool is_missing(const ShardResult& result);
 
+/// The jobs whose names hold `part`; empty = all. @throws std::invalid_argument if there is none,
+/// naming some that there are.
+std::vector<ShardJob> jobs_named(std::vector<ShardJob> jobs, const std::string& part);
+
 /// Runs the jobs of `shard` that `folder` holds no result for, in order, and writes each result at
 /// once, under its final name only when whole: a run that was stopped goes on where it was. Jobs of
 /// other shards are read if they are there when this shard's are done. A job that throws is

@@ -1,5 +1,6 @@
 #include "benchmarks/shards/shard.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -56,6 +57,24 @@ TEST(Shard, RefusesTextThatIsNoShard) {
   for (const char* text : {"5/5", "-1/5", "1", "1/0", "a/b", "1/2x", "/", "1/999999999999"}) {
     EXPECT_THROW(parse_shard(text), std::invalid_argument) << text;
   }
+}
+
+TEST_F(ShardFolder, PartOfANameChoosesJobs) {
+  EXPECT_EQ(jobs_named(jobs(12), "").size(), 12U);
+  std::vector<ShardJob> named = jobs(12);
+  named[3].name = "maize_splats.json";
+  named[7].name = "rice_splats.json";
+  const std::vector<ShardJob> chosen = jobs_named(named, "_splats");
+  ASSERT_EQ(chosen.size(), 2U);
+  EXPECT_EQ(chosen[1].name, "rice_splats.json");
+  try {
+    jobs_named(named, "barley");
+    FAIL() << "a name that no job has";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("barley"));
+    EXPECT_THAT(error.what(), testing::HasSubstr(named[0].name));
+  }
+  EXPECT_TRUE(jobs_named({}, "anything").empty());
 }
 
 TEST_F(ShardFolder, FinishedJobsAreNotRunAgain) {
