@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -11,6 +10,7 @@
 #include "benchmarks/report/javascript_libraries.h"
 #include "benchmarks/report/plots.h"
 #include "benchmarks/report/report_assets.h"
+#include "benchmarks/report/shape_json.h"
 
 namespace cousin {
 namespace {
@@ -158,69 +158,6 @@ void add_images(Page& page, const std::vector<ReportImage>& images) {
                  html_escaped(image.caption) + "</figcaption></figure>\n";
   }
   page.html += "</div>\n";
-}
-
-template <class T>
-std::string base64_of(const std::vector<T>& values) {
-  return base64(
-      std::string_view(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)));
-}
-
-void validate(const ReportShape& shape) {
-  const auto fail = [&](const std::string& what) {
-    throw std::invalid_argument("report: shape \"" + shape.name + "\": " + what);
-  };
-  if (!shape.colors.empty() && shape.colors.size() != shape.positions_m.size()) {
-    fail(std::to_string(shape.colors.size()) + " colours for " +
-         std::to_string(shape.positions_m.size()) + " positions");
-  }
-  for (const Eigen::Vector3f& p : shape.positions_m) {
-    if (!p.allFinite()) fail("a position is not finite");
-  }
-  for (const auto& triangle : shape.triangles) {
-    for (const std::uint32_t i : triangle) {
-      if (i >= shape.positions_m.size()) fail("vertex " + std::to_string(i) + " does not exist");
-    }
-  }
-}
-
-/// Every k-th point of a cloud, so that at most `limit` are left; meshes stay whole.
-ReportShape thinned(const ReportShape& shape, int limit) {
-  const std::size_t count = shape.positions_m.size();
-  if (!shape.triangles.empty() || count <= static_cast<std::size_t>(limit)) return shape;
-  ReportShape result{shape.name, shape.caption, {}, {}, {}};
-  for (int i = 0; i < limit; ++i) {
-    const std::size_t at = static_cast<std::size_t>(i) * count / static_cast<std::size_t>(limit);
-    result.positions_m.push_back(shape.positions_m[at]);
-    if (!shape.colors.empty()) result.colors.push_back(shape.colors[at]);
-  }
-  result.caption +=
-      " Shown: " + std::to_string(limit) + " of " + std::to_string(count) + " points.";
-  return result;
-}
-
-nlohmann::ordered_json shape_json(const ReportShape& shape) {
-  Eigen::Vector3f low = shape.positions_m.front();
-  Eigen::Vector3f high = low;
-  for (const Eigen::Vector3f& p : shape.positions_m) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const Eigen::Vector3f size = high - low;
-  std::vector<std::uint16_t> codes;
-  codes.reserve(3 * shape.positions_m.size());
-  for (const Eigen::Vector3f& p : shape.positions_m) {
-    for (int k = 0; k < 3; ++k) {
-      const float share = size[k] > 0 ? (p[k] - low[k]) / size[k] : 0.5F;
-      codes.push_back(
-          static_cast<std::uint16_t>(std::lround(65535 * std::clamp(share, 0.0F, 1.0F))));
-    }
-  }
-  nlohmann::ordered_json json = {{"size", {size.x(), size.y(), size.z()}},
-                                 {"positions", base64_of(codes)}};
-  if (!shape.colors.empty()) json["colors"] = base64_of(shape.colors);
-  if (!shape.triangles.empty()) json["triangles"] = base64_of(shape.triangles);
-  return json;
 }
 
 void add_shapes(Page& page, const std::vector<ReportShape>& shapes, int max_points) {
@@ -449,8 +386,8 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   if (!input.summary.empty()) html += "<p>" + html_escaped(input.summary) + "</p>";
   html += navigation(page) + "</div><button id=\"theme\">Dark</button></header>\n" + page.html +
           "</main>\n";
-  for (const std::string& script :
-       {libraries.vega, libraries.three, std::string(kView3dJs), std::string(kReportJs)}) {
+  for (const std::string& script : {libraries.vega, libraries.three, std::string(kView3dJs),
+                                    std::string(kSplats3dJs), std::string(kReportJs)}) {
     if (!script.empty()) html += "<script>\n" + script + "\n</script>\n";
   }
   return html + "</body>\n</html>\n";

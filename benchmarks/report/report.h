@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -29,13 +30,22 @@ struct ReportImage {
   std::vector<std::uint8_t> png;  ///< the file's bytes; JPEG works too
 };
 
-/// A cloud or a mesh that the reader can turn. World: z up, metres.
+/// One Gaussian of a trained model: covariance R diag(scale^2) R'.
+struct ReportSplat {
+  Eigen::Vector3f scale_m;      ///< along its own axes, > 0
+  Eigen::Quaternionf rotation;  ///< axes -> world, unit norm
+  float opacity = 0;            ///< 0..1
+};
+
+/// A cloud, a mesh or a model of Gaussians that the reader can turn. World: z up, metres.
 struct ReportShape {
   std::string name;
   std::string caption;
   std::vector<Eigen::Vector3f> positions_m;
   std::vector<Rgb8> colors;                             ///< one for each position, or empty
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< empty: a cloud
+  /// One for each position, or empty. They are blended by depth, in the colours given.
+  std::vector<ReportSplat> splats = {};
 };
 
 /// Error over run time of methods whose knob was swept.

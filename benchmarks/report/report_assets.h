@@ -9,5 +9,6 @@ extern const std::string_view kReportCss;
 extern const std::string_view kErrorsJs;
 extern const std::string_view kReportJs;
 extern const std::string_view kView3dJs;
+extern const std::string_view kSplats3dJs;
 
 }  // namespace cousin

@@ -76,6 +76,7 @@ TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<i
     clock.pause([&] {
       add_scores(views, step, timing, static_cast<std::int64_t>(model.splats.size()),
                  renderer_of(model), field);
+      field.splats = model;
     });
   };
   const auto go_on = [&](const SplatTrainPoint& point) { return point.step < at.back(); };
@@ -106,6 +107,7 @@ TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const Sp
     if (one.status != "ok") break;
     field.scores.push_back(one.scores.back());
     field.render = std::move(one.render);
+    field.splats = std::move(one.splats);
   }
   return field;
 }

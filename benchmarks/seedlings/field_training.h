@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "benchmarks/seedlings/field_scores.h"
+#include "perception/splats/splat_model.h"
 
 namespace cousin {
 
@@ -28,6 +29,7 @@ struct TrainedField {
   std::string status;  ///< "ok", or why there are no scores
   std::vector<FieldScores> scores;
   FieldRenderer render;  ///< of the last scores' model
+  SplatModel splats;     ///< that model, if it is of Gaussians
 };
 
 /// Trains and scores. @param start  of Gaussians; radiance fields need none

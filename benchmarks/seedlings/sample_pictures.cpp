@@ -94,6 +94,7 @@ void write_sample_pictures(const std::filesystem::path& report, const SeedlingsJ
                 kEnoughViews, 100 * (1 - covered_share(views, least)));
   add("Held out: what few views see", share,
       side_by_side(photograph_of(held_out), holes_in_red(held_out, views.seen[least])));
+  if (job.plan.method == kOurs) scene.splats = without_directions(field.splats);
   write_report_scene(report, scene);
 }
 

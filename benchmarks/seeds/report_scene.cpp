@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "benchmarks/seeds/truth_stages.h"
+#include "perception/splats/splat_ply.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/geometry/measure.h"
 #include "sim/geometry/mesh_io.h"
@@ -123,6 +124,7 @@ ReportScene read_report_scene(const fs::path& folder) {
   if (fs::exists(folder / "cloud.ply")) scene.cloud = read_cloud_ply(folder / "cloud.ply").cloud;
   if (fs::exists(folder / "measured.ply")) scene.measured = read_mesh(folder / "measured.ply");
   if (fs::exists(folder / "truth.ply")) scene.truth = read_mesh(folder / "truth.ply");
+  if (fs::exists(folder / "splats.ply")) scene.splats = read_splat_ply(folder / "splats.ply").model;
   return scene;
 }
 
@@ -207,7 +209,14 @@ ReportScene report_scene(const std::string& name, const SimulatedRun& run,
   }
   scene.measured = merged(measured);
   scene.truth = merged(truth);
+  scene.splats = without_directions(estimate.splats);
   return scene;
+}
+
+SplatModel without_directions(SplatModel model) {
+  model.sh_degree = 0;
+  for (Splat& splat : model.splats) splat.sh_rest = {};
+  return model;
 }
 
 void write_report_scene(const fs::path& folder, const ReportScene& scene) {
@@ -229,6 +238,7 @@ void write_report_scene(const fs::path& folder, const ReportScene& scene) {
   if (!scene.cloud.empty()) write_ply(own / "cloud.ply", scene.cloud);
   if (!scene.measured.triangles.empty()) write_ply(own / "measured.ply", scene.measured);
   if (!scene.truth.triangles.empty()) write_ply(own / "truth.ply", scene.truth);
+  if (!scene.splats.splats.empty()) write_splat_ply(own / "splats.ply", scene.splats);
   write_file(own / kIndex,
              nlohmann::ordered_json{{"name", scene.name}, {"pictures", pictures}}.dump(2) + "\n");
   const fs::path earlier = own.string() + ".earlier.part";  // nothing of it may stay

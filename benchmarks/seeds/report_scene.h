@@ -8,6 +8,7 @@
 
 #include "benchmarks/seeds/simulate.h"
 #include "perception/pipelines/seeds.h"
+#include "perception/splats/splat_model.h"
 #include "sim/types/mesh.h"
 
 namespace cousin {
@@ -24,8 +25,9 @@ struct ReportScene {
   std::string name;  ///< letters, digits, . _ -; the first one is no dot
   std::vector<ReportPicture> pictures;
   Cloud cloud;
-  Mesh measured;  ///< all fitted surfaces, in the world
-  Mesh truth;     ///< all true surfaces, in the world
+  Mesh measured;      ///< all fitted surfaces, in the world
+  Mesh truth;         ///< all true surfaces, in the world
+  SplatModel splats;  ///< trained Gaussians, of spherical harmonics the first alone
 };
 
 /// Up to three of the scene's images, two of them again with the measured outlines drawn in, and
@@ -33,8 +35,11 @@ struct ReportScene {
 ReportScene report_scene(const std::string& name, const SimulatedRun& run,
                          const SeedsEstimate& estimate);
 
-/// FOLDER/NAME/: scene.json, the pictures, cloud.ply, measured.ply, truth.ply. It is written beside
-/// its name and takes the place of an earlier one only when whole.
+/// The same in every direction: of spherical harmonics the first alone.
+SplatModel without_directions(SplatModel model);
+
+/// FOLDER/NAME/: scene.json, the pictures, cloud.ply, measured.ply, truth.ply, splats.ply. It is
+/// written beside its name and takes the place of an earlier one only when whole.
 /// @throws std::invalid_argument naming a name that cannot be a folder's.
 void write_report_scene(const std::filesystem::path& folder, const ReportScene& scene);
 

@@ -1,5 +1,6 @@
 #include "benchmarks/seeds/seeds_report.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -36,6 +37,55 @@ ReportShape shape_of(const Cloud& cloud, const std::string& name) {
   for (const CloudPoint& p : cloud) {
     shape.positions_m.push_back(p.position_m);
     shape.colors.push_back(p.color);
+  }
+  return shape;
+}
+
+/// Where all but the outermost hundredth of the centres on either side lie, and half as much again:
+/// a few Gaussians far off would make the others too small to see.
+Eigen::AlignedBox3f shown_box(const std::vector<Splat>& splats) {
+  Eigen::AlignedBox3f box;
+  if (splats.empty()) return box;
+  Eigen::Vector3f low, high;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<float> at;
+    for (const Splat& splat : splats) at.push_back(splat.centre_m[k]);
+    std::sort(at.begin(), at.end());
+    const std::size_t cut = at.size() / 100;
+    const float low_m = at[cut], high_m = at[at.size() - 1 - cut];
+    low[k] = low_m - 0.25F * (high_m - low_m);
+    high[k] = high_m + 0.25F * (high_m - low_m);
+  }
+  return {low, high};
+}
+
+bool is_drawn(const Splat& splat) {
+  const Eigen::Vector3f scale_m = splat.log_scale.array().exp();
+  return scale_m.allFinite() && (scale_m.array() > 0).all() && splat.rotation_wxyz.allFinite() &&
+         splat.rotation_wxyz.norm() > 1e-12F && std::isfinite(splat.opacity_logit);
+}
+
+/// Colours as they are from every direction; what cannot be drawn is left out.
+ReportShape shape_of(const SplatModel& model, const std::string& name) {
+  constexpr float kDc = 0.28209479F;  // of the first spherical harmonic
+  ReportShape shape;
+  shape.name = name;
+  shape.caption = "The trained model: " + std::to_string(model.splats.size()) +
+                  " Gaussians, in the colours that they have from all sides alike.";
+  const Eigen::Vector3f origin_m = model.origin_in_world_m.cast<float>();
+  const Eigen::AlignedBox3f box = shown_box(model.splats);
+  for (const Splat& splat : model.splats) {
+    if (!is_drawn(splat) || !box.contains(splat.centre_m)) continue;
+    const Eigen::Vector4f& q = splat.rotation_wxyz;
+    shape.positions_m.push_back(origin_m + splat.centre_m);
+    const auto code = [&](std::size_t k) {
+      const float value = std::clamp(0.5F + kDc * splat.sh_dc[k], 0.0F, 1.0F);
+      return static_cast<std::uint8_t>(std::lround(255 * value));
+    };
+    shape.colors.push_back({code(0), code(1), code(2)});
+    shape.splats.push_back({splat.log_scale.array().exp(),
+                            Eigen::Quaternionf(q[0], q[1], q[2], q[3]).normalized(),
+                            1 / (1 + std::exp(-splat.opacity_logit))});
   }
   return shape;
 }
@@ -193,6 +243,8 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
     for (const ReportPicture& picture : scene.pictures) {
       input.images.push_back({prefix + picture.name, picture.caption, picture.file});
     }
+    if (!scene.splats.splats.empty())
+      input.shapes.push_back(shape_of(scene.splats, prefix + "Gaussians"));
     if (!scene.cloud.empty()) input.shapes.push_back(shape_of(scene.cloud, prefix + "Cloud"));
     if (!scene.measured.triangles.empty()) {
       input.shapes.push_back(shape_of(scene.measured, prefix + "Measured surfaces",

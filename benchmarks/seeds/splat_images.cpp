@@ -37,12 +37,9 @@ std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstima
                                        const SeedsPipelineConfig& config,
                                        const SeedsScoreLabels& labels) {
   if (estimate.splats.splats.empty()) return {};
-  // Behind what was trained on: see take_splats. Green screen is black in the second views alone.
-  const Rgb8 screen =
-      config.method == SeedsMethod::splats ? screen_color(capture, config.green) : Rgb8{};
-  const SplatRenderConfig before_screen{.background = {static_cast<float>(screen.r) / 255,
-                                                       static_cast<float>(screen.g) / 255,
-                                                       static_cast<float>(screen.b) / 255}};
+  // Green screen is black in the second views alone.
+  const Rgb8 screen = training_screen(config, capture);
+  const SplatRenderConfig before_screen{.background = color_shares(screen)};
   const auto views_before = [&](const Rgb8& color) {
     return seed_views(capture, estimate.poses, volume_of(config, board_of(capture, config)),
                       config.green, config.splats.margin_px, color);

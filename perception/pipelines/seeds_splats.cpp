@@ -139,7 +139,9 @@ Fields fields(SeedsSplatConfig& config) {
       {"most_splats", &config.most_splats, "splats: Gaussians at the end", 1, 1e7},
       {"reference_steps", &config.reference_steps,
        "splats_paper: steps of the reference's 30,000 after which training is left", 1, 30000},
-      {"start_points", &config.start_points, "Gaussians at the beginning", 1, 1e6},
+      {"reference_points", &config.reference_points,
+       "splats_paper: Gaussians at the beginning, where COLMAP has none", 1, 1e6},
+      {"start_points", &config.start_points, "splats: Gaussians at the beginning", 1, 1e6},
       {"centre_rate", &config.centre_rate,
        "splats: first rate of the centres, a share of the cameras' extent; the last is a hundredth",
        1e-9, 1},
@@ -160,11 +162,16 @@ void validate(const SeedsSplatConfig& config) {
   check_limits(fields(copy), "splats");
 }
 
-Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board) {
+Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board,
+                   const SweepVolume& volume, std::vector<StartPoint>& points) {
+  points.clear();
   const SfmEstimate estimate = estimate_poses_sfm(capture, corners, board, paper_sfm_config());
   if (!has_poses(estimate.status) || estimate.gauge != BundleGauge::metric) {
     throw std::runtime_error("no metric model: " + std::string(to_string(estimate.status)) +
                              (estimate.reason.empty() ? "" : ", " + estimate.reason));
+  }
+  for (const SfmPoint& point : estimate.points) {
+    if (contains(volume, point.in_world_m)) points.push_back({point.in_world_m, point.color});
   }
   return estimate.poses;
 }
@@ -189,6 +196,11 @@ Rgb8 screen_color(const Capture& capture, const GreenConfig& green) {
     return static_cast<std::uint8_t>((s + count / 2) / count);
   };
   return {mean(sum[0]), mean(sum[1]), mean(sum[2])};
+}
+
+std::array<float, 3> color_shares(const Rgb8& color) {
+  return {static_cast<float>(color.r) / 255, static_cast<float>(color.g) / 255,
+          static_cast<float>(color.b) / 255};
 }
 
 std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,

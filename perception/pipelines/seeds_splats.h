@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,8 +25,11 @@ struct SeedsSplatConfig {
   int steps = 1200;            ///< of `splats`
   int most_splats = 60000;     ///< of `splats`
   int reference_steps = 7000;  ///< of `splats_paper`: the reference's schedule is left here
-  /// Gaussians at the beginning. `splats`: see start_on_surfaces; where that has less than half as
-  /// many, and for `splats_paper`, they are drawn evenly over the volume that is reconstructed.
+  /// `splats_paper` starts from the points that structure from motion left, as the reference does:
+  /// COLMAP's with poses from it, else so many of the plane sweep's.
+  int reference_points = 10000;
+  /// Gaussians of `splats` at the beginning, see start_on_surfaces. Where either has less than half
+  /// of its number, the others are drawn evenly over the volume that is reconstructed.
   int start_points = 40000;
   /// `splats`: the start is on the surface, and photographs fix depth on plain surfaces less well.
   /// With 4e-3, the default of training, the board of 30 views of maize (seed 3) sank by 0.2 mm in
@@ -42,11 +46,16 @@ Fields fields(SeedsSplatConfig& config);
 void validate(const SeedsSplatConfig& config);
 
 /// Poses by COLMAP for the views of a training; frames that found no place have none.
+/// @param points  out: of its model, in the world, those in the volume
 /// @throws std::runtime_error if there is no metric model, saying why
-Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board);
+Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board,
+                   const SweepVolume& volume, std::vector<StartPoint>& points);
 
 /// Mean colour of the green screen in all photographs; black if they show none.
 Rgb8 screen_color(const Capture& capture, const GreenConfig& green);
+
+/// Channels as shares of the largest code, as a training's background has them.
+std::array<float, 3> color_shares(const Rgb8& color);
 
 /// The photographs of a training: each is cut to what it shows of the volume, and green screen is
 /// of one colour. Views without a pose, or that show none of it, are left out.

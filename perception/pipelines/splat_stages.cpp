@@ -1,19 +1,30 @@
 #include "perception/pipelines/splat_stages.h"
 
+#include <memory>
+
 #include "perception/splats/splat_geometry.h"
 
 namespace cousin {
 namespace {
 
-/// What the method `ours` finds on the same poses, up to its closed surfaces.
-SeedsEstimate found_without_splats(const SeedsPipelineConfig& config, std::uint64_t seed,
-                                   const Capture& capture, const SeedsEstimate& so_far) {
-  SeedsPipelineConfig without = config;
-  without.method = SeedsMethod::ours;
-  const SeedsStages stages = seeds_stages(without, seed);
+SeedsStages stages_of_ours(SeedsPipelineConfig config, std::uint64_t seed) {
+  config.method = SeedsMethod::ours;
+  return seeds_stages(config, seed);
+}
+
+/// The plane sweep's cloud on the same poses.
+SeedsEstimate found_by_sweep(const SeedsStages& ours, const Capture& capture,
+                             const SeedsEstimate& so_far) {
   SeedsEstimate found = so_far;
-  found.depths = stages.depth(capture, found);
-  found.cloud = stages.cloud(capture, found);
+  found.depths = ours.depth(capture, found);
+  found.cloud = ours.cloud(capture, found);
+  return found;
+}
+
+/// What the method `ours` finds on the same poses, up to its closed surfaces.
+SeedsEstimate found_without_splats(const SeedsStages& stages, const Capture& capture,
+                                   const SeedsEstimate& so_far) {
+  SeedsEstimate found = found_by_sweep(stages, capture, so_far);
   found.clusters = stages.clusters(capture, found);
   if (found.clusters.count == 0) return found;
   found.silhouettes = stages.masks(capture, found);
@@ -32,45 +43,84 @@ SplatTrainConfig training_of(const SeedsSplatConfig& config) {
   return training;
 }
 
+/// The reference starts from the points that structure from motion leaves. COLMAP's own are used
+/// where it gave the poses, else as many of the plane sweep's.
+std::vector<StartPoint> start_as_paper(const SeedsPipelineConfig& config, std::uint64_t seed,
+                                       const Capture& capture, const SeedsEstimate& so_far,
+                                       const std::vector<StartPoint>& tracks) {
+  std::vector<StartPoint> start = tracks;
+  if (start.empty()) {
+    const Cloud cloud = found_by_sweep(stages_of_ours(config, seed), capture, so_far).cloud;
+    const auto limit = static_cast<std::size_t>(config.splats.reference_points);
+    const std::size_t count = std::min(cloud.size(), limit);
+    for (std::size_t i = 0; i < count; ++i) {
+      const CloudPoint& point = cloud[i * cloud.size() / count];
+      start.push_back({point.position_m.cast<double>(), point.color});
+    }
+  }
+  return start;
+}
+
+SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t seed,
+                            const Capture& capture, const SeedsEstimate& so_far,
+                            const std::vector<StartPoint>& tracks) {
+  const SweepVolume volume = volume_of(config, board_of(capture, config));
+  const SeedsSplatConfig& splats = config.splats;
+  SplatTrainConfig training = reference_training();
+  training.seed = Rng(seed).fork("splats")();
+  std::vector<StartPoint> start = start_as_paper(config, seed, capture, so_far, tracks);
+  fill_start(volume, splats.reference_points, Rng(seed).fork("splat_start"), start);
+  return train_on_seeds(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px,
+                                   training_screen(config, capture)),
+                        start, {}, training, splats.reference_steps);
+}
+
+SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed,
+                           const Capture& capture, const SeedsEstimate& so_far) {
+  const SweepVolume volume = volume_of(config, board_of(capture, config));
+  const SeedsSplatConfig& splats = config.splats;
+  SplatTrainConfig training = training_of(splats);
+  training.seed = Rng(seed).fork("splats")();
+  const Rgb8 screen = training_screen(config, capture);
+  training.background = color_shares(screen);
+  const Rng rng = Rng(seed).fork("splat_start");
+  const SeedsEstimate found = found_without_splats(stages_of_ours(config, seed), capture, so_far);
+  std::vector<StartPoint> start =
+      start_on_surfaces(found.clusters, found.cloud, found.surfaces, splats, rng);
+  fill_start(volume, splats.start_points, rng, start);
+  return train_on_seeds(
+      seed_views(capture, so_far.poses, volume, config.green, splats.margin_px, screen), start,
+      {.opacity = splats.start_opacity, .flatness = splats.flatness}, training, training.steps);
+}
+
 }  // namespace
 
+Rgb8 training_screen(const SeedsPipelineConfig& config, const Capture& capture) {
+  return config.method == SeedsMethod::splats_paper ? Rgb8{} : screen_color(capture, config.green);
+}
+
 void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsStages& stages) {
-  const bool paper = config.method == SeedsMethod::splats_paper;
+  // COLMAP's points, from the stage that finds the poses to the one that trains on them.
+  const auto tracks = std::make_shared<std::vector<StartPoint>>();
   if (config.splats.poses == SplatPoses::sfm) {
-    stages.poses = [config](const Capture& capture, const SeedsEstimate& so_far) {
-      return poses_by_sfm(capture, so_far.corners, board_of(capture, config));
+    stages.poses = [config, tracks](const Capture& capture, const SeedsEstimate& so_far) {
+      return poses_by_sfm(capture, so_far.corners, board_of(capture, config),
+                          volume_of(config, board_of(capture, config)), *tracks);
     };
   }
-  stages.splats = [config, seed, paper](const Capture& capture, const SeedsEstimate& so_far) {
-    const SweepVolume volume = volume_of(config, board_of(capture, config));
-    const SeedsSplatConfig& splats = config.splats;
-    SplatTrainConfig training = paper ? reference_training() : training_of(splats);
-    training.seed = Rng(seed).fork("splats")();
-    const Rng rng = Rng(seed).fork("splat_start");
-    std::vector<StartPoint> start;
-    SplatStartConfig gaussians;
-    Rgb8 screen{};
-    if (!paper) {
-      screen = screen_color(capture, config.green);
-      training.background = {static_cast<float>(screen.r) / 255, static_cast<float>(screen.g) / 255,
-                             static_cast<float>(screen.b) / 255};
-      gaussians.flatness = splats.flatness;
-      gaussians.opacity = splats.start_opacity;
-      const SeedsEstimate found = found_without_splats(config, seed, capture, so_far);
-      start = start_on_surfaces(found.clusters, found.cloud, found.surfaces, splats, rng);
-    }
-    fill_start(volume, splats.start_points, rng, start);
-    return train_on_seeds(
-        seed_views(capture, so_far.poses, volume, config.green, splats.margin_px, screen), start,
-        gaussians, training, paper ? splats.reference_steps : training.steps);
-  };
-  if (paper) {
+  if (config.method == SeedsMethod::splats_paper) {
+    stages.splats = [config, seed, tracks](const Capture& capture, const SeedsEstimate& so_far) {
+      return trained_as_paper(config, seed, capture, so_far, *tracks);
+    };
     stages.depth = nullptr;
     stages.cloud = [config](const Capture&, const SeedsEstimate& so_far) {
       return splat_centres(so_far.splats, config.splats.least_opacity);
     };
     return;
   }
+  stages.splats = [config, seed](const Capture& capture, const SeedsEstimate& so_far) {
+    return trained_as_ours(config, seed, capture, so_far);
+  };
   stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses,
                             volume_of(config, board_of(capture, config)));

@@ -100,6 +100,18 @@ ReportShape ellipsoid(bool mesh) {
   return shape;
 }
 
+/// Discs over the ellipsoid's points, as a trained model has them.
+ReportShape gaussians() {
+  ReportShape shape = ellipsoid(false);
+  shape.name = "Gaussians";
+  for (const Eigen::Vector3f& p : shape.positions_m) {
+    const Eigen::Quaternionf turn =
+        Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), p.normalized());
+    shape.splats.push_back({{2e-4F, 3e-4F, 2e-5F}, turn, 0.8F});
+  }
+  return shape;
+}
+
 }  // namespace
 
 ReportInput example_report() {
@@ -128,7 +140,7 @@ ReportInput example_report() {
   limit("length.rmse", "wheat", 0.00006, "at most 0.08 mm", ScoreStatus::pass);
   limit("length.bias", "wheat", 0.00005, "within 0.03 mm", ScoreStatus::fail);
   input.images = {{"view 0", "The first view.", tiny_png()}};
-  input.shapes = {ellipsoid(false), ellipsoid(true)};
+  input.shapes = {ellipsoid(false), ellipsoid(true), gaussians()};
   ErrorTimeCurve curve{"Views and image size", "RMSE of length", "m", {}};
   for (const int views : {10, 20, 60, 120, 270}) {
     const double error = 0.0006 / std::sqrt(views) + 0.00003;

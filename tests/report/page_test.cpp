@@ -30,14 +30,14 @@ TEST_F(Page, LoadsWithoutErrorsAndDrawsEveryPlotAndShape) {
   EXPECT_EQ(count(dom, "data-plot-ok=\"true\""), 13);
   EXPECT_EQ(count(dom, "data-plot-ok=\"false\""), 0);
   EXPECT_EQ(count(dom, "data-warnings"), 0);
-  EXPECT_EQ(count(dom, "data-view-ok=\"webgl\"") + count(dom, "data-view-ok=\"canvas\""), 2);
+  EXPECT_EQ(count(dom, "data-view-ok=\"webgl\"") + count(dom, "data-view-ok=\"canvas\""), 3);
 }
 
 TEST_F(Page, PaintsShapesOnACanvasWithoutWebgl) {
   const std::string dom = shown_document(make_report(example_report()), kWithoutWebgl);
   EXPECT_THAT(root_tag(dom), testing::HasSubstr("data-ready=\"true\""));
   EXPECT_THAT(root_tag(dom), testing::HasSubstr("data-errors=\"0\""));
-  EXPECT_EQ(count(dom, "data-view-ok=\"canvas\""), 2);
+  EXPECT_EQ(count(dom, "data-view-ok=\"canvas\""), 3);
 }
 
 TEST_F(Page, StandsWithoutTheLibraries) {
@@ -47,7 +47,7 @@ TEST_F(Page, StandsWithoutTheLibraries) {
   EXPECT_THAT(root_tag(dom), testing::HasSubstr("data-errors=\"0\""));
   EXPECT_EQ(count(dom, "This plot needs Vega, which was not found"),
             13 + 1);  // once in the script itself
-  EXPECT_EQ(count(dom, "data-view-ok=\"canvas\""), 2);
+  EXPECT_EQ(count(dom, "data-view-ok=\"canvas\""), 3);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "benchmarks/report/html.h"
+#include "benchmarks/report/shape_json.h"
 #include "example_report.h"
 
 namespace cousin {
@@ -120,6 +122,52 @@ TEST(Report, ThinsLargeCloudsAndSaysSo) {
   input.shapes = {cloud};
   EXPECT_NE(make_report(input, {.max_points = 100}).find("Fused. Shown: 100 of 1000 points."),
             std::string::npos);
+}
+
+ReportShape two_gaussians() {
+  const Eigen::Quaternionf straight = Eigen::Quaternionf::Identity();
+  return {"model",
+          "Trained.",
+          {Eigen::Vector3f::Zero(), Eigen::Vector3f::Ones()},
+          {{10, 20, 30}, {40, 50, 60}},
+          {},
+          {{Eigen::Vector3f(1, 1, 0.1F), straight, 0.9F},
+           {Eigen::Vector3f(0.1F, 0.1F, 0.1F), straight, 0.9F}}};
+}
+
+TEST(Report, KeepsTheGaussiansThatHideMost) {
+  const ReportShape kept = thinned(two_gaussians(), 1);
+  ASSERT_EQ(kept.positions_m.size(), 1U);
+  EXPECT_EQ(kept.positions_m[0], Eigen::Vector3f::Zero());
+  EXPECT_EQ(kept.colors[0].g, 20);
+  EXPECT_EQ(kept.caption, "Trained. Shown: 1 of 2 Gaussians, those that hide most.");
+}
+
+TEST(Report, GaussiansAreCodedWithinTheirRange) {
+  const auto json = shape_json(two_gaussians());
+  EXPECT_NEAR(json["log_scale"][0].get<double>(), std::log(0.1), 1e-6);
+  EXPECT_NEAR(json["log_scale"][1].get<double>(), 0, 1e-6);
+  // 1, 1, 0.1 are the largest, the largest and the least code; an unturned axis is 127, 0, 0, 0.
+  EXPECT_EQ(json["scales"].get<std::string>().substr(0, 8),
+            base64(std::string("\xff\xff\xff\xff\0\0", 6)));
+  EXPECT_EQ(json["rotations"].get<std::string>(), base64(std::string("\x7f\0\0\0\x7f\0\0\0", 8)));
+}
+
+TEST(Report, RejectsGaussiansThatCannotBeDrawn) {
+  ReportInput input;
+  input.shapes = {two_gaussians()};
+  EXPECT_NO_THROW(make_report(input));
+  input.shapes[0].splats[1].scale_m.y() = 0;
+  EXPECT_THROW(make_report(input), std::invalid_argument);
+  input.shapes = {two_gaussians()};
+  input.shapes[0].splats[1].opacity = NAN;
+  EXPECT_THROW(make_report(input), std::invalid_argument);
+  input.shapes = {two_gaussians()};
+  input.shapes[0].splats[1].rotation.coeffs().setZero();
+  EXPECT_THROW(make_report(input), std::invalid_argument);
+  input.shapes = {two_gaussians()};
+  input.shapes[0].splats.pop_back();
+  EXPECT_THROW(make_report(input), std::invalid_argument);
 }
 
 TEST(Report, RejectsShapesAndTimesThatCannotBeDrawn) {

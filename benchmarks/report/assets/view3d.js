@@ -12,7 +12,33 @@ function decodeShape(element) {
     for (let k = 0; k < 3; ++k) positions[3 * i + k] = (codes[3 * i + k] / 65535 - 0.5) * shape.size[k] / extent;
   }
   const triangles = shape.triangles ? new Uint32Array(bytes(shape.triangles).buffer) : null;
-  return {count, positions, triangles, colors: shape.colors ? bytes(shape.colors) : null, extent};
+  return {count, positions, triangles, colors: shape.colors ? bytes(shape.colors) : null, extent,
+          covariances: shape.scales ? decodeCovariances(shape, bytes, extent) : null,
+          opacities: shape.opacities ? bytes(shape.opacities) : null};
+}
+
+// Where a canvas is looked at from, as the mouse turns it.
+function turnedBy(canvas, repaint) {
+  const view = {azimuth: -0.95, elevation: 0.55, zoom: 1, isTurning: false};
+  canvas.addEventListener("pointerdown", event => canvas.setPointerCapture(event.pointerId));
+  canvas.addEventListener("pointermove", event => {
+    if (!event.buttons) return;
+    view.isTurning = true;
+    view.azimuth -= 0.01 * event.movementX;
+    view.elevation = Math.max(-1.55, Math.min(1.55, view.elevation + 0.01 * event.movementY));
+    repaint();
+  });
+  canvas.addEventListener("pointerup", () => {
+    view.isTurning = false;
+    repaint();
+  });
+  canvas.addEventListener("wheel", event => {
+    event.preventDefault();
+    view.zoom = Math.max(0.2, Math.min(20, view.zoom * Math.exp(-0.001 * event.deltaY)));
+    repaint();
+  });
+  window.addEventListener("resize", repaint);
+  return view;
 }
 
 function showWithThree(element, shape) {
@@ -61,14 +87,13 @@ function showOnCanvas(element, shape) {
   const canvas = document.createElement("canvas");
   element.appendChild(canvas);
   const context = canvas.getContext("2d");
-  let azimuth = -0.95, elevation = 0.55, zoom = 1;
   const screen = new Float32Array(3 * shape.count);
   const repaint = () => {
     const ratio = window.devicePixelRatio || 1;
     const width = canvas.width = Math.round(element.clientWidth * ratio);
     const height = canvas.height = Math.round(element.clientHeight * ratio);
-    const scale = 0.8 * zoom * Math.min(width, height);
-    const ca = Math.cos(azimuth), sa = Math.sin(azimuth), ce = Math.cos(elevation), se = Math.sin(elevation);
+    const scale = 0.8 * view.zoom * Math.min(width, height);
+    const ca = Math.cos(view.azimuth), sa = Math.sin(view.azimuth), ce = Math.cos(view.elevation), se = Math.sin(view.elevation);
     for (let i = 0; i < shape.count; ++i) {
       const x = shape.positions[3 * i], y = shape.positions[3 * i + 1], z = shape.positions[3 * i + 2];
       const right = -sa * x + ca * y, towards = ca * x + sa * y;
@@ -108,19 +133,7 @@ function showOnCanvas(element, shape) {
       }
     }
   };
-  canvas.addEventListener("pointerdown", event => canvas.setPointerCapture(event.pointerId));
-  canvas.addEventListener("pointermove", event => {
-    if (!event.buttons) return;
-    azimuth -= 0.01 * event.movementX;
-    elevation = Math.max(-1.55, Math.min(1.55, elevation + 0.01 * event.movementY));
-    repaint();
-  });
-  canvas.addEventListener("wheel", event => {
-    event.preventDefault();
-    zoom = Math.max(0.2, Math.min(20, zoom * Math.exp(-0.001 * event.deltaY)));
-    repaint();
-  });
-  window.addEventListener("resize", repaint);
+  const view = turnedBy(canvas, repaint);
   repaint();
   element.dataset.viewOk = "canvas";
   return {repaint};
@@ -138,6 +151,7 @@ function webglWorks() {
 
 function showShape(element) {
   const shape = decodeShape(element);
+  if (shape.covariances) return showSplats(element, shape);
   if (webglWorks()) {
     try {
       return showWithThree(element, shape);
