@@ -9,13 +9,10 @@
 namespace cousin {
 namespace {
 
-/// Not zero where the photograph was not made black.
+/// Not zero where the photograph shows more of the scene than of what is behind it.
 Image<std::uint8_t> objects_of(const SplatViewLevel& level) {
-  const auto& channel = level.color.channel;
-  Image<std::uint8_t> mask(channel[0].width(), channel[0].height());
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    mask.data()[i] = channel[0].data()[i] + channel[1].data()[i] + channel[2].data()[i] > 0;
-  }
+  Image<std::uint8_t> mask(level.behind.width(), level.behind.height());
+  for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = level.behind.data()[i] < 0.5F;
   return mask;
 }
 
@@ -37,28 +34,21 @@ std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstima
                                        const SeedsPipelineConfig& config,
                                        const SeedsScoreLabels& labels) {
   if (estimate.splats.splats.empty()) return {};
-  // Green screen is black in the second views alone.
-  const Rgb8 screen = training_screen(config, capture);
-  const SplatRenderConfig before_screen{.background = color_shares(screen)};
-  const auto views_before = [&](const Rgb8& color) {
-    return seed_views(capture, estimate.poses, volume_of(config, board_of(capture, config)),
-                      config.green, config.splats.margin_px, color);
-  };
-  const std::vector<SplatView> views = views_before(screen), masked = views_before({});
+  const std::vector<SplatView> views =
+      seed_views(capture, estimate.poses, volume_of(config, board_of(capture, config)),
+                 config.green, config.splats.margin_px);
   Mean psnr, object, whole, similarity, flips;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const SplatView& view = views[v];
+  for (const SplatView& view : views) {
     const SplatViewLevel& level = view.levels.front();
     const FidelityPlanes image =
-        render_splats(estimate.splats, level.camera, view.camera_from_world, before_screen)
-            .color.channel;
+        render_splats(estimate.splats, level.camera, view.camera_from_world).color.channel;
     const double part_db = psnr_db(image, level.color.channel);
     const Camera& camera = capture.frames[static_cast<std::size_t>(view.frame)].sensors[0].reported;
     const double share = static_cast<double>(image[0].size()) /
                          (static_cast<double>(camera.width_px) * camera.height_px);
     psnr.add(part_db);
     whole.add(part_db - 10 * std::log10(share));
-    object.add(psnr_db(image, level.color.channel, objects_of(masked[v].levels.front())));
+    object.add(psnr_db(image, level.color.channel, objects_of(level)));
     similarity.add(ssim(image, level.color.channel));
     flips.add(flip(image, level.color.channel));
   }

@@ -37,6 +37,9 @@ struct BoardClusterConfig {
   double core_distance_m = 0.0008;  ///< steps that link the upward faces of one object
   double cluster_distance_m =
       0.0012;  ///< other points join the core they are nearest to within this
+  /// Times that points join, each `cluster_distance_m` farther from the core. Plane sweeps smear
+  /// between objects that nearly touch, so 1; of clouds without smears sides may join to the board.
+  int join_rounds = 1;
   double min_share =
       0.08;  ///< of the largest object's upward points: smaller ones are patches, not objects
   int cluster_min_points = 60;

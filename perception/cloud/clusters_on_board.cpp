@@ -161,7 +161,11 @@ Clusters cluster_on_board(const Cloud& cloud, const BoardClusterConfig& config) 
     saturated[i] = saturation(clusters.cloud[i].color) >= config.min_saturation;
   }
   clusters.instance = core_groups(config, clusters.cloud, saturated);
-  join_cores(config, clusters.cloud, saturated, clusters.instance);
+  for (int round = 0; round < config.join_rounds; ++round) {
+    const std::vector<int> before = clusters.instance;
+    join_cores(config, clusters.cloud, saturated, clusters.instance);
+    if (clusters.instance == before) break;
+  }
   clusters.count = renumber(config.cluster_min_points, clusters.instance);
   return clusters;
 }

@@ -103,10 +103,6 @@ SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config);
 /// The part of the world that is reconstructed, in the board's frame.
 SweepVolume volume_of(const SeedsPipelineConfig& config, const SeedBoard& board);
 
-/// What the photographs of a method's training have in place of the green screen, and what is
-/// behind its Gaussians: the screen's colour for `splats`, the paper's black for `splats_paper`.
-Rgb8 training_screen(const SeedsPipelineConfig& config, const Capture& capture);
-
 /// A stage failed: ours, a user's program, or a file that does not fit. Nested: the cause.
 class StageError : public std::runtime_error {
  public:

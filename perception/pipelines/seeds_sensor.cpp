@@ -77,6 +77,10 @@ FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths) {
 BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Capture& capture,
                                 const SeedsEstimate& so_far) {
   BoardClusterConfig clusters = config.clusters;
+  // Depth of Gaussians has no smears between objects: their sides are theirs down to the board.
+  constexpr int kJoinRounds = 8;
+  if (config.method == SeedsMethod::splats)
+    clusters.join_rounds = std::max(clusters.join_rounds, kJoinRounds);
   if (!reads_sensor_depth(config)) return clusters;
   const BoardNoise noise = noise_of(config, capture, so_far);
   if (!std::isfinite(noise.sigma_m)) return clusters;

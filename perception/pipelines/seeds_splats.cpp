@@ -54,13 +54,21 @@ std::optional<Window> window_of(const FramePose& pose, const SweepVolume& volume
   return window;
 }
 
-Image<Rgb8> part_of(const Image<Rgb8>& image, const Image<std::uint8_t>& keep, const Window& window,
-                    const Rgb8& screen) {
-  Image<Rgb8> part(window.right - window.left + 1, window.bottom - window.top + 1);
-  for (int y = 0; y < part.height(); ++y) {
-    for (int x = 0; x < part.width(); ++x) {
+/// A photograph's part, and where it shows the screen, which is black in it.
+struct PhotographPart {
+  Image<Rgb8> color;
+  Image<std::uint8_t> screen;
+};
+PhotographPart part_of(const Image<Rgb8>& image, const Image<std::uint8_t>& keep,
+                       const Window& window) {
+  const int width = window.right - window.left + 1, height = window.bottom - window.top + 1;
+  PhotographPart part{Image<Rgb8>(width, height), Image<std::uint8_t>(width, height)};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
       const int from_x = window.left + x, from_y = window.top + y;
-      part(x, y) = keep(from_x, from_y) != 0 ? image(from_x, from_y) : screen;
+      const bool is_kept = keep(from_x, from_y) != 0;
+      part.color(x, y) = is_kept ? image(from_x, from_y) : Rgb8{};
+      part.screen(x, y) = is_kept ? 0 : 255;
     }
   }
   return part;
@@ -149,6 +157,8 @@ Fields fields(SeedsSplatConfig& config) {
        "splats: thickness of a Gaussian over its width at the start, across the surface", 1e-3, 1},
       {"shape_rate", &config.shape_rate,
        "splats: rates of scales and rotations over those that training has", 0, 1},
+      {"opacity_rate", &config.opacity_rate,
+       "splats: rate of opacities over the one that training has", 0, 1},
       {"start_opacity", &config.start_opacity, "splats: of each Gaussian at the start", 0.01, 0.99},
       {"raised_share", &config.raised_share, "splats: of the points at the start, those on grains",
        0, 1},
@@ -176,39 +186,13 @@ Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoa
   return estimate.poses;
 }
 
-Rgb8 screen_color(const Capture& capture, const GreenConfig& green) {
-  constexpr std::size_t kEvery = 7;  // pixels
-  std::array<std::uint64_t, 3> sum{};
-  std::uint64_t count = 0;
-  for (const Frame& frame : capture.frames) {
-    if (frame.sensors.empty() || frame.sensors.front().color.empty()) continue;
-    const Image<Rgb8>& color = frame.sensors.front().color;
-    const Image<std::uint8_t> keep = remove_green(color, green);
-    for (std::size_t i = 0; i < color.size(); i += kEvery) {
-      if (keep.data()[i] != 0) continue;
-      const Rgb8 c = color.data()[i];
-      sum = {sum[0] + c.r, sum[1] + c.g, sum[2] + c.b};
-      ++count;
-    }
-  }
-  if (count == 0) return {};
-  const auto mean = [&](std::uint64_t s) {
-    return static_cast<std::uint8_t>((s + count / 2) / count);
-  };
-  return {mean(sum[0]), mean(sum[1]), mean(sum[2])};
-}
-
-std::array<float, 3> color_shares(const Rgb8& color) {
-  return {static_cast<float>(color.r) / 255, static_cast<float>(color.g) / 255,
-          static_cast<float>(color.b) / 255};
-}
-
 std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
                                   const SweepVolume& volume, const GreenConfig& green,
-                                  int margin_px, const Rgb8& screen) {
+                                  int margin_px) {
   Capture cut;
   cut.rig = capture.rig;
   Poses cut_poses;
+  std::vector<Image<std::uint8_t>> screens;
   for (std::size_t i = 0; i < capture.frames.size(); ++i) {
     const Frame& frame = capture.frames[i];
     if (poses.at(i).status != PoseStatus::ok || frame.sensors.empty() ||
@@ -221,12 +205,13 @@ std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
     Frame next{.id = frame.id, .time_s = frame.time_s};
     FramePose pose = poses[i];
     pose.camera = camera_of(pose.camera, *window);
-    next.sensors.push_back({.reported = pose.camera,
-                            .color = part_of(color, remove_green(color, green), *window, screen)});
+    PhotographPart part = part_of(color, without_specks(remove_green(color, green)), *window);
+    next.sensors.push_back({.reported = pose.camera, .color = std::move(part.color)});
+    screens.push_back(std::move(part.screen));
     cut.frames.push_back(std::move(next));
     cut_poses.push_back(pose);
   }
-  std::vector<SplatView> views = splat_views(cut, cut_poses);
+  std::vector<SplatView> views = splat_views(cut, cut_poses, {}, {}, screens);
   for (SplatView& view : views) {  // back to the frames of the capture
     const int id = cut.frames[static_cast<std::size_t>(view.frame)].id;
     const auto own = std::find_if(capture.frames.begin(), capture.frames.end(),

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -35,8 +34,9 @@ struct SeedsSplatConfig {
   /// With 4e-3, the default of training, the board of 30 views of maize (seed 3) sank by 0.2 mm in
   /// the median with a tail to 1.6; with 1e-6 it stays.
   double centre_rate = 1e-6;
-  double flatness = 0.1;        ///< `splats`: thickness over width at the start, across the normal
+  double flatness = 0.03;       ///< `splats`: thickness over width at the start, across the normal
   double shape_rate = 0.05;     ///< `splats`: rates of scales and rotations, of training's own
+  double opacity_rate = 0.05;   ///< `splats`: likewise of opacities
   double start_opacity = 0.95;  ///< `splats`
   double raised_share = 0.5;    ///< `splats`: of the points at the start, those on grains
   double least_opacity = 0.5;   ///< of a centre that becomes a point
@@ -51,25 +51,18 @@ void validate(const SeedsSplatConfig& config);
 Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board,
                    const SweepVolume& volume, std::vector<StartPoint>& points);
 
-/// Mean colour of the green screen in all photographs; black if they show none.
-Rgb8 screen_color(const Capture& capture, const GreenConfig& green);
-
-/// Channels as shares of the largest code, as a training's background has them.
-std::array<float, 3> color_shares(const Rgb8& color);
-
 /// The photographs of a training: each is cut to what it shows of the volume, and green screen is
-/// of one colour. Views without a pose, or that show none of it, are left out.
-/// @param screen  the background of the training too. The paper's is black; but before black
-/// nothing dark has to be opaque
+/// behind the scene, where it is more than specks. Views without a pose, or that show none of it,
+/// are left out.
 /// @throws as splat_views
 std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
                                   const SweepVolume& volume, const GreenConfig& green,
-                                  int margin_px, const Rgb8& screen);
+                                  int margin_px);
 
 /// Where Gaussians begin, at most `start_points` of them: `raised_share` on closed surfaces, drawn
-/// evenly over their area with their normals; the others on the cloud, where it shows the board or
-/// grains without a closed surface, evenly spread over its order. A surface's colour is the mean of
-/// its cluster's. @param cloud  what `clusters` were made of
+/// evenly over their area with their normals; the others on the cloud, where it shows the board,
+/// whose face is known (z = 0), or grains without a closed surface, evenly spread over its order. A
+/// surface's colour is the mean of its cluster's. @param cloud  what `clusters` were made of
 std::vector<StartPoint> start_on_surfaces(const Clusters& clusters, const Cloud& cloud,
                                           const Surfaces& surfaces, const SeedsSplatConfig& config,
                                           const Rng& rng);

@@ -36,10 +36,12 @@ SplatTrainConfig training_of(const SeedsSplatConfig& config) {
   SplatTrainConfig training;
   training.steps = config.steps;
   training.most_splats = config.most_splats;
+  training.any_background = true;
   training.rates.centre_first = config.centre_rate;
   training.rates.centre_last = 0.01 * config.centre_rate;
   training.rates.log_scale *= config.shape_rate;
   training.rates.rotation *= config.shape_rate;
+  training.rates.opacity *= config.opacity_rate;
   return training;
 }
 
@@ -70,8 +72,7 @@ SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t see
   training.seed = Rng(seed).fork("splats")();
   std::vector<StartPoint> start = start_as_paper(config, seed, capture, so_far, tracks);
   fill_start(volume, splats.reference_points, Rng(seed).fork("splat_start"), start);
-  return train_on_seeds(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px,
-                                   training_screen(config, capture)),
+  return train_on_seeds(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px),
                         start, {}, training, splats.reference_steps);
 }
 
@@ -81,23 +82,17 @@ SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed
   const SeedsSplatConfig& splats = config.splats;
   SplatTrainConfig training = training_of(splats);
   training.seed = Rng(seed).fork("splats")();
-  const Rgb8 screen = training_screen(config, capture);
-  training.background = color_shares(screen);
   const Rng rng = Rng(seed).fork("splat_start");
   const SeedsEstimate found = found_without_splats(stages_of_ours(config, seed), capture, so_far);
   std::vector<StartPoint> start =
       start_on_surfaces(found.clusters, found.cloud, found.surfaces, splats, rng);
   fill_start(volume, splats.start_points, rng, start);
-  return train_on_seeds(
-      seed_views(capture, so_far.poses, volume, config.green, splats.margin_px, screen), start,
-      {.opacity = splats.start_opacity, .flatness = splats.flatness}, training, training.steps);
+  return train_on_seeds(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px),
+                        start, {.opacity = splats.start_opacity, .flatness = splats.flatness},
+                        training, training.steps);
 }
 
 }  // namespace
-
-Rgb8 training_screen(const SeedsPipelineConfig& config, const Capture& capture) {
-  return config.method == SeedsMethod::splats_paper ? Rgb8{} : screen_color(capture, config.green);
-}
 
 void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsStages& stages) {
   // COLMAP's points, from the stage that finds the poses to the one that trains on them.

@@ -106,7 +106,12 @@ std::vector<StartPoint> start_on_surfaces(const Clusters& clusters, const Cloud&
   const std::size_t count = std::min(others.size(), limit - points.size());
   for (std::size_t i = 0; i < count; ++i) {
     const CloudPoint& point = *others[i * others.size() / count];
-    points.push_back({point.position_m.cast<double>(), point.color, point.normal.cast<double>()});
+    Eigen::Vector3d at_m = point.position_m.cast<double>(), normal = point.normal.cast<double>();
+    if (point.position_m.z() <= kRaised_m) {  // the board's face is known
+      at_m.z() = 0;
+      normal = Eigen::Vector3d::UnitZ();
+    }
+    points.push_back({at_m, point.color, normal});
   }
   return points;
 }

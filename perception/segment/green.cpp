@@ -77,4 +77,23 @@ Image<std::uint8_t> remove_green(const Image<Rgb8>& image, const GreenConfig& co
   return kept;
 }
 
+Image<std::uint8_t> without_specks(const Image<std::uint8_t>& kept) {
+  // An opening of what was removed: squares that are green, and what they cover.
+  const auto each_near = [&](int x, int y, const auto& visit) {
+    for (int v = std::max(0, y - 1); v <= std::min(kept.height() - 1, y + 1); ++v) {
+      for (int u = std::max(0, x - 1); u <= std::min(kept.width() - 1, x + 1); ++u) visit(u, v);
+    }
+  };
+  Image<std::uint8_t> filled(kept.width(), kept.height(), 255);
+  for (int y = 0; y < kept.height(); ++y) {
+    for (int x = 0; x < kept.width(); ++x) {
+      if (kept(x, y) != 0) continue;
+      bool is_square = true;
+      each_near(x, y, [&](int u, int v) { is_square = is_square && kept(u, v) == 0; });
+      if (is_square) each_near(x, y, [&](int u, int v) { filled(u, v) = 0; });
+    }
+  }
+  return filled;
+}
+
 }  // namespace cousin

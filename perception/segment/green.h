@@ -31,4 +31,9 @@ bool is_green(Rgb8 color, const GreenConfig& config);
 /// image.
 Image<std::uint8_t> remove_green(const Image<Rgb8>& image, const GreenConfig& config = {});
 
+/// The same with specks filled: what is removed is only where a square of 3 x 3 pixels is green
+/// (beyond the border everything is), every pixel of it. In noise, dark grey in green light is now
+/// green, now not.
+Image<std::uint8_t> without_specks(const Image<std::uint8_t>& kept);
+
 }  // namespace cousin

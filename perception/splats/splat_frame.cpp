@@ -49,7 +49,7 @@ void set_depth_slope(const SplatPlanes& planes, const SplatCamera& camera, int i
   const double down = -c.z() * a_ray.y() / denominator / static_cast<double>(camera.fy);
   // A disc seen edge-on, or a needle along the ray, says nothing of where a surface is on its
   // length: its centre is the better guess.
-  constexpr double kSteepest = 2.75;  ///< tan 70 degrees
+  constexpr double kSteepest = 5.67;  ///< tan 80 degrees
   const double steepness =
       std::hypot(right * static_cast<double>(camera.fx), down * static_cast<double>(camera.fy)) /
       c.z();

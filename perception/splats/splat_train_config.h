@@ -34,8 +34,11 @@ struct SplatTrainConfig {
   int sh_degree = 3;
   int sh_degree_every = 0;  ///< steps between degrees; 0 = steps / 30, as 1000 of 30,000
   std::uint64_t seed = 1;
-  int report_every = 50;  ///< steps between points of the curve
-  std::array<float, 3> background{};
+  int report_every = 50;              ///< steps between points of the curve
+  std::array<float, 3> background{};  ///< also of what is behind the scene in the photographs
+  /// Another colour at each step, in the photographs too: what is not opaque shows it. Before one
+  /// colour alone, a black square may as well be half transparent and of the complement.
+  bool any_background = false;
   double ssim_share = 0.2;  ///< of the loss; the rest is the mean absolute difference
   double near = 0.01;       ///< share of the median depth, as in SplatRenderConfig
   SplatRates rates;

@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numeric>
@@ -85,6 +86,30 @@ SplatCamera SplatTrainer::camera_of(std::size_t view, std::size_t level) {
   return camera;
 }
 
+std::array<float, 3> SplatTrainer::background_now() const {
+  if (!config_.any_background) return config_.background;
+  Rng rng = Rng(config_.seed).fork("background").fork(static_cast<std::uint64_t>(state_.step));
+  std::array<float, 3> color{};
+  for (float& value : color) value = static_cast<float>(uniform(rng));
+  return color;
+}
+
+const ColorPlanes& SplatTrainer::photograph_before(const SplatViewLevel& level,
+                                                   const std::array<float, 3>& background) {
+  const bool is_black =
+      std::all_of(background.begin(), background.end(), [](float v) { return v == 0; });
+  if (level.behind.empty() || is_black) return level.color;
+  for (std::size_t c = 0; c < 3; ++c) {
+    Image<float>& channel = photograph_.channel[c];
+    const Image<float>& own = level.color.channel[c];
+    if (channel.width() != own.width() || channel.height() != own.height())
+      channel = Image<float>(own.width(), own.height());
+    for (std::size_t i = 0; i < own.size(); ++i)
+      channel.data()[i] = own.data()[i] + level.behind.data()[i] * background[c];
+  }
+  return photograph_;
+}
+
 SplatTrainer::Step SplatTrainer::step() {
   const Lap total(seconds_.total);
   // Views in an order of their own each time round.
@@ -104,20 +129,21 @@ SplatTrainer::Step SplatTrainer::step() {
       config_.sh_degree_every > 0 ? config_.sh_degree_every : std::max(1, config_.steps / 30);
   const int degree = std::min(config_.sh_degree, state_.step / every);
 
+  const std::array<float, 3> background = background_now();
   {
     const Lap lap(seconds_.draw);
-    draw_splats(kernels_, state_.values, degree, camera_of(view, level), config_.background,
+    draw_splats(kernels_, state_.values, degree, camera_of(view, level), background,
                 SplatDepths::none, frame_);
   }
   const LossAndGradient* loss = nullptr;
   {
     const Lap lap(seconds_.loss);
     const SplatViewLevel& photograph = views_[view].levels[level];
-    loss = &loss_(frame_.color, photograph.color, photograph.weight);
+    loss = &loss_(frame_.color, photograph_before(photograph, background), photograph.weight);
   }
   {
     const Lap lap(seconds_.gradients);
-    blend_gradients(kernels_, loss->gradient, config_.background, frame_);
+    blend_gradients(kernels_, loss->gradient, background, frame_);
   }
   const double progress = static_cast<double>(state_.step) / config_.steps;
   {

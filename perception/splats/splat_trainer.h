@@ -30,6 +30,10 @@ class SplatTrainer {
  private:
   SplatCamera camera_of(std::size_t view, std::size_t level);
   std::size_t level_now() const;
+  std::array<float, 3> background_now() const;
+  /// The level's colours with `background` where it shows what is behind the scene.
+  const ColorPlanes& photograph_before(const SplatViewLevel& level,
+                                       const std::array<float, 3>& background);
   void update(double progress);
   void grow_if_due();
 
@@ -40,6 +44,7 @@ class SplatTrainer {
   double extent_m_ = 0;
   const SplatKernels& kernels_;
   PhotometricLoss loss_;
+  ColorPlanes photograph_;  ///< of this step, where its background is not black
   SplatFrame frame_;
   std::vector<std::size_t> order_;  ///< of the views in this epoch
   SplatTrainSeconds seconds_;

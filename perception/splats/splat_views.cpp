@@ -44,12 +44,14 @@ SplatViewLevel averaged(const SplatViewLevel& level, const std::vector<Cover>& x
   for (Image<float>& channel : result.color.channel) channel = Image<float>(width, height);
   const bool weighted = !level.weight.empty();
   if (weighted) result.weight = Image<float>(width, height);
+  const bool screened = !level.behind.empty();
+  if (screened) result.behind = Image<float>(width, height);
   for (int row = 0; row < height; ++row) {
     const Cover& rows = y[static_cast<std::size_t>(row)];
     for (int column = 0; column < width; ++column) {
       const Cover& columns = x[static_cast<std::size_t>(column)];
       std::array<float, 3> sum{};
-      float weights = 0, area = 0;
+      float weights = 0, area = 0, behind = 0;
       for (std::size_t j = 0; j < rows.share.size(); ++j) {
         for (std::size_t i = 0; i < columns.share.size(); ++i) {
           const int from_x = columns.first + static_cast<int>(i);
@@ -57,6 +59,7 @@ SplatViewLevel averaged(const SplatViewLevel& level, const std::vector<Cover>& x
           const float share = rows.share[j] * columns.share[i];
           const float w = weighted ? share * level.weight(from_x, from_y) : share;
           for (std::size_t c = 0; c < 3; ++c) sum[c] += w * level.color.channel[c](from_x, from_y);
+          if (screened) behind += w * level.behind(from_x, from_y);
           weights += w;
           area += share;
         }
@@ -64,6 +67,7 @@ SplatViewLevel averaged(const SplatViewLevel& level, const std::vector<Cover>& x
       for (std::size_t c = 0; c < 3; ++c)
         result.color.channel[c](column, row) = weights > 0 ? sum[c] / weights : 0;
       if (weighted) result.weight(column, row) = weights / area;
+      if (screened) result.behind(column, row) = weights > 0 ? behind / weights : 0;
     }
   }
   return result;
@@ -83,9 +87,23 @@ SplatViewLevel planes_of(const Image<Rgb8>& image, const Camera& camera) {
   return level;
 }
 
+/// A screen's pixels as a pinhole camera sees them, interpolated as the photograph is.
+Image<float> behind_of(const Image<std::uint8_t>& screen, const Camera& camera) {
+  Image<float> behind(screen.width(), screen.height());
+  for (std::size_t i = 0; i < screen.size(); ++i)
+    behind.data()[i] = screen.data()[i] != 0 ? 1.0F : 0.0F;
+  if (camera.model == LensModel::pinhole) return behind;
+  behind =
+      undistort(behind, camera, {.interpolation = UndistortConfig::Interpolation::cubic}).image;
+  for (float& share : behind) {
+    if (!std::isfinite(share)) share = 0;  // beyond the photograph, where nothing counts
+  }
+  return behind;
+}
+
 /// The photograph at full size as a pinhole camera's.
 SplatViewLevel full_level(const Image<Rgb8>& image, const Camera& camera,
-                          const Image<std::uint8_t>& mask) {
+                          const Image<std::uint8_t>& mask, const Image<std::uint8_t>& screen) {
   const bool pinhole = camera.model == LensModel::pinhole;
   SplatViewLevel level;
   Image<std::uint8_t> counts = mask;
@@ -104,6 +122,7 @@ SplatViewLevel full_level(const Image<Rgb8>& image, const Camera& camera,
       }
     }
   }
+  if (!screen.empty()) level.behind = behind_of(screen, camera);
   if (std::all_of(counts.begin(), counts.end(), [](std::uint8_t c) { return c != 0; }))
     return level;
   level.weight = Image<float>(counts.width(), counts.height());
@@ -180,12 +199,17 @@ SplatViewLevel halved(const SplatViewLevel& level) {
 
 std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
                                    const std::vector<Image<std::uint8_t>>& masks,
-                                   const SplatViewsConfig& config) {
+                                   const SplatViewsConfig& config,
+                                   const std::vector<Image<std::uint8_t>>& screens) {
   validate(config);
   const std::size_t frames = capture.frames.size();
-  if (poses.size() != frames || (!masks.empty() && masks.size() != frames)) {
-    throw std::invalid_argument("splat_views: " + std::to_string(poses.size()) + " poses and " +
-                                std::to_string(masks.size()) + " masks for " +
+  const auto fits = [&](const std::vector<Image<std::uint8_t>>& images) {
+    return images.empty() || images.size() == frames;
+  };
+  if (poses.size() != frames || !fits(masks) || !fits(screens)) {
+    throw std::invalid_argument("splat_views: " + std::to_string(poses.size()) + " poses, " +
+                                std::to_string(masks.size()) + " masks and " +
+                                std::to_string(screens.size()) + " screens for " +
                                 std::to_string(frames) + " frames");
   }
   std::vector<SplatView> views;
@@ -202,12 +226,15 @@ std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
                                   size_text(image.width(), image.height()) + ", its camera " +
                                   size_text(camera.width_px, camera.height_px));
     }
-    if (!masks.empty() && !masks[i].empty() &&
-        (masks[i].width() != image.width() || masks[i].height() != image.height())) {
-      throw std::invalid_argument(name + ": the mask is " +
-                                  size_text(masks[i].width(), masks[i].height()) + ", the image " +
-                                  size_text(image.width(), image.height()));
-    }
+    const auto check = [&](const char* what, const std::vector<Image<std::uint8_t>>& images) {
+      if (images.empty() || images[i].empty()) return;
+      if (images[i].width() == image.width() && images[i].height() == image.height()) return;
+      throw std::invalid_argument(name + ": the " + what + " is " +
+                                  size_text(images[i].width(), images[i].height()) +
+                                  ", the image " + size_text(image.width(), image.height()));
+    };
+    check("mask", masks);
+    check("screen", screens);
     const double side = std::max(image.width(), image.height());
     const double scale =
         config.largest_side_px > 0 ? std::min(1.0, config.largest_side_px / side) : 1.0;
@@ -223,10 +250,11 @@ std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t v) {
     SplatView& view = views[v];
     const auto i = static_cast<std::size_t>(view.frame);
-    static const Image<std::uint8_t> kNoMask;
-    view.levels.push_back(limited(full_level(capture.frames[i].sensors.front().color,
-                                             poses[i].camera, masks.empty() ? kNoMask : masks[i]),
-                                  config.largest_side_px));
+    static const Image<std::uint8_t> kNone;
+    view.levels.push_back(
+        limited(full_level(capture.frames[i].sensors.front().color, poses[i].camera,
+                           masks.empty() ? kNone : masks[i], screens.empty() ? kNone : screens[i]),
+                config.largest_side_px));
     while (static_cast<int>(view.levels.size()) < config.levels) {
       const Camera& last = view.levels.back().camera;
       if (std::min(last.width_px, last.height_px) / 2 < kLeastSide_px) break;

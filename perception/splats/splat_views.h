@@ -21,6 +21,9 @@ struct SplatViewLevel {
   Camera camera;        ///< pinhole, of this size
   ColorPlanes color;    ///< sRGB-encoded, 0..1: codes are averaged, as a splat's colours are
   Image<float> weight;  ///< share of the pixel that counts, 0..1; empty = every pixel counts
+  /// Share of the pixel that shows no scene but what is behind it (a screen, the sky), about 0..1,
+  /// which is black in `color`; empty = none. Any colour can so be put there.
+  Image<float> behind;
 };
 
 /// A photograph to train on or to be scored by.
@@ -43,11 +46,14 @@ Poses reported_poses(const Capture& capture);
 /// is zero. TBB over views; the same bytes on any number of threads.
 /// @param masks  empty, or one for each frame: empty, or of the photograph's size, where a pixel of
 /// zero does not count.
+/// @param screens  the same: not zero where the photograph shows what is behind the scene, which
+/// the caller has made black.
 /// @throws std::invalid_argument if counts or sizes differ, a camera or the configuration is
 /// invalid, or there are more pixels than `most_pixels`.
 std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
                                    const std::vector<Image<std::uint8_t>>& masks = {},
-                                   const SplatViewsConfig& config = {});
+                                   const SplatViewsConfig& config = {},
+                                   const std::vector<Image<std::uint8_t>>& screens = {});
 
 /// The level of half the size.
 SplatViewLevel halved(const SplatViewLevel& level);

@@ -42,6 +42,7 @@ void check_views(std::span<const SplatView> views) {
       };
       for (const Image<float>& channel : level.color.channel) check("a channel", channel);
       if (!level.weight.empty()) check("the weight", level.weight);
+      if (!level.behind.empty()) check("what is behind", level.behind);
     }
   }
 }

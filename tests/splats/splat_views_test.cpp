@@ -127,6 +127,32 @@ TEST(SplatViews, WhatThePhotographDoesNotShowHasNoWeight) {
   }
 }
 
+TEST(SplatViews, WhatIsBehindTheSceneIsKeptAtEachSize) {
+  for (const Camera& camera : {pinhole(96, 64), barrel(96, 64)}) {
+    const Capture capture = capture_of({camera});
+    Image<std::uint8_t> left(96, 64);
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 41; ++x) left(x, y) = 255;
+    }
+    const SplatView view = splat_views(capture, reported_poses(capture), {}, {}, {left}).at(0);
+    ASSERT_EQ(view.levels.size(), 3U);
+    for (const SplatViewLevel& level : view.levels) {
+      ASSERT_EQ(level.behind.width(), level.camera.width_px);
+      const int y = level.behind.height() / 2;
+      EXPECT_NEAR(level.behind(level.behind.width() / 4, y), 1, 1e-6);
+      EXPECT_NEAR(level.behind(3 * level.behind.width() / 4, y), 0, 1e-6);
+    }
+    if (camera.model == LensModel::pinhole) {  // half of the pixel of half the size
+      EXPECT_EQ(view.levels[1].behind(20, 10), 0.5F);
+    }
+    EXPECT_THROW(
+        splat_views(capture, reported_poses(capture), {}, {}, {Image<std::uint8_t>(95, 64)}),
+        std::invalid_argument);
+    EXPECT_THROW(splat_views(capture, reported_poses(capture), {}, {}, {left, left}),
+                 std::invalid_argument);
+  }
+}
+
 TEST(SplatViews, AnyLargestSideKeepsWhereRaysGo) {
   for (const int side : {150, 97, 64}) {
     const Capture capture = capture_of({pinhole(203, 151), barrel(151, 203)});
