@@ -144,6 +144,7 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   config.attribution = o.attribution;
   config.sets = o.sets;
   config.captures = o.captures;
+  config.lpips = o.lpips;
   config.report = report_scenes_folder(out);
   const auto results =
       run_jobs(context, out, seeds_suite_jobs(config, context.progress.function()));
@@ -324,6 +325,7 @@ ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
   config.seed = o.seed;
   config.quick = o.quick;
   if (o.runs > 0) config.samples = o.runs;
+  config.lpips = o.lpips;
   config.report = report_scenes_folder(out);
   const auto results = run_jobs(context, out, seedlings_suite_jobs(config));
   SeedsReport report = titled(
@@ -343,7 +345,7 @@ ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
-  std::array<std::string_view, 7> takes;  ///< the options that it reads, of those not all do
+  std::array<std::string_view, 8> takes;  ///< the options that it reads, of those not all do
 };
 constexpr std::array<Suite, 14> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
@@ -352,8 +354,9 @@ constexpr std::array<Suite, 14> kSuites = {
      {"sensors", bench_sensors, {"--quick", "--shard", "--only"}},
      {"seeds",
       bench_seeds,
-      {"--quick", "--set", "--captures", "--shard", "--only", "--attribution", "--runs"}},
-     {"seedlings", bench_seedlings, {"--quick", "--shard", "--only", "--runs"}},
+      {"--quick", "--set", "--captures", "--shard", "--only", "--attribution", "--runs",
+       "--lpips"}},
+     {"seedlings", bench_seedlings, {"--quick", "--shard", "--only", "--runs", "--lpips"}},
      {"cousins", bench_cousins, {"--quick", "--set", "--shard", "--only"}},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
@@ -370,6 +373,7 @@ void check_takes(const Suite& suite, const Options& o) {
                                                      {"--captures", !o.captures.empty()},
                                                      {"--shard", !o.shard.empty()},
                                                      {"--only", !o.only.empty()},
+                                                     {"--lpips", !o.lpips.empty()},
                                                      {"--runs", o.runs > 0},
                                                      {"--attribution", o.attribution}};
   for (const auto& [option, is_given] : given) {

@@ -303,6 +303,9 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
                    "in the same --out are taken as they are")
       ->check(CLI::Range(1, 1000));
   bench->add_option("--shard", o.shard, "i/n: only part i (from 0) of n of the suite's jobs");
+  bench->add_option("--lpips", o.lpips,
+                    "TorchScript network that images of `seeds` and `seedlings` are scored by too: "
+                    "LPIPS, or any of two images of 1 x 3 x height x width from -1 to 1");
   bench->add_option(
       "--only", o.only,
       "Only jobs whose names hold this text, as \"_splats\": the page is of them alone");

@@ -23,6 +23,7 @@ struct Options {
   int scenes = 1;
   int frames = 0;        ///< views of each scene; 0 = the scene's own number
   std::string shard;     ///< "i/n"
+  std::string lpips;     ///< TorchScript file; empty = images are not scored by a network
   std::string only;      ///< part of the names of the jobs that `bench` runs; empty = all
   std::string truth;     ///< images that `render` writes: list of names, all or none; "" = default
   std::string streams;   ///< images of the rig that `render` writes; "" = all that it has

@@ -30,20 +30,25 @@ class PooledPsnr {
 };
 
 struct ViewSums {
-  std::vector<double> psnr_db, ssim, flip, seedlings_db;
+  std::vector<double> psnr_db, ssim, flip, seedlings_db, learned;
 
-  void add(const FidelityPlanes& image, const SampleView& view) {
+  void add(const FidelityPlanes& image, const SampleView& view, const LearnedDistance* network) {
     const FidelityPlanes& photograph = view.photograph.levels.front().color.channel;
     const ImageFidelity whole = score_fidelity(image, photograph, view.shown);
     psnr_db.push_back(whole.psnr_db);
     ssim.push_back(whole.ssim);
     flip.push_back(whole.flip);
     const double plants_db = cousin::psnr_db(image, photograph, view.seedlings);
+    if (network) learned.push_back(network->between(image, photograph));
     if (!std::isnan(plants_db)) seedlings_db.push_back(plants_db);  // some views show none
   }
   ViewScores scores() const {
-    return {static_cast<std::int64_t>(psnr_db.size()), mean(psnr_db), mean(ssim), mean(flip),
-            mean(seedlings_db)};
+    return {static_cast<std::int64_t>(psnr_db.size()),
+            mean(psnr_db),
+            mean(ssim),
+            mean(flip),
+            mean(seedlings_db),
+            mean(learned)};
   }
 };
 
@@ -62,7 +67,7 @@ std::vector<std::size_t> scored_views(std::size_t trained) {
 
 FieldViews field_views(std::vector<const SampleView*> train,
                        std::vector<const SampleView*> held_out) {
-  FieldViews views{std::move(train), std::move(held_out), {}};
+  FieldViews views{std::move(train), std::move(held_out), {}, {}};
   std::vector<DepthSight> eyes;
   for (const SampleView* view : views.train) {
     eyes.push_back({view->photograph.levels.front().camera, view->photograph.camera_from_world,
@@ -77,12 +82,12 @@ FieldScores score_field(const FieldRenderer& render, const FieldViews& views) {
   FieldScores scores;
   ViewSums train, held_out;
   for (const std::size_t i : scored_views(views.train.size()))
-    train.add(image_of(render, *views.train[i]), *views.train[i]);
+    train.add(image_of(render, *views.train[i]), *views.train[i], views.learned.get());
   PooledPsnr covered, uncovered;
   for (std::size_t v = 0; v < views.held_out.size(); ++v) {
     const SampleView& view = *views.held_out[v];
     const FidelityPlanes image = image_of(render, view);
-    held_out.add(image, view);
+    held_out.add(image, view, views.learned.get());
     for (std::size_t i = 0; i < view.shown.size(); ++i) {
       if (view.shown.data()[i] == 0) continue;
       const bool is_covered = views.seen[v].data()[i] >= kEnoughViews;

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "benchmarks/learned/learned_distance.h"
 #include "benchmarks/metrics/image_fidelity.h"
 #include "benchmarks/seedlings/sample_capture.h"
 
@@ -18,6 +20,7 @@ struct ViewScores {
   std::int64_t views = 0;
   double psnr_db = kNaN, ssim = kNaN, flip = kNaN;  ///< over what the photograph shows
   double psnr_seedlings_db = kNaN;                  ///< over the plants alone
+  double learned = kNaN;                            ///< by a network of the user's, if there is one
 };
 
 /// A model after some of its training.
@@ -39,6 +42,7 @@ struct FieldViews {
   std::vector<const SampleView*> train, held_out;
   /// By how many of `train` the surface of each held-out pixel is seen.
   std::vector<Image<std::uint16_t>> seen;
+  std::shared_ptr<const LearnedDistance> learned = {};  ///< whole images are scored by it too
 };
 /// @param train  any of the capture's; `held_out`: those of the plan that are held out
 FieldViews field_views(std::vector<const SampleView*> train,

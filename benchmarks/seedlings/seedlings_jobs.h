@@ -17,6 +17,7 @@ struct SeedlingsSuiteConfig {
   int samples = 3;               ///< trays, each under every light
   bool quick = false;            ///< one tray, small photographs, few steps: minutes
   std::filesystem::path report;  ///< folder for pictures of the page; empty: none
+  std::filesystem::path lpips;   ///< network that images are scored by too; empty: none
 };
 
 /// One method on one set of photographs of one sample.
@@ -54,6 +55,7 @@ class LastCaptures {
 /// Photographs, trains, scores: rows of this sample (seedlings_rows.h).
 /// @param report  folder for pictures if the job is shown; empty: none
 ScoreFile run_seedlings_job(const SeedlingsJob& job, std::uint64_t seed, LastCaptures& captures,
-                            const std::filesystem::path& report = {});
+                            const std::filesystem::path& report = {},
+                            std::shared_ptr<const LearnedDistance> learned = {});
 
 }  // namespace cousin

@@ -39,6 +39,8 @@ void add_view_scores(const ScoreRow& row, const std::string& set, const ViewScor
   rows.push_back(with_number(row, set + ".psnr", scores.psnr_db, "dB", scores.views));
   rows.push_back(with_number(row, set + ".ssim", scores.ssim, "1", scores.views));
   rows.push_back(with_number(row, set + ".flip", scores.flip, "1", scores.views));
+  if (!std::isnan(scores.learned))
+    rows.push_back(with_number(row, set + ".lpips", scores.learned, "1", scores.views));
   rows.push_back(
       with_number(row, set + ".psnr_seedlings", scores.psnr_seedlings_db, "dB", scores.views));
 }

@@ -6,6 +6,8 @@
 #include "benchmarks/seedlings/published_psnr.h"
 #include "benchmarks/seedlings/seedlings_rows.h"
 #include "benchmarks/shards/shard_scores.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/manifest.h"
 
 namespace cousin {
 namespace {
@@ -21,12 +23,19 @@ void add(std::vector<ScoreRow> more, std::vector<ScoreRow>& rows) {
 
 std::vector<ShardJob> seedlings_suite_jobs(const SeedlingsSuiteConfig& config) {
   const auto captures = std::make_shared<LastCaptures>();
+  std::shared_ptr<const LearnedDistance> learned;
+  std::string network;
+  if (!config.lpips.empty()) {
+    learned = load_learned_distance(config.lpips);
+    network = "/" + sha256_hex(read_file(config.lpips));
+  }
   std::vector<ShardJob> jobs;
   for (const SeedlingsJob& job : seedlings_jobs(config)) {
-    const std::string key =
-        std::string(COUSIN_VERSION) + "/" + key_of(job) + "/" + std::to_string(config.seed);
-    jobs.push_back({job.name() + ".json", key, [job, config, captures] {
-                      return to_json(run_seedlings_job(job, config.seed, *captures, config.report));
+    const std::string key = std::string(COUSIN_VERSION) + "/" + key_of(job) + "/" +
+                            std::to_string(config.seed) + network;
+    jobs.push_back({job.name() + ".json", key, [job, config, captures, learned] {
+                      return to_json(
+                          run_seedlings_job(job, config.seed, *captures, config.report, learned));
                     }});
   }
   return jobs;

@@ -65,6 +65,7 @@ void add_cloud_rows(const std::string& what, std::int64_t n, const CloudScore& s
                     const ScoreRow& base, std::vector<ScoreRow>& rows) {
   add(rows, base, what + ".points", static_cast<double>(n), "1", n);
   add(rows, base, what + ".accuracy_rms", score.accuracy_rms_m, "m", n);
+  add(rows, base, what + ".accuracy_mean", score.accuracy_mean_m, "m", n);
   add(rows, base, what + ".accuracy_median", score.accuracy_median_m, "m", n);
   add(rows, base, what + ".bias", score.bias_m, "m", n);
   add(rows, base, what + ".completeness_mean", score.completeness_mean_m, "m", n);

@@ -32,12 +32,13 @@ struct Mean {
 
 std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstimate& estimate,
                                        const SeedsPipelineConfig& config,
-                                       const SeedsScoreLabels& labels) {
+                                       const SeedsScoreLabels& labels,
+                                       const LearnedDistance* learned) {
   if (estimate.splats.splats.empty()) return {};
   const std::vector<SplatView> views =
       seed_views(capture, estimate.poses, volume_of(config, board_of(capture, config)),
                  config.green, config.splats.margin_px);
-  Mean psnr, object, whole, similarity, flips;
+  Mean psnr, object, whole, similarity, flips, distance;
   for (const SplatView& view : views) {
     const SplatViewLevel& level = view.levels.front();
     const FidelityPlanes image =
@@ -51,6 +52,7 @@ std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstima
     object.add(psnr_db(image, level.color.channel, objects_of(level)));
     similarity.add(ssim(image, level.color.channel));
     flips.add(flip(image, level.color.channel));
+    if (learned) distance.add(learned->between(image, level.color.channel));
   }
   ScoreRow base;
   base.suite = labels.suite;
@@ -79,6 +81,7 @@ std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstima
   add("train.psnr_whole", whole.value(), "dB", whole.count);
   add("train.ssim", similarity.value(), "1", similarity.count);
   add("train.flip", flips.value(), "1", flips.count);
+  if (learned) add("train.lpips", distance.value(), "1", distance.count);
   add("gaussians", static_cast<double>(estimate.splats.splats.size()), "1", 1);
   add("seconds.splats", base.wall_s, "s", 1);
   return rows;

@@ -15,6 +15,8 @@
 #include "benchmarks/seeds/splat_images.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "benchmarks/shards/shard_scores.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/manifest.h"
 
 namespace cousin {
 namespace {
@@ -111,8 +113,8 @@ void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
 
 /// Measures by Gaussians on all views of a capture.
 void add_splats(const SuiteJob& job, const SimulatedRun& run, SeedsMethod method,
-                std::uint64_t stage_seed, SeedsScoreLabels labels, const Progress& progress,
-                ScoreFile& file) {
+                std::uint64_t stage_seed, SeedsScoreLabels labels, const LearnedDistance* learned,
+                const Progress& progress, ScoreFile& file) {
   SeedsPipelineConfig config = job.config.pipeline;
   config.method = method;
   labels.method = std::string(to_string(method));
@@ -121,10 +123,11 @@ void add_splats(const SuiteJob& job, const SimulatedRun& run, SeedsMethod method
   SeedsScores scores = score_run(run.truth, estimate, labels);
   add_curve_rows(scores, estimate, labels, file.scores);
   append({.scores = std::move(scores.rows), .specimens = std::move(scores.specimens)}, file);
-  append({.scores = splat_image_rows(run.capture, estimate, config, labels)}, file);
+  append({.scores = splat_image_rows(run.capture, estimate, config, labels, learned)}, file);
 }
 
-std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Progress& progress) {
+std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
+                    const LearnedDistance* learned, const Progress& progress) {
   const SimulatedRun run = stored_seeds(suite.captures, job.config, job.seed, job.run,
                                         planned_truth(job.attribution), progress);
   ScoreFile file;
@@ -160,7 +163,7 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite, const Pr
     }
     if (all && job.splats) {
       for (const SeedsMethod method : {SeedsMethod::splats_paper, SeedsMethod::splats})
-        add_splats(job, run, method, stage_seed, labels, progress, file);
+        add_splats(job, run, method, stage_seed, labels, learned, progress, file);
     }
     if (all && job.shown && !suite.report.empty())
       write_report_scene(suite.report,
@@ -363,15 +366,22 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
 }  // namespace
 
 std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Progress& progress) {
+  std::shared_ptr<const LearnedDistance> learned;
+  std::string network;
+  if (!config.lpips.empty()) {
+    learned = load_learned_distance(config.lpips);
+    network = "/" + sha256_hex(read_file(config.lpips));
+  }
   std::vector<ShardJob> jobs;
   for (const SuiteJob& job : list_jobs(config)) {
     std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
-                      (job.attribution ? "/attribution" : "") + (job.splats ? "/splats" : "") +
-                      user_files_hash(job.config.scene);
+                      (job.attribution ? "/attribution" : "") +
+                      (job.splats ? "/splats" + network : "") + user_files_hash(job.config.scene);
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
-    jobs.push_back(
-        {job.name, key, [job, config, progress] { return run_job(job, config, progress); }});
+    jobs.push_back({job.name, key, [job, config, learned, progress] {
+                      return run_job(job, config, learned.get(), progress);
+                    }});
   }
   return jobs;
 }

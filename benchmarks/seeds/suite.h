@@ -20,6 +20,7 @@ struct SeedsSuiteConfig {
   std::filesystem::path captures;  ///< keeps what is rendered for later runs; empty = nowhere
   /// Where jobs leave what the page shows of them, as scenes of their names; empty = nowhere.
   std::filesystem::path report;
+  std::filesystem::path lpips;  ///< network that images of Gaussians are scored by; empty: none
 };
 
 /// The Seeds experiment: for each cultivar runs of ten seeds at the paper's imaging (1920 x 1080,

@@ -164,7 +164,10 @@ Fields fields(SeedsSplatConfig& config) {
        0, 1},
       {"least_opacity", &config.least_opacity,
        "splats_paper: opacity of a centre that becomes a point", 0, 1},
-      {"margin_px", &config.margin_px, "kept around the volume in each photograph", 0, 1000}};
+      {"margin_px", &config.margin_px, "splats: kept around the volume in each photograph", 0,
+       100000},
+      {"reference_margin_px", &config.reference_margin_px,
+       "splats_paper: the same; less needs less memory", 0, 100000}};
 }
 
 void validate(const SeedsSplatConfig& config) {
@@ -230,9 +233,11 @@ void fill_start(const SweepVolume& volume, int count, Rng rng, std::vector<Start
 
 SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const StartPoint> from,
                           const SplatStartConfig& start_config, const SplatTrainConfig& training,
-                          int stop_after) {
+                          int stop_after,
+                          const std::function<void(int done, int steps)>& progress) {
   const SplatModel start = splats_from_points(from, start_config);
   SplatTraining trained = train_splats(views, start, training, [&](const SplatTrainPoint& point) {
+    if (progress) progress(point.step, stop_after);
     return point.step < stop_after;
   });
   switch (trained.status) {

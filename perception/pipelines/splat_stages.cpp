@@ -65,19 +65,21 @@ std::vector<StartPoint> start_as_paper(const SeedsPipelineConfig& config, std::u
 
 SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t seed,
                             const Capture& capture, const SeedsEstimate& so_far,
-                            const std::vector<StartPoint>& tracks) {
+                            const std::vector<StartPoint>& tracks, const StepProgress& progress) {
   const SweepVolume volume = volume_of(config, board_of(capture, config));
   const SeedsSplatConfig& splats = config.splats;
   SplatTrainConfig training = reference_training();
   training.seed = Rng(seed).fork("splats")();
   std::vector<StartPoint> start = start_as_paper(config, seed, capture, so_far, tracks);
   fill_start(volume, splats.reference_points, Rng(seed).fork("splat_start"), start);
-  return train_on_seeds(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px),
-                        start, {}, training, splats.reference_steps);
+  return train_on_seeds(
+      seed_views(capture, so_far.poses, volume, config.green, splats.reference_margin_px), start,
+      {}, training, splats.reference_steps, progress);
 }
 
 SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed,
-                           const Capture& capture, const SeedsEstimate& so_far) {
+                           const Capture& capture, const SeedsEstimate& so_far,
+                           const StepProgress& progress) {
   const SweepVolume volume = volume_of(config, board_of(capture, config));
   const SeedsSplatConfig& splats = config.splats;
   SplatTrainConfig training = training_of(splats);
@@ -89,12 +91,13 @@ SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed
   fill_start(volume, splats.start_points, rng, start);
   return train_on_seeds(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px),
                         start, {.opacity = splats.start_opacity, .flatness = splats.flatness},
-                        training, training.steps);
+                        training, training.steps, progress);
 }
 
 }  // namespace
 
-void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsStages& stages) {
+void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed,
+                 const StepProgress& progress, SeedsStages& stages) {
   // COLMAP's points, from the stage that finds the poses to the one that trains on them.
   const auto tracks = std::make_shared<std::vector<StartPoint>>();
   if (config.splats.poses == SplatPoses::sfm) {
@@ -104,8 +107,9 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsSta
     };
   }
   if (config.method == SeedsMethod::splats_paper) {
-    stages.splats = [config, seed, tracks](const Capture& capture, const SeedsEstimate& so_far) {
-      return trained_as_paper(config, seed, capture, so_far, *tracks);
+    stages.splats = [config, seed, tracks, progress](const Capture& capture,
+                                                     const SeedsEstimate& so_far) {
+      return trained_as_paper(config, seed, capture, so_far, *tracks, progress);
     };
     stages.depth = nullptr;
     stages.cloud = [config](const Capture&, const SeedsEstimate& so_far) {
@@ -113,8 +117,8 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsSta
     };
     return;
   }
-  stages.splats = [config, seed](const Capture& capture, const SeedsEstimate& so_far) {
-    return trained_as_ours(config, seed, capture, so_far);
+  stages.splats = [config, seed, progress](const Capture& capture, const SeedsEstimate& so_far) {
+    return trained_as_ours(config, seed, capture, so_far, progress);
   };
   stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses,

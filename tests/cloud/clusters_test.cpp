@@ -88,6 +88,34 @@ TEST(BoardClusters, GreySeedsAreFoundToo) {
   expect_a_cluster_at_each_place(cluster_on_board(cloud, {}));
 }
 
+TEST(BoardClusters, SidesJoinAsFarAsRoundsReach) {
+  // A tower of 6 mm whose top alone faces up: rounds of 1.2 mm each reach down its side.
+  Cloud cloud = board();
+  const auto add = [&](float x, float y, float z, const Eigen::Vector3f& normal) {
+    cloud.push_back({{x, y, z}, normal, {200, 150, 60}, 0});
+  };
+  for (int i = -10; i <= 10; ++i) {
+    for (int j = -10; j <= 10; ++j)
+      add(2e-4F * static_cast<float>(i), 2e-4F * static_cast<float>(j), 0.006F, {0, 0, 1});
+    for (int k = 1; k < 30; ++k)
+      add(2e-3F, 2e-4F * static_cast<float>(i), 2e-4F * static_cast<float>(k), {1, 0, 0});
+  }
+  const auto lowest_m = [&](int rounds) {
+    BoardClusterConfig config;
+    config.join_rounds = rounds;
+    const Clusters clusters = cluster_on_board(cloud, config);
+    EXPECT_EQ(clusters.count, 1);
+    float lowest = 1;
+    for (std::size_t i = 0; i < clusters.cloud.size(); ++i) {
+      if (clusters.instance[i] == 0) lowest = std::min(lowest, clusters.cloud[i].position_m.z());
+    }
+    return lowest;
+  };
+  EXPECT_NEAR(lowest_m(1), 0.0048, 3e-4);
+  EXPECT_NEAR(lowest_m(2), 0.0036, 5e-4);
+  EXPECT_NEAR(lowest_m(8), 0.0002, 1e-6);
+}
+
 TEST(BoardClusters, NoSeedsNoClusters) {
   const Clusters clusters = cluster_on_board(board(), {});
   EXPECT_EQ(clusters.count, 0);

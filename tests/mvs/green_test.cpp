@@ -49,6 +49,32 @@ TEST(Green, MaskIsTheComplementOfInRange) {
   }
 }
 
+TEST(Green, SpecksAreFilledAndTheScreenStaysAsItIs) {
+  // A screen on the left and a strip of two pixels, a speck, and a 3 x 3 square with one pixel out.
+  Image<std::uint8_t> kept(20, 12, 255);
+  for (int y = 0; y < 12; ++y) {
+    for (int x = 0; x < 5; ++x) kept(x, y) = 0;
+    for (int x = 8; x < 10; ++x) kept(x, y) = 0;
+  }
+  kept(13, 2) = 0;
+  for (int y = 6; y < 9; ++y) {
+    for (int x = 14; x < 17; ++x) kept(x, y) = 0;
+  }
+  Image<std::uint8_t> expected(20, 12, 255);
+  for (int y = 0; y < 12; ++y) {
+    for (int x = 0; x < 5; ++x) expected(x, y) = 0;
+  }
+  for (int y = 6; y < 9; ++y) {
+    for (int x = 14; x < 17; ++x) expected(x, y) = 0;
+  }
+  EXPECT_EQ(without_specks(kept), expected);
+  kept(15, 7) = 255;  // no square is whole now
+  const Image<std::uint8_t> filled = without_specks(kept);
+  EXPECT_EQ(filled(14, 6), 255);
+  EXPECT_EQ(filled(0, 0), 0) << "beyond the border all is green";
+  EXPECT_TRUE(without_specks({}).empty());
+}
+
 TEST(Green, EmptyImageGivesAnEmptyMask) { EXPECT_TRUE(remove_green({}).empty()); }
 
 TEST(Green, LimitOutsideEightBitsIsNamed) {

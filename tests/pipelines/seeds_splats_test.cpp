@@ -148,7 +148,7 @@ TEST(SeedsSplats, GaussiansBeginOnClosedSurfacesAndElseOnTheCloud) {
   // A board, a grain with a closed surface, one without, and a stray point above the board.
   Cloud cloud(100);
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    cloud[i].position_m = {0.02F + 1e-4F * static_cast<float>(i), 0, 0};
+    cloud[i].position_m = {0.02F + 1e-4F * static_cast<float>(i), 0, i % 2 == 0 ? 3e-4F : -2e-4F};
   Clusters clusters;
   clusters.count = 2;
   for (const auto& [x, instance] : {std::pair{0.001F, 0}, {0.04F, 1}, {0.045F, -1}}) {
@@ -185,6 +185,10 @@ TEST(SeedsSplats, GaussiansBeginOnClosedSurfacesAndElseOnTheCloud) {
   EXPECT_EQ(on_face, (std::array<int, 3>{16, 16, 16}));  // evenly over the area
   const auto is_high = [](const StartPoint& p) { return p.position_m.z() > 0.001; };
   EXPECT_EQ(std::count_if(start.begin() + 48, start.end(), is_high), 0);  // of 102 each 8.5th
+  for (std::size_t i = 48; i < start.size(); ++i) {  // on the board's face, whatever its noise
+    EXPECT_EQ(start[i].position_m.z(), 0);
+    EXPECT_EQ(start[i].normal, Eigen::Vector3d::UnitZ());
+  }
   config.start_points = 200;
   start = start_on_surfaces(clusters, cloud, {closed, open}, config, Rng(1));
   ASSERT_EQ(start.size(), 200U);  // 160 on the box, then of 102: all but one in five
