@@ -10,6 +10,7 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/report/javascript_libraries.h"
 #include "benchmarks/scenes/scene_table.h"
+#include "sim/process/program_run.h"
 #include "sim/sensors/active_stereo.h"
 #include "sim/sensors/phone.h"
 #include "sim/sensors/range_rig.h"
@@ -147,8 +148,8 @@ ExitCode command_methods(const JobContext& context) {
         "a depth camera on an arm that knows its poses: points, PCA box, alpha shape; reads depth "
         "(--set rig=d405 --set knows_pose=true)"},
        {"seeds/splats", built(COUSIN_WITH_CERES, "WITH_CERES"),
-        "board poses, Gaussians trained on the board's part of each photograph, their depth fused; "
-        "points, PCA box, alpha shape"},
+        "Gaussians that begin on the closed surfaces of ours, trained on the board's part of each "
+        "photograph, their depth fused; then outlines, closed surfaces and boxes as ours"},
        {"seeds/splats_paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
         "the paper's chain: Gaussians trained as their reference does, their centres, the paper's "
         "steps (--set splats.poses=sfm: poses by COLMAP)"}},
@@ -167,6 +168,10 @@ ExitCode command_doctor(const JobContext& context) {
        "physics: without it seeds cannot be dropped"},
       {"pcl", built(COUSIN_WITH_PCL, "WITH_PCL"), "the papers' point-cloud steps"},
       {"ceres", built(COUSIN_WITH_CERES, "WITH_CERES"), "refinement of board poses"},
+      {"torch", built(COUSIN_WITH_TORCH, "WITH_TORCH"),
+       "images scored by a network of yours (bench --lpips)"},
+      {"colmap", find_program("colmap").empty() ? "missing" : "found",
+       "poses without a board (bench sfm, --set splats.poses=sfm)"},
       {"vega", libraries.vega.empty() ? "missing" : "found", "plots of the report (libjs-vega)"},
       {"three.js", libraries.three.empty() ? "missing" : "found",
        "3D view of the report (libjs-three)"},

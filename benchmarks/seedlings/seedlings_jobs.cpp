@@ -16,6 +16,7 @@ struct Extent {
   int samples, width_px, height_px, pixel_samples, noise_views;
   std::vector<int> reference, reference_long, ours, ngp;
   std::vector<ViewSet> fewer;  ///< sets that the reference alone is trained on
+  std::vector<int> more;       ///< photographs of the first tray that ours alone is trained on
 };
 Extent extent_of(const SeedlingsSuiteConfig& config) {
   if (config.quick) {
@@ -28,7 +29,8 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
             {250, 500, 1000},
             {250, 500},
             {50, 100},
-            {{"10 views", 10, false}, {"30 views of one side", 30, true}}};
+            {{"10 views", 10, false}, {"30 views of one side", 30, true}},
+            {}};
   }
   return {config.samples,
           400,
@@ -39,7 +41,20 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
           {500, 1000, 2000, 5000, 7000, 10000, 30000},
           {500, 1000, 2000, 5000},
           {500, 2000},
-          {{"20 views", 20, false}, {"10 views", 10, false}, {"30 views of one side", 30, true}}};
+          {{"20 views", 20, false}, {"10 views", 10, false}, {"30 views of one side", 30, true}},
+          {60, 120}};
+}
+
+/// One job for each number: what more photographs do for the views that are held out.
+void add_more_views(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>& jobs) {
+  for (const int views : extent.more) {
+    job.sample.views = views;
+    job.set = {std::to_string(views) + " views", views, false};
+    job.plan = {kOurs, {kMoreViewsSteps}};
+    job.noise_views = 0;
+    job.shown = false;
+    jobs.push_back(job);
+  }
 }
 
 std::string short_name(const std::string& method) {
@@ -120,6 +135,7 @@ std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config) {
         job.plan = {kReference, {extent.reference.back()}};
         jobs.push_back(job);
       }
+      if (i == 0) add_more_views(job, extent, jobs);
     }
   }
   return jobs;

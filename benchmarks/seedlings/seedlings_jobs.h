@@ -20,6 +20,9 @@ struct SeedlingsSuiteConfig {
   std::filesystem::path lpips;   ///< network that images are scored by too; empty: none
 };
 
+/// Steps of ours after which sets of more photographs are scored, beside 30 after as many.
+inline constexpr int kMoreViewsSteps = 2000;
+
 /// One method on one set of photographs of one sample.
 struct SeedlingsJob {
   SeedlingsSample sample;

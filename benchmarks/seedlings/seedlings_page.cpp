@@ -1,12 +1,14 @@
 #include "benchmarks/seedlings/seedlings_page.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "benchmarks/seedlings/field_training.h"
 #include "benchmarks/seedlings/published_psnr.h"
+#include "benchmarks/seedlings/seedlings_jobs.h"
 #include "benchmarks/seedlings/seedlings_rows.h"
 
 namespace cousin {
@@ -136,6 +138,45 @@ LinePlot coverage_plot(const std::vector<ScoreRow>& rows, const std::string& met
   return plot;
 }
 
+/// 30 of "30 views"; 0 of any other set.
+int views_of(const std::string& set) {
+  int views = 0;
+  const auto [end, error] = std::from_chars(set.data(), set.data() + set.size(), views);
+  return error == std::errc() && std::string_view(end) == " views" ? views : 0;
+}
+
+/// PSNR of ours over the number of photographs that it was trained on.
+LinePlot views_plot(const std::vector<ScoreRow>& rows) {
+  LinePlot plot;
+  plot.section = kCoverageSection;
+  plot.title = "PSNR over the number of views trained on";
+  plot.caption = {"The first tray under each light, ours after " + std::to_string(kMoreViewsSteps) +
+                  " steps."};
+  plot.x_label = "views trained on";
+  plot.y_label = "PSNR (dB)";
+  for (const std::string& light : lights_of(rows)) {
+    for (const auto& [metric, what] : {std::pair{"held_out.psnr", "held-out views"},
+                                       std::pair{"train.psnr", "views trained on"}}) {
+      LineSeries series;
+      series.name = light + ", " + what;
+      for (const ScoreRow& row : rows) {
+        if (row.suite != kSeedlingsSuite || row.scene != light || row.method != kOurs ||
+            row.metric != metric || !row.case_name.starts_with("sample 0, ") ||
+            steps_of(row.case_name) != kMoreViewsSteps)
+          continue;
+        const int views = views_of(set_of(row.case_name));
+        if (views > 0) series.points.push_back({static_cast<double>(views), interval_of(row)});
+      }
+      if (series.points.size() > 1) plot.series.push_back(std::move(series));
+    }
+  }
+  for (LineSeries& series : plot.series) {
+    std::sort(series.points.begin(), series.points.end(),
+              [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+  }
+  return plot;
+}
+
 }  // namespace
 
 std::vector<LinePlot> seedlings_plots(const std::vector<ScoreRow>& rows) {
@@ -149,6 +190,7 @@ std::vector<LinePlot> seedlings_plots(const std::vector<ScoreRow>& rows) {
   }
   add(coverage_plot(rows, "held_out.psnr", "held-out views"));
   add(coverage_plot(rows, "train.psnr", "views trained on"));
+  add(views_plot(rows));
   return plots;
 }
 

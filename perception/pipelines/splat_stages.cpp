@@ -71,7 +71,8 @@ SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t see
   SplatTrainConfig training = reference_training();
   training.seed = Rng(seed).fork("splats")();
   std::vector<StartPoint> start = start_as_paper(config, seed, capture, so_far, tracks);
-  fill_start(volume, splats.reference_points, Rng(seed).fork("splat_start"), start);
+  if (start.empty())
+    fill_start(volume, splats.reference_points, Rng(seed).fork("splat_start"), start);
   return train_on_seeds(
       seed_views(capture, so_far.poses, volume, config.green, splats.reference_margin_px), start,
       {}, training, splats.reference_steps, progress);

@@ -38,6 +38,12 @@ TEST(SeedlingsJobs, ThreeLightsThreeMethodsThreeSamples) {
   EXPECT_EQ(keys.size(), jobs.size());
   EXPECT_EQ(lights, (std::set<std::string>{"D1", "D2", "D3"}));
   EXPECT_EQ(full, 3 * 3 * 3);
+  // More photographs of the first tray under each light, for ours alone.
+  const auto more = std::count_if(jobs.begin(), jobs.end(), [](const SeedlingsJob& job) {
+    return job.sample.views > 30 && job.set.views == job.sample.views && job.sample.number == 0 &&
+           job.plan.method == kOurs && job.plan.at == std::vector{kMoreViewsSteps};
+  });
+  EXPECT_EQ(more, 2 * 3);
   EXPECT_EQ(longest, (std::set<int>{7000, 30000}));
 }
 

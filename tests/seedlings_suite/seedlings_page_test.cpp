@@ -68,6 +68,24 @@ TEST(SeedlingsPage, PsnrIsDrawnOverTheSecondsOfEachMethod) {
   EXPECT_NEAR(trained.series[1].points.at(0).y.value, 25.0, 0.05);
 }
 
+TEST(SeedlingsPage, PsnrIsDrawnOverTheNumberOfViews) {
+  std::vector<ScoreRow> rows;
+  for (const int views : {120, 30, 60}) {
+    const std::string photographs = "sample 0, " + std::to_string(views) + " views, 400x300, ";
+    rows.push_back(row_of(photographs + std::to_string(kMoreViewsSteps) + " steps", kOurs,
+                          "held_out.psnr", 20 + 0.05 * views, 9));
+    rows.push_back(row_of(photographs + "500 steps", kOurs, "held_out.psnr", 1, 3));
+  }
+  const std::vector<LinePlot> plots = seedlings_plots(rows);
+  const LinePlot& plot = plot_named(plots, "PSNR over the number of views trained on");
+  ASSERT_EQ(plot.series.size(), 1u);  // nothing is said of views trained on
+  EXPECT_EQ(plot.series[0].name, "D1, held-out views");
+  ASSERT_EQ(plot.series[0].points.size(), 3u);
+  EXPECT_EQ(plot.series[0].points[0].x, 30);
+  EXPECT_EQ(plot.series[0].points[2].x, 120);
+  EXPECT_EQ(plot.series[0].points[2].y.value, 26);
+}
+
 TEST(SeedlingsPage, PsnrIsDrawnOverCoverageWhereAllSetsWereScoredAlike) {
   const std::vector<LinePlot> plots = seedlings_plots(some_rows());
   const LinePlot& plot = plot_named(plots, "PSNR of held-out views over view coverage");

@@ -239,7 +239,7 @@ TEST(SplatViews, RefusesWhatDoesNotFitAndSaysWhat) {
   };
   EXPECT_EQ(message(poses, {}, {}), "");
   EXPECT_THAT(message({}, {}, {}), HasSubstr("0 poses"));
-  EXPECT_THAT(message(poses, {{}}, {}), HasSubstr("1 masks for 2 frames"));
+  EXPECT_THAT(message(poses, {{}}, {}), HasSubstr("1 masks and 0 screens for 2 frames"));
   EXPECT_THAT(message(poses, {{}, Image<std::uint8_t>(50, 50)}, {}),
               HasSubstr("frame 1: the mask is 50 x 50, the image 60 x 50"));
   EXPECT_THAT(message(poses, {}, {.most_pixels = 5000}), HasSubstr("most_pixels is 5000"));
