@@ -29,6 +29,17 @@ class PooledPsnr {
   std::int64_t count_ = 0;
 };
 
+/// The image, and the photograph's own pixels where that shows nothing: a network takes no mask.
+FidelityPlanes where_shown(FidelityPlanes image, const FidelityPlanes& photograph,
+                           const Image<std::uint8_t>& shown) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      if (shown.data()[i] == 0) image[c].data()[i] = photograph[c].data()[i];
+    }
+  }
+  return image;
+}
+
 struct ViewSums {
   std::vector<double> psnr_db, ssim, flip, seedlings_db, learned;
 
@@ -39,7 +50,8 @@ struct ViewSums {
     ssim.push_back(whole.ssim);
     flip.push_back(whole.flip);
     const double plants_db = cousin::psnr_db(image, photograph, view.seedlings);
-    if (network) learned.push_back(network->between(image, photograph));
+    if (network)
+      learned.push_back(network->between(where_shown(image, photograph, view.shown), photograph));
     if (!std::isnan(plants_db)) seedlings_db.push_back(plants_db);  // some views show none
   }
   ViewScores scores() const {

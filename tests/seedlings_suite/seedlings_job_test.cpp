@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 
+#include "benchmarks/seedlings/field_training.h"
 #include "benchmarks/seedlings/sample_pictures.h"
 #include "benchmarks/seedlings/seedlings_jobs.h"
 #include "benchmarks/seedlings/seedlings_suite.h"
@@ -74,6 +75,39 @@ TEST(FieldScores, OfManyViewsTrainedOnTenAreScored) {
   EXPECT_EQ(of_thirty[1], 3u);
   EXPECT_EQ(of_thirty.back(), 27u);
   EXPECT_TRUE(scored_views(0).empty());
+}
+
+/// The mean difference of the first channel, in a network's place.
+class MeanDifference final : public LearnedDistance {
+ public:
+  double between(const FidelityPlanes& image, const FidelityPlanes& photograph) const override {
+    double sum = 0;
+    for (std::size_t i = 0; i < image[0].size(); ++i)
+      sum += std::abs(image[0].data()[i] - photograph[0].data()[i]);
+    return sum / static_cast<double>(image[0].size());
+  }
+};
+
+TEST(FieldScores, ANetworkSeesNoDifferenceWhereThePhotographShowsNothing) {
+  constexpr int kSide = 16;
+  SampleView view;
+  SplatViewLevel level;
+  level.camera = {LensModel::pinhole, kSide, kSide, 20, 20, 7.5, 7.5};
+  for (Image<float>& channel : level.color.channel) channel = Image<float>(kSide, kSide, 0.0F);
+  view.photograph.levels.push_back(level);
+  view.shown = Image<std::uint8_t>(kSide, kSide, 255);
+  for (int x = 0; x < kSide; ++x) {
+    for (int y = 0; y < kSide / 4; ++y) view.shown(x, y) = 0;
+  }
+  view.seedlings = view.shown;
+  const FieldRenderer white = [](const Camera&, const Pose&) {
+    const Image<float> one(kSide, kSide, 1.0F);
+    return FidelityPlanes{one, one, one};
+  };
+  FieldViews views{{&view}, {}, {}, {}};
+  EXPECT_TRUE(std::isnan(score_field(white, views).train.learned));
+  views.learned = std::make_shared<MeanDifference>();
+  EXPECT_EQ(score_field(white, views).train.learned, 0.75);
 }
 
 SeedlingsJob tiny_job(const std::string& method, std::vector<int> at) {
