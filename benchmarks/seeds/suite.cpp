@@ -114,7 +114,7 @@ void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
 /// Measures by Gaussians on all views of a capture.
 void add_splats(const SuiteJob& job, const SimulatedRun& run, SeedsMethod method,
                 std::uint64_t stage_seed, SeedsScoreLabels labels, const LearnedDistance* learned,
-                const Progress& progress, ScoreFile& file) {
+                const std::filesystem::path& report, const Progress& progress, ScoreFile& file) {
   SeedsPipelineConfig config = job.config.pipeline;
   config.method = method;
   labels.method = std::string(to_string(method));
@@ -124,6 +124,9 @@ void add_splats(const SuiteJob& job, const SimulatedRun& run, SeedsMethod method
   add_curve_rows(scores, estimate, labels, file.scores);
   append({.scores = std::move(scores.rows), .specimens = std::move(scores.specimens)}, file);
   append({.scores = splat_image_rows(run.capture, estimate, config, labels, learned)}, file);
+  if (method == SeedsMethod::splats && job.shown && !report.empty()) {
+    write_report_scene(report, report_scene(std::filesystem::path(job.name).stem(), run, estimate));
+  }
 }
 
 std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
@@ -163,9 +166,9 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
     }
     if (all && job.splats) {
       for (const SeedsMethod method : {SeedsMethod::splats_paper, SeedsMethod::splats})
-        add_splats(job, run, method, stage_seed, labels, learned, progress, file);
+        add_splats(job, run, method, stage_seed, labels, learned, suite.report, progress, file);
     }
-    if (all && job.shown && !suite.report.empty())
+    if (all && job.shown && !job.splats && !suite.report.empty())
       write_report_scene(suite.report,
                          report_scene(std::filesystem::path(job.name).stem(), run, ours));
     if (all && job.attribution) {
@@ -312,7 +315,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     // One cultivar a species has pictures, so that the page stays small.
     const std::string& cultivar = config.scene.cultivar;
     const bool shown =
-        pooled && run == 0 && !splats && !config.scene.sphere &&
+        pooled && run == 0 && !config.scene.sphere &&
         (cultivar == "zhengdan958" || cultivar == "jimai22" || cultivar == "suijing18") &&
         config.scene.spread == SizeSpread::literature;
     jobs.push_back({name + ".json", sets, config, suite.seed, run, view_counts, pooled, attribution,
