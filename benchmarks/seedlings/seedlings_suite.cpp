@@ -6,7 +6,6 @@
 #include "benchmarks/seedlings/published_psnr.h"
 #include "benchmarks/seedlings/seedlings_rows.h"
 #include "benchmarks/shards/shard_scores.h"
-#include "sim/dataset/atomic_file.h"
 #include "sim/dataset/manifest.h"
 
 namespace cousin {
@@ -27,7 +26,7 @@ std::vector<ShardJob> seedlings_suite_jobs(const SeedlingsSuiteConfig& config) {
   std::string network;
   if (!config.lpips.empty()) {
     learned = load_learned_distance(config.lpips);
-    network = "/" + sha256_hex(read_file(config.lpips));
+    network = "/" + sha256_hex_of_file(config.lpips);
   }
   std::vector<ShardJob> jobs;
   for (const SeedlingsJob& job : seedlings_jobs(config)) {

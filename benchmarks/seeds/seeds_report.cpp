@@ -30,10 +30,11 @@ ReportShape shape_of(const Mesh& mesh, const std::string& name, const std::strin
   return shape;
 }
 
-ReportShape shape_of(const Cloud& cloud, const std::string& name) {
+/// @param source  of the depth
+ReportShape shape_of(const Cloud& cloud, const std::string& name, const std::string& source) {
   ReportShape shape;
   shape.name = name;
-  shape.caption = "Points of the multi-view stereo: " + std::to_string(cloud.size()) + ".";
+  shape.caption = "Points of the " + source + ": " + std::to_string(cloud.size()) + ".";
   for (const CloudPoint& p : cloud) {
     shape.positions_m.push_back(p.position_m);
     shape.colors.push_back(p.color);
@@ -245,7 +246,11 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
     }
     if (!scene.splats.splats.empty())
       input.shapes.push_back(shape_of(scene.splats, prefix + "Gaussians"));
-    if (!scene.cloud.empty()) input.shapes.push_back(shape_of(scene.cloud, prefix + "Cloud"));
+    if (!scene.cloud.empty()) {
+      const bool is_stereo = scene.splats.splats.empty();
+      input.shapes.push_back(shape_of(scene.cloud, prefix + "Cloud",
+                                      is_stereo ? "multi-view stereo" : "Gaussians' depth"));
+    }
     if (!scene.measured.triangles.empty()) {
       input.shapes.push_back(shape_of(scene.measured, prefix + "Measured surfaces",
                                       "Closed surfaces fitted by our method", {214, 140, 60}));

@@ -15,7 +15,6 @@
 #include "benchmarks/seeds/splat_images.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "benchmarks/shards/shard_scores.h"
-#include "sim/dataset/atomic_file.h"
 #include "sim/dataset/manifest.h"
 
 namespace cousin {
@@ -373,7 +372,7 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
   std::string network;
   if (!config.lpips.empty()) {
     learned = load_learned_distance(config.lpips);
-    network = "/" + sha256_hex(read_file(config.lpips));
+    network = "/" + sha256_hex_of_file(config.lpips);
   }
   std::vector<ShardJob> jobs;
   for (const SuiteJob& job : list_jobs(config)) {
