@@ -9,9 +9,9 @@ namespace cousin {
 
 SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
                       const std::vector<StageSource>& sources, int scene_index,
-                      const StepProgress& progress) {
+                      const SplatWatch& watch) {
   const std::uint64_t own_seed = Rng(seed).fork(static_cast<std::uint64_t>(scene_index))();
-  return with_stage_sources(seeds_stages(config, own_seed, progress), sources, scene_index);
+  return with_stage_sources(seeds_stages(config, own_seed, watch), sources, scene_index);
 }
 
 SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
@@ -21,7 +21,7 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
   const StepProgress steps = [&](int done, int all) {
     if (progress) progress("perceive: splats, step", done, all);
   };
-  const SeedsStages stages = stages_of(config, seed, sources, scene_index, steps);
+  const SeedsStages stages = stages_of(config, seed, sources, scene_index, {steps, {}});
   const auto& names = seeds_stage_names();
   const auto observe = [&](const std::string& stage, bool finished, const SeedsEstimate& so_far) {
     const auto place = std::find(names.begin(), names.end(), stage) - names.begin();

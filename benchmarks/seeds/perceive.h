@@ -13,7 +13,7 @@ namespace cousin {
 /// Our stages for one scene, with a user's in place of some.
 SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
                       const std::vector<StageSource>& sources, int scene_index,
-                      const StepProgress& progress = {});
+                      const SplatWatch& watch = {});
 
 /// Runs the seeds pipeline on one capture with the given stages in place of ours, and writes every
 /// seam into `estimate_dir` as soon as its stage is finished (nothing if the path is empty): what

@@ -171,9 +171,28 @@ std::vector<Headline> limits_of(const std::vector<ScoreRow>& rows) {
   return result;
 }
 
+/// What a case says after the scene and the run.
+std::string setting_of(const std::string& case_name) {
+  const std::size_t run = case_name.find(" run ");
+  return run == std::string::npos ? case_name : case_name.substr(case_name.find(' ', run + 5) + 1);
+}
+
+/// PSNR of models over the seconds of their training, all at one size.
+void add_psnr_point(const ScoreRow& row, std::map<std::string, ErrorTimeCurve>& curves) {
+  const bool is_held_out = row.metric == "held_out.psnr_whole_small";
+  if (!(row.wall_s > 0) || !(is_held_out || row.metric == "train.psnr_whole_small")) return;
+  ErrorTimeCurve& curve = curves[row.metric + "/" + row.scene];
+  const std::string views = is_held_out ? "views held out" : "views trained on";
+  curve.title = "PSNR against time: " + views + ", " + row.scene;
+  curve.metric = "PSNR of whole photographs at a third of their size, " + views;
+  curve.unit = row.unit;
+  curve.points.push_back({row.method, setting_of(row.case_name), row.wall_s, {row.value}});
+}
+
 std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
   std::map<std::string, ErrorTimeCurve> curves;
   for (const ScoreRow& row : rows) {
+    add_psnr_point(row, curves);
     for (const std::string& trait : kTraits) {
       if (row.metric != "curve." + trait + ".rmse" || !(row.wall_s > 0)) continue;
       // One point a setting: further runs, and other spreads of sizes, are other seeds.
@@ -182,11 +201,10 @@ std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
       curve.title = "Error against time: " + trait + ", " + row.scene;
       curve.metric = "RMSE of " + trait;
       curve.unit = unit_of(trait);
-      std::string setting = row.case_name;
-      const std::size_t run = setting.find(" run ");
-      if (run != std::string::npos) setting = setting.substr(setting.find(' ', run + 5) + 1);
-      curve.points.push_back(
-          {row.method, setting, row.wall_s, {row.value, row.ci_low, row.ci_high}});
+      curve.points.push_back({row.method,
+                              setting_of(row.case_name),
+                              row.wall_s,
+                              {row.value, row.ci_low, row.ci_high}});
     }
   }
   std::vector<ErrorTimeCurve> result;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "benchmarks/metrics/image_fidelity.h"
 #include "perception/splats/splat_render.h"
 
 namespace cousin {
@@ -28,38 +27,136 @@ struct Mean {
   double value() const { return count > 0 ? sum / static_cast<double>(count) : kNaN; }
 };
 
+/// Means over squares of pixels.
+Image<float> small(const Image<float>& image) {
+  constexpr int kSide = kSmallPhotograph;
+  Image<float> out(image.width() / kSide, image.height() / kSide);
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      float sum = 0;
+      for (int j = 0; j < kSide; ++j)
+        for (int i = 0; i < kSide; ++i) sum += image(kSide * x + i, kSide * y + j);
+      out(x, y) = sum / (kSide * kSide);
+    }
+  }
+  return out;
+}
+
+FidelityPlanes small(const FidelityPlanes& image) {
+  return {small(image[0]), small(image[1]), small(image[2])};
+}
+
+/// What photographs say of a model, over one kind of them.
+struct PhotographMeans {
+  Mean psnr, object, whole, whole_small, ssim, flip, lpips;
+
+  void add(const FidelityPlanes& image, const ScoredPhotograph& photograph,
+           const LearnedDistance* learned) {
+    const SplatViewLevel& level = photograph.view.levels.front();
+    const FidelityPlanes& truth = level.color.channel;
+    const double part_db = psnr_db(image, truth), rest_db = -10 * std::log10(photograph.share);
+    psnr.add(part_db);
+    whole.add(part_db + rest_db);
+    whole_small.add(psnr_db(small(image), small(truth)) + rest_db);
+    if (!level.behind.empty()) object.add(psnr_db(image, truth, objects_of(level)));
+    ssim.add(cousin::ssim(image, truth));
+    flip.add(cousin::flip(image, truth));
+    if (learned) lpips.add(learned->between(image, truth));
+  }
+
+  void append(const std::string& prefix, const ScoreRow& base, std::vector<ScoreRow>& rows) const {
+    const auto add = [&](const char* metric, const Mean& mean, const char* unit) {
+      if (mean.count == 0) return;
+      ScoreRow row = base;
+      row.metric = prefix + metric;
+      row.value = mean.value();
+      row.unit = unit;
+      row.n = mean.count;
+      rows.push_back(row);
+    };
+    add("psnr", psnr, "dB");
+    add("psnr_object", object, "dB");
+    add("psnr_whole", whole, "dB");
+    add("psnr_whole_small", whole_small, "dB");
+    add("ssim", ssim, "1");
+    add("flip", flip, "1");
+    add("lpips", lpips, "1");
+  }
+};
+
+std::vector<SplatView> spread(const std::vector<SplatView>& views, std::size_t most) {
+  const std::size_t count = std::min(views.size(), most);
+  std::vector<SplatView> some;
+  for (std::size_t i = 0; i < count; ++i) some.push_back(views[i * views.size() / count]);
+  return some;
+}
+
 }  // namespace
+
+std::vector<ScoredPhotograph> scored_photographs(const Capture& capture, const Poses& poses,
+                                                 const SeedsPipelineConfig& config, int margin_px,
+                                                 std::size_t most_views) {
+  std::vector<SplatView> trained, held_out;
+  for (SplatView& view : seed_views(capture, poses, volume_of(config, board_of(capture, config)),
+                                    config.green, margin_px)) {
+    view.levels.resize(1);
+    (is_held_out(config.splats, view.frame) ? held_out : trained).push_back(std::move(view));
+  }
+  std::vector<ScoredPhotograph> photographs;
+  for (const auto* views : {&trained, &held_out}) {
+    for (SplatView& view : spread(*views, most_views)) {
+      const Camera& whole =
+          capture.frames[static_cast<std::size_t>(view.frame)].sensors[0].reported;
+      const Camera& part = view.levels.front().camera;
+      const double share = static_cast<double>(part.width_px) * part.height_px /
+                           (static_cast<double>(whole.width_px) * whole.height_px);
+      photographs.push_back({std::move(view), views == &held_out, share});
+    }
+  }
+  return photographs;
+}
+
+ScoredPhotograph made_small(const ScoredPhotograph& photograph) {
+  const SplatViewLevel& level = photograph.view.levels.front();
+  ScoredPhotograph made{{photograph.view.frame, photograph.view.camera_from_world, {}},
+                        photograph.held_out,
+                        photograph.share};
+  SplatViewLevel next;
+  next.camera = level.camera;
+  next.camera.width_px = level.camera.width_px / kSmallPhotograph;
+  next.camera.height_px = level.camera.height_px / kSmallPhotograph;
+  next.camera.fx_px /= kSmallPhotograph;
+  next.camera.fy_px /= kSmallPhotograph;
+  next.camera.cx_px = (level.camera.cx_px + 0.5) / kSmallPhotograph - 0.5;
+  next.camera.cy_px = (level.camera.cy_px + 0.5) / kSmallPhotograph - 0.5;
+  next.color.channel = small(level.color.channel);
+  if (!level.weight.empty()) next.weight = small(level.weight);
+  if (!level.behind.empty()) next.behind = small(level.behind);
+  made.view.levels.push_back(std::move(next));
+  return made;
+}
+
+std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photographs,
+                                      const SeedsImageRenderer& render, const ScoreRow& base,
+                                      const LearnedDistance* learned) {
+  PhotographMeans trained, held_out;
+  for (const ScoredPhotograph& photograph : photographs) {
+    const SplatView& view = photograph.view;
+    (photograph.held_out ? held_out : trained)
+        .add(render(view.levels.front().camera, view.camera_from_world), photograph, learned);
+  }
+  std::vector<ScoreRow> rows;
+  trained.append("train.", base, rows);
+  held_out.append("held_out.", base, rows);
+  return rows;
+}
 
 std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstimate& estimate,
                                        const SeedsPipelineConfig& config,
                                        const SeedsScoreLabels& labels,
-                                       const LearnedDistance* learned) {
+                                       const LearnedDistance* learned, std::size_t most_views) {
   if (estimate.splats.splats.empty()) return {};
-  const std::vector<SplatView> views =
-      seed_views(capture, estimate.poses, volume_of(config, board_of(capture, config)),
-                 config.green, config.splats.margin_px);
-  Mean psnr, object, whole, similarity, flips, distance;
-  for (const SplatView& view : views) {
-    const SplatViewLevel& level = view.levels.front();
-    const FidelityPlanes image =
-        render_splats(estimate.splats, level.camera, view.camera_from_world).color.channel;
-    const double part_db = psnr_db(image, level.color.channel);
-    const Camera& camera = capture.frames[static_cast<std::size_t>(view.frame)].sensors[0].reported;
-    const double share = static_cast<double>(image[0].size()) /
-                         (static_cast<double>(camera.width_px) * camera.height_px);
-    psnr.add(part_db);
-    whole.add(part_db - 10 * std::log10(share));
-    object.add(psnr_db(image, level.color.channel, objects_of(level)));
-    similarity.add(ssim(image, level.color.channel));
-    flips.add(flip(image, level.color.channel));
-    if (learned) distance.add(learned->between(image, level.color.channel));
-  }
-  ScoreRow base;
-  base.suite = labels.suite;
-  base.scene = labels.scene;
-  base.case_name = labels.case_name;
-  base.method = labels.method;
-  base.seed = labels.seed;
+  ScoreRow base = labelled_row(labels);
   for (const StageTiming& timing : estimate.timings) {
     if (timing.stage != "splats") continue;
     base.wall_s = timing.wall_s;
@@ -67,24 +164,33 @@ std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstima
     base.peak_rss_mb = timing.peak_rss_mb;
     base.peak_above_start_mb = timing.peak_above_start_mb;
   }
-  std::vector<ScoreRow> rows;
-  const auto add = [&](const char* metric, double value, const char* unit, std::int64_t n) {
+  std::vector<ScoreRow> rows = photograph_rows(
+      scored_photographs(capture, estimate.poses, config, config.splats.margin_px, most_views),
+      [&](const Camera& camera, const Pose& pose) {
+        return render_splats(estimate.splats, camera, pose).color.channel;
+      },
+      base, learned);
+  const auto add = [&](const char* metric, double value, const char* unit) {
     ScoreRow row = base;
     row.metric = metric;
     row.value = value;
     row.unit = unit;
-    row.n = n;
+    row.n = 1;
     rows.push_back(row);
   };
-  add("train.psnr", psnr.value(), "dB", psnr.count);
-  add("train.psnr_object", object.value(), "dB", object.count);
-  add("train.psnr_whole", whole.value(), "dB", whole.count);
-  add("train.ssim", similarity.value(), "1", similarity.count);
-  add("train.flip", flips.value(), "1", flips.count);
-  if (learned) add("train.lpips", distance.value(), "1", distance.count);
-  add("gaussians", static_cast<double>(estimate.splats.splats.size()), "1", 1);
-  add("seconds.splats", base.wall_s, "s", 1);
+  add("gaussians", static_cast<double>(estimate.splats.splats.size()), "1");
+  add("seconds.splats", base.wall_s, "s");
   return rows;
+}
+
+ScoreRow labelled_row(const SeedsScoreLabels& labels) {
+  ScoreRow row;
+  row.suite = labels.suite;
+  row.scene = labels.scene;
+  row.case_name = labels.case_name;
+  row.method = labels.method;
+  row.seed = labels.seed;
+  return row;
 }
 
 }  // namespace cousin

@@ -1,21 +1,54 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "benchmarks/learned/learned_distance.h"
+#include "benchmarks/metrics/image_fidelity.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "perception/pipelines/seeds.h"
 
 namespace cousin {
 
-/// How the photographs that Gaussians were trained on look beside theirs, means over the views:
-/// PSNR, SSIM and FLIP of the part that shows what was reconstructed, green screen black in
-/// both; PSNR over what is not green; and PSNR over the whole photograph, as the Seeds paper has
-/// it, whose rest is black in both. With them the number of Gaussians and the seconds of training.
-/// Empty if the estimate holds no Gaussians. @param learned  a network's distance too
+/// A photograph of the capture, or the part of it that shows what was reconstructed, green screen
+/// black: what a model's image is held beside.
+struct ScoredPhotograph {
+  SplatView view;         ///< its first level
+  bool held_out = false;  ///< it had no part in the training
+  double share = 1;       ///< of the photograph's pixels
+};
+
+/// Evenly spread over the views that were trained on and over those held out: at most so many of
+/// each. @param margin_px  kept around the volume that is reconstructed
+std::vector<ScoredPhotograph> scored_photographs(const Capture& capture, const Poses& poses,
+                                                 const SeedsPipelineConfig& config, int margin_px,
+                                                 std::size_t most_views);
+
+/// Beside Instant-NGP, photographs are a third as wide and high.
+inline constexpr int kSmallPhotograph = 3;
+/// Pixels averaged in squares of that side, what is over left out; a pixel counts as far as all of
+/// its own do.
+ScoredPhotograph made_small(const ScoredPhotograph& photograph);
+
+using SeedsImageRenderer = std::function<FidelityPlanes(const Camera&, const Pose&)>;
+
+/// How a model's images look beside photographs, means over them, "train." and, if there are any,
+/// "held_out.": `psnr`, `ssim` and `flip` of the part; `psnr_object` over what is not green;
+/// `psnr_whole` over the whole photograph, as the Seeds paper has it, whose rest is black in both;
+/// `psnr_whole_small`, the same for pixels averaged to a third of the size; and with a network
+/// `lpips`. @param base  labels, seconds and memory of the training
+std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photographs,
+                                      const SeedsImageRenderer& render, const ScoreRow& base,
+                                      const LearnedDistance* learned);
+
+/// The rows of an estimate's Gaussians, their number and the seconds of training. Empty if it holds
+/// none.
 std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstimate& estimate,
                                        const SeedsPipelineConfig& config,
                                        const SeedsScoreLabels& labels,
-                                       const LearnedDistance* learned = nullptr);
+                                       const LearnedDistance* learned, std::size_t most_views);
+
+/// A row of these labels, nothing measured yet.
+ScoreRow labelled_row(const SeedsScoreLabels& labels);
 
 }  // namespace cousin

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 
 #include "benchmarks/seeds/attribution.h"
@@ -12,13 +11,20 @@
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/report_scene.h"
 #include "benchmarks/seeds/score_seeds.h"
-#include "benchmarks/seeds/splat_images.h"
+#include "benchmarks/seeds/trained_models.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "benchmarks/shards/shard_scores.h"
 #include "sim/dataset/manifest.h"
 
 namespace cousin {
 namespace {
+
+/// Models that are trained on all views of a capture, and the steps after which they are measured
+/// beside their ends; none of a method without steps.
+struct TrainedJob {
+  bool splats = false;  ///< the paper's way and ours
+  std::vector<int> reference_at, ours_at, ngp_at;
+};
 
 /// One capture and what is measured on it.
 struct SuiteJob {
@@ -31,8 +37,8 @@ struct SuiteJob {
       view_counts;      ///< evenly spread subsets of the views; the last one is all of them
   bool pooled = false;  ///< its specimens (all views) enter a table of many runs
   bool attribution = false;
-  bool shown = false;   ///< the page has pictures of it
-  bool splats = false;  ///< Gaussians are trained on all its views too, the paper's way and ours
+  bool shown = false;  ///< the page has pictures of it
+  TrainedJob trained;
 };
 
 Capture subset(const Capture& capture, int views) {
@@ -79,53 +85,20 @@ SeedsEstimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineCon
   return estimate;
 }
 
-double total_wall_s(const SeedsEstimate& estimate) {
-  return std::accumulate(estimate.timings.begin(), estimate.timings.end(), 0.0,
-                         [](double sum, const StageTiming& t) { return sum + t.wall_s; });
-}
-
-/// RMSE rows of one capture with the seconds they cost: points of the error-against-time curves.
-void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
-                    const SeedsScoreLabels& labels, std::vector<ScoreRow>& rows) {
-  for (const char* trait : {"length", "width", "height", "area", "volume"}) {
-    const auto pairs =
-        trait_pairs(scores.specimens, trait, [](const SpecimenRow&) { return true; });
-    if (pairs.size() < 2) continue;
-    ScoreRow base;
-    base.suite = labels.suite;
-    base.scene = labels.scene;
-    base.case_name = labels.case_name;
-    base.method = labels.method;
-    base.seed = labels.seed;
-    base.wall_s = total_wall_s(estimate);
-    const std::string name = trait;
-    const TraitStatistics s =
-        trait_statistics(pairs, Rng(labels.seed).fork("curve").fork(labels.case_name + name));
-    rows.push_back(with_interval(base, "curve." + name + ".rmse",
-                                 name == "area"     ? "m2"
-                                 : name == "volume" ? "m3"
-                                                    : "m",
-                                 s.rmse, s.n));
-    rows.push_back(with_interval(base, "curve." + name + ".mape", "1", s.mape, s.n));
-  }
-}
-
-/// Measures by Gaussians on all views of a capture.
-void add_splats(const SuiteJob& job, const SimulatedRun& run, SeedsMethod method,
-                std::uint64_t stage_seed, SeedsScoreLabels labels, const LearnedDistance* learned,
-                const std::filesystem::path& report, const Progress& progress, ScoreFile& file) {
-  SeedsPipelineConfig config = job.config.pipeline;
-  config.method = method;
-  labels.method = std::string(to_string(method));
-  const SeedsEstimate estimate =
-      perceive_seeds(run.capture, config, stage_seed, {}, 0, {}, progress);
-  SeedsScores scores = score_run(run.truth, estimate, labels);
-  add_curve_rows(scores, estimate, labels, file.scores);
-  append({.scores = std::move(scores.rows), .specimens = std::move(scores.specimens)}, file);
-  append({.scores = splat_image_rows(run.capture, estimate, config, labels, learned)}, file);
-  if (method == SeedsMethod::splats && job.shown && !report.empty()) {
-    write_report_scene(report, report_scene(std::filesystem::path(job.name).stem(), run, estimate));
-  }
+/// Measures by models trained on all views of a capture. @return what our Gaussians found
+SeedsEstimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
+                          ScoreFile& file) {
+  task.at = job.trained.reference_at;
+  MeasuredModel reference = measure_by_splats(task, SeedsMethod::splats_paper);
+  if (!job.pooled) reference.file.specimens.clear();
+  append(reference.file, file);
+  task.at = job.trained.ours_at;
+  MeasuredModel ours = measure_by_splats(task, SeedsMethod::splats);
+  if (!job.pooled) ours.file.specimens.clear();
+  append(ours.file, file);
+  task.at = job.trained.ngp_at;
+  append({.scores = measure_by_ngp(task, poses)}, file);
+  return std::move(ours.estimate);
 }
 
 std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
@@ -137,7 +110,7 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
   file.header.config_hash = config_hash(job.config, job.seed);
   SeedsScoreLabels labels;
   if (job.config.scene.spread == SizeSpread::paper) labels.suite = kPaperSpread;
-  if (job.splats) labels.suite = kSplatsSuite;
+  if (job.trained.splats) labels.suite = kSplatsSuite;
   labels.scene = job.config.scene.sphere ? "sphere" : job.config.scene.cultivar;
   labels.run = std::to_string(job.run);
   labels.seed = job.seed;
@@ -150,6 +123,8 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
     const SceneTruth truth = subset(run.truth, views);
     labels.case_name =
         labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " + size;
+    if (const int every = job.config.pipeline.splats.hold_out_every; every > 1)
+      labels.case_name += ", one in " + std::to_string(every) + " held out";
     const SeedsEstimate ours =
         perceive_seeds(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
     const SeedsEstimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
@@ -163,13 +138,17 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
                               scores.specimens.end());
       }
     }
-    if (all && job.splats) {
-      for (const SeedsMethod method : {SeedsMethod::splats_paper, SeedsMethod::splats})
-        add_splats(job, run, method, stage_seed, labels, learned, suite.report, progress, file);
+    const SeedsEstimate* shown = &ours;
+    SeedsEstimate by_splats;
+    if (all && job.trained.splats) {
+      by_splats =
+          add_trained(job, {&run, job.config.pipeline, stage_seed, labels, learned, progress, {}},
+                      ours.poses, file);
+      shown = &by_splats;
     }
-    if (all && job.shown && !job.splats && !suite.report.empty())
+    if (all && job.shown && !suite.report.empty())
       write_report_scene(suite.report,
-                         report_scene(std::filesystem::path(job.name).stem(), run, ours));
+                         report_scene(std::filesystem::path(job.name).stem(), run, *shown));
     if (all && job.attribution) {
       labels.method = "ours";
       const auto steps = attribute_seeds(run, job.config.pipeline,
@@ -291,12 +270,21 @@ SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::
   return seeds_run_config(sets);
 }
 
+std::string text_of(const TrainedJob& job) {
+  if (!job.splats) return {};
+  std::string text = "/splats";
+  for (const auto* at : {&job.reference_at, &job.ours_at, &job.ngp_at}) {
+    text += "/";
+    for (const int step : *at) text += " " + std::to_string(step);
+  }
+  return text;
+}
+
 /// The user's keys can make jobs equal; the same seeds must not count twice.
 void drop_repeated(std::vector<SuiteJob>& jobs) {
   std::set<std::string> seen;
   std::erase_if(jobs, [&](const SuiteJob& job) {
-    return !seen.insert(resolved_toml(job.config) + std::to_string(job.run) +
-                        (job.splats ? " splats" : ""))
+    return !seen.insert(resolved_toml(job.config) + std::to_string(job.run) + text_of(job.trained))
                 .second;
   });
 }
@@ -305,7 +293,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   std::vector<SuiteJob> jobs;
   const auto add = [&](const std::string& name, int run, const std::vector<std::string>& sets,
                        std::vector<int> view_counts, bool pooled, bool attribution,
-                       bool splats = false) {
+                       const TrainedJob& trained = {}) {
     const SeedsRunConfig config = job_config(suite, sets);
     view_counts.push_back(config.scene.views);
     std::sort(view_counts.begin(), view_counts.end());
@@ -318,7 +306,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
         (cultivar == "zhengdan958" || cultivar == "jimai22" || cultivar == "suijing18") &&
         config.scene.spread == SizeSpread::literature;
     jobs.push_back({name + ".json", sets, config, suite.seed, run, view_counts, pooled, attribution,
-                    shown, splats});
+                    shown, trained});
   };
   if (suite.quick) {
     for (const char* cultivar : {"zhengdan958", "jimai22", "suijing18"}) {
@@ -329,7 +317,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     add("quick_splats_zhengdan958", 0,
         {"cultivar=zhengdan958", "rig=phone_video_720p", "views=24",
          "pipeline.splats.reference_steps=2000", "pipeline.splats.steps=1500"},
-        {}, true, false, true);
+        {}, true, false, {true, {500, 1000}, {500}, {100, 250}});
     drop_repeated(jobs);
     return jobs;
   }
@@ -350,8 +338,13 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   }
   for (const std::string& cultivar : cultivars) {
     add(cultivar + "_splats", 0, {"cultivar=" + cultivar, "rig=phone_video_720p", "views=60"}, {},
-        true, false, true);
+        true, false, {true, {500, 1000, 2000, 5000}, {300, 600}, {500, 1000, 2000}});
   }
+  add("zhengdan958_splats_30k", 0,
+      {"cultivar=zhengdan958", "rig=phone_video_720p", "views=60",
+       "pipeline.splats.reference_steps=30000", "pipeline.splats.hold_out_every=8"},
+      {}, false, false,
+      {true, {500, 1000, 2000, 5000, 7000, 10000}, {300, 600}, {500, 1000, 2000}});
   for (const std::string& cultivar : cultivars) {
     add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"},
         {120}, false, false);
@@ -379,7 +372,8 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
     std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
                       (job.attribution ? "/attribution" : "") +
-                      (job.splats ? "/splats" + network : "") + user_files_hash(job.config.scene);
+                      (job.trained.splats ? text_of(job.trained) + network : "") +
+                      user_files_hash(job.config.scene);
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back({job.name, key, [job, config, learned, progress] {
                       return run_job(job, config, learned.get(), progress);

@@ -200,7 +200,7 @@ void cluster_as_papers(const SeedsPipelineConfig& config, std::uint64_t seed, Se
 }  // namespace
 
 SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
-                         const StepProgress& progress) {
+                         const SplatWatch& watch) {
   validate(config);
   SeedsStages stages;
   stages.corners = [config](const Capture& capture, const SeedsEstimate&) {
@@ -216,7 +216,7 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
   stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return fuse_depths(capture, so_far.poses, so_far.depths, config.green, config.fuse);
   };
-  if (trains_splats(config.method)) take_splats(config, seed, progress, stages);
+  if (trains_splats(config.method)) take_splats(config, seed, watch, stages);
   if (config.method == SeedsMethod::paper || config.method == SeedsMethod::splats_paper) {
     cluster_as_papers(config, seed, stages);
     measure_points(config, stages);

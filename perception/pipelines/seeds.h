@@ -93,13 +93,11 @@ struct SeedsStages {
   std::function<Surfaces(const Capture&, const SeedsEstimate&)> surfaces;
   std::function<Traits(const Capture&, const SeedsEstimate&)> traits;
 };
-/// Called now and then by a stage that takes minutes.
-using StepProgress = std::function<void(int done, int steps)>;
 
-/// @param progress  of the training of Gaussians
+/// @param watch  of the training of Gaussians
 /// @throws std::invalid_argument if a config is not valid.
 SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
-                         const StepProgress& progress = {});
+                         const SplatWatch& watch = {});
 
 /// The board a configuration and a capture agree on; without a word from either, the one with
 /// markers.

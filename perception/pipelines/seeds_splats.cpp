@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "perception/splats/splat_render.h"
-#include "perception/splats/train_splats.h"
 #include "sim/config/limits.h"
 #include "sim/imaging/undistort.h"
 
@@ -167,12 +166,27 @@ Fields fields(SeedsSplatConfig& config) {
       {"margin_px", &config.margin_px, "splats: kept around the volume in each photograph", 0,
        100000},
       {"reference_margin_px", &config.reference_margin_px,
-       "splats_paper: the same; less needs less memory", 0, 100000}};
+       "splats_paper: the same; less needs less memory", 0, 100000},
+      {"hold_out_every", &config.hold_out_every,
+       "every so many-th view has no part in the training and only scores it; 0 or 1: all have", 0,
+       1000}};
 }
 
 void validate(const SeedsSplatConfig& config) {
   SeedsSplatConfig copy = config;
   check_limits(fields(copy), "splats");
+}
+
+bool is_held_out(const SeedsSplatConfig& config, int frame) {
+  const int every = config.hold_out_every;
+  return every > 1 && frame % every == every / 2;
+}
+
+Poses training_poses(const SeedsSplatConfig& config, Poses poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (is_held_out(config, static_cast<int>(i))) poses[i].status = PoseStatus::no_board;
+  }
+  return poses;
 }
 
 Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board,
@@ -233,13 +247,13 @@ void fill_start(const SweepVolume& volume, int count, Rng rng, std::vector<Start
 
 SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const StartPoint> from,
                           const SplatStartConfig& start_config, const SplatTrainConfig& training,
-                          int stop_after,
-                          const std::function<void(int done, int steps)>& progress) {
+                          int stop_after, const SplatWatch& watch) {
   const SplatModel start = splats_from_points(from, start_config);
-  SplatTraining trained = train_splats(views, start, training, [&](const SplatTrainPoint& point) {
-    if (progress) progress(point.step, stop_after);
+  const auto go_on = [&](const SplatTrainPoint& point) {
+    if (watch.progress) watch.progress(point.step, stop_after);
     return point.step < stop_after;
-  });
+  };
+  SplatTraining trained = train_splats(views, start, training, go_on, {}, watch.snapshots);
   switch (trained.status) {
     case SplatTrainStatus::ok:
     case SplatTrainStatus::stopped:

@@ -12,6 +12,7 @@
 #include "perception/splats/splat_start.h"
 #include "perception/splats/splat_train_config.h"
 #include "perception/splats/splat_views.h"
+#include "perception/splats/train_splats.h"
 #include "sim/config/fields.h"
 
 namespace cousin {
@@ -47,9 +48,26 @@ struct SeedsSplatConfig {
   /// a mean over fewer pixels, and more Gaussians grow (204,000 of 60 views of maize, seed 1, in
   /// place of 112,000).
   int reference_margin_px = 10000;
+  /// Every so many-th view has no part in the training, so that it can score the model; 0 or 1:
+  /// all have. What is measured afterwards reads all views.
+  int hold_out_every = 0;
 };
 Fields fields(SeedsSplatConfig& config);
 void validate(const SeedsSplatConfig& config);
+
+/// Whether a frame of the capture has no part in the training.
+bool is_held_out(const SeedsSplatConfig& config, int frame);
+/// The poses that a training sees: those of frames that are held out are none.
+Poses training_poses(const SeedsSplatConfig& config, Poses poses);
+
+/// Called now and then by a stage that takes minutes.
+using StepProgress = std::function<void(int done, int steps)>;
+
+/// Who watches a training of Gaussians. Nobody changes a byte of it.
+struct SplatWatch {
+  StepProgress progress;
+  SplatSnapshots snapshots;
+};
 
 /// Poses by COLMAP for the views of a training; frames that found no place have none.
 /// @param points  out: of its model, in the world, those in the volume
@@ -80,8 +98,7 @@ void fill_start(const SweepVolume& volume, int count, Rng rng, std::vector<Start
 /// nothing that could be learned. @throws std::runtime_error if training diverged
 SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const StartPoint> from,
                           const SplatStartConfig& start, const SplatTrainConfig& training,
-                          int stop_after,
-                          const std::function<void(int done, int steps)>& progress = {});
+                          int stop_after, const SplatWatch& watch = {});
 
 /// Depth of a model on the pixels of the photographs themselves, lens and all: along the axis, NaN
 /// where a ray is never half blocked or ends outside the volume. Views without a pose have none.

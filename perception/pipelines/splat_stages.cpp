@@ -1,6 +1,7 @@
 #include "perception/pipelines/splat_stages.h"
 
 #include <memory>
+#include <utility>
 
 #include "perception/splats/splat_geometry.h"
 
@@ -65,7 +66,7 @@ std::vector<StartPoint> start_as_paper(const SeedsPipelineConfig& config, std::u
 
 SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t seed,
                             const Capture& capture, const SeedsEstimate& so_far,
-                            const std::vector<StartPoint>& tracks, const StepProgress& progress) {
+                            const std::vector<StartPoint>& tracks, const SplatWatch& watch) {
   const SweepVolume volume = volume_of(config, board_of(capture, config));
   const SeedsSplatConfig& splats = config.splats;
   SplatTrainConfig training = reference_training();
@@ -75,12 +76,12 @@ SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t see
     fill_start(volume, splats.reference_points, Rng(seed).fork("splat_start"), start);
   return train_on_seeds(
       seed_views(capture, so_far.poses, volume, config.green, splats.reference_margin_px), start,
-      {}, training, splats.reference_steps, progress);
+      {}, training, splats.reference_steps, watch);
 }
 
 SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed,
                            const Capture& capture, const SeedsEstimate& so_far,
-                           const StepProgress& progress) {
+                           const SplatWatch& watch) {
   const SweepVolume volume = volume_of(config, board_of(capture, config));
   const SeedsSplatConfig& splats = config.splats;
   SplatTrainConfig training = training_of(splats);
@@ -92,13 +93,18 @@ SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed
   fill_start(volume, splats.start_points, rng, start);
   return train_on_seeds(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px),
                         start, {.opacity = splats.start_opacity, .flatness = splats.flatness},
-                        training, training.steps, progress);
+                        training, training.steps, watch);
+}
+
+SeedsEstimate seen_in_training(const SeedsPipelineConfig& config, SeedsEstimate so_far) {
+  so_far.poses = training_poses(config.splats, std::move(so_far.poses));
+  return so_far;
 }
 
 }  // namespace
 
-void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed,
-                 const StepProgress& progress, SeedsStages& stages) {
+void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, const SplatWatch& watch,
+                 SeedsStages& stages) {
   // COLMAP's points, from the stage that finds the poses to the one that trains on them.
   const auto tracks = std::make_shared<std::vector<StartPoint>>();
   if (config.splats.poses == SplatPoses::sfm) {
@@ -108,9 +114,10 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed,
     };
   }
   if (config.method == SeedsMethod::splats_paper) {
-    stages.splats = [config, seed, tracks, progress](const Capture& capture,
-                                                     const SeedsEstimate& so_far) {
-      return trained_as_paper(config, seed, capture, so_far, *tracks, progress);
+    stages.splats = [config, seed, tracks, watch](const Capture& capture,
+                                                  const SeedsEstimate& so_far) {
+      return trained_as_paper(config, seed, capture, seen_in_training(config, so_far), *tracks,
+                              watch);
     };
     stages.depth = nullptr;
     stages.cloud = [config](const Capture&, const SeedsEstimate& so_far) {
@@ -118,8 +125,8 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed,
     };
     return;
   }
-  stages.splats = [config, seed, progress](const Capture& capture, const SeedsEstimate& so_far) {
-    return trained_as_ours(config, seed, capture, so_far, progress);
+  stages.splats = [config, seed, watch](const Capture& capture, const SeedsEstimate& so_far) {
+    return trained_as_ours(config, seed, capture, seen_in_training(config, so_far), watch);
   };
   stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses,

@@ -10,7 +10,7 @@ namespace cousin {
 /// their centres as the cloud. `splats`: trained our way from the closed surfaces that the method
 /// `ours` finds (photographs alone leave Gaussians of plain surfaces where they begin), and their
 /// depth in place of the plane sweep's. Private to perception/pipelines.
-void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed,
-                 const StepProgress& progress, SeedsStages& stages);
+void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, const SplatWatch& watch,
+                 SeedsStages& stages);
 
 }  // namespace cousin

@@ -301,6 +301,56 @@ TEST(SeedsSplats, WhatIsBlackIsOpaqueBeforeAnyBackground) {
   EXPECT_LT(dark_opacity(trained_on(views, false), views), 0.85);
 }
 
+TEST(SeedsSplats, OneViewInSoManyIsHeldOut) {
+  SeedsSplatConfig config;
+  const Poses poses = {slanted(0, 0), slanted(1, 1), slanted(2, 2), slanted(3, 3), slanted(4, 4)};
+  for (const int none : {0, 1}) {
+    config.hold_out_every = none;
+    for (const FramePose& pose : training_poses(config, poses))
+      EXPECT_EQ(pose.status, PoseStatus::ok) << none;
+  }
+  config.hold_out_every = 3;
+  const Poses kept = training_poses(config, poses);
+  for (const int frame : {0, 1, 2, 3, 4}) {
+    const bool held_out = frame == 1 || frame == 4;
+    EXPECT_EQ(is_held_out(config, frame), held_out) << frame;
+    EXPECT_EQ(kept[static_cast<std::size_t>(frame)].status == PoseStatus::ok, !held_out) << frame;
+  }
+}
+
+TEST(SeedsSplats, WhatIsHeldOutChangesNothing) {
+  ChequeredPlate made = chequered_plate({-1, -1, 0});
+  SeedsPipelineConfig config;
+  config.method = SeedsMethod::splats_paper;
+  config.splats.hold_out_every = 3;
+  config.splats.reference_steps = 20;
+  config.splats.reference_points = 500;
+  SeedsEstimate so_far;
+  so_far.poses = made.poses;
+  std::vector<int> taken;
+  const auto model_of = [&] {
+    const SplatSnapshots snapshots{
+        {10}, [&](int step, double, const SplatModel&) { taken.push_back(step); }};
+    return seeds_stages(config, 1, {{}, snapshots}).splats(made.capture, so_far);
+  };
+  const auto bytes_of = [](const SplatModel& model) {
+    std::vector<float> numbers;
+    for (const Splat& splat : model.splats) {
+      for (const float x : splat.centre_m) numbers.push_back(x);
+      for (const float x : splat.sh_dc) numbers.push_back(x);
+      numbers.push_back(splat.opacity_logit);
+    }
+    return numbers;
+  };
+  const std::vector<float> before = bytes_of(model_of());
+  ASSERT_FALSE(before.empty());
+  for (Rgb8& pixel : made.capture.frames[1].sensors[0].color) pixel = {255, 0, 255};
+  EXPECT_EQ(bytes_of(model_of()), before);
+  for (Rgb8& pixel : made.capture.frames[0].sensors[0].color) pixel = {255, 0, 255};
+  EXPECT_NE(bytes_of(model_of()), before);
+  EXPECT_EQ(taken, (std::vector<int>{10, 10, 10}));
+}
+
 TEST(SeedsSplats, EachMethodReadsWhatItNeeds) {
   SeedsPipelineConfig config;
   EXPECT_THAT(needs(config).stages, Not(Contains("splats")));

@@ -1,0 +1,197 @@
+#include "benchmarks/seeds/trained_models.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "benchmarks/seeds/perceive.h"
+#include "benchmarks/seeds/splat_images.h"
+#include "benchmarks/splats/ngp_view.h"
+#include "sim/types/stage_clock.h"
+
+namespace cousin {
+namespace {
+
+constexpr std::size_t kAllViews = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kViewsOnTheWay = 10;  ///< of each kind, that a model is scored by
+
+/// A model on the way and the time from the beginning of the chain to it.
+struct ModelOnTheWay {
+  int step = 0;
+  StageTiming since_start;
+  SplatModel model;
+};
+
+bool is_before_training(const StageTiming& timing) {
+  return timing.stage == "corners" || timing.stage == "poses";
+}
+
+/// The chain after a training that was left at this model.
+SeedsEstimate measured(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
+                       const SeedsEstimate& end, const ModelOnTheWay& way) {
+  SeedsStages stages = stages_of(config, task.stage_seed, {}, 0);
+  stages.corners = nullptr;
+  stages.poses = [&end](const Capture&, const SeedsEstimate&) { return end.poses; };
+  stages.splats = [&way](const Capture&, const SeedsEstimate&) { return way.model; };
+  SeedsEstimate estimate = run_seeds(task.run->capture, config, stages);
+  std::vector<StageTiming> timings;
+  StageTiming training = way.since_start;
+  training.stage = "splats";
+  for (const StageTiming& timing : end.timings) {
+    if (!is_before_training(timing)) continue;
+    timings.push_back(timing);
+    training.wall_s -= timing.wall_s;
+    training.cpu_s -= timing.cpu_s;
+  }
+  timings.push_back(training);
+  for (const StageTiming& timing : estimate.timings) {
+    if (!is_before_training(timing) && timing.stage != "splats") timings.push_back(timing);
+  }
+  estimate.timings = std::move(timings);
+  return estimate;
+}
+
+void add_rows(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
+              const SeedsEstimate& estimate, const SeedsScoreLabels& labels, std::size_t views,
+              bool has_specimens, ScoreFile& file) {
+  SeedsScores scores = score_run(task.run->truth, estimate, labels);
+  add_curve_rows(scores, estimate, labels, file.scores);
+  append({.scores = std::move(scores.rows)}, file);
+  if (has_specimens) append({.specimens = std::move(scores.specimens)}, file);
+  append({.scores =
+              splat_image_rows(task.run->capture, estimate, config, labels, task.learned, views)},
+         file);
+}
+
+SeedsScoreLabels after_steps(SeedsScoreLabels labels, int steps) {
+  labels.case_name += ", " + std::to_string(steps) + " steps";
+  return labels;
+}
+
+double total_wall_s(const SeedsEstimate& estimate) {
+  return std::accumulate(estimate.timings.begin(), estimate.timings.end(), 0.0,
+                         [](double sum, const StageTiming& t) { return sum + t.wall_s; });
+}
+
+NgpConfig ngp_config(const SeedsTrainingTask& task) {
+  const SweepVolume volume = volume_of(task.pipeline, board_of(task.run->capture, task.pipeline));
+  const Eigen::Vector3d centre_m = 0.5 * (volume.low_m + volume.high_m);
+  NgpConfig config;
+  config.iterations = task.at.back();
+  config.seed = task.stage_seed;
+  config.side_m = (volume.high_m - volume.low_m).maxCoeff();
+  config.centre_m = {centre_m.x(), centre_m.y(), centre_m.z()};
+  config.cascades = 1;  // the rest is black
+  return config;
+}
+
+}  // namespace
+
+void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
+                    const SeedsScoreLabels& labels, std::vector<ScoreRow>& rows) {
+  for (const char* trait : {"length", "width", "height", "area", "volume"}) {
+    const auto pairs =
+        trait_pairs(scores.specimens, trait, [](const SpecimenRow&) { return true; });
+    if (pairs.size() < 2) continue;
+    ScoreRow base = labelled_row(labels);
+    base.wall_s = total_wall_s(estimate);
+    const std::string name = trait;
+    const TraitStatistics s =
+        trait_statistics(pairs, Rng(labels.seed).fork("curve").fork(labels.case_name + name));
+    rows.push_back(with_interval(base, "curve." + name + ".rmse",
+                                 name == "area"     ? "m2"
+                                 : name == "volume" ? "m3"
+                                                    : "m",
+                                 s.rmse, s.n));
+    rows.push_back(with_interval(base, "curve." + name + ".mape", "1", s.mape, s.n));
+  }
+}
+
+MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod method) {
+  SeedsPipelineConfig config = task.pipeline;
+  config.method = method;
+  SeedsScoreLabels labels = task.labels;
+  labels.method = std::string(to_string(method));
+  const StageClock clock("chain");
+  std::vector<ModelOnTheWay> on_the_way;
+  const auto take = [&](int step, double, const SplatModel& model) {
+    on_the_way.push_back({step, clock.finish(), model});
+  };
+  const auto steps = [&](int done, int all) {
+    if (task.progress) task.progress("perceive: " + labels.method + ", step", done, all);
+  };
+  const SeedsStages stages = stages_of(config, task.stage_seed, {}, 0, {steps, {task.at, take}});
+  MeasuredModel result;
+  result.estimate = run_seeds(task.run->capture, config, stages);
+  const int last =
+      method == SeedsMethod::splats_paper ? config.splats.reference_steps : config.splats.steps;
+  add_rows(task, config, result.estimate, after_steps(labels, last), kAllViews, true, result.file);
+  for (const ModelOnTheWay& way : on_the_way) {
+    add_rows(task, config, measured(task, config, result.estimate, way),
+             after_steps(labels, way.step), kViewsOnTheWay, false, result.file);
+  }
+  return result;
+}
+
+std::vector<ScoreRow> measure_by_ngp(const SeedsTrainingTask& task, const Poses& poses) {
+  if (task.at.empty()) return {};
+  std::vector<ScoredPhotograph> scored;
+  for (const ScoredPhotograph& photograph :
+       scored_photographs(task.run->capture, poses, task.pipeline,
+                          task.pipeline.splats.reference_margin_px, kAllViews)) {
+    scored.push_back(made_small(photograph));
+  }
+  std::vector<NgpView> views;
+  for (const ScoredPhotograph& photograph : scored) {
+    if (!photograph.held_out) views.push_back(ngp_view(photograph.view));
+  }
+  SeedsScoreLabels labels = task.labels;
+  labels.method = "instant-ngp";
+  std::vector<ScoreRow> rows;
+  StageTiming scoring;
+  const StageClock clock("ngp");
+  const auto take = [&](int step, const NgpModel& model) {
+    const StageTiming before = clock.finish();
+    ScoreRow base = labelled_row(after_steps(labels, step));
+    base.wall_s = before.wall_s - scoring.wall_s;
+    base.cpu_s = before.cpu_s - scoring.cpu_s;
+    base.peak_rss_mb = before.peak_rss_mb;
+    base.peak_above_start_mb = before.peak_above_start_mb;
+    std::vector<ScoredPhotograph> some;
+    const std::size_t every = std::max<std::size_t>(1, scored.size() / (2 * kViewsOnTheWay));
+    for (std::size_t i = 0; i < scored.size(); ++i) {
+      if (scored[i].held_out || i % every == 0) some.push_back(scored[i]);
+    }
+    for (ScoreRow& row : photograph_rows(
+             some,
+             [&](const Camera&camera, const Pose&pose) {
+               return fidelity_planes(render_ngp(model, camera, pose).color);
+             },
+             base, task.learned)) {
+      // Its photographs are small already; a third of that is nobody's size.
+      if (row.metric.ends_with("psnr_whole_small")) continue;
+      rows.push_back(row);
+      if (!row.metric.ends_with("psnr_whole")) continue;
+      row.metric += "_small";
+      rows.push_back(row);
+    }
+    const StageTiming after = clock.finish();
+    scoring.wall_s += after.wall_s - before.wall_s;
+    scoring.cpu_s += after.cpu_s - before.cpu_s;
+  };
+  const auto steps = [&](int done, int all) {
+    if (task.progress) task.progress("radiance field, step", done, all);
+  };
+  const NgpTraining training = train_ngp(views, ngp_config(task), {task.at, take}, steps);
+  if (training.status != NgpStatus::ok) {
+    ScoreRow row = labelled_row(labels);
+    row.metric = "training: " + std::string(to_string(training.status)) + ", " + training.reason;
+    row.status = ScoreStatus::not_solved;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace cousin

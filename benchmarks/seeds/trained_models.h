@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "benchmarks/learned/learned_distance.h"
+#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/seeds/simulate.h"
+
+namespace cousin {
+
+/// A capture of seeds that models are trained on, by Gaussians or a radiance field.
+struct SeedsTrainingTask {
+  const SimulatedRun* run = nullptr;
+  SeedsPipelineConfig pipeline;  ///< its method does not count
+  std::uint64_t stage_seed = 0;
+  SeedsScoreLabels labels;
+  const LearnedDistance* learned = nullptr;
+  Progress progress;
+  std::vector<int> at;  ///< steps after which a model is measured, beside its last
+};
+
+struct MeasuredModel {
+  SeedsEstimate estimate;
+  ScoreFile file;  ///< the rows of the end, then those of `at`, whose case says the steps
+};
+/// The whole chain of a method that trains Gaussians; after each of `at` steps its model is
+/// measured by the same chain, with the seconds that it would have taken to there. Specimens are of
+/// the end. Each case says after how many steps.
+MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod method);
+
+/// Instant-NGP in the volume above the board on photographs of a third of the size, with the poses
+/// of an estimate: rows "train." and "held_out.psnr_whole" and so on after each of `at` steps.
+std::vector<ScoreRow> measure_by_ngp(const SeedsTrainingTask& task, const Poses& poses);
+
+/// RMSE and MAPE of each trait with the seconds they cost: points of the error-against-time curves.
+void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
+                    const SeedsScoreLabels& labels, std::vector<ScoreRow>& rows);
+
+}  // namespace cousin

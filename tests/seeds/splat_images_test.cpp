@@ -1,0 +1,79 @@
+#include "benchmarks/seeds/splat_images.h"
+
+#include <gtest/gtest.h>
+
+namespace cousin {
+namespace {
+
+/// A grey photograph whose columns brighten.
+ScoredPhotograph photograph(int width, int height, bool held_out) {
+  SplatViewLevel level;
+  level.camera.width_px = width;
+  level.camera.height_px = height;
+  level.camera.fx_px = level.camera.fy_px = 50;
+  level.camera.cx_px = 7;
+  level.camera.cy_px = 4;
+  for (Image<float>& channel : level.color.channel) {
+    channel = Image<float>(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) channel(x, y) = 0.01F * static_cast<float>(x);
+  }
+  level.weight = Image<float>(width, height, 1);
+  level.weight(0, 0) = 0;
+  ScoredPhotograph result;
+  result.view.levels.push_back(level);
+  result.held_out = held_out;
+  return result;
+}
+
+double value_of(const std::vector<ScoreRow>& rows, const std::string& metric) {
+  for (const ScoreRow& row : rows) {
+    if (row.metric == metric) return row.value;
+  }
+  return kNaN;
+}
+
+TEST(SplatImages, ASmallPhotographShowsTheSameRays) {
+  const ScoredPhotograph large = photograph(14, 9, false);
+  const ScoredPhotograph made = made_small(large);
+  const SplatViewLevel& level = made.view.levels.front();
+  ASSERT_EQ(level.camera.width_px, 4);
+  ASSERT_EQ(level.camera.height_px, 3);
+  for (const Image<float>& channel : level.color.channel) {
+    // Squares of three columns around 1, 4, 7 and 10.
+    for (int x = 0; x < 4; ++x) EXPECT_NEAR(channel(x, 1), 0.01 * (1 + 3 * x), 1e-6);
+  }
+  const Lens before(large.view.levels.front().camera), after(level.camera);
+  EXPECT_TRUE(after.unproject({2, 1})->normalized().isApprox(before.unproject({7, 4})->normalized(),
+                                                             1e-12));
+  EXPECT_LT(level.weight(0, 0), 0.95F);
+  EXPECT_FLOAT_EQ(level.weight(1, 0), 1);
+}
+
+TEST(SplatImages, ViewsHeldOutHaveRowsOfTheirOwn) {
+  std::vector<ScoredPhotograph> photographs = {photograph(30, 30, false)};
+  // An image that is 0.1 too bright everywhere: 20 dB.
+  const auto render = [](const Camera& camera, const Pose&) {
+    FidelityPlanes image;
+    for (Image<float>& channel : image) {
+      channel = Image<float>(camera.width_px, camera.height_px);
+      for (int y = 0; y < camera.height_px; ++y)
+        for (int x = 0; x < camera.width_px; ++x)
+          channel(x, y) = 0.1F + 0.01F * static_cast<float>(x);
+    }
+    return image;
+  };
+  photographs[0].share = 0.1;
+  const std::vector<ScoreRow> trained = photograph_rows(photographs, render, {}, nullptr);
+  EXPECT_NEAR(value_of(trained, "train.psnr"), 20, 1e-4);
+  EXPECT_NEAR(value_of(trained, "train.psnr_whole"), 30, 1e-4);
+  EXPECT_NEAR(value_of(trained, "train.psnr_whole_small"), 30, 1e-4);
+  EXPECT_TRUE(std::isnan(value_of(trained, "held_out.psnr")));
+  photographs.push_back(photograph(30, 30, true));
+  const std::vector<ScoreRow> both = photograph_rows(photographs, render, {}, nullptr);
+  EXPECT_NEAR(value_of(both, "train.psnr_whole"), 30, 1e-4);
+  EXPECT_NEAR(value_of(both, "held_out.psnr_whole"), 20, 1e-4);
+}
+
+}  // namespace
+}  // namespace cousin
