@@ -8,6 +8,7 @@
 
 #include "benchmarks/metrics/distributions.h"
 #include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/seedlings/exact_surface.h"
 #include "benchmarks/seedlings/surface_coverage.h"
 
 namespace cousin {
@@ -148,6 +149,10 @@ std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
   rows.push_back(
       with_number(of_capture, "noise_floor.psnr", whole.noise_psnr_db, "dB", whole.noise_views));
   rows.push_back(with_number(of_capture, "sample.day", job.sample.day, "d", 1));
+  const ExactSurface surface = exact_surface(views);
+  of_capture.method = "exact surface, mean colour";
+  rows.push_back(with_number(of_capture, "held_out.psnr_covered", surface.psnr_db, "dB",
+                             static_cast<std::int64_t>(views.held_out.size())));
   of_capture.method = "simulator";
   rows.push_back(with_number(of_capture, "seconds.photographs", whole.wall_s, "s",
                              static_cast<std::int64_t>(whole.views.size())));

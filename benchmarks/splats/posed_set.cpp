@@ -53,6 +53,7 @@ PosedSet read_split_set(const fs::path& folder) {
     const std::string& image = list.frames.at(static_cast<std::size_t>(view.frame)).image;
     const std::string name = fs::path(image).filename().string();
     const bool is_test = std::find(held.begin(), held.end(), name) != held.end();
+    if (is_test) view.levels.resize(1);  // smaller ones are for training
     (is_test ? set.test : set.train).push_back(std::move(view));
   }
   require_both(set, folder);

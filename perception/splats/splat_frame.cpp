@@ -58,6 +58,17 @@ void set_depth_slope(const SplatPlanes& planes, const SplatCamera& camera, int i
   slope[1] = static_cast<float>(down);
 }
 
+/// Resizes what is written anew in each frame: the old block goes before a larger one comes, so
+/// that no two are held.
+template <class T>
+void refit(std::vector<T>& scratch, std::size_t size) {
+  if (size > scratch.capacity()) {
+    scratch = {};
+    scratch.reserve(size + size / 4);
+  }
+  scratch.resize(size);
+}
+
 int tile_count(const TileLists& lists) { return lists.tiles_across * lists.tiles_down; }
 
 }  // namespace
@@ -104,7 +115,7 @@ void draw_splats(const SplatKernels& kernels, const SplatPlanes& planes, int sh_
   for (Image<float>& channel : frame.color.channel) fit(channel, camera);
   fit(frame.transmittance, camera);
   frame.tile_done.resize(static_cast<std::size_t>(tile_count(frame.lists)));
-  frame.touched.resize(frame.lists.tile_splat.size());
+  refit(frame.touched, frame.lists.tile_splat.size());
   BlendTask blend = blend_task(frame, background);
   if (depths == SplatDepths::with) {
     fit(frame.depth_m, camera);
@@ -126,7 +137,7 @@ void draw_splats(const SplatKernels& kernels, const SplatPlanes& planes, int sh_
 
 void blend_gradients(const SplatKernels& kernels, const ColorPlanes& color_gradient,
                      const std::array<float, 3>& background, SplatFrame& frame) {
-  frame.partials.resize(frame.lists.tile_pair.size());
+  refit(frame.partials, frame.lists.tile_pair.size());
   BlendGradientTask task;
   task.blend = blend_task(frame, background);
   for (std::size_t k = 0; k < 3; ++k) task.color_gradient[k] = color_gradient.channel[k].data();

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "benchmarks/seedlings/field_scores.h"
+
+namespace cousin {
+
+/// What the exact surface gives without any model of how light leaves it: each pixel of a held-out
+/// view shows the mean of the colours that the views trained on show of its surface point. Of the
+/// views, those count whose true depth at the four pixels about the point is its own to 1 %.
+struct ExactSurface {
+  double psnr_db = kNaN;    ///< over all pixels of the held-out views that enough views show
+  std::int64_t pixels = 0;  ///< those
+};
+ExactSurface exact_surface(const FieldViews& views);
+
+}  // namespace cousin
