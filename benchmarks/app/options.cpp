@@ -308,7 +308,8 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
                     "LPIPS, or any of two images of 1 x 3 x height x width from -1 to 1");
   bench->add_option(
       "--only", o.only,
-      "Only jobs whose names hold this text, as \"_splats\": the page is of them alone");
+      "Only jobs whose names hold this text, or one of several, as \"_ours,_ngp\": the page is of "
+      "them alone");
   bench->add_option(
       "--captures", o.captures,
       "Folder that keeps what `seeds` renders (15 GB in full): a later run with another "

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <exception>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
@@ -55,16 +56,22 @@ std::pair<int, int> shard_range(const Shard& shard, int size) {
   return {cut(shard.index), cut(shard.index + 1)};
 }
 
-std::vector<ShardJob> jobs_named(std::vector<ShardJob> jobs, const std::string& part) {
+std::vector<ShardJob> jobs_named(std::vector<ShardJob> jobs, const std::string& parts) {
   constexpr std::size_t kNamed = 5;
   std::string some;
   for (std::size_t i = 0; i < std::min(kNamed, jobs.size()); ++i)
     some += (i == 0 ? "" : ", ") + jobs[i].name;
   const std::size_t count = jobs.size();
-  std::erase_if(jobs,
-                [&](const ShardJob& job) { return job.name.find(part) == std::string::npos; });
+  std::vector<std::string> any;
+  std::istringstream text(parts);
+  for (std::string part; std::getline(text, part, ',');) any.push_back(part);
+  std::erase_if(jobs, [&](const ShardJob& job) {
+    return !any.empty() && std::none_of(any.begin(), any.end(), [&](const std::string& part) {
+      return job.name.find(part) != std::string::npos;
+    });
+  });
   if (jobs.empty() && count > 0) {
-    throw std::invalid_argument("no job's name holds \"" + part + "\"; there are " +
+    throw std::invalid_argument("no job's name holds \"" + parts + "\"; there are " +
                                 std::to_string(count) + ": " + some +
                                 (count > kNamed ? ", ..." : ""));
   }

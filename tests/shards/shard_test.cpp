@@ -67,6 +67,9 @@ TEST_F(ShardFolder, PartOfANameChoosesJobs) {
   const std::vector<ShardJob> chosen = jobs_named(named, "_splats");
   ASSERT_EQ(chosen.size(), 2U);
   EXPECT_EQ(chosen[1].name, "rice_splats.json");
+  const std::vector<ShardJob> either = jobs_named(named, "rice_,maize_");
+  ASSERT_EQ(either.size(), 2U);
+  EXPECT_EQ(either[0].name, "maize_splats.json");
   try {
     jobs_named(named, "barley");
     FAIL() << "a name that no job has";
