@@ -26,6 +26,7 @@
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/seeds_report.h"
 #include "benchmarks/seeds/suite.h"
+#include "benchmarks/seeds/trained_plots.h"
 #include "benchmarks/sensors/sensors_page.h"
 #include "benchmarks/sensors/sensors_suite.h"
 #include "benchmarks/sfm/sfm_suite.h"
@@ -49,6 +50,8 @@ void add_plots(SeedsReport& report) {
     report.curves.push_back(std::move(curve));
   for (ErrorTimeCurve& curve : splats_curves(report.scores.scores))
     report.curves.push_back(std::move(curve));
+  for (LinePlot& plot : trained_plots(report.scores.scores))
+    report.lines.push_back(std::move(plot));
   for (LinePlot& plot : seedlings_plots(report.scores.scores))
     report.lines.push_back(std::move(plot));
   for (ErrorTimeCurve& curve : seedlings_curves(report.scores.scores))

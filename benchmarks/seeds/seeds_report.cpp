@@ -177,22 +177,9 @@ std::string setting_of(const std::string& case_name) {
   return run == std::string::npos ? case_name : case_name.substr(case_name.find(' ', run + 5) + 1);
 }
 
-/// PSNR of models over the seconds of their training, all at one size.
-void add_psnr_point(const ScoreRow& row, std::map<std::string, ErrorTimeCurve>& curves) {
-  const bool is_held_out = row.metric == "held_out.psnr_whole_small";
-  if (!(row.wall_s > 0) || !(is_held_out || row.metric == "train.psnr_whole_small")) return;
-  ErrorTimeCurve& curve = curves[row.metric + "/" + row.scene];
-  const std::string views = is_held_out ? "views held out" : "views trained on";
-  curve.title = "PSNR against time: " + views + ", " + row.scene;
-  curve.metric = "PSNR of whole photographs at a third of their size, " + views;
-  curve.unit = row.unit;
-  curve.points.push_back({row.method, setting_of(row.case_name), row.wall_s, {row.value}});
-}
-
 std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
   std::map<std::string, ErrorTimeCurve> curves;
   for (const ScoreRow& row : rows) {
-    add_psnr_point(row, curves);
     for (const std::string& trait : kTraits) {
       if (row.metric != "curve." + trait + ".rmse" || !(row.wall_s > 0)) continue;
       // One point a setting: further runs, and other spreads of sizes, are other seeds.
