@@ -37,8 +37,8 @@ struct ShardResult {
 /// Whether the job belongs to another shard that has not written its result yet.
 bool is_missing(const ShardResult& result);
 
-/// The jobs whose names hold one of `parts`, which commas divide; empty = all. @throws std::invalid_argument if there is none,
-/// naming some that there are.
+/// The jobs whose names hold one of `parts`, which commas divide; empty = all. @throws
+/// std::invalid_argument if there is none, naming some that there are.
 std::vector<ShardJob> jobs_named(std::vector<ShardJob> jobs, const std::string& parts);
 
 /// Runs the jobs of `shard` that `folder` holds no result for, in order, and writes each result at
