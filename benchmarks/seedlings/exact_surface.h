@@ -8,7 +8,9 @@ namespace cousin {
 /// view shows the mean of the colours that the views trained on show of its surface point. Of the
 /// views, those count whose true depth at the four pixels about the point is its own to 1 %.
 struct ExactSurface {
-  double psnr_db = kNaN;    ///< over all pixels of the held-out views that enough views show
+  /// Over all pixels of the held-out views that enough views show by this rule, which leaves out
+  /// edges and steep faces that `views_that_see` counts.
+  double psnr_db = kNaN;
   std::int64_t pixels = 0;  ///< those
 };
 ExactSurface exact_surface(const FieldViews& views);

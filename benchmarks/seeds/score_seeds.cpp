@@ -18,13 +18,8 @@
 #include "sim/geometry/measure.h"
 
 namespace cousin {
-namespace {
 
-constexpr std::array<double, 3> kTolerances_m = {0.0001, 0.0002, 0.0005};
-constexpr double kMatchGate_m = 0.004;  ///< half a seed: nearer than two seeds can lie
-constexpr int kSurfaceSamples = 20000;
-
-ScoreRow base_row(const SeedsScoreLabels& labels) {
+ScoreRow labelled_row(const SeedsScoreLabels& labels) {
   ScoreRow row;
   row.suite = labels.suite;
   row.scene = labels.scene;
@@ -33,6 +28,12 @@ ScoreRow base_row(const SeedsScoreLabels& labels) {
   row.seed = labels.seed;
   return row;
 }
+
+namespace {
+
+constexpr std::array<double, 3> kTolerances_m = {0.0001, 0.0002, 0.0005};
+constexpr double kMatchGate_m = 0.004;  ///< half a seed: nearer than two seeds can lie
+constexpr int kSurfaceSamples = 20000;
 
 void add(std::vector<ScoreRow>& rows, ScoreRow row, const std::string& metric, double value,
          const std::string& unit, std::int64_t n) {
@@ -238,7 +239,7 @@ SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& as_perceived
                       const SeedsScoreLabels& labels) {
   const SeedsEstimate estimate = turned_to_truth(as_perceived, truth);
   SeedsScores scores;
-  const ScoreRow base = base_row(labels);
+  const ScoreRow base = labelled_row(labels);
   const auto objects = specimens_of(truth.scene);
   std::vector<Mesh> meshes;
   std::vector<Eigen::Vector3d> true_centroids;
@@ -292,7 +293,7 @@ std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens,
           return row.method == method && in_group(row, group);
         };
         const std::vector<TraitPair> pairs = trait_pairs(specimens, trait, wanted);
-        ScoreRow base = base_row(labels);
+        ScoreRow base = labelled_row(labels);
         base.case_name = group;
         base.method = method;
         const auto asked = std::count_if(
@@ -345,7 +346,7 @@ std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens,
       if (both.size() < 2) continue;
       const PairedComparison c =
           compare_paired(both, Rng(labels.seed).fork("paired").fork(group + "/" + trait));
-      ScoreRow base = base_row(labels);
+      ScoreRow base = labelled_row(labels);
       base.case_name = group;
       base.method = method_a + "/" + method_b;
       rows.push_back(with_interval(base, trait + ".rmse_ratio", "1", c.rmse_ratio, c.n));

@@ -21,6 +21,9 @@ struct SeedsScoreLabels {
   std::uint64_t seed = 0;
 };
 
+/// A row with these labels and no metric yet.
+ScoreRow labelled_row(const SeedsScoreLabels& labels);
+
 struct SeedsScores {
   std::vector<ScoreRow> rows;
   std::vector<SpecimenRow> specimens;

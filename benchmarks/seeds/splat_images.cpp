@@ -183,14 +183,4 @@ std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstima
   return rows;
 }
 
-ScoreRow labelled_row(const SeedsScoreLabels& labels) {
-  ScoreRow row;
-  row.suite = labels.suite;
-  row.scene = labels.scene;
-  row.case_name = labels.case_name;
-  row.method = labels.method;
-  row.seed = labels.seed;
-  return row;
-}
-
 }  // namespace cousin

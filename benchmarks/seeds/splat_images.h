@@ -48,7 +48,4 @@ std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstima
                                        const SeedsScoreLabels& labels,
                                        const LearnedDistance* learned, std::size_t most_views);
 
-/// A row of these labels, nothing measured yet.
-ScoreRow labelled_row(const SeedsScoreLabels& labels);
-
 }  // namespace cousin

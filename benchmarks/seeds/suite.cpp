@@ -161,9 +161,7 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
     }
   }
   for (const StageTiming& timing : run.timings) {
-    ScoreRow row;
-    row.suite = labels.suite;
-    row.scene = labels.scene;
+    ScoreRow row = labelled_row(labels);
     row.case_name = labels.scene + " run " + labels.run + " " + size;
     row.method = "simulator";
     row.metric = "seconds." + timing.stage;
@@ -174,7 +172,6 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
     row.cpu_s = timing.cpu_s;
     row.peak_rss_mb = timing.peak_rss_mb;
     row.peak_above_start_mb = timing.peak_above_start_mb;
-    row.seed = job.seed;
     file.scores.push_back(std::move(row));
   }
   return to_json(file);

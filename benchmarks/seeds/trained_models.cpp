@@ -54,14 +54,14 @@ SeedsEstimate measured(const SeedsTrainingTask& task, const SeedsPipelineConfig&
 }
 
 void add_rows(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
-              const SeedsEstimate& estimate, const SeedsScoreLabels& labels, std::size_t views,
-              bool has_specimens, ScoreFile& file) {
+              const SeedsEstimate& estimate, const SeedsScoreLabels& labels, bool is_end,
+              ScoreFile& file) {
   SeedsScores scores = score_run(task.run->truth, estimate, labels);
   add_curve_rows(scores, estimate, labels, file.scores);
   append({.scores = std::move(scores.rows)}, file);
-  if (has_specimens) append({.specimens = std::move(scores.specimens)}, file);
-  append({.scores =
-              splat_image_rows(task.run->capture, estimate, config, labels, task.learned, views)},
+  if (is_end) append({.specimens = std::move(scores.specimens)}, file);
+  append({.scores = splat_image_rows(task.run->capture, estimate, config, labels, task.learned,
+                                     is_end ? kAllViews : kViewsOnTheWay)},
          file);
 }
 
@@ -127,10 +127,10 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   result.estimate = run_seeds(task.run->capture, config, stages);
   const int last =
       method == SeedsMethod::splats_paper ? config.splats.reference_steps : config.splats.steps;
-  add_rows(task, config, result.estimate, after_steps(labels, last), kAllViews, true, result.file);
+  add_rows(task, config, result.estimate, after_steps(labels, last), true, result.file);
   for (const ModelOnTheWay& way : on_the_way) {
     add_rows(task, config, measured(task, config, result.estimate, way),
-             after_steps(labels, way.step), kViewsOnTheWay, false, result.file);
+             after_steps(labels, way.step), false, result.file);
   }
   return result;
 }
@@ -164,12 +164,10 @@ std::vector<ScoreRow> measure_by_ngp(const SeedsTrainingTask& task, const Poses&
     for (std::size_t i = 0; i < scored.size(); ++i) {
       if (scored[i].held_out || i % every == 0) some.push_back(scored[i]);
     }
-    for (ScoreRow& row : photograph_rows(
-             some,
-             [&](const Camera&camera, const Pose&pose) {
-               return fidelity_planes(render_ngp(model, camera, pose).color);
-             },
-             base, task.learned)) {
+    const SeedsImageRenderer render = [&](const Camera& camera, const Pose& pose) {
+      return fidelity_planes(render_ngp(model, camera, pose).color);
+    };
+    for (ScoreRow& row : photograph_rows(some, render, base, task.learned)) {
       // Its photographs are small already; a third of that is nobody's size.
       if (row.metric.ends_with("psnr_whole_small")) continue;
       rows.push_back(row);

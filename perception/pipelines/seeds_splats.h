@@ -49,7 +49,8 @@ struct SeedsSplatConfig {
   /// place of 112,000).
   int reference_margin_px = 10000;
   /// Every so many-th view has no part in the training, so that it can score the model; 0 or 1:
-  /// all have. What is measured afterwards reads all views.
+  /// all have. Poses come from all views, with those of COLMAP the points of the start too, and
+  /// what is measured afterwards reads all.
   int hold_out_every = 0;
 };
 Fields fields(SeedsSplatConfig& config);

@@ -63,7 +63,7 @@ void set_depth_slope(const SplatPlanes& planes, const SplatCamera& camera, int i
 template <class T>
 void refit(std::vector<T>& scratch, std::size_t size) {
   if (size > scratch.capacity()) {
-    scratch = {};
+    scratch = std::vector<T>();  // `= {}` would keep the block
     scratch.reserve(size + size / 4);
   }
   scratch.resize(size);

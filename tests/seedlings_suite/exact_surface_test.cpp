@@ -45,7 +45,7 @@ TEST(ExactSurface, WhatHidesThePointDoesNotCount) {
   SampleView leaf = above(0, 1.0F);
   leaf.depth_m = Image<float>(kWidth, kHeight, 0.5F);
   SampleView blank = above(0, 1.0F);
-  blank.photograph.levels.front().weight = Image<float>(kWidth, kHeight, 0.0F);
+  blank.shown = Image<std::uint8_t>(kWidth, kHeight);
   const SampleView held_out = above(0, 0.5F);
   EXPECT_NEAR(exact_surface({{&a, &b, &c, &leaf, &blank}, {&held_out}, {}, {}}).psnr_db, 20, 1e-4);
 }
