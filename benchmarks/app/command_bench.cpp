@@ -39,6 +39,9 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
+/// Folder of trainings that were stopped, below a suite's.
+constexpr const char* kUnfinished = "unfinished";
+
 /// Plots that suites make of their rows: on the page at once, and again from the tables alone.
 void add_plots(SeedsReport& report) {
   report.curves = renderers_curves(report.scores.scores);
@@ -149,6 +152,7 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   config.captures = o.captures;
   config.lpips = o.lpips;
   config.report = report_scenes_folder(out);
+  config.unfinished = out / kUnfinished;
   const auto results =
       run_jobs(context, out, seeds_suite_jobs(config, context.progress.function()));
   SeedsReport report =
@@ -330,6 +334,7 @@ ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
   if (o.runs > 0) config.samples = o.runs;
   config.lpips = o.lpips;
   config.report = report_scenes_folder(out);
+  config.unfinished = out / kUnfinished;
   const auto results = run_jobs(context, out, seedlings_suite_jobs(config));
   SeedsReport report = titled(
       "Cousin: bench seedlings",

@@ -3,12 +3,14 @@
 #include <memory>
 #include <stdexcept>
 
+#include "benchmarks/splats/kept_training.h"
 #include "benchmarks/splats/ngp_view.h"
 #include "perception/splats/splat_render.h"
 #include "perception/splats/train_splats.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
+namespace fs = std::filesystem;
 namespace {
 
 /// CPU and wall time of training without that of scoring.
@@ -67,42 +69,43 @@ std::vector<SplatView> photographs(const FieldViews& views) {
 }
 
 TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<int>& at,
-                             const FieldViews& views, const SplatModel& start) {
-  TrainedField field;
-  TrainingClock clock;
-  const auto take = [&](int step, double wall_s, const SplatModel& model) {
-    StageTiming timing = clock.now();
-    timing.wall_s = wall_s;
-    clock.pause([&] {
-      add_scores(views, step, timing, static_cast<std::int64_t>(model.splats.size()),
-                 renderer_of(model), field);
-      field.splats = model;
-    });
-  };
+                             const FieldViews& views, const SplatModel& start,
+                             const fs::path& unfinished) {
+  const KeptTraining kept(unfinished);
   const auto go_on = [&](const SplatTrainPoint& point) { return point.step < at.back(); };
   const SplatTraining training =
-      train_splats(photographs(views), start, config, go_on, {}, {at, take});
+      train_splats(photographs(views), start, config, go_on, kept.checkpoint(), kept.snapshots(at));
+  TrainedField field;
   const bool is_left = training.status == SplatTrainStatus::stopped;
   field.status = is_left ? "ok" : to_string(training.status);
+  if (field.status != "ok") return field;
+  for (KeptModel& way : kept.models(at)) {
+    add_scores(views, way.step, way.seconds, static_cast<std::int64_t>(way.model.splats.size()),
+               renderer_of(way.model), field);
+    field.splats = std::move(way.model);
+  }
   return field;
 }
 
 TrainedField train_reference(const FieldPlan& plan, const FieldViews& views,
-                             const SplatModel& start, std::uint64_t seed) {
+                             const SplatModel& start, std::uint64_t seed,
+                             const fs::path& unfinished) {
   SplatTrainConfig config = reference_training();
   config.seed = seed;
   config.report_every = 10;  // where it can be left
-  return train_gaussians(config, plan.at, views, start);
+  return train_gaussians(config, plan.at, views, start, unfinished);
 }
 
 TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const SplatModel& start,
-                        std::uint64_t seed) {
+                        std::uint64_t seed, const fs::path& unfinished) {
   TrainedField field;
   for (const int steps : plan.at) {
     SplatTrainConfig config;
     config.steps = steps;
     config.seed = seed;
-    TrainedField one = train_gaussians(config, {steps}, views, start);
+    TrainedField one =
+        train_gaussians(config, {steps}, views, start,
+                        unfinished.empty() ? unfinished : unfinished / std::to_string(steps));
     field.status = one.status;
     if (one.status != "ok") break;
     field.scores.push_back(one.scores.back());
@@ -135,12 +138,13 @@ TrainedField train_radiance_field(const FieldPlan& plan, const FieldViews& views
 }  // namespace
 
 TrainedField train_field(const FieldPlan& plan, const FieldViews& views,
-                         const std::vector<StartPoint>& start, std::uint64_t seed) {
+                         const std::vector<StartPoint>& start, std::uint64_t seed,
+                         const fs::path& unfinished) {
   if (plan.at.empty()) throw std::invalid_argument(plan.method + ": no steps to score after");
   if (plan.method == kNgp) return train_radiance_field(plan, views, seed);
   const SplatModel from = splats_from_points(start);
-  if (plan.method == kReference) return train_reference(plan, views, from, seed);
-  if (plan.method == kOurs) return train_ours(plan, views, from, seed);
+  if (plan.method == kReference) return train_reference(plan, views, from, seed, unfinished);
+  if (plan.method == kOurs) return train_ours(plan, views, from, seed, unfinished);
   throw std::invalid_argument("method \"" + plan.method + "\" is not one of " + kReference + ", " +
                               kOurs + ", " + kNgp);
 }

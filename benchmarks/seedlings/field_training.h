@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,10 @@ struct TrainedField {
 };
 
 /// Trains and scores. @param start  of Gaussians; radiance fields need none
+/// @param unfinished  folder of this training alone: Gaussians that were stopped go on from here;
+/// empty: none do
 TrainedField train_field(const FieldPlan& plan, const FieldViews& views,
-                         const std::vector<StartPoint>& start, std::uint64_t seed);
+                         const std::vector<StartPoint>& start, std::uint64_t seed,
+                         const std::filesystem::path& unfinished = {});
 
 }  // namespace cousin

@@ -169,14 +169,15 @@ const SampleCapture& LastCaptures::of(const SeedlingsSample& sample, SamplePlan 
 
 ScoreFile run_seedlings_job(const SeedlingsJob& job, std::uint64_t seed, LastCaptures& captures,
                             const std::filesystem::path& report,
+                            const std::filesystem::path& unfinished,
                             std::shared_ptr<const LearnedDistance> learned) {
   const SampleCapture& whole =
       captures.of(job.sample, SamplePlan::whole_tray, job.noise_views, seed);
   FieldViews views = field_views(trained_views(job, seed, captures), held_out_views(whole));
   views.learned = std::move(learned);
   const Rng rng = Rng(seed).fork("start").fork(static_cast<std::uint64_t>(job.sample.number));
-  const TrainedField field =
-      train_field(job.plan, views, sample_start(job.sample, job.plan.start_points, rng), seed);
+  const TrainedField field = train_field(
+      job.plan, views, sample_start(job.sample, job.plan.start_points, rng), seed, unfinished);
   ScoreFile file;
   file.scores = sample_rows(job, seed, field, views, whole);
   if (job.shown && field.render && !report.empty())

@@ -17,7 +17,9 @@ struct SeedlingsSuiteConfig {
   int samples = 3;               ///< trays, each under every light
   bool quick = false;            ///< one tray, small photographs, few steps: minutes
   std::filesystem::path report;  ///< folder for pictures of the page; empty: none
-  std::filesystem::path lpips;   ///< network that images are scored by too; empty: none
+  std::filesystem::path
+      unfinished;               ///< trainings that were stopped go on from here; empty: none do
+  std::filesystem::path lpips;  ///< network that images are scored by too; empty: none
 };
 
 /// Steps of ours after which sets of more photographs are scored, beside 30 after as many.
@@ -57,8 +59,10 @@ class LastCaptures {
 
 /// Photographs, trains, scores: rows of this sample (seedlings_rows.h).
 /// @param report  folder for pictures if the job is shown; empty: none
+/// @param unfinished  of this job alone: a training that was stopped goes on from here; empty: none
 ScoreFile run_seedlings_job(const SeedlingsJob& job, std::uint64_t seed, LastCaptures& captures,
                             const std::filesystem::path& report = {},
+                            const std::filesystem::path& unfinished = {},
                             std::shared_ptr<const LearnedDistance> learned = {});
 
 }  // namespace cousin

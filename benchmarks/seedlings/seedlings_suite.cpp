@@ -32,10 +32,14 @@ std::vector<ShardJob> seedlings_suite_jobs(const SeedlingsSuiteConfig& config) {
   for (const SeedlingsJob& job : seedlings_jobs(config)) {
     const std::string key = std::string(COUSIN_VERSION) + "/" + key_of(job) + "/" +
                             std::to_string(config.seed) + network;
-    jobs.push_back({job.name() + ".json", key, [job, config, captures, learned] {
-                      return to_json(
-                          run_seedlings_job(job, config.seed, *captures, config.report, learned));
-                    }});
+    const std::filesystem::path unfinished =
+        config.unfinished.empty() ? "" : config.unfinished / job.name();
+    jobs.push_back({job.name() + ".json", key,
+                    [job, config, captures, learned, unfinished] {
+                      return to_json(run_seedlings_job(job, config.seed, *captures, config.report,
+                                                       unfinished, learned));
+                    },
+                    unfinished});
   }
   return jobs;
 }

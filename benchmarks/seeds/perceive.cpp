@@ -14,6 +14,22 @@ SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
   return with_stage_sources(seeds_stages(config, own_seed, watch), sources, scene_index);
 }
 
+StageTiming seconds_before(const SplatTraining& training) {
+  StageTiming before;
+  if (training.curve.empty()) return before;
+  before.wall_s = std::max(0.0, training.curve.back().wall_s - training.seconds.total);
+  before.cpu_s = std::max(0.0, training.curve.back().cpu_s - training.seconds.total_cpu);
+  return before;
+}
+
+void add_seconds_before(const StageTiming& before, std::vector<StageTiming>& timings) {
+  for (StageTiming& timing : timings) {
+    if (timing.stage != "splats") continue;
+    timing.wall_s += before.wall_s;
+    timing.cpu_s += before.cpu_s;
+  }
+}
+
 SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
                              std::uint64_t seed, const std::vector<StageSource>& sources,
                              int scene_index, const std::filesystem::path& estimate_dir,
@@ -21,7 +37,14 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
   const StepProgress steps = [&](int done, int all) {
     if (progress) progress("perceive: splats, step", done, all);
   };
-  const SeedsStages stages = stages_of(config, seed, sources, scene_index, {steps, {}});
+  SplatWatch watch{steps, {}, {}, {}};
+  StageTiming before;
+  watch.end = [&](const SplatTraining& training) { before = seconds_before(training); };
+  const std::filesystem::path unfinished = estimate_dir / "splats.unfinished";
+  if (!estimate_dir.empty()) {
+    watch.checkpoint = {unfinished, 500, true};
+  }
+  const SeedsStages stages = stages_of(config, seed, sources, scene_index, watch);
   const auto& names = seeds_stage_names();
   const auto observe = [&](const std::string& stage, bool finished, const SeedsEstimate& so_far) {
     const auto place = std::find(names.begin(), names.end(), stage) - names.begin();
@@ -30,6 +53,7 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
         progress("perceive: " + stage, static_cast<int>(place), static_cast<int>(names.size()));
     } else if (!estimate_dir.empty()) {
       write_seam(estimate_dir, stage, so_far, scene_index);
+      if (stage == "splats") std::filesystem::remove(unfinished);
     }
   };
   if (!estimate_dir.empty()) {
@@ -43,6 +67,7 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
     std::filesystem::remove(estimate_dir / "timings.json");
   }
   SeedsEstimate estimate = run_seeds(capture, config, stages, observe);
+  add_seconds_before(before, estimate.timings);
   if (!estimate_dir.empty()) write_timings(estimate_dir, estimate.timings);
   return estimate;
 }

@@ -15,10 +15,15 @@ SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
                       const std::vector<StageSource>& sources, int scene_index,
                       const SplatWatch& watch = {});
 
+/// Seconds of a training in processes before this one, which its stage's own clock has not seen.
+StageTiming seconds_before(const SplatTraining& training);
+/// Adds them to the stage that trains.
+void add_seconds_before(const StageTiming& before, std::vector<StageTiming>& timings);
+
 /// Runs the seeds pipeline on one capture with the given stages in place of ours, and writes every
 /// seam into `estimate_dir` as soon as its stage is finished (nothing if the path is empty): what
-/// is done survives a later failure. Seams of an earlier method are removed there first, but for
-/// stages that are read from folders.
+/// is done survives a later failure, and a training of Gaussians that was stopped goes on. Seams of
+/// an earlier method are removed there first, but for stages that are read from folders.
 SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
                              std::uint64_t seed, const std::vector<StageSource>& sources,
                              int scene_index, const std::filesystem::path& estimate_dir,

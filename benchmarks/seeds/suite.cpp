@@ -101,6 +101,12 @@ SeedsEstimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Pos
   return std::move(ours.estimate);
 }
 
+/// Where a job's trainings go on from; nowhere if it has none.
+std::filesystem::path unfinished_of(const SuiteJob& job, const SeedsSuiteConfig& suite) {
+  if (!job.trained.splats || suite.unfinished.empty()) return {};
+  return suite.unfinished / std::filesystem::path(job.name).stem();
+}
+
 std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
                     const LearnedDistance* learned, const Progress& progress) {
   const SimulatedRun run = stored_seeds(suite.captures, job.config, job.seed, job.run,
@@ -141,9 +147,16 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
     const SeedsEstimate* shown = &ours;
     SeedsEstimate by_splats;
     if (all && job.trained.splats) {
-      by_splats =
-          add_trained(job, {&run, job.config.pipeline, stage_seed, labels, learned, progress, {}},
-                      ours.poses, file);
+      by_splats = add_trained(job,
+                              {&run,
+                               job.config.pipeline,
+                               stage_seed,
+                               labels,
+                               learned,
+                               progress,
+                               {},
+                               unfinished_of(job, suite)},
+                              ours.poses, file);
       shown = &by_splats;
     }
     if (all && job.shown && !suite.report.empty())
@@ -372,9 +385,10 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
                       (job.trained.splats ? text_of(job.trained) + network : "") +
                       user_files_hash(job.config.scene);
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
-    jobs.push_back({job.name, key, [job, config, learned, progress] {
-                      return run_job(job, config, learned.get(), progress);
-                    }});
+    jobs.push_back(
+        {job.name, key,
+         [job, config, learned, progress] { return run_job(job, config, learned.get(), progress); },
+         unfinished_of(job, config)});
   }
   return jobs;
 }

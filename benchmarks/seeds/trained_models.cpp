@@ -8,6 +8,7 @@
 
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/splat_images.h"
+#include "benchmarks/splats/kept_training.h"
 #include "benchmarks/splats/ngp_view.h"
 #include "sim/types/stage_clock.h"
 
@@ -17,35 +18,30 @@ namespace {
 constexpr std::size_t kAllViews = std::numeric_limits<std::size_t>::max();
 constexpr std::size_t kViewsOnTheWay = 10;  ///< of each kind, that a model is scored by
 
-/// A model on the way and the time from the beginning of the chain to it.
-struct ModelOnTheWay {
-  int step = 0;
-  StageTiming since_start;
-  SplatModel model;
-};
-
 bool is_before_training(const StageTiming& timing) {
   return timing.stage == "corners" || timing.stage == "poses";
 }
 
-/// The chain after a training that was left at this model.
+/// The chain after a training that was left at this model. @param last  the training's end
 SeedsEstimate measured(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
-                       const SeedsEstimate& end, const ModelOnTheWay& way) {
+                       const SeedsEstimate& end, const StageTiming& last, const KeptModel& way) {
   SeedsStages stages = stages_of(config, task.stage_seed, {}, 0);
   stages.corners = nullptr;
   stages.poses = [&end](const Capture&, const SeedsEstimate&) { return end.poses; };
   stages.splats = [&way](const Capture&, const SeedsEstimate&) { return way.model; };
   SeedsEstimate estimate = run_seeds(task.run->capture, config, stages);
   std::vector<StageTiming> timings;
-  StageTiming training = way.since_start;
-  training.stage = "splats";
-  for (const StageTiming& timing : end.timings) {
-    if (!is_before_training(timing)) continue;
+  for (StageTiming timing : end.timings) {
+    if (timing.stage == "splats") {  // without the steps that came after
+      timing.wall_s -= last.wall_s - way.seconds.wall_s;
+      timing.cpu_s -= last.cpu_s - way.seconds.cpu_s;
+      timing.peak_rss_mb = way.seconds.peak_rss_mb;
+      timing.peak_above_start_mb = way.seconds.peak_above_start_mb;
+    } else if (!is_before_training(timing)) {
+      continue;
+    }
     timings.push_back(timing);
-    training.wall_s -= timing.wall_s;
-    training.cpu_s -= timing.cpu_s;
   }
-  timings.push_back(training);
   for (const StageTiming& timing : estimate.timings) {
     if (!is_before_training(timing) && timing.stage != "splats") timings.push_back(timing);
   }
@@ -114,22 +110,30 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   config.method = method;
   SeedsScoreLabels labels = task.labels;
   labels.method = std::string(to_string(method));
-  const StageClock clock("chain");
-  std::vector<ModelOnTheWay> on_the_way;
-  const auto take = [&](int step, double, const SplatModel& model) {
-    on_the_way.push_back({step, clock.finish(), model});
-  };
-  const auto steps = [&](int done, int all) {
-    if (task.progress) task.progress("perceive: " + labels.method + ", step", done, all);
-  };
-  const SeedsStages stages = stages_of(config, task.stage_seed, {}, 0, {steps, {task.at, take}});
-  MeasuredModel result;
-  result.estimate = run_seeds(task.run->capture, config, stages);
+  const KeptTraining kept(task.unfinished.empty() ? task.unfinished
+                                                  : task.unfinished / labels.method);
   const int last =
       method == SeedsMethod::splats_paper ? config.splats.reference_steps : config.splats.steps;
+  SplatWatch watch;
+  watch.progress = [&](int done, int all) {
+    if (task.progress) task.progress("perceive: " + labels.method + ", step", done, all);
+  };
+  watch.snapshots = kept.snapshots(task.at);
+  watch.checkpoint = kept.checkpoint();
+  StageTiming before, steps;
+  watch.end = [&](const SplatTraining& training) {
+    before = seconds_before(training);
+    if (training.curve.empty()) return;
+    steps.wall_s = training.curve.back().wall_s;
+    steps.cpu_s = training.curve.back().cpu_s;
+  };
+  MeasuredModel result;
+  result.estimate =
+      run_seeds(task.run->capture, config, stages_of(config, task.stage_seed, {}, 0, watch));
+  add_seconds_before(before, result.estimate.timings);
   add_rows(task, config, result.estimate, after_steps(labels, last), true, result.file);
-  for (const ModelOnTheWay& way : on_the_way) {
-    add_rows(task, config, measured(task, config, result.estimate, way),
+  for (const KeptModel& way : kept.models(task.at)) {
+    add_rows(task, config, measured(task, config, result.estimate, steps, way),
              after_steps(labels, way.step), false, result.file);
   }
   return result;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 #include "benchmarks/learned/learned_distance.h"
@@ -18,6 +19,8 @@ struct SeedsTrainingTask {
   const LearnedDistance* learned = nullptr;
   Progress progress;
   std::vector<int> at;  ///< steps after which a model is measured, beside its last
+  /// Trainings that were stopped go on from here, in a folder a method; empty: none do.
+  std::filesystem::path unfinished;
 };
 
 struct MeasuredModel {

@@ -100,6 +100,7 @@ std::vector<ShardResult> run_shards(
       try {
         result.text = job.run();
         write_file(file, key_hash + "\n" + result.text);
+        if (!job.unfinished.empty()) fs::remove_all(job.unfinished);
       } catch (const std::exception& error) {
         result.error = error.what();
         result.failure = std::current_exception();

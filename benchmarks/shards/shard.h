@@ -26,6 +26,8 @@ struct ShardJob {
   std::string
       key;  ///< everything the result depends on; a finished result with another key is made anew
   std::function<std::string()> run;
+  /// Where the job keeps what it would go on from, if anywhere; removed when its result is written.
+  std::filesystem::path unfinished;
 };
 struct ShardResult {
   std::string name;

@@ -253,7 +253,9 @@ SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const Star
     if (watch.progress) watch.progress(point.step, stop_after);
     return point.step < stop_after;
   };
-  SplatTraining trained = train_splats(views, start, training, go_on, {}, watch.snapshots);
+  SplatTraining trained =
+      train_splats(views, start, training, go_on, watch.checkpoint, watch.snapshots);
+  if (watch.end) watch.end(trained);
   switch (trained.status) {
     case SplatTrainStatus::ok:
     case SplatTrainStatus::stopped:

@@ -68,6 +68,9 @@ using StepProgress = std::function<void(int done, int steps)>;
 struct SplatWatch {
   StepProgress progress;
   SplatSnapshots snapshots;
+  SplatCheckpoint checkpoint;  ///< none: a training that is stopped begins anew
+  /// Told how it ended, before the model is taken out.
+  std::function<void(const SplatTraining& training)> end;
 };
 
 /// Poses by COLMAP for the views of a training; frames that found no place have none.

@@ -11,7 +11,7 @@ namespace cousin {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
-constexpr std::string_view kMagic = "cousin splat training 1\n";
+constexpr std::string_view kMagic = "cousin splat training 2\n";
 constexpr std::size_t kHash = 64;  ///< characters
 
 /// Numbers and texts, one after the other.
@@ -117,7 +117,7 @@ void write_training(const std::filesystem::path& file, const SavedTraining& save
   bytes.add(state.origin_in_world_m.data(), 3 * sizeof(double));
   bytes.add(state.values.size()).add(static_cast<int>(saved.curve.size()));
   for (const SplatTrainPoint& p : saved.curve) {
-    bytes.add(p.step).add(p.wall_s).add(p.loss).add(p.splats);
+    bytes.add(p.step).add(p.wall_s).add(p.cpu_s).add(p.loss).add(p.splats);
   }
   add_planes(bytes, state.values);
   add_planes(bytes, state.first_moment);
@@ -153,7 +153,7 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
   taker.take(state.origin_in_world_m.data(), 3 * sizeof(double));
   const int size = taker.take<int>();
   const int points = taker.take<int>();
-  const std::size_t bytes_a_point = 2 * sizeof(int) + 2 * sizeof(double);
+  const std::size_t bytes_a_point = 2 * sizeof(int) + 3 * sizeof(double);
   if (size < 0 || points < 0 ||
       static_cast<std::size_t>(size) * a_splat + static_cast<std::size_t>(points) * bytes_a_point !=
           taker.left()) {
@@ -164,6 +164,7 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
     SplatTrainPoint p;
     p.step = taker.take<int>();
     p.wall_s = taker.take<double>();
+    p.cpu_s = taker.take<double>();
     p.loss = taker.take<double>();
     p.splats = taker.take<int>();
     saved.curve.push_back(p);

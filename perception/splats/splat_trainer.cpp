@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numeric>
 
 #include "perception/splats/splat_growth.h"
@@ -25,6 +26,17 @@ class Lap {
  private:
   double& sum_;
   Clock::time_point start_;
+};
+
+/// CPU seconds of all threads.
+class CpuLap {
+ public:
+  explicit CpuLap(double& sum) : sum_(sum), start_(std::clock()) {}
+  ~CpuLap() { sum_ += static_cast<double>(std::clock() - start_) / CLOCKS_PER_SEC; }
+
+ private:
+  double& sum_;
+  std::clock_t start_;
 };
 
 /// 1.1 times the largest distance of a camera from their mean, as the reference.
@@ -112,6 +124,7 @@ const ColorPlanes& SplatTrainer::photograph_before(const SplatViewLevel& level,
 
 SplatTrainer::Step SplatTrainer::step() {
   const Lap total(seconds_.total);
+  const CpuLap total_cpu(seconds_.total_cpu);
   // Views in an order of their own each time round.
   const std::size_t round = static_cast<std::size_t>(state_.step) / views_.size();
   const std::size_t place = static_cast<std::size_t>(state_.step) % views_.size();

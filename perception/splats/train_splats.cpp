@@ -47,6 +47,14 @@ void check_views(std::span<const SplatView> views) {
   }
 }
 
+SavedTraining read_training_of(const std::string& fingerprint, const std::filesystem::path& file,
+                               int most_splats) {
+  SavedTraining saved = read_training(file, most_splats);
+  if (saved.fingerprint == fingerprint) return saved;
+  throw std::runtime_error(file.string() +
+                           ": the checkpoint is of other views, start or configuration");
+}
+
 SavedTraining begin_or_go_on(std::span<const SplatView> views, const SplatModel& start,
                              const SplatTrainConfig& config, const SplatCheckpoint& checkpoint) {
   SavedTraining saved;
@@ -56,13 +64,12 @@ SavedTraining begin_or_go_on(std::span<const SplatView> views, const SplatModel&
   }
   const std::string fingerprint = training_fingerprint(views, start, config);
   if (std::filesystem::exists(checkpoint.file)) {
-    const int most = std::max(config.most_splats, static_cast<int>(start.splats.size()));
-    saved = read_training(checkpoint.file, most);
-    if (saved.fingerprint != fingerprint) {
-      throw std::runtime_error(checkpoint.file.string() +
-                               ": the checkpoint is of other views, start or configuration");
+    try {
+      return read_training_of(fingerprint, checkpoint.file,
+                              std::max(config.most_splats, static_cast<int>(start.splats.size())));
+    } catch (const std::runtime_error&) {
+      if (!checkpoint.replaces_other) throw;
     }
-    return saved;
   }
   saved.fingerprint = fingerprint;
   saved.state = start_training(start);
@@ -117,12 +124,21 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   if (training.status != SplatTrainStatus::ok) return training;
 
   training.curve = std::move(saved.curve);
-  const double before_s = training.curve.empty() ? 0 : training.curve.back().wall_s;
+  const SplatTrainPoint before = training.curve.empty() ? SplatTrainPoint{} : training.curve.back();
   SplatTrainer trainer(views, config, std::move(saved.state));
   double loss_sum = saved.loss_sum;
   int loss_count = saved.loss_count;
   int blind = 0;
-  while (trainer.state().step < config.steps) {
+  const auto point_now = [&](double loss) {
+    return SplatTrainPoint{trainer.state().step, before.wall_s + trainer.seconds().total,
+                           before.cpu_s + trainer.seconds().total_cpu, loss,
+                           trainer.state().values.size()};
+  };
+  if (progress && before.step > 0 && before.step == trainer.state().step &&
+      before.step < config.steps && !progress(before)) {
+    training.status = SplatTrainStatus::stopped;
+  }
+  while (training.status == SplatTrainStatus::ok && trainer.state().step < config.steps) {
     const SplatTrainer::Step step = trainer.step();
     const int done = trainer.state().step;
     blind = step.shown == 0 ? blind + 1 : 0;
@@ -132,13 +148,12 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     }
     if (snapshots.take && training.status == SplatTrainStatus::ok &&
         std::find(snapshots.at.begin(), snapshots.at.end(), done) != snapshots.at.end()) {
-      snapshots.take(done, before_s + trainer.seconds().total, learned(trainer, config));
+      snapshots.take(point_now(step.loss), learned(trainer, config));
     }
     loss_sum += step.loss;
     ++loss_count;
     if (done % config.report_every == 0 || done == config.steps) {
-      training.curve.push_back({done, before_s + trainer.seconds().total, loss_sum / loss_count,
-                                trainer.state().values.size()});
+      training.curve.push_back(point_now(loss_sum / loss_count));
       loss_sum = 0;
       loss_count = 0;
       if (progress && training.status == SplatTrainStatus::ok && !progress(training.curve.back()) &&
@@ -152,7 +167,6 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
       write_training(checkpoint.file,
                      {saved.fingerprint, trainer.state(), training.curve, loss_sum, loss_count});
     }
-    if (stops) break;
   }
   training.seconds = trainer.seconds();
   training.model = learned(trainer, config);

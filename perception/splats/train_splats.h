@@ -24,14 +24,17 @@ std::string to_string(SplatTrainStatus status);
 
 struct SplatTrainPoint {
   int step = 0;
-  double wall_s = 0;  ///< since training began, this run's and those it goes on from
-  double loss = 0;    ///< mean since the point before
+  /// Since training began, in steps alone: this run's and those it goes on from. CPU is of all
+  /// threads of the process.
+  double wall_s = 0, cpu_s = 0;
+  double loss = 0;  ///< mean since the point before
   int splats = 0;
 };
 
 /// Seconds of wall time in each stage.
 struct SplatTrainSeconds {
   double draw = 0, loss = 0, gradients = 0, update = 0, grow = 0, total = 0;
+  double total_cpu = 0;  ///< of all threads of the process
 };
 
 struct SplatTraining {
@@ -45,18 +48,21 @@ struct SplatTraining {
 struct SplatCheckpoint {
   std::filesystem::path file;  ///< empty = none. If it exists, training goes on from it
   int every = 500;             ///< steps
+  /// A file that is of another training, or that is damaged, is begun anew in place of an error.
+  bool replaces_other = false;
 };
 
-/// Called at every point of the curve; false stops training.
+/// Called at every point of the curve; false stops training. One that goes on from a point calls it
+/// there first, so that a training that was left for good takes no more steps.
 using SplatProgress = std::function<bool(const SplatTrainPoint& point)>;
 
 /// Called after each of `at` steps with what has been learned so far. It changes no byte of the
 /// training.
 struct SplatSnapshots {
   std::vector<int> at;
-  /// @param wall_s  as in SplatTrainPoint: without the seconds that snapshots take
+  /// @param point  its loss is of this step alone; seconds are without those that snapshots take
   /// @param model  without `views_seen`
-  std::function<void(int step, double wall_s, const SplatModel& model)> take;
+  std::function<void(const SplatTrainPoint& point, const SplatModel& model)> take;
 };
 
 /// Fits Gaussians to photographs with known poses [Kerbl et al., ACM TOG 42(4), 2023]. The same
@@ -65,7 +71,7 @@ struct SplatSnapshots {
 /// @param start  its origin stays; degree is the configuration's
 /// @throws std::invalid_argument if the configuration, a camera, or an image's size is invalid
 /// @throws std::runtime_error if the checkpoint cannot be read or written, or is of another
-/// training
+/// training and not to be replaced
 SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& start,
                            const SplatTrainConfig& config, const SplatProgress& progress = {},
                            const SplatCheckpoint& checkpoint = {},

@@ -329,8 +329,9 @@ TEST(SeedsSplats, WhatIsHeldOutChangesNothing) {
   so_far.poses = made.poses;
   std::vector<int> taken;
   const auto model_of = [&] {
-    const SplatSnapshots snapshots{
-        {10}, [&](int step, double, const SplatModel&) { taken.push_back(step); }};
+    const SplatSnapshots snapshots{{10}, [&](const SplatTrainPoint& point, const SplatModel&) {
+                                     taken.push_back(point.step);
+                                   }};
     return seeds_stages(config, 1, {{}, snapshots}).splats(made.capture, so_far);
   };
   const auto bytes_of = [](const SplatModel& model) {

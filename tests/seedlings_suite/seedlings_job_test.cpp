@@ -155,6 +155,35 @@ TEST(SeedlingsJobs, ATinyJobOfEachMethodLearnsItsPhotographs) {
   }
 }
 
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+// A job that dies after its training, before its result is written: the next process trains no
+// more, and says the same seconds and scores.
+TEST(SeedlingsJobs, WhatWasTrainedBeforeIsNotTrainedAgain) {
+  const fs::path folder = fs::path(testing::TempDir()) / "seedlings_job_unfinished";
+  LastCaptures captures;
+  for (const char* method : {kReference, kOurs}) {
+    fs::remove_all(folder);
+    const SeedlingsJob job = tiny_job(method, {20, 60});
+    const ScoreFile alone = run_seedlings_job(job, 2, captures);
+    const ScoreFile first = run_seedlings_job(job, 2, captures, {}, folder);
+    const ScoreFile again = run_seedlings_job(job, 2, captures, {}, folder);
+    ASSERT_EQ(first.scores.size(), alone.scores.size()) << method;
+    ASSERT_EQ(first.scores.size(), again.scores.size()) << method;
+    for (std::size_t i = 0; i < first.scores.size(); ++i) {
+      const ScoreRow& row = first.scores[i];
+      if (row.metric.starts_with("seconds.photographs")) continue;
+      EXPECT_EQ(row.metric, again.scores[i].metric);
+      EXPECT_TRUE(same(row.value, again.scores[i].value)) << row.metric;
+      EXPECT_TRUE(same(row.wall_s, again.scores[i].wall_s)) << row.metric;
+      if (!row.metric.starts_with("seconds")) {
+        EXPECT_TRUE(same(row.value, alone.scores[i].value)) << row.metric;
+      }
+    }
+  }
+  fs::remove_all(folder);
+}
+
 TEST(SeedlingsJobs, ShownJobsKeepPictures) {
   const fs::path folder = fs::path(testing::TempDir()) / "seedlings_job_pictures";
   fs::remove_all(folder);

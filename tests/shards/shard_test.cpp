@@ -89,6 +89,18 @@ TEST_F(ShardFolder, FinishedJobsAreNotRunAgain) {
   EXPECT_TRUE(again[3].reused);
 }
 
+TEST_F(ShardFolder, WhatAJobWouldGoOnFromIsRemovedWithItsResult) {
+  std::vector<ShardJob> both = jobs(2);
+  for (ShardJob& job : both) {
+    job.unfinished = folder_ / "unfinished" / job.name;
+    fs::create_directories(job.unfinished);
+  }
+  both[1].run = []() -> std::string { throw std::runtime_error("stopped half way"); };
+  run_shards(folder_, both, {});
+  EXPECT_FALSE(fs::exists(both[0].unfinished));
+  EXPECT_TRUE(fs::exists(both[1].unfinished));
+}
+
 TEST_F(ShardFolder, AnotherKeyOrADamagedFileIsMadeAnew) {
   run_shards(folder_, jobs(2), {});
   run_shards(folder_, jobs(2, "other"), {});

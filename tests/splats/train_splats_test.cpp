@@ -8,7 +8,10 @@
 #include <fstream>
 #include <thread>
 
+#include "benchmarks/splats/kept_training.h"
+#include "perception/splats/splat_ply.h"
 #include "perception/splats/splat_render.h"
+#include "sim/dataset/atomic_file.h"
 #include "tests/splats/random_splats.h"
 
 namespace cousin {
@@ -128,9 +131,11 @@ TEST(TrainSplats, SnapshotsChangeNoByteAndTheirSecondsDoNotCount) {
     SplatModel last;
     const SplatTraining watched =
         train_splats(views, start_model(80), config, {}, {},
-                     {{7, 160, 900}, [&](int step, double wall_s, const SplatModel& model) {
-                        steps.push_back(step);
-                        seconds.push_back(wall_s);
+                     {{7, 160, 900}, [&](const SplatTrainPoint& point, const SplatModel& model) {
+                        steps.push_back(point.step);
+                        seconds.push_back(point.wall_s);
+                        EXPECT_EQ(point.splats, static_cast<int>(model.splats.size()));
+                        EXPECT_GT(point.cpu_s, 0);
                         last = model;
                         std::this_thread::sleep_for(std::chrono::duration<double>(kPause_s));
                       }});
@@ -159,7 +164,8 @@ TEST(TrainSplats, SnapshotsGoOnWithTheTraining) {
   std::vector<double> seconds;
   const SplatTraining rest = train_splats(
       views, start_model(80), config, {}, {file, 40},
-      {{40, 100}, [&](int, double wall_s, const SplatModel&) { seconds.push_back(wall_s); }});
+      {{40, 100},
+       [&](const SplatTrainPoint& point, const SplatModel&) { seconds.push_back(point.wall_s); }});
   ASSERT_EQ(seconds.size(), 1u);  // step 40 was before
   ASSERT_EQ(rest.curve.size(), 8u);
   EXPECT_GE(seconds[0], rest.curve[3].wall_s);
@@ -211,6 +217,76 @@ TEST_F(SplatCheckpointTest, AStoppedTrainingEndsInTheSameBytes) {
     for (std::size_t i = 0; i < rest.curve.size(); ++i) {
       EXPECT_EQ(rest.curve[i].loss, whole.curve[i].loss);
     }
+  }
+}
+
+// The reference's schedule is left early: whoever asks again after that gets the same model.
+TEST_F(SplatCheckpointTest, ATrainingThatWasLeftTakesNoMoreSteps) {
+  const std::vector<SplatView> views = views_of(true_model(), 5);
+  const SplatTrainConfig config = quick_config(SplatGrowth::budgeted);
+  const SplatCheckpoint checkpoint = {folder_ / "c", 33};
+  const auto leave = [](const SplatTrainPoint& point) { return point.step < 80; };
+  const SplatTraining left = train_splats(views, start_model(150), config, leave, checkpoint);
+  const SplatTraining again = train_splats(views, start_model(150), config, leave, checkpoint);
+  EXPECT_EQ(again.status, SplatTrainStatus::stopped);
+  EXPECT_EQ(again.seconds.total, 0);
+  ASSERT_EQ(again.curve.size(), left.curve.size());
+  EXPECT_EQ(again.curve.back().step, left.curve.back().step);
+  EXPECT_EQ(again.curve.back().wall_s, left.curve.back().wall_s);
+  EXPECT_EQ(again.curve.back().cpu_s, left.curve.back().cpu_s);
+  ASSERT_EQ(again.model.splats.size(), left.model.splats.size());
+  for (std::size_t i = 0; i < left.model.splats.size(); ++i) {
+    EXPECT_EQ(again.model.splats[i].centre_m, left.model.splats[i].centre_m);
+    EXPECT_EQ(again.model.splats[i].sh_rest, left.model.splats[i].sh_rest);
+  }
+}
+
+TEST_F(SplatCheckpointTest, ForeignAndDamagedOnesAreReplacedWhereThatIsAskedFor) {
+  const std::vector<SplatView> views = views_of(true_model(), 3);
+  SplatTrainConfig config = quick_config(SplatGrowth::fixed);
+  config.steps = 6;
+  const SplatTraining alone = train_splats(views, start_model(20), config);
+  const SplatCheckpoint checkpoint = {folder_ / "c", 2, true};
+  config.steps = 4;
+  (void)train_splats(views, start_model(20), config, {}, checkpoint);
+  config.steps = 6;
+  EXPECT_TRUE(
+      same_bytes(train_splats(views, start_model(20), config, {}, checkpoint).model, alone.model));
+  std::ofstream(checkpoint.file, std::ios::binary) << "half a file";
+  EXPECT_TRUE(
+      same_bytes(train_splats(views, start_model(20), config, {}, checkpoint).model, alone.model));
+  // What was written in its place is a checkpoint of this training.
+  EXPECT_EQ(train_splats(views, start_model(20), config, {}, {checkpoint.file, 2}).seconds.total,
+            0);
+}
+
+// A process that dies between two steps: what it had kept and what the next one keeps are together
+// what one process would have.
+TEST_F(SplatCheckpointTest, KeptModelsOfTwoProcessesAreThoseOfOne) {
+  const std::vector<SplatView> views = views_of(true_model(), 4);
+  SplatTrainConfig config = quick_config(SplatGrowth::budgeted);
+  const std::vector<int> at = {20, 60, 100};
+  const KeptTraining memory({});
+  EXPECT_TRUE(memory.checkpoint().file.empty());
+  (void)train_splats(views, start_model(60), config, {}, memory.checkpoint(), memory.snapshots(at));
+  const std::vector<KeptModel> whole = memory.models(at);
+  const auto stop = [](const SplatTrainPoint& point) { return point.step < 60; };
+  const KeptTraining first(folder_ / "kept");
+  (void)train_splats(views, start_model(60), config, stop, first.checkpoint(), first.snapshots(at));
+  EXPECT_EQ(first.models(at).size(), 2u);
+  const KeptTraining second(folder_ / "kept");
+  (void)train_splats(views, start_model(60), config, {}, second.checkpoint(), second.snapshots(at));
+  const std::vector<KeptModel> parts = second.models(at);
+  ASSERT_EQ(whole.size(), 3u);
+  ASSERT_EQ(parts.size(), 3u);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    EXPECT_EQ(parts[i].step, at[i]);
+    EXPECT_GT(parts[i].seconds.wall_s, i == 0 ? 0 : parts[i - 1].seconds.wall_s);
+    EXPECT_GE(parts[i].seconds.cpu_s, i == 0 ? 0 : parts[i - 1].seconds.cpu_s);
+    EXPECT_GT(parts[i].seconds.peak_rss_mb, 0);
+    write_splat_ply(folder_ / "whole.ply", whole[i].model);
+    write_splat_ply(folder_ / "parts.ply", parts[i].model);
+    EXPECT_EQ(read_file(folder_ / "whole.ply"), read_file(folder_ / "parts.ply"));
   }
 }
 
