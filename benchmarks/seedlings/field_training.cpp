@@ -99,9 +99,15 @@ TrainedField train_reference(const FieldPlan& plan, const FieldViews& views,
 TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const SplatModel& start,
                         std::uint64_t seed, const fs::path& unfinished) {
   TrainedField field;
-  for (const int steps : plan.at) {
+  if (!plan.most_splats.empty() && plan.most_splats.size() != plan.at.size())
+    throw std::invalid_argument(plan.method + ": " + std::to_string(plan.most_splats.size()) +
+                                " numbers of Gaussians for " + std::to_string(plan.at.size()) +
+                                " trainings");
+  for (std::size_t i = 0; i < plan.at.size(); ++i) {
+    const int steps = plan.at[i];
     SplatTrainConfig config;
     config.steps = steps;
+    if (!plan.most_splats.empty()) config.most_splats = plan.most_splats[i];
     config.seed = seed;
     TrainedField one =
         train_gaussians(config, {steps}, views, start,

@@ -24,6 +24,8 @@ struct FieldPlan {
   std::vector<int> at;
   int start_points = 20000;  ///< of Gaussians
   int ngp_samples = 65536;   ///< of a step of the radiance field, about
+  /// Ours: Gaussians that each of `at` may have; empty: as training has by default.
+  std::vector<int> most_splats = {};
 };
 
 struct TrainedField {

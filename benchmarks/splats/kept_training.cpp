@@ -55,9 +55,9 @@ std::vector<KeptModel> KeptTraining::models(const std::vector<int>& at) const {
     }
     const fs::path own = folder_ / std::to_string(step);
     if (!fs::exists(model_file(own))) continue;
-    models.push_back({step, read_timings(own).at(0),
-                      read_splat_ply(model_file(own), {.invalid = SplatPlyConfig::Invalid::refuse})
-                          .model});
+    models.push_back(
+        {step, read_timings(own).at(0),
+         read_splat_ply(model_file(own), {.invalid = SplatPlyConfig::Invalid::refuse}).model});
   }
   return models;
 }

@@ -11,6 +11,7 @@
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/simulate.h"
 #include "benchmarks/seeds/truth_stages.h"
+#include "perception/splats/splat_ply.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/seam_io.h"
 #include "sim/dataset/truth_io.h"
@@ -164,10 +165,31 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
   pipeline.method = SeedsMethod::splats;
   pipeline.splats.steps = 800;
   pipeline.splats.most_splats = 12000;
-  const SeedsScores splats = score_run(
-      run.truth, perceive_seeds(run.capture, pipeline, 3, {}, 0, {}), {.method = "splats"});
+  const SeedsEstimate whole = perceive_seeds(run.capture, pipeline, 3, {}, 0, {});
+  const SeedsScores splats = score_run(run.truth, whole, {.method = "splats"});
   ASSERT_EQ(splats.specimens.size(), 10U);
   EXPECT_LT(worst_length_m(splats), 2e-3);
+
+  // Stopped in the middle of its training, the same command goes on to the same Gaussians.
+  const fs::path folder = fs::path(testing::TempDir()) / "closed_loop_stopped";
+  fs::remove_all(folder);
+  const Progress stop = [](const std::string& what, int done, int) {
+    if (what.find("splats, step") != std::string::npos && done >= 600)
+      throw std::runtime_error("stopped");
+  };
+  EXPECT_THROW((void)perceive_seeds(run.capture, pipeline, 3, {}, 0, folder, stop), StageError);
+  EXPECT_TRUE(fs::exists(folder / "splats.unfinished"));
+  int least = pipeline.splats.steps;
+  const Progress watch = [&least](const std::string& what, int done, int) {
+    if (what.find("splats, step") != std::string::npos) least = std::min(least, done);
+  };
+  const SeedsEstimate rest = perceive_seeds(run.capture, pipeline, 3, {}, 0, folder, watch);
+  EXPECT_GE(least, 500);
+  EXPECT_FALSE(fs::exists(folder / "splats.unfinished"));
+  write_splat_ply(folder / "whole.ply", whole.splats);
+  write_splat_ply(folder / "rest.ply", rest.splats);
+  EXPECT_EQ(bytes_of(folder / "whole.ply"), bytes_of(folder / "rest.ply"));
+  fs::remove_all(folder);
 }
 
 TEST(ClosedLoop, APlainBoardsFrameIsTurnedToTheTruths) {
