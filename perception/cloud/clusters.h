@@ -18,12 +18,14 @@ struct PaperClusterConfig {
 };
 Fields fields(PaperClusterConfig& config);
 void validate(const PaperClusterConfig& config);
-/// The cloud after outlier removal and voxel grid, with what is off the plane clustered; what lies
-/// in the plane or below it (on the side with fewer points) is no seed. Points that are not finite
-/// are left out. PCL works in float: the cloud is centred first. Instances are ordered by their
-/// first point. A cloud too small for a plane has no clusters.
+/// The cloud after outlier removal and voxel grid, with what is above the plane clustered; what
+/// lies in the plane or below it is no seed: centres of Gaussians hang there by the thousand.
+/// Points that are not finite are left out. PCL works in float: the cloud is centred first.
+/// Instances are ordered by their first point. A cloud too small for a plane has no clusters.
+/// @param up  from the board to where it is photographed from, of any length
 /// @throws std::runtime_error if built without PCL.
-Clusters cluster_as_paper(const Cloud& cloud, const PaperClusterConfig& config, Rng rng);
+Clusters cluster_as_paper(const Cloud& cloud, const PaperClusterConfig& config, Rng rng,
+                          const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 
 /// Ours: the board's plane is known (z = 0), points below `min_height_m` are the board, colour
 /// separates what is left of it.

@@ -116,7 +116,8 @@ PclCloud::Ptr in_voxels(const PclCloud::Ptr& cloud, double voxel_m) {
 }
 
 /// Indices of what stands on the plane; empty if there is no plane.
-pcl::IndicesPtr above_plane(const PclCloud::Ptr& cloud, double distance_m, std::uint32_t seed) {
+pcl::IndicesPtr above_plane(const PclCloud::Ptr& cloud, double distance_m, std::uint32_t seed,
+                            const Eigen::Vector3d& up) {
   auto above = std::make_shared<pcl::Indices>();
   if (cloud->size() < 3) return above;
   const auto model = std::make_shared<SeededPlane>(cloud, seed);
@@ -129,20 +130,18 @@ pcl::IndicesPtr above_plane(const PclCloud::Ptr& cloud, double distance_m, std::
   ransac.getInliers(inliers);
   ransac.getModelCoefficients(plane);
   model->optimizeModelCoefficients(inliers, plane, refined);
-  // Seeds lie on the side with more points; the print has nothing below it.
-  pcl::Indices sides[2];
+  if (refined.head<3>().dot(up.cast<float>()) < 0) refined = -refined;
   for (std::size_t i = 0; i < cloud->size(); ++i) {
     const float d = refined.head<3>().dot((*cloud)[i].getVector3fMap()) + refined[3];
-    if (std::abs(d) > static_cast<float>(distance_m))
-      sides[d > 0 ? 1 : 0].push_back(static_cast<int>(i));
+    if (d > static_cast<float>(distance_m)) above->push_back(static_cast<int>(i));
   }
-  *above = sides[1].size() >= sides[0].size() ? std::move(sides[1]) : std::move(sides[0]);
   return above;
 }
 
 }  // namespace
 
-Clusters cluster_as_paper(const Cloud& cloud, const PaperClusterConfig& config, Rng rng) {
+Clusters cluster_as_paper(const Cloud& cloud, const PaperClusterConfig& config, Rng rng,
+                          const Eigen::Vector3d& up) {
   validate(config);
   Clusters result;
   Eigen::Vector3d mean_m;
@@ -151,8 +150,8 @@ Clusters cluster_as_paper(const Cloud& cloud, const PaperClusterConfig& config, 
   points = in_voxels(without_outliers(points, config), config.voxel_m);
   for (const auto& p : *points) result.cloud.push_back(from_pcl(p, mean_m));
   result.instance.assign(points->size(), -1);
-  const pcl::IndicesPtr above =
-      above_plane(points, config.plane_distance_m, static_cast<std::uint32_t>(rng.fork("plane")()));
+  const pcl::IndicesPtr above = above_plane(points, config.plane_distance_m,
+                                            static_cast<std::uint32_t>(rng.fork("plane")()), up);
   if (above->empty()) return result;
 
   pcl::EuclideanClusterExtraction<PaperPoint> extraction;

@@ -42,8 +42,12 @@ struct SeedsSplatConfig {
   double opacity_rate = 0.05;   ///< `splats`: likewise of opacities
   double start_opacity = 0.95;  ///< `splats`
   double raised_share = 0.5;    ///< `splats`: of the points at the start, those on grains
-  double least_opacity = 0.5;   ///< of a centre that becomes a point
-  int margin_px = 8;            ///< `splats`: kept around what a view shows of that volume
+  /// `splats_paper`: of a centre that becomes a point. Half of the reference's Gaussians are more
+  /// transparent than 0.2, on grains too: of maize (seed 1, 60 views of 1280 x 720, 5,000 steps)
+  /// the RMSE of length is 1.2, 1.3 and 1.6 mm with 0.05, 0.1 and 0.3; with 0.5 two grains are
+  /// lost.
+  double least_opacity = 0.05;
+  int margin_px = 8;  ///< `splats`: kept around what a view shows of that volume
   /// `splats_paper`: the same. Whole photographs, as in the paper: where they are cut, the loss is
   /// a mean over fewer pixels, and more Gaussians grow (204,000 of 60 views of maize, seed 1, in
   /// place of 112,000).

@@ -204,7 +204,22 @@ TEST(PaperClusters, BoardTiltedAndTurnedOverGivesTheSameSeeds) {
   Cloud cloud = board_with_seeds();
   const Eigen::Quaternionf turn(Eigen::AngleAxisf(2.5F, Eigen::Vector3f(1, 2, 0.5F).normalized()));
   for (CloudPoint& p : cloud) p.position_m = turn * p.position_m;
-  EXPECT_EQ(cluster_as_paper(cloud, {}, Rng(1)).count, static_cast<int>(kPlaces.size()));
+  const Eigen::Vector3d up = (turn * Eigen::Vector3f::UnitZ()).cast<double>();
+  EXPECT_EQ(cluster_as_paper(cloud, {}, Rng(1), up).count, static_cast<int>(kPlaces.size()));
+  EXPECT_EQ(cluster_as_paper(cloud, {}, Rng(1), -up).count, 0);
+}
+
+// Centres of Gaussians: more of them hang below the board than lie on the seeds.
+TEST(PaperClusters, WhatHangsBelowTheBoardIsNoSeed) {
+  Cloud cloud = board_with_seeds();
+  const std::size_t real = cloud.size();
+  Rng rng(4);
+  for (std::size_t i = 0; i < real; ++i) {
+    CloudPoint point = cloud[i];
+    point.position_m.z() = -0.001F - 0.004F * static_cast<float>(uniform(rng));
+    cloud.push_back(point);
+  }
+  expect_a_cluster_at_each_place(cluster_as_paper(cloud, {}, Rng(1)));
 }
 
 TEST(PaperClusters, FarFromTheOriginCountsTheSame) {
