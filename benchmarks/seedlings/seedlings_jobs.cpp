@@ -4,6 +4,7 @@
 
 #include "benchmarks/seedlings/sample_pictures.h"
 #include "benchmarks/seedlings/seedlings_rows.h"
+#include "perception/splats/splat_train_config.h"
 
 namespace cousin {
 namespace {
@@ -41,6 +42,7 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
             {{"10 views", 10, false}, {"30 views of one side", 30, true}},
             {}};
   }
+  const int usual = SplatTrainConfig().most_splats;
   return {config.samples,
           400,
           300,
@@ -49,7 +51,7 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
           {500, 1000, 2000, 5000, 7000},
           {500, 1000, 2000, 5000, 7000, 10000, 30000},
           {500, 1000, 2000, 5000, 7000},
-          {30000, 30000, 30000, 30000, kOurMostSplats},
+          {usual, usual, usual, usual, kOurMostSplats},
           {500, 2000},
           {{"20 views", 20, false}, {"10 views", 10, false}, {"30 views of one side", 30, true}},
           {60, 120}};

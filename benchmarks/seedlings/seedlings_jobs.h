@@ -17,8 +17,8 @@ struct SeedlingsSuiteConfig {
   int samples = 3;               ///< trays, each under every light
   bool quick = false;            ///< one tray, small photographs, few steps: minutes
   std::filesystem::path report;  ///< folder for pictures of the page; empty: none
-  std::filesystem::path
-      unfinished;               ///< trainings that were stopped go on from here; empty: none do
+  /// Trainings that were stopped go on from here, in a folder a job; empty: none do.
+  std::filesystem::path unfinished;
   std::filesystem::path lpips;  ///< network that images are scored by too; empty: none
 };
 

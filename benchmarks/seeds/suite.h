@@ -20,8 +20,8 @@ struct SeedsSuiteConfig {
   std::filesystem::path captures;  ///< keeps what is rendered for later runs; empty = nowhere
   /// Where jobs leave what the page shows of them, as scenes of their names; empty = nowhere.
   std::filesystem::path report;
-  std::filesystem::path
-      unfinished;               ///< trainings that were stopped go on from here; empty: none do
+  /// Trainings that were stopped go on from here, in a folder a job; empty: none do.
+  std::filesystem::path unfinished;
   std::filesystem::path lpips;  ///< network that images of Gaussians are scored by; empty: none
 };
 

@@ -132,6 +132,7 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
       run_seeds(task.run->capture, config, stages_of(config, task.stage_seed, {}, 0, watch));
   add_seconds_before(before, result.estimate.timings);
   add_rows(task, config, result.estimate, after_steps(labels, last), true, result.file);
+  if (result.estimate.splats.splats.empty()) return result;
   for (const KeptModel& way : kept.models(task.at)) {
     add_rows(task, config, measured(task, config, result.estimate, steps, way),
              after_steps(labels, way.step), false, result.file);

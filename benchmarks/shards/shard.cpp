@@ -100,7 +100,8 @@ std::vector<ShardResult> run_shards(
       try {
         result.text = job.run();
         write_file(file, key_hash + "\n" + result.text);
-        if (!job.unfinished.empty()) fs::remove_all(job.unfinished);
+        std::error_code left;  // what cannot be removed costs room, not the result
+        if (!job.unfinished.empty()) fs::remove_all(job.unfinished, left);
       } catch (const std::exception& error) {
         result.error = error.what();
         result.failure = std::current_exception();
