@@ -93,6 +93,12 @@ FidelityPlanes fidelity_planes(const Image<Rgb8>& image) {
   return planes;
 }
 
+Image<std::uint8_t> counted_pixels(const Image<float>& weight) {
+  Image<std::uint8_t> mask(weight.width(), weight.height());
+  for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = weight.data()[i] >= 0.999F;
+  return mask;
+}
+
 double psnr_db(const FidelityPlanes& image, const FidelityPlanes& photograph,
                const Image<std::uint8_t>& mask) {
   require_sizes(image, photograph, mask, "psnr_db");

@@ -16,6 +16,10 @@ namespace cousin {
 using FidelityPlanes = std::array<Image<float>, 3>;
 FidelityPlanes fidelity_planes(const Image<Rgb8>& image);
 
+/// The mask of a photograph some of whose pixels say nothing, as borders that undistorting leaves:
+/// not zero where the weight is at least 0.999. No weights, no mask.
+Image<std::uint8_t> counted_pixels(const Image<float>& weight);
+
 /// 10 log10(1 / mean squared difference) over pixels and channels; infinite for equal images.
 double psnr_db(const FidelityPlanes& image, const FidelityPlanes& photograph,
                const Image<std::uint8_t>& mask = {});

@@ -9,9 +9,12 @@ namespace cousin {
 namespace {
 
 /// Not zero where the photograph shows more of the scene than of what is behind it.
-Image<std::uint8_t> objects_of(const SplatViewLevel& level) {
+Image<std::uint8_t> objects_of(const SplatViewLevel& level, const Image<std::uint8_t>& counted) {
   Image<std::uint8_t> mask(level.behind.width(), level.behind.height());
-  for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = level.behind.data()[i] < 0.5F;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const bool counts = counted.empty() || counted.data()[i] != 0;
+    mask.data()[i] = counts && level.behind.data()[i] < 0.5F;
+  }
   return mask;
 }
 
@@ -54,13 +57,16 @@ struct PhotographMeans {
            const LearnedDistance* learned) {
     const SplatViewLevel& level = photograph.view.levels.front();
     const FidelityPlanes& truth = level.color.channel;
-    const double part_db = psnr_db(image, truth), rest_db = -10 * std::log10(photograph.share);
+    const Image<std::uint8_t> counted = counted_pixels(level.weight);
+    const double part_db = psnr_db(image, truth, counted);
+    const double rest_db = -10 * std::log10(photograph.share);
     psnr.add(part_db);
     whole.add(part_db + rest_db);
-    whole_small.add(psnr_db(small(image), small(truth)) + rest_db);
-    if (!level.behind.empty()) object.add(psnr_db(image, truth, objects_of(level)));
-    ssim.add(cousin::ssim(image, truth));
-    flip.add(cousin::flip(image, truth));
+    const Image<std::uint8_t> counted_small = counted_pixels(small(level.weight));
+    whole_small.add(psnr_db(small(image), small(truth), counted_small) + rest_db);
+    if (!level.behind.empty()) object.add(psnr_db(image, truth, objects_of(level, counted)));
+    ssim.add(cousin::ssim(image, truth, counted));
+    flip.add(cousin::flip(image, truth, counted));
     if (learned) lpips.add(learned->between(image, truth));
   }
 

@@ -33,10 +33,11 @@ ScoredPhotograph made_small(const ScoredPhotograph& photograph);
 using SeedsImageRenderer = std::function<FidelityPlanes(const Camera&, const Pose&)>;
 
 /// How a model's images look beside photographs, means over them, "train." and, if there are any,
-/// "held_out.": `psnr`, `ssim` and `flip` of the part; `psnr_object` over what is not green;
-/// `psnr_whole` over the whole photograph, as the Seeds paper has it, whose rest is black in both;
-/// `psnr_whole_small`, the same for pixels averaged to a third of the size; and with a network
-/// `lpips`. @param base  labels, seconds and memory of the training
+/// "held_out.", of pixels whose weight is whole: `psnr`, `ssim` and `flip` of the part;
+/// `psnr_object` over what is not green; `psnr_whole` over the whole photograph, as the Seeds paper
+/// has it, whose rest is black in both, so that this one, unlike those of a part, compares models
+/// trained on parts of different size; `psnr_whole_small`, the same for pixels averaged to a third
+/// of the size; and with a network `lpips`. @param base  labels, seconds and memory of the training
 std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photographs,
                                       const SeedsImageRenderer& render, const ScoreRow& base,
                                       const LearnedDistance* learned);

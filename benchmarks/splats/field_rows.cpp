@@ -18,13 +18,14 @@ namespace fs = std::filesystem;
 constexpr int kFoxSide_px = 480;
 constexpr int kFoxPoints = 20000;
 
-/// Mean over the held-out views.
+/// Mean over the held-out views, of pixels that their photographs have.
 template <class Render>
 double held_out_db(const PosedSet& set, const Render& render) {
   double sum = 0;
   for (const SplatView& view : set.test) {
     const SplatViewLevel& level = view.levels.front();
-    sum += psnr_db(render(level.camera, view.camera_from_world).channel, level.color.channel);
+    sum += psnr_db(render(level.camera, view.camera_from_world).channel, level.color.channel,
+                   counted_pixels(level.weight));
   }
   return sum / static_cast<double>(set.test.size());
 }

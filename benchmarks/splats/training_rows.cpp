@@ -52,8 +52,9 @@ void training_rows(std::vector<ScoreRow>& rows, const PosedSet& set, const Goal&
     const SplatViewLevel& level = view.levels.front();
     const ColorPlanes image =
         render_splats(training.model, level.camera, view.camera_from_world).color;
-    psnr += psnr_db(image.channel, level.color.channel) / views;
-    similarity += ssim(image.channel, level.color.channel) / views;
+    const Image<std::uint8_t> counted = counted_pixels(level.weight);
+    psnr += psnr_db(image.channel, level.color.channel, counted) / views;
+    similarity += ssim(image.channel, level.color.channel, counted) / views;
   }
   const auto add = [&](const std::string& metric, double value, const char* unit, std::size_t n) {
     ScoreRow next = row;

@@ -24,7 +24,8 @@ constexpr int kUpdateEvery = 16;  ///< steps between looks at densities
 constexpr int kCellShare = 4;     ///< later, a look takes one cell in this many
 constexpr float kThin = 0.01F;    ///< optical thickness of a step that counts as empty
 
-/// Adam's moments [Kingma & Ba 2015] with the reference's numbers.
+/// Adam's moments [Kingma & Ba 2015] with the reference's numbers; its mean of the weights over the
+/// last steps is left out.
 struct Moments {
   std::vector<float> first, second;
 };

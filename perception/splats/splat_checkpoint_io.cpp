@@ -11,7 +11,7 @@ namespace cousin {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
-constexpr std::string_view kMagic = "cousin splat training 2\n";
+constexpr std::string_view kMagic = "cousin splat training 3\n";
 constexpr std::size_t kHash = 64;  ///< characters
 
 /// Numbers and texts, one after the other.
@@ -115,7 +115,10 @@ void write_training(const std::filesystem::path& file, const SavedTraining& save
   bytes.add(saved.loss_sum).add(saved.loss_count);
   bytes.add(state.step).add(state.rest_updates).add(state.started_with);
   bytes.add(state.origin_in_world_m.data(), 3 * sizeof(double));
+  bytes.add(state.extent_m).add(saved.wall_s).add(saved.cpu_s);
   bytes.add(state.values.size()).add(static_cast<int>(saved.curve.size()));
+  bytes.add(static_cast<int>(state.near_m.size()));
+  bytes.add(state.near_m.data(), state.near_m.size() * sizeof(double));
   for (const SplatTrainPoint& p : saved.curve) {
     bytes.add(p.step).add(p.wall_s).add(p.cpu_s).add(p.loss).add(p.splats);
   }
@@ -151,8 +154,18 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
   state.rest_updates = taker.take<int>();
   state.started_with = taker.take<int>();
   taker.take(state.origin_in_world_m.data(), 3 * sizeof(double));
+  state.extent_m = taker.take<double>();
+  saved.wall_s = taker.take<double>();
+  saved.cpu_s = taker.take<double>();
   const int size = taker.take<int>();
   const int points = taker.take<int>();
+  const int views = taker.take<int>();
+  if (views < 0 || static_cast<std::size_t>(views) * sizeof(double) > taker.left()) {
+    throw std::runtime_error(name + ": " + std::to_string(views) +
+                             " views do not fit the checkpoint's size");
+  }
+  state.near_m.resize(static_cast<std::size_t>(views));
+  taker.take(state.near_m.data(), state.near_m.size() * sizeof(double));
   const std::size_t bytes_a_point = 2 * sizeof(int) + 3 * sizeof(double);
   if (size < 0 || points < 0 ||
       static_cast<std::size_t>(size) * a_splat + static_cast<std::size_t>(points) * bytes_a_point !=

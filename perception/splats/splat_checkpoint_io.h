@@ -14,7 +14,8 @@ struct SavedTraining {
   std::string fingerprint;  ///< of views, start and configuration
   SplatTrainState state;
   std::vector<SplatTrainPoint> curve;
-  double loss_sum = 0;  ///< since the curve's last point
+  double wall_s = 0, cpu_s = 0;  ///< of all steps, as in SplatTrainPoint
+  double loss_sum = 0;           ///< since the curve's last point
   int loss_count = 0;
 };
 

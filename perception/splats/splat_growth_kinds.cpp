@@ -107,10 +107,8 @@ void grow_adaptive(SplatTrainState& state, const SplatTrainConfig& config, doubl
                    const Rng& rng) {
   const SplatPlanes& values = state.values;
   std::vector<int> kept, chosen;
-  const bool was_reset = config.reset_every > 0 && state.step > config.reset_every * config.steps;
   for (int i = 0; i < values.size(); ++i) {
     if (splat_opacity(values, i) < config.least_opacity) continue;
-    if (was_reset && largest_scale_m(values, i) > config.largest_size * extent_m) continue;
     kept.push_back(i);
     if (mean_gradient(state, i) >= config.gradient_limit) chosen.push_back(i);
   }
@@ -123,6 +121,13 @@ void grow_adaptive(SplatTrainState& state, const SplatTrainConfig& config, doubl
       clear_moments(state, pair.first);
     }
   }
+  if (config.reset_every == 0 || state.step <= config.reset_every * config.steps) return;
+  // After the splits, as the reference: what is too large may have become two that are not.
+  std::vector<int> small;
+  for (int i = 0; i < state.values.size(); ++i) {
+    if (largest_scale_m(state.values, i) <= config.largest_size * extent_m) small.push_back(i);
+  }
+  gather(state, small);
 }
 
 void grow_budgeted(SplatTrainState& state, const SplatTrainConfig& config, double progress) {

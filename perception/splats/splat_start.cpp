@@ -115,17 +115,27 @@ std::vector<double> neighbour_scales(const std::vector<Eigen::Vector3d>& points_
   return scales;
 }
 
-/// Zero, or the mean where floats of the coordinates themselves would be too coarse.
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Zero, or the median where floats of the coordinates themselves would be too coarse for the
+/// half of the points nearest to it: a few far off decide nothing.
 Eigen::Vector3d origin_of(const std::vector<Eigen::Vector3d>& points_m) {
   if (points_m.empty()) return Eigen::Vector3d::Zero();
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : points_m) mean += p / static_cast<double>(points_m.size());
-  double spread = 0, largest = 0;
-  for (const Eigen::Vector3d& p : points_m) {
-    spread = std::max(spread, (p - mean).cwiseAbs().maxCoeff());
-    largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  Eigen::Vector3d middle;
+  double spread = 0;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> values;
+    values.reserve(points_m.size());
+    for (const Eigen::Vector3d& p : points_m) values.push_back(p[k]);
+    middle[k] = median(values);
+    for (double& value : values) value = std::abs(value - middle[k]);
+    spread = std::max(spread, median(values));
   }
-  return largest > kFarOff * spread ? mean : Eigen::Vector3d::Zero();
+  return middle.cwiseAbs().maxCoeff() > kFarOff * spread ? middle : Eigen::Vector3d::Zero();
 }
 
 /// Turns a round Gaussian's third axis along a normal and makes it thinner there.
@@ -193,10 +203,7 @@ SplatModel splats_from_points(std::span<const StartPoint> points, const SplatSta
   std::vector<double> scales = neighbour_scales(positions_m);
   double least = 0;
   if (points.size() > 1) {
-    std::vector<double> sorted = scales;
-    std::nth_element(sorted.begin(),
-                     sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    least = kLeastShare * sorted[sorted.size() / 2];
+    least = kLeastShare * median(scales);
   }
   SplatModel model;
   model.sh_degree = config.sh_degree;

@@ -66,7 +66,9 @@ struct SplatTrainConfig {
 };
 
 /// The reference's training: 30,000 steps at full size with its rates, schedule and density control
-/// [Kerbl et al. 2023, and the settings published with it].
+/// [Kerbl et al. 2023, and the settings published with it]. Adam moves only the Gaussians that a
+/// view shows, as with the published program's option sparse_adam; without it, moments move the
+/// others too.
 SplatTrainConfig reference_training();
 
 /// @throws std::invalid_argument naming the field, its value and the limits.

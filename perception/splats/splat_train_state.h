@@ -14,6 +14,9 @@ struct SplatTrainState {
   int rest_updates = 0;
   int started_with = 0;  ///< Gaussians
   Eigen::Vector3d origin_in_world_m = Eigen::Vector3d::Zero();
+  double extent_m = 0;         ///< of the scene, found at the start; 0 = not yet
+  std::vector<double> near_m;  ///< of each view, found when it is first shown after the Gaussians
+                               ///< changed in number; 0 = not yet
   SplatPlanes values, first_moment, second_moment;
   /// Since the last change of number: |gradient| of centres in images of width and height 2, and in
   /// how many images. One float a Gaussian, padded.

@@ -68,14 +68,15 @@ SplatTrainer::SplatTrainer(std::span<const SplatView> views, const SplatTrainCon
     : config_(config),
       state_(std::move(state)),
       views_(views),
-      near_m_(views.size(), std::numeric_limits<double>::quiet_NaN()),
       kernels_(best_splat_kernels()),
       loss_({.ssim_share = config.ssim_share}) {
-  extent_m_ = extent_of(views_);
+  state_.near_m.resize(views_.size(), 0);
+  if (state_.extent_m > 0) return;
+  state_.extent_m = extent_of(views_);
   // One view, or all from one place: their distance to the start stands in.
   const Pose& first = views_.front().camera_from_world;
   const double depth = near_depth_m(state_.values, first, state_.origin_in_world_m, 1);
-  if (extent_m_ < 1e-6 * depth) extent_m_ = depth;
+  if (state_.extent_m < 1e-6 * depth) state_.extent_m = depth;
 }
 
 std::size_t SplatTrainer::level_now() const {
@@ -85,12 +86,13 @@ std::size_t SplatTrainer::level_now() const {
 
 SplatCamera SplatTrainer::camera_of(std::size_t view, std::size_t level) {
   const SplatView& pyramid = views_[view];
-  if (std::isnan(near_m_[view])) {
-    near_m_[view] = near_depth_m(state_.values, pyramid.camera_from_world, state_.origin_in_world_m,
-                                 config_.near);
+  double& near_m = state_.near_m[view];
+  if (near_m == 0) {
+    near_m = near_depth_m(state_.values, pyramid.camera_from_world, state_.origin_in_world_m,
+                          config_.near);
   }
   SplatCamera camera = splat_camera(pyramid.levels[level].camera, pyramid.camera_from_world,
-                                    state_.origin_in_world_m, near_m_[view]);
+                                    state_.origin_in_world_m, near_m);
   // A small image is the mean over boxes of the large one: its low-pass, in its own pixels, and
   // the box's variance beyond a pixel of the large image.
   const double box = static_cast<double>(std::size_t{1} << (2 * level));
@@ -125,6 +127,10 @@ const ColorPlanes& SplatTrainer::photograph_before(const SplatViewLevel& level,
 SplatTrainer::Step SplatTrainer::step() {
   const Lap total(seconds_.total);
   const CpuLap total_cpu(seconds_.total_cpu);
+  if (state_.step > 0) {
+    const Lap lap(seconds_.grow);
+    grow_if_due();
+  }
   // Views in an order of their own each time round.
   const std::size_t round = static_cast<std::size_t>(state_.step) / views_.size();
   const std::size_t place = static_cast<std::size_t>(state_.step) % views_.size();
@@ -165,8 +171,6 @@ SplatTrainer::Step SplatTrainer::step() {
   }
   const Step done = {loss->value, frame_.lists.front_to_back.size()};
   ++state_.step;
-  const Lap lap(seconds_.grow);
-  grow_if_due();
   return done;
 }
 
@@ -185,7 +189,7 @@ void SplatTrainer::update(double progress) {
   task.first_moment = &state_.first_moment;
   task.second_moment = &state_.second_moment;
   const double centre =
-      extent_m_ * exponential_between(rates.centre_first, rates.centre_last, progress);
+      state_.extent_m * exponential_between(rates.centre_first, rates.centre_last, progress);
   const double decay = exponential_between(1, rates.decay, progress);
   const auto rate = [&](double value, int updates) {
     return adam_rate(value, updates, task.beta1, task.beta2);
@@ -200,7 +204,7 @@ void SplatTrainer::update(double progress) {
   if (config_.growth == SplatGrowth::mcmc) {
     const double count = std::max(1, state_.values.size());
     task.opacity_pull = static_cast<float>(config_.opacity_pull / count);
-    task.scale_pull = static_cast<float>(config_.scale_pull / (3 * count * extent_m_));
+    task.scale_pull = static_cast<float>(config_.scale_pull / (3 * count * state_.extent_m));
   }
   task.by_tile = config_.growth == SplatGrowth::budgeted;
   task.gradient_sum = state_.gradient_sum.data();
@@ -209,26 +213,27 @@ void SplatTrainer::update(double progress) {
     kernels_.update(task, 8 * range.begin(), 8 * range.end());
   });
   if (config_.growth == SplatGrowth::mcmc && config_.noise > 0) {
-    add_centre_noise(state_.values, config_.noise * centre / extent_m_,
+    add_centre_noise(state_.values, config_.noise * centre / state_.extent_m,
                      Rng(config_.seed).fork("noise").fork(static_cast<std::uint64_t>(state_.step)));
   }
 }
 
 void SplatTrainer::grow_if_due() {
   const double from = config_.grow_from * config_.steps, until = config_.grow_until * config_.steps;
-  const bool grows = config_.growth != SplatGrowth::fixed &&
-                     state_.step % config_.grow_every == 0 && state_.step >= from &&
-                     state_.step <= until;
-  if (grows) {
+  // The reference grows and resets strictly between the two; a budget is reached at the last.
+  const bool within = config_.growth == SplatGrowth::adaptive
+                          ? state_.step > from && state_.step < until
+                          : state_.step >= from && state_.step <= until;
+  if (within && config_.growth != SplatGrowth::fixed && state_.step % config_.grow_every == 0) {
     const double left = until - state_.step;
     const double progress =
         left < config_.grow_every ? 1 : (state_.step - from) / std::max(1.0, until - from);
-    grow_splats(state_, config_, extent_m_, progress,
+    grow_splats(state_, config_, state_.extent_m, progress,
                 Rng(config_.seed).fork("growth").fork(static_cast<std::uint64_t>(state_.step)));
-    std::fill(near_m_.begin(), near_m_.end(), std::numeric_limits<double>::quiet_NaN());
+    std::fill(state_.near_m.begin(), state_.near_m.end(), 0.0);
   }
   const int reset = static_cast<int>(config_.reset_every * config_.steps);
-  if (reset > 0 && state_.step % reset == 0 && state_.step <= until) reset_opacity(state_);
+  if (reset > 0 && state_.step % reset == 0 && state_.step < until) reset_opacity(state_);
 }
 
 std::vector<int> SplatTrainer::views_seen() {

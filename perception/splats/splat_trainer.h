@@ -17,12 +17,13 @@ class SplatTrainer {
 
   const SplatTrainState& state() const { return state_; }
   const SplatTrainSeconds& seconds() const { return seconds_; }
-  double extent_m() const { return extent_m_; }
 
   struct Step {
     double loss;
     std::size_t shown;  ///< Gaussians in the view
   };
+  /// Growth and resets that are due after a step are the next one's beginning, as the reference has
+  /// its images scored before them: a state is never that of Gaussians just parted or reset.
   Step step();
   /// In how many of the views each Gaussian covers at least one pixel.
   std::vector<int> views_seen();
@@ -40,8 +41,6 @@ class SplatTrainer {
   SplatTrainConfig config_;
   SplatTrainState state_;
   std::span<const SplatView> views_;
-  std::vector<double> near_m_;  ///< of each view; NaN = to be found
-  double extent_m_ = 0;
   const SplatKernels& kernels_;
   PhotometricLoss loss_;
   ColorPlanes photograph_;  ///< of this step, where its background is not black

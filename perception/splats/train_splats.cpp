@@ -47,10 +47,10 @@ void check_views(std::span<const SplatView> views) {
   }
 }
 
-SavedTraining read_training_of(const std::string& fingerprint, const std::filesystem::path& file,
-                               int most_splats) {
+SavedTraining read_training_of(const std::string& fingerprint, std::size_t views,
+                               const std::filesystem::path& file, int most_splats) {
   SavedTraining saved = read_training(file, most_splats);
-  if (saved.fingerprint == fingerprint) return saved;
+  if (saved.fingerprint == fingerprint && saved.state.near_m.size() == views) return saved;
   throw std::runtime_error(file.string() +
                            ": the checkpoint is of other views, start or configuration");
 }
@@ -65,7 +65,7 @@ SavedTraining begin_or_go_on(std::span<const SplatView> views, const SplatModel&
   const std::string fingerprint = training_fingerprint(views, start, config);
   if (std::filesystem::exists(checkpoint.file)) {
     try {
-      return read_training_of(fingerprint, checkpoint.file,
+      return read_training_of(fingerprint, views.size(), checkpoint.file,
                               std::max(config.most_splats, static_cast<int>(start.splats.size())));
     } catch (const std::runtime_error&) {
       if (!checkpoint.replaces_other) throw;
@@ -130,8 +130,8 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   int loss_count = saved.loss_count;
   int blind = 0;
   const auto point_now = [&](double loss) {
-    return SplatTrainPoint{trainer.state().step, before.wall_s + trainer.seconds().total,
-                           before.cpu_s + trainer.seconds().total_cpu, loss,
+    return SplatTrainPoint{trainer.state().step, saved.wall_s + trainer.seconds().total,
+                           saved.cpu_s + trainer.seconds().total_cpu, loss,
                            trainer.state().values.size()};
   };
   if (progress && before.step > 0 && before.step == trainer.state().step &&
@@ -164,8 +164,9 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     const bool stops = training.status != SplatTrainStatus::ok;
     if (!checkpoint.file.empty() && training.status != SplatTrainStatus::not_finite &&
         (stops || done % checkpoint.every == 0 || done == config.steps)) {
-      write_training(checkpoint.file,
-                     {saved.fingerprint, trainer.state(), training.curve, loss_sum, loss_count});
+      const SplatTrainPoint now = point_now(step.loss);
+      write_training(checkpoint.file, {saved.fingerprint, trainer.state(), training.curve,
+                                       now.wall_s, now.cpu_s, loss_sum, loss_count});
     }
   }
   training.seconds = trainer.seconds();

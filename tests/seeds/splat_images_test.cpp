@@ -50,6 +50,21 @@ TEST(SplatImages, ASmallPhotographShowsTheSameRays) {
   EXPECT_FLOAT_EQ(level.weight(1, 0), 1);
 }
 
+TEST(SplatImages, PixelsOfNoWeightDoNotCount) {
+  std::vector<ScoredPhotograph> photographs = {photograph(30, 30, false)};
+  const auto render = [&](const Camera&, const Pose&) {
+    FidelityPlanes image = photographs[0].view.levels.front().color.channel;
+    for (Image<float>& channel : image) {
+      for (float& value : channel) value += 0.1F;
+      channel(0, 0) = 1;
+    }
+    return image;
+  };
+  const std::vector<ScoreRow> rows = photograph_rows(photographs, render, {}, nullptr);
+  EXPECT_NEAR(value_of(rows, "train.psnr"), 20, 1e-4);
+  EXPECT_NEAR(value_of(rows, "train.psnr_whole_small"), 20, 1e-4);
+}
+
 TEST(SplatImages, ViewsHeldOutHaveRowsOfTheirOwn) {
   std::vector<ScoredPhotograph> photographs = {photograph(30, 30, false)};
   // An image that is 0.1 too bright everywhere: 20 dB.

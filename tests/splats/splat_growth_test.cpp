@@ -72,6 +72,30 @@ TEST(SplatGrowth, AdaptiveClonesTheSmallSplitsTheLargeAndPrunesTheFaint) {
   EXPECT_EQ(state.gradient_count[0], 0);
 }
 
+// As the reference: what parts into two that are not too large is kept, what does not part is not.
+TEST(SplatGrowth, AdaptivePrunesTheLargeAfterItSplits) {
+  SplatTrainState state = state_of(3);
+  for (int i = 0; i < 3; ++i) {
+    state.values.plane(SplatPlane::opacity)[i] = 0;
+    for (int k = 0; k < 3; ++k)
+      state.values.plane(SplatPlane::log_scale + k)[i] = std::log(i == 2 ? 0.3F : 0.12F);
+  }
+  state.gradient_sum[0] = state.gradient_sum[2] = 1;
+  std::fill(state.gradient_count.begin(), state.gradient_count.end(), 1.0F);
+  SplatTrainConfig config;
+  config.growth = SplatGrowth::adaptive;
+  config.reset_every = 0.1;
+  state.step = 200;  // of 2000: the first reset is now
+  SplatTrainState later = state;
+  later.step = 300;
+  grow_splats(state, config, 1, 0.5, Rng(1));
+  EXPECT_EQ(state.values.size(), 5);
+  grow_splats(later, config, 1, 0.5, Rng(1));
+  ASSERT_EQ(later.values.size(), 2);
+  for (int i = 0; i < 2; ++i)
+    EXPECT_NEAR(std::exp(later.values.plane(SplatPlane::log_scale)[i]), 0.12 / 1.6, 1e-6);
+}
+
 TEST(SplatGrowth, NeighboursInMemoryAreNeighboursInSpace) {
   SplatTrainState state = state_of(4000);
   const auto mean_step = [&] {

@@ -144,6 +144,17 @@ TEST(SplatStart, PointsFarFromTheOriginKeepTheirPlacesAndScales) {
   }
 }
 
+TEST(SplatStart, OnePointFarOffMovesNoOther) {
+  std::vector<StartPoint> points;
+  for (const Eigen::Vector3d& p : random_positions(200, 0.1)) points.push_back({p});
+  const SplatModel alone = splats_from_points(points);
+  points.push_back({{1e300, 0, -1e300}});
+  const SplatModel with = splats_from_points(points);
+  EXPECT_EQ(with.origin_in_world_m, alone.origin_in_world_m);
+  for (std::size_t i = 0; i < 200; ++i)
+    EXPECT_EQ(with.splats[i].centre_m, alone.splats[i].centre_m);
+}
+
 TEST(SplatStart, RandomPointsFillTheirBox) {
   const auto points = random_start_points({-1, 2, 5}, {1, 3, 9}, 3000, Rng(5));
   ASSERT_EQ(points.size(), 3000u);

@@ -153,6 +153,31 @@ TEST(TrainSplats, SnapshotsChangeNoByteAndTheirSecondsDoNotCount) {
   }
 }
 
+// The reference scores its images before it parts Gaussians and resets opacities.
+TEST(TrainSplats, SnapshotsAreTakenBeforeGrowthAndReset) {
+  const std::vector<SplatView> views = views_of(true_model(), 5);
+  SplatTrainConfig config = quick_config(SplatGrowth::adaptive);
+  config.steps = 60;
+  config.grow_from = 0.1;
+  config.grow_until = 1;
+  config.reset_every = 0.5;
+  std::vector<std::size_t> counts;
+  std::vector<float> largest;
+  (void)train_splats(views, start_model(80), config, {}, {},
+                     {{20, 21, 30, 31}, [&](const SplatTrainPoint&, const SplatModel& model) {
+                        counts.push_back(model.splats.size());
+                        float logit = -99;
+                        for (const Splat& s : model.splats)
+                          logit = std::max(logit, s.opacity_logit);
+                        largest.push_back(1 / (1 + std::exp(-logit)));
+                      }});
+  ASSERT_EQ(counts.size(), 4u);
+  EXPECT_EQ(counts[0], 80u);
+  EXPECT_GT(counts[1], 80u);
+  EXPECT_GT(largest[2], 0.1F);
+  EXPECT_LT(largest[3], 0.012F);  // a hundredth, and one step
+}
+
 // What goes on from a checkpoint is told the seconds of before too.
 TEST(TrainSplats, SnapshotsGoOnWithTheTraining) {
   const std::vector<SplatView> views = views_of(true_model(), 5);
@@ -218,6 +243,19 @@ TEST_F(SplatCheckpointTest, AStoppedTrainingEndsInTheSameBytes) {
       EXPECT_EQ(rest.curve[i].loss, whole.curve[i].loss);
     }
   }
+}
+
+// Its extent and what is too near follow from Gaussians of earlier steps.
+TEST_F(SplatCheckpointTest, OneViewOfAFixedNumberGoesOnInTheSameBytes) {
+  const std::vector<SplatView> views = views_of(true_model(), 1);
+  const SplatTrainConfig config = quick_config(SplatGrowth::fixed);
+  const SplatTraining whole = train_splats(views, start_model(150), config);
+  const SplatCheckpoint checkpoint = {folder_ / "c", 33};
+  const auto stop = [](const SplatTrainPoint& point) { return point.step < 80; };
+  const SplatTraining part = train_splats(views, start_model(150), config, stop, checkpoint);
+  EXPECT_EQ(part.status, SplatTrainStatus::stopped);
+  EXPECT_TRUE(
+      same_bytes(whole.model, train_splats(views, start_model(150), config, {}, checkpoint).model));
 }
 
 // The reference's schedule is left early: whoever asks again after that gets the same model.
