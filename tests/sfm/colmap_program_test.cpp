@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+
+#include "perception/sfm/sfm_poses.h"
+#include "sim/dataset/import.h"
+
+namespace cousin {
+namespace {
+
+/// The angle between where camera `b` stands and looks, seen from camera `a`, in two sets of poses:
+/// no similarity changes it.
+double turn_between_rad(const Pose& a, const Pose& b, const Pose& true_a, const Pose& true_b) {
+  const Eigen::Quaterniond turn = b.rotation * a.rotation.conjugate();
+  return turn.angularDistance(true_b.rotation * true_a.rotation.conjugate());
+}
+
+// The program itself, on pictures that were made with another renderer.
+TEST(ColmapProgram, PlacesTheViewsOfARing) {
+  const std::filesystem::path file =
+      std::filesystem::path(COUSIN_REAL_DATA) / ".." / "data" / "splat_neutral" / "transforms.json";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
+  if (colmap_version().empty()) GTEST_SKIP() << "no program colmap";
+  constexpr std::size_t kViews = 12;
+  const Capture capture = import_nerfstudio(file);
+  ASSERT_GE(capture.frames.size(), kViews);
+  ColmapInput input;
+  std::vector<int> frames;
+  for (std::size_t i = 0; i < kViews; ++i) {
+    input.images.push_back(&capture.frames[i].sensors.front().color);
+    frames.push_back(capture.frames[i].id);
+  }
+  input.lens = capture.rig.front().camera;
+  SfmConfig config;
+  config.scale = SfmScale::none;
+  input.pairs = image_pairs(static_cast<int>(kViews), config.pairs);
+  const ColmapRun run = run_colmap(input, config.colmap);
+  ASSERT_EQ(run.status, ColmapStatus::ok) << run.reason;
+  EXPECT_EQ(run.model.images.size(), kViews);
+  const SfmEstimate estimate = refine_sfm(run.model, frames, input.lens, {}, {}, config);
+  if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
+  ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+  ASSERT_EQ(estimate.poses.size(), kViews);
+  for (std::size_t i = 1; i < kViews; ++i) {
+    const double off_rad = turn_between_rad(
+        estimate.poses[i - 1].camera_from_world, estimate.poses[i].camera_from_world,
+        *capture.frames[i - 1].rig_from_world, *capture.frames[i].rig_from_world);
+    EXPECT_LT(off_rad, 0.01) << i;
+  }
+}
+
+}  // namespace
+}  // namespace cousin
