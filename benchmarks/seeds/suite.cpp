@@ -24,6 +24,7 @@ namespace {
 struct TrainedJob {
   bool splats = false;  ///< the paper's way and ours
   std::vector<int> reference_at, ours_at, ngp_at;
+  std::vector<int> images_steps;  ///< of trainings for images, each one of its own
 };
 
 /// One capture and what is measured on it.
@@ -96,6 +97,9 @@ SeedsEstimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Pos
   MeasuredModel ours = measure_by_splats(task, SeedsMethod::splats);
   if (!job.pooled) ours.file.specimens.clear();
   append(ours.file, file);
+  task.at = {};
+  for (const int steps : job.trained.images_steps)
+    append({.scores = measure_for_images(task, steps)}, file);
   task.at = job.trained.ngp_at;
   append({.scores = measure_by_ngp(task, poses)}, file);
   return std::move(ours.estimate);
@@ -283,7 +287,7 @@ SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::
 std::string text_of(const TrainedJob& job) {
   if (!job.splats) return {};
   std::string text = "/splats";
-  for (const auto* at : {&job.reference_at, &job.ours_at, &job.ngp_at}) {
+  for (const auto* at : {&job.reference_at, &job.ours_at, &job.ngp_at, &job.images_steps}) {
     text += "/";
     for (const int step : *at) text += " " + std::to_string(step);
   }
@@ -327,7 +331,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     add("quick_splats_zhengdan958", 0,
         {"cultivar=zhengdan958", "rig=phone_video_720p", "views=24",
          "pipeline.splats.reference_steps=2000", "pipeline.splats.steps=1500"},
-        {}, true, false, {true, {500, 1000}, {500}, {100, 250}});
+        {}, true, false, {true, {500, 1000}, {500}, {100, 250}, {500}});
     drop_repeated(jobs);
     return jobs;
   }
@@ -348,13 +352,13 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   }
   for (const std::string& cultivar : cultivars) {
     add(cultivar + "_splats", 0, {"cultivar=" + cultivar, "rig=phone_video_720p", "views=60"}, {},
-        true, false, {true, {500, 1000, 2000, 5000}, {300, 600}, {500, 1000, 2000}});
+        true, false, {true, {500, 1000, 2000, 5000}, {300, 600}, {500, 1000, 2000}, {1000, 3000}});
   }
   add("zhengdan958_splats_30k", 0,
       {"cultivar=zhengdan958", "rig=phone_video_720p", "views=60",
        "pipeline.splats.reference_steps=30000", "pipeline.splats.hold_out_every=8"},
       {}, false, false,
-      {true, {500, 1000, 2000, 5000, 7000, 10000}, {300, 600}, {500, 1000, 2000}});
+      {true, {500, 1000, 2000, 5000, 7000, 10000}, {300, 600}, {500, 1000, 2000}, {1000, 3000}});
   for (const std::string& cultivar : cultivars) {
     add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"},
         {120}, false, false);

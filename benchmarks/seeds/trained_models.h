@@ -32,6 +32,11 @@ struct MeasuredModel {
 /// the end. Each case says after how many steps.
 MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod method);
 
+/// Gaussians whose images count, not their surface: they begin where those of `splats` do, then
+/// move, change shape and grow with the rates that training has by default. Rows of photographs,
+/// method "splats_images", of one training of so many steps.
+std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int steps);
+
 /// Instant-NGP in the volume above the board on photographs of a third of the size, with the poses
 /// of an estimate: rows "train." and "held_out.psnr_whole" and so on after each of `at` steps.
 std::vector<ScoreRow> measure_by_ngp(const SeedsTrainingTask& task, const Poses& poses);

@@ -10,6 +10,7 @@
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/simulate.h"
+#include "benchmarks/seeds/trained_models.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "perception/splats/splat_ply.h"
 #include "sim/dataset/capture_io.h"
@@ -190,6 +191,26 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
   write_splat_ply(folder / "rest.ply", rest.splats);
   EXPECT_EQ(bytes_of(folder / "whole.ply"), bytes_of(folder / "rest.ply"));
   fs::remove_all(folder);
+}
+
+// The same steps, starting places and photographs: only their rates differ.
+TEST(ClosedLoop, GaussiansForImagesShowPhotographsBetterThanThoseForSurfaces) {
+  const SeedsRunConfig config =
+      seeds_run_config({"seeds=2", "views=9", "rig.width_px=640", "rig.height_px=360",
+                        "ring_distances_m=[0.30, 0.30, 0.30]", "render.irradiance_samples=16",
+                        "render.edge_samples=16", "pipeline.splats.steps=300",
+                        "pipeline.splats.most_splats=100000"});
+  const SimulatedRun run = simulate_seeds(config, 3, 0, {});
+  const SeedsTrainingTask task = {.run = &run, .pipeline = config.pipeline, .stage_seed = 3};
+  const auto psnr_db = [](const std::vector<ScoreRow>& rows, const std::string& method) {
+    double value = kNaN;
+    for (const ScoreRow& row : rows)
+      if (row.metric == "train.psnr" && row.method == method) value = row.value;
+    return value;
+  };
+  const double images_db = psnr_db(measure_for_images(task, 300), "splats_images");
+  EXPECT_GT(images_db,
+            psnr_db(measure_by_splats(task, SeedsMethod::splats).file.scores, "splats") + 1);
 }
 
 TEST(ClosedLoop, APlainBoardsFrameIsTurnedToTheTruths) {
