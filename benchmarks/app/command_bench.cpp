@@ -278,7 +278,8 @@ ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
              "step, and held-out PSNR against wall time on photographs that are not Cousin's.",
              splats_suite(photographs,
                           fs::path(COUSIN_REAL_DATA) / "multiview/instantngp_fox/transforms.json",
-                          o.seed, o.quick, context.progress.function())),
+                          fs::path(COUSIN_REAL_DATA) / "multiview/boofcv_chair", o.seed, o.quick,
+                          context.progress.function())),
       context, out);
 }
 

@@ -18,6 +18,8 @@ namespace fs = std::filesystem;
 constexpr int kFoxSide_px = 480;
 constexpr int kFoxPoints = 20000;
 
+constexpr const char* kChairIntrinsics = "intrinsic_DSC-HX5_3648x2736_to_640x480.yaml";
+
 /// Mean over the held-out views, of pixels that their photographs have.
 template <class Render>
 double held_out_db(const PosedSet& set, const Render& render) {
@@ -103,10 +105,38 @@ ScoreRow absent(ScoreRow row, const fs::path& where) {
   return row;
 }
 
+void chair_rows(const fs::path& chair, ScoreRow base, std::vector<ScoreRow>& rows) {
+  base.scene = "chair";
+  if (!fs::is_directory(chair)) {
+    rows.push_back(absent(base, chair));
+    return;
+  }
+  const PlacedSet placed = place_photographs(chair / "img", (chair / kChairIntrinsics).string());
+  ScoreRow row = base;
+  row.method = "sfm";
+  row.case_name = "poses";
+  row.n = placed.photographs;
+  row.wall_s = placed.seconds.wall_s;
+  row.cpu_s = placed.seconds.cpu_s;
+  if (placed.set.train.empty()) {
+    row.metric = "poses: " + std::string(to_string(placed.status)) + ", " + placed.reason;
+    row.status =
+        placed.status == SfmStatus::not_built ? ScoreStatus::not_built : ScoreStatus::not_solved;
+    rows.push_back(row);
+    return;
+  }
+  row.metric = "views placed";
+  row.unit = "1";
+  row.value = placed.placed;
+  rows.push_back(row);
+  splat_points(rows, base, placed.set, {1000, 3000});
+  ngp_points(rows, base, placed.set, {1000, 3000});
+}
+
 }  // namespace
 
-std::vector<ScoreRow> field_rows(const fs::path& split_set, const fs::path& fox, std::uint64_t seed,
-                                 bool quick) {
+std::vector<ScoreRow> field_rows(const fs::path& split_set, const fs::path& fox,
+                                 const fs::path& chair, std::uint64_t seed, bool quick) {
   ScoreRow base;
   base.suite = "splats";
   base.seed = seed;
@@ -125,11 +155,12 @@ std::vector<ScoreRow> field_rows(const fs::path& split_set, const fs::path& fox,
   base.scene = "fox";
   if (!fs::is_regular_file(fox)) {
     rows.push_back(absent(base, fox));
-    return rows;
+  } else {
+    const PosedSet set = read_every_eighth(fox, kFoxSide_px, kFoxPoints, seed);
+    splat_points(rows, base, set, {1000, 3000});
+    ngp_points(rows, base, set, {1000, 3000});
   }
-  const PosedSet set = read_every_eighth(fox, kFoxSide_px, kFoxPoints, seed);
-  splat_points(rows, base, set, {1000, 3000});
-  ngp_points(rows, base, set, {1000, 3000});
+  chair_rows(chair, base, rows);
   return rows;
 }
 

@@ -9,6 +9,7 @@
 #include "perception/splats/splat_start.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/import.h"
+#include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
@@ -82,6 +83,27 @@ PosedSet read_every_eighth(const fs::path& transforms_json, int largest_side_px,
                                                      volume.centre_in_world_m + half, points,
                                                      Rng(seed).fork("start")));
   return set;
+}
+
+PlacedSet place_photographs(const fs::path& folder, const std::string& intrinsics) {
+  const Capture capture = import_folder(folder, intrinsics);
+  SfmConfig config;
+  config.pairs.choice = PairChoice::exhaustive;
+  config.scale = SfmScale::none;
+  const StageClock clock("sfm");
+  const SfmEstimate estimate = estimate_poses_sfm(capture, config);
+  PlacedSet placed{.status = estimate.status,
+                   .reason = estimate.reason,
+                   .photographs = static_cast<int>(capture.frames.size()),
+                   .seconds = clock.finish()};
+  if (!has_poses(estimate.status)) return placed;
+  for (SplatView& view : splat_views(capture, estimate.poses))
+    (placed.placed++ % 8 == 0 ? placed.set.test : placed.set.train).push_back(std::move(view));
+  require_both(placed.set, folder);
+  std::vector<StartPoint> points;
+  for (const SfmPoint& point : estimate.points) points.push_back({point.in_world_m, point.color});
+  placed.set.start = splats_from_points(points);
+  return placed;
 }
 
 }  // namespace cousin

@@ -7,7 +7,7 @@
 namespace cousin {
 
 ScoreFile splats_suite(const std::filesystem::path& photographs, const std::filesystem::path& fox,
-                       std::uint64_t seed, bool quick,
+                       const std::filesystem::path& chair, std::uint64_t seed, bool quick,
                        const std::function<void(const std::string&, int, int)>& progress) {
   ScoreFile file;
   if (progress) progress("kernels", 0, 3);
@@ -15,7 +15,7 @@ ScoreFile splats_suite(const std::filesystem::path& photographs, const std::file
   if (progress) progress("training", 1, 3);
   append({.scores = splat_training_rows(photographs, seed, quick)}, file);
   if (progress) progress("beside a radiance field", 2, 3);
-  append({.scores = field_rows(photographs, fox, seed, quick)}, file);
+  append({.scores = field_rows(photographs, fox, chair, seed, quick)}, file);
   return file;
 }
 

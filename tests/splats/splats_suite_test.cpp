@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "benchmarks/splats/posed_set.h"
 #include "benchmarks/splats/splats_page.h"
 #include "benchmarks/splats/training_rows.h"
 
@@ -29,6 +30,21 @@ TEST(SplatsSuite, AWordThatIsNeitherTrainNorTestIsNamed) {
     EXPECT_NE(std::string(error.what()).find("\"trial\""), std::string::npos) << error.what();
   }
   fs::remove_all(folder);
+}
+
+// Photographs without poses: COLMAP 3.8 by hand registers all 21.
+TEST(PlacedPhotographs, TheChairIsPlacedAndHeldOut) {
+  const fs::path chair = fs::path(COUSIN_REAL_DATA) / "multiview" / "boofcv_chair";
+  if (!fs::exists(chair)) GTEST_SKIP() << "no real data at " << chair;
+  const PlacedSet placed = place_photographs(
+      chair / "img", (chair / "intrinsic_DSC-HX5_3648x2736_to_640x480.yaml").string());
+  if (placed.status == SfmStatus::not_built) GTEST_SKIP() << placed.reason;
+  EXPECT_EQ(placed.status, SfmStatus::ok) << placed.reason;
+  EXPECT_EQ(placed.photographs, 21);
+  EXPECT_EQ(placed.placed, 21);
+  EXPECT_EQ(placed.set.test.size(), 3u);
+  EXPECT_EQ(placed.set.train.size(), 18u);
+  EXPECT_GT(placed.set.start.splats.size(), 1000u);
 }
 
 TEST(SplatsPage, HeldOutPsnrBecomesItsErrorOverSeconds) {
