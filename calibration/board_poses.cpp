@@ -27,7 +27,14 @@ void check_input(const Capture& capture, const Corners& corners, const SeedBoard
                                   std::to_string(corners[i].frame));
     }
     if (capture.frames[i].sensors.empty()) throw std::invalid_argument(frame + " has no sensor");
-    validate(capture.frames[i].sensors.front().reported);
+    const Camera& reported = capture.frames[i].sensors.front().reported;
+    validate(reported);
+    const Camera& first = capture.frames.front().sensors.front().reported;
+    if (reported.model != first.model) {
+      throw std::invalid_argument(frame + ": reports another lens model than frame " +
+                                  std::to_string(capture.frames.front().id) +
+                                  "; all frames share one lens");
+    }
     for (const CornerObservation& c : corners[i].corners) {
       if (!corner_exists(board, c.column, c.row) || !c.pixel_px.allFinite() ||
           !c.covariance_px2.allFinite() || !(c.covariance_px2(0, 0) > 0) ||

@@ -192,8 +192,9 @@ Squares squares_of(const BundleProblem& problem) {
 double robust_sigma(const BundleProblem& problem) {
   std::vector<double> lengths;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
-    if (problem.used[i])
-      lengths.push_back(bundle_residual(problem, problem.observations[i]).norm());
+    if (!problem.used[i]) continue;
+    const double length = bundle_residual(problem, problem.observations[i]).norm();
+    if (std::isfinite(length)) lengths.push_back(length);  // else the point is behind the image
   }
   if (lengths.empty()) return 0;
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
@@ -228,6 +229,25 @@ std::string minimise_from_afar(BundleProblem& problem, int& iterations) {
   }
   problem.config = asked;
   return minimise_bundle(problem, iterations);
+}
+
+/// Points that rejection left to fewer than two images have no place any more: what is left of them
+/// goes too. @returns which points have none, `out` among them
+std::vector<bool> without_place(const BundleAdjustmentInput& input, std::vector<bool> out,
+                                BundleProblem& problem) {
+  std::vector<std::set<int>> images(problem.points.size());
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const BundleObservation& seen = problem.observations[i];
+    if (problem.used[i]) images[static_cast<std::size_t>(seen.point)].insert(seen.image);
+  }
+  std::set<int> known;
+  for (const KnownPoint& k : input.known_points) known.insert(k.point);
+  for (std::size_t p = 0; p < images.size(); ++p)
+    out[p] = out[p] || (images[p].size() < 2 && !known.contains(static_cast<int>(p)));
+  for (std::size_t i = 0; i < problem.used.size(); ++i) {
+    if (out[static_cast<std::size_t>(problem.observations[i].point)]) problem.used[i] = false;
+  }
+  return out;
 }
 
 /// Least squares first, loosely, as the start may be far off; then a loss that turns at two
@@ -342,8 +362,11 @@ void judge_lens(const BundleProblem& problem, std::size_t lens, BundleAdjustment
     result.not_determined.insert(result.not_determined.end(), bends.begin(), bends.end());
 }
 
+/// @param out  points that were left out from the start
+/// @param lost  points without a place, those among them
 void report(const BundleProblem& problem, const BundleAdjustmentInput& input,
-            const std::vector<bool>& out, BundleAdjustmentResult& result) {
+            const std::vector<bool>& out, const std::vector<bool>& lost,
+            BundleAdjustmentResult& result) {
   result.gauge = problem.gauge;
   for (std::size_t l = 0; l < problem.lenses.size(); ++l)
     result.lenses.push_back(with_parameters(problem.like[l], problem.lenses[l]));
@@ -356,8 +379,8 @@ void report(const BundleProblem& problem, const BundleAdjustmentInput& input,
   }
   for (std::size_t p = 0; p < problem.points.size(); ++p) {
     result.points_in_world_m.push_back(
-        out[p] ? Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval()
-               : (problem.centre_m + problem.unit_m * problem.points[p]).eval());
+        lost[p] ? Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval()
+                : (problem.centre_m + problem.unit_m * problem.points[p]).eval());
   }
   for (std::size_t i = 0; i < input.observations.size(); ++i)
     result.rejected.push_back(!problem.used[i] &&
@@ -450,7 +473,7 @@ BundleAdjustmentResult adjust_bundle(const BundleAdjustmentInput& input,
   hold_frame(before, problem);
   result.status = why.empty() ? CalibrationStatus::ok : CalibrationStatus::not_converged;
   result.reason = why;
-  report(problem, input, out, result);
+  report(problem, input, out, without_place(input, out, problem), result);
   add_covariance(problem, result);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

@@ -74,9 +74,11 @@ struct BundleAdjustmentResult {
   BundleGauge gauge = BundleGauge::similarity;
   std::vector<Camera> lenses;
   std::vector<Pose> camera_from_world;
-  std::vector<Eigen::Vector3d> points_in_world_m;  ///< NaN: left out (rays too near parallel)
-  std::vector<bool> rejected;                      ///< of the observations
-  std::vector<std::string> parameters;             ///< "lens0.fx_px": free ones
+  /// NaN: no place. Fewer than two images show it, or do after rejection, or its rays are too near
+  /// parallel.
+  std::vector<Eigen::Vector3d> points_in_world_m;
+  std::vector<bool> rejected;           ///< of the observations of points not left out
+  std::vector<std::string> parameters;  ///< "lens0.fx_px": free ones
   Eigen::VectorXd values;
   Eigen::MatrixXd covariance;  ///< of `parameters`, poses and points marginalised; of any gauge
   /// Of each image's pose: camera-side rotation vector (rad), translation. Where the gauge is free,

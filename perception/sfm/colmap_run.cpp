@@ -1,6 +1,7 @@
 #include "perception/sfm/colmap_run.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <sstream>
 #include <stdexcept>
@@ -161,15 +162,37 @@ void write_images(const ColmapInput& input, const fs::path& folder) {
     write_png(folder / colmap_image_name(static_cast<int>(i)), *input.images[i]);
 }
 
-/// Features and matches are in one database: what it was made of is written beside it, and a
-/// database of something else goes with all that came of it.
+constexpr std::array kDatabaseFiles = {"database.db", "database.db-shm", "database.db-wal"};
+constexpr std::array kRunFolders = {"images", "sparse", "sparse_lost"};
+
+void remove_database(const fs::path& folder) {
+  for (const char* name : kDatabaseFiles) fs::remove(folder / name);
+}
+
+/// A folder without our key is somebody's own: what is there is not ours to remove.
+/// @throws std::invalid_argument if it holds what a run would write over.
+void refuse_foreign_folder(const fs::path& folder) {
+  const auto refuse = [&](const char* name) {
+    if (!fs::exists(fs::symlink_status(folder / name))) return;
+    throw std::invalid_argument("colmap.folder: " + (folder / name).string() +
+                                " is there, and no database.key of a run of ours beside it; "
+                                "name an empty or a new folder");
+  };
+  for (const char* name : kDatabaseFiles) refuse(name);
+  for (const char* name : kRunFolders) refuse(name);
+}
+
+/// Features and matches are in one database: what it was made of is written beside it, before
+/// anything else, and a database of something else goes with all that came of it.
 void keep_database_of(const std::string& key, const fs::path& folder) {
   if (holds(folder / "database.key", key)) return;
+  if (!fs::exists(folder / "database.key")) refuse_foreign_folder(folder);
+  remove_database(folder);
   for (const char* name :
-       {"database.db", "database.db-shm", "database.db-wal", "database.key", "features.done",
-        "matches.done", "mapping.done", "matches_lost.done", "mapping_lost.done"})
+       {"features.done", "matches.done", "mapping.done", "matches_lost.done", "mapping_lost.done"})
     fs::remove(folder / name);
-  for (const char* name : {"images", "sparse", "sparse_lost"}) fs::remove_all(folder / name);
+  for (const char* name : kRunFolders) fs::remove_all(folder / name);
+  write_file(folder / "database.key", key);
 }
 
 Words extraction_words(const ColmapInput& input, const ColmapConfig& config,
@@ -252,11 +275,12 @@ std::string prepared_key(const ColmapInput& input, const Words& extraction, cons
 
 /// @returns whether all steps are done; if not, the run says why.
 bool map_pairs(const ColmapInput& input, const ColmapConfig& config, const Words& extraction,
-               const std::string& key, const fs::path& folder, Steps& steps, ColmapRun& run) {
+               const fs::path& folder, Steps& steps, ColmapRun& run) {
   const bool matched = steps.run("features", extraction, [&] {
+    // One that was stopped left a camera, and perhaps features, in its database.
+    remove_database(folder);
     write_images(input, folder / "images");
     write_file(folder / "pairs.txt", match_list(input.pairs));
-    write_file(folder / "database.key", key);
   }) && steps.run("matches", matching_words(config, folder, "pairs.txt"), [] {});
   if (!matched) return false;
   const bool mapped = steps.run("mapping", mapping_words(config, folder, "sparse"), [&] {
@@ -330,16 +354,18 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
   const Words extraction = extraction_words(input, config, folder);
   const std::string key = prepared_key(input, extraction, folder, run.version);
   Steps steps(key, config.time_limit_s, folder, run);
-  if (!map_pairs(input, config, extraction, key, folder, steps, run)) return run;
+  if (!map_pairs(input, config, extraction, folder, steps, run)) return run;
   const auto images = static_cast<int>(input.images.size());
   std::vector<SfmModel> models = read_models(folder / "sparse", images);
   if (config.match_lost && !models.empty()) {
     const std::vector<ImagePair> pairs = pairs_of_lost(images, models.front().images, input.pairs);
     if (!pairs.empty()) {
-      if (!map_lost(pairs, config, folder, steps)) return run;
-      std::vector<SfmModel> again = read_models(folder / "sparse_lost", images);
-      if (!again.empty() && again.front().images.size() > models.front().images.size())
-        models = std::move(again);
+      // A second try that fails, which the reason tells, costs nothing of what the first found.
+      if (map_lost(pairs, config, folder, steps)) {
+        std::vector<SfmModel> again = read_models(folder / "sparse_lost", images);
+        if (!again.empty() && again.front().images.size() > models.front().images.size())
+          models = std::move(again);
+      }
     }
   }
   if (models.empty()) {

@@ -22,7 +22,9 @@ std::string_view to_string(ColmapLens lens);
 
 struct ColmapConfig {
   std::string program = "colmap";  ///< a name in PATH, or a file
-  /// Where its files are kept; a run that was stopped goes on there. "": a scratch folder.
+  /// Where its files are kept; a run that was stopped goes on there, one of other images starts
+  /// anew. A folder with a database, images or models that no run of ours wrote is refused.
+  /// "": a scratch folder.
   std::string folder;
   ColmapLens lens = ColmapLens::focal;
   bool lens_per_image = false;  ///< else all images share one
@@ -48,7 +50,7 @@ struct ColmapInput {
 
 struct ColmapRun {
   ColmapStatus status = ColmapStatus::not_built;
-  std::string reason;                ///< unless ok: what and why
+  std::string reason;                ///< unless ok: what and why; if ok: why lost images stay lost
   std::string version;               ///< "3.8"
   SfmModel model;                    ///< the one of most images
   std::vector<int> model_sizes;      ///< images of each, descending

@@ -13,6 +13,7 @@ namespace cousin {
 /// An adjustment's start and what came of it. `images`: which of the frames each image is, those of
 /// the model first.
 struct SfmBundle {
+  double sighting_px = 1;  ///< by which the deviations of sightings in `input` were multiplied
   std::vector<int> images;
   BundleAdjustmentInput input;
   BundleAdjustmentResult result;

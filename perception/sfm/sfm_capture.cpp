@@ -30,6 +30,14 @@ Camera reported_lens(const Capture& capture) {
   const auto n = static_cast<double>(capture.frames.size());
   lens.fx_px = lens.fy_px = 0;
   for (const Frame& frame : capture.frames) {
+    const Camera& reported = frame.sensors.front().reported;
+    if (reported.model != lens.model || reported.width_px != lens.width_px ||
+        reported.height_px != lens.height_px) {
+      throw std::invalid_argument("estimate_poses_sfm: frame " + std::to_string(frame.id) +
+                                  " reports another lens model or image size than frame " +
+                                  std::to_string(capture.frames.front().id) +
+                                  "; all frames share one lens");
+    }
     lens.fx_px += frame.sensors.front().reported.fx_px / n;
     lens.fy_px += frame.sensors.front().reported.fy_px / n;
   }

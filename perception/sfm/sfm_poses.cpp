@@ -31,7 +31,10 @@ BundleAdjustmentInput with_board(const SfmBundle& bundle, const std::vector<Boar
                                  CornerPoints& points) {
   BundleAdjustmentInput input = bundle.input;
   input.camera_from_world = bundle.result.camera_from_world;
-  const double sigma_px = std::max(bundle.result.sigma_px, kLeastSigma_px);
+  // Of a sighting of one pixel: the least is of what it scatters, whatever it was weighed by
+  // before.
+  const double sigma_px =
+      std::max(bundle.sighting_px * bundle.result.sigma_px, kLeastSigma_px) / bundle.sighting_px;
   std::vector<BundleObservation> kept;
   for (BundleObservation seen : input.observations) {
     if (!bundle.result.points_in_world_m[static_cast<std::size_t>(seen.point)].allFinite())
@@ -92,13 +95,25 @@ double focal_share(const SfmEstimate& estimate, const SfmBundle& bundle) {
   return std::sqrt(estimate.lens_covariance(i, i)) / bundle.result.lenses.front().fx_px;
 }
 
-/// The model's own adjustment.
+/// Whether something other than sightings bears on the lens: then their deviation matters.
+bool has_lens_prior(const SfmConfig& config) {
+  return config.adjust.focal_prior_share > 0 || config.adjust.centre_prior_px > 0 ||
+         config.adjust.distortion_prior > 0 || config.focal == SfmFocal::per_image;
+}
+
+/// The model's own adjustment: sightings count as a pixel each, which is right up to a factor. What
+/// is known of the lens has a deviation of its own, so that with it the sightings are weighed by
+/// what they turned out to scatter, and all is adjusted once more.
 SfmBundle adjust_tracks(const SfmModel& model, const std::optional<Camera>& lens,
                         const SfmConfig& config) {
   SfmBundle bundle;
   bundle.images = model.images;
   bundle.input = track_bundle(model, lens, 1);
   bundle.result = adjust_bundle(bundle.input, config.adjust);
+  if (!has_lens_prior(config) || !std::isfinite(bundle.result.sigma_px)) return bundle;
+  bundle.sighting_px = std::max(bundle.result.sigma_px, kLeastSigma_px);
+  for (BundleObservation& seen : bundle.input.observations) seen.sigma_px *= bundle.sighting_px;
+  bundle.result = adjust_bundle(bundle.input, weighed(config, bundle.sighting_px));
   return bundle;
 }
 
@@ -164,7 +179,7 @@ bool scale_bundle(const std::vector<int>& frames, const Corners& corners, const 
   move_bundle(fit.a_from_b, bundle);
   bundle.result.gauge = BundleGauge::metric;
   if (config.scale == SfmScale::squares) {
-    add_scale_covariance(fit.scale_sigma_share, bundle.result);
+    add_scale_covariance(estimate.scale_sigma_share, bundle.result);
     return true;
   }
   CornerPoints points;
@@ -216,7 +231,7 @@ SfmEstimate refine_sfm(const SfmModel& given, const std::vector<int>& frames,
     good = agrees && bundle.result.status == CalibrationStatus::ok;
   }
   if (config.refine) {
-    estimate.feature_sigma_px = bundle.result.sigma_px;
+    estimate.feature_sigma_px = bundle.sighting_px * bundle.result.sigma_px;
     report_lens(bundle.result, estimate);
   }
   if (good && wants_scale && corners.empty()) refuse_scale("there is no board", estimate);
@@ -226,11 +241,12 @@ SfmEstimate refine_sfm(const SfmModel& given, const std::vector<int>& frames,
       report_lens(bundle.result, estimate);
   }
   if (good && config.refine && config.focal == SfmFocal::per_image) {
-    // With the board in it, sightings are over their deviation; else they are in pixels.
+    // With the board in it, sightings are over what they scatter then.
     const bool is_weighed =
         config.scale == SfmScale::adjusted && bundle.result.gauge == BundleGauge::metric;
-    bundle.result = adjust_focal_lengths(bundle.input, bundle.result,
-                                         is_weighed ? estimate.feature_sigma_px : 1, config);
+    bundle.result =
+        adjust_focal_lengths(bundle.input, bundle.result,
+                             is_weighed ? estimate.feature_sigma_px : bundle.sighting_px, config);
     good = bundle.result.status == CalibrationStatus::ok;
   }
   if (agrees) take_failure(bundle.result, estimate);

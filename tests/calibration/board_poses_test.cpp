@@ -237,6 +237,10 @@ TEST(BoardPoses, HopelessViewsHaveAStatus) {
   EXPECT_EQ(poses[1].status, PoseStatus::degenerate);
   EXPECT_EQ(poses[2].status, PoseStatus::degenerate);
   EXPECT_EQ(poses[4].frame, 4);
+  Capture lenses = shoot.capture;
+  LensModel& model = lenses.frames[5].sensors.front().reported.model;
+  model = model == LensModel::opencv8 ? LensModel::opencv5 : LensModel::opencv8;
+  EXPECT_THROW(estimate_board_poses(lenses, corners, board), std::invalid_argument);
   corners[3].corners[0].column = 99;
   EXPECT_THROW(estimate_board_poses(shoot.capture, corners, board), std::invalid_argument);
   corners.pop_back();

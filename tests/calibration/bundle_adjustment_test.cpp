@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -158,6 +159,30 @@ TEST(BundleAdjustment, ABoardsCornersGiveMetresAndTheFrame) {
   for (std::size_t p = 0; p < 80; ++p) {
     EXPECT_LT((result.points_in_world_m[p] - capture.truth.points_in_world_m[p]).norm(), 5e-4);
   }
+}
+
+TEST(BundleAdjustment, APointThatRejectionLeavesToOneImageHasNoPlace) {
+  const PlantCapture capture = plant_capture(16, 80, 0.2, false, 4);
+  BundleAdjustmentInput start = disturbed(capture.truth, 4);
+  // Two images that see something else each: no place fits both.
+  const auto odd = static_cast<int>(start.points_in_world_m.size());
+  start.points_in_world_m.push_back(start.points_in_world_m.front());
+  for (const int image : {0, 6}) {
+    const auto seen = std::find_if(
+        start.observations.begin(), start.observations.end(),
+        [&](const BundleObservation& o) { return o.image == image && o.point == (image ? 0 : 1); });
+    ASSERT_NE(seen, start.observations.end());
+    BundleObservation wrong = *seen;
+    wrong.point = odd;
+    wrong.pixel_px.y() += image ? 60 : -60;
+    start.observations.push_back(wrong);
+  }
+  const auto result = adjust_bundle(start, {.reject_sigmas = 6});
+  ASSERT_EQ(result.status, CalibrationStatus::ok) << result.reason;
+  EXPECT_TRUE(result.rejected[start.observations.size() - 1]);
+  EXPECT_TRUE(result.rejected[start.observations.size() - 2]);
+  EXPECT_TRUE(result.points_in_world_m.back().hasNaN());
+  EXPECT_TRUE(result.points_in_world_m.front().allFinite());
 }
 
 TEST(BundleAdjustment, ADistanceGivesTheScale) {

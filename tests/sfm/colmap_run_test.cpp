@@ -180,6 +180,58 @@ TEST_F(ColmapRunTest, AStepThatFailedIsTriedAgainWithWhatWasDoneBefore) {
   EXPECT_TRUE(again.resumed);
 }
 
+TEST_F(ColmapRunTest, AFolderThatNoRunOfOursWroteIsLeftAsItIs) {
+  StandInColmap program(scratch_.path() / "p");
+  program.add_model(0, plant_views({.images = 5, .points = 30}, 1));
+  const Pictures pictures(5);
+  for (const char* name :
+       {"images/field.png", "sparse/0/images.bin", "sparse_lost/a", "database.db"}) {
+    const fs::path theirs = work_ / name;
+    write_file(theirs, "a day's work");
+    EXPECT_THAT([&] { run_colmap(pictures.input, config(program)); },
+                testing::ThrowsMessage<std::invalid_argument>(
+                    HasSubstr((work_ / *fs::path(name).begin()).string() + " is there")));
+    EXPECT_EQ(read_file(theirs), "a day's work");
+    EXPECT_FALSE(fs::exists(work_ / "database.key"));
+    fs::remove_all(work_);
+  }
+  // Whatever else lies there is nobody's hindrance.
+  write_file(work_ / "notes.txt", "a day's work");
+  EXPECT_EQ(run_colmap(pictures.input, config(program)).status, ColmapStatus::ok);
+  EXPECT_EQ(read_file(work_ / "notes.txt"), "a day's work");
+}
+
+TEST_F(ColmapRunTest, FeaturesThatWereStoppedStartWithAnEmptyDatabase) {
+  const std::string stopped_once =
+      "if [ \"$1\" = feature_extractor ]; then\n"
+      "  while [ $# -gt 0 ]; do [ \"$1\" = --database_path ] && database=$2; shift; done\n"
+      "  [ -e \"$database\" ] && echo 'a camera is there' && exit 1\n"
+      "  touch \"$database\"\n"
+      "  [ -e \"$here/stopped\" ] || { touch \"$here/stopped\"; kill -9 $$; }; fi";
+  StandInColmap program(scratch_.path() / "p", stopped_once);
+  program.add_model(0, plant_views({.images = 5, .points = 30}, 1));
+  const Pictures pictures(5);
+  EXPECT_EQ(run_colmap(pictures.input, config(program)).status, ColmapStatus::program_failed);
+  const ColmapRun again = run_colmap(pictures.input, config(program));
+  EXPECT_EQ(again.status, ColmapStatus::ok) << again.reason;
+}
+
+TEST_F(ColmapRunTest, ASecondTryThatFailsCostsNothingOfTheFirst) {
+  const std::string fails_then =
+      "if [ \"$1\" = mapper ]; then\n"
+      "  [ -e \"$here/mapped\" ] && echo 'no space left' && exit 3\n"
+      "  touch \"$here/mapped\"; fi";
+  StandInColmap program(scratch_.path() / "p", fails_then);
+  program.add_model(0, plant_views({.images = 12, .points = 30, .lost = {3, 7, 9}}, 1));
+  Pictures pictures(12);
+  pictures.input.pairs = image_pairs(12, {.neighbours = 2, .far_per_image = 0});
+  const ColmapRun run = run_colmap(pictures.input, config(program));
+  EXPECT_EQ(run.status, ColmapStatus::ok);
+  EXPECT_EQ(run.model.images.size(), 9U);
+  EXPECT_THAT(run.reason, HasSubstr("mapping_lost: "));
+  EXPECT_THAT(run.reason, HasSubstr("no space left"));
+}
+
 TEST_F(ColmapRunTest, AStepThatDoesNotEndIsStopped) {
   StandInColmap program(scratch_.path() / "p", "[ \"$1\" = matches_importer ] && exec sleep 1000");
   ColmapConfig limited = config(program);

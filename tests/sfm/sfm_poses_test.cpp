@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "calibration/planar_pose.h"
+#include "sim/types/rng.h"
 #include "tests/sfm/plant_views.h"
 
 namespace cousin {
@@ -100,6 +101,33 @@ TEST(SfmPoses, ErrorsOfPosesAreAsLargeAsPredicted) {
   // Mean square of normalised errors. The images of a run share its lens, so that runs count: 20
   // of them with 6 to 72 freedoms leave a standard error of 2 to 13 %; allow 35 %.
   EXPECT_NEAR(sum / count, 1, 0.35);
+}
+
+TEST(SfmPoses, WhatIsKnownOfTheLensCountsAsMuchAsItIsWorth) {
+  SKIP_WITHOUT_CERES();
+  SfmConfig config;
+  config.adjust.focal_prior_share = 2e-3;
+  config.adjust.centre_prior_px = config.adjust.distortion_prior = 0;
+  for (const SfmScale scale : {SfmScale::none, SfmScale::squares}) {
+    config.scale = scale;
+    double squares = 0;
+    constexpr int kRuns = 24;
+    for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+      PlantViews views = plant_views({.images = 10, .points = 40}, seed);
+      const double truth_px = views.lens.fx_px;
+      Rng rng = Rng(seed).fork("lens");
+      views.lens.fx_px *= 1 + 2e-3 * normal(rng);
+      views.lens.fy_px *= 1 + 2e-3 * normal(rng);
+      const SfmEstimate estimate = refined(views, config);
+      ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+      ASSERT_EQ(estimate.lens_parameters.front(), "fx_px");
+      const double sigma_px = std::sqrt(estimate.lens_covariance(0, 0));
+      EXPECT_LT(sigma_px, 2e-3 * truth_px);  // the images tell something, too
+      squares += std::pow((estimate.lens.fx_px - truth_px) / sigma_px, 2);
+    }
+    // Mean of 24 squared normalised errors: 1, with a deviation of sqrt(2 / 24).
+    EXPECT_NEAR(squares / kRuns, 1, 3 * std::sqrt(2.0 / kRuns));
+  }
 }
 
 TEST(SfmPoses, ImagesWithoutAPlaceAreNamed) {
@@ -221,9 +249,9 @@ TEST(SfmPoses, TheScaleBySquaresLiesWithinItsInterval) {
     EXPECT_GT(estimate.scale_sigma_share, 0);
     // The model as it was handed over was exact: what the adjustment changed is part of the scale.
     const double off = estimate.metres_per_unit * views.model_from_world.scale - 1;
-    within += std::abs(off) < 0.01 ? 1 : 0;
+    within += std::abs(off) < 1.96 * estimate.scale_sigma_share ? 1 : 0;
   }
-  EXPECT_EQ(within, kRuns);
+  EXPECT_GE(within, kRuns * 85 / 100);
 }
 
 TEST(SfmPoses, ImagesThatFocusOnTheirOwnAreAdjustedSo) {
