@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "calibration/homography.h"
 #include "sim/types/seams.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kHuberSigmas = 3;
 constexpr double kHopeless = 1e30;  // cost of a pose with points behind the camera
+constexpr double kSamePose_rad = 0.0175;
 
 struct System {
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
@@ -138,11 +140,16 @@ PlanarPose estimate_planar_pose(const Camera& camera, const std::vector<BoardPoi
   if (!fit.ok) return result;
   const Pose start = pose_of(fit.normalized_from_plane);
   Refined best = refine(lens, points, start);
-  const Refined other =
-      refine(lens, points, mirrored(best.system.cost < kHopeless ? best.pose : start));
-  if (other.system.cost < best.system.cost) best = other;
+  Refined other = refine(lens, points, mirrored(best.system.cost < kHopeless ? best.pose : start));
+  if (other.system.cost < best.system.cost) std::swap(best, other);
   result.ok = best.converged && best.system.cost < kHopeless;
   result.camera_from_board = best.pose;
+  // Where points miss by more than their deviations say, costs count by what they do miss by.
+  const double freedoms = std::max(1.0, 2.0 * static_cast<double>(points.size()) - 6);
+  const double unit = std::max(1.0, best.system.cost / freedoms);
+  result.is_ambiguous = result.ok && other.converged &&
+                        other.system.cost - best.system.cost < kAmbiguousCost * unit &&
+                        other.pose.rotation.angularDistance(best.pose.rotation) > kSamePose_rad;
   result.rms_px = std::sqrt(best.system.squares_px2 / (2.0 * static_cast<double>(points.size())));
   return result;
 }

@@ -15,10 +15,18 @@ struct BoardPoint {
   Eigen::Matrix2d covariance_px2 = 0.01 * Eigen::Matrix2d::Identity();
 };
 
+/// A pose worse by less than this is not refuted: 1 in 1000 is, of two at equal odds.
+inline constexpr double kAmbiguousCost = 13.8;
+
 struct PlanarPose {
   bool ok = false;  ///< false: fewer than four points, points on a line, or no convergence
   Pose camera_from_board;
   double rms_px = 0;  ///< per coordinate, all points
+  /// The other of a plane's two poses explains the points almost as well [its squared residuals,
+  /// over their deviations or what they do
+  /// miss by, are less than `kAmbiguousCost` more], and they differ by more than a
+  /// degree: which one is true does not show.
+  bool is_ambiguous = false;
 };
 
 /// W with W' W = covariance^-1, lower triangular: W times a residual has unit covariance. The

@@ -79,7 +79,13 @@ TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<i
   const bool is_left = training.status == SplatTrainStatus::stopped;
   field.status = is_left ? "ok" : to_string(training.status);
   if (field.status != "ok") return field;
-  for (KeptModel& way : kept.models(at)) {
+  std::vector<KeptModel> models = kept.models(at);
+  if (models.size() != at.size()) {
+    throw std::runtime_error(unfinished.string() + ": " + std::to_string(models.size()) + " of " +
+                             std::to_string(at.size()) +
+                             " models are there; remove it to train again");
+  }
+  for (KeptModel& way : models) {
     add_scores(views, way.step, way.seconds, static_cast<std::int64_t>(way.model.splats.size()),
                renderer_of(way.model), field);
     field.splats = std::move(way.model);
@@ -107,6 +113,7 @@ TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const Sp
     const int steps = plan.at[i];
     SplatTrainConfig config;
     config.steps = steps;
+    config.rates = rates_for(steps);
     if (!plan.most_splats.empty()) config.most_splats = plan.most_splats[i];
     config.seed = seed;
     TrainedField one =

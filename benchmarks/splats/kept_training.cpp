@@ -1,6 +1,7 @@
 #include "benchmarks/splats/kept_training.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -46,6 +47,7 @@ SplatSnapshots KeptTraining::snapshots(std::vector<int> at) const {
 
 std::vector<KeptModel> KeptTraining::models(const std::vector<int>& at) const {
   std::vector<KeptModel> models;
+  fs::path missing;
   for (const int step : at) {
     if (folder_.empty()) {
       const auto kept = std::find_if(in_memory_->begin(), in_memory_->end(),
@@ -54,7 +56,15 @@ std::vector<KeptModel> KeptTraining::models(const std::vector<int>& at) const {
       continue;
     }
     const fs::path own = folder_ / std::to_string(step);
-    if (!fs::exists(model_file(own))) continue;
+    if (!fs::exists(model_file(own))) {
+      missing = own;
+      continue;
+    }
+    if (!missing.empty()) {
+      throw std::runtime_error(missing.string() +
+                               ": the model is gone, though the training went on; remove " +
+                               folder_.string() + " to train again");
+    }
     models.push_back(
         {step, read_timings(own).at(0),
          read_splat_ply(model_file(own), {.invalid = SplatPlyConfig::Invalid::refuse}).model});

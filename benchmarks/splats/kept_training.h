@@ -29,7 +29,8 @@ class KeptTraining {
   /// Keeps the model after each of `at` steps.
   SplatSnapshots snapshots(std::vector<int> at) const;
   /// Those of `at` that were taken, in that order, once the training has ended.
-  /// @throws std::runtime_error if a file is damaged
+  /// @param at  rising
+  /// @throws std::runtime_error if a file is damaged, or missing where a later one is there
   std::vector<KeptModel> models(const std::vector<int>& at) const;
 
  private:

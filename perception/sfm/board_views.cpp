@@ -21,7 +21,7 @@ std::optional<Pose> camera_from_board(const Camera& lens, const FrameCorners& co
                       corner.covariance_px2});
   }
   const PlanarPose pose = estimate_planar_pose(lens, points);
-  if (!pose.ok || !(pose.rms_px <= config.max_rms_px)) return {};
+  if (!pose.ok || pose.is_ambiguous || !(pose.rms_px <= config.max_rms_px)) return {};
   return pose.camera_from_board;
 }
 

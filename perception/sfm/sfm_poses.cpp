@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 #include <stdexcept>
@@ -117,6 +118,26 @@ SfmBundle adjust_tracks(const SfmModel& model, const std::optional<Camera>& lens
   return bundle;
 }
 
+/// Without images whose sightings do not determine a pose: three leave four, and points that no
+/// other image shows leave any. They would make the whole adjustment singular.
+SfmModel without_blind_images(SfmModel model) {
+  constexpr int kLeastSightings = 4;
+  while (true) {
+    std::map<int, int> sightings;
+    for (const SfmPoint& point : model.points) {
+      if (point.sightings.size() < 2) continue;
+      for (const SfmSighting& seen : point.sightings) ++sightings[seen.image];
+    }
+    std::vector<int> blind;
+    for (std::size_t i = 0; i < model.images.size(); ++i) {
+      if (sightings[model.images[i]] < kLeastSightings) blind.push_back(static_cast<int>(i));
+    }
+    if (blind.empty()) return model;
+    model =
+        without_images(model, blind);  // and points of one image left, so that others may follow
+  }
+}
+
 /// Takes images that the board contradicts out of an adjusted model, and adjusts what is left.
 /// @returns false where the board contradicts the model as a whole: the estimate says so
 bool keep_what_agrees(const std::vector<int>& frames, const std::optional<Camera>& lens,
@@ -221,7 +242,7 @@ SfmEstimate refine_sfm(const SfmModel& given, const std::vector<int>& frames,
   estimate.status = SfmStatus::ok;
   for (const int frame : frames)
     estimate.poses.push_back({.frame = frame, .status = PoseStatus::not_converged});
-  SfmModel model = given;
+  SfmModel model = config.refine ? without_blind_images(given) : given;
   SfmBundle bundle = config.refine ? adjust_tracks(model, lens, config) : as_it_is(model);
   bool good = bundle.result.status == CalibrationStatus::ok;
   const bool wants_scale = config.scale != SfmScale::none;
@@ -234,16 +255,21 @@ SfmEstimate refine_sfm(const SfmModel& given, const std::vector<int>& frames,
     estimate.feature_sigma_px = bundle.sighting_px * bundle.result.sigma_px;
     report_lens(bundle.result, estimate);
   }
+  const bool is_per_image = config.refine && config.focal == SfmFocal::per_image;
+  if (good && is_per_image && config.scale != SfmScale::adjusted) {
+    // Before the scale: the adjustment knows of none, and would take its deviation away.
+    bundle.result = adjust_focal_lengths(bundle.input, bundle.result, bundle.sighting_px, config);
+    good = bundle.result.status == CalibrationStatus::ok;
+  }
   if (good && wants_scale && corners.empty()) refuse_scale("there is no board", estimate);
   if (good && wants_scale && !corners.empty()) {
     good = scale_bundle(frames, corners, board, config, bundle, estimate);
     if (good && config.scale == SfmScale::adjusted && bundle.result.gauge == BundleGauge::metric)
       report_lens(bundle.result, estimate);
   }
-  if (good && config.refine && config.focal == SfmFocal::per_image) {
+  if (good && is_per_image && config.scale == SfmScale::adjusted) {
     // With the board in it, sightings are over what they scatter then.
-    const bool is_weighed =
-        config.scale == SfmScale::adjusted && bundle.result.gauge == BundleGauge::metric;
+    const bool is_weighed = bundle.result.gauge == BundleGauge::metric;
     bundle.result =
         adjust_focal_lengths(bundle.input, bundle.result,
                              is_weighed ? estimate.feature_sigma_px : bundle.sighting_px, config);

@@ -119,6 +119,7 @@ SfmEstimate estimate_poses_sfm(const Capture& capture, const Corners& corners,
 /// @param frames   ids of the frames that the model's images count through
 /// @param corners  one entry for each of them, or empty: there is no scale
 /// @param lens     what the device reports; none: the model's lens is the start
+/// Images of the model with fewer than four sightings of points that another one shows are lost.
 SfmEstimate refine_sfm(const SfmModel& model, const std::vector<int>& frames,
                        const std::optional<Camera>& lens, const Corners& corners,
                        const SeedBoard& board, const SfmConfig& config = {});

@@ -1,5 +1,6 @@
 #include "perception/splats/splat_train_config.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -15,6 +16,16 @@ void check(const char* name, double value, double low, double high) {
 }
 
 }  // namespace
+
+SplatRates rates_for(int steps) {
+  SplatRates rates;
+  constexpr double kFittedAt = 1000;                   // steps of the defaults
+  const double power = std::log(4.0) / std::log(7.0);  // a quarter of them at 7000 steps
+  const double share = std::min(1.0, std::pow(kFittedAt / steps, power));
+  rates.centre_first *= share;
+  rates.log_scale *= share;
+  return rates;
+}
 
 SplatTrainConfig reference_training() {
   SplatTrainConfig config;

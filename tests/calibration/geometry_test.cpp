@@ -6,6 +6,7 @@
 #include "calibration/homography.h"
 #include "calibration/lens_jacobian.h"
 #include "calibration/planar_pose.h"
+#include "sim/types/rng.h"
 #include "tests/calibration/synthetic_board.h"
 
 namespace cousin {
@@ -108,6 +109,41 @@ TEST(PlanarPose, IsExactForEveryLensAndTilt) {
                 1e-6);
     }
   }
+}
+
+/// A 20 mm board: near and tilted, or far and nearly frontal.
+std::vector<BoardPoint> small_board(const Camera& camera, const Pose& truth, double sigma_px,
+                                    std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<BoardPoint> points;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      const Eigen::Vector3d p(0.006 * column - 0.009, 0.006 * row - 0.009, 0);
+      const double dx = sigma_px * normal(rng), dy = sigma_px * normal(rng);
+      points.push_back({p, project(camera, truth * p).value() + Eigen::Vector2d(dx, dy),
+                        sigma_px * sigma_px * Eigen::Matrix2d::Identity()});
+    }
+  }
+  return points;
+}
+
+TEST(PlanarPose, TwoPosesThatExplainThePointsAreSaid) {
+  const Camera camera = synthetic::phone_camera(1280);
+  const Pose far = synthetic::orbit(1.0, 1.3, 1.0, 1.0),
+             near = synthetic::orbit(0.15, 0.6, 1.0, 1.0);
+  int far_wrong_unsaid = 0, far_ambiguous = 0;
+  constexpr int kRuns = 40;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const PlanarPose a = estimate_planar_pose(camera, small_board(camera, far, 0.1, seed));
+    ASSERT_TRUE(a.ok);
+    far_ambiguous += a.is_ambiguous ? 1 : 0;
+    const bool is_mirrored = a.camera_from_board.rotation.angularDistance(far.rotation) > 0.26;
+    far_wrong_unsaid += is_mirrored && !a.is_ambiguous ? 1 : 0;
+    const PlanarPose b = estimate_planar_pose(camera, small_board(camera, near, 0.1, seed));
+    EXPECT_TRUE(b.ok && !b.is_ambiguous);
+  }
+  EXPECT_GT(far_ambiguous, kRuns / 2);
+  EXPECT_EQ(far_wrong_unsaid, 0);
 }
 
 TEST(PlanarPose, FewOrCollinearPointsAreRefused) {

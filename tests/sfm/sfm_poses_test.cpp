@@ -272,6 +272,51 @@ TEST(SfmPoses, ImagesThatFocusOnTheirOwnAreAdjustedSo) {
   EXPECT_LT(std::sqrt(squares), 0.001);  // a third of what they differ by
 }
 
+TEST(SfmPoses, ImagesThatFocusOnTheirOwnKeepTheScaleAndItsDeviation) {
+  SKIP_WITHOUT_CERES();
+  double sum = 0;
+  int count = 0;
+  constexpr int kRuns = 12;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const PlantViews views =
+        plant_views({.points = 150, .noise_px = 0.1, .focal_spread = 0.003}, seed);
+    SfmConfig config{.scale = SfmScale::squares, .focal = SfmFocal::per_image};
+    config.focal_jitter = 0.003;
+    const SfmEstimate estimate = refined(views, config);
+    ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+    EXPECT_EQ(estimate.gauge, BundleGauge::metric);
+    for (const FramePose& pose : estimate.poses) {
+      // Along the line to the board's middle: the direction of the scale.
+      const Vector3d t = pose.camera_from_world.translation_m;
+      const double sigma_m =
+          std::sqrt(t.normalized().dot(pose.covariance.bottomRightCorner<3, 3>() * t.normalized()));
+      EXPECT_GE(sigma_m, 0.999 * estimate.scale_sigma_share * t.norm());
+      const auto i = static_cast<std::size_t>(&pose - estimate.poses.data());
+      const double off_m = t.norm() - views.camera_from_world[i].translation_m.norm();
+      sum += std::pow(off_m / sigma_m, 2);
+      ++count;
+    }
+  }
+  // The deviation of a mean of sides that share corners is an upper bound.
+  EXPECT_LT(sum / count, 1.5);
+}
+
+TEST(SfmPoses, AnImageOfTooFewSightingsIsLostAlone) {
+  SKIP_WITHOUT_CERES();
+  PlantViews views = plant_views({}, 9);
+  int left = 3;  // of the sightings of image 4
+  for (SfmPoint& point : views.model.points) {
+    std::erase_if(point.sightings,
+                  [&](const SfmSighting& seen) { return seen.image == 4 && left-- <= 0; });
+  }
+  std::erase_if(views.model.points, [](const SfmPoint& p) { return p.sightings.size() < 2; });
+  const SfmEstimate estimate = refined(views, {.scale = SfmScale::none});
+  EXPECT_EQ(estimate.status, SfmStatus::partly_registered) << estimate.reason;
+  EXPECT_THAT(estimate.lost, ElementsAre(14));
+  EXPECT_EQ(estimate.poses[3].status, PoseStatus::ok);
+  EXPECT_EQ(estimate.poses[4].status, PoseStatus::not_converged);
+}
+
 TEST(SfmPoses, ALensThatTheImagesLeaveOpenIsSaid) {
   SKIP_WITHOUT_CERES();
   const PlantViews views = plant_views({.path = CameraPath::nadir_flat}, 6);

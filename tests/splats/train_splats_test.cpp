@@ -326,6 +326,8 @@ TEST_F(SplatCheckpointTest, KeptModelsOfTwoProcessesAreThoseOfOne) {
     write_splat_ply(folder_ / "parts.ply", parts[i].model);
     EXPECT_EQ(read_file(folder_ / "whole.ply"), read_file(folder_ / "parts.ply"));
   }
+  fs::remove_all(folder_ / "kept" / "60");
+  EXPECT_THROW((void)second.models(at), std::runtime_error);  // 100 is there
 }
 
 TEST_F(SplatCheckpointTest, DamagedAndForeignOnesAreRefused) {
