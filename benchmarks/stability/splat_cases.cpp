@@ -103,7 +103,7 @@ double not_finite(const Drawn& drawn) {
   }
   for (int k = 0; k < SplatPlane::count; ++k) {
     for (int i = 0; i < drawn.gradients.size(); ++i) {
-      count += std::isfinite(drawn.gradients.plane(k)[i]) ? 0 : 1;
+      count += std::isfinite(drawn.gradients.at(k, i)) ? 0 : 1;
     }
   }
   return count;
@@ -179,7 +179,7 @@ double gradients_off() {
         std::sqrt(expected.col(k).squaredNorm() / static_cast<double>(expected.rows()));
     for (int i = 0; i < drawn.gradients.size(); ++i) {
       const double limit = 1e-3 * (std::abs(expected(i, k)) + rms);
-      off += std::abs(drawn.gradients.plane(k)[i] - expected(i, k)) > limit ? 1 : 0;
+      off += std::abs(drawn.gradients.at(k, i) - expected(i, k)) > limit ? 1 : 0;
     }
   }
   return off / static_cast<double>(expected.size());

@@ -30,7 +30,15 @@ inline void blend_gradient_tile(const BlendGradientTask& task, int tile) {
   std::uint32_t entry = begin;
   for (; entry < done; ++entry) {
     if ((entry - begin) % kEntryBatch == 0) alive = alive_blocks<L>(transmittance);
+    const std::uint32_t ahead = entry + kAhead < done ? entry + kAhead : entry;
+    __builtin_prefetch(blend.projected + blend.tile_splat[ahead]);
+    __builtin_prefetch(task.partials + blend.tile_pair[ahead], 1);
+    auto* to = reinterpret_cast<float*>(task.partials + blend.tile_pair[entry]);
     std::uint32_t todo = blend.touched[entry] & alive;
+    if (todo == 0) {
+      for (int k = 0; k < 12; ++k) to[k] = 0;
+      continue;
+    }
     const ProjectedSplat& s = blend.projected[blend.tile_splat[entry]];
     const L tile_dx = L::load(TileLayout::lane_x) + L(static_cast<float>(place.x0) - s.x_px);
     const L tile_dy = L::load(TileLayout::lane_y) + L(static_cast<float>(place.y0) - s.y_px);
@@ -75,7 +83,6 @@ inline void blend_gradient_tile(const BlendGradientTask& task, int tile) {
       sums[5] = multiply_add(gdy, dy, sums[5]);
       sums[6] = sums[6] + weight;
     }
-    auto* to = reinterpret_cast<float*>(task.partials + blend.tile_pair[entry]);
     lane_sums(sums).store(to);
     to[8] = lane_sum(sum_red);
     to[9] = lane_sum(sum_green);

@@ -102,6 +102,8 @@ inline std::uint32_t alive_blocks(const float* transmittance) {
 /// Entries of a list that are looked at together: the blocks of all first, without a branch that
 /// waits for them.
 constexpr std::uint32_t kEntryBatch = 32;
+/// Entries ahead of which what they name is fetched from memory.
+constexpr std::uint32_t kAhead = 8;
 
 /// Alpha of one Gaussian in one block, 0 below 1/255. `log2` receives the logarithm of what alpha
 /// is before it is limited.
@@ -131,6 +133,7 @@ inline void blend_tile_as(const BlendTask& task, int tile) {
   while (entry < end && alive != 0) {
     const std::uint32_t batch_end = end - entry < kEntryBatch ? end : entry + kEntryBatch;
     for (std::uint32_t e = entry; e < batch_end; ++e) {
+      __builtin_prefetch(task.projected + task.tile_splat[e + kAhead < end ? e + kAhead : e]);
       const ProjectedSplat& s = task.projected[task.tile_splat[e]];
       task.touched[e] = blocks_touched<L>(s, static_cast<float>(place.x0) - s.x_px,
                                           static_cast<float>(place.y0) - s.y_px);

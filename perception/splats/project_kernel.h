@@ -25,7 +25,7 @@ template <class L>
 inline ProjectedLanes<L> project_lanes(const SplatPlanes& planes, const SplatCamera& camera,
                                        int first) {
   ProjectedLanes<L> r;
-  const auto load = [&](int k) { return L::load(planes.plane(k) + first); };
+  const auto load = [&](int k) { return L::load(planes.lanes(k, first)); };
   const float* c = camera.rotation;
   const L centre[3] = {load(0), load(1), load(2)};
   const auto row = [&](int i) {
@@ -127,7 +127,7 @@ inline void project_range(const ProjectTask& task, int first, int last) {
   const int functions = (task.sh_degree + 1) * (task.sh_degree + 1);
   for (int n = first; n < last; n += 8) {
     const ProjectedLanes<L> r = project_lanes<L>(planes, camera, n);
-    const auto load = [&](int k) { return L::load(planes.plane(k) + n); };
+    const auto load = [&](int k) { return L::load(planes.lanes(k, n)); };
     const L logit = load(SplatPlane::opacity);
     const L log2_opacity = logarithm2(sigmoid_of(logit));
     const L room = log2_opacity - L(SplatLimits::smallest_log2_alpha);

@@ -55,8 +55,8 @@ double near_depth_m(const SplatPlanes& planes, const Pose& camera_from_world,
   std::vector<float> depths;
   depths.reserve(static_cast<std::size_t>(planes.size()));
   for (int i = 0; i < planes.size(); ++i) {
-    const float z = axis.x() * planes.plane(0)[i] + axis.y() * planes.plane(1)[i] +
-                    axis.z() * planes.plane(2)[i] + offset;
+    const float z = axis.x() * planes.at(0, i) + axis.y() * planes.at(1, i) +
+                    axis.z() * planes.at(2, i) + offset;
     if (z > 0 && std::isfinite(z)) depths.push_back(z);
   }
   if (depths.empty()) return 1e-6 * share;

@@ -76,15 +76,19 @@ void add_config(Bytes& bytes, const SplatTrainConfig& c) {
 }
 
 void add_planes(Bytes& bytes, const SplatPlanes& planes) {
+  std::vector<float> row(static_cast<std::size_t>(planes.size()));
   for (int k = 0; k < planes.planes(); ++k) {
-    bytes.add(planes.plane(k), sizeof(float) * static_cast<std::size_t>(planes.size()));
+    for (int i = 0; i < planes.size(); ++i) row[static_cast<std::size_t>(i)] = planes.at(k, i);
+    bytes.add(row.data(), sizeof(float) * row.size());
   }
 }
 
 SplatPlanes take_planes(Taker& taker, int size) {
   SplatPlanes planes(SplatPlane::count, size);
+  std::vector<float> row(static_cast<std::size_t>(size));
   for (int k = 0; k < planes.planes(); ++k) {
-    taker.take(planes.plane(k), sizeof(float) * static_cast<std::size_t>(size));
+    taker.take(row.data(), sizeof(float) * row.size());
+    for (int i = 0; i < size; ++i) planes.at(k, i) = row[static_cast<std::size_t>(i)];
   }
   return planes;
 }

@@ -24,7 +24,7 @@ void fit(Image<float>& image, const SplatCamera& camera) {
 /// each ray: Zhang et al., RaDe-GS, 2024].
 void set_depth_slope(const SplatPlanes& planes, const SplatCamera& camera, int i, float* slope) {
   slope[0] = slope[1] = 0;
-  const auto value = [&](int plane) { return static_cast<double>(planes.plane(plane)[i]); };
+  const auto value = [&](int plane) { return static_cast<double>(planes.at(plane, i)); };
   Eigen::Vector3d centre_m, scale;
   for (int k = 0; k < 3; ++k) {
     centre_m[k] = value(SplatPlane::centre + k);

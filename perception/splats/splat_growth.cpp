@@ -1,10 +1,13 @@
 #include "perception/splats/splat_growth.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
-#include <numeric>
 
 #include "perception/splats/splat_growth_kinds.h"
 
@@ -25,38 +28,41 @@ std::vector<int> morton_order(const SplatPlanes& values) {
   Eigen::Array3f high = -low;
   for (int i = 0; i < values.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], values.plane(k)[i]);
-      high[k] = std::max(high[k], values.plane(k)[i]);
+      low[k] = std::min(low[k], values.at(k, i));
+      high[k] = std::max(high[k], values.at(k, i));
     }
   }
-  std::vector<std::uint32_t> code(static_cast<std::size_t>(values.size()));
+  // The index in the lower half: all differ, and equal codes keep their order.
+  std::vector<std::uint64_t> keys(static_cast<std::size_t>(values.size()));
   for (int i = 0; i < values.size(); ++i) {
     std::uint32_t bits = 0;
     for (int k = 0; k < 3; ++k) {
-      const float share = (values.plane(k)[i] - low[k]) / std::max(high[k] - low[k], 1e-30F);
+      const float share = (values.at(k, i) - low[k]) / std::max(high[k] - low[k], 1e-30F);
       bits |= spread_bits(static_cast<std::uint32_t>(std::clamp(share, 0.0F, 1.0F) * 1023)) << k;
     }
-    code[static_cast<std::size_t>(i)] = bits;
+    keys[static_cast<std::size_t>(i)] = std::uint64_t{bits} << 32 | static_cast<std::uint32_t>(i);
   }
-  std::vector<int> order(code.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return code[static_cast<std::size_t>(a)] < code[static_cast<std::size_t>(b)];
-  });
+  tbb::parallel_sort(keys);
+  std::vector<int> order(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) order[i] = static_cast<int>(keys[i] & 0xffffffffU);
   return order;
 }
 
 bool finite(const SplatPlanes& values, int i) {
   for (int k = 0; k < SplatPlane::count; ++k) {
-    if (!std::isfinite(values.plane(k)[i])) return false;
+    if (!std::isfinite(values.at(k, i))) return false;
   }
   return true;
 }
 
 void drop_infinite(SplatTrainState& state) {
+  std::vector<std::uint8_t> good(static_cast<std::size_t>(state.values.size()));
+  tbb::parallel_for(0, state.values.size(), [&](int i) {
+    good[static_cast<std::size_t>(i)] = finite(state.values, i) ? 1 : 0;
+  });
   std::vector<int> kept;
   for (int i = 0; i < state.values.size(); ++i) {
-    if (finite(state.values, i)) kept.push_back(i);
+    if (good[static_cast<std::size_t>(i)] != 0) kept.push_back(i);
   }
   if (static_cast<int>(kept.size()) == state.values.size()) return;
   std::vector<float> sums, counts;
@@ -92,17 +98,17 @@ void grow_splats(SplatTrainState& state, const SplatTrainConfig& config, double 
 
 void reset_opacity(SplatTrainState& state) {
   const auto limit = static_cast<float>(std::log(0.01 / 0.99));
-  float* logit = state.values.plane(SplatPlane::opacity);
   for (int i = 0; i < state.values.size(); ++i) {
-    logit[i] = std::min(logit[i], limit);
-    state.first_moment.plane(SplatPlane::opacity)[i] = 0;
-    state.second_moment.plane(SplatPlane::opacity)[i] = 0;
+    float& logit = state.values.at(SplatPlane::opacity, i);
+    logit = std::min(logit, limit);
+    state.first_moment.at(SplatPlane::opacity, i) = 0;
+    state.second_moment.at(SplatPlane::opacity, i) = 0;
   }
 }
 
 void add_centre_noise(SplatPlanes& values, double scale, const Rng& rng) {
   for (int i = 0; i < values.size(); ++i) {
-    const double opacity = 1 / (1 + std::exp(-double{values.plane(SplatPlane::opacity)[i]}));
+    const double opacity = 1 / (1 + std::exp(-double{values.at(SplatPlane::opacity, i)}));
     // 1 for the transparent, falling where opacity is 0.005.
     const double gate = 1 / (1 + std::exp(-100 * ((1 - opacity) - 0.995)));
     if (gate < 1e-4) continue;
@@ -112,7 +118,7 @@ void add_centre_noise(SplatPlanes& values, double scale, const Rng& rng) {
     const Eigen::Matrix3d axes = splat_axes(values, i);
     const Eigen::Vector3d moved = axes * (axes.transpose() * noise) * gate * scale;
     if (!moved.allFinite()) continue;
-    for (int k = 0; k < 3; ++k) values.plane(k)[i] += static_cast<float>(moved[k]);
+    for (int k = 0; k < 3; ++k) values.at(k, i) += static_cast<float>(moved[k]);
   }
 }
 

@@ -22,8 +22,8 @@ void split(SplatPlanes& values, const Pair& pair, const Rng& rng) {
     for (int k = 0; k < 3; ++k) offset[k] = normal(own);
     offset = axes * offset;
     for (int k = 0; k < 3; ++k) {
-      values.plane(k)[i] += static_cast<float>(offset[k]);
-      values.plane(SplatPlane::log_scale + k)[i] -= std::log(1.6F);
+      values.at(k, i) += static_cast<float>(offset[k]);
+      values.at(SplatPlane::log_scale + k, i) -= std::log(1.6F);
     }
   }
 }
@@ -40,9 +40,9 @@ void split_along(SplatPlanes& values, const Pair& pair) {
   for (const int i : {pair.first, pair.second}) {
     const double side = i == pair.first ? 0.7 : -0.7;
     for (int k = 0; k < 3; ++k) {
-      values.plane(k)[i] += static_cast<float>(side * axes(k, longest));
+      values.at(k, i) += static_cast<float>(side * axes(k, longest));
     }
-    values.plane(SplatPlane::log_scale + longest)[i] += std::log(0.714F);
+    values.at(SplatPlane::log_scale + longest, i) += std::log(0.714F);
     set_opacity(values, i, 0.7 * opacity);
   }
 }
@@ -72,35 +72,34 @@ std::vector<Pair> add_copies(SplatTrainState& state, const std::vector<int>& kep
 
 void clear_moments(SplatTrainState& state, int i) {
   for (int k = 0; k < SplatPlane::count; ++k) {
-    state.first_moment.plane(k)[i] = 0;
-    state.second_moment.plane(k)[i] = 0;
+    state.first_moment.at(k, i) = 0;
+    state.second_moment.at(k, i) = 0;
   }
 }
 
 }  // namespace
 
 Eigen::Matrix3d splat_axes(const SplatPlanes& values, int i) {
-  Eigen::Quaterniond q(values.plane(6)[i], values.plane(7)[i], values.plane(8)[i],
-                       values.plane(9)[i]);
+  Eigen::Quaterniond q(values.at(6, i), values.at(7, i), values.at(8, i), values.at(9, i));
   q = q.norm() > 1e-12 ? q.normalized() : Eigen::Quaterniond::Identity();
   Eigen::Vector3d scale;
   for (int k = 0; k < 3; ++k) {
-    scale[k] = std::exp(double{values.plane(SplatPlane::log_scale + k)[i]});
+    scale[k] = std::exp(double{values.at(SplatPlane::log_scale + k, i)});
   }
   return q.toRotationMatrix() * scale.asDiagonal();
 }
 
 double splat_opacity(const SplatPlanes& values, int i) {
-  return 1 / (1 + std::exp(-double{values.plane(SplatPlane::opacity)[i]}));
+  return 1 / (1 + std::exp(-double{values.at(SplatPlane::opacity, i)}));
 }
 
 void set_opacity(SplatPlanes& values, int i, double opacity) {
   const double bounded = std::clamp(opacity, 1e-6, 1 - 1e-6);
-  values.plane(SplatPlane::opacity)[i] = static_cast<float>(std::log(bounded / (1 - bounded)));
+  values.at(SplatPlane::opacity, i) = static_cast<float>(std::log(bounded / (1 - bounded)));
 }
 
 double largest_scale_m(const SplatPlanes& values, int i) {
-  return std::exp(double{std::max({values.plane(3)[i], values.plane(4)[i], values.plane(5)[i]})});
+  return std::exp(double{std::max({values.at(3, i), values.at(4, i), values.at(5, i)})});
 }
 
 void grow_adaptive(SplatTrainState& state, const SplatTrainConfig& config, double extent_m,
@@ -199,7 +198,7 @@ void grow_mcmc(SplatTrainState& state, const SplatTrainConfig& config, const Rng
     const SharedOpacity shared = share_opacity(splat_opacity(values, i), std::min(n, 51));
     set_opacity(state.values, i, std::max(shared.opacity, config.least_opacity));
     for (int k = 0; k < 3; ++k) {
-      state.values.plane(SplatPlane::log_scale + k)[i] +=
+      state.values.at(SplatPlane::log_scale + k, i) +=
           static_cast<float>(std::log(shared.scale_factor));
     }
     clear_moments(state, i);

@@ -11,7 +11,7 @@ SplatTrainState start_training(const SplatModel& start) {
   std::vector<int> finite;
   for (int i = 0; i < all.size(); ++i) {
     bool good = true;
-    for (int k = 0; k < SplatPlane::count; ++k) good = good && std::isfinite(all.plane(k)[i]);
+    for (int k = 0; k < SplatPlane::count; ++k) good = good && std::isfinite(all.at(k, i));
     if (good) finite.push_back(i);
   }
   state.values = all;

@@ -14,6 +14,7 @@ namespace {
 constexpr std::uint32_t kHidden = 0xffffffffU;
 constexpr std::size_t kPairsLimit = std::size_t{1} << 26;
 constexpr std::size_t kPart = 2048;  ///< Gaussians
+constexpr std::size_t kAhead = 8;    ///< Gaussians ahead of which they are fetched from memory
 
 /// Positive floats sort as their bits do: three stable passes of 11 bits.
 void sort_by_depth(const std::uint32_t* depth_order, int count, TileLists& lists) {
@@ -78,8 +79,7 @@ int tile_of(float pixel, int tiles) {
   return static_cast<int>(std::clamp(tile, -1.0F, static_cast<float>(tiles)));
 }
 
-void list_pairs(const ProjectedSplat& s, std::uint32_t splat, const TileLists& lists,
-                TileLists::Part& part) {
+void list_pairs(const ProjectedSplat& s, const TileLists& lists, TileLists::Part& part) {
   const float pad = 0.05F + 1e-5F * (s.half_width_px + s.half_height_px);
   const int first_row = std::max(0, tile_of(s.y_px - s.half_height_px - pad, lists.tiles_down));
   const int last_row =
@@ -94,7 +94,6 @@ void list_pairs(const ProjectedSplat& s, std::uint32_t splat, const TileLists& l
     for (int column = first; column <= last; ++column) {
       const auto tile = static_cast<std::uint32_t>(row * lists.tiles_across + column);
       part.pair_tile.push_back(tile);
-      part.pair_splat.push_back(splat);
       ++part.tile_count[tile];
     }
   }
@@ -115,30 +114,34 @@ void make_tile_lists(const ProjectedSplat* projected, const std::uint32_t* depth
   lists.pair_first.assign(static_cast<std::size_t>(count), 0);
   lists.pair_count.assign(static_cast<std::size_t>(count), 0);
 
-  // Pairs of each part; numbered within it first.
+  // Pairs of each part.
   tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t p) {
     TileLists::Part& part = lists.parts[p];
     part.pair_tile.clear();
-    part.pair_splat.clear();
     part.tile_count.assign(tiles, 0);
     for (std::size_t i = p * kPart; i < std::min(shown, (p + 1) * kPart); ++i) {
       const std::uint32_t splat = lists.front_to_back[i];
+      __builtin_prefetch(projected + lists.front_to_back[std::min(i + kAhead, shown - 1)]);
       const std::size_t before = part.pair_tile.size();
       if (before > kPairsLimit) break;
-      list_pairs(projected[splat], splat, lists, part);
-      lists.pair_first[splat] = static_cast<std::uint32_t>(before);
+      list_pairs(projected[splat], lists, part);
       lists.pair_count[splat] = static_cast<std::uint32_t>(part.pair_tile.size() - before);
     }
   });
-  std::vector<std::uint32_t> part_first(parts + 1, 0);
   std::size_t pairs = 0;
-  for (std::size_t p = 0; p < parts; ++p) {
-    part_first[p] = static_cast<std::uint32_t>(pairs);
-    pairs += lists.parts[p].pair_tile.size();
+  for (const TileLists::Part& part : lists.parts) {
+    pairs += part.pair_tile.size();
     if (pairs > kPairsLimit) {
       throw std::runtime_error("splats cover " + std::to_string(pairs) +
                                " tiles in one view; the limit is " + std::to_string(kPairsLimit));
     }
+  }
+
+  // Neighbours in memory are neighbours in space: numbered in that order, their pairs are too.
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < lists.pair_first.size(); ++i) {
+    lists.pair_first[i] = next;
+    next += lists.pair_count[i];
   }
 
   // Counting sort into tiles; parts in their order keep it stable.
@@ -157,13 +160,14 @@ void make_tile_lists(const ProjectedSplat* projected, const std::uint32_t* depth
   lists.tile_pair.resize(pairs);
   tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t p) {
     TileLists::Part& part = lists.parts[p];
-    for (std::size_t i = 0; i < part.pair_tile.size(); ++i) {
-      const std::uint32_t to = part.tile_count[part.pair_tile[i]]++;
-      lists.tile_splat[to] = part.pair_splat[i];
-      lists.tile_pair[to] = part_first[p] + static_cast<std::uint32_t>(i);
-    }
+    std::size_t pair = 0;
     for (std::size_t i = p * kPart; i < std::min(shown, (p + 1) * kPart); ++i) {
-      lists.pair_first[lists.front_to_back[i]] += part_first[p];
+      const std::uint32_t splat = lists.front_to_back[i];
+      for (std::uint32_t k = 0; k < lists.pair_count[splat]; ++k, ++pair) {
+        const std::uint32_t to = part.tile_count[part.pair_tile[pair]]++;
+        lists.tile_splat[to] = splat;
+        lists.tile_pair[to] = lists.pair_first[splat] + k;
+      }
     }
   });
 }

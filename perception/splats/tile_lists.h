@@ -8,7 +8,7 @@
 namespace cousin {
 
 /// Which Gaussians each tile composites, front to back; ties of depth by index. The (Gaussian,
-/// tile) pairs are numbered Gaussian by Gaussian, front to back.
+/// tile) pairs are numbered Gaussian by Gaussian, in the order of their indices.
 struct TileLists {
   int tiles_across = 0, tiles_down = 0;
   std::vector<std::uint32_t> tile_begin;              ///< tiles + 1
@@ -18,7 +18,7 @@ struct TileLists {
 
   /// A part of the Gaussians' order, with its pairs and how many each tile has of them.
   struct Part {
-    std::vector<std::uint32_t> pair_tile, pair_splat, tile_count;
+    std::vector<std::uint32_t> pair_tile, tile_count;
   };
   std::vector<Part> parts;                   ///< scratch
   std::vector<std::uint32_t> keys, scratch;  ///< scratch of the sort

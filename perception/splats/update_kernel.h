@@ -60,7 +60,7 @@ struct GradientSink {
   const UpdateTask& task;
   int first;
   void operator()(int plane, const AdamRate&, const L& gradient) const {
-    gradient.store(task.gradients->plane(plane) + first);
+    gradient.store(task.gradients->lanes(plane, first));
   }
 };
 
@@ -73,9 +73,9 @@ struct AdamSink {
   void operator()(int plane, const AdamRate& rate, const L& gradient) const {
     // A gradient that overflowed is no gradient.
     const L g = zero_unless(less(magnitude(gradient), L(1e18)), gradient);
-    float* value = task.planes->plane(plane) + first;
-    float* first_moment = task.first_moment->plane(plane) + first;
-    float* second_moment = task.second_moment->plane(plane) + first;
+    float* value = task.planes->lanes(plane, first);
+    float* first_moment = task.first_moment->lanes(plane, first);
+    float* second_moment = task.second_moment->lanes(plane, first);
     const L old_m = L::load(first_moment), old_v = L::load(second_moment), old = L::load(value);
     const L beta1(task.beta1), beta2(task.beta2);
     const L m = multiply_add(beta1, old_m - g, g);
@@ -179,7 +179,7 @@ inline void splat_gradients(const UpdateTask& task, int first, const ImageGradie
     for (int channel = 0; channel < 3; ++channel) {
       const int plane = SplatPlane::rest + 15 * channel + k - 1;
       weight[k] =
-          multiply_add(image.color[channel], L::load(planes.plane(plane) + first), weight[k]);
+          multiply_add(image.color[channel], L::load(planes.lanes(plane, first)), weight[k]);
       if (task.with_rest) sink(plane, task.rest, basis[k] * image.color[channel]);
     }
   }
@@ -199,7 +199,7 @@ inline void splat_gradients(const UpdateTask& task, int first, const ImageGradie
   }
 
   // Opacity: g is d loss / d ln(opacity).
-  const L opacity = sigmoid_of(L::load(planes.plane(SplatPlane::opacity) + first));
+  const L opacity = sigmoid_of(L::load(planes.lanes(SplatPlane::opacity, first)));
   const L pulled = multiply_add(L(task.opacity_pull), opacity, image.g);
   sink(SplatPlane::opacity, task.opacity, pulled * (L(1) - opacity));
 
@@ -222,11 +222,11 @@ inline void update_range(const UpdateTask& task, int first, int last) {
     const ImageGradients<L> image = sum_partials<L>(task, n);
     const unsigned some = bits(image.seen);
     if (task.gradients != nullptr) {
-      for (int k = 0; k < SplatPlane::count; ++k) L(0).store(task.gradients->plane(k) + n);
+      for (int k = 0; k < SplatPlane::count; ++k) L(0).store(task.gradients->lanes(k, n));
       if (some == 0) continue;
       splat_gradients<L>(task, n, image, GradientSink<L>{task, n});
       for (int k = 0; k < SplatPlane::count; ++k) {
-        float* to = task.gradients->plane(k) + n;
+        float* to = task.gradients->lanes(k, n);
         const L g = L::load(to);
         zero_unless(image.seen & less(magnitude(g), L(1e18)), g).store(to);
       }

@@ -49,12 +49,12 @@ SplatTrainState state_of(int count) {
 TEST(SplatGrowth, AdaptiveClonesTheSmallSplitsTheLargeAndPrunesTheFaint) {
   SplatTrainState state = state_of(3);
   for (int k = 0; k < 3; ++k) {
-    state.values.plane(SplatPlane::log_scale + k)[0] = std::log(0.001F);
-    state.values.plane(SplatPlane::log_scale + k)[1] = std::log(0.05F);
+    state.values.at(SplatPlane::log_scale + k, 0) = std::log(0.001F);
+    state.values.at(SplatPlane::log_scale + k, 1) = std::log(0.05F);
   }
-  state.values.plane(SplatPlane::opacity)[0] = 0;
-  state.values.plane(SplatPlane::opacity)[1] = 0;
-  state.values.plane(SplatPlane::opacity)[2] = -9;
+  state.values.at(SplatPlane::opacity, 0) = 0;
+  state.values.at(SplatPlane::opacity, 1) = 0;
+  state.values.at(SplatPlane::opacity, 2) = -9;
   std::fill(state.gradient_sum.begin(), state.gradient_sum.end(), 1.0F);
   std::fill(state.gradient_count.begin(), state.gradient_count.end(), 1.0F);
   SplatTrainConfig config;
@@ -63,7 +63,7 @@ TEST(SplatGrowth, AdaptiveClonesTheSmallSplitsTheLargeAndPrunesTheFaint) {
   ASSERT_EQ(state.values.size(), 4);
   int small = 0, parts = 0;
   for (int i = 0; i < 4; ++i) {
-    const float scale = std::exp(state.values.plane(SplatPlane::log_scale)[i]);
+    const float scale = std::exp(state.values.at(SplatPlane::log_scale, i));
     small += std::abs(scale - 0.001F) < 1e-6F ? 1 : 0;
     parts += std::abs(scale - 0.05F / 1.6F) < 1e-6F ? 1 : 0;
   }
@@ -76,9 +76,9 @@ TEST(SplatGrowth, AdaptiveClonesTheSmallSplitsTheLargeAndPrunesTheFaint) {
 TEST(SplatGrowth, AdaptivePrunesTheLargeAfterItSplits) {
   SplatTrainState state = state_of(3);
   for (int i = 0; i < 3; ++i) {
-    state.values.plane(SplatPlane::opacity)[i] = 0;
+    state.values.at(SplatPlane::opacity, i) = 0;
     for (int k = 0; k < 3; ++k)
-      state.values.plane(SplatPlane::log_scale + k)[i] = std::log(i == 2 ? 0.3F : 0.12F);
+      state.values.at(SplatPlane::log_scale + k, i) = std::log(i == 2 ? 0.3F : 0.12F);
   }
   state.gradient_sum[0] = state.gradient_sum[2] = 1;
   std::fill(state.gradient_count.begin(), state.gradient_count.end(), 1.0F);
@@ -93,7 +93,7 @@ TEST(SplatGrowth, AdaptivePrunesTheLargeAfterItSplits) {
   grow_splats(later, config, 1, 0.5, Rng(1));
   ASSERT_EQ(later.values.size(), 2);
   for (int i = 0; i < 2; ++i)
-    EXPECT_NEAR(std::exp(later.values.plane(SplatPlane::log_scale)[i]), 0.12 / 1.6, 1e-6);
+    EXPECT_NEAR(std::exp(later.values.at(SplatPlane::log_scale, i)), 0.12 / 1.6, 1e-6);
 }
 
 TEST(SplatGrowth, NeighboursInMemoryAreNeighboursInSpace) {
@@ -103,7 +103,7 @@ TEST(SplatGrowth, NeighboursInMemoryAreNeighboursInSpace) {
     for (int i = 1; i < state.values.size(); ++i) {
       double square = 0;
       for (int k = 0; k < 3; ++k) {
-        const double d = state.values.plane(k)[i] - state.values.plane(k)[i - 1];
+        const double d = state.values.at(k, i) - state.values.at(k, i - 1);
         square += d * d;
       }
       sum += std::sqrt(square);
@@ -123,7 +123,7 @@ TEST(SplatGrowth, ResetLeavesNoOpacityAboveAHundredth) {
   SplatTrainState state = state_of(50);
   reset_opacity(state);
   for (int i = 0; i < 50; ++i) {
-    EXPECT_LE(1 / (1 + std::exp(-state.values.plane(SplatPlane::opacity)[i])), 0.010001);
+    EXPECT_LE(1 / (1 + std::exp(-state.values.at(SplatPlane::opacity, i))), 0.010001);
   }
 }
 
@@ -131,19 +131,19 @@ TEST(SplatGrowth, NoiseMovesTheFaintOnlyAndAsTheirShape) {
   SplatTrainState state = state_of(4000);
   for (int i = 0; i < 4000; ++i) {
     const bool faint = i % 2 == 0;
-    state.values.plane(SplatPlane::opacity)[i] = faint ? -12.0F : 2.0F;
+    state.values.at(SplatPlane::opacity, i) = faint ? -12.0F : 2.0F;
     for (int k = 0; k < 3; ++k) {
-      state.values.plane(k)[i] = 0;
-      state.values.plane(SplatPlane::log_scale + k)[i] = std::log(k == 0 ? 0.2F : 0.1F);
-      state.values.plane(SplatPlane::rotation + 1 + k)[i] = 0;
+      state.values.at(k, i) = 0;
+      state.values.at(SplatPlane::log_scale + k, i) = std::log(k == 0 ? 0.2F : 0.1F);
+      state.values.at(SplatPlane::rotation + 1 + k, i) = 0;
     }
-    state.values.plane(SplatPlane::rotation)[i] = 1;
+    state.values.at(SplatPlane::rotation, i) = 1;
   }
   add_centre_noise(state.values, 1, Rng(4));
   double squares[3] = {};
   for (int i = 0; i < 4000; ++i) {
     for (int k = 0; k < 3; ++k) {
-      const double moved = state.values.plane(k)[i];
+      const double moved = state.values.at(k, i);
       if (i % 2 == 1) {
         EXPECT_EQ(moved, 0);
       }

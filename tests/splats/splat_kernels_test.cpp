@@ -103,7 +103,7 @@ TEST(SplatKernels, GradientsAreTheReferences) {
       const double rms = std::sqrt(expected.col(k).squaredNorm() / 300);
       EXPECT_GT(rms, 0);
       for (int i = 0; i < 300; ++i) {
-        const double value = d.gradients.plane(k)[i];
+        const double value = d.gradients.at(k, i);
         const double limit = 1e-3 * (std::abs(expected(i, k)) + rms);
         off += std::abs(value - expected(i, k)) > limit ? 1 : 0;
       }
@@ -123,7 +123,7 @@ TEST(SplatKernels, BytesDoNotDependOnThreads) {
   };
   const Drawn one = with_threads(1), eight = with_threads(8);
   EXPECT_TRUE(one.frame.color.channel == eight.frame.color.channel);
-  EXPECT_EQ(std::memcmp(one.gradients.plane(0), eight.gradients.plane(0),
+  EXPECT_EQ(std::memcmp(one.gradients.lanes(0, 0), eight.gradients.lanes(0, 0),
                         sizeof(float) * 59 * static_cast<std::size_t>(one.gradients.padded())),
             0);
 }
@@ -188,7 +188,7 @@ TEST(SplatKernels, ExtremeGaussiansHaveFiniteImagesAndGradients) {
       }
       for (int k = 0; k < SplatPlane::count; ++k) {
         for (int i = 0; i < d.gradients.size(); ++i) {
-          ASSERT_TRUE(std::isfinite(d.gradients.plane(k)[i]))
+          ASSERT_TRUE(std::isfinite(d.gradients.at(k, i)))
               << kernels->name << ", Gaussian " << alone << ", parameter " << k;
         }
       }
@@ -205,7 +205,7 @@ TEST(SplatKernels, ParametersThatAreNotNumbersAreLeftOut) {
     std::vector<Splat> all = good;
     for (int k = 0; k < SplatPlane::count; ++k) {
       SplatPlanes one = to_planes({good[0]});
-      one.plane(k)[0] = NAN;
+      one.at(k, 0) = NAN;
       all.push_back(to_splats(one)[0]);
     }
     const Drawn d = draw(*kernels, all, camera, view_of_cube(), gradient);

@@ -72,8 +72,8 @@ TEST(SplatUpdate, AFirstStepOfAdamIsItsRateAgainstTheGradient) {
     int moved = 0;
     for (int k = 0; k < SplatPlane::count; ++k) {
       for (int i = 0; i < 100; ++i) {
-        const float g = gradient.plane(k)[i];
-        const float step = r.values.plane(k)[i] - before.plane(k)[i];
+        const float g = gradient.at(k, i);
+        const float step = r.values.at(k, i) - before.at(k, i);
         if (g == 0) {
           EXPECT_EQ(step, 0) << k << " of " << i;
         } else if (std::abs(g) > 1e-6F) {
@@ -82,7 +82,7 @@ TEST(SplatUpdate, AFirstStepOfAdamIsItsRateAgainstTheGradient) {
           ++moved;
         }
       }
-      EXPECT_EQ(r.values.plane(k)[7], before.plane(k)[7]);
+      EXPECT_EQ(r.values.at(k, 7), before.at(k, 7));
     }
     EXPECT_GT(moved, 4000) << kernels->name;
   }
@@ -97,11 +97,11 @@ TEST(SplatUpdate, CoefficientsBeyondTheFirstWaitForTheirTurn) {
     r.task.with_rest = false;
     r.task.rest = r.task.dc = {1, 1};
     kernels->update(r.task, 0, r.values.padded());
-    EXPECT_NE(r.values.plane(SplatPlane::dc)[3], before.plane(SplatPlane::dc)[3]);
+    EXPECT_NE(r.values.at(SplatPlane::dc, 3), before.at(SplatPlane::dc, 3));
     for (int k = SplatPlane::rest; k < SplatPlane::count; ++k) {
       for (int i = 0; i < 50; ++i) {
-        EXPECT_EQ(r.values.plane(k)[i], before.plane(k)[i]);
-        EXPECT_EQ(r.second.plane(k)[i], 0);
+        EXPECT_EQ(r.values.at(k, i), before.at(k, i));
+        EXPECT_EQ(r.second.at(k, i), 0);
       }
     }
   }
