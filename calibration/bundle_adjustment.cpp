@@ -102,6 +102,7 @@ BundleProblem make_problem(const BundleAdjustmentInput& input,
   problem.unit_m = spread > 0 ? std::sqrt(spread) : 1;
   for (const Camera& lens : input.lenses) place_lens(config, lens, problem);
   problem.lens_of_image = input.lens_of_image;
+  problem.zoom.assign(input.camera_from_world.size(), 1);
   for (const Pose& pose : input.camera_from_world) {
     Pose own = pose;
     // t + R c, from the centres: a far origin must not cost digits.
@@ -162,6 +163,8 @@ int freedoms_of(const BundleProblem& problem) {
   int unknowns = 6 * static_cast<int>(problem.poses.size()) + 3 * static_cast<int>(points.size());
   for (const std::vector<bool>& free : problem.free)
     unknowns += static_cast<int>(std::count(free.begin(), free.end(), true));
+  // What images tell of their zoom, not what is known before, is nearly all that holds it.
+  if (problem.config.zoom_share > 0) unknowns += static_cast<int>(problem.poses.size());
   if (problem.gauge == BundleGauge::similarity) unknowns -= 7;
   if (problem.gauge == BundleGauge::rigid) unknowns -= 6;
   return coordinates - unknowns;
@@ -377,6 +380,7 @@ void report(const BundleProblem& problem, const BundleAdjustmentInput& input,
     pose.translation_m = -(own.rotation * centre);
     result.camera_from_world.push_back(pose);
   }
+  result.zoom = problem.zoom;
   for (std::size_t p = 0; p < problem.points.size(); ++p) {
     result.points_in_world_m.push_back(
         lost[p] ? Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval()

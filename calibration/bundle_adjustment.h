@@ -52,6 +52,9 @@ struct BundleAdjustmentConfig {
   double focal_prior_share = 0;   ///< relative deviation of the given focal lengths; 0 = none
   double centre_prior_px = 0;     ///< deviation of the given principal point; 0 = none
   double distortion_prior = 0;    ///< deviation of each given coefficient; 0 = none
+  /// Relative deviation of the factor by which each image's focal lengths differ from its lens's (a
+  /// camera that focuses anew): one more unknown an image; 0 = none.
+  double zoom_share = 0;
   int max_iterations = 100;
   double tolerance = 1e-12;            ///< relative, of the cost between two steps
   double max_focal_share = 0.02;       ///< above this relative deviation fx, fy are not determined
@@ -74,6 +77,7 @@ struct BundleAdjustmentResult {
   BundleGauge gauge = BundleGauge::similarity;
   std::vector<Camera> lenses;
   std::vector<Pose> camera_from_world;
+  std::vector<double> zoom;  ///< of each image: its focal lengths over its lens's
   /// NaN: no place. Fewer than two images show it, or do after rejection, or its rays are too near
   /// parallel.
   std::vector<Eigen::Vector3d> points_in_world_m;

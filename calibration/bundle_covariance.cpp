@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 /// Where each free parameter of lenses and poses stands in the reduced system.
 struct Places {
   std::vector<std::vector<int>> lens;  ///< of each parameter; -1 = fixed
-  int lens_count = 0, count = 0;
+  int lens_count = 0, count = 0, zoom_at = -1;
 
   explicit Places(const BundleProblem& problem) {
     for (const std::vector<bool>& free : problem.free) {
@@ -26,12 +26,15 @@ struct Places {
       for (const bool is_free : free) own.push_back(is_free ? lens_count++ : -1);
     }
     count = lens_count + 6 * static_cast<int>(problem.poses.size());
+    if (!(problem.config.zoom_share > 0)) return;
+    zoom_at = count;
+    count += static_cast<int>(problem.poses.size());
   }
   int pose(int image) const { return lens_count + 6 * image; }
 };
 
-/// An observation's derivatives, weighed: by the free parameters of its lens and by its pose's
-/// increments, as columns of the reduced system, and by its point.
+/// An observation's derivatives, weighed: by the free parameters of its lens, its image's zoom and
+/// its pose's increments, as columns of the reduced system, and by its point.
 struct Row {
   std::vector<int> at;
   MatrixXd d;  ///< 2 x at.size()
@@ -47,9 +50,12 @@ bool make_row(const BundleProblem& problem, const Places& places, const BundleOb
   // Increments from the left instead of changes of the rotation vector.
   pose.left_jacobian.setIdentity();
   RowMatrix d_lens(2, parameters.size());
+  Eigen::Vector2d d_zoom;
   ObservationValue value;
-  if (!observe(problem.shapes[lens], parameters.data(), nullptr, pose,
-               problem.points[static_cast<std::size_t>(seen.point)], value, d_lens.data()))
+  if (!observe_zoomed(problem.shapes[lens], parameters.data(),
+                      problem.zoom[static_cast<std::size_t>(seen.image)], pose,
+                      problem.points[static_cast<std::size_t>(seen.point)], value, &d_lens,
+                      &d_zoom))
     return false;
   const Eigen::Vector2d residual = (value.pixel_px - seen.pixel_px) / seen.sigma_px;
   const double w = std::sqrt(soften(problem.config.loss, problem.config.loss_px, residual).weight) /
@@ -62,10 +68,13 @@ bool make_row(const BundleProblem& problem, const Places& places, const BundleOb
     row.at.push_back(at);
     of_lens.push_back(k);
   }
+  const bool zooms = places.zoom_at >= 0;
+  if (zooms) row.at.push_back(places.zoom_at + seen.image);
   for (int k = 0; k < 6; ++k) row.at.push_back(places.pose(seen.image) + k);
   row.d.resize(2, static_cast<Eigen::Index>(row.at.size()));
   for (std::size_t k = 0; k < of_lens.size(); ++k)
     row.d.col(static_cast<Eigen::Index>(k)) = w * d_lens.col(of_lens[k]);
+  if (zooms) row.d.col(static_cast<Eigen::Index>(of_lens.size())) = w * d_zoom;
   row.d.rightCols<6>() = w * value.d_rig_from_points;
   row.d_point = w * value.d_point;
   return true;
@@ -133,10 +142,32 @@ MatrixXd reduced_system(const BundleProblem& problem, const Places& places) {
         reduced(places.lens[l][k], places.lens[l][k]) += 1 / (sigma * sigma);
     }
   }
+  for (int at = places.zoom_at; at >= 0 && at < places.count; ++at)
+    reduced(at, at) += 1 / (problem.config.zoom_share * problem.config.zoom_share);
   return reduced;
 }
 
 }  // namespace
+
+bool observe_zoomed(const LensShape& shape, const double* lens, double zoom, const PosedFrame& pose,
+                    const Eigen::Vector3d& point, ObservationValue& value, RowMatrix* d_lens,
+                    Eigen::Vector2d* d_zoom) {
+  if (!observe(shape, lens, nullptr, pose, point, value,
+               d_lens != nullptr ? d_lens->data() : nullptr))
+    return false;
+  constexpr int kCentre = 2;  // fx, fy, cx, cy, ...
+  const Eigen::Vector2d from_centre =
+      value.pixel_px - Eigen::Vector2d(lens[kCentre], lens[kCentre + 1]);
+  if (d_zoom != nullptr) *d_zoom = from_centre;
+  if (zoom == 1) return true;
+  value.pixel_px += (zoom - 1) * from_centre;
+  if (d_lens == nullptr) return true;
+  *d_lens *= zoom;
+  for (int k = 0; k < 2; ++k) (*d_lens)(k, kCentre + k) += 1 - zoom;
+  value.d_rig_from_points *= zoom;
+  value.d_point *= zoom;
+  return true;
+}
 
 BundleCovariance bundle_covariance(const BundleProblem& problem) {
   const Places places(problem);
@@ -180,8 +211,10 @@ Eigen::Vector2d bundle_residual(const BundleProblem& problem, const BundleObserv
       static_cast<std::size_t>(problem.lens_of_image[static_cast<std::size_t>(seen.image)]);
   const PosedFrame pose(problem.poses[static_cast<std::size_t>(seen.image)].data());
   ObservationValue value;
-  if (!observe(problem.shapes[lens], problem.lenses[lens].data(), nullptr, pose,
-               problem.points[static_cast<std::size_t>(seen.point)], value, nullptr))
+  if (!observe_zoomed(problem.shapes[lens], problem.lenses[lens].data(),
+                      problem.zoom[static_cast<std::size_t>(seen.image)], pose,
+                      problem.points[static_cast<std::size_t>(seen.point)], value, nullptr,
+                      nullptr))
     return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
   return (value.pixel_px - seen.pixel_px) / seen.sigma_px;
 }

@@ -13,7 +13,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// One observation over its sigma, under the loss. Blocks: lens, pose, point.
+/// One observation over its sigma, under the loss. Blocks: lens, pose, point, and the image's zoom
+/// where it is free.
 class SeenPoint final : public ceres::CostFunction {
  public:
   SeenPoint(const BundleProblem& problem, const BundleObservation& seen)
@@ -23,14 +24,18 @@ class SeenPoint final : public ceres::CostFunction {
     shape_ = &problem.shapes[lens];
     set_num_residuals(2);
     *mutable_parameter_block_sizes() = {lens_parameter_count(*shape_), 6, 3};
+    if (problem.config.zoom_share > 0) mutable_parameter_block_sizes()->push_back(1);
   }
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
     const PosedFrame pose(parameters[1]);
     RowMatrix d_lens(2, lens_parameter_count(*shape_));
+    Vector2d d_zoom;
     ObservationValue value;
-    if (!observe(*shape_, parameters[0], nullptr, pose, Eigen::Map<const Vector3d>(parameters[2]),
-                 value, jacobians != nullptr ? d_lens.data() : nullptr))
+    const bool zooms = problem_.config.zoom_share > 0;
+    if (!observe_zoomed(*shape_, parameters[0], zooms ? *parameters[3] : 1, pose,
+                        Eigen::Map<const Vector3d>(parameters[2]), value,
+                        jacobians != nullptr ? &d_lens : nullptr, &d_zoom))
       return false;
     const Vector2d residual = (value.pixel_px - seen_.pixel_px) / seen_.sigma_px;
     const Softened soft = soften(problem_.config.loss, problem_.config.loss_px, residual);
@@ -44,6 +49,7 @@ class SeenPoint final : public ceres::CostFunction {
     put(0, d_lens);
     put(1, value.d_rig_from_points);
     put(2, value.d_point);
+    if (zooms && jacobians[3] != nullptr) Eigen::Map<Vector2d>(jacobians[3]).noalias() = w * d_zoom;
     return true;
   }
 
@@ -111,11 +117,25 @@ class LensPrior final : public ceres::CostFunction {
   Eigen::VectorXd mean_, weight_;
 };
 
+class ZoomPrior final : public ceres::SizedCostFunction<1, 1> {
+ public:
+  explicit ZoomPrior(double sigma) : sigma_(sigma) {}
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    residuals[0] = (*parameters[0] - 1) / sigma_;
+    if (jacobians != nullptr && jacobians[0] != nullptr) *jacobians[0] = 1 / sigma_;
+    return true;
+  }
+
+ private:
+  double sigma_;
+};
+
 /// All parameters in one piece, points first: Ceres orders blocks by their addresses.
 struct Packed {
   std::vector<double> values;
   std::vector<std::size_t> lens_at;
-  std::size_t pose_at = 0;
+  std::size_t pose_at = 0, zoom_at = 0;
 
   explicit Packed(const BundleProblem& problem) {
     for (const Vector3d& point : problem.points)
@@ -127,10 +147,13 @@ struct Packed {
       lens_at.push_back(values.size());
       values.insert(values.end(), lens.data(), lens.data() + lens.size());
     }
+    zoom_at = values.size();
+    values.insert(values.end(), problem.zoom.begin(), problem.zoom.end());
   }
   double* point(int i) { return values.data() + 3 * static_cast<std::size_t>(i); }
   double* pose(int i) { return values.data() + pose_at + 6 * static_cast<std::size_t>(i); }
   double* lens(std::size_t i) { return values.data() + lens_at[i]; }
+  double* zoom(int i) { return values.data() + zoom_at + static_cast<std::size_t>(i); }
 
   void unpack(BundleProblem& problem) {
     for (std::size_t i = 0; i < problem.points.size(); ++i)
@@ -139,6 +162,8 @@ struct Packed {
       problem.poses[i] = Eigen::Map<Vector6d>(pose(static_cast<int>(i)));
     for (std::size_t i = 0; i < problem.lenses.size(); ++i)
       problem.lenses[i] = Eigen::Map<Eigen::VectorXd>(lens(i), problem.lenses[i].size());
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(zoom_at), problem.zoom.size(),
+                problem.zoom.begin());
   }
 };
 
@@ -171,16 +196,23 @@ std::string minimise_bundle(BundleProblem& problem, int& iterations) {
     add_lens(problem, i, packed.lens(i), to);
     ordering->AddElementToGroup(packed.lens(i), 1);
   }
-  std::set<int> seen_points;
+  std::set<int> seen_points, seen_images;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
     const BundleObservation& seen = problem.observations[i];
     if (!problem.used[i]) continue;
     const int lens = problem.lens_of_image[static_cast<std::size_t>(seen.image)];
-    to.AddResidualBlock(new SeenPoint(problem, seen), nullptr,
-                        packed.lens(static_cast<std::size_t>(lens)), packed.pose(seen.image),
-                        packed.point(seen.point));
+    std::vector<double*> blocks = {packed.lens(static_cast<std::size_t>(lens)),
+                                   packed.pose(seen.image), packed.point(seen.point)};
+    if (problem.config.zoom_share > 0) blocks.push_back(packed.zoom(seen.image));
+    to.AddResidualBlock(new SeenPoint(problem, seen), nullptr, blocks);
     ordering->AddElementToGroup(packed.pose(seen.image), 1);
+    seen_images.insert(seen.image);
     seen_points.insert(seen.point);
+  }
+  for (const int image : seen_images) {
+    if (!(problem.config.zoom_share > 0)) break;
+    to.AddResidualBlock(new ZoomPrior(problem.config.zoom_share), nullptr, packed.zoom(image));
+    ordering->AddElementToGroup(packed.zoom(image), 1);
   }
   for (const KnownPoint& known : problem.known_points) {
     to.AddResidualBlock(new PointPrior(known), nullptr, packed.point(known.point));

@@ -20,6 +20,7 @@ struct BundleProblem {
   std::vector<std::vector<bool>> free;                   ///< of each
   std::vector<Eigen::VectorXd> prior_mean, prior_sigma;  ///< infinity: none
   std::vector<int> lens_of_image;
+  std::vector<double> zoom;     ///< of each image; free where config.zoom_share is not 0
   std::vector<Vector6d> poses;  ///< camera_from_world
   std::vector<Eigen::Vector3d> points;
   std::vector<BundleObservation> observations;
@@ -38,6 +39,14 @@ struct BundleCovariance {
 
 /// Points are eliminated, the gauge is held by inner constraints on the poses.
 BundleCovariance bundle_covariance(const BundleProblem& problem);
+
+/// `observe` by the lens and pose of one image, its zoom included.
+/// @param zoom  factor on the lens's focal lengths, from its principal point
+/// @param d_lens  as of `observe`; null: no derivatives
+/// @param d_zoom  of the pixel; may be null
+bool observe_zoomed(const LensShape& shape, const double* lens, double zoom, const PosedFrame& pose,
+                    const Eigen::Vector3d& point, ObservationValue& value, RowMatrix* d_lens,
+                    Eigen::Vector2d* d_zoom);
 
 /// Residual of an observation over its sigma, before the loss; NaN where the point has no pixel.
 Eigen::Vector2d bundle_residual(const BundleProblem& problem, const BundleObservation& seen);

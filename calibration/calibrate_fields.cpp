@@ -93,6 +93,7 @@ Fields fields(BundleAdjustmentConfig& c) {
       {"focal_prior_share", &c.focal_prior_share, "of the given focal lengths; 0 = none", 0, 10},
       {"centre_prior_px", &c.centre_prior_px, "of the given principal point; 0 = none", 0, 1e6},
       {"distortion_prior", &c.distortion_prior, "of each given coefficient; 0 = none", 0, 1e6},
+      {"zoom_share", &c.zoom_share, "by which images' focal lengths differ; 0 = none do", 0, 1},
       {"max_iterations", &c.max_iterations, "of the solver", 1, 100000},
       {"tolerance", &c.tolerance, "relative, of the cost between two steps", 0, 1},
       {"max_focal_share", &c.max_focal_share, "deviation above which f is not determined", 0, 1},

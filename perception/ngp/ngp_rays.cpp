@@ -42,13 +42,17 @@ void RayBundle::clear() {
   begin.assign(1, 0);
 }
 
+void RayBundle::add(std::span<const RaySample> of_one_ray) {
+  samples.insert(samples.end(), of_one_ray.begin(), of_one_ray.end());
+  begin.push_back(static_cast<int>(samples.size()));
+}
+
 void RayBundle::add(const NgpModel& model, const MarchConfig& config, const Eigen::Vector3f& origin,
                     const Eigen::Vector3f& direction, float jitter) {
   of_ray.clear();
   if (direction.squaredNorm() > 0)
     march(model.volume, model.occupancy, config, origin, direction, jitter, of_ray);
-  samples.insert(samples.end(), of_ray.begin(), of_ray.end());
-  begin.push_back(static_cast<int>(samples.size()));
+  add(of_ray);
 }
 
 void RayBundle::run(const NgpModel& model, const std::vector<GridLevel>& levels,

@@ -28,6 +28,8 @@ struct RayBundle {
   std::vector<RaySample> of_ray;
 
   void clear();
+  /// Appends a ray of these samples.
+  void add(std::span<const RaySample> of_one_ray);
   /// Marches one ray and appends its samples.
   void add(const NgpModel& model, const MarchConfig& march, const Eigen::Vector3f& origin,
            const Eigen::Vector3f& direction, float jitter);

@@ -13,10 +13,58 @@ namespace {
 
 using namespace ngp;
 
-constexpr int kBundle = 32;  ///< pixels of a row that pass the networks together
+constexpr int kBundle = 64;        ///< pixels of a row that pass the networks together
+constexpr std::size_t kRound = 8;  ///< samples of a ray that do: most rays end before their last
+
+/// A pixel's ray: its samples, and what is known of it so far.
+struct PixelRay {
+  std::vector<RaySample> samples;
+  std::size_t seen = 0;  ///< samples that have passed the networks
+  std::array<float, kHarmonics> basis;
+  RayColor<float> color;
+  float distance_sum = 0;  ///< of the samples by weight, inner coordinates
+
+  bool goes_on() const {
+    return seen < samples.size() && color.transmittance > static_cast<float>(kOpaque);
+  }
+};
+
+/// Scratch of one thread.
+struct RowScratch {
+  RayBundle bundle;
+  std::vector<PixelRay> rays;
+  std::vector<PixelRay*> together;  ///< rays of the bundle
+  std::vector<std::array<float, kHarmonics>> basis;
+};
 
 std::uint8_t to_byte(float value) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
+}
+
+/// The next samples of all rays that are not yet opaque. False if there are none.
+bool shade_round(const NgpModel& model, const std::vector<GridLevel>& levels,
+                 const DenseKernels<float>& kernels, RowScratch& scratch) {
+  scratch.bundle.clear();
+  scratch.together.clear();
+  scratch.basis.clear();
+  for (PixelRay& ray : scratch.rays) {
+    if (!ray.goes_on()) continue;
+    const std::span<const RaySample> rest = std::span(ray.samples).subspan(ray.seen);
+    scratch.bundle.add(rest.first(std::min(rest.size(), kRound)));
+    scratch.together.push_back(&ray);
+    scratch.basis.push_back(ray.basis);
+  }
+  if (scratch.together.empty()) return false;
+  scratch.bundle.run(model, levels, kernels, scratch.basis);
+  for (std::size_t r = 0; r < scratch.together.size(); ++r) {
+    PixelRay& ray = *scratch.together[r];
+    const RaySamples<float> samples = scratch.bundle.ray(r);
+    const RaySample* places = ray.samples.data() + ray.seen;
+    composite_on(samples, ray.color,
+                 [&](int i, float weight) { ray.distance_sum += weight * places[i].distance; });
+    ray.seen += static_cast<std::size_t>(samples.count);
+  }
+  return true;
 }
 
 }  // namespace
@@ -41,39 +89,37 @@ NgpImage render_ngp(const NgpModel& model, const Camera& camera, const Pose& cam
   image.depth_m =
       Image<float>(camera.width_px, camera.height_px, std::numeric_limits<float>::quiet_NaN());
   image.alpha = Image<float>(camera.width_px, camera.height_px, 0);
-  tbb::enumerable_thread_specific<RayBundle> bundles;
+  tbb::enumerable_thread_specific<RowScratch> scratches;
   tbb::parallel_for(0, camera.height_px, [&](int y) {
-    RayBundle& bundle = bundles.local();
-    std::vector<std::array<float, kHarmonics>> basis;
+    RowScratch& scratch = scratches.local();
     for (int first = 0; first < camera.width_px; first += kBundle) {
-      const int last = std::min(first + kBundle, camera.width_px);
-      bundle.clear();
-      basis.clear();
-      for (int x = first; x < last; ++x) {
-        const Eigen::Vector3f ray = turn * directions(x, y);
-        bundle.add(model, march, origin, ray, 0.5F);
-        basis.push_back(harmonics(ray));
+      scratch.rays.resize(static_cast<std::size_t>(std::min(kBundle, camera.width_px - first)));
+      for (std::size_t i = 0; i < scratch.rays.size(); ++i) {
+        PixelRay& ray = scratch.rays[i];
+        const Eigen::Vector3f& pixel = directions(first + static_cast<int>(i), y);
+        const Eigen::Vector3f direction = turn * pixel;
+        ray.samples.clear();
+        if (direction.squaredNorm() > 0)
+          ngp::march(model.volume, model.occupancy, march, origin, direction, 0.5F, ray.samples);
+        ray.basis = harmonics(direction);
+        ray.seen = 0;
+        ray.color = {};
+        ray.distance_sum = 0;
       }
-      bundle.run(model, levels, kernels, basis);
-      for (int x = first; x < last; ++x) {
-        const auto r = static_cast<std::size_t>(x - first);
-        const RaySamples<float> samples = bundle.ray(r);
-        const RayColor<float> color = composite(samples, background);
-        image.color(x, y) = {to_byte(color.color[0]), to_byte(color.color[1]),
-                             to_byte(color.color[2])};
-        const float alpha = 1 - color.transmittance;
+      while (shade_round(model, levels, kernels, scratch)) {
+      }
+      for (std::size_t i = 0; i < scratch.rays.size(); ++i) {
+        const int x = first + static_cast<int>(i);
+        const PixelRay& ray = scratch.rays[i];
+        std::array<std::uint8_t, 3> rgb;
+        for (std::size_t c = 0; c < 3; ++c)
+          rgb[c] = to_byte(ray.color.color[c] + ray.color.transmittance * background[c]);
+        image.color(x, y) = {rgb[0], rgb[1], rgb[2]};
+        const float alpha = 1 - ray.color.transmittance;
         image.alpha(x, y) = alpha;
         if (alpha < 0.5F) continue;
-        float left = 1, sum = 0;
-        for (int i = 0; i < color.used; ++i) {
-          const float opacity =
-              1 - std::exp(-density_of(samples.log_density[i]) * samples.length[i]);
-          sum += left * opacity *
-                 bundle.samples[static_cast<std::size_t>(bundle.begin[r] + i)].distance;
-          left *= 1 - opacity;
-        }
-        image.depth_m(x, y) =
-            sum / alpha * directions(x, y).z() * static_cast<float>(model.volume.side_m);
+        image.depth_m(x, y) = ray.distance_sum / alpha * directions(x, y).z() *
+                              static_cast<float>(model.volume.side_m);
       }
     }
   });

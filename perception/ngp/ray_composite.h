@@ -35,19 +35,26 @@ T logistic(T x) {
   return 1 / (1 + std::exp(-x));
 }
 
-/// Emission and absorption along a ray, front to back [Max, IEEE TVCG 1(2), 1995]; over
-/// `background`.
-template <class T>
-RayColor<T> composite(const RaySamples<T>& samples, const std::array<T, 3>& background) {
-  RayColor<T> ray;
+/// Emission and absorption along a ray, front to back [Max, IEEE TVCG 1(2), 1995]: adds samples
+/// that lie behind those that `ray` has. `passed(i, weight)` is told of each sample that counts.
+template <class T, class Passed>
+void composite_on(const RaySamples<T>& samples, RayColor<T>& ray, const Passed& passed) {
   for (int i = 0; i < samples.count && ray.transmittance > static_cast<T>(kOpaque); ++i) {
     const T opacity = 1 - std::exp(-density_of(samples.log_density[i]) * samples.length[i]);
     const T weight = opacity * ray.transmittance;
     for (std::size_t c = 0; c < 3; ++c)
       ray.color[c] += weight * logistic(samples.color[static_cast<int>(c) * samples.stride + i]);
     ray.transmittance *= 1 - opacity;
-    ray.used = i + 1;
+    ++ray.used;
+    passed(i, weight);
   }
+}
+
+/// The whole ray over `background`.
+template <class T>
+RayColor<T> composite(const RaySamples<T>& samples, const std::array<T, 3>& background) {
+  RayColor<T> ray;
+  composite_on(samples, ray, [](int, T) {});
   for (std::size_t c = 0; c < 3; ++c) ray.color[c] += ray.transmittance * background[c];
   return ray;
 }

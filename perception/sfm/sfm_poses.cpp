@@ -62,22 +62,31 @@ BundleAdjustmentInput with_board(const SfmBundle& bundle, const std::vector<Boar
   return input;
 }
 
-/// Each image its own focal lengths about the shared ones; all else of the lens stays.
+/// Each image its own focal lengths, from where the shared adjustment ended: a factor an image is
+/// adjusted with all else, the lens that they share included.
 BundleAdjustmentResult adjust_focal_lengths(BundleAdjustmentInput& input,
                                             const BundleAdjustmentResult& shared,
                                             double feature_sigma_px, const SfmConfig& config) {
-  input.lenses.assign(input.camera_from_world.size(), shared.lenses.at(0));
-  std::iota(input.lens_of_image.begin(), input.lens_of_image.end(), 0);
   input.camera_from_world = shared.camera_from_world;
   for (std::size_t p = 0; p < input.points_in_world_m.size(); ++p) {
     if (shared.points_in_world_m[p].allFinite())
       input.points_in_world_m[p] = shared.points_in_world_m[p];
   }
   BundleAdjustmentConfig own = weighed(config, feature_sigma_px);
-  own.fixed = {"cx_px", "cy_px", "k1", "k2", "k3", "k4", "k5",
-               "k6",    "p1",    "p2", "s1", "s2", "s3", "s4"};
-  own.focal_prior_share = config.focal_jitter;
+  own.zoom_share = config.focal_jitter;
   return adjust_bundle(input, own);
+}
+
+/// A lens an image, with its own focal lengths.
+void part_lenses(SfmBundle& bundle) {
+  std::vector<Camera> own;
+  for (std::size_t i = 0; i < bundle.input.lens_of_image.size(); ++i) {
+    own.push_back(bundle.result.lenses.at(static_cast<std::size_t>(bundle.input.lens_of_image[i])));
+    own.back().fx_px *= bundle.result.zoom.at(i);
+    own.back().fy_px *= bundle.result.zoom.at(i);
+  }
+  bundle.result.lenses = own;
+  std::iota(bundle.input.lens_of_image.begin(), bundle.input.lens_of_image.end(), 0);
 }
 
 void refuse_scale(const std::string& why, SfmEstimate& estimate) {
@@ -260,6 +269,8 @@ SfmEstimate refine_sfm(const SfmModel& given, const std::vector<int>& frames,
     // Before the scale: the adjustment knows of none, and would take its deviation away.
     bundle.result = adjust_focal_lengths(bundle.input, bundle.result, bundle.sighting_px, config);
     good = bundle.result.status == CalibrationStatus::ok;
+    if (good) report_lens(bundle.result, estimate);
+    if (good) part_lenses(bundle);
   }
   if (good && wants_scale && corners.empty()) refuse_scale("there is no board", estimate);
   if (good && wants_scale && !corners.empty()) {
@@ -274,6 +285,8 @@ SfmEstimate refine_sfm(const SfmModel& given, const std::vector<int>& frames,
         adjust_focal_lengths(bundle.input, bundle.result,
                              is_weighed ? estimate.feature_sigma_px : bundle.sighting_px, config);
     good = bundle.result.status == CalibrationStatus::ok;
+    if (good) report_lens(bundle.result, estimate);
+    if (good) part_lenses(bundle);
   }
   if (agrees) take_failure(bundle.result, estimate);
   lose_frames(bundle, frames, estimate);

@@ -10,10 +10,8 @@
 
 namespace cousin {
 
-/// `shared`: one lens for all images; `per_image`: each image its own focal lengths about it, with
-/// all else of the lens as the shared adjustment left it. That is then taken for known: on images
-/// whose focal lengths differ by 0.3 %, errors along the line of sight are 2.5 times as large as
-/// the deviations say.
+/// `shared`: one lens for all images; `per_image`: a factor an image on its focal lengths, adjusted
+/// with all else.
 enum class SfmFocal { shared, per_image };
 
 /// A model as a bundle adjustment starts from it; image i is the model's i-th, point p its p-th.

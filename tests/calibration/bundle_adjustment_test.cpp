@@ -312,6 +312,29 @@ TEST(BundleAdjustment, PointsWithNearlyParallelRaysAreLeftOut) {
   EXPECT_FALSE(std::isnan(result.points_in_world_m.front().x()));
 }
 
+TEST(BundleAdjustment, ImagesThatFocusAnewGetTheirFocalLengths) {
+  BundleAdjustmentInput input = plant_capture(12, 80, 0, false, 4).truth;
+  const Vector2d centre_px(input.lenses[0].cx_px, input.lenses[0].cy_px);
+  std::vector<double> zoom;
+  Rng rng = Rng(4).fork("zoom");
+  for (std::size_t i = 0; i < input.camera_from_world.size(); ++i)
+    zoom.push_back(1 + 0.003 * normal(rng));
+  for (BundleObservation& seen : input.observations) {
+    const double z = zoom[static_cast<std::size_t>(seen.image)];
+    seen.pixel_px = centre_px + z * (seen.pixel_px - centre_px);
+    seen.sigma_px = 1e-3;  // so that what is known of the zoom before bears on nothing
+  }
+  const BundleAdjustmentResult shared = adjust_bundle(input);
+  ASSERT_EQ(shared.status, CalibrationStatus::ok) << shared.reason;
+  EXPECT_GT(shared.rms_px, 0.02);
+  EXPECT_EQ(shared.zoom, std::vector<double>(zoom.size(), 1));
+  const BundleAdjustmentResult own = adjust_bundle(input, {.zoom_share = 0.003});
+  ASSERT_EQ(own.status, CalibrationStatus::ok) << own.reason;
+  EXPECT_LT(own.rms_px, 1e-4);
+  for (std::size_t i = 0; i < zoom.size(); ++i)
+    EXPECT_NEAR(own.zoom[i] * own.lenses[0].fx_px / (zoom[i] * input.lenses[0].fx_px), 1, 1e-4);
+}
+
 TEST(BundleAdjustment, TheSameBytesTwice) {
   const BundleAdjustmentInput start = disturbed(plant_capture(10, 60, 0.3, false, 8).truth, 8);
   const auto a = adjust_bundle(start), b = adjust_bundle(start);
