@@ -26,7 +26,7 @@ std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows);
 
 /// Ours less the reference, PSNR in dB: the reference at its last but at most `steps` steps, ours
 /// where its sweep passes the same seconds of wall time, linear between its points in their
-/// logarithm and held at its ends. One row a sample and metric.
+/// logarithm and held at its ends; and the same of CPU time. Two rows a sample and metric.
 std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int steps);
 
 /// The number of steps that a snapshot's case ends with; 0: it is of no snapshot.

@@ -19,6 +19,7 @@ ScoreRow row_of(const std::string& case_name, const std::string& method, double 
   row.unit = "dB";
   row.value = value;
   row.wall_s = wall_s;
+  row.cpu_s = 2 * wall_s;
   row.n = 7;
   return row;
 }
@@ -50,17 +51,24 @@ TEST(SeedlingsRows, MeansAreOverTheSamplesOfOneCase) {
 
 TEST(SeedlingsRows, OursIsReadWhereTheReferenceTookAsLong) {
   const std::string at = "sample 0, 30 views, 400x300, ";
-  const std::vector<ScoreRow> rows = {
+  std::vector<ScoreRow> rows = {
       row_of(at + "500 steps", kReference, 20, 5), row_of(at + "7000 steps", kReference, 25, 100),
       row_of(at + "30000 steps", kReference, 30, 900), row_of(at + "1000 steps", kOurs, 24, 10),
       row_of(at + "5000 steps", kOurs, 28, 1000)};
   const std::vector<ScoreRow> gains = equal_time_rows(rows, 7000);
-  ASSERT_EQ(gains.size(), 1u);
+  ASSERT_EQ(gains.size(), 2u);
   // 100 s lies half way between 10 and 1000 in the logarithm: 26 dB.
   EXPECT_NEAR(gains[0].value, 1, 1e-12);
   EXPECT_EQ(gains[0].metric, "held_out.psnr_gain_at_equal_seconds");
   EXPECT_EQ(gains[0].case_name, at + "7000 steps");
   EXPECT_EQ(gains[0].method, kOurs);
+  // By CPU time it is the same, as long as nothing runs beside ours.
+  EXPECT_EQ(gains[1].metric, "held_out.psnr_gain_at_equal_cpu_seconds");
+  EXPECT_NEAR(gains[1].value, 1, 1e-12);
+  rows[4].wall_s *= 10;
+  const std::vector<ScoreRow> disturbed = equal_time_rows(rows, 7000);
+  EXPECT_LT(disturbed.at(0).value, 0.9);
+  EXPECT_NEAR(disturbed.at(1).value, 1, 1e-12);
   // Beyond the sweep its end holds; without one of both there is nothing.
   EXPECT_NEAR(equal_time_rows({rows[1], rows[3]}, 7000).at(0).value, -1, 1e-12);
   EXPECT_TRUE(equal_time_rows({rows[3], rows[4]}, 7000).empty());
