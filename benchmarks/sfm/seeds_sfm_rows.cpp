@@ -57,6 +57,17 @@ std::vector<ScoreRow> estimate_rows(const ScoreRow& row, const SfmEstimate& esti
                           static_cast<double>(estimate.contradicted.size()), "1", n));
   rows.push_back(
       numbered(row, "COLMAP's models", static_cast<double>(estimate.model_sizes.size()), "1", n));
+  if (!estimate.images.empty()) {
+    std::int64_t features = 0, alone = 0;
+    for (const ImageMatches& image : estimate.images) {
+      features += image.features;
+      alone += image.partners == 0 ? 1 : 0;
+    }
+    rows.push_back(numbered(row, "features a view, mean",
+                            static_cast<double>(features) / static_cast<double>(n), "1", n));
+    rows.push_back(
+        numbered(row, "views without a verified pair", static_cast<double>(alone), "1", n));
+  }
   for (const StageTiming& timing : estimate.timings) {
     ScoreRow seconds = numbered(row, "seconds of " + timing.stage, timing.wall_s, "s", n);
     seconds.wall_s = timing.wall_s;

@@ -354,8 +354,18 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
   const Words extraction = extraction_words(input, config, folder);
   const std::string key = prepared_key(input, extraction, folder, run.version);
   Steps steps(key, config.time_limit_s, folder, run);
-  if (!map_pairs(input, config, extraction, folder, steps, run)) return run;
   const auto images = static_cast<int>(input.images.size());
+  const bool mapped = map_pairs(input, config, extraction, folder, steps, run);
+  const auto read_database = [&] {
+    const fs::path file = folder / "database.db";
+    if (fs::exists(file) && fs::file_size(file) > 0)
+      run.images = read_colmap_database(file, images);
+  };
+  if (!mapped) {
+    // A database that a step was stopped in may be anything; of one without a model it says why.
+    if (run.status == ColmapStatus::no_model) read_database();
+    return run;
+  }
   std::vector<SfmModel> models = read_models(folder / "sparse", images);
   if (config.match_lost && !models.empty()) {
     const std::vector<ImagePair> pairs = pairs_of_lost(images, models.front().images, input.pairs);
@@ -368,6 +378,7 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
       }
     }
   }
+  read_database();
   if (models.empty()) {
     run.status = ColmapStatus::no_model;
     run.reason = "COLMAP left no model";

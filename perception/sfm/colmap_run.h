@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "perception/sfm/colmap_database.h"
 #include "perception/sfm/image_pairs.h"
 #include "perception/sfm/sfm_model.h"
 #include "sim/config/fields.h"
@@ -54,6 +55,7 @@ struct ColmapRun {
   std::string version;               ///< "3.8"
   SfmModel model;                    ///< the one of most images
   std::vector<int> model_sizes;      ///< images of each, descending
+  std::vector<ImageMatches> images;  ///< features and matches of each; empty: there were none
   std::vector<StageTiming> timings;  ///< of each step; also of one found done
   bool resumed = false;              ///< some step was found done
 };

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <stdexcept>
 
 #include "perception/sfm/sfm_poses.h"
@@ -59,6 +60,22 @@ SeedBoard named_board(const std::string& name) {
   return board;
 }
 
+/// Features and matches of frames without a place, the first few.
+std::string why_lost(const std::vector<int>& frames, const std::vector<int>& lost,
+                     const std::vector<ImageMatches>& images) {
+  constexpr int kMostNamed = 5;
+  std::string text;
+  int named = 0;
+  for (std::size_t i = 0; i < std::min(frames.size(), images.size()); ++i) {
+    if (std::find(lost.begin(), lost.end(), frames[i]) == lost.end()) continue;
+    if (++named > kMostNamed) return text + "; ...";
+    text += "; frame " + std::to_string(frames[i]) + ": " + std::to_string(images[i].features) +
+            " features, matched with " + std::to_string(images[i].tried) + ", of which " +
+            std::to_string(images[i].partners) + " agree";
+  }
+  return text;
+}
+
 SfmEstimate estimate(const Capture& capture, const Corners& corners, const SeedBoard& board,
                      const SfmConfig& config) {
   ColmapInput input;
@@ -89,6 +106,8 @@ SfmEstimate estimate(const Capture& capture, const Corners& corners, const SeedB
     for (const int frame : frames)
       result.poses.push_back({.frame = frame, .status = PoseStatus::not_converged});
   }
+  result.reason += why_lost(frames, result.lost, run.images);
+  result.images = run.images;
   result.colmap_version = run.version;
   result.model_sizes = run.model_sizes;
   result.timings.insert(result.timings.begin(), run.timings.begin(), run.timings.end());

@@ -96,6 +96,7 @@ struct SfmEstimate {
   std::vector<std::string> lens_parameters;  ///< those refined: "fx_px"
   Eigen::MatrixXd lens_covariance;           ///< of these
   std::vector<int> model_sizes;              ///< images in each of COLMAP's models, descending
+  std::vector<ImageMatches> images;          ///< features and matches of each frame; may be empty
   std::string colmap_version;
   std::vector<StageTiming> timings;
 };

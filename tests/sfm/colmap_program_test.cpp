@@ -38,6 +38,17 @@ TEST(ColmapProgram, PlacesTheViewsOfARing) {
   const ColmapRun run = run_colmap(input, config.colmap);
   ASSERT_EQ(run.status, ColmapStatus::ok) << run.reason;
   EXPECT_EQ(run.model.images.size(), kViews);
+  ASSERT_EQ(run.images.size(), kViews);
+  int tried = 0;
+  for (const ImageMatches& image : run.images) {
+    EXPECT_GT(image.features, 100);
+    EXPECT_GE(image.partners, 1);
+    EXPECT_LE(image.partners, image.tried);
+    tried += image.tried;
+  }
+  // The pairs given, and those of images that found no place at first.
+  EXPECT_GE(tried, 2 * static_cast<int>(input.pairs.size()));
+  EXPECT_LE(tried, static_cast<int>(kViews * (kViews - 1)));
   const SfmEstimate estimate = refine_sfm(run.model, frames, input.lens, {}, {}, config);
   if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
   ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
