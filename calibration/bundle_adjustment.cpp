@@ -163,8 +163,7 @@ int freedoms_of(const BundleProblem& problem) {
   int unknowns = 6 * static_cast<int>(problem.poses.size()) + 3 * static_cast<int>(points.size());
   for (const std::vector<bool>& free : problem.free)
     unknowns += static_cast<int>(std::count(free.begin(), free.end(), true));
-  // What images tell of their zoom, not what is known before, is nearly all that holds it.
-  if (problem.config.zoom_share > 0) unknowns += static_cast<int>(problem.poses.size());
+  // A zoom is one unknown more, and what is known of it before one measurement more.
   if (problem.gauge == BundleGauge::similarity) unknowns -= 7;
   if (problem.gauge == BundleGauge::rigid) unknowns -= 6;
   return coordinates - unknowns;
@@ -186,6 +185,10 @@ Squares squares_of(const BundleProblem& problem) {
     sum.plain +=
         r.squaredNorm() * problem.observations[i].sigma_px * problem.observations[i].sigma_px;
     ++sum.points;
+  }
+  for (const double zoom : problem.zoom) {
+    if (problem.config.zoom_share > 0)
+      sum.softened += std::pow((zoom - 1) / problem.config.zoom_share, 2);
   }
   return sum;
 }
@@ -275,6 +278,27 @@ std::string minimise_without_outliers(BundleProblem& problem, int& iterations) {
     why = minimise_bundle(problem, iterations);
   }
   return why;
+}
+
+/// Makes each lens's focal lengths the mean of its images': only what is known of zooms before
+/// tells a lens from zooms that all differ by one factor. Focal lengths that were held stay.
+void fold_zoom(BundleProblem& problem) {
+  for (std::size_t l = 0; l < problem.lenses.size(); ++l) {
+    if (!problem.free[l][0] || !problem.free[l][1]) continue;
+    double sum = 0;
+    int images = 0;
+    for (std::size_t i = 0; i < problem.zoom.size(); ++i) {
+      if (problem.lens_of_image[i] != static_cast<int>(l)) continue;
+      sum += problem.zoom[i];
+      ++images;
+    }
+    if (images == 0) continue;
+    const double mean = sum / images;
+    problem.lenses[l].head<2>() *= mean;
+    for (std::size_t i = 0; i < problem.zoom.size(); ++i) {
+      if (problem.lens_of_image[i] == static_cast<int>(l)) problem.zoom[i] /= mean;
+    }
+  }
 }
 
 /// The similarity world_after -> world_before of the cameras' centres [Umeyama, TPAMI 1991].
@@ -475,6 +499,7 @@ BundleAdjustmentResult adjust_bundle(const BundleAdjustmentInput& input,
                               ? minimise_without_outliers(problem, result.iterations)
                               : minimise_from_afar(problem, result.iterations);
   hold_frame(before, problem);
+  if (config.zoom_share > 0) fold_zoom(problem);
   result.status = why.empty() ? CalibrationStatus::ok : CalibrationStatus::not_converged;
   result.reason = why;
   report(problem, input, out, without_place(input, out, problem), result);

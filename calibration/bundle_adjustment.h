@@ -77,7 +77,9 @@ struct BundleAdjustmentResult {
   BundleGauge gauge = BundleGauge::similarity;
   std::vector<Camera> lenses;
   std::vector<Pose> camera_from_world;
-  std::vector<double> zoom;  ///< of each image: its focal lengths over its lens's
+  /// Of each image: its focal lengths over its lens's. These are the mean of its images', where
+  /// they are free.
+  std::vector<double> zoom;
   /// NaN: no place. Fewer than two images show it, or do after rejection, or its rays are too near
   /// parallel.
   std::vector<Eigen::Vector3d> points_in_world_m;

@@ -54,7 +54,7 @@ bool make_row(const BundleProblem& problem, const Places& places, const BundleOb
   ObservationValue value;
   if (!observe_zoomed(problem.shapes[lens], parameters.data(),
                       problem.zoom[static_cast<std::size_t>(seen.image)], pose,
-                      problem.points[static_cast<std::size_t>(seen.point)], value, &d_lens,
+                      problem.points[static_cast<std::size_t>(seen.point)], value, d_lens.data(),
                       &d_zoom))
     return false;
   const Eigen::Vector2d residual = (value.pixel_px - seen.pixel_px) / seen.sigma_px;
@@ -147,27 +147,26 @@ MatrixXd reduced_system(const BundleProblem& problem, const Places& places) {
   return reduced;
 }
 
-}  // namespace
-
-bool observe_zoomed(const LensShape& shape, const double* lens, double zoom, const PosedFrame& pose,
-                    const Eigen::Vector3d& point, ObservationValue& value, RowMatrix* d_lens,
-                    Eigen::Vector2d* d_zoom) {
-  if (!observe(shape, lens, nullptr, pose, point, value,
-               d_lens != nullptr ? d_lens->data() : nullptr))
-    return false;
-  constexpr int kCentre = 2;  // fx, fy, cx, cy, ...
-  const Eigen::Vector2d from_centre =
-      value.pixel_px - Eigen::Vector2d(lens[kCentre], lens[kCentre + 1]);
-  if (d_zoom != nullptr) *d_zoom = from_centre;
-  if (zoom == 1) return true;
-  value.pixel_px += (zoom - 1) * from_centre;
-  if (d_lens == nullptr) return true;
-  *d_lens *= zoom;
-  for (int k = 0; k < 2; ++k) (*d_lens)(k, kCentre + k) += 1 - zoom;
-  value.d_rig_from_points *= zoom;
-  value.d_point *= zoom;
-  return true;
+/// Rows that take changes of all parameters to those of the lenses' free ones: a focal length that
+/// is the mean of its images' changes with their zooms, which are 1 in the mean.
+MatrixXd to_lenses(const BundleProblem& problem, const Places& places) {
+  MatrixXd rows = MatrixXd::Zero(places.lens_count, places.count);
+  rows.leftCols(places.lens_count).setIdentity();
+  if (places.zoom_at < 0) return rows;
+  std::vector<int> images(problem.lenses.size(), 0);
+  for (const int lens : problem.lens_of_image) ++images[static_cast<std::size_t>(lens)];
+  for (std::size_t i = 0; i < problem.lens_of_image.size(); ++i) {
+    const auto lens = static_cast<std::size_t>(problem.lens_of_image[i]);
+    for (std::size_t k = 0; k < 2; ++k) {  // fx, fy
+      if (places.lens[lens][0] < 0 || places.lens[lens][1] < 0) continue;
+      rows(places.lens[lens][k], places.zoom_at + static_cast<int>(i)) +=
+          problem.lenses[lens][static_cast<Eigen::Index>(k)] / images[lens];
+    }
+  }
+  return rows;
 }
+
+}  // namespace
 
 BundleCovariance bundle_covariance(const BundleProblem& problem) {
   const Places places(problem);
@@ -198,7 +197,8 @@ BundleCovariance bundle_covariance(const BundleProblem& problem) {
     inverse = left - (left * basis) * basis.transpose();
   }
   result.solved = true;
-  result.lens = inverse.topLeftCorner(places.lens_count, places.lens_count);
+  const MatrixXd rows = to_lenses(problem, places);
+  result.lens = rows * inverse * rows.transpose();
   for (std::size_t i = 0; i < problem.poses.size(); ++i) {
     const int at = places.pose(static_cast<int>(i));
     result.poses.emplace_back(inverse.block<6, 6>(at, at));

@@ -35,7 +35,7 @@ class SeenPoint final : public ceres::CostFunction {
     const bool zooms = problem_.config.zoom_share > 0;
     if (!observe_zoomed(*shape_, parameters[0], zooms ? *parameters[3] : 1, pose,
                         Eigen::Map<const Vector3d>(parameters[2]), value,
-                        jacobians != nullptr ? &d_lens : nullptr, &d_zoom))
+                        jacobians != nullptr ? d_lens.data() : nullptr, &d_zoom))
       return false;
     const Vector2d residual = (value.pixel_px - seen_.pixel_px) / seen_.sigma_px;
     const Softened soft = soften(problem_.config.loss, problem_.config.loss_px, residual);

@@ -32,21 +32,14 @@ struct BundleProblem {
 
 /// What the normal equations say at the solution.
 struct BundleCovariance {
-  bool solved = false;   ///< false: singular beyond the gauge
-  Eigen::MatrixXd lens;  ///< of the free parameters, lens by lens, before `sigma`^2
+  bool solved = false;  ///< false: singular beyond the gauge
+  /// Of the free parameters, lens by lens, before `sigma`^2; focal lengths as the mean of images'.
+  Eigen::MatrixXd lens;
   std::vector<Eigen::Matrix<double, 6, 6>> poses;  ///< before `sigma`^2
 };
 
 /// Points are eliminated, the gauge is held by inner constraints on the poses.
 BundleCovariance bundle_covariance(const BundleProblem& problem);
-
-/// `observe` by the lens and pose of one image, its zoom included.
-/// @param zoom  factor on the lens's focal lengths, from its principal point
-/// @param d_lens  as of `observe`; null: no derivatives
-/// @param d_zoom  of the pixel; may be null
-bool observe_zoomed(const LensShape& shape, const double* lens, double zoom, const PosedFrame& pose,
-                    const Eigen::Vector3d& point, ObservationValue& value, RowMatrix* d_lens,
-                    Eigen::Vector2d* d_zoom);
 
 /// Residual of an observation over its sigma, before the loss; NaN where the point has no pixel.
 Eigen::Vector2d bundle_residual(const BundleProblem& problem, const BundleObservation& seen);

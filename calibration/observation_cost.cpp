@@ -61,6 +61,25 @@ bool observe(const LensShape& shape, const double* lens, const PosedFrame* camer
   return true;
 }
 
+bool observe_zoomed(const LensShape& shape, const double* lens, double zoom, const PosedFrame& pose,
+                    const Eigen::Vector3d& point, ObservationValue& value, double* d_lens,
+                    Eigen::Vector2d* d_zoom) {
+  if (!observe(shape, lens, nullptr, pose, point, value, d_lens)) return false;
+  constexpr int kCentre = 2;  // fx, fy, cx, cy, ...
+  const Eigen::Vector2d from_centre =
+      value.pixel_px - Eigen::Vector2d(lens[kCentre], lens[kCentre + 1]);
+  if (d_zoom != nullptr) *d_zoom = from_centre;
+  if (zoom == 1) return true;
+  value.pixel_px += (zoom - 1) * from_centre;
+  if (d_lens == nullptr) return true;
+  Eigen::Map<RowMatrix> by_lens(d_lens, 2, lens_parameter_count(shape));
+  by_lens *= zoom;
+  for (int k = 0; k < 2; ++k) by_lens(k, kCentre + k) += 1 - zoom;
+  value.d_rig_from_points *= zoom;
+  value.d_point *= zoom;
+  return true;
+}
+
 Softened soften(RobustLoss loss, double turn, const Eigen::Vector2d& residual) {
   Softened soft;
   const double s = residual.squaredNorm(), a2 = turn * turn;

@@ -38,6 +38,14 @@ bool observe(const LensShape& shape, const double* lens, const PosedFrame* camer
              const PosedFrame& rig_from_points, const Eigen::Vector3d& point,
              ObservationValue& value, double* d_lens);
 
+/// `observe` of a single camera whose focal lengths are `zoom` times the lens's: the pixel moves
+/// from the principal point by that factor, whatever the lens model.
+/// @param d_lens  as of `observe`
+/// @param d_zoom  of the pixel; may be null
+bool observe_zoomed(const LensShape& shape, const double* lens, double zoom, const PosedFrame& pose,
+                    const Eigen::Vector3d& point, ObservationValue& value, double* d_lens,
+                    Eigen::Vector2d* d_zoom);
+
 /// Squared residual s = |r|^2 under a loss rho(s), as r' = g r with |r'|^2 = rho(s); `d` takes dr
 /// to dr'. `weight` is rho'(s).
 struct Softened {

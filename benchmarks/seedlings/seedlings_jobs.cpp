@@ -36,7 +36,7 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
             16,
             2,
             {250, 500, 1000},
-            {250, 500, 1000},
+            {},
             {250, 500},
             {},
             {50, 100},
@@ -50,7 +50,7 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
           16,
           4,
           {500, 1000, 2000, 5000, 7000},
-          {500, 1000, 2000, 5000, 7000, 10000, 30000},
+          {10000, 30000},
           {500, 1000, 2000, 5000, 7000},
           {usual, usual, usual, usual, kOurMostSplats},
           {500, 2000},
@@ -68,6 +68,14 @@ void add_more_views(SeedlingsJob job, const Extent& extent, std::vector<Seedling
     job.shown = false;
     jobs.push_back(job);
   }
+}
+
+SeedlingsJob long_job(SeedlingsJob job, const Extent& extent) {
+  job.set = {"30 views", job.sample.views, false};
+  job.plan = {kReference, extent.reference_long};
+  job.shown = false;
+  job.is_long = true;
+  return job;
 }
 
 std::string short_name(const std::string& method) {
@@ -112,7 +120,7 @@ std::vector<const SampleView*> held_out_views(const SampleCapture& whole) {
 
 std::string SeedlingsJob::name() const {
   return sample.light + "_" + std::to_string(sample.number) + "_" + std::to_string(set.views) +
-         (set.one_side ? "_side_" : "_") + short_name(plan.method) + "_" +
+         (set.one_side ? "_side_" : "_") + short_name(plan.method) + (is_long ? "_long_" : "_") +
          std::to_string(sample.width_px) + "px";
 }
 
@@ -137,7 +145,7 @@ std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config) {
       job.set = {"30 views", job.sample.views, false};
       job.noise_views = extent.noise_views;
       job.shown = i == 0;
-      job.plan = {kReference, i == 0 ? extent.reference_long : extent.reference};
+      job.plan = {kReference, extent.reference};
       jobs.push_back(job);
       job.plan = {kOurs, extent.ours, kOurStartPoints};
       job.plan.most_splats = extent.ours_most;
@@ -149,7 +157,9 @@ std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config) {
         job.plan = {kReference, {extent.reference.back()}};
         jobs.push_back(job);
       }
-      if (i == 0) add_more_views(job, extent, jobs);
+      if (i > 0) continue;
+      add_more_views(job, extent, jobs);
+      if (!extent.reference_long.empty()) jobs.push_back(long_job(job, extent));
     }
   }
   return jobs;

@@ -32,6 +32,9 @@ struct SeedlingsJob {
   FieldPlan plan;
   int noise_views = 4;
   bool shown = false;  ///< the page has pictures of it
+  /// The reference's whole schedule, half an hour: another job has what comes before, and says what
+  /// the photographs are like.
+  bool is_long = false;
 
   std::string name() const;  ///< "D1_0_20_reference": letters, digits, _
   std::string case_name()

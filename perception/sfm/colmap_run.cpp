@@ -5,6 +5,7 @@
 #include <functional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "perception/sfm/colmap_files.h"
 #include "sim/dataset/atomic_file.h"
@@ -308,6 +309,16 @@ bool map_lost(const std::vector<ImagePair>& pairs, const ColmapConfig& config,
   });
 }
 
+/// Features and matches of the images; why there are none, if the database cannot be read.
+void take_database(const fs::path& folder, int images, ColmapRun& run) {
+  const fs::path file = folder / "database.db";
+  if (!fs::exists(file) || fs::file_size(file) == 0) return;
+  ColmapDatabase database = read_colmap_database(file, images);
+  run.images = std::move(database.images);
+  if (database.complaint.empty()) return;
+  run.reason += (run.reason.empty() ? "" : "; ") + database.complaint;
+}
+
 }  // namespace
 
 std::string colmap_version(const std::string& program) {
@@ -355,39 +366,35 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
   const std::string key = prepared_key(input, extraction, folder, run.version);
   Steps steps(key, config.time_limit_s, folder, run);
   const auto images = static_cast<int>(input.images.size());
-  const bool mapped = map_pairs(input, config, extraction, folder, steps, run);
-  const auto read_database = [&] {
-    const fs::path file = folder / "database.db";
-    if (fs::exists(file) && fs::file_size(file) > 0)
-      run.images = read_colmap_database(file, images);
-  };
-  if (!mapped) {
-    // A database that a step was stopped in may be anything; of one without a model it says why.
-    if (run.status == ColmapStatus::no_model) read_database();
+  if (!map_pairs(input, config, extraction, folder, steps, run)) {
+    if (run.status == ColmapStatus::no_model) take_database(folder, images, run);
     return run;
   }
+  bool is_whole = true;  // a database that a step was stopped in may be anything
   std::vector<SfmModel> models = read_models(folder / "sparse", images);
   if (config.match_lost && !models.empty()) {
     const std::vector<ImagePair> pairs = pairs_of_lost(images, models.front().images, input.pairs);
     if (!pairs.empty()) {
       // A second try that fails, which the reason tells, costs nothing of what the first found.
-      if (map_lost(pairs, config, folder, steps)) {
+      is_whole = map_lost(pairs, config, folder, steps);
+      if (is_whole) {
         std::vector<SfmModel> again = read_models(folder / "sparse_lost", images);
         if (!again.empty() && again.front().images.size() > models.front().images.size())
           models = std::move(again);
       }
     }
   }
-  read_database();
   if (models.empty()) {
     run.status = ColmapStatus::no_model;
     run.reason = "COLMAP left no model";
+    take_database(folder, images, run);
     return run;
   }
   for (const SfmModel& model : models)
     run.model_sizes.push_back(static_cast<int>(model.images.size()));
   run.model = std::move(models.front());
   run.status = ColmapStatus::ok;
+  if (is_whole) take_database(folder, images, run);
   return run;
 }
 

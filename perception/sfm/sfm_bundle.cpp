@@ -21,15 +21,14 @@ struct ImageResiduals {
 std::vector<ImageResiduals> residuals(const SfmBundle& bundle) {
   std::vector<ImageResiduals> squares(bundle.result.camera_from_world.size());
   std::vector<Lens> lenses;
-  for (const Camera& lens : bundle.result.lenses) lenses.emplace_back(lens);
+  for (const Camera& lens : image_lenses(bundle)) lenses.emplace_back(lens);
   for (std::size_t i = 0; i < bundle.input.observations.size(); ++i) {
     const BundleObservation& seen = bundle.input.observations[i];
     const Eigen::Vector3d& point =
         bundle.result.points_in_world_m[static_cast<std::size_t>(seen.point)];
     if (bundle.result.rejected[i] || !point.allFinite()) continue;
     const auto image = static_cast<std::size_t>(seen.image);
-    const Lens& lens = lenses[static_cast<std::size_t>(bundle.input.lens_of_image[image])];
-    const auto pixel_px = lens.project(bundle.result.camera_from_world[image] * point);
+    const auto pixel_px = lenses[image].project(bundle.result.camera_from_world[image] * point);
     if (!pixel_px) continue;
     squares[image].sum_px2 += (*pixel_px - seen.pixel_px).squaredNorm();
     ++squares[image].points;
@@ -38,6 +37,18 @@ std::vector<ImageResiduals> residuals(const SfmBundle& bundle) {
 }
 
 }  // namespace
+
+std::vector<Camera> image_lenses(const SfmBundle& bundle) {
+  std::vector<Camera> lenses;
+  for (std::size_t i = 0; i < bundle.input.lens_of_image.size(); ++i) {
+    lenses.push_back(
+        bundle.result.lenses.at(static_cast<std::size_t>(bundle.input.lens_of_image[i])));
+    if (bundle.result.zoom.empty()) continue;  // as COLMAP left it
+    lenses.back().fx_px *= bundle.result.zoom.at(i);
+    lenses.back().fy_px *= bundle.result.zoom.at(i);
+  }
+  return lenses;
+}
 
 SfmBundle as_it_is(const SfmModel& model) {
   SfmBundle bundle;
@@ -108,17 +119,18 @@ void add_scale_covariance(double sigma_share, BundleAdjustmentResult& result) {
 void report_poses(const SfmBundle& bundle, const SfmModel& model, bool good,
                   SfmEstimate& estimate) {
   const std::vector<ImageResiduals> squares = residuals(bundle);
+  const std::vector<Camera> lenses = image_lenses(bundle);
   for (std::size_t i = 0; i < bundle.images.size(); ++i) {
     FramePose& pose = estimate.poses.at(static_cast<std::size_t>(bundle.images[i]));
     pose.status = good ? PoseStatus::ok : PoseStatus::degenerate;
     pose.camera_from_world = bundle.result.camera_from_world[i];
-    pose.camera = bundle.result.lenses[static_cast<std::size_t>(bundle.input.lens_of_image[i])];
+    pose.camera = lenses[i];
     if (i < bundle.result.pose_covariance.size())
       pose.covariance = bundle.result.pose_covariance[i];
     pose.corner_count = squares[i].points;
     pose.rms_px = std::sqrt(squares[i].sum_px2 / std::max(1, 2 * squares[i].points));
   }
-  estimate.lens = mean_lens(bundle.result.lenses);
+  estimate.lens = mean_lens(lenses);
   estimate.gauge = bundle.result.gauge;
   for (std::size_t p = 0; p < model.points.size(); ++p) {
     if (!bundle.result.points_in_world_m[p].allFinite()) continue;

@@ -19,6 +19,9 @@ struct SfmBundle {
   BundleAdjustmentResult result;
 };
 
+/// The lens of each image, with its own focal lengths.
+std::vector<Camera> image_lenses(const SfmBundle& bundle);
+
 /// COLMAP's own poses and lenses as if they were an adjustment's.
 SfmBundle as_it_is(const SfmModel& model);
 

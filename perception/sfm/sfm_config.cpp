@@ -86,6 +86,10 @@ void validate(const SfmConfig& config) {
   SfmConfig copy = config;  // fields point into what they describe
   check_limits(fields(copy));
   validate(config.board);
+  if (config.adjust.zoom_share != 0) {
+    throw std::invalid_argument("adjust.zoom_share = " + std::to_string(config.adjust.zoom_share) +
+                                ": here focal = per_image and focal_jitter say it");
+  }
   if (config.scale == SfmScale::adjusted && !config.refine) {
     throw std::invalid_argument(
         "scale = adjusted needs refine = true: the board is part of that adjustment");

@@ -23,6 +23,7 @@ constexpr double kLeastSigma_px = 1e-3;  ///< of a track's sighting, where there
 BundleAdjustmentConfig weighed(const SfmConfig& config, double feature_sigma_px) {
   BundleAdjustmentConfig own = config.adjust;
   own.loss_px /= std::max(feature_sigma_px, kLeastSigma_px);
+  if (config.focal == SfmFocal::per_image) own.zoom_share = config.focal_jitter;
   return own;
 }
 
@@ -62,33 +63,6 @@ BundleAdjustmentInput with_board(const SfmBundle& bundle, const std::vector<Boar
   return input;
 }
 
-/// Each image its own focal lengths, from where the shared adjustment ended: a factor an image is
-/// adjusted with all else, the lens that they share included.
-BundleAdjustmentResult adjust_focal_lengths(BundleAdjustmentInput& input,
-                                            const BundleAdjustmentResult& shared,
-                                            double feature_sigma_px, const SfmConfig& config) {
-  input.camera_from_world = shared.camera_from_world;
-  for (std::size_t p = 0; p < input.points_in_world_m.size(); ++p) {
-    if (shared.points_in_world_m[p].allFinite())
-      input.points_in_world_m[p] = shared.points_in_world_m[p];
-  }
-  BundleAdjustmentConfig own = weighed(config, feature_sigma_px);
-  own.zoom_share = config.focal_jitter;
-  return adjust_bundle(input, own);
-}
-
-/// A lens an image, with its own focal lengths.
-void part_lenses(SfmBundle& bundle) {
-  std::vector<Camera> own;
-  for (std::size_t i = 0; i < bundle.input.lens_of_image.size(); ++i) {
-    own.push_back(bundle.result.lenses.at(static_cast<std::size_t>(bundle.input.lens_of_image[i])));
-    own.back().fx_px *= bundle.result.zoom.at(i);
-    own.back().fy_px *= bundle.result.zoom.at(i);
-  }
-  bundle.result.lenses = own;
-  std::iota(bundle.input.lens_of_image.begin(), bundle.input.lens_of_image.end(), 0);
-}
-
 void refuse_scale(const std::string& why, SfmEstimate& estimate) {
   estimate.reason += (estimate.reason.empty() ? "" : "; ") + why;
   estimate.status = SfmStatus::no_scale;
@@ -120,10 +94,16 @@ SfmBundle adjust_tracks(const SfmModel& model, const std::optional<Camera>& lens
   bundle.images = model.images;
   bundle.input = track_bundle(model, lens, 1);
   bundle.result = adjust_bundle(bundle.input, config.adjust);
-  if (!has_lens_prior(config) || !std::isfinite(bundle.result.sigma_px)) return bundle;
-  bundle.sighting_px = std::max(bundle.result.sigma_px, kLeastSigma_px);
-  for (BundleObservation& seen : bundle.input.observations) seen.sigma_px *= bundle.sighting_px;
-  bundle.result = adjust_bundle(bundle.input, weighed(config, bundle.sighting_px));
+  if (!has_lens_prior(config)) return bundle;
+  // What one focal length for all leaves of the images' own is no scatter of sightings.
+  const int passes = config.focal == SfmFocal::per_image ? 2 : 1;
+  for (int pass = 0; pass < passes && std::isfinite(bundle.result.sigma_px); ++pass) {
+    const double factor =
+        std::max(bundle.sighting_px * bundle.result.sigma_px, kLeastSigma_px) / bundle.sighting_px;
+    bundle.sighting_px *= factor;
+    for (BundleObservation& seen : bundle.input.observations) seen.sigma_px *= factor;
+    bundle.result = adjust_bundle(bundle.input, weighed(config, bundle.sighting_px));
+  }
   return bundle;
 }
 
@@ -176,7 +156,7 @@ bool keep_what_agrees(const std::vector<int>& frames, const std::optional<Camera
 bool scale_bundle(const std::vector<int>& frames, const Corners& corners, const SeedBoard& board,
                   const SfmConfig& config, SfmBundle& bundle, SfmEstimate& estimate) {
   const std::vector<BoardCorner> found = board_corners(
-      bundle.result, bundle.input.lens_of_image, bundle.images, corners, config.corner_floor_px);
+      bundle.result, image_lenses(bundle), bundle.images, corners, config.corner_floor_px);
   if (static_cast<int>(found.size()) < config.min_board_corners) {
     refuse_scale(std::to_string(found.size()) + " corners of the board were placed, at least " +
                      std::to_string(config.min_board_corners) + " are needed",
@@ -264,29 +244,11 @@ SfmEstimate refine_sfm(const SfmModel& given, const std::vector<int>& frames,
     estimate.feature_sigma_px = bundle.sighting_px * bundle.result.sigma_px;
     report_lens(bundle.result, estimate);
   }
-  const bool is_per_image = config.refine && config.focal == SfmFocal::per_image;
-  if (good && is_per_image && config.scale != SfmScale::adjusted) {
-    // Before the scale: the adjustment knows of none, and would take its deviation away.
-    bundle.result = adjust_focal_lengths(bundle.input, bundle.result, bundle.sighting_px, config);
-    good = bundle.result.status == CalibrationStatus::ok;
-    if (good) report_lens(bundle.result, estimate);
-    if (good) part_lenses(bundle);
-  }
   if (good && wants_scale && corners.empty()) refuse_scale("there is no board", estimate);
   if (good && wants_scale && !corners.empty()) {
     good = scale_bundle(frames, corners, board, config, bundle, estimate);
     if (good && config.scale == SfmScale::adjusted && bundle.result.gauge == BundleGauge::metric)
       report_lens(bundle.result, estimate);
-  }
-  if (good && is_per_image && config.scale == SfmScale::adjusted) {
-    // With the board in it, sightings are over what they scatter then.
-    const bool is_weighed = bundle.result.gauge == BundleGauge::metric;
-    bundle.result =
-        adjust_focal_lengths(bundle.input, bundle.result,
-                             is_weighed ? estimate.feature_sigma_px : bundle.sighting_px, config);
-    good = bundle.result.status == CalibrationStatus::ok;
-    if (good) report_lens(bundle.result, estimate);
-    if (good) part_lenses(bundle);
   }
   if (agrees) take_failure(bundle.result, estimate);
   lose_frames(bundle, frames, estimate);

@@ -37,7 +37,7 @@ BundleAdjustmentInput track_bundle(const SfmModel& model, const std::optional<Ca
 }
 
 std::vector<BoardCorner> board_corners(const BundleAdjustmentResult& bundle,
-                                       const std::vector<int>& lens_of_image,
+                                       const std::vector<Camera>& lens_of_image,
                                        const std::vector<int>& images, const Corners& corners,
                                        double floor_px) {
   std::map<std::pair<int, int>, std::vector<BundleObservation>> seen;
@@ -59,8 +59,7 @@ std::vector<BoardCorner> board_corners(const BundleAdjustmentResult& bundle,
     for (const BundleObservation& observation : observations) {
       const auto image = static_cast<std::size_t>(observation.image);
       sightings.push_back(
-          {bundle.lenses.at(static_cast<std::size_t>(lens_of_image.at(image))),
-           bundle.camera_from_world.at(image), observation.pixel_px,
+          {lens_of_image.at(image), bundle.camera_from_world.at(image), observation.pixel_px,
            // Poses and lens are a model's, not the truth: a sighting may miss by their error.
            isotropic_px2(std::hypot(observation.sigma_px, 1))});
     }

@@ -26,12 +26,12 @@ struct BoardCorner {
   Eigen::Vector3d in_world_m;                   ///< triangulated, in the bundle's unit
   std::vector<BundleObservation> observations;  ///< `point` is not set
 };
-/// Corners that at least two images show whose status is ok, triangulated by the bundle's poses and
-/// lenses; those that no place explains are left out.
+/// Corners that at least two images show whose status is ok, triangulated by the bundle's poses;
+/// those that no place explains are left out.
 /// @param images  of the bundle: which of `corners`' entries each is
 /// @param floor_px  added in quadrature to each predicted deviation
 std::vector<BoardCorner> board_corners(const BundleAdjustmentResult& bundle,
-                                       const std::vector<int>& lens_of_image,
+                                       const std::vector<Camera>& lens_of_image,
                                        const std::vector<int>& images, const Corners& corners,
                                        double floor_px);
 

@@ -10,6 +10,7 @@
 #include "perception/sfm/sfm_poses.h"
 #include "sim/process/scratch_folder.h"
 #include "tests/dataset/temporary_folder.h"
+#include "tests/sfm/colmap_database_file.h"
 #include "tests/sfm/plant_views.h"
 #include "tests/sfm/stand_in_colmap.h"
 
@@ -336,6 +337,58 @@ TEST_F(ColmapRunTest, ACaptureGoesThroughTheProgramToMetricPoses) {
   for (const StageTiming& timing : estimate.timings) stages.push_back(timing.stage);
   EXPECT_THAT(stages, ElementsAre("features", "matches", "mapping", "matches_lost", "mapping_lost",
                                   "adjust"));
+}
+
+/// Puts `made.db`, which lies beside the program, where the features go.
+const std::string kOwnDatabase =
+    "if [ \"$1\" = feature_extractor ]; then\n"
+    "  while [ $# -gt 0 ]; do [ \"$1\" = --database_path ] && database=$2; shift; done\n"
+    "  cp \"$here/made.db\" \"$database\"; fi";
+
+TEST_F(ColmapRunTest, ADatabaseThatCannotBeReadCostsNoModel) {
+  StandInColmap program(scratch_.path() / "p", kOwnDatabase);
+  program.add_model(0, plant_views({.images = 5, .points = 30}, 1));
+  write_file(scratch_.path() / "p" / "made.db", "no database");
+  const ColmapRun run = run_colmap(Pictures(5).input, config(program));
+  EXPECT_EQ(run.status, ColmapStatus::ok);
+  EXPECT_EQ(run.model.images.size(), 5U);
+  EXPECT_TRUE(run.images.empty());
+  EXPECT_THAT(run.reason, HasSubstr("database.db: "));
+}
+
+TEST_F(ColmapRunTest, ALostFrameSaysWhatWasFoundOfIt) {
+  StandInColmap program(scratch_.path() / "p", kOwnDatabase);
+  const PlantViews views = plant_views({.images = 6, .lost = {4}}, 3);
+  program.add_model(0, views);
+  std::string images, features;
+  for (int i = 0; i < 6; ++i) {
+    const std::string id = std::to_string(20 - i), comma = i > 0 ? "," : "";
+    images += comma + "(" + id + ", '" + colmap_image_name(i) + "')";
+    features += comma + "(" + id + ", " + std::to_string(100 * i) + ")";
+  }
+  write_database(scratch_.path() / "p" / "made.db",
+                 kColmapTables + "INSERT INTO images VALUES " + images +
+                     "; INSERT INTO keypoints (image_id, rows) VALUES " + features +
+                     "; INSERT INTO matches (pair_id, rows) VALUES " + colmap_pair(16, 17, 3) +
+                     "," + colmap_pair(16, 19, 0) + "," + colmap_pair(17, 19, 80) +
+                     "; INSERT INTO two_view_geometries VALUES " + colmap_pair(16, 17, 0) + "," +
+                     colmap_pair(17, 19, 70));
+  Capture capture;
+  for (const int id : views.frames) {
+    Frame frame{.id = id};
+    frame.sensors.push_back({.reported = views.lens, .color = Image<Rgb8>(1280, 720)});
+    capture.frames.push_back(std::move(frame));
+  }
+  SfmConfig sfm;
+  sfm.colmap = config(program);
+  sfm.place_by_board = false;
+  const SfmEstimate estimate = estimate_poses_sfm(capture, views.corners, views.board, sfm);
+  if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
+  EXPECT_THAT(estimate.lost, ElementsAre(14));
+  ASSERT_EQ(estimate.images.size(), 6U);
+  EXPECT_EQ(estimate.images[3].partners, 1);
+  EXPECT_THAT(estimate.reason,
+              HasSubstr("frame 14: 400 features, matched with 2, of which 0 agree"));
 }
 
 }  // namespace

@@ -122,22 +122,40 @@ TEST(SfmPoses, ErrorsOfPosesAreAsLargeAsPredicted) {
 
 TEST(SfmPoses, ErrorsOfImagesThatFocusOnTheirOwnAreAsLargeAsPredicted) {
   SKIP_WITHOUT_CERES();
-  SfmConfig config = without_priors();
-  config.focal = SfmFocal::per_image;
-  config.focal_jitter = 0.003;
-  NormalisedSquares squares;
-  constexpr int kRuns = 20;
-  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
-    const PlantViews views =
-        plant_views({.images = 18, .points = 150, .noise_px = 0.1, .focal_spread = 0.003}, seed);
-    const SfmEstimate estimate = refined(views, config);
-    ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
-    add_errors(views, estimate, squares);
+  // Nothing is known of the lens before; or it is off by as much as its priors say.
+  for (const bool has_priors : {false, true}) {
+    SfmConfig config = without_priors();
+    if (has_priors) config.adjust = SfmConfig().adjust;
+    config.focal = SfmFocal::per_image;
+    config.focal_jitter = 0.003;
+    NormalisedSquares squares;
+    double focal = 0;
+    constexpr int kRuns = 12;
+    for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+      PlantViews views =
+          plant_views({.images = 18, .points = 150, .noise_px = 0.1, .focal_spread = 0.003}, seed);
+      double mean_fx_px = 0;
+      for (const Camera& own : views.lenses)
+        mean_fx_px += own.fx_px / static_cast<double>(views.lenses.size());
+      Rng rng = Rng(seed).fork("lens");
+      views.lens.fx_px *= 1 + config.adjust.focal_prior_share * normal(rng);
+      views.lens.fy_px *= 1 + config.adjust.focal_prior_share * normal(rng);
+      views.lens.cx_px += config.adjust.centre_prior_px * normal(rng);
+      views.lens.cy_px += config.adjust.centre_prior_px * normal(rng);
+      const SfmEstimate estimate = refined(views, config);
+      ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+      EXPECT_NEAR(estimate.feature_sigma_px, 0.1, 0.02);
+      add_errors(views, estimate, squares);
+      ASSERT_EQ(estimate.lens_parameters.front(), "fx_px");
+      focal += std::pow(estimate.lens.fx_px - mean_fx_px, 2) / estimate.lens_covariance(0, 0);
+    }
+    // As above. Along the line of sight, where focal lengths and distances trade, one freedom a
+    // pose: 12 to 216 of them, so a standard error of 10 to 40 %; allow 60 %.
+    EXPECT_NEAR(squares.sum / (6 * squares.poses), 1, 0.4) << has_priors;
+    EXPECT_NEAR(squares.along / squares.poses, 1, 0.6) << has_priors;
+    // One freedom a run.
+    EXPECT_NEAR(focal / kRuns, 1, 3 * std::sqrt(2.0 / kRuns)) << has_priors;
   }
-  // As above. Along the line of sight, where focal lengths and distances trade, one freedom a pose:
-  // 20 to 360 of them, so a standard error of 7 to 32 %; allow 60 %.
-  EXPECT_NEAR(squares.sum / (6 * squares.poses), 1, 0.35);
-  EXPECT_NEAR(squares.along / squares.poses, 1, 0.6);
 }
 
 TEST(SfmPoses, WhatIsKnownOfTheLensCountsAsMuchAsItIsWorth) {
@@ -368,6 +386,7 @@ TEST(SfmPoses, WithoutOurAdjustmentPosesAreThoseOfTheModel) {
 }
 
 TEST(SfmPoses, WhatDoesNotFitTogetherIsRefused) {
+  EXPECT_THROW(validate(SfmConfig{.adjust = {.zoom_share = 0.003}}), std::invalid_argument);
   const PlantViews views = plant_views({.images = 4, .points = 20}, 8);
   EXPECT_THROW(refined(views, {.scale = SfmScale::adjusted, .refine = false}),
                std::invalid_argument);
