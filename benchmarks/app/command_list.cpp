@@ -152,7 +152,8 @@ ExitCode command_methods(const JobContext& context) {
         "photograph, their depth fused; then outlines, closed surfaces and boxes as ours"},
        {"seeds/splats_paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
         "the paper's chain: Gaussians trained as their reference does, their centres, the paper's "
-        "steps (--set splats.poses=sfm: poses by COLMAP)"}},
+        "steps (perceive --set splats.poses=sfm, run --set pipeline.splats.poses=sfm: poses by "
+        "COLMAP)"}},
       context.options.json);
   return ExitCode::done;
 }
@@ -171,7 +172,7 @@ ExitCode command_doctor(const JobContext& context) {
       {"torch", built(COUSIN_WITH_TORCH, "WITH_TORCH"),
        "images scored by a network of yours (bench --lpips)"},
       {"colmap", find_program("colmap").empty() ? "missing" : "found",
-       "poses without a board (bench sfm, --set splats.poses=sfm)"},
+       "poses without a board (bench sfm; splats.poses=sfm of splats_paper)"},
       {"vega", libraries.vega.empty() ? "missing" : "found", "plots of the report (libjs-vega)"},
       {"three.js", libraries.three.empty() ? "missing" : "found",
        "3D view of the report (libjs-three)"},

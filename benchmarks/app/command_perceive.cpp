@@ -77,8 +77,39 @@ void print_traits(const std::string& scene, const Traits& traits) {
   }
 }
 
+/// An estimate in the dataset's own folder would be taken for part of it.
+void refuse_dataset_as_out(const fs::path& dataset, const fs::path& out) {
+  const fs::path inner = fs::weakly_canonical(out), outer = fs::weakly_canonical(dataset);
+  const auto parted = std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end());
+  if (parted.first != outer.end()) return;
+  throw std::invalid_argument("--out " + out.string() + ": lies in the dataset " +
+                              dataset.string() + "; name a folder beside it");
+}
+
+/// Where all of the views are, and nothing was found from Gaussians.
+std::string why_no_splats(const SeedsEstimate& estimate, const SeedsPipelineConfig& config) {
+  const std::string count = std::to_string(estimate.splats.splats.size());
+  if (estimate.splats.splats.empty()) return "there are no Gaussians";
+  if (config.method == SeedsMethod::splats_paper)
+    return "of " + count + " Gaussians none has its centre in the volume and an opacity of " +
+           "splats.least_opacity";
+  return "the depths of " + count + " Gaussians agree in no views";
+}
+
+/// Specimens, and how many of them have their traits.
+std::string specimens_text(const Traits& traits) {
+  const auto solved = std::count_if(
+      traits.begin(), traits.end(),
+      [](const SpecimenTraits& specimen) { return specimen.status == TraitStatus::ok; });
+  std::string text = std::to_string(traits.size()) + " specimens";
+  if (solved < static_cast<std::ptrdiff_t>(traits.size()))
+    text += ", " + (solved == 0 ? "none" : std::to_string(solved)) + " of them solved";
+  return text;
+}
+
 /// Which stage found nothing first, if there is no specimen.
-std::string why_nothing(const SeedsEstimate& estimate, int posed) {
+std::string why_nothing(const SeedsEstimate& estimate, const SeedsPipelineConfig& config,
+                        int posed) {
   if (!estimate.cloud.empty() || !estimate.clusters.cloud.empty())
     return "nothing stands on the board";
   if (posed == 0) {
@@ -92,6 +123,8 @@ std::string why_nothing(const SeedsEstimate& estimate, int posed) {
     return seen == 0 ? "no view shows the board"
                      : std::to_string(seen) + " views show the board, but none could be posed";
   }
+  if (config.method == SeedsMethod::splats || config.method == SeedsMethod::splats_paper)
+    return why_no_splats(estimate, config);
   const bool some_depth =
       std::any_of(estimate.depths.begin(), estimate.depths.end(), [](const FrameDepth& frame) {
         return std::any_of(frame.depth_m.begin(), frame.depth_m.end(),
@@ -137,8 +170,10 @@ ExitCode command_perceive(const JobContext& context) {
   std::vector<StageSource> sources;
   for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
 
-  const fs::path dataset = o.arguments.at(0);
+  fs::path dataset = o.arguments.at(0);
+  if (!dataset.has_filename()) dataset = dataset.parent_path();  // "data/"
   const fs::path out = o.out.empty() ? fs::path(dataset.string() + "_estimate") : fs::path(o.out);
+  refuse_dataset_as_out(dataset, out);
   std::vector<std::string> nothing_found;
   nlohmann::json rows = nlohmann::json::array();
   for (const fs::path& scene_dir : scenes_of(dataset)) {
@@ -157,8 +192,8 @@ ExitCode command_perceive(const JobContext& context) {
                                                   estimate_dir, context.progress.function());
     const int posed = count_posed(estimate.poses, estimate.corners, context.progress);
     std::string summary = std::to_string(posed) + " of " + std::to_string(capture.frames.size()) +
-                          " views posed, " + std::to_string(estimate.traits.size()) + " specimens";
-    if (estimate.traits.empty()) summary += ": " + why_nothing(estimate, posed);
+                          " views posed, " + specimens_text(estimate.traits);
+    if (estimate.traits.empty()) summary += ": " + why_nothing(estimate, config, posed);
     context.progress.line(name + ": " + summary);
     if (estimate.traits.empty()) nothing_found.push_back(scene_dir.string() + ": " + summary);
     if (o.json) {

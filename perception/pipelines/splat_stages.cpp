@@ -1,6 +1,7 @@
 #include "perception/pipelines/splat_stages.h"
 
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include "perception/splats/splat_geometry.h"
@@ -71,6 +72,8 @@ SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t see
   const SeedsSplatConfig& splats = config.splats;
   SplatTrainConfig training = reference_training();
   training.seed = Rng(seed).fork("splats")();
+  // It can be left where it reports.
+  training.report_every = std::gcd(training.report_every, splats.reference_steps);
   std::vector<StartPoint> start = start_as_paper(config, seed, capture, so_far, tracks);
   if (start.empty())
     fill_start(volume, splats.reference_points, Rng(seed).fork("splat_start"), start);

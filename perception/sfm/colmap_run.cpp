@@ -294,7 +294,8 @@ bool map_pairs(const ColmapInput& input, const ColmapConfig& config, const Words
       last_lines(folder / "mapping.log").find("failed to create sparse model") !=
           std::string::npos) {
     run.status = ColmapStatus::no_model;
-    run.reason = "COLMAP found no two images that show enough of the same";
+    run.reason =
+        "COLMAP found no two images that show enough of the same; images taken closer together do";
   }
   return mapped;
 }
@@ -349,7 +350,8 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
     return run;
   }
   if (find_program(config.program).empty()) {
-    run.reason = "COLMAP was not found: there is no program \"" + config.program + "\"";
+    run.reason = "COLMAP was not found: there is no program \"" + config.program +
+                 "\" (Debian's package: colmap)";
     return run;
   }
   run.version = colmap_version(config.program);

@@ -157,6 +157,18 @@ TEST_F(AppBadInput, ABoardThatIsNotSeenIsAStatusOfEachView) {
   EXPECT_EQ(perceive({"--json"}).out, "[]\n");
 }
 
+TEST_F(AppBadInput, AnEstimateInTheDatasetsOwnFolderIsRefused) {
+  for (const char* out : {"data", "data/est", "./data/000000"}) {
+    const Outcome outcome = program_.run({"perceive", "data/", "--out", out});
+    EXPECT_EQ(outcome.code, 2) << out;
+    EXPECT_THAT(outcome.err, HasSubstr("lies in the dataset data; name a folder beside it"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(program_.path("data/000000/config.toml")));
+  // The folder that is taken where none is named lies beside it too.
+  program_.run({"perceive", "data/"});
+  EXPECT_TRUE(std::filesystem::exists(program_.path("data_estimate/000000/config.toml")));
+}
+
 TEST_F(AppBadInput, ABoardThatIsSeenWithoutAPoseIsNotSaidToBeUnseen) {
   write_seams({});
   Poses poses(kViews);

@@ -352,6 +352,24 @@ TEST(SeedsSplats, WhatIsHeldOutChangesNothing) {
   EXPECT_EQ(taken, (std::vector<int>{10, 10, 10}));
 }
 
+TEST(SeedsSplats, TheReferenceIsLeftAfterTheStepsThatAreAskedFor) {
+  const ChequeredPlate made = chequered_plate({-1, -1, 0});
+  SeedsPipelineConfig config;
+  config.method = SeedsMethod::splats_paper;
+  config.splats.reference_steps = 17;
+  config.splats.reference_points = 100;
+  SeedsEstimate so_far;
+  so_far.poses = made.poses;
+  SplatWatch watch;
+  int last = 0;
+  watch.progress = [&](int step, int of) {
+    EXPECT_EQ(of, 17);
+    last = step;
+  };
+  seeds_stages(config, 1, watch).splats(made.capture, so_far);
+  EXPECT_EQ(last, 17);
+}
+
 TEST(SeedsSplats, EachMethodReadsWhatItNeeds) {
   SeedsPipelineConfig config;
   EXPECT_THAT(needs(config).stages, Not(Contains("splats")));
