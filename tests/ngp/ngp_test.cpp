@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "perception/ngp/ngp_rays.h"
 #include "sim/types/rng.h"
 
 namespace cousin {
@@ -89,6 +92,46 @@ TEST(Ngp, LearnsAViewThatItHasNotSeen) {
   EXPECT_NEAR(image.depth_m(24, 18), 0.908, 0.03);
   EXPECT_TRUE(std::isnan(image.depth_m(0, 0)));
   EXPECT_LT(training.curve.back().loss, 0.3 * training.curve.front().loss);
+}
+
+// Rays end where they are opaque; the whole ray, all samples at once, gives the same picture.
+TEST(Ngp, ARayThatEndsEarlyHasTheColourOfTheWhole) {
+  const NgpView view = ball_view(small_camera(), 0.3);
+  NgpConfig config = small_config();
+  config.background = {0.1, 0.6, 0.2};
+  const NgpTraining training = train_ngp(ball_views(8), config);
+  ASSERT_EQ(training.status, NgpStatus::ok);
+  const NgpModel& model = training.model;
+  const NgpImage image = render_ngp(model, view.camera, view.camera_from_world);
+  const Pose world_from_camera = inverse(view.camera_from_world);
+  const Eigen::Vector3f origin =
+      ((world_from_camera.translation_m - model.volume.centre_in_world_m) / model.volume.side_m)
+          .cast<float>();
+  const Eigen::Matrix3f turn = world_from_camera.rotation.toRotationMatrix().cast<float>();
+  const Image<Eigen::Vector3f> directions = ngp::pixel_directions(view.camera);
+  const auto levels = ngp::grid_levels(model.config.grid);
+  ngp::RayBundle bundle;
+  int opaque = 0, longest = 0;
+  for (int y = 0; y < image.color.height(); ++y) {
+    for (int x = 0; x < image.color.width(); ++x) {
+      bundle.clear();
+      const Eigen::Vector3f direction = turn * directions(x, y);
+      bundle.add(model, ngp::march_config(config), origin, direction, 0.5F);
+      const auto basis = {ngp::harmonics(direction)};
+      bundle.run(model, levels, ngp::dense_kernels(), basis);
+      const ngp::RaySamples<float> samples = bundle.ray(0);
+      const ngp::RayColor<float> whole = ngp::composite(samples, {0.1F, 0.6F, 0.2F});
+      const Rgb8 pixel = image.color(x, y);
+      const std::array<int, 3> drawn = {pixel.r, pixel.g, pixel.b};
+      for (std::size_t c = 0; c < 3; ++c)
+        ASSERT_EQ(drawn[c], std::lround(255 * std::clamp(whole.color[c], 0.0F, 1.0F)));
+      ASSERT_EQ(image.alpha(x, y), 1 - whole.transmittance);
+      opaque += whole.used < samples.count ? 1 : 0;
+      longest = std::max(longest, samples.count);
+    }
+  }
+  EXPECT_GT(opaque, 20);   // rays that did end early
+  EXPECT_GT(longest, 16);  // and more than two rounds
 }
 
 TEST(Ngp, SameBytesOnAnyNumberOfThreads) {

@@ -113,6 +113,34 @@ TEST(SplatKernels, GradientsAreTheReferences) {
   }
 }
 
+TEST(SplatKernels, PairsAreNumberedAsGaussiansLieInMemory) {
+  const std::vector<Splat> splats = random_splats(3000, 5, 0.05);
+  const ColorPlanes gradient = random_gradient(200, 150);
+  const Drawn d =
+      draw(best_splat_kernels(), splats, pinhole(200, 150, 180), view_of_cube(), gradient);
+  const TileLists& lists = d.frame.lists;
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    ASSERT_EQ(lists.pair_first[i], next);
+    next += lists.pair_count[i];
+  }
+  ASSERT_EQ(next, lists.tile_pair.size());
+  // Each pair is of one entry, and of that entry's Gaussian; a tile's entries come front to back.
+  std::vector<int> entries(next, 0);
+  for (std::size_t tile = 0; tile + 1 < lists.tile_begin.size(); ++tile) {
+    float before = 0;
+    for (std::uint32_t e = lists.tile_begin[tile]; e < lists.tile_begin[tile + 1]; ++e) {
+      const std::uint32_t splat = lists.tile_splat[e], pair = lists.tile_pair[e];
+      ++entries.at(pair);
+      ASSERT_GE(pair, lists.pair_first[splat]);
+      ASSERT_LT(pair, lists.pair_first[splat] + lists.pair_count[splat]);
+      ASSERT_GE(d.frame.projected[splat].depth_m, before);
+      before = d.frame.projected[splat].depth_m;
+    }
+  }
+  EXPECT_EQ(entries, std::vector<int>(next, 1));
+}
+
 TEST(SplatKernels, BytesDoNotDependOnThreads) {
   const Camera camera = pinhole(200, 150, 180);
   const std::vector<Splat> splats = random_splats(5000, 4, 0.03);
