@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calibration/observation_cost.h"
 #include "calibration/planar_pose.h"
 #include "sim/types/rng.h"
 
@@ -95,6 +96,73 @@ PlantCapture plant_capture(int images, int points, double noise_px, bool nadir,
   for (Vector3d& point : input.points_in_world_m)
     point += 0.003 * Vector3d(normal(rng), normal(rng), normal(rng));
   return input;
+}
+
+/// Cameras of three lens models.
+std::vector<Camera> lenses_of_three_kinds() {
+  std::vector<Camera> lenses(3, phone());
+  lenses[0].model = LensModel::pinhole;
+  lenses[0].distortion = {};
+  lenses[2].model = LensModel::kannala_brandt4;
+  lenses[2].distortion = {0.02, -0.01, 0.003, -0.001};
+  return lenses;
+}
+
+TEST(ObserveZoomed, IsTheLensWithItsFocalLengthsMultiplied) {
+  constexpr double kZoom = 1.03, kStep = 1e-6;
+  const Vector6d pose_numbers = pose_vector(look_at({0.3, -0.2, 0.4}, {0, 0, 0.02}));
+  const PosedFrame pose(pose_numbers.data());
+  const Vector3d point(0.03, 0.02, 0.05);
+  for (const Camera& camera : lenses_of_three_kinds()) {
+    const LensShape shape = shape_of(camera);
+    const Eigen::VectorXd lens = lens_parameters(camera);
+    const auto pixel = [&](const Eigen::VectorXd& of, double zoom, const Vector6d& from,
+                           const Vector3d& at) {
+      ObservationValue value;
+      EXPECT_TRUE(observe_zoomed(shape, of.data(), zoom, PosedFrame(from.data()), at, value,
+                                 nullptr, nullptr));
+      return value.pixel_px;
+    };
+    Eigen::VectorXd zoomed = lens;
+    zoomed.head<2>() *= kZoom;
+    EXPECT_LT(
+        (pixel(lens, kZoom, pose_numbers, point) - pixel(zoomed, 1, pose_numbers, point)).norm(),
+        1e-9);
+    // Derivatives against central differences: errors of step^2 and of rounding over the step.
+    RowMatrix d_lens(2, lens.size());
+    ObservationValue value;
+    Vector2d d_zoom;
+    ASSERT_TRUE(
+        observe_zoomed(shape, lens.data(), kZoom, pose, point, value, d_lens.data(), &d_zoom));
+    const auto differs = [&](const Vector2d& high, const Vector2d& low, const Vector2d& given) {
+      return ((high - low) / (2 * kStep) - given).norm() / std::max(1.0, given.norm());
+    };
+    EXPECT_LT(differs(pixel(lens, kZoom + kStep, pose_numbers, point),
+                      pixel(lens, kZoom - kStep, pose_numbers, point), d_zoom),
+              1e-5);
+    for (Eigen::Index k = 0; k < lens.size(); ++k) {
+      const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(lens.size(), k);
+      EXPECT_LT(differs(pixel(lens + step, kZoom, pose_numbers, point),
+                        pixel(lens - step, kZoom, pose_numbers, point), d_lens.col(k)),
+                1e-5)
+          << k;
+    }
+    for (int k = 0; k < 6; ++k) {
+      const Vector6d step = kStep * Vector6d::Unit(k);
+      EXPECT_LT(
+          differs(pixel(lens, kZoom, pose_numbers + step, point),
+                  pixel(lens, kZoom, pose_numbers - step, point), value.d_rig_from_points.col(k)),
+          1e-5)
+          << k;
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d step = kStep * Vector3d::Unit(k);
+      EXPECT_LT(differs(pixel(lens, kZoom, pose_numbers, point + step),
+                        pixel(lens, kZoom, pose_numbers, point - step), value.d_point.col(k)),
+                1e-5)
+          << k;
+    }
+  }
 }
 
 #ifdef COUSIN_NO_CERES
