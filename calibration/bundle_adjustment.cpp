@@ -237,6 +237,40 @@ std::string minimise_from_afar(BundleProblem& problem, int& iterations) {
   return minimise_bundle(problem, iterations);
 }
 
+/// Sightings of one image that contradict those of the others can be had by a point at that
+/// camera's centre, from where it projects anywhere: there the normal equations are singular. What
+/// is nearer than a share of the median depth of what the image shows goes. @returns how many
+/// points went.
+int drop_points_at_cameras(BundleProblem& problem) {
+  constexpr double kNearest = 0.05;
+  const auto depth_of = [&](const BundleObservation& seen) {
+    const Pose pose = pose_of_vector(problem.poses[static_cast<std::size_t>(seen.image)]);
+    return (pose * problem.points[static_cast<std::size_t>(seen.point)]).z();
+  };
+  std::vector<std::vector<double>> depths(problem.poses.size());
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const BundleObservation& seen = problem.observations[i];
+    if (problem.used[i]) depths[static_cast<std::size_t>(seen.image)].push_back(depth_of(seen));
+  }
+  std::vector<double> nearest;
+  for (std::vector<double>& own : depths) {
+    const auto middle = own.begin() + static_cast<std::ptrdiff_t>(own.size() / 2);
+    std::nth_element(own.begin(), middle, own.end());
+    nearest.push_back(own.empty() ? 0 : kNearest * *middle);
+  }
+  std::set<int> gone;
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    const BundleObservation& seen = problem.observations[i];
+    if (problem.used[i] && depth_of(seen) < nearest[static_cast<std::size_t>(seen.image)])
+      gone.insert(seen.point);
+  }
+  for (const KnownPoint& known : problem.known_points) gone.erase(known.point);
+  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
+    if (gone.contains(problem.observations[i].point)) problem.used[i] = false;
+  }
+  return static_cast<int>(gone.size());
+}
+
 /// Points that rejection left to fewer than two images have no place any more: what is left of them
 /// goes too. @returns which points have none, `out` among them
 std::vector<bool> without_place(const BundleAdjustmentInput& input, std::vector<bool> out,
@@ -495,9 +529,9 @@ BundleAdjustmentResult adjust_bundle(const BundleAdjustmentInput& input,
     return result;
   }
   const std::vector<Vector6d> before = problem.poses;
-  const std::string why = config.reject_sigmas > 0
-                              ? minimise_without_outliers(problem, result.iterations)
-                              : minimise_from_afar(problem, result.iterations);
+  std::string why = config.reject_sigmas > 0 ? minimise_without_outliers(problem, result.iterations)
+                                             : minimise_from_afar(problem, result.iterations);
+  if (drop_points_at_cameras(problem) > 0) why = minimise_bundle(problem, result.iterations);
   hold_frame(before, problem);
   if (config.zoom_share > 0) fold_zoom(problem);
   result.status = why.empty() ? CalibrationStatus::ok : CalibrationStatus::not_converged;

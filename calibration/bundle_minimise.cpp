@@ -6,6 +6,7 @@
 #include <set>
 
 #include "calibration/bundle_problem.h"
+#include "calibration/quiet_ceres.h"
 
 namespace cousin {
 namespace {
@@ -186,6 +187,7 @@ void add_lens(const BundleProblem& problem, std::size_t i, double* at, ceres::Pr
 }  // namespace
 
 std::string minimise_bundle(BundleProblem& problem, int& iterations) {
+  quiet_warnings();
   Packed packed(problem);
   ceres::Problem to;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();

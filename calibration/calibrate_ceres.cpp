@@ -1,5 +1,4 @@
 #include <ceres/ceres.h>
-#include <glog/logging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include "calibration/calibration_seed.h"
 #include "calibration/calibration_solvers.h"
+#include "calibration/quiet_ceres.h"
 
 namespace cousin {
 namespace {
@@ -187,15 +187,6 @@ void add_blocks(const CalibrationProblem& problem, const Stage& stage, Packed& p
         new BlockPrior(Eigen::Vector2d::Zero(), Eigen::Vector2d::Constant(sigma)), nullptr,
         packed.bent());
   }
-}
-
-/// Ceres warns of steps that fail, which are part of a search here: only errors are printed.
-void quiet_warnings() {
-  static const bool done = [] {
-    FLAGS_minloglevel = std::max(FLAGS_minloglevel, static_cast<int>(google::GLOG_ERROR));
-    return true;
-  }();
-  (void)done;
 }
 
 ceres::Solver::Summary minimise(const CalibrationProblem& problem, const Stage& stage,

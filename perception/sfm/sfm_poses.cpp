@@ -63,6 +63,19 @@ BundleAdjustmentInput with_board(const SfmBundle& bundle, const std::vector<Boar
   return input;
 }
 
+/// Images that the board places start where it says. From where the tracks alone left them, some
+/// centimetres off, an image's corners may all count as outliers, and a few wrong tracks then take
+/// it anywhere.
+void start_at_board(const Corners& corners, const SeedBoard& board, const SfmConfig& config,
+                    SfmBundle& bundle) {
+  for (std::size_t i = 0; i < bundle.images.size(); ++i) {
+    const std::optional<Pose> own = camera_from_board(
+        bundle.result.lenses.at(0), corners.at(static_cast<std::size_t>(bundle.images[i])), board,
+        {.min_corners = config.min_board_corners});
+    if (own) bundle.input.camera_from_world[i] = *own;
+  }
+}
+
 void refuse_scale(const std::string& why, SfmEstimate& estimate) {
   estimate.reason += (estimate.reason.empty() ? "" : "; ") + why;
   estimate.status = SfmStatus::no_scale;
@@ -152,6 +165,27 @@ bool keep_what_agrees(const std::vector<int>& frames, const std::optional<Camera
   return true;
 }
 
+/// @returns false where an adjusted image is not where its own corners say: the estimate says so
+bool stayed_at_board(const std::vector<int>& frames, const Corners& corners, const SeedBoard& board,
+                     const SfmConfig& config, const SfmBundle& bundle, SfmEstimate& estimate) {
+  std::string left;
+  for (std::size_t i = 0; i < bundle.images.size(); ++i) {
+    const auto image = static_cast<std::size_t>(bundle.images[i]);
+    const std::optional<Pose> own =
+        camera_from_board(bundle.result.lenses.at(0), corners.at(image), board,
+                          {.min_corners = config.min_board_corners});
+    const Pose& adjusted = bundle.result.camera_from_world[i];
+    if (!own || own->rotation.angularDistance(adjusted.rotation) <= config.max_board_turn_rad)
+      continue;
+    estimate.contradicted.push_back(frames[image]);
+    left += " " + std::to_string(frames[image]);
+  }
+  if (left.empty()) return true;
+  estimate.status = SfmStatus::contradicted;
+  estimate.reason = "the adjustment turned these frames away from where the board is:" + left;
+  return false;
+}
+
 /// Brings the bundle into the board's frame in metres. @returns false where the adjustment failed
 bool scale_bundle(const std::vector<int>& frames, const Corners& corners, const SeedBoard& board,
                   const SfmConfig& config, SfmBundle& bundle, SfmEstimate& estimate) {
@@ -194,6 +228,7 @@ bool scale_bundle(const std::vector<int>& frames, const Corners& corners, const 
   }
   CornerPoints points;
   bundle.input = with_board(bundle, found, board, config, points);
+  start_at_board(corners, board, config, bundle);
   if (config.place_by_board) {
     for (const int image :
          add_board_views(bundle.result.lenses.at(0), corners, board, config.board_sigma_m,
@@ -202,7 +237,8 @@ bool scale_bundle(const std::vector<int>& frames, const Corners& corners, const 
       estimate.by_board.push_back(frames[static_cast<std::size_t>(image)]);
   }
   bundle.result = adjust_bundle(bundle.input, weighed(config, estimate.feature_sigma_px));
-  return bundle.result.status == CalibrationStatus::ok;
+  return bundle.result.status == CalibrationStatus::ok &&
+         stayed_at_board(frames, corners, board, config, bundle, estimate);
 }
 
 }  // namespace

@@ -362,6 +362,30 @@ TEST(BundleAdjustment, ContradictingSightingsUnderARedescendingLossDoNotKeepItFr
   }
 }
 
+// The ray of one image passes through another camera's centre, and that camera sees the point
+// somewhere else: only its centre itself explains both.
+TEST(BundleAdjustment, APointThatEndsAtACamerasCentreGoes) {
+  BundleAdjustmentInput input = plant_capture(12, 60, 0.2, false, 6).truth;
+  const BundleAdjustmentConfig config = {.loss = RobustLoss::cauchy, .loss_px = 1};
+  const BundleAdjustmentResult without = adjust_bundle(input, config);
+  ASSERT_EQ(without.status, CalibrationStatus::ok) << without.reason;
+  const Lens lens(input.lenses[0]);
+  const Vector3d eye = centre_in_world_m(input.camera_from_world[0]);
+  const auto seen = lens.project(input.camera_from_world[6] * eye);
+  ASSERT_TRUE(seen);
+  const auto wrong = static_cast<int>(input.points_in_world_m.size());
+  input.points_in_world_m.push_back(0.9 * eye);
+  input.observations.push_back({0, wrong, {200, 600}, 1});
+  input.observations.push_back({6, wrong, *seen, 1});
+  const BundleAdjustmentResult with = adjust_bundle(input, config);
+  ASSERT_EQ(with.status, CalibrationStatus::ok) << with.reason;
+  EXPECT_FALSE(with.points_in_world_m[60].allFinite());
+  EXPECT_TRUE(with.rejected.end()[-1]);
+  EXPECT_NEAR(with.lenses[0].fx_px, without.lenses[0].fx_px, 1e-3);
+  for (std::size_t p = 0; p < 60; ++p)
+    EXPECT_LT((with.points_in_world_m[p] - without.points_in_world_m[p]).norm(), 1e-6);
+}
+
 TEST(BundleAdjustment, PointsWithNearlyParallelRaysAreLeftOut) {
   PlantCapture capture = plant_capture(8, 40, 0.1, false, 7);
   // A point far behind the plant, seen under a fraction of a degree.
