@@ -259,9 +259,12 @@ TEST(AppInterrupted, AReadOnlyDatasetIsReadAndItsEstimateGoesElsewhere) {
   EXPECT_EQ(verified.out, "data: no problems\n") << verified.err;
   const Outcome perceived = program.run({"perceive", "data", "--out", "est"}, bind_root);
   EXPECT_THAT(perceived.err, HasSubstr("2 of 2 views posed"));
-  const Outcome inside = program.run({"perceive", "data", "--out", "data/est"}, bind_root);
+  fs::create_directories(program.path("locked"));
+  fs::permissions(program.path("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+  const Outcome inside = program.run({"perceive", "data", "--out", "locked/est"}, bind_root);
   EXPECT_EQ(inside.code, 3);
-  EXPECT_THAT(inside.err, testing::StartsWith("cousin: data/est"));
+  EXPECT_THAT(inside.err, testing::StartsWith("cousin: locked/est"));
+  fs::permissions(program.path("locked"), fs::perms::owner_all);
   set_all(fs::perms::owner_all);
 }
 
