@@ -174,14 +174,14 @@ ExitCode command_perceive(const JobContext& context) {
   if (!dataset.has_filename()) dataset = dataset.parent_path();  // "data/"
   const fs::path out = o.out.empty() ? fs::path(dataset.string() + "_estimate") : fs::path(o.out);
   refuse_dataset_as_out(dataset, out);
+  const Warn warn = [&](const std::string& text) { context.progress.line("warning: " + text); };
   std::vector<std::string> nothing_found;
   nlohmann::json rows = nlohmann::json::array();
   for (const fs::path& scene_dir : scenes_of(dataset)) {
     const Capture capture = read_capture(scene_dir);
     pipeline_of(o, capture, dataset);
     board_of(capture, config);  // throws here, before any work, if there is none
-    for (const std::string& warning : capture.warnings)
-      context.progress.line("warning: " + warning);
+    for (const std::string& warning : capture.warnings) warn(warning);
     const std::string name = scene_dir.filename().string();
     const bool is_scene_id =
         name.size() == 6 && name.find_first_not_of("0123456789") == std::string::npos;
@@ -189,7 +189,7 @@ ExitCode command_perceive(const JobContext& context) {
     const fs::path estimate_dir = out / scene_id(index);
     write_file(estimate_dir / "config.toml", to_toml(fields(config)));
     const SeedsEstimate estimate = perceive_seeds(capture, config, o.seed, sources, index,
-                                                  estimate_dir, context.progress.function());
+                                                  estimate_dir, context.progress.function(), warn);
     const int posed = count_posed(estimate.poses, estimate.corners, context.progress);
     std::string summary = std::to_string(posed) + " of " + std::to_string(capture.frames.size()) +
                           " views posed, " + specimens_text(estimate.traits);

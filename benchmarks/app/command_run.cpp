@@ -134,7 +134,8 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
                                           context.progress.function());
   const SeedsEstimate estimate =
       perceive_seeds(run.capture, config.pipeline, o.seed, sources, scene,
-                     out / "estimate" / scene_id(scene), context.progress.function());
+                     out / "estimate" / scene_id(scene), context.progress.function(),
+                     [&](const std::string& text) { context.progress.line("warning: " + text); });
   SeedsScores scores = score_run(run.truth, estimate, labels);
   ScoreFile file;
   file.scores = std::move(scores.rows);

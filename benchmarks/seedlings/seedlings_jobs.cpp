@@ -24,7 +24,8 @@ constexpr const char* kLights[] = {"D1", "D2", "D3"};
 /// Numbers of a run, and of a quick one.
 struct Extent {
   int samples, width_px, height_px, pixel_samples, noise_views;
-  std::vector<int> reference, reference_long, ours, ours_most, ngp;
+  std::vector<int> reference, ours, ours_most, ngp;
+  std::vector<FieldPlan> on;   ///< of the first tray, in jobs of their own
   std::vector<ViewSet> fewer;  ///< sets that the reference alone is trained on
   std::vector<int> more;       ///< photographs of the first tray that ours alone is trained on
 };
@@ -36,10 +37,10 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
             16,
             2,
             {250, 500, 1000},
-            {},
             {250, 500},
             {},
             {50, 100},
+            {},
             {{"10 views", 10, false}, {"30 views of one side", 30, true}},
             {}};
   }
@@ -50,10 +51,15 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
           16,
           4,
           {500, 1000, 2000, 5000, 7000},
-          {10000, 30000},
           {500, 1000, 2000, 5000, 7000},
           {usual, usual, usual, usual, kOurMostSplats},
           {500, 2000},
+          {{.method = kReference, .at = {10000, 30000}},
+           {.method = kOurs,
+            .at = {10000, 30000},
+            .start_points = kOurStartPoints,
+            .most_splats = {kOurMostSplats, kOurMostSplats}},
+           {.method = kNgp, .at = {1000, 5000, 7000}}},
           {{"20 views", 20, false}, {"10 views", 10, false}, {"30 views of one side", 30, true}},
           {60, 120}};
 }
@@ -70,12 +76,15 @@ void add_more_views(SeedlingsJob job, const Extent& extent, std::vector<Seedling
   }
 }
 
-SeedlingsJob long_job(SeedlingsJob job, const Extent& extent) {
+/// The methods' further steps: they take longer than all else, so that each may be left out.
+void add_long(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>& jobs) {
   job.set = {"30 views", job.sample.views, false};
-  job.plan = {kReference, extent.reference_long};
   job.shown = false;
   job.is_long = true;
-  return job;
+  for (const FieldPlan& plan : extent.on) {
+    job.plan = plan;
+    jobs.push_back(job);
+  }
 }
 
 std::string short_name(const std::string& method) {
@@ -159,7 +168,7 @@ std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config) {
       }
       if (i > 0) continue;
       add_more_views(job, extent, jobs);
-      if (!extent.reference_long.empty()) jobs.push_back(long_job(job, extent));
+      add_long(job, extent, jobs);
     }
   }
   return jobs;

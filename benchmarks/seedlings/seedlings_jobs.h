@@ -32,8 +32,8 @@ struct SeedlingsJob {
   FieldPlan plan;
   int noise_views = 4;
   bool shown = false;  ///< the page has pictures of it
-  /// The reference's whole schedule, half an hour: another job has what comes before, and says what
-  /// the photographs are like.
+  /// The method's further steps, up to half an hour: another job has what comes before, and the
+  /// reference's says what the photographs are like.
   bool is_long = false;
 
   std::string name() const;  ///< "D1_0_20_reference": letters, digits, _

@@ -9,9 +9,9 @@ namespace cousin {
 
 SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
                       const std::vector<StageSource>& sources, int scene_index,
-                      const SplatWatch& watch) {
+                      const SplatWatch& watch, const Warn& warn) {
   const std::uint64_t own_seed = Rng(seed).fork(static_cast<std::uint64_t>(scene_index))();
-  return with_stage_sources(seeds_stages(config, own_seed, watch), sources, scene_index);
+  return with_stage_sources(seeds_stages(config, own_seed, watch), sources, scene_index, warn);
 }
 
 StageTiming seconds_before(const SplatTraining& training) {
@@ -33,7 +33,12 @@ void add_seconds_before(const StageTiming& before, std::vector<StageTiming>& tim
 SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
                              std::uint64_t seed, const std::vector<StageSource>& sources,
                              int scene_index, const std::filesystem::path& estimate_dir,
-                             const Progress& progress) {
+                             const Progress& progress, const Warn& warn) {
+  const bool has_training =
+      config.method == SeedsMethod::splats || config.method == SeedsMethod::splats_paper;
+  if (warn && !has_training && config.splats.poses == SplatPoses::sfm) {
+    warn("splats.poses=sfm is not used: it is of the methods splats and splats_paper");
+  }
   const StepProgress steps = [&](int done, int all) {
     if (progress) progress("perceive: splats, step", done, all);
   };
@@ -44,7 +49,7 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
   if (!estimate_dir.empty()) {
     watch.checkpoint = {unfinished, 500, true};
   }
-  const SeedsStages stages = stages_of(config, seed, sources, scene_index, watch);
+  const SeedsStages stages = stages_of(config, seed, sources, scene_index, watch, warn);
   const auto& names = seeds_stage_names();
   const auto observe = [&](const std::string& stage, bool finished, const SeedsEstimate& so_far) {
     const auto place = std::find(names.begin(), names.end(), stage) - names.begin();

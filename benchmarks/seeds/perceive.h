@@ -13,7 +13,7 @@ namespace cousin {
 /// Our stages for one scene, with a user's in place of some.
 SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
                       const std::vector<StageSource>& sources, int scene_index,
-                      const SplatWatch& watch = {});
+                      const SplatWatch& watch = {}, const Warn& warn = {});
 
 /// Seconds of a training in processes before this one, which its stage's own clock has not seen.
 StageTiming seconds_before(const SplatTraining& training);
@@ -23,10 +23,11 @@ void add_seconds_before(const StageTiming& before, std::vector<StageTiming>& tim
 /// Runs the seeds pipeline on one capture with the given stages in place of ours, and writes every
 /// seam into `estimate_dir` as soon as its stage is finished (nothing if the path is empty): what
 /// is done survives a later failure, and a training of Gaussians that was stopped goes on. Seams of
-/// an earlier method are removed there first, but for stages that are read from folders.
+/// an earlier method are removed there first, but for stages that are read from folders. `warn`
+/// hears of settings that the method does not use and of rows of files that are left out.
 SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
                              std::uint64_t seed, const std::vector<StageSource>& sources,
                              int scene_index, const std::filesystem::path& estimate_dir,
-                             const Progress& progress = {});
+                             const Progress& progress = {}, const Warn& warn = {});
 
 }  // namespace cousin

@@ -2,6 +2,8 @@
 
 #include <cstdio>
 #include <stdexcept>
+#include <type_traits>
+#include <utility>
 
 #include "benchmarks/seeds/truth_stages.h"
 #include "perception/splats/splat_ply.h"
@@ -22,10 +24,9 @@ void call_program(const fs::path& program, const fs::path& input, const fs::path
 
 /// A stage that reads its seam with `read` from files, or from what a program makes of the capture
 /// and earlier seams.
-template <class Value>
+template <class Read, class Value = std::invoke_result_t<Read, const fs::path&>>
 std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSource& source,
-                                                                   int scene_index,
-                                                                   Value (*read)(const fs::path&)) {
+                                                                   int scene_index, Read read) {
   if (source.kind == StageSource::Kind::directory) {
     return [source, scene_index, read](const Capture&, const SeedsEstimate&) {
       const fs::path below = source.path / scene_id(scene_index);
@@ -49,7 +50,18 @@ std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSo
 
 constexpr const char* kSplatsFile = "splats.ply";  ///< the reference's layout
 
-SplatModel read_splats(const fs::path& dir) { return read_splat_ply(dir / kSplatsFile).model; }
+/// The model, having told `warn` of rows that are no Gaussian.
+SplatModel read_splats(const fs::path& dir, const Warn& warn) {
+  SplatFile file = read_splat_ply(dir / kSplatsFile);
+  const std::size_t left_out = file.not_finite + file.zero_rotations;
+  if (warn && left_out > 0) {
+    warn((dir / kSplatsFile).string() + ": " + std::to_string(left_out) + " of " +
+         std::to_string(left_out + file.model.splats.size()) +
+         " rows are left out: " + std::to_string(file.not_finite) + " with NaN or infinity, " +
+         std::to_string(file.zero_rotations) + " with a rotation of length zero");
+  }
+  return std::move(file.model);
+}
 
 /// Removes a folder's files that are named by six digits and `ending`, and the folder if that was
 /// all: it may be somebody's own.
@@ -113,11 +125,12 @@ StageSource parse_stage_source(const std::string& text) {
 }
 
 SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources,
-                               int scene_index) {
+                               int scene_index, const Warn& warn) {
+  const auto splats = [warn](const fs::path& dir) { return read_splats(dir, warn); };
   for (const StageSource& source : sources) {
     if (source.stage == "corners") base.corners = sourced(source, scene_index, read_corners);
     if (source.stage == "poses") base.poses = sourced(source, scene_index, read_poses);
-    if (source.stage == "splats") base.splats = sourced(source, scene_index, read_splats);
+    if (source.stage == "splats") base.splats = sourced(source, scene_index, splats);
     if (source.stage == "depth") base.depth = sourced(source, scene_index, read_depths);
     if (source.stage == "cloud") base.cloud = sourced(source, scene_index, read_cloud);
     if (source.stage == "clusters") base.clusters = sourced(source, scene_index, read_clusters);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,12 +22,15 @@ StageSource parse_stage_source(const std::string& text);
 
 std::string to_text(const StageSource& source);  ///< "exec:./mine"
 
+/// Hears a sentence for the user about input that is used in part or not at all.
+using Warn = std::function<void(const std::string&)>;
+
 /// `base` with each named stage read from files or made by a program. `dir:PATH` reads the seam's
 /// file of PATH/SCENE_ID or PATH. `exec:PROGRAM` is called as PROGRAM INPUT_DIR OUTPUT_DIR;
 /// INPUT_DIR holds the capture and the earlier seams, never truth. Missing or malformed files and a
-/// non-zero exit throw std::runtime_error.
+/// non-zero exit throw std::runtime_error. `warn` hears what a file held that is not used.
 SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources,
-                               int scene_index);
+                               int scene_index, const Warn& warn = {});
 
 /// Writes the seam of one finished stage into `dir`; stages without a file of their own write
 /// nothing.

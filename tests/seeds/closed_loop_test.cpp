@@ -1,4 +1,5 @@
 // The loop as a whole, on a small scene: few seeds, few views, small images.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -21,6 +22,8 @@ namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
 
 const std::vector<std::string>& small_scene() {
   static const std::vector<std::string> sets = {"seeds=2",
@@ -282,6 +285,29 @@ TEST(ClosedLoop, TrueCornersAgreeWithWhatIsFoundInTheImages) {
   // Noise at this size moves a corner by about 0.05 px an axis; a wrong pixel convention would show
   // as 0.5.
   EXPECT_LT(std::sqrt(squares / (2 * compared)), 0.12);
+}
+
+TEST(ClosedLoop, GaussiansThatAreNoneAreLeftOutAloud) {
+  const fs::path folder = fresh_folder("foreign_splats");
+  fs::create_directories(folder);
+  std::ofstream(folder / "splats.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nproperty float f_dc_0\nproperty float f_dc_1\n"
+         "property float f_dc_2\nproperty float opacity\nproperty float scale_0\n"
+         "property float scale_1\nproperty float scale_2\nproperty float rot_0\n"
+         "property float rot_1\nproperty float rot_2\nproperty float rot_3\nend_header\n"
+         "0 0 0  0 0 0  1  -5 -5 -5  1 0 0 0\n"
+         "nan 0 0  0 0 0  1  -5 -5 -5  1 0 0 0\n"
+         "0 0 0  0 0 0  1  -5 -5 -5  0 0 0 0\n";
+  std::vector<std::string> warnings;
+  const SeedsStages stages =
+      with_stage_sources({}, {parse_stage_source("splats=dir:" + folder.string())}, 0,
+                         [&](const std::string& text) { warnings.push_back(text); });
+  EXPECT_EQ(stages.splats({}, {}).splats.size(), 1U);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0],
+              AllOf(HasSubstr("splats.ply: 2 of 3 rows are left out"), HasSubstr("1 with NaN"),
+                    HasSubstr("1 with a rotation of length zero")));
 }
 
 TEST(ClosedLoop, SeedsOfFilesAndPrograms) {
