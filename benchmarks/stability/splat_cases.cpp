@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "benchmarks/stability/splat_cube.h"
 #include "perception/splats/reference_render.h"
 #include "perception/splats/splat_frame.h"
 #include "sim/types/rng.h"
@@ -12,39 +13,9 @@
 namespace cousin {
 namespace {
 
-constexpr int kWidth = 108, kHeight = 75;
+const int kWidth = cube_camera().width_px, kHeight = cube_camera().height_px;
 constexpr std::array<float, 3> kBackground = {0.2F, 0.5F, 0.1F};
 constexpr float kNear_m = 0.05F;
-
-Camera small_camera() {
-  Camera camera;
-  camera.width_px = kWidth;
-  camera.height_px = kHeight;
-  camera.fx_px = 100;
-  camera.fy_px = 97;
-  camera.cx_px = 52.7;
-  camera.cy_px = 37.9;
-  return camera;
-}
-
-Pose view_of_cube() { return look_at({1.3, -0.9, 0.7}, {0, 0, 0}); }
-
-SplatModel cube_model() {
-  SplatModel model;
-  model.splats.resize(400);
-  Rng rng = Rng(1).fork("splat cases");
-  for (Splat& s : model.splats) {
-    for (int k = 0; k < 3; ++k) {
-      s.centre_m[k] = static_cast<float>(uniform(rng, -0.5, 0.5));
-      s.log_scale[k] = static_cast<float>(std::log(0.06) + 0.7 * normal(rng));
-      s.sh_dc[static_cast<std::size_t>(k)] = static_cast<float>(0.8 * normal(rng));
-    }
-    for (int k = 0; k < 4; ++k) s.rotation_wxyz[k] = static_cast<float>(normal(rng));
-    s.opacity_logit = static_cast<float>(0.5 + normal(rng));
-    for (float& c : s.sh_rest) c = static_cast<float>(0.2 * normal(rng));
-  }
-  return model;
-}
 
 /// Every combination of what breaks a covariance, a projection or an opacity.
 std::vector<Splat> extreme_splats() {
@@ -71,6 +42,14 @@ std::vector<Splat> extreme_splats() {
   return splats;
 }
 
+/// The cube pressed flat, 1.5 m before the camera Pose{}: which of two Gaussians that cover each
+/// other is in front is their order's alone.
+SplatModel cube_at_one_depth() {
+  SplatModel model = cube_of_splats();
+  for (Splat& s : model.splats) s.centre_m.z() = 1.5F;
+  return model;
+}
+
 ColorPlanes gradient_planes() {
   ColorPlanes planes;
   Rng rng = Rng(1).fork("gradient");
@@ -90,7 +69,7 @@ Drawn draw(const std::vector<Splat>& splats, const Pose& pose) {
   const SplatKernels& kernels = best_splat_kernels();
   const SplatPlanes planes = to_planes(splats);
   SplatFrame frame;
-  draw_splats(kernels, planes, 3, splat_camera(small_camera(), pose, {0, 0, 0}, kNear_m),
+  draw_splats(kernels, planes, 3, splat_camera(cube_camera(), pose, {0, 0, 0}, kNear_m),
               kBackground, SplatDepths::none, frame);
   blend_gradients(kernels, gradient_planes(), kBackground, frame);
   return {frame.color, parameter_gradients(kernels, planes, frame)};
@@ -124,9 +103,9 @@ double share_off(const ColorPlanes& a, const ColorPlanes& b) {
 }
 
 void invariance_rows(std::vector<StabilityRow>& rows) {
-  const ColorPlanes expected = render_splats(cube_model(), small_camera(), view_of_cube()).color;
+  const ColorPlanes expected = render_splats(cube_of_splats(), cube_camera(), view_of_cube()).color;
   for (const double factor : {1e-3, 1e3}) {
-    SplatModel model = cube_model();
+    SplatModel model = cube_of_splats();
     for (Splat& s : model.splats) {
       s.centre_m *= static_cast<float>(factor);
       s.log_scale.array() += static_cast<float>(std::log(factor));
@@ -135,17 +114,17 @@ void invariance_rows(std::vector<StabilityRow>& rows) {
     pose.translation_m *= factor;
     rows.push_back(make_row("scene times " + std::string(factor < 1 ? "1e-3" : "1e3"),
                             "share of pixels off by 1e-4", "", 0.002,
-                            share_off(render_splats(model, small_camera(), pose).color, expected)));
+                            share_off(render_splats(model, cube_camera(), pose).color, expected)));
   }
-  SplatModel far = cube_model();
+  SplatModel far = cube_of_splats();
   far.origin_in_world_m = {1e6, -2e6, 3e5};
   Pose pose = view_of_cube();
   pose.translation_m -= pose.rotation * far.origin_in_world_m;
   rows.push_back(make_row("scene 2e6 m from zero", "share of pixels off by 1e-4", "", 0.002,
-                          share_off(render_splats(far, small_camera(), pose).color, expected)));
-  SplatModel reversed = cube_model();
+                          share_off(render_splats(far, cube_camera(), pose).color, expected)));
+  SplatModel reversed = cube_of_splats();
   std::reverse(reversed.splats.begin(), reversed.splats.end());
-  const ColorPlanes other = render_splats(reversed, small_camera(), view_of_cube()).color;
+  const ColorPlanes other = render_splats(reversed, cube_camera(), view_of_cube()).color;
   double changed = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t i = 0; i < other.channel[k].size(); ++i) {
@@ -157,12 +136,11 @@ void invariance_rows(std::vector<StabilityRow>& rows) {
 
 /// Share of the kernels' gradients farther from the double reference than 1e-3 of the value and of
 /// the parameter's root mean square.
-double gradients_off() {
-  const SplatModel model = cube_model();
-  const Drawn drawn = draw(model.splats, view_of_cube());
+double gradients_off(const SplatModel& model, const Pose& pose) {
+  const Drawn drawn = draw(model.splats, pose);
   ReferenceView view;
-  view.camera = small_camera();
-  view.camera_from_origin = view_of_cube();
+  view.camera = cube_camera();
+  view.camera_from_origin = pose;
   view.near_m = kNear_m;
   for (std::size_t k = 0; k < 3; ++k) view.background[k] = kBackground[k];
   const ColorPlanes gradient = gradient_planes();
@@ -196,7 +174,13 @@ std::vector<StabilityRow> splat_cases() {
                           "values not finite", "", 0, count));
   invariance_rows(rows);
   rows.push_back(make_row("float kernels beside the double reference",
-                          "share of gradients off by 1e-3", "", 0.01, gradients_off()));
+                          "share of gradients off by 1e-3", "", 0.01,
+                          gradients_off(cube_of_splats(), view_of_cube())));
+  const SplatModel flat = cube_at_one_depth();
+  rows.push_back(make_row("400 Gaussians at one depth", "values not finite", "", 0,
+                          not_finite(draw(flat.splats, Pose{}))));
+  rows.push_back(make_row("400 Gaussians at one depth", "share of gradients off by 1e-3", "", 0.01,
+                          gradients_off(flat, Pose{})));
   return rows;
 }
 

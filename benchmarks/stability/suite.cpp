@@ -15,6 +15,7 @@
 #include "benchmarks/stability/ray_cases.h"
 #include "benchmarks/stability/sfm_cases.h"
 #include "benchmarks/stability/splat_cases.h"
+#include "benchmarks/stability/splat_train_cases.h"
 #include "benchmarks/stability/stem_cases.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/types/stage_clock.h"
@@ -58,6 +59,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       {"light at its limits", [&] { return path_cases(quick); }},
       {"watertight seeds", [&] { return watertight_seeds(quick); }},
       {"splats", splat_cases},
+      {"training of splats", [&] { return splat_train_cases(quick); }},
       {"contacts", [&] { return contact_cases(quick); }},
       {"stems", [&] { return stem_cases(quick); }}};
   ScoreFile file;

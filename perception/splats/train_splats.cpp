@@ -13,6 +13,15 @@ namespace {
 /// Steps before training gives up on views that show nothing.
 int patience(std::size_t views) { return 2 * static_cast<int>(views); }
 
+/// Whether a view has shown any of the Gaussians since training began: those have moments.
+bool was_shown(const SplatTrainState& state) {
+  const SplatPlanes& squares = state.second_moment;
+  for (int i = 0; i < squares.size(); ++i) {
+    if (squares.at(SplatPlane::opacity, i) > 0) return true;
+  }
+  return false;
+}
+
 bool any_weight(std::span<const SplatView> views) {
   return std::any_of(views.begin(), views.end(), [](const SplatView& view) {
     const Image<float>& weight = view.levels.front().weight;
@@ -98,6 +107,8 @@ std::string to_string(SplatTrainStatus status) {
       return "nothing_to_learn";
     case SplatTrainStatus::nothing_seen:
       return "nothing_seen";
+    case SplatTrainStatus::nothing_left:
+      return "nothing_left";
     case SplatTrainStatus::not_finite:
       return "not_finite";
     case SplatTrainStatus::stopped:
@@ -143,8 +154,10 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     const int done = trainer.state().step;
     blind = step.shown == 0 ? blind + 1 : 0;
     if (!std::isfinite(step.loss)) training.status = SplatTrainStatus::not_finite;
-    if (trainer.state().values.size() == 0 || blind >= patience(views.size())) {
-      training.status = SplatTrainStatus::nothing_seen;
+    const bool has_none = trainer.state().values.size() == 0;
+    if (has_none || blind >= patience(views.size())) {
+      training.status = has_none || was_shown(trainer.state()) ? SplatTrainStatus::nothing_left
+                                                               : SplatTrainStatus::nothing_seen;
     }
     if (snapshots.take && training.status == SplatTrainStatus::ok &&
         std::find(snapshots.at.begin(), snapshots.at.end(), done) != snapshots.at.end()) {

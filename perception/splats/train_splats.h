@@ -17,6 +17,7 @@ enum class SplatTrainStatus {
   no_start,          ///< no Gaussian with finite parameters
   nothing_to_learn,  ///< no pixel has weight
   nothing_seen,      ///< no view shows any Gaussian: poses or start are wrong
+  nothing_left,      ///< none that was shown is still: photographs of the background alone
   not_finite,        ///< the loss was not a number
   stopped            ///< `progress` said so
 };

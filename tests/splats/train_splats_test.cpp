@@ -408,8 +408,9 @@ TEST(TrainSplats, ExtremeViewsGiveFiniteModels) {
       SplatTrainConfig config = quick_config(growth);
       config.reset_every = 0.3;
       const SplatTraining training = train_splats(cases[i], start_model(100), config);
+      const bool is_black = i == 2;  // no Gaussian at all is right
       EXPECT_TRUE(training.status == SplatTrainStatus::ok ||
-                  training.status == SplatTrainStatus::nothing_seen)
+                  (is_black && training.status == SplatTrainStatus::nothing_left))
           << i << to_string(training.status);
       EXPECT_TRUE(all_finite(training.model)) << i;
     }

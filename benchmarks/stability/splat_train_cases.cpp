@@ -1,0 +1,340 @@
+#include "benchmarks/stability/splat_train_cases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include "benchmarks/stability/splat_cube.h"
+#include "perception/splats/splat_ply.h"
+#include "perception/splats/splat_render.h"
+#include "perception/splats/splat_start.h"
+#include "perception/splats/train_splats.h"
+#include "sim/process/scratch_folder.h"
+#include "sim/types/rng.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr int kViews = 8;
+
+constexpr SplatGrowth kGrowths[] = {SplatGrowth::fixed, SplatGrowth::adaptive,
+                                    SplatGrowth::budgeted, SplatGrowth::mcmc};
+
+Pose ring_pose(int i) {
+  const double turn = 2 * M_PI * i / kViews;
+  return look_at({1.5 * std::cos(turn), 1.5 * std::sin(turn), 0.7}, {0, 0, 0});
+}
+
+/// Photographs of the cube from a ring about it.
+std::vector<SplatView> ring_views() {
+  const SplatModel model = cube_of_splats();
+  std::vector<SplatView> views;
+  for (int i = 0; i < kViews; ++i) {
+    SplatView view;
+    view.frame = i;
+    view.camera_from_world = ring_pose(i);
+    SplatViewLevel level;
+    level.camera = cube_camera();
+    level.color = render_splats(model, level.camera, view.camera_from_world).color;
+    view.levels.push_back(level);
+    view.levels.push_back(halved(level));
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+SplatModel grey_start() {
+  return splats_from_points(
+      random_start_points({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, 300, Rng(1).fork("start")));
+}
+
+SplatTrainConfig short_training(SplatGrowth growth) {
+  SplatTrainConfig config;
+  config.steps = 200;
+  config.growth = growth;
+  config.most_splats = 600;
+  config.grow_every = 20;
+  config.report_every = 20;
+  config.gradient_limit = 1e-5;
+  return config;
+}
+
+template <class Change>
+void change_colors(std::vector<SplatView>& views, const Change& change) {
+  for (SplatView& view : views) {
+    for (SplatViewLevel& level : view.levels) {
+      for (Image<float>& channel : level.color.channel) {
+        for (float& x : channel) x = change(x);
+      }
+    }
+  }
+}
+
+double not_finite(const SplatModel& model) {
+  double count = 0;
+  for (const Splat& s : model.splats) {
+    bool finite = s.centre_m.allFinite() && s.log_scale.allFinite() &&
+                  s.rotation_wxyz.allFinite() && std::isfinite(s.opacity_logit);
+    for (const float c : s.sh_dc) finite = finite && std::isfinite(c);
+    for (const float c : s.sh_rest) finite = finite && std::isfinite(c);
+    count += finite ? 0 : 1;
+  }
+  return count;
+}
+
+double not_finite(const ColorPlanes& color) {
+  double count = 0;
+  for (const Image<float>& channel : color.channel) {
+    count += static_cast<double>(
+        std::count_if(channel.begin(), channel.end(), [](float x) { return !std::isfinite(x); }));
+  }
+  return count;
+}
+
+/// Peak signal over the error of what a model shows in a photograph's place.
+double psnr_db(const SplatModel& model, const SplatView& view) {
+  const SplatViewLevel& level = view.levels.front();
+  const ColorPlanes drawn = render_splats(model, level.camera, view.camera_from_world).color;
+  double squares = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < drawn.channel[k].size(); ++i) {
+      const double off = drawn.channel[k].data()[i] - level.color.channel[k].data()[i];
+      squares += off * off;
+    }
+  }
+  return -10 * std::log10(squares / (3.0 * static_cast<double>(drawn.channel[0].size())));
+}
+
+/// What trainings by all kinds of growth come to on the same photographs.
+struct Trained {
+  int with_status = 0;
+  double not_finite = 0;
+  double least_psnr_db = std::numeric_limits<double>::infinity();  ///< of the first photograph
+};
+
+/// Statuses that a training may end with, as a row's name has them.
+using Statuses = std::vector<SplatTrainStatus>;
+
+std::string text_of(const Statuses& statuses) {
+  std::string text = "of four kinds of growth, ";
+  for (std::size_t i = 0; i < statuses.size(); ++i)
+    text += (i == 0 ? "" : " or ") + to_string(statuses[i]);
+  return text;
+}
+
+Trained train_by_all(const std::vector<SplatView>& views, const SplatModel& start,
+                     const Statuses& expected) {
+  Trained all;
+  for (const SplatGrowth growth : kGrowths) {
+    const SplatTraining training = train_splats(views, start, short_training(growth));
+    const bool is_expected =
+        std::find(expected.begin(), expected.end(), training.status) != expected.end();
+    all.with_status += is_expected ? 1 : 0;
+    all.not_finite += not_finite(training.model);
+    if (expected.front() != SplatTrainStatus::ok) continue;
+    const SplatViewLevel& level = views.front().levels.front();
+    all.not_finite += not_finite(
+        render_splats(training.model, level.camera, views.front().camera_from_world).color);
+    all.least_psnr_db = std::min(all.least_psnr_db, psnr_db(training.model, views.front()));
+  }
+  return all;
+}
+
+/// Rows of photographs that can be learned, `least_db` well.
+void add_learned(const std::string& name, const std::vector<SplatView>& views, double least_db,
+                 std::vector<StabilityRow>& rows, const SplatModel& start = grey_start(),
+                 const Statuses& expected = {SplatTrainStatus::ok}) {
+  const Trained all = train_by_all(views, start, expected);
+  rows.push_back(make_row(name, text_of(expected), "", 4, all.with_status, false));
+  rows.push_back(make_row(name, "values not finite", "", 0, all.not_finite));
+  rows.push_back(make_row(name, "least PSNR of the first photograph", "dB", least_db,
+                          all.least_psnr_db, false));
+}
+
+/// A row of photographs that cannot.
+void add_refused(const std::string& name, const std::vector<SplatView>& views,
+                 SplatTrainStatus expected, std::vector<StabilityRow>& rows,
+                 const SplatModel& start = grey_start()) {
+  const Trained all = train_by_all(views, start, {expected});
+  rows.push_back(make_row(name, text_of({expected}), "", 4, all.with_status, false));
+}
+
+void photograph_cases(std::vector<StabilityRow>& rows) {
+  const std::vector<SplatView> ring = ring_views();
+  add_learned("8 photographs", ring, 18, rows);
+  add_learned("one photograph", {ring.front()}, 18, rows);
+  add_learned("one photograph eight times", std::vector<SplatView>(kViews, ring.front()), 18, rows);
+
+  std::vector<SplatView> black = ring;
+  change_colors(black, [](float) { return 0.0F; });
+  // The background's colour: nothing at all is the best model.
+  add_learned("8 photographs, all black", black, 30, rows, grey_start(),
+              {SplatTrainStatus::ok, SplatTrainStatus::nothing_left});
+  std::vector<SplatView> white = ring;
+  change_colors(white, [](float) { return 1.0F; });
+  add_learned("8 photographs, all white", white, 5, rows);
+
+  std::vector<SplatView> swapped = ring;
+  for (int i = 0; i < kViews; ++i)
+    swapped[static_cast<std::size_t>(i)].camera_from_world = ring_pose((i * 3 + 1) % kViews);
+  add_learned("each photograph with another's pose", swapped, 5, rows);
+
+  std::vector<SplatView> away = ring;
+  for (SplatView& view : away) {
+    const Eigen::Vector3d place = inverse(view.camera_from_world).translation_m;
+    view.camera_from_world = look_at(place, 2 * place);
+  }
+  add_refused("cameras that look away from the Gaussians", away, SplatTrainStatus::nothing_seen,
+              rows);
+
+  std::vector<SplatView> masked = ring;
+  for (SplatView& view : masked) {
+    for (SplatViewLevel& level : view.levels)
+      level.weight = Image<float>(level.camera.width_px, level.camera.height_px);
+  }
+  add_refused("masks that leave no pixel", masked, SplatTrainStatus::nothing_to_learn, rows);
+  masked.front() = ring.front();
+  add_learned("masks that leave one photograph of 8", masked, 18, rows);
+
+  std::vector<SplatView> broken = ring;
+  change_colors(broken, [](float) { return kNan; });
+  add_refused("photographs of NaN", broken, SplatTrainStatus::not_finite, rows);
+  add_refused("no photograph", {}, SplatTrainStatus::no_views, rows);
+}
+
+void start_cases(std::vector<StabilityRow>& rows) {
+  const std::vector<SplatView> ring = ring_views();
+  SplatModel none = grey_start();
+  for (Splat& s : none.splats) s.centre_m.x() = kNan;
+  add_refused("start of NaN", ring, SplatTrainStatus::no_start, rows, none);
+  SplatModel mixed = grey_start();
+  mixed.splats.insert(mixed.splats.end(), none.splats.begin(), none.splats.end());
+  for (std::size_t i = 0; i < mixed.splats.size(); i += 5) {
+    Splat& s = mixed.splats[i];
+    switch (i / 5 % 5) {
+      case 0:
+        s.rotation_wxyz.setZero();
+        break;
+      case 1:
+        s.log_scale = {-20, -20, -20};
+        break;  // 2e-9 m
+      case 2:
+        s.log_scale = {7, -20, -20};
+        break;  // a needle of 1 km
+      case 3:
+        s.opacity_logit = -INFINITY;
+        break;
+      case 4:
+        s.opacity_logit = INFINITY;
+        break;
+    }
+  }
+  add_learned("start half of NaN, with needles, points, no turns, opacities 0 and 1", ring, 12,
+              rows, mixed);
+  SplatModel at_camera = grey_start();
+  for (std::size_t i = 0; i < at_camera.splats.size(); i += 2) {
+    const Pose world_from_camera = inverse(ring_pose(static_cast<int>(i)));
+    at_camera.splats[i].centre_m = world_from_camera.translation_m.cast<float>();
+  }
+  add_learned("half of the start at the cameras' centres", ring, 15, rows, at_camera);
+  const std::vector<StartPoint> same(300);
+  add_learned("300 Gaussians in one place", ring, 10, rows, splats_from_points(same));
+}
+
+constexpr std::size_t kColumns = 14;  // of a row of degree 0
+
+/// Writes a PLY of degree 0 whose rows are `row(i)`.
+template <class Row>
+void write_rows(const fs::path& file, std::size_t count, const Row& row) {
+  std::ofstream out(file, std::ios::binary);
+  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << count << "\n";
+  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0",
+                           "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
+    out << "property float " << name << "\n";
+  out << "end_header\n";
+  constexpr std::size_t kChunk = 100'000;
+  std::vector<std::array<float, kColumns>> rows;
+  for (std::size_t begin = 0; begin < count; begin += kChunk) {
+    rows.clear();
+    for (std::size_t i = begin; i < std::min(count, begin + kChunk); ++i) rows.push_back(row(i));
+    out.write(reinterpret_cast<const char*>(rows.data()),
+              static_cast<std::streamsize>(rows.size() * sizeof rows[0]));
+  }
+}
+
+/// What reading says; empty if it does not complain.
+std::string refusal(const fs::path& file, const SplatPlyConfig& config = {}) {
+  try {
+    (void)read_splat_ply(file, config);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return {};
+}
+
+void file_cases(bool quick, std::vector<StabilityRow>& rows) {
+  const ScratchFolder scratch("cousin-stability");
+  const fs::path file = scratch.path() / "splats.ply";
+  Rng rng = Rng(1).fork("file");
+  const auto good = [&](std::size_t) {
+    std::array<float, kColumns> row{};
+    for (std::size_t k = 0; k < 3; ++k) row[k] = static_cast<float>(uniform(rng, -0.5, 0.5));
+    for (std::size_t k = 7; k < 10; ++k) row[k] = -6;
+    row[10] = 1;
+    return row;
+  };
+
+  write_rows(file, 1000, [&](std::size_t i) {
+    auto row = good(i);
+    if (i % 10 == 0) row[i / 10 % kColumns] = i % 20 == 0 ? kNan : INFINITY;
+    if (i % 10 == 5) row[10] = 0;  // no turn
+    return row;
+  });
+  const SplatFile holed = read_splat_ply(file);
+  const std::string damaged = "PLY of 1000 rows, 100 with NaN or infinity, 100 of no turn";
+  rows.push_back(make_row(damaged, "rows not counted as such", "", 0,
+                          std::abs(100.0 - static_cast<double>(holed.not_finite)) +
+                              std::abs(100.0 - static_cast<double>(holed.zero_rotations))));
+  rows.push_back(
+      make_row(damaged, "values not finite in its picture", "", 0,
+               not_finite(render_splats(holed.model, cube_camera(), view_of_cube()).color)));
+  const bool refuses = !refusal(file, {.invalid = SplatPlyConfig::Invalid::refuse}).empty();
+  rows.push_back(make_row(damaged, "refused where that is asked for", "", 1, refuses, false));
+
+  const std::size_t most = quick ? 200'000 : SplatPlyConfig().most_splats;
+  write_rows(file, most, good);
+  const std::string longest = "PLY of " + std::to_string(most) + " Gaussians";
+  {
+    const SplatFile whole = read_splat_ply(file);
+    rows.push_back(make_row(longest, "Gaussians read", "", static_cast<double>(most),
+                            static_cast<double>(whole.model.splats.size()), false));
+    rows.push_back(
+        make_row(longest, "values not finite in its picture", "", 0,
+                 not_finite(render_splats(whole.model, cube_camera(), view_of_cube()).color)));
+  }
+  const std::string limit = refusal(file, {.most_splats = most - 1});
+  const bool is_named = limit.find(std::to_string(most)) != std::string::npos;
+  rows.push_back(
+      make_row(longest, "refused by a limit of one less, by name", "", 1, is_named, false));
+  fs::resize_file(file, fs::file_size(file) - 1);
+  rows.push_back(
+      make_row(longest + ", one byte short", "refused", "", 1, !refusal(file).empty(), false));
+}
+
+}  // namespace
+
+std::vector<StabilityRow> splat_train_cases(bool quick) {
+  std::vector<StabilityRow> rows;
+  photograph_cases(rows);
+  start_cases(rows);
+  file_cases(quick, rows);
+  return rows;
+}
+
+}  // namespace cousin
