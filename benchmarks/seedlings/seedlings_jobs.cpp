@@ -25,9 +25,9 @@ constexpr const char* kLights[] = {"D1", "D2", "D3"};
 struct Extent {
   int samples, width_px, height_px, pixel_samples, noise_views;
   std::vector<int> reference, ours, ours_most, ngp;
-  std::vector<FieldPlan> on;   ///< of the first tray, in jobs of their own
-  std::vector<ViewSet> fewer;  ///< sets that the reference alone is trained on
-  std::vector<int> more;       ///< photographs of the first tray that ours alone is trained on
+  std::vector<FieldPlan> further;  ///< of the first tray, in jobs of their own
+  std::vector<ViewSet> fewer;      ///< sets that the reference alone is trained on
+  std::vector<int> more;           ///< photographs of the first tray that ours alone is trained on
 };
 Extent extent_of(const SeedlingsSuiteConfig& config) {
   if (config.quick) {
@@ -81,7 +81,7 @@ void add_long(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>&
   job.set = {"30 views", job.sample.views, false};
   job.shown = false;
   job.is_long = true;
-  for (const FieldPlan& plan : extent.on) {
+  for (const FieldPlan& plan : extent.further) {
     job.plan = plan;
     jobs.push_back(job);
   }

@@ -1,12 +1,13 @@
 #include "benchmarks/stability/splat_train_cases.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <limits>
 #include <string>
 
+#include "benchmarks/metrics/image_fidelity.h"
 #include "benchmarks/stability/splat_cube.h"
 #include "perception/splats/splat_ply.h"
 #include "perception/splats/splat_render.h"
@@ -97,18 +98,11 @@ double not_finite(const ColorPlanes& color) {
   return count;
 }
 
-/// Peak signal over the error of what a model shows in a photograph's place.
-double psnr_db(const SplatModel& model, const SplatView& view) {
+/// Of what a model shows in a photograph's place.
+double psnr_of(const SplatModel& model, const SplatView& view) {
   const SplatViewLevel& level = view.levels.front();
-  const ColorPlanes drawn = render_splats(model, level.camera, view.camera_from_world).color;
-  double squares = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    for (std::size_t i = 0; i < drawn.channel[k].size(); ++i) {
-      const double off = drawn.channel[k].data()[i] - level.color.channel[k].data()[i];
-      squares += off * off;
-    }
-  }
-  return -10 * std::log10(squares / (3.0 * static_cast<double>(drawn.channel[0].size())));
+  return psnr_db(render_splats(model, level.camera, view.camera_from_world).color.channel,
+                 level.color.channel);
 }
 
 /// What trainings by all kinds of growth come to on the same photographs.
@@ -141,12 +135,14 @@ Trained train_by_all(const std::vector<SplatView>& views, const SplatModel& star
     const SplatViewLevel& level = views.front().levels.front();
     all.not_finite += not_finite(
         render_splats(training.model, level.camera, views.front().camera_from_world).color);
-    all.least_psnr_db = std::min(all.least_psnr_db, psnr_db(training.model, views.front()));
+    all.least_psnr_db = std::min(all.least_psnr_db, psnr_of(training.model, views.front()));
   }
   return all;
 }
 
-/// Rows of photographs that can be learned, `least_db` well.
+/// Rows of photographs that can be learned. `least_db` is what the untrained start does not have:
+/// 14 to 15 dB of the ring's photographs, 11 and 6 with half or all of it in one place, 10 of black
+/// ones and 3 of white ones, which 200 steps do not reach.
 void add_learned(const std::string& name, const std::vector<SplatView>& views, double least_db,
                  std::vector<StabilityRow>& rows, const SplatModel& start = grey_start(),
                  const Statuses& expected = {SplatTrainStatus::ok}) {
@@ -183,7 +179,7 @@ void photograph_cases(std::vector<StabilityRow>& rows) {
   std::vector<SplatView> swapped = ring;
   for (int i = 0; i < kViews; ++i)
     swapped[static_cast<std::size_t>(i)].camera_from_world = ring_pose((i * 3 + 1) % kViews);
-  add_learned("each photograph with another's pose", swapped, 5, rows);
+  add_learned("each photograph with another's pose", swapped, 18, rows);
 
   std::vector<SplatView> away = ring;
   for (SplatView& view : away) {
@@ -235,7 +231,7 @@ void start_cases(std::vector<StabilityRow>& rows) {
         break;
     }
   }
-  add_learned("start half of NaN, with needles, points, no turns, opacities 0 and 1", ring, 12,
+  add_learned("start half of NaN, with needles, points, no turns, opacities 0 and 1", ring, 18,
               rows, mixed);
   SplatModel at_camera = grey_start();
   for (std::size_t i = 0; i < at_camera.splats.size(); i += 2) {

@@ -16,8 +16,10 @@ int patience(std::size_t views) { return 2 * static_cast<int>(views); }
 /// Whether a view has shown any of the Gaussians since training began: those have moments.
 bool was_shown(const SplatTrainState& state) {
   const SplatPlanes& squares = state.second_moment;
-  for (int i = 0; i < squares.size(); ++i) {
-    if (squares.at(SplatPlane::opacity, i) > 0) return true;
+  for (int k = 0; k < SplatPlane::count; ++k) {
+    for (int i = 0; i < squares.size(); ++i) {
+      if (squares.at(k, i) > 0) return true;
+    }
   }
   return false;
 }
