@@ -10,6 +10,9 @@ namespace cousin {
 struct SplatRenderConfig {
   std::array<float, 3> background{};  ///< shows where transmittance is left
   double near = 0.01;  ///< centres nearer than this share of the median depth are left out
+  /// Added to the variances of each Gaussian in the image, > 0. Colours are trained with 0.3, which
+  /// reaches over the edge of what is some pixels wide: for depths take a tenth.
+  double low_pass_px2 = 0.3;
 };
 
 /// Three channels of one image, each 0..1 and planar: red, green, blue.
@@ -28,7 +31,8 @@ struct SplatImage {
       mean_depth_m;  ///< mean of the Gaussians' depths weighted as their colours are; NaN = alpha 0
 };
 
-/// Renders with the fast kernels. @param camera  pinhole; other lenses throw std::invalid_argument.
+/// Renders with the fast kernels. @param camera  pinhole
+/// @throws std::invalid_argument of another lens, sh_degree outside 0..3, low_pass_px2 not above 0.
 SplatImage render_splats(const SplatModel& model, const Camera& camera,
                          const Pose& camera_from_world, const SplatRenderConfig& config = {});
 

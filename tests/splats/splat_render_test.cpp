@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
 #include "tests/splats/random_splats.h"
 
 namespace cousin {
@@ -119,6 +125,63 @@ TEST(SplatRender, FlatGaussiansOfASlantedPlaneHaveThePlanesDepth) {
       EXPECT_NEAR(image.depth_m(x, y), plane_m, 0.01 * plane_m) << x << " " << y;
       EXPECT_NEAR(image.mean_depth_m(x, y), plane_m, 0.01 * plane_m) << x << " " << y;
     }
+  }
+}
+
+/// Discs of 0.12 mm on a ball of 1.5 mm about the origin, as many as cover each place five times.
+SplatModel covered_ball() {
+  constexpr int kDiscs = 2000;
+  SplatModel model;
+  model.sh_degree = 0;
+  for (int i = 0; i < kDiscs; ++i) {  // even in z, turned by the golden angle
+    const double z = -1 + (2 * i + 1.0) / kDiscs, around = 2.39996322972865 * i;
+    const double r = std::sqrt(1 - z * z);
+    const Eigen::Vector3d normal(r * std::cos(around), r * std::sin(around), z);
+    const auto q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+    Splat s;
+    s.centre_m = (0.0015 * normal).cast<float>();
+    s.log_scale = {std::log(1.2e-4F), std::log(1.2e-4F), std::log(6e-6F)};
+    s.rotation_wxyz = {static_cast<float>(q.w()), static_cast<float>(q.x()),
+                       static_cast<float>(q.y()), static_cast<float>(q.z())};
+    s.opacity_logit = 2.5;
+    model.splats.push_back(s);
+  }
+  return model;
+}
+
+/// Mean of how far the depths of a ball 12 pixels wide lie outside of it, in metres.
+double mean_outside_m(double low_pass_px2) {
+  Camera camera = pinhole(24, 24, 1200);
+  camera.cx_px = camera.cy_px = 11.5;
+  Pose pose;
+  pose.translation_m = {0, 0, 0.3};
+  const SplatImage image =
+      render_splats(covered_ball(), camera, pose, {.low_pass_px2 = low_pass_px2});
+  double sum_m = 0;
+  int count = 0;
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      const double depth_m = static_cast<double>(image.depth_m(x, y));
+      if (!std::isfinite(depth_m)) continue;
+      const Eigen::Vector3d at_m(depth_m * (x - 11.5) / 1200, depth_m * (y - 11.5) / 1200,
+                                 depth_m - 0.3);
+      sum_m += at_m.norm() - 0.0015;
+      ++count;
+    }
+  }
+  return sum_m / std::max(1, count);
+}
+
+TEST(SplatRender, ANarrowLowPassKeepsDepthsOnASmallCurvedSurface) {
+  EXPECT_GT(mean_outside_m(0.3), 8e-5);
+  EXPECT_LT(std::abs(mean_outside_m(0.03)), 3e-5);
+}
+
+TEST(SplatRender, ALowPassIsAboveZero) {
+  for (const double low_pass_px2 : {0.0, -0.3, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(
+        render_splats(cube_model(), pinhole(8, 8, 9), Pose{}, {.low_pass_px2 = low_pass_px2}),
+        std::invalid_argument);
   }
 }
 
