@@ -10,6 +10,7 @@
 #include "benchmarks/seeds/splat_images.h"
 #include "benchmarks/splats/kept_training.h"
 #include "benchmarks/splats/ngp_view.h"
+#include "perception/splats/splat_render.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -151,6 +152,7 @@ std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int step
   config.splats.most_splats = kSplatsForImages;
   config.splats.shape_rate = config.splats.opacity_rate = 1;
   config.splats.centre_rate = kCentreRateForImages;
+  config.splats.low_pass_px2 = SplatRenderConfig{}.low_pass_px2;
   SeedsScoreLabels labels = after_steps(task.labels, steps);
   labels.method = "splats_images";
   const KeptTraining kept(task.unfinished.empty()

@@ -16,9 +16,6 @@ namespace cousin {
 namespace {
 
 constexpr int kLeastSide_px = 16;  ///< of a photograph's part
-/// Of depths: a grain is 15 to 40 pixels wide, and the 0.3 that colours are trained with lets the
-/// discs of its surface stand 0.1 mm over it where it curves.
-constexpr double kDepthLowPass_px2 = 0.03;
 
 /// Columns and rows of an image, last ones included.
 struct Window {
@@ -112,10 +109,10 @@ bool contains(const SweepVolume& volume, const Eigen::Vector3d& at_m) {
 }
 
 Image<float> depth_of_view(const SplatModel& model, const FramePose& pose,
-                           const SweepVolume& volume) {
+                           const SweepVolume& volume, double low_pass_px2) {
   const Camera straight = undistorted_camera(pose.camera);
   const Image<float> rendered_m =
-      render_splats(model, straight, pose.camera_from_world, {.low_pass_px2 = kDepthLowPass_px2})
+      render_splats(model, straight, pose.camera_from_world, {.low_pass_px2 = low_pass_px2})
           .depth_m;
   const Lens lens(pose.camera), pinhole(straight);
   const Pose world_from_camera = inverse(pose.camera_from_world);
@@ -164,6 +161,9 @@ Fields fields(SeedsSplatConfig& config) {
       {"opacity_rate", &config.opacity_rate,
        "splats: rate of opacities over the one that training has", 0, 1},
       {"start_opacity", &config.start_opacity, "splats: of each Gaussian at the start", 0.01, 0.99},
+      {"low_pass_px2", &config.low_pass_px2,
+       "splats: added to the variances of a Gaussian in the image; the reference has 0.3", 1e-6,
+       100},
       {"raised_share", &config.raised_share, "splats: of the points at the start, those on grains",
        0, 1},
       {"least_opacity", &config.least_opacity,
@@ -272,12 +272,13 @@ SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const Star
   }
 }
 
-Depths depths_of_splats(const SplatModel& model, const Poses& poses, const SweepVolume& volume) {
+Depths depths_of_splats(const SplatModel& model, const Poses& poses, const SweepVolume& volume,
+                        double low_pass_px2) {
   Depths depths;
   for (const FramePose& pose : poses) {
     FrameDepth depth{pose.frame, {}, {}};
     if (pose.status == PoseStatus::ok && !model.splats.empty())
-      depth.depth_m = depth_of_view(model, pose, volume);
+      depth.depth_m = depth_of_view(model, pose, volume, low_pass_px2);
     depths.push_back(std::move(depth));
   }
   return depths;

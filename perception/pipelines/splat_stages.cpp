@@ -39,6 +39,7 @@ SplatTrainConfig training_of(const SeedsSplatConfig& config) {
   training.steps = config.steps;
   training.most_splats = config.most_splats;
   training.any_background = true;
+  training.low_pass_px2 = config.low_pass_px2;
   training.rates.centre_first = config.centre_rate;
   training.rates.centre_last = 0.01 * config.centre_rate;
   training.rates.log_scale *= config.shape_rate;
@@ -133,7 +134,8 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, const Sp
   };
   stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses,
-                            volume_of(config, board_of(capture, config)));
+                            volume_of(config, board_of(capture, config)),
+                            config.splats.low_pass_px2);
   };
 }
 

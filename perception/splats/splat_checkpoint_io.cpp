@@ -64,7 +64,7 @@ void add_camera(Bytes& bytes, const Camera& camera, const Pose& pose) {
 void add_config(Bytes& bytes, const SplatTrainConfig& c) {
   bytes.add(c.steps).add(c.sh_degree).add(c.sh_degree_every).add(c.seed).add(c.report_every);
   for (const float value : c.background) bytes.add(value);
-  bytes.add(c.any_background).add(c.ssim_share).add(c.near);
+  bytes.add(c.any_background).add(c.ssim_share).add(c.near).add(c.low_pass_px2);
   const SplatRates& r = c.rates;
   bytes.add(r.centre_first).add(r.centre_last).add(r.log_scale).add(r.rotation).add(r.opacity);
   bytes.add(r.dc).add(r.rest).add(r.decay);

@@ -55,6 +55,7 @@ void validate(const SplatTrainConfig& config) {
   for (const float value : config.background) check("background", value, 0, 1);
   check("ssim_share", config.ssim_share, 0, 1);
   check("near", config.near, 1e-9, 1);
+  check("low_pass_px2", config.low_pass_px2, 1e-6, 100);
   const SplatRates& rates = config.rates;
   check("rates.centre_first", rates.centre_first, 0, 1);
   check("rates.centre_last", rates.centre_last, 0, 1);

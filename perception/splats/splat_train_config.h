@@ -46,8 +46,9 @@ struct SplatTrainConfig {
   /// Another colour at each step, in the photographs too: what is not opaque shows it. Before one
   /// colour alone, a black square may as well be half transparent and of the complement.
   bool any_background = false;
-  double ssim_share = 0.2;  ///< of the loss; the rest is the mean absolute difference
-  double near = 0.01;       ///< share of the median depth, as in SplatRenderConfig
+  double ssim_share = 0.2;    ///< of the loss; the rest is the mean absolute difference
+  double near = 0.01;         ///< share of the median depth, as in SplatRenderConfig
+  double low_pass_px2 = 0.3;  ///< likewise, of a whole image
   SplatRates rates;
   int rest_every = 1;  ///< steps between updates of the coefficients beyond the first
 

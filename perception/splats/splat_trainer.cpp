@@ -96,7 +96,7 @@ SplatCamera SplatTrainer::camera_of(std::size_t view, std::size_t level) {
   // A small image is the mean over boxes of the large one: its low-pass, in its own pixels, and
   // the box's variance beyond a pixel of the large image.
   const double box = static_cast<double>(std::size_t{1} << (2 * level));
-  camera.low_pass_px2 = static_cast<float>(0.3 / box + (1 - 1 / box) / 12);
+  camera.low_pass_px2 = static_cast<float>(config_.low_pass_px2 / box + (1 - 1 / box) / 12);
   return camera;
 }
 

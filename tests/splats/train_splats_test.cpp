@@ -488,6 +488,31 @@ TEST(TrainSplats, TheReferencesSettingsAreValidAndStart) {
   EXPECT_LT(training.curve.back().loss, training.curve.front().loss);
 }
 
+/// Loss of a model on its own photographs, drawn with one low pass and learned with another.
+double first_loss(double drawn_px2, double learned_px2) {
+  SplatModel model;
+  model.splats = random_splats(60, 11, 0.02);
+  for (Splat& splat : model.splats) splat.sh_rest.fill(0);
+  std::vector<SplatView> views = views_of(model, 1);
+  SplatViewLevel& level = views[0].levels[0];
+  level.color =
+      render_splats(model, level.camera, views[0].camera_from_world, {.low_pass_px2 = drawn_px2})
+          .color;
+  SplatTrainConfig config;
+  config.steps = config.report_every = 1;
+  config.growth = SplatGrowth::fixed;
+  config.quarter_until = config.half_until = 0;
+  config.low_pass_px2 = learned_px2;
+  return train_splats(views, model, config).curve.at(0).loss;
+}
+
+TEST(TrainSplats, TheLowPassIsThatOfThePhotographs) {
+  for (const double drawn_px2 : {0.03, 0.3}) {
+    const double same = first_loss(drawn_px2, drawn_px2);
+    EXPECT_GT(first_loss(drawn_px2, 0.33 - drawn_px2), 10 * same + 1e-3) << drawn_px2;
+  }
+}
+
 TEST(TrainSplats, WrongInputsAreNamed) {
   std::vector<SplatView> views = views_of(true_model(), 2);
   SplatTrainConfig config;
@@ -498,6 +523,9 @@ TEST(TrainSplats, WrongInputsAreNamed) {
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("steps = 0"), std::string::npos) << error.what();
   }
+  config = {};
+  config.low_pass_px2 = 0;
+  EXPECT_THROW((void)train_splats(views, start_model(5), config), std::invalid_argument);
   views[1].levels[0].color.channel[1] = Image<float>(3, 4);
   try {
     (void)train_splats(views, start_model(5), SplatTrainConfig{});
