@@ -61,7 +61,8 @@ Capture capture_of(const Poses& poses, Rgb8 color) {
 
 TEST(SeedsSplats, DepthLiesOnThePhotographsOwnPixels) {
   const FramePose pose = slanted(4, 0.3);
-  const Depths depths = depths_of_splats(plate(0.01), {pose}, volume, 0.3);
+  const Depths depths =
+      depths_of_splats(plate(0.01), {pose}, volume, SeedsSplatConfig{}.low_pass_px2);
   ASSERT_EQ(depths.size(), 1U);
   EXPECT_EQ(depths[0].frame, 4);
   ASSERT_EQ(depths[0].depth_m.width(), 320);
@@ -87,7 +88,8 @@ TEST(SeedsSplats, DepthLiesOnThePhotographsOwnPixels) {
 TEST(SeedsSplats, DepthOutsideTheVolumeAndOfViewsWithoutAPoseIsLeftOut) {
   FramePose lost = slanted(1, 0);
   lost.status = PoseStatus::no_board;
-  const Depths depths = depths_of_splats(plate(0.04), {slanted(0, 0), lost}, volume, 0.3);
+  const Depths depths =
+      depths_of_splats(plate(0.04), {slanted(0, 0), lost}, volume, SeedsSplatConfig{}.low_pass_px2);
   for (const float depth_m : depths.at(0).depth_m) EXPECT_TRUE(std::isnan(depth_m));
   EXPECT_TRUE(depths.at(1).depth_m.empty());
 }
