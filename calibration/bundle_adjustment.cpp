@@ -477,6 +477,15 @@ void add_covariance(const BundleProblem& problem, BundleAdjustmentResult& result
 
 }  // namespace
 
+bool cost_has_settled(const std::vector<double>& costs) {
+  constexpr std::size_t kLeastSteps = 60;
+  constexpr double kNothing = 1e-3;
+  if (costs.size() <= kLeastSteps) return false;
+  const std::size_t third = (costs.size() - 1) / 3;
+  const double fall = costs[costs.size() - 1 - third] - costs.back();
+  return fall >= 0 && fall < kNothing;
+}
+
 std::string_view to_string(BundleGauge gauge) {
   switch (gauge) {
     case BundleGauge::metric:

@@ -255,7 +255,11 @@ std::string minimise_bundle(BundleProblem& problem, int& iterations) {
   ceres::Solve(options, &to, &summary);
   packed.unpack(problem);
   iterations += static_cast<int>(summary.iterations.size());
-  return summary.termination_type == ceres::CONVERGENCE ? "" : "Ceres: " + summary.message;
+  if (summary.termination_type == ceres::CONVERGENCE) return "";
+  std::vector<double> costs;
+  for (const ceres::IterationSummary& step : summary.iterations) costs.push_back(step.cost);
+  if (summary.termination_type == ceres::NO_CONVERGENCE && cost_has_settled(costs)) return "";
+  return "Ceres: " + summary.message;
 }
 
 }  // namespace cousin

@@ -10,6 +10,7 @@
 
 #include "sim/render/infrared_pass.h"
 #include "sim/render/truth_pass.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -33,7 +34,7 @@ const Instance& board_of(const Scene& scene) {
 
 TEST(BoardsScene, EveryNumberHasItsSourceWord) {
   for (const char* file : {"boards.toml", "presets.toml"}) {
-    std::ifstream in(std::string(COUSIN_SOURCE_DIR) + "/scenes/boards/" + file);
+    std::ifstream in(source_folder() / "scenes/boards" / file);
     int numbers = 0;
     for (std::string line; std::getline(in, line);) {
       const std::size_t equals = line.find(" = ");

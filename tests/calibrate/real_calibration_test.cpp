@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "benchmarks/calibrate/calibration_run.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-const fs::path kSets = fs::path(COUSIN_REAL_DATA) / "calib";
+const fs::path kSets = real_data() / "calib";
 const CalibrationTarget kBoard{TargetKind::chessboard, 7, 5, 0.03, 0, ""};
 
 /// The published lens: k1 and k2 alone.

@@ -13,6 +13,7 @@
 #include "sim/imaging/color.h"
 #include "sim/imaging/image_io.h"
 #include "tests/calibration/synthetic_board.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -162,7 +163,7 @@ TEST(BoardDetection, ALatticeThatGrewAskewIsPlacedAgain) {
   capture.frames[0].sensors.resize(1);
   capture.frames[0].sensors[0].reported = reported;
   capture.frames[0].sensors[0].color =
-      read_color(std::string(COUSIN_SOURCE_DIR) + "/tests/calibration/data/low_view_1080p.png");
+      read_color(source_folder() / "tests/calibration/data/low_view_1080p.png");
   const SeedBoard board;
   const Corners corners = detect_board(capture, board);
   ASSERT_EQ(corners[0].status, BoardStatus::ok);

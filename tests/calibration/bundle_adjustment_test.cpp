@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calibration/bundle_problem.h"
 #include "calibration/observation_cost.h"
 #include "calibration/planar_pose.h"
 #include "sim/types/rng.h"
@@ -364,6 +365,21 @@ TEST(BundleAdjustment, ContradictingSightingsUnderARedescendingLossDoNotKeepItFr
 
 // The ray of one image passes through another camera's centre, and that camera sees the point
 // somewhere else: only its centre itself explains both.
+TEST(BundleAdjustment, ACostThatOnlyCreepsHasSettledAndOneThatFallsHasNot) {
+  const auto falling_by = [](double a_step, std::size_t steps) {
+    std::vector<double> costs = {2000};
+    for (std::size_t i = 0; i < steps; ++i) costs.push_back(880 - a_step * static_cast<double>(i));
+    return costs;
+  };
+  EXPECT_TRUE(cost_has_settled(falling_by(2.5e-6, 300)));  // as measured on a model of COLMAP
+  EXPECT_FALSE(cost_has_settled(falling_by(2e-5, 300)));
+  EXPECT_FALSE(cost_has_settled(falling_by(2.5e-6, 40)));  // too few steps to tell
+  std::vector<double> over_a_ridge = falling_by(2.5e-6, 290);
+  over_a_ridge.back() -= 0.4;
+  EXPECT_FALSE(cost_has_settled(over_a_ridge));
+  EXPECT_FALSE(cost_has_settled({}));
+}
+
 TEST(BundleAdjustment, APointThatEndsAtACamerasCentreGoes) {
   BundleAdjustmentInput input = plant_capture(12, 60, 0.2, false, 6).truth;
   const BundleAdjustmentConfig config = {.loss = RobustLoss::cauchy, .loss_px = 1};

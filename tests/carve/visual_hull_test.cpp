@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/import.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -102,7 +103,7 @@ TEST(VisualHull, IsTheSameOnAnyNumberOfThreads) {
 
 TEST(VisualHull, OfARealMaizePlantAgreesWithThePublishedCarving) {
   const std::filesystem::path plant =
-      std::filesystem::path(COUSIN_REAL_DATA) / "multiview/phenomenal_maize_silhouettes/plant_2";
+      real_data() / "multiview/phenomenal_maize_silhouettes/plant_2";
   if (!std::filesystem::exists(plant)) GTEST_SKIP() << "real captures are absent: " << plant;
   const VoxelCarving published = read_phenomenal_voxels(plant / "voxels/16.npz");
   CarveConfig config;

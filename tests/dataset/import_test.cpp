@@ -10,6 +10,7 @@
 #include "sim/imaging/image_io.h"
 #include "tests/dataset/sample_capture.h"
 #include "tests/dataset/temporary_folder.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const fs::path kMultiview = fs::path(COUSIN_REAL_DATA) / "multiview";
+const fs::path kMultiview = real_data() / "multiview";
 
 // ---- nerfstudio ---------------------------------------------------------------------------------
 

@@ -6,6 +6,7 @@
 
 #include "benchmarks/fit_sensor/depth_law.h"
 #include "sim/imaging/image_io.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -14,8 +15,8 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 TEST(RealDepth, AKinectsFramesOfARoomAreNotTakenForAWall) {
-  const fs::path folder = fs::path(COUSIN_REAL_DATA) / "rgbd" / "tsdf_fusion_office";
-  if (!fs::is_directory(folder)) GTEST_SKIP() << "no real captures at " << COUSIN_REAL_DATA;
+  const fs::path folder = real_data() / "rgbd" / "tsdf_fusion_office";
+  if (!fs::is_directory(folder)) GTEST_SKIP() << "no real captures at " << real_data();
   const std::vector<std::string> names = {"150", "155", "160", "165", "170",
                                           "175", "180", "185", "190", "195"};
   DepthGeometry geometry{640, 480, 585, 0.075, 0.001, 0.125, {160, 120, 320, 240}};

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "sim/geometry/measure.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -38,7 +39,7 @@ std::optional<Eigen::Vector3d> keypoint(const Plant& plant, const std::string& n
 
 /// Every number of a TOML file says where it comes from.
 void expect_sourced(const std::string& file) {
-  std::ifstream in(std::string(COUSIN_SOURCE_DIR) + "/scenes/" + file);
+  std::ifstream in(source_folder() / ("scenes/" + file));
   int numbers = 0;
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with("#") || line.find(" = ") == line.npos) continue;

@@ -10,6 +10,7 @@
 #include "benchmarks/real/rice_grains.h"
 #include "sim/imaging/color.h"
 #include "sim/imaging/image_io.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -126,8 +127,7 @@ TEST(Grains, WithoutStripOrGrainsItIsAStatus) {
 }
 
 TEST(Grains, OfARealPhotographHaveTheSizeOfRiceAndTheScannersScale) {
-  const std::filesystem::path file =
-      std::filesystem::path(COUSIN_REAL_DATA) / "images/grainpheno_rice/Test1_100mm_ruler.jpg";
+  const std::filesystem::path file = real_data() / "images/grainpheno_rice/Test1_100mm_ruler.jpg";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "real captures are absent: " << file;
   const GrainPhoto photo = measure_grains(read_color(file));
   ASSERT_EQ(photo.status, GrainStatus::ok);

@@ -10,6 +10,7 @@
 #include "benchmarks/real/fox_stereo.h"
 #include "benchmarks/real/maize_carving.h"
 #include "benchmarks/real/rice_grains.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -96,7 +97,7 @@ TEST(RiceGrains, TheStatedDensityOfNoJpegIsUnknown) {
 }
 
 TEST(MaizeCarving, OfRealPlantsFindsMostOfThePublishedVoxels) {
-  const fs::path data = COUSIN_REAL_DATA;
+  const fs::path data = real_data();
   if (!fs::exists(data / "multiview/phenomenal_maize_silhouettes"))
     GTEST_SKIP() << "real captures are absent: " << data;
   const RealPart part = maize_carving(data, fs::path(::testing::TempDir()) / "maize_carving", true);

@@ -9,6 +9,7 @@
 #include "scenes/seeds/variation.h"
 #include "sim/config/cousin.h"
 #include "sim/geometry/measure.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -94,7 +95,7 @@ TEST(SeedVariation, LargerLampsGiveTheSameIrradiance) {
 
 TEST(SeedVariation, EveryRangeOfTheTablesHasItsSourceWord) {
   for (const char* scene : {"seeds", "seedlings", "maize"}) {
-    std::ifstream in(std::string(COUSIN_SOURCE_DIR) + "/scenes/" + scene + "/cousins.toml");
+    std::ifstream in(source_folder() / "scenes" / scene / "cousins.toml");
     int ranges = 0;
     for (std::string line; std::getline(in, line);) {
       if (line.find(" = {") == line.npos) continue;

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "sim/geometry/measure.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -30,7 +31,7 @@ double trait(const Seedling& seedling, const std::string& name) {
 
 /// Every number of a TOML file says where it comes from.
 void expect_sourced(const std::string& file) {
-  std::ifstream in(std::string(COUSIN_SOURCE_DIR) + "/scenes/" + file);
+  std::ifstream in(source_folder() / ("scenes/" + file));
   int numbers = 0;
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with("#") || line.find(" = ") == line.npos) continue;

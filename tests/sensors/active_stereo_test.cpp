@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 
+#include "tests/places/places.h"
 #include "tests/sensors/depth_test_scenes.h"
 
 namespace cousin {
@@ -250,7 +251,7 @@ TEST(ActiveStereoPreset, EveryNameLoadsMakesADeviceAndSaysWhereItsNumbersComeFro
     const ActiveStereoConfig config = active_stereo_preset(name);
     const ActiveStereoUnit unit = make_active_stereo(config, Rng(1));
     EXPECT_EQ(unit.projector.has_value(), config.has_projector);
-    std::ifstream file(std::string(COUSIN_SOURCE_DIR) + "/sim/sensors/presets/" + name + ".toml");
+    std::ifstream file(source_folder() / ("sim/sensors/presets/" + name + ".toml"));
     ASSERT_TRUE(file) << name;
     std::string comment;
     for (std::string line; std::getline(file, line);) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "sim/sensors/phone.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -33,7 +34,7 @@ TEST(PhonePreset, UnknownNameListsTheOnesThatExist) {
 
 TEST(PhonePreset, EveryNumberSaysWhereItComesFrom) {
   for (const std::string& name : phone_preset_names()) {
-    std::ifstream file(std::string(COUSIN_SOURCE_DIR) + "/sim/sensors/presets/" + name + ".toml");
+    std::ifstream file(source_folder() / ("sim/sensors/presets/" + name + ".toml"));
     ASSERT_TRUE(file) << name;
     std::string comment;
     for (std::string line; std::getline(file, line);) {

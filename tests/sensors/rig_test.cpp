@@ -9,6 +9,8 @@
 #include <set>
 #include <string>
 
+#include "tests/places/places.h"
+
 namespace cousin {
 namespace {
 
@@ -49,7 +51,7 @@ TEST(RigPreset, EveryNameLoadsAndMakesARig) {
 
 TEST(RigPreset, EveryNumberSaysWhereItComesFrom) {
   for (const std::string& name : rig_preset_names()) {
-    std::ifstream file(std::string(COUSIN_SOURCE_DIR) + "/sim/sensors/presets/" + name + ".toml");
+    std::ifstream file(source_folder() / ("sim/sensors/presets/" + name + ".toml"));
     ASSERT_TRUE(file) << name;
     std::string comment;
     int numbers = 0;
@@ -103,7 +105,7 @@ TEST(RigPreset, TheZedIsItsFactoryFile) {
 }
 
 TEST(RigToml, ErrorsNameFileKeyAndLimit) {
-  std::ifstream file(std::string(COUSIN_SOURCE_DIR) + "/sim/sensors/presets/zed_hd720.toml");
+  std::ifstream file(source_folder() / "sim/sensors/presets/zed_hd720.toml");
   const std::string good((std::istreambuf_iterator<char>(file)), {});
   const auto error = [&](const std::string& from, const std::string& to) {
     std::string text = good;

@@ -5,6 +5,7 @@
 
 #include "perception/sfm/sfm_poses.h"
 #include "sim/dataset/import.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -19,7 +20,7 @@ double turn_between_rad(const Pose& a, const Pose& b, const Pose& true_a, const 
 // The program itself, on pictures that were made with another renderer.
 TEST(ColmapProgram, PlacesTheViewsOfARing) {
   const std::filesystem::path file =
-      std::filesystem::path(COUSIN_REAL_DATA) / ".." / "data" / "splat_neutral" / "transforms.json";
+      real_data() / ".." / "data" / "splat_neutral" / "transforms.json";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is absent";
   if (colmap_version().empty()) GTEST_SKIP() << "no program colmap";
   constexpr std::size_t kViews = 12;
@@ -35,10 +36,16 @@ TEST(ColmapProgram, PlacesTheViewsOfARing) {
   SfmConfig config;
   config.scale = SfmScale::none;
   input.pairs = image_pairs(static_cast<int>(kViews), config.pairs);
-  // COLMAP's models vary: of ten runs on a busy machine one placed 3 of these images.
-  ColmapRun run = run_colmap(input, config.colmap);
-  for (int again = 0; again < 2 && run.model.images.size() < kViews; ++again)
+  // COLMAP's models vary: of ten runs on a busy machine one placed 3 of these images, and of some
+  // fifty one had sightings at odds that 300 steps did not settle.
+  ColmapRun run;
+  SfmEstimate estimate;
+  for (int attempt = 0; attempt < 3; ++attempt) {
     run = run_colmap(input, config.colmap);
+    if (run.model.images.size() < kViews) continue;
+    estimate = refine_sfm(run.model, frames, input.lens, {}, {}, config);
+    if (estimate.status != SfmStatus::not_converged) break;
+  }
   ASSERT_EQ(run.status, ColmapStatus::ok) << run.reason;
   EXPECT_EQ(run.model.images.size(), kViews) << run.reason;
   ASSERT_EQ(run.images.size(), kViews);
@@ -52,7 +59,6 @@ TEST(ColmapProgram, PlacesTheViewsOfARing) {
   // The pairs given, and those of images that found no place at first.
   EXPECT_GE(tried, 2 * static_cast<int>(input.pairs.size()));
   EXPECT_LE(tried, static_cast<int>(kViews * (kViews - 1)));
-  const SfmEstimate estimate = refine_sfm(run.model, frames, input.lens, {}, {}, config);
   if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
   ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
   ASSERT_EQ(estimate.poses.size(), kViews);

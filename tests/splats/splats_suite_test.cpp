@@ -6,6 +6,7 @@
 #include "benchmarks/splats/posed_set.h"
 #include "benchmarks/splats/splats_page.h"
 #include "benchmarks/splats/training_rows.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -34,7 +35,7 @@ TEST(SplatsSuite, AWordThatIsNeitherTrainNorTestIsNamed) {
 
 // Photographs without poses: COLMAP 3.8 by hand registers all 21.
 TEST(PlacedPhotographs, TheChairIsPlacedAndHeldOut) {
-  const fs::path chair = fs::path(COUSIN_REAL_DATA) / "multiview" / "boofcv_chair";
+  const fs::path chair = real_data() / "multiview" / "boofcv_chair";
   if (!fs::exists(chair)) GTEST_SKIP() << "no real data at " << chair;
   const PlacedSet placed = place_photographs(
       chair / "img", (chair / "intrinsic_DSC-HX5_3648x2736_to_640x480.yaml").string());
