@@ -7,35 +7,10 @@
 #include "benchmarks/splats/ngp_view.h"
 #include "perception/splats/splat_render.h"
 #include "perception/splats/train_splats.h"
-#include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
 namespace {
-
-/// CPU and wall time of training without that of scoring.
-class TrainingClock {
- public:
-  StageTiming now() const {
-    StageTiming timing = clock_.finish();
-    timing.wall_s -= paused_.wall_s;
-    timing.cpu_s -= paused_.cpu_s;
-    return timing;
-  }
-  /// What `work` takes does not count.
-  template <class Work>
-  void pause(const Work& work) {
-    const StageTiming before = clock_.finish();
-    work();
-    const StageTiming after = clock_.finish();
-    paused_.wall_s += after.wall_s - before.wall_s;
-    paused_.cpu_s += after.cpu_s - before.cpu_s;
-  }
-
- private:
-  StageClock clock_{"training"};
-  StageTiming paused_;
-};
 
 FieldRenderer renderer_of(SplatModel model) {
   return [model = std::make_shared<const SplatModel>(std::move(model))](const Camera& camera,
@@ -129,7 +104,7 @@ TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const Sp
 }
 
 TrainedField train_radiance_field(const FieldPlan& plan, const FieldViews& views,
-                                  std::uint64_t seed) {
+                                  std::uint64_t seed, const fs::path& unfinished) {
   std::vector<NgpView> photographs;
   for (const SampleView* view : views.train) photographs.push_back(ngp_view(view->photograph));
   NgpConfig config;
@@ -137,14 +112,13 @@ TrainedField train_radiance_field(const FieldPlan& plan, const FieldViews& views
   config.samples_per_step = plan.ngp_samples;
   config.seed = seed;
   TrainedField field;
-  TrainingClock clock;
-  const auto take = [&](int step, const NgpModel& model) {
-    const StageTiming timing = clock.now();
-    clock.pause([&] { add_scores(views, step, timing, 0, renderer_of(model), field); });
-  };
-  const NgpTraining training = train_ngp(photographs, config, {plan.at, take});
+  const KeptFieldTraining kept(unfinished);
+  const NgpTraining training =
+      train_ngp(photographs, config, kept.snapshots(plan.at), {}, kept.checkpoint());
   field.status = to_string(training.status);
   if (training.status != NgpStatus::ok) field.status += ", " + training.reason;
+  for (const KeptField& way : kept.models(plan.at))
+    add_scores(views, way.step, way.seconds, 0, renderer_of(way.model), field);
   return field;
 }
 
@@ -154,7 +128,7 @@ TrainedField train_field(const FieldPlan& plan, const FieldViews& views,
                          const std::vector<StartPoint>& start, std::uint64_t seed,
                          const fs::path& unfinished) {
   if (plan.at.empty()) throw std::invalid_argument(plan.method + ": no steps to score after");
-  if (plan.method == kNgp) return train_radiance_field(plan, views, seed);
+  if (plan.method == kNgp) return train_radiance_field(plan, views, seed, unfinished);
   const SplatModel from = splats_from_points(start);
   if (plan.method == kReference) return train_reference(plan, views, from, seed, unfinished);
   if (plan.method == kOurs) return train_ours(plan, views, from, seed, unfinished);

@@ -186,22 +186,19 @@ std::vector<ScoreRow> measure_by_ngp(const SeedsTrainingTask& task, const Poses&
   SeedsScoreLabels labels = task.labels;
   labels.method = "instant-ngp";
   std::vector<ScoreRow> rows;
-  StageTiming scoring;
-  const StageClock clock("ngp");
-  const auto take = [&](int step, const NgpModel& model) {
-    const StageTiming before = clock.finish();
-    ScoreRow base = labelled_row(after_steps(labels, step));
-    base.wall_s = before.wall_s - scoring.wall_s;
-    base.cpu_s = before.cpu_s - scoring.cpu_s;
-    base.peak_rss_mb = before.peak_rss_mb;
-    base.peak_above_start_mb = before.peak_above_start_mb;
+  const auto add = [&](const KeptField& way) {
+    ScoreRow base = labelled_row(after_steps(labels, way.step));
+    base.wall_s = way.seconds.wall_s;
+    base.cpu_s = way.seconds.cpu_s;
+    base.peak_rss_mb = way.seconds.peak_rss_mb;
+    base.peak_above_start_mb = way.seconds.peak_above_start_mb;
     std::vector<ScoredPhotograph> some;
     const std::size_t every = std::max<std::size_t>(1, scored.size() / (2 * kViewsOnTheWay));
     for (std::size_t i = 0; i < scored.size(); ++i) {
       if (scored[i].held_out || i % every == 0) some.push_back(scored[i]);
     }
     const SeedsImageRenderer render = [&](const Camera& camera, const Pose& pose) {
-      return fidelity_planes(render_ngp(model, camera, pose).color);
+      return fidelity_planes(render_ngp(way.model, camera, pose).color);
     };
     for (ScoreRow& row : photograph_rows(some, render, base, task.learned)) {
       // Its photographs are small already; a third of that is nobody's size.
@@ -211,14 +208,15 @@ std::vector<ScoreRow> measure_by_ngp(const SeedsTrainingTask& task, const Poses&
       row.metric += "_small";
       rows.push_back(row);
     }
-    const StageTiming after = clock.finish();
-    scoring.wall_s += after.wall_s - before.wall_s;
-    scoring.cpu_s += after.cpu_s - before.cpu_s;
   };
   const auto steps = [&](int done, int all) {
     if (task.progress) task.progress("radiance field, step", done, all);
   };
-  const NgpTraining training = train_ngp(views, ngp_config(task), {task.at, take}, steps);
+  const KeptFieldTraining kept(task.unfinished.empty() ? task.unfinished
+                                                       : task.unfinished / labels.method);
+  const NgpTraining training =
+      train_ngp(views, ngp_config(task), kept.snapshots(task.at), steps, kept.checkpoint());
+  for (const KeptField& way : kept.models(task.at)) add(way);
   if (training.status != NgpStatus::ok) {
     ScoreRow row = labelled_row(labels);
     row.metric = "training: " + std::string(to_string(training.status)) + ", " + training.reason;

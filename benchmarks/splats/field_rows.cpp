@@ -91,23 +91,16 @@ void ngp_points(std::vector<ScoreRow>& rows, const ScoreRow& base, const PosedSe
   config.seed = base.seed;
   ScoreRow row = base;
   row.method = "instant-ngp";
-  // Scoring a snapshot is not training: its seconds are taken off.
-  StageTiming scored;
-  const StageClock clock("ngp");
-  const NgpTraining training = train_ngp(
-      views, config,
-      {steps, [&](int iteration, const NgpModel& model) {
-         const StageTiming before = clock.finish();
-         StageTiming alone = before;
-         alone.wall_s -= scored.wall_s;
-         alone.cpu_s -= scored.cpu_s;
-         add_point(rows, row, set, iteration, alone, [&](const Camera& camera, const Pose& pose) {
-           return ColorPlanes{fidelity_planes(render_ngp(model, camera, pose).color)};
-         });
-         const StageTiming after = clock.finish();
-         scored.wall_s += after.wall_s - before.wall_s;
-         scored.cpu_s += after.cpu_s - before.cpu_s;
-       }});
+  const auto take = [&](const NgpPoint& point, const NgpModel& model) {
+    StageTiming seconds;
+    seconds.wall_s = point.wall_s;
+    seconds.cpu_s = point.cpu_s;
+    add_point(rows, row, set, point.iteration, seconds,
+              [&](const Camera& camera, const Pose& pose) {
+                return ColorPlanes{fidelity_planes(render_ngp(model, camera, pose).color)};
+              });
+  };
+  const NgpTraining training = train_ngp(views, config, {steps, take});
   if (training.status == NgpStatus::ok) return;
   row.metric = "training: " + std::string(to_string(training.status)) + ", " + training.reason;
   row.status = ScoreStatus::not_solved;

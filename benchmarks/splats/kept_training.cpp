@@ -15,7 +15,66 @@ namespace {
 
 constexpr int kCheckpointEvery = 1000;  // steps: a second of writing in a minute of training
 
-fs::path model_file(const fs::path& folder) { return folder / "model.ply"; }
+fs::path model_file(const fs::path& folder, const SplatModel& /*kind*/) {
+  return folder / "model.ply";
+}
+fs::path model_file(const fs::path& folder, const NgpModel& /*kind*/) { return folder / "model"; }
+void write_model(const fs::path& file, const SplatModel& model) { write_splat_ply(file, model); }
+void write_model(const fs::path& file, const NgpModel& model) { write_ngp(file, model); }
+void read_model(const fs::path& file, SplatModel& model) {
+  model = read_splat_ply(file, {.invalid = SplatPlyConfig::Invalid::refuse}).model;
+}
+void read_model(const fs::path& file, NgpModel& model) { model = read_ngp(file); }
+
+/// Point: step, wall_s and cpu_s of a training.
+template <class Model, class Point>
+void keep(const fs::path& folder, std::vector<Kept<Model>>& in_memory, int step, const Point& point,
+          const Model& model) {
+  StageTiming seconds = StageClock("training").finish();  // for the memory
+  seconds.wall_s = point.wall_s;
+  seconds.cpu_s = point.cpu_s;
+  if (folder.empty()) {
+    in_memory.push_back({step, seconds, model});
+    return;
+  }
+  const fs::path own = folder / std::to_string(step);
+  fs::create_directories(own);
+  write_timings(own, {seconds});
+  write_model(model_file(own, model), model);
+}
+
+template <class Model>
+std::vector<Kept<Model>> kept_models(const fs::path& folder,
+                                     const std::vector<Kept<Model>>& in_memory,
+                                     const std::vector<int>& at) {
+  std::vector<Kept<Model>> models;
+  fs::path missing;
+  for (const int step : at) {
+    if (folder.empty()) {
+      const auto kept = std::find_if(in_memory.begin(), in_memory.end(),
+                                     [&](const Kept<Model>& model) { return model.step == step; });
+      if (kept != in_memory.end()) models.push_back(*kept);
+      continue;
+    }
+    const fs::path own = folder / std::to_string(step);
+    Kept<Model> kept;
+    const fs::path file = model_file(own, kept.model);
+    if (!fs::exists(file)) {
+      missing = own;
+      continue;
+    }
+    if (!missing.empty()) {
+      throw std::runtime_error(missing.string() +
+                               ": the model is gone, though the training went on; remove " +
+                               folder.string() + " to train again");
+    }
+    kept.step = step;
+    kept.seconds = read_timings(own).at(0);
+    read_model(file, kept.model);
+    models.push_back(std::move(kept));
+  }
+  return models;
+}
 
 }  // namespace
 
@@ -30,46 +89,33 @@ SplatCheckpoint KeptTraining::checkpoint() const {
 SplatSnapshots KeptTraining::snapshots(std::vector<int> at) const {
   const auto take = [folder = folder_, kept = in_memory_](const SplatTrainPoint& point,
                                                           const SplatModel& model) {
-    StageTiming seconds = StageClock("training").finish();  // for the memory
-    seconds.wall_s = point.wall_s;
-    seconds.cpu_s = point.cpu_s;
-    if (folder.empty()) {
-      kept->push_back({point.step, seconds, model});
-      return;
-    }
-    const fs::path own = folder / std::to_string(point.step);
-    fs::create_directories(own);
-    write_timings(own, {seconds});
-    write_splat_ply(model_file(own), model);
+    keep(folder, *kept, point.step, point, model);
   };
   return {std::move(at), take};
 }
 
 std::vector<KeptModel> KeptTraining::models(const std::vector<int>& at) const {
-  std::vector<KeptModel> models;
-  fs::path missing;
-  for (const int step : at) {
-    if (folder_.empty()) {
-      const auto kept = std::find_if(in_memory_->begin(), in_memory_->end(),
-                                     [&](const KeptModel& model) { return model.step == step; });
-      if (kept != in_memory_->end()) models.push_back(*kept);
-      continue;
-    }
-    const fs::path own = folder_ / std::to_string(step);
-    if (!fs::exists(model_file(own))) {
-      missing = own;
-      continue;
-    }
-    if (!missing.empty()) {
-      throw std::runtime_error(missing.string() +
-                               ": the model is gone, though the training went on; remove " +
-                               folder_.string() + " to train again");
-    }
-    models.push_back(
-        {step, read_timings(own).at(0),
-         read_splat_ply(model_file(own), {.invalid = SplatPlyConfig::Invalid::refuse}).model});
-  }
-  return models;
+  return kept_models(folder_, *in_memory_, at);
+}
+
+KeptFieldTraining::KeptFieldTraining(fs::path folder)
+    : folder_(std::move(folder)), in_memory_(std::make_shared<std::vector<KeptField>>()) {}
+
+NgpCheckpoint KeptFieldTraining::checkpoint() const {
+  if (folder_.empty()) return {};
+  return {folder_ / "training", kCheckpointEvery, true};
+}
+
+NgpSnapshots KeptFieldTraining::snapshots(std::vector<int> at) const {
+  const auto take = [folder = folder_, kept = in_memory_](const NgpPoint& point,
+                                                          const NgpModel& model) {
+    keep(folder, *kept, point.iteration, point, model);
+  };
+  return {std::move(at), take};
+}
+
+std::vector<KeptField> KeptFieldTraining::models(const std::vector<int>& at) const {
+  return kept_models(folder_, *in_memory_, at);
 }
 
 }  // namespace cousin

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
@@ -61,7 +62,9 @@ std::string_view to_string(NgpStatus status);
 
 struct NgpPoint {
   int iteration = 0;
-  double wall_s = 0;
+  /// Since training began, in iterations alone: this run's and those it goes on from. CPU is of all
+  /// threads of the process.
+  double wall_s = 0, cpu_s = 0;
   double loss = 0;  ///< Huber, mean over the channels of the rays since the last point
 };
 struct NgpTraining {
@@ -69,23 +72,41 @@ struct NgpTraining {
   std::string reason;  ///< empty if ok
   NgpModel model;
   std::vector<NgpPoint> curve;
-  StageTiming timing;
+  StageTiming timing;        ///< of this call
   std::int64_t samples = 0;  ///< that passed the networks
 };
 
-/// Called after each of `at` iterations with what has been learned so far.
+/// Called after each of `at` iterations with what has been learned so far; not again for those that
+/// an earlier call has done.
 struct NgpSnapshots {
   std::vector<int> at;
-  std::function<void(int iteration, const NgpModel&)> take;
+  std::function<void(const NgpPoint&, const NgpModel&)> take;
+};
+
+/// Where a training keeps itself, so that one that was stopped goes on and ends in the same bytes.
+struct NgpCheckpoint {
+  std::filesystem::path file;  ///< empty = none. If it exists, training goes on from it
+  int every = 500;             ///< iterations
+  /// A file that is of another training, or that is damaged, is begun anew in place of an error.
+  bool replaces_other = false;
 };
 
 /// Needs at least 2 views. The same bytes on any number of threads of one kind of processor (the
 /// kernels of AVX2 add in another order than the portable ones). @param progress  called with
 /// (iteration, iterations). @throws std::invalid_argument for a bad configuration, an image or mask
-/// of another size than its camera's, or a camera that `validate` refuses.
+/// of another size than its camera's, or a camera that `validate` refuses. @throws
+/// std::runtime_error if the checkpoint cannot be read or written, or is of other views or another
+/// configuration.
 NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
                       const NgpSnapshots& snapshots = {},
-                      const std::function<void(int, int)>& progress = {});
+                      const std::function<void(int, int)>& progress = {},
+                      const NgpCheckpoint& checkpoint = {});
+
+/// A field as a file of its own, to be drawn later. @throws std::runtime_error naming the file
+void write_ngp(const std::filesystem::path& file, const NgpModel& model);
+/// @throws std::runtime_error naming the file and what is wrong: not a field, cut off, altered, or
+/// of other sizes than its configuration asks for
+NgpModel read_ngp(const std::filesystem::path& file);
 
 struct NgpImage {
   Image<Rgb8> color;

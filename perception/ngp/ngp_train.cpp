@@ -7,6 +7,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "perception/ngp/ngp_file.h"
 #include "perception/ngp/ngp_rays.h"
 #include "sim/types/rng.h"
 #include "sim/types/stage_clock.h"
@@ -24,11 +25,8 @@ constexpr int kUpdateEvery = 16;  ///< steps between looks at densities
 constexpr int kCellShare = 4;     ///< later, a look takes one cell in this many
 constexpr float kThin = 0.01F;    ///< optical thickness of a step that counts as empty
 
-/// Adam's moments [Kingma & Ba 2015] with the reference's numbers; its mean of the weights over the
-/// last steps is left out.
-struct Moments {
-  std::vector<float> first, second;
-};
+// Adam [Kingma & Ba 2015] with the reference's numbers; its mean of the weights over the last steps
+// is left out.
 constexpr float kBeta1 = 0.9F, kBeta2 = 0.99F, kEpsilon = 1e-15F, kDecay = 1e-6F;
 
 /// What one group of rays gives in one step.
@@ -47,10 +45,13 @@ struct Group {
 
 class Trainer {
  public:
-  Trainer(std::span<const NgpView> views, const NgpConfig& config, NgpModel& model)
+  /// @param state  at iteration 0: begins anew, else it goes on
+  Trainer(std::span<const NgpView> views, const NgpConfig& config, NgpModel& model,
+          NgpTrainState& state)
       : views_(views),
         config_(config),
         model_(model),
+        state_(state),
         levels_(grid_levels(config.grid)),
         kernels_(dense_kernels()),
         shape_(network_shape(config)),
@@ -69,13 +70,16 @@ class Trainer {
       turns_.push_back(world_from_camera.rotation.toRotationMatrix().cast<float>());
     }
     for (std::size_t c = 0; c < 3; ++c) background_[c] = static_cast<float>(config.background[c]);
-    start();
+    if (state.iteration == 0) start();
+    d_table_.assign(model_.table.size(), 0);
+    groups_.resize(kGroups);
   }
 
   /// One step; returns the mean loss of its rays.
-  double step(int iteration) {
+  double step() {
+    const int iteration = state_.iteration;
     if (iteration % kUpdateEvery == 0) look_for_matter(iteration);
-    const int rays_of_group = std::max(1, rays_ / kGroups);
+    const int rays_of_group = std::max(1, state_.rays / kGroups);
     const Rng step_rng = rng_.fork("step").fork(static_cast<std::uint64_t>(iteration));
     tbb::parallel_for(0, kGroups, [&](int g) {
       run_group(groups_[static_cast<std::size_t>(g)], rays_of_group,
@@ -87,17 +91,20 @@ class Trainer {
       loss += group.loss;
       samples += group.samples;
     }
-    samples_ += samples;
+    state_.samples += samples;
     update(iteration);
     const int rays = rays_of_group * kGroups;
     const double per_ray = std::max(1.0, static_cast<double>(samples) / rays);
-    rays_ = static_cast<int>(std::clamp(config_.samples_per_step / per_ray, 256.0, 65536.0));
+    state_.rays = rays_in_limits(config_.samples_per_step / per_ray);
+    ++state_.iteration;
     return loss / (3.0 * rays);
   }
 
-  std::int64_t samples() const { return samples_; }
-
  private:
+  static int rays_in_limits(double rays) {
+    return static_cast<int>(std::clamp(rays, 256.0, static_cast<double>(kMostRays)));
+  }
+
   void start() {
     Rng draw = rng_.fork("table");
     model_.table.resize(table_size(levels_));
@@ -113,13 +120,12 @@ class Trainer {
       for (int i = 0; i < inputs * outputs; ++i)
         model_.weights.push_back(static_cast<float>(uniform(weights, -limit, limit)));
     }
-    of_table_ = {std::vector<float>(model_.table.size()), std::vector<float>(model_.table.size())};
-    d_table_.assign(model_.table.size(), 0);
-    of_weights_ = {std::vector<float>(model_.weights.size()),
-                   std::vector<float>(model_.weights.size())};
-    groups_.resize(kGroups);
+    state_.table_first.assign(model_.table.size(), 0);
+    state_.table_second.assign(model_.table.size(), 0);
+    state_.weights_first.assign(model_.weights.size(), 0);
+    state_.weights_second.assign(model_.weights.size(), 0);
     mark_seen();
-    rays_ = std::clamp(config_.samples_per_step / 64, 256, 65536);
+    state_.rays = rays_in_limits(config_.samples_per_step / 64);
   }
 
   /// Cells that no view sees stay empty.
@@ -278,13 +284,11 @@ class Trainer {
     group.points.insert(group.points.end(), gradient.encoded.begin(), gradient.encoded.end());
   }
 
-  void adapt(std::vector<float>& values, Moments& moments, std::size_t i, float gradient,
-             float rate, float fix1, float fix2) {
-    float& m = moments.first[i];
-    float& v = moments.second[i];
+  static void adapt(float& value, float& m, float& v, float gradient, float rate, float fix1,
+                    float fix2) {
     m = kBeta1 * m + (1 - kBeta1) * gradient;
     v = kBeta2 * v + (1 - kBeta2) * gradient * gradient;
-    values[i] -= rate * (m * fix1) / (std::sqrt(v * fix2) + kEpsilon);
+    value -= rate * (m * fix1) / (std::sqrt(v * fix2) + kEpsilon);
   }
 
   void update(int iteration) {
@@ -296,7 +300,8 @@ class Trainer {
     for (std::size_t i = 0; i < model_.weights.size(); ++i) {
       float gradient = kDecay * model_.weights[i];
       for (const Group& group : groups_) gradient += group.d_weights[i];
-      adapt(model_.weights, of_weights_, i, gradient, rate, fix1, fix2);
+      adapt(model_.weights[i], state_.weights_first[i], state_.weights_second[i], gradient, rate,
+            fix1, fix2);
     }
     // A level's table belongs to one task: its sums keep their order.
     tbb::parallel_for(std::size_t{0}, levels_.size(), [&](std::size_t l) {
@@ -315,7 +320,8 @@ class Trainer {
       for (std::size_t i = level.offset; i < level.offset + std::size_t{kFeatures} * level.entries;
            ++i) {
         if (d_table_[i] == 0) continue;
-        adapt(model_.table, of_table_, i, d_table_[i], rate, fix1, fix2);
+        adapt(model_.table[i], state_.table_first[i], state_.table_second[i], d_table_[i], rate,
+              fix1, fix2);
         d_table_[i] = 0;
       }
     });
@@ -324,6 +330,7 @@ class Trainer {
   std::span<const NgpView> views_;
   NgpConfig config_;
   NgpModel& model_;
+  NgpTrainState& state_;
   std::vector<GridLevel> levels_;
   DenseKernels<float> kernels_;
   NetworkShape shape_;
@@ -335,9 +342,6 @@ class Trainer {
   std::array<float, 3> background_{};
   std::vector<Group> groups_;
   std::vector<float> d_table_;
-  Moments of_table_, of_weights_;
-  int rays_ = 0;
-  std::int64_t samples_ = 0;
 };
 
 void check(const NgpView& view, std::size_t index) {
@@ -358,12 +362,33 @@ void check(const NgpView& view, std::size_t index) {
     throw std::invalid_argument(name + ": the pose is not finite");
 }
 
+SavedNgpTraining begin_or_go_on(std::span<const NgpView> views, const NgpConfig& config,
+                                const NgpCheckpoint& checkpoint) {
+  SavedNgpTraining saved;
+  saved.model.config = config;
+  if (checkpoint.file.empty()) return saved;
+  saved.fingerprint = ngp_fingerprint(views, config);
+  if (!std::filesystem::exists(checkpoint.file)) return saved;
+  try {
+    SavedNgpTraining kept = read_ngp_training(checkpoint.file);
+    if (kept.fingerprint == saved.fingerprint) return kept;
+    throw std::runtime_error(checkpoint.file.string() +
+                             ": the checkpoint is of other views or another configuration");
+  } catch (const std::runtime_error&) {
+    if (!checkpoint.replaces_other) throw;
+  }
+  return saved;
+}
+
 }  // namespace
 
 NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
-                      const NgpSnapshots& snapshots,
-                      const std::function<void(int, int)>& progress) {
+                      const NgpSnapshots& snapshots, const std::function<void(int, int)>& progress,
+                      const NgpCheckpoint& checkpoint) {
   validate(config);
+  if (!checkpoint.file.empty() && checkpoint.every < 1)
+    throw std::invalid_argument("ngp: a checkpoint every " + std::to_string(checkpoint.every) +
+                                " iterations is not at least 1");
   for (std::size_t v = 0; v < views.size(); ++v) check(views[v], v);
   const StageClock clock("ngp");
   NgpTraining training;
@@ -380,34 +405,46 @@ NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
            std::any_of(view.mask.begin(), view.mask.end(), [](std::uint8_t m) { return m != 0; });
   });
   if (!any) return refuse(NgpStatus::no_pixels, "all masks are empty");
-  NgpModel& model = training.model;
-  model.config = config;
-  model.volume = ngp_volume(config, views);
+  SavedNgpTraining saved = begin_or_go_on(views, config, checkpoint);
+  NgpModel& model = saved.model;
+  NgpTrainState& state = saved.state;
+  if (state.iteration == 0) model.volume = ngp_volume(config, views);
   if (!(model.volume.side_m > 0))
     return refuse(NgpStatus::no_volume,
                   "most cameras look away from their common centre; give "
                   "centre_m and side_m");
 
-  Trainer trainer(views, config, model);
-  double loss = 0;
-  int since = 0;
-  for (int i = 0; i < config.iterations; ++i) {
-    loss += trainer.step(i);
-    ++since;
-    const bool is_last = i + 1 == config.iterations;
-    if (!std::isfinite(loss))
-      return refuse(NgpStatus::not_finite, "the loss is not finite at step " + std::to_string(i));
-    if ((i + 1) % 100 == 0 || is_last) {
-      training.curve.push_back({i + 1, clock.finish().wall_s, loss / since});
-      loss = 0;
-      since = 0;
+  Trainer trainer(views, config, model, state);
+  while (state.iteration < config.iterations) {
+    const StageClock step_clock("iteration");
+    const double loss = trainer.step();
+    const StageTiming took = step_clock.finish();
+    saved.wall_s += took.wall_s;
+    saved.cpu_s += took.cpu_s;
+    saved.loss_sum += loss;
+    ++saved.loss_count;
+    const int done = state.iteration;
+    if (!std::isfinite(loss)) {
+      training.model = std::move(model);
+      return refuse(NgpStatus::not_finite,
+                    "the loss is not finite at step " + std::to_string(done - 1));
     }
-    if (progress) progress(i + 1, config.iterations);
+    const bool is_last = done == config.iterations;
+    if (done % 100 == 0 || is_last) {
+      saved.curve.push_back({done, saved.wall_s, saved.cpu_s, saved.loss_sum / saved.loss_count});
+      saved.loss_sum = 0;
+      saved.loss_count = 0;
+    }
+    if (progress) progress(done, config.iterations);
     if (snapshots.take &&
-        std::find(snapshots.at.begin(), snapshots.at.end(), i + 1) != snapshots.at.end())
-      snapshots.take(i + 1, model);
+        std::find(snapshots.at.begin(), snapshots.at.end(), done) != snapshots.at.end())
+      snapshots.take({done, saved.wall_s, saved.cpu_s, loss}, model);
+    if (!checkpoint.file.empty() && (done % checkpoint.every == 0 || is_last))
+      write_ngp_training(checkpoint.file, saved);
   }
-  training.samples = trainer.samples();
+  training.curve = std::move(saved.curve);
+  training.samples = state.samples;
+  training.model = std::move(model);
   training.status = NgpStatus::ok;
   training.timing = clock.finish();
   return training;

@@ -1,67 +1,30 @@
 #include "perception/splats/splat_checkpoint_io.h"
 
-#include <bit>
-#include <cstring>
 #include <stdexcept>
+#include <utility>
 
-#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/byte_reader.h"
 #include "sim/dataset/manifest.h"
+#include "sim/dataset/sealed_file.h"
 
 namespace cousin {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
-constexpr std::string_view kMagic = "cousin splat training 3\n";
-constexpr std::size_t kHash = 64;  ///< characters
-
-/// Numbers and texts, one after the other.
-class Bytes {
- public:
-  template <class T>
-  Bytes& add(const T& value) {
-    static_assert(std::is_arithmetic_v<T>);
-    return add(&value, sizeof value);
-  }
-  Bytes& add(const void* from, std::size_t size) {
-    text.append(static_cast<const char*>(from), size);
-    return *this;
-  }
-  std::string text;
-};
-
-class Taker {
- public:
-  Taker(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
-  template <class T>
-  T take() {
-    T value;
-    take(&value, sizeof value);
-    return value;
-  }
-  void take(void* to, std::size_t size) {
-    if (size > bytes_.size()) throw std::runtime_error(file_ + ": the checkpoint is cut off");
-    std::memcpy(to, bytes_.data(), size);
-    bytes_.remove_prefix(size);
-  }
-  std::size_t left() const { return bytes_.size(); }
-
- private:
-  std::string_view bytes_;
-  std::string file_;
-};
+constexpr std::string_view kFirstLine = "cousin splat training 3";
+constexpr std::size_t kFingerprint = 64;  ///< characters
 
 std::string hash_of(const Image<float>& image) {
   return sha256_hex({reinterpret_cast<const char*>(image.data()), image.size() * sizeof(float)});
 }
 
-void add_camera(Bytes& bytes, const Camera& camera, const Pose& pose) {
+void add_camera(ByteWriter& bytes, const Camera& camera, const Pose& pose) {
   bytes.add(camera.width_px).add(camera.height_px);
   bytes.add(camera.fx_px).add(camera.fy_px).add(camera.cx_px).add(camera.cy_px);
   bytes.add(pose.rotation.coeffs().data(), 4 * sizeof(double));
   bytes.add(pose.translation_m.data(), 3 * sizeof(double));
 }
 
-void add_config(Bytes& bytes, const SplatTrainConfig& c) {
+void add_config(ByteWriter& bytes, const SplatTrainConfig& c) {
   bytes.add(c.steps).add(c.sh_degree).add(c.sh_degree_every).add(c.seed).add(c.report_every);
   for (const float value : c.background) bytes.add(value);
   bytes.add(c.any_background).add(c.ssim_share).add(c.near).add(c.low_pass_px2);
@@ -75,7 +38,7 @@ void add_config(Bytes& bytes, const SplatTrainConfig& c) {
   bytes.add(c.opacity_pull).add(c.scale_pull);
 }
 
-void add_planes(Bytes& bytes, const SplatPlanes& planes) {
+void add_planes(ByteWriter& bytes, const SplatPlanes& planes) {
   std::vector<float> row(static_cast<std::size_t>(planes.size()));
   for (int k = 0; k < planes.planes(); ++k) {
     for (int i = 0; i < planes.size(); ++i) row[static_cast<std::size_t>(i)] = planes.at(k, i);
@@ -83,11 +46,11 @@ void add_planes(Bytes& bytes, const SplatPlanes& planes) {
   }
 }
 
-SplatPlanes take_planes(Taker& taker, int size) {
+SplatPlanes take_planes(ByteReader& reader, int size) {
   SplatPlanes planes(SplatPlane::count, size);
   std::vector<float> row(static_cast<std::size_t>(size));
   for (int k = 0; k < planes.planes(); ++k) {
-    taker.take(row.data(), sizeof(float) * row.size());
+    reader.take(row.data(), sizeof(float) * row.size());
     for (int i = 0; i < size; ++i) planes.at(k, i) = row[static_cast<std::size_t>(i)];
   }
   return planes;
@@ -97,7 +60,7 @@ SplatPlanes take_planes(Taker& taker, int size) {
 
 std::string training_fingerprint(std::span<const SplatView> views, const SplatModel& start,
                                  const SplatTrainConfig& config) {
-  Bytes bytes;
+  ByteWriter bytes;
   add_config(bytes, config);
   for (const SplatView& view : views) {
     for (const SplatViewLevel& level : view.levels) {
@@ -112,9 +75,8 @@ std::string training_fingerprint(std::span<const SplatView> views, const SplatMo
 }
 
 void write_training(const std::filesystem::path& file, const SavedTraining& saved) {
-  Bytes bytes;
-  bytes.text = kMagic;
-  bytes.text += saved.fingerprint;
+  ByteWriter bytes;
+  bytes.text.append(kFirstLine).append("\n").append(saved.fingerprint);
   const SplatTrainState& state = saved.state;
   bytes.add(saved.loss_sum).add(saved.loss_count);
   bytes.add(state.step).add(state.rest_updates).add(state.started_with);
@@ -131,8 +93,7 @@ void write_training(const std::filesystem::path& file, const SavedTraining& save
   add_planes(bytes, state.second_moment);
   const std::size_t row = sizeof(float) * static_cast<std::size_t>(state.values.size());
   bytes.add(state.gradient_sum.data(), row).add(state.gradient_count.data(), row);
-  bytes.text += sha256_hex(bytes.text);
-  write_file(file, bytes.text);
+  write_sealed(file, std::move(bytes.text));
 }
 
 SavedTraining read_training(const std::filesystem::path& file, int most_splats) {
@@ -140,61 +101,55 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
   const std::size_t a_splat = (3 * SplatPlane::count + 2) * sizeof(float);
   const std::size_t limit =
       static_cast<std::size_t>(most_splats) * a_splat + (std::size_t{1} << 26);
-  const std::string text = read_file(file, limit);
-  if (!text.starts_with(kMagic) || text.size() < kMagic.size() + 2 * kHash) {
-    throw std::runtime_error(name + ": not a checkpoint of a splat training");
-  }
-  const std::string_view body = std::string_view(text).substr(0, text.size() - kHash);
-  if (sha256_hex(body) != std::string_view(text).substr(body.size())) {
-    throw std::runtime_error(name + ": the checkpoint is cut off or altered");
-  }
+  const std::string body = read_sealed(file, kFirstLine, "checkpoint of a splat training", limit);
+  ByteReader reader(body, name);
   SavedTraining saved;
-  saved.fingerprint = std::string(body.substr(kMagic.size(), kHash));
-  Taker taker(body.substr(kMagic.size() + kHash), name);
+  saved.fingerprint.resize(kFingerprint);
+  reader.take(saved.fingerprint.data(), kFingerprint);
   SplatTrainState& state = saved.state;
-  saved.loss_sum = taker.take<double>();
-  saved.loss_count = taker.take<int>();
-  state.step = taker.take<int>();
-  state.rest_updates = taker.take<int>();
-  state.started_with = taker.take<int>();
-  taker.take(state.origin_in_world_m.data(), 3 * sizeof(double));
-  state.extent_m = taker.take<double>();
-  saved.wall_s = taker.take<double>();
-  saved.cpu_s = taker.take<double>();
-  const int size = taker.take<int>();
-  const int points = taker.take<int>();
-  const int views = taker.take<int>();
-  if (views < 0 || static_cast<std::size_t>(views) * sizeof(double) > taker.left()) {
+  saved.loss_sum = reader.take<double>();
+  saved.loss_count = reader.take<int>();
+  state.step = reader.take<int>();
+  state.rest_updates = reader.take<int>();
+  state.started_with = reader.take<int>();
+  reader.take(state.origin_in_world_m.data(), 3 * sizeof(double));
+  state.extent_m = reader.take<double>();
+  saved.wall_s = reader.take<double>();
+  saved.cpu_s = reader.take<double>();
+  const int size = reader.take<int>();
+  const int points = reader.take<int>();
+  const int views = reader.take<int>();
+  if (views < 0 || static_cast<std::size_t>(views) * sizeof(double) > reader.left()) {
     throw std::runtime_error(name + ": " + std::to_string(views) +
                              " views do not fit the checkpoint's size");
   }
   state.near_m.resize(static_cast<std::size_t>(views));
-  taker.take(state.near_m.data(), state.near_m.size() * sizeof(double));
+  reader.take(state.near_m.data(), state.near_m.size() * sizeof(double));
   const std::size_t bytes_a_point = 2 * sizeof(int) + 3 * sizeof(double);
   if (size < 0 || points < 0 ||
       static_cast<std::size_t>(size) * a_splat + static_cast<std::size_t>(points) * bytes_a_point !=
-          taker.left()) {
+          reader.left()) {
     throw std::runtime_error(name + ": " + std::to_string(size) + " splats and " +
                              std::to_string(points) + " points do not fit the checkpoint's size");
   }
   for (int i = 0; i < points; ++i) {
     SplatTrainPoint p;
-    p.step = taker.take<int>();
-    p.wall_s = taker.take<double>();
-    p.cpu_s = taker.take<double>();
-    p.loss = taker.take<double>();
-    p.splats = taker.take<int>();
+    p.step = reader.take<int>();
+    p.wall_s = reader.take<double>();
+    p.cpu_s = reader.take<double>();
+    p.loss = reader.take<double>();
+    p.splats = reader.take<int>();
     saved.curve.push_back(p);
   }
-  state.values = take_planes(taker, size);
+  state.values = take_planes(reader, size);
   hide_padding(state.values);
-  state.first_moment = take_planes(taker, size);
-  state.second_moment = take_planes(taker, size);
+  state.first_moment = take_planes(reader, size);
+  state.second_moment = take_planes(reader, size);
   const std::size_t row = sizeof(float) * static_cast<std::size_t>(size);
   state.gradient_sum.assign(static_cast<std::size_t>(state.values.padded()), 0);
   state.gradient_count.assign(static_cast<std::size_t>(state.values.padded()), 0);
-  taker.take(state.gradient_sum.data(), row);
-  taker.take(state.gradient_count.data(), row);
+  reader.take(state.gradient_sum.data(), row);
+  reader.take(state.gradient_count.data(), row);
   return saved;
 }
 

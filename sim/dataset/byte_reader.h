@@ -11,8 +11,8 @@
 
 namespace cousin {
 
-/// Private to sim/dataset: reads little-endian numbers from the front of a file's bytes and knows
-/// where it is. Errors are std::runtime_error "NAME: byte 12: ...". The bytes must outlive it.
+/// Reads little-endian numbers from the front of a file's bytes and knows where it is. Errors are
+/// std::runtime_error "NAME: byte 12: ...". The bytes must outlive it.
 class ByteReader {
  public:
   ByteReader(std::string_view bytes, std::string name)
@@ -22,12 +22,16 @@ class ByteReader {
 
   template <class Number>
   Number take() {
-    if (rest_.size() < sizeof(Number)) throw std::runtime_error(where() + "the file ends here");
     Number value;
-    std::memcpy(&value, rest_.data(), sizeof value);
-    rest_.remove_prefix(sizeof value);
+    take(&value, sizeof value);
     return value;
   }
+  void take(void* to, std::size_t size) {
+    if (rest_.size() < size) throw std::runtime_error(where() + "the file ends here");
+    std::memcpy(to, rest_.data(), size);
+    rest_.remove_prefix(size);
+  }
+  std::size_t left() const { return rest_.size(); }
   /// A count of records of at least `least_bytes` each, which must fit into what is left.
   std::uint64_t count(std::size_t least_bytes) {
     const std::string here = where();

@@ -6,66 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "perception/ngp/ngp_rays.h"
 #include "sim/types/rng.h"
+#include "tests/ngp/small_field.h"
 
 namespace cousin {
 namespace {
-
-Camera small_camera() {
-  Camera camera;
-  camera.width_px = 48;
-  camera.height_px = 36;
-  camera.fx_px = camera.fy_px = 50;
-  camera.cx_px = 23.5;
-  camera.cy_px = 17.5;
-  return camera;
-}
-
-/// A ball of radius 0.3 m with stripes over a grey ground, by closed-form intersection.
-NgpView ball_view(const Camera& camera, double turn_rad) {
-  NgpView view;
-  view.camera = camera;
-  view.camera_from_world =
-      look_at({1.1 * std::cos(turn_rad), 1.1 * std::sin(turn_rad), 0.5}, {0, 0, 0});
-  view.color = Image<Rgb8>(camera.width_px, camera.height_px);
-  const Pose world_from_camera = inverse(view.camera_from_world);
-  const Eigen::Vector3d eye = world_from_camera.translation_m;
-  for (int y = 0; y < camera.height_px; ++y) {
-    for (int x = 0; x < camera.width_px; ++x) {
-      const Eigen::Vector3d ray =
-          world_from_camera.rotation * *unproject(camera, Eigen::Vector2d(x, y));
-      const double b = eye.dot(ray), c = eye.squaredNorm() - 0.09;
-      if (b * b - c > 0) {
-        const Eigen::Vector3d hit = eye - (b + std::sqrt(b * b - c)) * ray;
-        const bool stripe = std::fmod(hit.z() + 10, 0.2) < 0.1;
-        view.color(x, y) = stripe ? Rgb8{200, 60, 40} : Rgb8{40, 160, 60};
-      }
-    }
-  }
-  return view;
-}
-
-std::vector<NgpView> ball_views(int count) {
-  std::vector<NgpView> views;
-  for (int i = 0; i < count; ++i)
-    views.push_back(ball_view(small_camera(), 2 * std::numbers::pi * i / count));
-  return views;
-}
-
-NgpConfig small_config() {
-  NgpConfig config;
-  config.iterations = 120;
-  config.samples_per_step = 4096;
-  config.grid = {8, 12, 8, 128};
-  config.occupancy_cells = 32;
-  config.steps = 128;
-  config.cascades = 1;
-  config.side_m = 1.2;
-  return config;
-}
 
 double psnr(const Image<Rgb8>& a, const Image<Rgb8>& b) {
   double sum = 0;
@@ -81,7 +28,7 @@ double psnr(const Image<Rgb8>& a, const Image<Rgb8>& b) {
 TEST(Ngp, LearnsAViewThatItHasNotSeen) {
   std::vector<NgpView> views = ball_views(16);
   const NgpView held = ball_view(small_camera(), 0.2);
-  NgpConfig config = small_config();
+  NgpConfig config = small_field_config();
   config.iterations = 400;
   const NgpTraining training = train_ngp(views, config);
   ASSERT_EQ(training.status, NgpStatus::ok) << training.reason;
@@ -97,7 +44,7 @@ TEST(Ngp, LearnsAViewThatItHasNotSeen) {
 // Rays end where they are opaque; the whole ray, all samples at once, gives the same picture.
 TEST(Ngp, ARayThatEndsEarlyHasTheColourOfTheWhole) {
   const NgpView view = ball_view(small_camera(), 0.3);
-  NgpConfig config = small_config();
+  NgpConfig config = small_field_config();
   config.background = {0.1, 0.6, 0.2};
   const NgpTraining training = train_ngp(ball_views(8), config);
   ASSERT_EQ(training.status, NgpStatus::ok);
@@ -136,7 +83,7 @@ TEST(Ngp, ARayThatEndsEarlyHasTheColourOfTheWhole) {
 
 TEST(Ngp, SameBytesOnAnyNumberOfThreads) {
   const std::vector<NgpView> views = ball_views(6);
-  NgpConfig config = small_config();
+  NgpConfig config = small_field_config();
   config.iterations = 40;
   const NgpTraining many = train_ngp(views, config);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
@@ -148,18 +95,21 @@ TEST(Ngp, SameBytesOnAnyNumberOfThreads) {
 
 TEST(Ngp, SnapshotsAreTakenWhereAsked) {
   std::vector<int> taken;
-  NgpConfig config = small_config();
+  NgpConfig config = small_field_config();
   config.iterations = 12;
-  const NgpTraining training =
-      train_ngp(ball_views(4), config, {{5, 12, 99}, [&](int i, const NgpModel& model) {
-                                          taken.push_back(i);
-                                          EXPECT_FALSE(model.weights.empty());
-                                        }});
+  double before_s = 0;
+  const auto take = [&](const NgpPoint& point, const NgpModel& model) {
+    taken.push_back(point.iteration);
+    EXPECT_FALSE(model.weights.empty());
+    EXPECT_GT(point.wall_s, before_s);
+    before_s = point.wall_s;
+  };
+  const NgpTraining training = train_ngp(ball_views(4), config, {{5, 12, 99}, take});
   EXPECT_EQ(taken, (std::vector<int>{5, 12}));
 }
 
 TEST(Ngp, WhatCannotBeLearnedIsAStatus) {
-  NgpConfig config = small_config();
+  NgpConfig config = small_field_config();
   config.iterations = 3;
   EXPECT_EQ(train_ngp({}, config).status, NgpStatus::too_few_views);
   EXPECT_EQ(train_ngp(ball_views(1), config).status, NgpStatus::too_few_views);
@@ -177,7 +127,7 @@ TEST(Ngp, WhatCannotBeLearnedIsAStatus) {
 }
 
 TEST(Ngp, IdenticalAndBlackViewsStayFinite) {
-  NgpConfig config = small_config();
+  NgpConfig config = small_field_config();
   config.iterations = 30;
   std::vector<NgpView> same(3, ball_view(small_camera(), 0.1));
   EXPECT_EQ(train_ngp(same, config).status, NgpStatus::ok);
@@ -192,15 +142,15 @@ TEST(Ngp, BadInputIsNamed) {
   std::vector<NgpView> views = ball_views(2);
   views[1].color = Image<Rgb8>(10, 10);
   try {
-    train_ngp(views, small_config());
+    train_ngp(views, small_field_config());
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "view 1: image of 10 x 10 but the camera has 48 x 36");
   }
-  NgpConfig config = small_config();
+  NgpConfig config = small_field_config();
   config.grid.log2_table = 40;
   EXPECT_THROW(validate(config), std::invalid_argument);
-  config = small_config();
+  config = small_field_config();
   config.centre_m = {0, 0};
   EXPECT_THROW(validate(config), std::invalid_argument);
 }
