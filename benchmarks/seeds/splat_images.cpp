@@ -170,12 +170,10 @@ std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstima
     base.peak_rss_mb = timing.peak_rss_mb;
     base.peak_above_start_mb = timing.peak_above_start_mb;
   }
-  SplatRenderConfig render;
-  if (config.method == SeedsMethod::splats) render.low_pass_px2 = config.splats.low_pass_px2;
   std::vector<ScoreRow> rows = photograph_rows(
       scored_photographs(capture, estimate.poses, config, config.splats.margin_px, most_views),
       [&](const Camera& camera, const Pose& pose) {
-        return render_splats(estimate.splats, camera, pose, render).color.channel;
+        return render_splats(estimate.splats, camera, pose).color.channel;
       },
       base, learned);
   const auto add = [&](const char* metric, double value, const char* unit) {

@@ -41,7 +41,7 @@ struct SeedsSplatConfig {
   double shape_rate = 0.05;     ///< `splats`: rates of scales and rotations, of training's own
   double opacity_rate = 0.05;   ///< `splats`: likewise of opacities
   double start_opacity = 0.95;  ///< `splats`
-  /// `splats`: as in SplatRenderConfig, of training, depths and scored images. With 0.3, that of
+  /// `splats`: as in SplatModel, of training, depths and images. With 0.3, that of
   /// the reference, discs of a grain 15 to 40 pixels wide reach over its edge and where it curves:
   /// drawn so, depths stand 0.1 mm out; trained so, discs sink by 0.05 mm to make up for it.
   double low_pass_px2 = 0.03;

@@ -22,6 +22,9 @@ struct Splat {
 /// Gaussians of one scene. Colours are sRGB-encoded, 0..1, as the images they were trained on.
 struct SplatModel {
   int sh_degree = 3;  ///< 0..3; coefficients beyond it are zero
+  /// Added to the variances of each Gaussian in an image, > 0: what it was trained with. 0.3 is the
+  /// reference's, of files from elsewhere too.
+  double low_pass_px2 = 0.3;
   Eigen::Vector3d origin_in_world_m = Eigen::Vector3d::Zero();  ///< added to every centre
   std::vector<Splat> splats;
   std::vector<int> views_seen;  ///< training views in which each blends; empty = not known

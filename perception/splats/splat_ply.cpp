@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -26,6 +27,9 @@ constexpr int kMostRest = 45;  ///< coefficients beyond the first, all channels
 constexpr int kRestOfChannel = 15;
 constexpr double kLeastNorm = 1e-12;
 constexpr std::string_view kOrigin = "origin_m";
+constexpr std::string_view kLowPass = "low_pass_px2";
+
+bool low_pass_fits(double px2) { return px2 >= 1e-6 && px2 <= 100; }
 
 /// The values of a splat as the layout names them.
 constexpr int kFirstRest = 14;
@@ -76,7 +80,11 @@ class SplatReader {
     const PlyHeader header = geometry::parse_ply_header(bytes_, name_);
     geometry::PlyBody body(bytes_, header.body, header.encoding, name_);
     SplatFile result;
-    result.model.origin_in_world_m = origin(header);
+    comment_numbers(header, kOrigin, {result.model.origin_in_world_m.data(), 3});
+    double& low_pass_px2 = result.model.low_pass_px2;
+    comment_numbers(header, kLowPass, {&low_pass_px2, 1});
+    if (!low_pass_fits(low_pass_px2))
+      fail("header: low_pass_px2 " + std::to_string(low_pass_px2) + " is not in 1e-6..100");
     for (const PlyElementHeader& element : header.elements) {
       if (element.name != "vertex") {
         geometry::skip_rows(element, body);
@@ -93,31 +101,33 @@ class SplatReader {
     throw std::runtime_error(name_ + ": " + what);
   }
 
-  /// Numbers after the comment's key: three, finite, and nothing more.
-  Eigen::Vector3d origin(const PlyHeader& header) const {
-    Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
+  /// Numbers after a comment's key: as many as `numbers` has, finite, and nothing more. They stay
+  /// as they are where there is no such comment.
+  void comment_numbers(const PlyHeader& header, std::string_view key,
+                       std::span<double> numbers) const {
     bool found = false;
     for (const std::string& comment : header.comments) {
-      if (!comment.starts_with(kOrigin)) continue;
-      if (found) fail("header: there are two comments \"origin_m\"");
+      if (!comment.starts_with(key)) continue;
+      if (found) fail("header: there are two comments \"" + std::string(key) + "\"");
       found = true;
-      const char* at = comment.data() + kOrigin.size();
+      const char* at = comment.data() + key.size();
       const char* const end = comment.data() + comment.size();
       const auto skip_space = [&] {
         while (at < end && (*at == ' ' || *at == '\t' || *at == '\r')) ++at;
       };
-      for (int k = 0; k < 3; ++k) {
+      const std::string wanted = std::to_string(numbers.size());
+      for (double& number : numbers) {
         const char* const before = at;
         skip_space();
-        const auto [stop, error] = std::from_chars(at, end, origin_m[k]);
-        if (at == before || error != std::errc() || !std::isfinite(origin_m[k]))
-          fail("header: \"" + comment + "\": expected origin_m and three finite numbers");
+        const auto [stop, error] = std::from_chars(at, end, number);
+        if (at == before || error != std::errc() || !std::isfinite(number))
+          fail("header: \"" + comment + "\": expected " + std::string(key) + " and " + wanted +
+               " finite numbers");
         at = stop;
       }
       skip_space();
-      if (at != end) fail("header: \"" + comment + "\": there is more than three numbers");
+      if (at != end) fail("header: \"" + comment + "\": there is more than " + wanted + " numbers");
     }
-    return origin_m;
   }
 
   /// The field that each property of the element fills, or -1.
@@ -203,11 +213,12 @@ class SplatReader {
 };
 
 std::string header_text(const SplatModel& model, int rest) {
-  std::array<char, 128> origin{};
-  std::snprintf(origin.data(), origin.size(), "comment origin_m %.17g %.17g %.17g\n",
+  std::array<char, 192> comments{};
+  std::snprintf(comments.data(), comments.size(),
+                "comment origin_m %.17g %.17g %.17g\ncomment low_pass_px2 %.17g\n",
                 model.origin_in_world_m.x(), model.origin_in_world_m.y(),
-                model.origin_in_world_m.z());
-  std::string text = "ply\nformat binary_little_endian 1.0\n" + std::string(origin.data()) +
+                model.origin_in_world_m.z(), model.low_pass_px2);
+  std::string text = "ply\nformat binary_little_endian 1.0\n" + std::string(comments.data()) +
                      "element vertex " + std::to_string(model.splats.size()) + "\n";
   const auto property = [&](const std::string& name) { text += "property float " + name + "\n"; };
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"})
@@ -231,6 +242,10 @@ void write_splat_ply(const fs::path& file, const SplatModel& model) {
   }
   if (!model.origin_in_world_m.allFinite())
     throw std::invalid_argument(file.string() + ": the model's origin is not finite");
+  if (!low_pass_fits(model.low_pass_px2)) {
+    throw std::invalid_argument(file.string() + ": low_pass_px2 = " +
+                                std::to_string(model.low_pass_px2) + " is not in 1e-6..100");
+  }
   const int rest = kRestOfDegree[static_cast<std::size_t>(model.sh_degree)];
   std::string bytes = header_text(model, rest);
   const std::size_t row_bytes = sizeof(float) * static_cast<std::size_t>(kFirstRest + 3 + rest);

@@ -13,15 +13,16 @@ SplatImage render_splats(const SplatModel& model, const Camera& camera,
     throw std::invalid_argument("sh_degree " + std::to_string(model.sh_degree) +
                                 " of a splat model is not 0..3");
   }
-  if (!(config.low_pass_px2 > 0) || !std::isfinite(config.low_pass_px2)) {
-    throw std::invalid_argument("low_pass_px2 = " + std::to_string(config.low_pass_px2) +
+  const double low_pass_px2 = config.low_pass_px2 == 0 ? model.low_pass_px2 : config.low_pass_px2;
+  if (!(low_pass_px2 > 0) || !std::isfinite(low_pass_px2)) {
+    throw std::invalid_argument("low_pass_px2 = " + std::to_string(low_pass_px2) +
                                 " is not above 0");
   }
   const SplatPlanes planes = to_planes(model.splats);
   const double near_m =
       near_depth_m(planes, camera_from_world, model.origin_in_world_m, config.near);
   SplatCamera pinhole = splat_camera(camera, camera_from_world, model.origin_in_world_m, near_m);
-  pinhole.low_pass_px2 = static_cast<float>(config.low_pass_px2);
+  pinhole.low_pass_px2 = static_cast<float>(low_pass_px2);
   SplatFrame frame;
   draw_splats(best_splat_kernels(), planes, model.sh_degree, pinhole, config.background,
               SplatDepths::with, frame);

@@ -10,9 +10,9 @@ namespace cousin {
 struct SplatRenderConfig {
   std::array<float, 3> background{};  ///< shows where transmittance is left
   double near = 0.01;  ///< centres nearer than this share of the median depth are left out
-  /// Added to the variances of each Gaussian in the image, > 0. Colours are trained with 0.3, which
-  /// reaches over the edge of what is some pixels wide: for depths take a tenth.
-  double low_pass_px2 = 0.3;
+  /// In place of the model's own; 0 = that one. The reference's 0.3 reaches over the edge of what
+  /// is some pixels wide: for depths take a tenth.
+  double low_pass_px2 = 0;
 };
 
 /// Three channels of one image, each 0..1 and planar: red, green, blue.
@@ -32,7 +32,8 @@ struct SplatImage {
 };
 
 /// Renders with the fast kernels. @param camera  pinhole
-/// @throws std::invalid_argument of another lens, sh_degree outside 0..3, low_pass_px2 not above 0.
+/// @throws std::invalid_argument of another lens, sh_degree outside 0..3, a low pass
+/// that is not above 0.
 SplatImage render_splats(const SplatModel& model, const Camera& camera,
                          const Pose& camera_from_world, const SplatRenderConfig& config = {});
 

@@ -37,6 +37,7 @@ SplatTrainConfig reference_training() {
                   .opacity = 5e-2,
                   .dc = 2.5e-3,
                   .rest = 1.25e-4};
+  config.low_pass_px2 = 0.3;
   config.quarter_until = config.half_until = 0;
   config.growth = SplatGrowth::adaptive;
   config.most_splats = 10'000'000;

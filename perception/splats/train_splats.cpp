@@ -90,6 +90,7 @@ SavedTraining begin_or_go_on(std::span<const SplatView> views, const SplatModel&
 SplatModel learned(const SplatTrainer& trainer, const SplatTrainConfig& config) {
   SplatModel model;
   model.sh_degree = config.sh_degree;
+  model.low_pass_px2 = config.low_pass_px2;
   model.origin_in_world_m = trainer.state().origin_in_world_m;
   model.splats = to_splats(trainer.state().values);
   return model;

@@ -81,11 +81,13 @@ const std::string kRow = "1 2 3 .1 .2 .3 4 -1 -2 -3 1 0 0 0\n";
 
 TEST(SplatPly, WhatIsWrittenIsReadBitByBit) {
   for (int degree = 0; degree <= 3; ++degree) {
-    const SplatModel model = random_model(degree, 50);
+    SplatModel model = random_model(degree, 50);
+    model.low_pass_px2 = 0.03 + degree;
     write_splat_ply(scratch_file(), model);
     const SplatFile file = read_splat_ply(scratch_file());
     EXPECT_EQ(file.model.sh_degree, degree);
     EXPECT_EQ(file.model.origin_in_world_m, model.origin_in_world_m);
+    EXPECT_EQ(file.model.low_pass_px2, model.low_pass_px2);
     EXPECT_EQ(file.not_finite, 0u);
     EXPECT_EQ(file.zero_rotations, 0u);
     ASSERT_EQ(file.model.splats.size(), model.splats.size());
@@ -195,7 +197,23 @@ TEST(SplatPly, AnOriginIsThreeFiniteNumbersOrAnError) {
   EXPECT_THAT(with("origin_m 1 2 3\ncomment origin_m 1 2 3"), HasSubstr("two comments"));
 }
 
+TEST(SplatPly, ALowPassIsOneNumberInItsLimitsAndThatOfTheReferenceWhereThereIsNone) {
+  const auto with = [](const std::string& comment) {
+    return error_of(text_file(kDegreeZero, kRow, 1, comment));
+  };
+  EXPECT_EQ(with(""), "");
+  EXPECT_EQ(read_splat_ply(scratch_file()).model.low_pass_px2, 0.3);
+  EXPECT_EQ(with("comment low_pass_px2 0.05\n"), "");
+  EXPECT_EQ(read_splat_ply(scratch_file()).model.low_pass_px2, 0.05);
+  for (const char* bad : {"", " x", " nan", " 0", " -0.3", " 101", " 1e-7", " 0.1 0.1"})
+    EXPECT_THAT(with("comment low_pass_px2" + std::string(bad) + "\n"), HasSubstr("low_pass_px2"))
+        << bad;
+}
+
 TEST(SplatPly, AModelThatCouldNotBeReadIsNotWritten) {
+  SplatModel blurred = random_model(1, 3);
+  blurred.low_pass_px2 = 0;
+  EXPECT_THROW(write_splat_ply(scratch_file(), blurred), std::invalid_argument);
   SplatModel model = random_model(1, 3);
   model.splats[2].log_scale.y() = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(write_splat_ply(scratch_file(), model), std::invalid_argument);

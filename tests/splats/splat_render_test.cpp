@@ -180,8 +180,28 @@ TEST(SplatRender, ANarrowLowPassKeepsDepthsOnASmallCurvedSurface) {
   EXPECT_LT(std::abs(mean_outside_m(0.03)), 3e-5);
 }
 
+TEST(SplatRender, AModelIsDrawnWithItsOwnLowPassUnlessAnotherIsGiven) {
+  SplatModel model = cube_model();
+  const auto drawn = [&](double asked_px2) {
+    return render_splats(model, pinhole(32, 24, 30), view_of_cube(), {.low_pass_px2 = asked_px2})
+        .color.channel[1];
+  };
+  const auto same = [](const Image<float>& a, const Image<float>& b) {
+    return std::equal(a.begin(), a.end(), b.begin());
+  };
+  const Image<float> wide = drawn(0);
+  EXPECT_TRUE(same(wide, drawn(0.3)));
+  model.low_pass_px2 = 0.05;
+  EXPECT_FALSE(same(wide, drawn(0)));
+  EXPECT_TRUE(same(drawn(0), drawn(0.05)));
+  EXPECT_TRUE(same(wide, drawn(0.3)));
+}
+
 TEST(SplatRender, ALowPassIsAboveZero) {
-  for (const double low_pass_px2 : {0.0, -0.3, std::numeric_limits<double>::quiet_NaN()}) {
+  SplatModel model = cube_model();
+  model.low_pass_px2 = 0;
+  EXPECT_THROW(render_splats(model, pinhole(8, 8, 9), Pose{}), std::invalid_argument);
+  for (const double low_pass_px2 : {-0.3, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THROW(
         render_splats(cube_model(), pinhole(8, 8, 9), Pose{}, {.low_pass_px2 = low_pass_px2}),
         std::invalid_argument);

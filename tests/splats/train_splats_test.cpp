@@ -280,6 +280,7 @@ TEST(TrainSplats, TheReferencesSettingsAreValidAndStart) {
   const SplatTraining training = train_splats(views, start_model(100), config, stop);
   EXPECT_EQ(training.status, SplatTrainStatus::stopped);
   EXPECT_LT(training.curve.back().loss, training.curve.front().loss);
+  EXPECT_EQ(training.model.low_pass_px2, 0.3);
 }
 
 /// Loss of a model on its own photographs, drawn with one low pass and learned with another.
