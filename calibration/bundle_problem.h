@@ -46,8 +46,8 @@ Eigen::Vector2d bundle_residual(const BundleProblem& problem, const BundleObserv
 
 /// Whether what is left to gain is below what the images can tell. `costs`: half chi squared,
 /// before the first step and after each. True when the last third of at least 60 steps together
-/// lowered it by less than 1e-3: along that way no parameter moved by more than a twentieth of its
-/// standard deviation.
+/// lowered it by less than 1e-3: about a minimum, to second order, that moves no parameter by more
+/// than a twentieth of its standard deviation.
 bool cost_has_settled(const std::vector<double>& costs);
 
 /// Minimises over lenses, poses and points (Ceres); `iterations` grows. Steps that are at an end
