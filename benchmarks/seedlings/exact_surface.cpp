@@ -19,7 +19,7 @@ using Color = std::array<double, 3>;
 /// The colour with which a view shows a point, if it does.
 std::optional<Color> color_in(const SampleView& view, const Lens& lens,
                               const Eigen::Vector3d& at_m) {
-  const SplatViewLevel& level = view.photograph.levels.front();
+  const SplatViewLevel& level = view.photograph.full;
   const Eigen::Vector3d in_camera_m = view.photograph.camera_from_world * at_m;
   if (!(in_camera_m.z() > 0)) return std::nullopt;
   const auto pixel = lens.project(in_camera_m);
@@ -53,11 +53,10 @@ struct Squares {
 
 ExactSurface exact_surface(const FieldViews& views) {
   std::vector<Lens> lenses;
-  for (const SampleView* view : views.train)
-    lenses.emplace_back(view->photograph.levels.front().camera);
+  for (const SampleView* view : views.train) lenses.emplace_back(view->photograph.full.camera);
   Squares all;
   for (const SampleView* held_out : views.held_out) {
-    const auto& photograph = held_out->photograph.levels.front().color.channel;
+    const auto& photograph = held_out->photograph.full.color.channel;
     std::vector<Squares> rows(static_cast<std::size_t>(held_out->position_m.height()));
     tbb::parallel_for(0, held_out->position_m.height(), [&](int y) {
       Squares& row = rows[static_cast<std::size_t>(y)];

@@ -44,7 +44,7 @@ struct ViewSums {
   std::vector<double> psnr_db, ssim, flip, seedlings_db, learned;
 
   void add(const FidelityPlanes& image, const SampleView& view, const LearnedDistance* network) {
-    const FidelityPlanes& photograph = view.photograph.levels.front().color.channel;
+    const FidelityPlanes& photograph = view.photograph.full.color.channel;
     const ImageFidelity whole = score_fidelity(image, photograph, view.shown);
     psnr_db.push_back(whole.psnr_db);
     ssim.push_back(whole.ssim);
@@ -65,7 +65,7 @@ struct ViewSums {
 };
 
 FidelityPlanes image_of(const FieldRenderer& render, const SampleView& view) {
-  return render(view.photograph.levels.front().camera, view.photograph.camera_from_world);
+  return render(view.photograph.full.camera, view.photograph.camera_from_world);
 }
 
 }  // namespace
@@ -82,8 +82,8 @@ FieldViews field_views(std::vector<const SampleView*> train,
   FieldViews views{std::move(train), std::move(held_out), {}, {}};
   std::vector<DepthSight> eyes;
   for (const SampleView* view : views.train) {
-    eyes.push_back({view->photograph.levels.front().camera, view->photograph.camera_from_world,
-                    &view->depth_m});
+    eyes.push_back(
+        {view->photograph.full.camera, view->photograph.camera_from_world, &view->depth_m});
   }
   for (const SampleView* view : views.held_out)
     views.seen.push_back(views_that_see(view->position_m, eyes));
@@ -103,8 +103,7 @@ FieldScores score_field(const FieldRenderer& render, const FieldViews& views) {
     for (std::size_t i = 0; i < view.shown.size(); ++i) {
       if (view.shown.data()[i] == 0) continue;
       const bool is_covered = views.seen[v].data()[i] >= kEnoughViews;
-      (is_covered ? covered : uncovered)
-          .add(image, view.photograph.levels.front().color.channel, i);
+      (is_covered ? covered : uncovered).add(image, view.photograph.full.color.channel, i);
     }
   }
   scores.train = train.scores();

@@ -80,7 +80,7 @@ SplatView pinhole_photograph(const Image<Rgb8>& image, const TrueView& view) {
 /// The view of a pinhole camera that stands still.
 TrueView still(const SplatView& photograph) {
   TrueView view;
-  view.camera = photograph.levels.front().camera;
+  view.camera = photograph.full.camera;
   view.camera_from_world = view.camera_from_world_end = photograph.camera_from_world;
   return view;
 }
@@ -90,7 +90,7 @@ SampleView sample_view(const Photographer& photographer, const TrueView& view) {
   result.photograph = pinhole_photograph(photographer.take(view, "first"), view);
   result.photograph.frame = view.frame;
   TruthImages truth = photographer.truth(still(result.photograph));
-  const Image<float>& weight = result.photograph.levels.front().weight;
+  const Image<float>& weight = result.photograph.full.weight;
   result.shown = Image<std::uint8_t>(truth.instance.width(), truth.instance.height(), 255);
   result.seedlings = Image<std::uint8_t>(result.shown.width(), result.shown.height());
   std::int32_t last = -1;
@@ -115,8 +115,8 @@ void measure_noise(const Photographer& photographer, int views, SampleCapture& c
     if (is_held_out(frame)) continue;
     const TrueView view = photographer.view(frame);
     const SplatView again = pinhole_photograph(photographer.take(view, "again"), view);
-    capture.noise_psnr_db += psnr_db(again.levels.front().color.channel,
-                                     first.photograph.levels.front().color.channel, first.shown);
+    capture.noise_psnr_db +=
+        psnr_db(again.full.color.channel, first.photograph.full.color.channel, first.shown);
     ++capture.noise_views;
   }
   if (capture.noise_views > 0) capture.noise_psnr_db /= capture.noise_views;

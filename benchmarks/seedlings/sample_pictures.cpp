@@ -27,11 +27,11 @@ void put(const FidelityPlanes& planes, int left_px, Image<Rgb8>& into) {
 }
 
 const FidelityPlanes& photograph_of(const SampleView& view) {
-  return view.photograph.levels.front().color.channel;
+  return view.photograph.full.color.channel;
 }
 
 FidelityPlanes image_of(const TrainedField& field, const SampleView& view) {
-  return field.render(view.photograph.levels.front().camera, view.photograph.camera_from_world);
+  return field.render(view.photograph.full.camera, view.photograph.camera_from_world);
 }
 
 double covered_share(const FieldViews& views, std::size_t held_out) {

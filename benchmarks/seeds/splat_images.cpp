@@ -55,7 +55,7 @@ struct PhotographMeans {
 
   void add(const FidelityPlanes& image, const ScoredPhotograph& photograph,
            const LearnedDistance* learned) {
-    const SplatViewLevel& level = photograph.view.levels.front();
+    const SplatViewLevel& level = photograph.view.full;
     const FidelityPlanes& truth = level.color.channel;
     const Image<std::uint8_t> counted = counted_pixels(level.weight);
     const double part_db = psnr_db(image, truth, counted);
@@ -105,7 +105,6 @@ std::vector<ScoredPhotograph> scored_photographs(const Capture& capture, const P
   std::vector<SplatView> trained, held_out;
   for (SplatView& view : seed_views(capture, poses, volume_of(config, board_of(capture, config)),
                                     config.green, margin_px)) {
-    view.levels.resize(1);
     (is_held_out(config.splats, view.frame) ? held_out : trained).push_back(std::move(view));
   }
   std::vector<ScoredPhotograph> photographs;
@@ -113,7 +112,7 @@ std::vector<ScoredPhotograph> scored_photographs(const Capture& capture, const P
     for (SplatView& view : spread(*views, most_views)) {
       const Camera& whole =
           capture.frames[static_cast<std::size_t>(view.frame)].sensors[0].reported;
-      const Camera& part = view.levels.front().camera;
+      const Camera& part = view.full.camera;
       const double share = static_cast<double>(part.width_px) * part.height_px /
                            (static_cast<double>(whole.width_px) * whole.height_px);
       photographs.push_back({std::move(view), views == &held_out, share});
@@ -123,7 +122,7 @@ std::vector<ScoredPhotograph> scored_photographs(const Capture& capture, const P
 }
 
 ScoredPhotograph made_small(const ScoredPhotograph& photograph) {
-  const SplatViewLevel& level = photograph.view.levels.front();
+  const SplatViewLevel& level = photograph.view.full;
   ScoredPhotograph made{{photograph.view.frame, photograph.view.camera_from_world, {}},
                         photograph.held_out,
                         photograph.share};
@@ -138,7 +137,7 @@ ScoredPhotograph made_small(const ScoredPhotograph& photograph) {
   next.color.channel = small(level.color.channel);
   if (!level.weight.empty()) next.weight = small(level.weight);
   if (!level.behind.empty()) next.behind = small(level.behind);
-  made.view.levels.push_back(std::move(next));
+  made.view.full = std::move(next);
   return made;
 }
 
@@ -149,7 +148,7 @@ std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photo
   for (const ScoredPhotograph& photograph : photographs) {
     const SplatView& view = photograph.view;
     (photograph.held_out ? held_out : trained)
-        .add(render(view.levels.front().camera, view.camera_from_world), photograph, learned);
+        .add(render(view.full.camera, view.camera_from_world), photograph, learned);
   }
   std::vector<ScoreRow> rows;
   trained.append("train.", base, rows);

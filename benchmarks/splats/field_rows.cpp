@@ -25,7 +25,7 @@ template <class Render>
 double mean_db(const std::vector<const SplatView*>& views, const Render& render) {
   double sum = 0;
   for (const SplatView* view : views) {
-    const SplatViewLevel& level = view->levels.front();
+    const SplatViewLevel& level = view->full;
     sum += psnr_db(render(level.camera, view->camera_from_world).channel, level.color.channel,
                    counted_pixels(level.weight));
   }

@@ -152,7 +152,7 @@ void step_row(std::vector<ScoreRow>& rows, const SplatModel& model, const Pose& 
   SplatViewLevel level;
   level.camera = camera_400();
   level.color = render_splats(other, level.camera, pose).color;
-  views[0].levels.push_back(std::move(level));
+  views[0].full = std::move(level);
   SplatTrainConfig config;
   config.steps = 1000;
   config.sh_degree_every = 1;

@@ -13,7 +13,7 @@ std::uint8_t to_byte(float value) {
 }  // namespace
 
 NgpView ngp_view(const SplatView& view) {
-  const SplatViewLevel& level = view.levels.front();
+  const SplatViewLevel& level = view.full;
   NgpView out{level.camera, view.camera_from_world, {}, {}};
   out.color = Image<Rgb8>(level.camera.width_px, level.camera.height_px);
   if (!level.weight.empty()) out.mask = Image<std::uint8_t>(out.color.width(), out.color.height());

@@ -54,7 +54,6 @@ PosedSet read_split_set(const fs::path& folder) {
     const std::string& image = list.frames.at(static_cast<std::size_t>(view.frame)).image;
     const std::string name = fs::path(image).filename().string();
     const bool is_test = std::find(held.begin(), held.end(), name) != held.end();
-    if (is_test) view.levels.resize(1);  // smaller ones are for training
     (is_test ? set.test : set.train).push_back(std::move(view));
   }
   require_both(set, folder);
@@ -71,7 +70,7 @@ PosedSet read_every_eighth(const fs::path& transforms_json, int largest_side_px,
   std::vector<NgpView> cameras;
   std::size_t index = 0;
   for (SplatView& view : splat_views(capture, reported_poses(capture), {}, config)) {
-    cameras.push_back({view.levels.front().camera, view.camera_from_world, {}, {}});
+    cameras.push_back({view.full.camera, view.camera_from_world, {}, {}});
     (index++ % 8 == 0 ? set.test : set.train).push_back(std::move(view));
   }
   require_both(set, transforms_json);

@@ -49,7 +49,7 @@ void training_rows(std::vector<ScoreRow>& rows, const PosedSet& set, const Goal&
   double psnr = 0, similarity = 0;
   const auto views = static_cast<double>(set.test.size());
   for (const SplatView& view : set.test) {
-    const SplatViewLevel& level = view.levels.front();
+    const SplatViewLevel& level = view.full;
     const ColorPlanes image =
         render_splats(training.model, level.camera, view.camera_from_world).color;
     const Image<std::uint8_t> counted = counted_pixels(level.weight);

@@ -43,8 +43,7 @@ std::vector<SplatView> ring_views() {
     SplatViewLevel level;
     level.camera = cube_camera();
     level.color = render_splats(model, level.camera, view.camera_from_world).color;
-    view.levels.push_back(level);
-    view.levels.push_back(halved(level));
+    view.full = level;
     views.push_back(std::move(view));
   }
   return views;
@@ -69,10 +68,8 @@ SplatTrainConfig short_training(SplatGrowth growth) {
 template <class Change>
 void change_colors(std::vector<SplatView>& views, const Change& change) {
   for (SplatView& view : views) {
-    for (SplatViewLevel& level : view.levels) {
-      for (Image<float>& channel : level.color.channel) {
-        for (float& x : channel) x = change(x);
-      }
+    for (Image<float>& channel : view.full.color.channel) {
+      for (float& x : channel) x = change(x);
     }
   }
 }
@@ -100,7 +97,7 @@ double not_finite(const ColorPlanes& color) {
 
 /// Of what a model shows in a photograph's place.
 double psnr_of(const SplatModel& model, const SplatView& view) {
-  const SplatViewLevel& level = view.levels.front();
+  const SplatViewLevel& level = view.full;
   return psnr_db(render_splats(model, level.camera, view.camera_from_world).color.channel,
                  level.color.channel);
 }
@@ -132,7 +129,7 @@ Trained train_by_all(const std::vector<SplatView>& views, const SplatModel& star
     all.with_status += is_expected ? 1 : 0;
     all.not_finite += not_finite(training.model);
     if (expected.front() != SplatTrainStatus::ok) continue;
-    const SplatViewLevel& level = views.front().levels.front();
+    const SplatViewLevel& level = views.front().full;
     all.not_finite += not_finite(
         render_splats(training.model, level.camera, views.front().camera_from_world).color);
     all.least_psnr_db = std::min(all.least_psnr_db, psnr_of(training.model, views.front()));
@@ -191,8 +188,7 @@ void photograph_cases(std::vector<StabilityRow>& rows) {
 
   std::vector<SplatView> masked = ring;
   for (SplatView& view : masked) {
-    for (SplatViewLevel& level : view.levels)
-      level.weight = Image<float>(level.camera.width_px, level.camera.height_px);
+    view.full.weight = Image<float>(view.full.camera.width_px, view.full.camera.height_px);
   }
   add_refused("masks that leave no pixel", masked, SplatTrainStatus::nothing_to_learn, rows);
   masked.front() = ring.front();

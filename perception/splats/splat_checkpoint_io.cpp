@@ -63,11 +63,9 @@ std::string training_fingerprint(std::span<const SplatView> views, const SplatMo
   ByteWriter bytes;
   add_config(bytes, config);
   for (const SplatView& view : views) {
-    for (const SplatViewLevel& level : view.levels) {
-      add_camera(bytes, level.camera, view.camera_from_world);
-      for (const Image<float>& channel : level.color.channel) bytes.text += hash_of(channel);
-      bytes.text += hash_of(level.weight) + hash_of(level.behind);
-    }
+    add_camera(bytes, view.full.camera, view.camera_from_world);
+    for (const Image<float>& channel : view.full.color.channel) bytes.text += hash_of(channel);
+    bytes.text += hash_of(view.full.weight) + hash_of(view.full.behind);
   }
   bytes.add(start.origin_in_world_m.data(), 3 * sizeof(double));
   add_planes(bytes, to_planes(start.splats));

@@ -79,23 +79,31 @@ SplatTrainer::SplatTrainer(std::span<const SplatView> views, const SplatTrainCon
   if (state_.extent_m < 1e-6 * depth) state_.extent_m = depth;
 }
 
-std::size_t SplatTrainer::level_now() const {
+int SplatTrainer::halvings_now() const {
   const double share = static_cast<double>(state_.step) / config_.steps;
   return share < config_.quarter_until ? 2 : share < config_.half_until ? 1 : 0;
 }
 
-SplatCamera SplatTrainer::camera_of(std::size_t view, std::size_t level) {
-  const SplatView& pyramid = views_[view];
+void SplatTrainer::make_small(int halvings) {
+  if (halvings == halvings_) return;
+  small_ = std::vector<SplatViewLevel>(halvings == 0 ? 0 : views_.size());
+  tbb::parallel_for(std::size_t{0}, small_.size(),
+                    [&](std::size_t v) { small_[v] = halved(views_[v].full, halvings); });
+  halvings_ = halvings;
+}
+
+SplatCamera SplatTrainer::camera_of(std::size_t view, int halvings) {
+  const SplatViewLevel& full = views_[view].full;
+  const Pose& camera_from_world = views_[view].camera_from_world;
   double& near_m = state_.near_m[view];
   if (near_m == 0) {
-    near_m = near_depth_m(state_.values, pyramid.camera_from_world, state_.origin_in_world_m,
-                          config_.near);
+    near_m = near_depth_m(state_.values, camera_from_world, state_.origin_in_world_m, config_.near);
   }
-  SplatCamera camera = splat_camera(pyramid.levels[level].camera, pyramid.camera_from_world,
-                                    state_.origin_in_world_m, near_m);
+  SplatCamera camera = splat_camera(halvings > 0 ? small_[view].camera : full.camera,
+                                    camera_from_world, state_.origin_in_world_m, near_m);
   // A small image is the mean over boxes of the large one: its low-pass, in its own pixels, and
   // the box's variance beyond a pixel of the large image.
-  const double box = static_cast<double>(std::size_t{1} << (2 * level));
+  const double box = static_cast<double>(1 << (2 * halvings_of(full.camera, halvings)));
   camera.low_pass_px2 = static_cast<float>(config_.low_pass_px2 / box + (1 - 1 / box) / 12);
   return camera;
 }
@@ -143,7 +151,8 @@ SplatTrainer::Step SplatTrainer::step() {
     }
   }
   const std::size_t view = order_[place];
-  const std::size_t level = std::min(level_now(), views_[view].levels.size() - 1);
+  const int halvings = halvings_now();
+  make_small(halvings);
   const int every =
       config_.sh_degree_every > 0 ? config_.sh_degree_every : std::max(1, config_.steps / 30);
   const int degree = std::min(config_.sh_degree, state_.step / every);
@@ -151,13 +160,13 @@ SplatTrainer::Step SplatTrainer::step() {
   const std::array<float, 3> background = background_now();
   {
     const Lap lap(seconds_.draw);
-    draw_splats(kernels_, state_.values, degree, camera_of(view, level), background,
+    draw_splats(kernels_, state_.values, degree, camera_of(view, halvings), background,
                 SplatDepths::none, frame_);
   }
   const LossAndGradient* loss = nullptr;
   {
     const Lap lap(seconds_.loss);
-    const SplatViewLevel& photograph = views_[view].levels[level];
+    const SplatViewLevel& photograph = halvings > 0 ? small_[view] : views_[view].full;
     loss = &loss_(frame_.color, photograph_before(photograph, background), photograph.weight);
   }
   {

@@ -29,8 +29,11 @@ class SplatTrainer {
   std::vector<int> views_seen();
 
  private:
-  SplatCamera camera_of(std::size_t view, std::size_t level);
-  std::size_t level_now() const;
+  /// @param halvings  of the photograph, 0 = as it is
+  SplatCamera camera_of(std::size_t view, int halvings);
+  int halvings_now() const;
+  /// The photographs of this size, in place of those of another.
+  void make_small(int halvings);
   std::array<float, 3> background_now() const;
   /// The level's colours with `background` where it shows what is behind the scene.
   const ColorPlanes& photograph_before(const SplatViewLevel& level,
@@ -43,7 +46,9 @@ class SplatTrainer {
   std::span<const SplatView> views_;
   const SplatKernels& kernels_;
   PhotometricLoss loss_;
-  ColorPlanes photograph_;  ///< of this step, where its background is not black
+  std::vector<SplatViewLevel> small_;  ///< of each view while training is coarse; else empty
+  int halvings_ = 0;                   ///< of `small_`
+  ColorPlanes photograph_;             ///< of this step, where its background is not black
   SplatFrame frame_;
   std::vector<std::size_t> order_;  ///< of the views in this epoch
   SplatTrainSeconds seconds_;

@@ -149,6 +149,20 @@ SplatViewLevel limited(SplatViewLevel level, int largest_side_px) {
   return result;
 }
 
+SplatViewLevel half_of(const SplatViewLevel& level) {
+  const int width = level.camera.width_px / 2;
+  const int height = level.camera.height_px / 2;
+  SplatViewLevel result = averaged(level, covers(2 * width, width), covers(2 * height, height));
+  result.camera = level.camera;
+  result.camera.width_px = width;
+  result.camera.height_px = height;
+  result.camera.fx_px /= 2;
+  result.camera.fy_px /= 2;
+  result.camera.cx_px = (level.camera.cx_px + 0.5) / 2 - 0.5;
+  result.camera.cy_px = (level.camera.cy_px + 0.5) / 2 - 0.5;
+  return result;
+}
+
 std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
@@ -162,8 +176,6 @@ void validate(const SplatViewsConfig& config) {
   if (config.largest_side_px != 0 &&
       (config.largest_side_px < kLeastSide_px || config.largest_side_px > 65535))
     fail("largest_side_px = " + std::to_string(config.largest_side_px) + " is not 0 or 16..65535");
-  if (config.levels < 1 || config.levels > 12)
-    fail("levels = " + std::to_string(config.levels) + " is not in 1..12");
   if (!(config.most_pixels >= 1) || !std::isfinite(config.most_pixels))
     fail("most_pixels = " + std::to_string(config.most_pixels) + " is not a count of 1 or more");
 }
@@ -183,17 +195,18 @@ Poses reported_poses(const Capture& capture) {
   return poses;
 }
 
-SplatViewLevel halved(const SplatViewLevel& level) {
-  const int width = level.camera.width_px / 2;
-  const int height = level.camera.height_px / 2;
-  SplatViewLevel result = averaged(level, covers(2 * width, width), covers(2 * height, height));
-  result.camera = level.camera;
-  result.camera.width_px = width;
-  result.camera.height_px = height;
-  result.camera.fx_px /= 2;
-  result.camera.fy_px /= 2;
-  result.camera.cx_px = (level.camera.cx_px + 0.5) / 2 - 0.5;
-  result.camera.cy_px = (level.camera.cy_px + 0.5) / 2 - 0.5;
+int halvings_of(const Camera& camera, int times) {
+  const int side = std::min(camera.width_px, camera.height_px);
+  int can = 0;
+  while (can < times && (side >> (can + 1)) >= kLeastSide_px) ++can;
+  return can;
+}
+
+SplatViewLevel halved(const SplatViewLevel& level, int times) {
+  const int can = halvings_of(level.camera, times);
+  if (can == 0) return level;
+  SplatViewLevel result = half_of(level);
+  for (int i = 1; i < can; ++i) result = half_of(result);
   return result;
 }
 
@@ -251,15 +264,10 @@ std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
     SplatView& view = views[v];
     const auto i = static_cast<std::size_t>(view.frame);
     static const Image<std::uint8_t> kNone;
-    view.levels.push_back(
+    view.full =
         limited(full_level(capture.frames[i].sensors.front().color, poses[i].camera,
                            masks.empty() ? kNone : masks[i], screens.empty() ? kNone : screens[i]),
-                config.largest_side_px));
-    while (static_cast<int>(view.levels.size()) < config.levels) {
-      const Camera& last = view.levels.back().camera;
-      if (std::min(last.width_px, last.height_px) / 2 < kLeastSide_px) break;
-      view.levels.push_back(halved(view.levels.back()));
-    }
+                config.largest_side_px);
   });
   return views;
 }

@@ -11,8 +11,7 @@ namespace cousin {
 
 struct SplatViewsConfig {
   int largest_side_px = 0;           ///< photographs are made this small; 0 = as they are
-  int levels = 3;                    ///< of the pyramid: full, half, quarter
-  double most_pixels = 268'435'456;  ///< of all views at full size: about 16 bytes each are kept
+  double most_pixels = 268'435'456;  ///< of all views: 12 to 20 bytes each are kept
 };
 void validate(const SplatViewsConfig& config);  ///< throws std::invalid_argument
 
@@ -30,7 +29,7 @@ struct SplatViewLevel {
 struct SplatView {
   int frame = 0;  ///< index into the capture's frames
   Pose camera_from_world;
-  std::vector<SplatViewLevel> levels;  ///< the largest first; at least one
+  SplatViewLevel full;  ///< smaller ones are made where they are needed, see halved()
 };
 
 /// The poses that a capture itself reports, of each frame's first sensor; frames without one have
@@ -40,10 +39,9 @@ Poses reported_poses(const Capture& capture);
 /// The views of a capture whose poses are ok and whose first sensor has a colour image, in the
 /// capture's order. Lenses are undistorted to the pinhole camera of undistorted_camera(), with
 /// weight zero where the photograph shows nothing; then pixels are averaged over the areas of the
-/// larger ones, so that cameras keep where their rays go. A level halves the one before (a last odd
-/// row or column is left out) and is not made if a side would be below 16 pixels. Pixels of weight
-/// zero add no colour to a larger one, whose weight is the mean of theirs; where it is zero, colour
-/// is zero. TBB over views; the same bytes on any number of threads.
+/// larger ones, so that cameras keep where their rays go. Pixels of weight zero add no colour to a
+/// larger one, whose weight is the mean of theirs; where it is zero, colour is zero. TBB over
+/// views; the same bytes on any number of threads.
 /// @param masks  empty, or one for each frame: empty, or of the photograph's size, where a pixel of
 /// zero does not count.
 /// @param screens  the same: not zero where the photograph shows what is behind the scene, which
@@ -55,7 +53,11 @@ std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
                                    const SplatViewsConfig& config = {},
                                    const std::vector<Image<std::uint8_t>>& screens = {});
 
-/// The level of half the size.
-SplatViewLevel halved(const SplatViewLevel& level);
+/// How often a camera's image can be halved, at most `times`, before a side is below 16 pixels.
+int halvings_of(const Camera& camera, int times);
+
+/// The level halved as often as halvings_of() says: pixels are averaged as in splat_views(), a last
+/// odd row or column is left out.
+SplatViewLevel halved(const SplatViewLevel& level, int times = 1);
 
 }  // namespace cousin

@@ -106,7 +106,7 @@ TEST(SeedsSplats, ViewsAreCutToTheVolumeAndGreenIsBlack) {
   const auto views = seed_views(capture, poses, volume, {}, 8);
   ASSERT_EQ(views.size(), 1U);
   EXPECT_EQ(views[0].frame, 1);
-  const SplatViewLevel& level = views[0].levels.front();
+  const SplatViewLevel& level = views[0].full;
   EXPECT_LT(level.camera.width_px, 260);
   // The white pixel is where the smaller pinhole camera sees the board's middle.
   const auto place =
@@ -267,7 +267,7 @@ TEST(SeedsSplats, TrainedGaussiansShowThePhotographs) {
   double off = 0;
   std::size_t values = 0;
   for (const SplatView& view : views) {
-    const SplatViewLevel& level = view.levels.front();
+    const SplatViewLevel& level = view.full;
     const ColorPlanes image = render_splats(model, level.camera, view.camera_from_world).color;
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t p = 0; p < image.channel[c].size(); ++p, ++values) {
@@ -283,7 +283,7 @@ TEST(SeedsSplats, TrainedGaussiansShowThePhotographs) {
 double dark_opacity(const SplatModel& model, const std::vector<SplatView>& views) {
   double sum = 0, count = 0;
   for (const SplatView& view : views) {
-    const SplatViewLevel& level = view.levels.front();
+    const SplatViewLevel& level = view.full;
     const Image<float> alpha = render_splats(model, level.camera, view.camera_from_world).alpha;
     for (std::size_t i = 0; i < alpha.size(); ++i) {
       const bool is_dark = level.behind.data()[i] == 0 && level.color.channel[1].data()[i] < 0.1F;

@@ -27,7 +27,7 @@ SampleView above(double x_m, float grey) {
       view.position_m(x, y) = (world_from_camera * (ray / ray.z())).cast<float>();
     }
   }
-  view.photograph.levels.push_back(std::move(level));
+  view.photograph.full = std::move(level);
   return view;
 }
 

@@ -42,7 +42,7 @@ TEST(SampleCapture, TruthAndPhotographAreOfTheSamePinholeCamera) {
   EXPECT_LT(capture.noise_psnr_db, 60);
   int seedling_pixels = 0, greener = 0;
   for (const SampleView& view : capture.views) {
-    const SplatViewLevel& level = view.photograph.levels.front();
+    const SplatViewLevel& level = view.photograph.full;
     EXPECT_EQ(level.camera.model, LensModel::pinhole);
     const Lens lens(level.camera);
     ASSERT_EQ(view.depth_m.width(), level.camera.width_px);

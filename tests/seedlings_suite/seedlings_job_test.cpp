@@ -96,7 +96,7 @@ TEST(FieldScores, ANetworkSeesNoDifferenceWhereThePhotographShowsNothing) {
   SplatViewLevel level;
   level.camera = {LensModel::pinhole, kSide, kSide, 20, 20, 7.5, 7.5};
   for (Image<float>& channel : level.color.channel) channel = Image<float>(kSide, kSide, 0.0F);
-  view.photograph.levels.push_back(level);
+  view.photograph.full = level;
   view.shown = Image<std::uint8_t>(kSide, kSide, 255);
   for (int x = 0; x < kSide; ++x) {
     for (int y = 0; y < kSide / 4; ++y) view.shown(x, y) = 0;

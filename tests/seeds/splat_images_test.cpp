@@ -21,7 +21,7 @@ ScoredPhotograph photograph(int width, int height, bool held_out) {
   level.weight = Image<float>(width, height, 1);
   level.weight(0, 0) = 0;
   ScoredPhotograph result;
-  result.view.levels.push_back(level);
+  result.view.full = level;
   result.held_out = held_out;
   return result;
 }
@@ -36,14 +36,14 @@ double value_of(const std::vector<ScoreRow>& rows, const std::string& metric) {
 TEST(SplatImages, ASmallPhotographShowsTheSameRays) {
   const ScoredPhotograph large = photograph(14, 9, false);
   const ScoredPhotograph made = made_small(large);
-  const SplatViewLevel& level = made.view.levels.front();
+  const SplatViewLevel& level = made.view.full;
   ASSERT_EQ(level.camera.width_px, 4);
   ASSERT_EQ(level.camera.height_px, 3);
   for (const Image<float>& channel : level.color.channel) {
     // Squares of three columns around 1, 4, 7 and 10.
     for (int x = 0; x < 4; ++x) EXPECT_NEAR(channel(x, 1), 0.01 * (1 + 3 * x), 1e-6);
   }
-  const Lens before(large.view.levels.front().camera), after(level.camera);
+  const Lens before(large.view.full.camera), after(level.camera);
   EXPECT_TRUE(after.unproject({2, 1})->normalized().isApprox(before.unproject({7, 4})->normalized(),
                                                              1e-12));
   EXPECT_LT(level.weight(0, 0), 0.95F);
@@ -53,7 +53,7 @@ TEST(SplatImages, ASmallPhotographShowsTheSameRays) {
 TEST(SplatImages, PixelsOfNoWeightDoNotCount) {
   std::vector<ScoredPhotograph> photographs = {photograph(30, 30, false)};
   const auto render = [&](const Camera&, const Pose&) {
-    FidelityPlanes image = photographs[0].view.levels.front().color.channel;
+    FidelityPlanes image = photographs[0].view.full.color.channel;
     for (Image<float>& channel : image) {
       for (float& value : channel) value += 0.1F;
       channel(0, 0) = 1;

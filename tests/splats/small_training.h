@@ -25,15 +25,14 @@ inline SplatViewLevel photograph(const SplatModel& model, const Camera& camera, 
   return level;
 }
 
-/// Photographs from around, at full and at half size.
+/// Photographs from around.
 inline std::vector<SplatView> views_of(const SplatModel& model, int count) {
   std::vector<SplatView> views;
   for (int i = 0; i < count; ++i) {
     SplatView view;
     view.camera_from_world =
         look_at({1.5 * std::cos(0.7 * i), 1.5 * std::sin(0.7 * i), 0.5 + 0.1 * i}, {0, 0, 0});
-    view.levels.push_back(photograph(model, pinhole(64, 48, 60), view.camera_from_world));
-    view.levels.push_back(photograph(model, pinhole(32, 24, 30), view.camera_from_world));
+    view.full = photograph(model, pinhole(64, 48, 60), view.camera_from_world);
     views.push_back(std::move(view));
   }
   return views;

@@ -73,6 +73,11 @@ double worst_difference(const SplatViewLevel& level) {
   return worst;
 }
 
+/// As they are, halved and halved twice.
+std::vector<SplatViewLevel> sizes_of(const SplatView& view) {
+  return {view.full, halved(view.full), halved(view.full, 2)};
+}
+
 // Codes are rounded to half of 1/255; float sums add 1e-6.
 constexpr double kHalfCode = 0.5 / 255 + 1e-6;
 
@@ -80,11 +85,10 @@ TEST(SplatViews, EveryLevelShowsEachRayWhatTheWorldShowsIt) {
   const Capture capture = capture_of({pinhole(203, 151)});
   const std::vector<SplatView> views = splat_views(capture, reported_poses(capture));
   ASSERT_EQ(views.size(), 1u);
-  ASSERT_EQ(views[0].levels.size(), 3u);
-  EXPECT_EQ(views[0].levels[0].camera, pinhole(203, 151));
-  EXPECT_EQ(views[0].levels[1].camera.width_px, 101);
-  EXPECT_EQ(views[0].levels[2].camera.height_px, 37);
-  for (const SplatViewLevel& level : views[0].levels) {
+  EXPECT_EQ(views[0].full.camera, pinhole(203, 151));
+  EXPECT_EQ(halved(views[0].full).camera.width_px, 101);
+  EXPECT_EQ(halved(views[0].full, 2).camera.height_px, 37);
+  for (const SplatViewLevel& level : sizes_of(views[0])) {
     EXPECT_LE(worst_difference(level), kHalfCode);
     EXPECT_TRUE(level.weight.empty());
     EXPECT_EQ(level.color.channel[2].width(), level.camera.width_px);
@@ -94,7 +98,7 @@ TEST(SplatViews, EveryLevelShowsEachRayWhatTheWorldShowsIt) {
 TEST(SplatViews, ALensIsUndistorted) {
   const Capture capture = capture_of({barrel(240, 180)});
   const std::vector<SplatView> views = splat_views(capture, reported_poses(capture));
-  for (const SplatViewLevel& level : views.at(0).levels) {
+  for (const SplatViewLevel& level : sizes_of(views.at(0))) {
     EXPECT_EQ(level.camera.model, LensModel::pinhole);
     // Half a code in the photograph, a cubic's weights sum to at most 1.27 of it, half a code of
     // its own.
@@ -107,11 +111,12 @@ TEST(SplatViews, WhatThePhotographDoesNotShowHasNoWeight) {
   cushion.distortion[0] = 0.15;  // corners of the pinhole image lie outside the photograph
   const Capture capture = capture_of({cushion});
   const SplatView view = splat_views(capture, reported_poses(capture)).at(0);
-  const SplatViewLevel& full = view.levels[0];
+  const SplatViewLevel& full = view.full;
   ASSERT_FALSE(full.weight.empty());
   EXPECT_EQ(full.weight(0, 0), 0);
   EXPECT_EQ(full.color.channel[0](0, 0), 0);
   EXPECT_EQ(full.weight(120, 90), 1);
+  const SplatViewLevel half = halved(full);
   // A half-size pixel has the mean of its four weights, and the colour of those that count.
   for (int y = 0; y < 90; ++y) {
     for (int x = 0; x < 120; ++x) {
@@ -121,8 +126,8 @@ TEST(SplatViews, WhatThePhotographDoesNotShowHasNoWeight) {
         sum += w;
         color += w * full.color.channel[1](2 * x + k % 2, 2 * y + k / 2);
       }
-      EXPECT_EQ(view.levels[1].weight(x, y), sum / 4);
-      EXPECT_FLOAT_EQ(view.levels[1].color.channel[1](x, y), sum > 0 ? color / sum : 0);
+      EXPECT_EQ(half.weight(x, y), sum / 4);
+      EXPECT_FLOAT_EQ(half.color.channel[1](x, y), sum > 0 ? color / sum : 0);
     }
   }
 }
@@ -135,15 +140,14 @@ TEST(SplatViews, WhatIsBehindTheSceneIsKeptAtEachSize) {
       for (int x = 0; x < 41; ++x) left(x, y) = 255;
     }
     const SplatView view = splat_views(capture, reported_poses(capture), {}, {}, {left}).at(0);
-    ASSERT_EQ(view.levels.size(), 3U);
-    for (const SplatViewLevel& level : view.levels) {
+    for (const SplatViewLevel& level : sizes_of(view)) {
       ASSERT_EQ(level.behind.width(), level.camera.width_px);
       const int y = level.behind.height() / 2;
       EXPECT_NEAR(level.behind(level.behind.width() / 4, y), 1, 1e-6);
       EXPECT_NEAR(level.behind(3 * level.behind.width() / 4, y), 0, 1e-6);
     }
     if (camera.model == LensModel::pinhole) {  // half of the pixel of half the size
-      EXPECT_EQ(view.levels[1].behind(20, 10), 0.5F);
+      EXPECT_EQ(halved(view.full).behind(20, 10), 0.5F);
     }
     EXPECT_THROW(
         splat_views(capture, reported_poses(capture), {}, {}, {Image<std::uint8_t>(95, 64)}),
@@ -159,9 +163,9 @@ TEST(SplatViews, AnyLargestSideKeepsWhereRaysGo) {
     const std::vector<SplatView> views =
         splat_views(capture, reported_poses(capture), {}, {.largest_side_px = side});
     for (const SplatView& view : views) {
-      const Camera& camera = view.levels[0].camera;
+      const Camera& camera = view.full.camera;
       EXPECT_EQ(std::max(camera.width_px, camera.height_px), side);
-      for (const SplatViewLevel& level : view.levels)
+      for (const SplatViewLevel& level : sizes_of(view))
         EXPECT_LE(worst_difference(level), (0.5 * 1.27 * 1.27 + 0.5) / 255 + 1e-5);
     }
   }
@@ -178,8 +182,8 @@ TEST(SplatViews, MaskedPixelsHaveNoWeightInAnyLens) {
   for (const SplatView& view : splat_views(capture, reported_poses(capture), masks)) {
     // The barrel moves the mask's edge, near the centre, by less than two pixels.
     for (int y = 0; y < 90; ++y) {
-      EXPECT_EQ(view.levels[0].weight(55, y), 0) << y;
-      EXPECT_EQ(view.levels[0].weight(64, y), 1) << y;
+      EXPECT_EQ(view.full.weight(55, y), 0) << y;
+      EXPECT_EQ(view.full.weight(64, y), 1) << y;
     }
   }
 }
@@ -191,7 +195,18 @@ TEST(SplatViews, FramesWithoutPoseOrPictureGiveNoView) {
   const std::vector<SplatView> views = splat_views(capture, reported_poses(capture));
   ASSERT_EQ(views.size(), 1u);
   EXPECT_EQ(views[0].frame, 2);
-  EXPECT_EQ(views[0].levels.size(), 2u);  // an eighth of 60 x 50 would be below 16 pixels
+}
+
+TEST(SplatViews, NoSideIsHalvedBelow16Pixels) {
+  EXPECT_EQ(halvings_of(pinhole(64, 80), 2), 2);
+  EXPECT_EQ(halvings_of(pinhole(80, 63), 2), 1);
+  EXPECT_EQ(halvings_of(pinhole(31, 400), 2), 0);
+  EXPECT_EQ(halvings_of(pinhole(400, 300), 1), 1);
+  EXPECT_EQ(halvings_of(pinhole(400, 300), 0), 0);
+  const Capture capture = capture_of({pinhole(60, 50)});
+  const SplatViewLevel full = splat_views(capture, reported_poses(capture)).at(0).full;
+  EXPECT_EQ(halved(full, 9).camera, halved(full).camera);  // an eighth of 60 x 50 is too small
+  EXPECT_EQ(halved(full, 0).color.channel, full.color.channel);
 }
 
 TEST(SplatViews, TheSensorsPlaceOnTheRigIsInItsPose) {
@@ -217,10 +232,8 @@ TEST(SplatViews, AnyNumberOfThreadsGivesTheSameBytes) {
   const std::vector<SplatView> eight = with_threads(8);
   ASSERT_EQ(one.size(), eight.size());
   for (std::size_t i = 0; i < one.size(); ++i) {
-    for (std::size_t k = 0; k < one[i].levels.size(); ++k) {
-      EXPECT_EQ(one[i].levels[k].color.channel, eight[i].levels[k].color.channel);
-      EXPECT_EQ(one[i].levels[k].weight, eight[i].levels[k].weight);
-    }
+    EXPECT_EQ(one[i].full.color.channel, eight[i].full.color.channel);
+    EXPECT_EQ(one[i].full.weight, eight[i].full.weight);
   }
 }
 
@@ -244,7 +257,6 @@ TEST(SplatViews, RefusesWhatDoesNotFitAndSaysWhat) {
               HasSubstr("frame 1: the mask is 50 x 50, the image 60 x 50"));
   EXPECT_THAT(message(poses, {}, {.most_pixels = 5000}), HasSubstr("most_pixels is 5000"));
   EXPECT_THAT(message(poses, {}, {.largest_side_px = 5}), HasSubstr("largest_side_px = 5"));
-  EXPECT_THAT(message(poses, {}, {.levels = 0}), HasSubstr("levels = 0"));
   Poses small = poses;
   small[0].camera = pinhole(59, 50);
   EXPECT_THAT(message(small, {}, {}), HasSubstr("the image is 60 x 50, its camera 59 x 50"));

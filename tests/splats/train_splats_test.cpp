@@ -166,9 +166,7 @@ TEST(TrainSplats, WhatCannotBeTrainedSaysSo) {
   EXPECT_EQ(train_splats(away, start_model(9), config).status, SplatTrainStatus::nothing_seen);
   // Masks that hide all.
   for (SplatView& view : views) {
-    for (SplatViewLevel& level : view.levels) {
-      level.weight = Image<float>(level.camera.width_px, level.camera.height_px, 0.0F);
-    }
+    view.full.weight = Image<float>(view.full.camera.width_px, view.full.camera.height_px, 0.0F);
   }
   EXPECT_EQ(train_splats(views, start_model(9), config).status, SplatTrainStatus::nothing_to_learn);
 }
@@ -180,11 +178,8 @@ TEST(TrainSplats, ExtremeViewsGiveFiniteModels) {
   cases.push_back({good[1], good[1], good[1], good[1]});  // the same one again
   std::vector<SplatView> black = good;
   for (SplatView& view : black) {
-    for (SplatViewLevel& level : view.levels) {
-      for (Image<float>& channel : level.color.channel) {
-        std::fill(channel.begin(), channel.end(), 0.0F);
-      }
-    }
+    for (Image<float>& channel : view.full.color.channel)
+      std::fill(channel.begin(), channel.end(), 0.0F);
   }
   cases.push_back(black);
   std::vector<SplatView> wrong = good;  // photographs with each other's poses
@@ -193,9 +188,8 @@ TEST(TrainSplats, ExtremeViewsGiveFiniteModels) {
   }
   cases.push_back(wrong);
   std::vector<SplatView> one_hidden = good;  // one mask is empty
-  for (SplatViewLevel& level : one_hidden[2].levels) {
-    level.weight = Image<float>(level.camera.width_px, level.camera.height_px, 0.0F);
-  }
+  SplatViewLevel& hidden = one_hidden[2].full;
+  hidden.weight = Image<float>(hidden.camera.width_px, hidden.camera.height_px, 0.0F);
   cases.push_back(one_hidden);
   for (std::size_t i = 0; i < cases.size(); ++i) {
     for (const SplatGrowth growth : kKinds) {
@@ -217,23 +211,19 @@ TEST(TrainSplats, PixelsOfNoWeightAreNotLearned) {
   const std::vector<SplatView> clean = views;
   Rng rng(3);
   for (SplatView& view : views) {
-    for (SplatViewLevel& level : view.levels) {
-      level.weight = Image<float>(level.camera.width_px, level.camera.height_px, 1.0F);
-      for (int y = 0; y < level.camera.height_px; ++y) {
-        for (int x = level.camera.width_px / 2; x < level.camera.width_px; ++x) {
-          level.weight(x, y) = 0;
-          for (Image<float>& channel : level.color.channel) {
-            channel(x, y) = static_cast<float>(uniform(rng));
-          }
-        }
+    SplatViewLevel& full = view.full;
+    full.weight = Image<float>(full.camera.width_px, full.camera.height_px, 1.0F);
+    for (int y = 0; y < full.camera.height_px; ++y) {
+      for (int x = full.camera.width_px / 2; x < full.camera.width_px; ++x) {
+        full.weight(x, y) = 0;
+        for (Image<float>& channel : full.color.channel)
+          channel(x, y) = static_cast<float>(uniform(rng));
       }
     }
   }
   std::vector<SplatView> weighted = clean;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    for (std::size_t k = 0; k < views[i].levels.size(); ++k) {
-      weighted[i].levels[k].weight = views[i].levels[k].weight;
-    }
+    weighted[i].full.weight = views[i].full.weight;
   }
   const SplatTrainConfig config = quick_config(SplatGrowth::fixed);
   EXPECT_TRUE(same_bytes(train_splats(views, start_model(100), config).model,
@@ -258,7 +248,7 @@ TEST(TrainSplats, ViewsAreCountedThatSeeAGaussian) {
   std::vector<SplatView> views(3);
   for (std::size_t i = 0; i < 3; ++i) {
     views[i].camera_from_world = look_at({0, 0, 0}, {i == 1 ? -1.0 : 1.0, 0, 0});
-    views[i].levels.push_back(photograph(model, pinhole(64, 48, 60), views[i].camera_from_world));
+    views[i].full = photograph(model, pinhole(64, 48, 60), views[i].camera_from_world);
   }
   SplatTrainConfig config;
   config.steps = 1;
@@ -289,7 +279,7 @@ double first_loss(double drawn_px2, double learned_px2) {
   model.splats = random_splats(60, 11, 0.02);
   for (Splat& splat : model.splats) splat.sh_rest.fill(0);
   std::vector<SplatView> views = views_of(model, 1);
-  SplatViewLevel& level = views[0].levels[0];
+  SplatViewLevel& level = views[0].full;
   level.color =
       render_splats(model, level.camera, views[0].camera_from_world, {.low_pass_px2 = drawn_px2})
           .color;
@@ -322,7 +312,7 @@ TEST(TrainSplats, WrongInputsAreNamed) {
   config = {};
   config.low_pass_px2 = 0;
   EXPECT_THROW((void)train_splats(views, start_model(5), config), std::invalid_argument);
-  views[1].levels[0].color.channel[1] = Image<float>(3, 4);
+  views[1].full.color.channel[1] = Image<float>(3, 4);
   try {
     (void)train_splats(views, start_model(5), SplatTrainConfig{});
     FAIL();
