@@ -75,15 +75,8 @@ void change_colors(std::vector<SplatView>& views, const Change& change) {
 }
 
 double not_finite(const SplatModel& model) {
-  double count = 0;
-  for (const Splat& s : model.splats) {
-    bool finite = s.centre_m.allFinite() && s.log_scale.allFinite() &&
-                  s.rotation_wxyz.allFinite() && std::isfinite(s.opacity_logit);
-    for (const float c : s.sh_dc) finite = finite && std::isfinite(c);
-    for (const float c : s.sh_rest) finite = finite && std::isfinite(c);
-    count += finite ? 0 : 1;
-  }
-  return count;
+  return static_cast<double>(std::count_if(model.splats.begin(), model.splats.end(),
+                                           [](const Splat& splat) { return !is_finite(splat); }));
 }
 
 double not_finite(const ColorPlanes& color) {

@@ -18,6 +18,7 @@ struct Splat {
   std::array<float, 3> sh_dc{};     ///< red, green, blue
   std::array<float, 45> sh_rest{};  ///< 15 of red, 15 of green, 15 of blue, as the reference's PLY
 };
+bool is_finite(const Splat& splat);  ///< every value of it
 
 /// Gaussians of one scene. Colours are sRGB-encoded, 0..1, as the images they were trained on.
 struct SplatModel {

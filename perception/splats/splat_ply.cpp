@@ -56,11 +56,7 @@ auto& field_of(SplatType& splat, int field, int rest) {
 enum class RowProblem { none, not_finite, zero_rotation };
 
 RowProblem problem_of(const Splat& splat) {
-  bool finite = splat.centre_m.allFinite() && splat.log_scale.allFinite() &&
-                splat.rotation_wxyz.allFinite() && std::isfinite(splat.opacity_logit);
-  for (const float c : splat.sh_dc) finite = finite && std::isfinite(c);
-  for (const float c : splat.sh_rest) finite = finite && std::isfinite(c);
-  if (!finite) return RowProblem::not_finite;
+  if (!is_finite(splat)) return RowProblem::not_finite;
   return splat.rotation_wxyz.cast<double>().norm() < kLeastNorm ? RowProblem::zero_rotation
                                                                 : RowProblem::none;
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <thread>
@@ -17,19 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool all_finite(const SplatModel& model) {
-  for (const Splat& s : model.splats) {
-    if (!s.centre_m.allFinite() || !s.log_scale.allFinite() || !s.rotation_wxyz.allFinite() ||
-        !std::isfinite(s.opacity_logit)) {
-      return false;
-    }
-    for (const float x : s.sh_dc) {
-      if (!std::isfinite(x)) return false;
-    }
-    for (const float x : s.sh_rest) {
-      if (!std::isfinite(x)) return false;
-    }
-  }
-  return true;
+  return std::all_of(model.splats.begin(), model.splats.end(), is_finite);
 }
 
 constexpr SplatGrowth kKinds[] = {SplatGrowth::fixed, SplatGrowth::adaptive, SplatGrowth::budgeted,
