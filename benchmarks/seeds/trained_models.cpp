@@ -152,7 +152,6 @@ std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int step
   config.splats.most_splats = kSplatsForImages;
   config.splats.shape_rate = config.splats.opacity_rate = 1;
   config.splats.centre_rate = kCentreRateForImages;
-  config.splats.low_pass_px2 = SplatTrainConfig{}.low_pass_px2;
   SeedsScoreLabels labels = after_steps(task.labels, steps);
   labels.method = "splats_images";
   const KeptTraining kept(task.unfinished.empty()
