@@ -183,6 +183,7 @@ std::string key_of(const SeedlingsJob& job) {
   for (const int step : job.plan.at) key += "/" + std::to_string(step);
   for (const int most : job.plan.most_splats) key += "/most" + std::to_string(most);
   if (job.plan.method == kOurs) {
+    key += "/low_pass" + std::to_string(SplatTrainConfig().low_pass_px2);
     for (const int step : job.plan.at) {
       const SplatRates rates = rates_for(step);
       key += "/rates" + std::to_string(rates.centre_first) + "," + std::to_string(rates.log_scale);

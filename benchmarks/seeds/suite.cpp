@@ -284,12 +284,18 @@ SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::
   return seeds_run_config(sets);
 }
 
-std::string text_of(const TrainedJob& job) {
+/// What decides the trainings of a job, beside its configuration.
+std::string text_of(const TrainedJob& job, SeedsRunConfig config) {
   if (!job.splats) return {};
   std::string text = "/splats";
   for (const auto* at : {&job.reference_at, &job.ours_at, &job.ngp_at, &job.images_steps}) {
     text += "/";
     for (const int step : *at) text += " " + std::to_string(step);
+  }
+  const SeedsPipelineConfig pipeline = config.pipeline;
+  for (const int steps : job.images_steps) {
+    config.pipeline = pipeline_for_images(pipeline, steps);
+    text += "/" + resolved_toml(config);
   }
   return text;
 }
@@ -298,7 +304,8 @@ std::string text_of(const TrainedJob& job) {
 void drop_repeated(std::vector<SuiteJob>& jobs) {
   std::set<std::string> seen;
   std::erase_if(jobs, [&](const SuiteJob& job) {
-    return !seen.insert(resolved_toml(job.config) + std::to_string(job.run) + text_of(job.trained))
+    return !seen.insert(resolved_toml(job.config) + std::to_string(job.run) +
+                        text_of(job.trained, job.config))
                 .second;
   });
 }
@@ -386,7 +393,7 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
     std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
                       (job.attribution ? "/attribution" : "") +
-                      (job.trained.splats ? text_of(job.trained) + network : "") +
+                      (job.trained.splats ? text_of(job.trained, job.config) + network : "") +
                       user_files_hash(job.config.scene);
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back(

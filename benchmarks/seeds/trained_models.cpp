@@ -145,13 +145,17 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   return result;
 }
 
+SeedsPipelineConfig pipeline_for_images(SeedsPipelineConfig pipeline, int steps) {
+  pipeline.method = SeedsMethod::splats;
+  pipeline.splats.steps = steps;
+  pipeline.splats.most_splats = kSplatsForImages;
+  pipeline.splats.shape_rate = pipeline.splats.opacity_rate = 1;
+  pipeline.splats.centre_rate = kCentreRateForImages;
+  return pipeline;
+}
+
 std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int steps) {
-  SeedsPipelineConfig config = task.pipeline;
-  config.method = SeedsMethod::splats;
-  config.splats.steps = steps;
-  config.splats.most_splats = kSplatsForImages;
-  config.splats.shape_rate = config.splats.opacity_rate = 1;
-  config.splats.centre_rate = kCentreRateForImages;
+  const SeedsPipelineConfig config = pipeline_for_images(task.pipeline, steps);
   SeedsScoreLabels labels = after_steps(task.labels, steps);
   labels.method = "splats_images";
   const KeptTraining kept(task.unfinished.empty()

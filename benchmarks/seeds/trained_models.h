@@ -32,9 +32,12 @@ struct MeasuredModel {
 /// the end. Each case says after how many steps.
 MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod method);
 
-/// Gaussians whose images count, not their surface: they begin where those of `splats` do, then
-/// move, change shape and grow with the rates that training has by default. Rows of photographs,
-/// method "splats_images", of one training of so many steps.
+/// `splats` with scales, rotations and opacities at training's default rates, centres at a quarter
+/// of theirs, and more Gaussians: for images, not for surfaces.
+SeedsPipelineConfig pipeline_for_images(SeedsPipelineConfig pipeline, int steps);
+
+/// Gaussians trained so from where those of `splats` begin: rows of photographs, method
+/// "splats_images", of one training of so many steps.
 std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int steps);
 
 /// Instant-NGP in the volume above the board on photographs of a third of the size, with the poses

@@ -67,6 +67,10 @@ TEST(SeedlingsJobs, TheKeyTellsWhatDecidesTheResult) {
   EXPECT_TRUE(changed([](SeedlingsJob& j) { j.plan.method = kNgp; }));
   EXPECT_TRUE(changed([](SeedlingsJob& j) { j.plan.start_points += 1; }));
   EXPECT_FALSE(changed([](SeedlingsJob& j) { j.shown = !j.shown; }));
+  // Defaults that a build may change.
+  SeedlingsJob ours = job;
+  ours.plan.method = kOurs;
+  EXPECT_NE(key_of(ours).find("low_pass0.1"), std::string::npos);
 }
 
 TEST(FieldScores, OfManyViewsTrainedOnTenAreScored) {

@@ -137,6 +137,19 @@ TEST(SeedsSuite, ItsConfigurationNamesEveryJob) {
   EXPECT_THAT(text, HasSubstr("cultivar = \"zhengdan958\""));
 }
 
+TEST(SeedsSuite, TheKeyTellsWhatTrainingsForImagesTake) {
+  SeedsSuiteConfig config;
+  config.quick = true;
+  int found = 0;
+  for (const ShardJob& job : seeds_suite_jobs(config)) {
+    if (job.name != "quick_splats_zhengdan958.json") continue;
+    ++found;
+    EXPECT_THAT(job.key, HasSubstr("most_splats = 100000"));
+    EXPECT_THAT(job.key, HasSubstr("low_pass_px2 = 0.03"));
+  }
+  EXPECT_EQ(found, 1);
+}
+
 TEST(SeedsSuite, AnotherMeshInTheSameFileIsMeasuredAnew) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "mine.obj";
