@@ -150,16 +150,23 @@ std::vector<bool> leave_out(const BundleAdjustmentInput& input,
   return out;
 }
 
-int freedoms_of(const BundleProblem& problem) {
+/// Points that a sighting in use shows: what is known of others says nothing of a sighting.
+std::set<int> seen_points(const BundleProblem& problem) {
   std::set<int> points;
-  int coordinates = 0;
   for (std::size_t i = 0; i < problem.observations.size(); ++i) {
-    if (!problem.used[i]) continue;
-    points.insert(problem.observations[i].point);
-    coordinates += 2;
+    if (problem.used[i]) points.insert(problem.observations[i].point);
   }
-  coordinates += 3 * static_cast<int>(problem.known_points.size()) +
-                 static_cast<int>(problem.known_distances.size());
+  return points;
+}
+
+int freedoms_of(const BundleProblem& problem) {
+  const std::set<int> points = seen_points(problem);
+  int coordinates =
+      2 * static_cast<int>(std::count(problem.used.begin(), problem.used.end(), true));
+  for (const KnownPoint& known : problem.known_points)
+    coordinates += points.contains(known.point) ? 3 : 0;
+  for (const KnownDistance& known : problem.known_distances)
+    coordinates += points.contains(known.point_a) && points.contains(known.point_b) ? 1 : 0;
   int unknowns = 6 * static_cast<int>(problem.poses.size()) + 3 * static_cast<int>(points.size());
   for (const std::vector<bool>& free : problem.free)
     unknowns += static_cast<int>(std::count(free.begin(), free.end(), true));
@@ -169,7 +176,8 @@ int freedoms_of(const BundleProblem& problem) {
   return coordinates - unknowns;
 }
 
-/// Sum of squares under the loss and that without it, of what is used.
+/// Sum of squares under the loss, with those of what is known before, and that of sightings alone
+/// without it.
 struct Squares {
   double softened = 0, plain = 0;
   int points = 0;
@@ -185,6 +193,19 @@ Squares squares_of(const BundleProblem& problem) {
     sum.plain +=
         r.squaredNorm() * problem.observations[i].sigma_px * problem.observations[i].sigma_px;
     ++sum.points;
+  }
+  // These are measurements as sightings are, see freedoms_of().
+  const auto point = [&](int i) { return problem.points[static_cast<std::size_t>(i)]; };
+  const std::set<int> seen = seen_points(problem);
+  for (const KnownPoint& known : problem.known_points) {
+    if (seen.contains(known.point))
+      sum.softened +=
+          (point(known.point) - known.in_world_m).squaredNorm() / (known.sigma_m * known.sigma_m);
+  }
+  for (const KnownDistance& known : problem.known_distances) {
+    if (!seen.contains(known.point_a) || !seen.contains(known.point_b)) continue;
+    const double length = (point(known.point_a) - point(known.point_b)).norm();
+    sum.softened += std::pow((length - known.length_m) / known.sigma_m, 2);
   }
   for (const double zoom : problem.zoom) {
     if (problem.config.zoom_share > 0)
@@ -341,6 +362,14 @@ struct Similarity {
   double scale = 1;
   Vector3d shift = Vector3d::Zero();
 };
+double spread_of(const Eigen::Matrix3Xd& points) {
+  return (points.colwise() - points.rowwise().mean()).norm();
+}
+bool are_on_a_line(const Eigen::Matrix3Xd& points) {
+  const Eigen::Matrix3Xd apart = points.colwise() - points.rowwise().mean();
+  const Vector3d extents = Eigen::JacobiSVD<Matrix3d>(apart * apart.transpose()).singularValues();
+  return extents[1] <= 1e-8 * extents[0];  // squares: a line to 1e-4 of its length
+}
 Similarity back_to_start(const BundleProblem& after, const std::vector<Vector6d>& before) {
   Eigen::Matrix3Xd from(3, before.size()), to(3, before.size());
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -349,13 +378,19 @@ Similarity back_to_start(const BundleProblem& after, const std::vector<Vector6d>
     to.col(at) = centre_in_world_m(pose_of_vector(before[i]));
   }
   Similarity result;
-  // Centres on a line leave a turn about it open: the identity is as good.
-  if (before.size() < 3) {
-    if (after.gauge == BundleGauge::similarity) {
-      const double apart = (from.col(0) - from.col(1)).norm();
-      if (apart > 0) result.scale = (to.col(0) - to.col(1)).norm() / apart;
-    }
-    result.shift = to.rowwise().mean() - result.scale * from.rowwise().mean();
+  if (are_on_a_line(from) || are_on_a_line(to)) {  // a turn about it is open to them
+    Matrix3d turns = Matrix3d::Zero();
+    for (std::size_t i = 0; i < before.size(); ++i)
+      turns +=
+          (pose_of_vector(before[i]).rotation.conjugate() * pose_of_vector(after.poses[i]).rotation)
+              .toRotationMatrix();
+    const Eigen::JacobiSVD<Matrix3d> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Matrix3d product = svd.matrixU() * svd.matrixV().transpose();
+    const Vector3d sign(1, 1, product.determinant() < 0 ? -1 : 1);
+    result.rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+    const double apart = spread_of(from);
+    if (after.gauge == BundleGauge::similarity && apart > 0) result.scale = spread_of(to) / apart;
+    result.shift = to.rowwise().mean() - result.scale * (result.rotation * from.rowwise().mean());
     return result;
   }
   const Eigen::Matrix4d t = Eigen::umeyama(from, to, after.gauge == BundleGauge::similarity);

@@ -17,6 +17,7 @@ constexpr int kAsked = 10;
 /// One reference's depths as seen from another.
 struct Witness {
   const MvsView* view;
+  float reference_focal_px;
   const ReferenceDepth* depth;
   Eigen::Matrix3f rotation;  ///< witness_from_reference
   Eigen::Vector3f translation_m;
@@ -43,7 +44,7 @@ struct Witness {
         rotation.transpose() * Eigen::Vector3f(ray.x(), ray.y(), 1) * difference;
     const float across = (moved - point_m * (moved.dot(point_m) / point_m.squaredNorm())).norm();
     return std::abs(difference) <= most_relative * p.z() &&
-           across * view->focal_px.x() <= most_px * point_m.z();
+           across * reference_focal_px <= most_px * point_m.z();
   }
 };
 
@@ -73,7 +74,8 @@ std::vector<Image<float>> consistent_depths_m(const std::vector<MvsView>& views,
     for (const std::size_t j : order) {
       const MvsView& other = views[static_cast<std::size_t>(references[j])];
       const Pose relative = other.camera_from_world * inverse(view.camera_from_world);
-      witnesses.push_back({&other, &depths[j], relative.rotation.toRotationMatrix().cast<float>(),
+      witnesses.push_back({&other, view.focal_px.x(), &depths[j],
+                           relative.rotation.toRotationMatrix().cast<float>(),
                            relative.translation_m.cast<float>()});
     }
     result[i] = Image<float>(view.rect.width, view.rect.height, kNone);

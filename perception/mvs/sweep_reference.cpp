@@ -63,7 +63,8 @@ PlaneFamily make_family(const Eigen::Vector3d& normal, const MvsView& view,
       disparity = std::max(disparity, (pixel(family.nearest) - pixel(family.farthest)).norm());
     }
   }
-  family.count = std::clamp(static_cast<int>(std::ceil(disparity / step_px)) + 1, 3, kMostPlanes);
+  family.count = static_cast<int>(
+      std::clamp(std::ceil(disparity / step_px) + 1, 3.0, static_cast<double>(kMostPlanes)));
   return family;
 }
 

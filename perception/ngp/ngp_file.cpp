@@ -159,7 +159,7 @@ SavedNgpTraining read_ngp_training(const std::filesystem::path& file) {
   state.iteration = reader.take<int>();
   state.rays = reader.take<int>();
   state.samples = reader.take<std::int64_t>();
-  if (state.iteration < 0 || state.iteration > saved.model.config.iterations || state.rays < 1 ||
+  if (state.iteration < 1 || state.iteration > saved.model.config.iterations || state.rays < 1 ||
       state.rays > ngp::kMostRays)
     throw std::runtime_error(where + std::to_string(state.iteration) + " iterations of " +
                              std::to_string(saved.model.config.iterations) + ", " +

@@ -71,6 +71,9 @@ bool shade_round(const NgpModel& model, const std::vector<GridLevel>& levels,
 
 NgpImage render_ngp(const NgpModel& model, const Camera& camera, const Pose& camera_from_world) {
   validate(camera);
+  if (!camera_from_world.translation_m.allFinite() ||
+      !camera_from_world.rotation.coeffs().allFinite())
+    throw std::invalid_argument("render_ngp: the pose is not finite");
   const Image<Eigen::Vector3f> directions = pixel_directions(camera);
   const std::vector<GridLevel> levels = grid_levels(model.config.grid);
   const DenseKernels<float> kernels = dense_kernels();

@@ -40,7 +40,7 @@ struct Group {
   std::vector<int> counts;
   std::vector<std::array<float, kHarmonics>> basis;
   double loss = 0;
-  std::int64_t samples = 0;
+  std::int64_t samples = 0, drawn = 0;  ///< rays with a pixel that counts
 };
 
 class Trainer {
@@ -86,10 +86,11 @@ class Trainer {
                 step_rng.fork(static_cast<std::uint64_t>(g)));
     });
     double loss = 0;
-    std::int64_t samples = 0;
+    std::int64_t samples = 0, drawn = 0;
     for (const Group& group : groups_) {
       loss += group.loss;
       samples += group.samples;
+      drawn += group.drawn;
     }
     state_.samples += samples;
     update(iteration);
@@ -97,7 +98,7 @@ class Trainer {
     const double per_ray = std::max(1.0, static_cast<double>(samples) / rays);
     state_.rays = rays_in_limits(config_.samples_per_step / per_ray);
     ++state_.iteration;
-    return loss / (3.0 * rays);
+    return loss / (3.0 * static_cast<double>(std::max<std::int64_t>(1, drawn)));
   }
 
  private:
@@ -226,7 +227,7 @@ class Trainer {
     group.points.clear();
     group.counts.clear();
     group.loss = 0;
-    group.samples = 0;
+    group.samples = group.drawn = 0;
     std::vector<std::array<float, 3>> wanted;
     for (int first = 0; first < rays; first += kBundle) {
       group.bundle.clear();
@@ -247,7 +248,9 @@ class Trainer {
         wanted.push_back({static_cast<float>(color.r) / 255, static_cast<float>(color.g) / 255,
                           static_cast<float>(color.b) / 255});
       }
-      if (!wanted.empty()) learn(group, wanted, rays);
+      if (wanted.empty()) continue;
+      group.drawn += static_cast<std::int64_t>(wanted.size());
+      learn(group, wanted, rays);
     }
   }
 
@@ -371,7 +374,10 @@ SavedNgpTraining begin_or_go_on(std::span<const NgpView> views, const NgpConfig&
   if (!std::filesystem::exists(checkpoint.file)) return saved;
   try {
     SavedNgpTraining kept = read_ngp_training(checkpoint.file);
-    if (kept.fingerprint == saved.fingerprint) return kept;
+    // What a file says its model is decides the sizes of its arrays.
+    if (kept.fingerprint == saved.fingerprint &&
+        to_toml(fields(kept.model.config)) == to_toml(fields(saved.model.config)))
+      return kept;
     throw std::runtime_error(checkpoint.file.string() +
                              ": the checkpoint is of other views or another configuration");
   } catch (const std::runtime_error&) {

@@ -53,8 +53,10 @@ void march(const NgpVolume& volume, const Occupancy& occupancy, const MarchConfi
     const Eigen::Vector3f at = origin + t * direction;
     const float step = step_at(t);
     const int cube = cube_of(volume, at);
+    // Far away a step may be less than what a float tells apart.
+    const auto goes_on = [&t](float next) { return next > t ? (t = next, true) : false; };
     if (cube >= volume.cascades) {  // on a face, by rounding
-      t += step;
+      if (!goes_on(t + step)) return;
       continue;
     }
     const float side = static_cast<float>(1U << static_cast<unsigned>(cube)) / resolution;
@@ -72,11 +74,11 @@ void march(const NgpVolume& volume, const Occupancy& occupancy, const MarchConfi
     }
     if (occupancy.filled[cell]) {
       samples.push_back({at, t, step});
-      t += step;
+      if (!goes_on(t + step)) return;
       continue;
     }
     // Whole steps to the cell's far face.
-    t += step * std::max(1.0F, std::ceil(leave / step));
+    if (!goes_on(t + step * std::max(1.0F, std::ceil(leave / step)))) return;
   }
 }
 

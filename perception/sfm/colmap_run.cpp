@@ -265,9 +265,13 @@ void empty_folder(const fs::path& folder) {
 }
 
 /// What of the images and words a run in `folder` depends on; a folder of another run is emptied.
-std::string prepared_key(const ColmapInput& input, const Words& extraction, const fs::path& folder,
+/// What is done with the lens is part of it: mapping anew would find the matches of lost images
+/// too.
+std::string prepared_key(const ColmapInput& input, const ColmapConfig& config,
+                         const Words& extraction, const fs::path& folder,
                          const std::string& version) {
-  std::string key = version + "\n" + images_hash(input) + "\n" + match_list(input.pairs);
+  std::string key = version + "\n" + images_hash(input) + "\n" + match_list(input.pairs) + "\n" +
+                    std::string(to_string(config.lens));
   for (const std::string& word : extraction) key += "\n" + word;
   key = sha256_hex(key);
   keep_database_of(key, folder);
@@ -365,7 +369,7 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
   const fs::path folder = fs::absolute(scratch ? scratch->path() : fs::path(config.folder));
   fs::create_directories(folder);
   const Words extraction = extraction_words(input, config, folder);
-  const std::string key = prepared_key(input, extraction, folder, run.version);
+  const std::string key = prepared_key(input, config, extraction, folder, run.version);
   Steps steps(key, config.time_limit_s, folder, run);
   const auto images = static_cast<int>(input.images.size());
   if (!map_pairs(input, config, extraction, folder, steps, run)) {

@@ -160,7 +160,7 @@ bool keep_what_agrees(const std::vector<int>& frames, const std::optional<Camera
                       std::to_string(agreement.with) + " agree where it stands";
     return false;
   }
-  model = without_images(model, agreement.against);
+  model = without_blind_images(without_images(model, agreement.against));
   bundle = adjust_tracks(model, lens, config);
   return true;
 }

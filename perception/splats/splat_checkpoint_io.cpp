@@ -10,7 +10,8 @@
 namespace cousin {
 namespace {
 
-constexpr std::string_view kFirstLine = "cousin splat training 3";
+constexpr std::string_view kFirstLine = "cousin splat training 4";
+constexpr int kMostSteps = 1'000'000;     ///< as of a configuration
 constexpr std::size_t kFingerprint = 64;  ///< characters
 
 std::string hash_of(const Image<float>& image) {
@@ -76,7 +77,7 @@ void write_training(const std::filesystem::path& file, const SavedTraining& save
   ByteWriter bytes;
   bytes.text.append(kFirstLine).append("\n").append(saved.fingerprint);
   const SplatTrainState& state = saved.state;
-  bytes.add(saved.loss_sum).add(saved.loss_count);
+  bytes.add(saved.loss_sum).add(saved.loss_count).add(saved.blind);
   bytes.add(state.step).add(state.rest_updates).add(state.started_with);
   bytes.add(state.origin_in_world_m.data(), 3 * sizeof(double));
   bytes.add(state.extent_m).add(saved.wall_s).add(saved.cpu_s);
@@ -107,9 +108,20 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
   SplatTrainState& state = saved.state;
   saved.loss_sum = reader.take<double>();
   saved.loss_count = reader.take<int>();
+  saved.blind = reader.take<int>();
   state.step = reader.take<int>();
   state.rest_updates = reader.take<int>();
   state.started_with = reader.take<int>();
+  const auto within = [&](const char* what, int value, int low, int high) {
+    if (value >= low && value <= high) return;
+    throw std::runtime_error(name + ": " + what + " = " + std::to_string(value) + " is not in " +
+                             std::to_string(low) + ".." + std::to_string(high));
+  };
+  within("step", state.step, 1, kMostSteps);
+  within("rest_updates", state.rest_updates, 0, state.step);
+  within("loss_count", saved.loss_count, 0, state.step);
+  within("blind", saved.blind, 0, state.step);
+  within("started_with", state.started_with, 1, most_splats);
   reader.take(state.origin_in_world_m.data(), 3 * sizeof(double));
   state.extent_m = reader.take<double>();
   saved.wall_s = reader.take<double>();

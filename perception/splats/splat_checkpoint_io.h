@@ -17,6 +17,7 @@ struct SavedTraining {
   double wall_s = 0, cpu_s = 0;  ///< of all steps, as in SplatTrainPoint
   double loss_sum = 0;           ///< since the curve's last point
   int loss_count = 0;
+  int blind = 0;  ///< steps without a Gaussian in the view since the last that showed one
 };
 
 /// A hash of all that decides a training's bytes.

@@ -37,7 +37,9 @@ std::vector<int> morton_order(const SplatPlanes& values) {
   for (int i = 0; i < values.size(); ++i) {
     std::uint32_t bits = 0;
     for (int k = 0; k < 3; ++k) {
-      const float share = (values.at(k, i) - low[k]) / std::max(high[k] - low[k], 1e-30F);
+      // A quarter of each, so that no difference of finite numbers is infinite.
+      const float extent = 0.25F * high[k] - 0.25F * low[k];
+      const float share = (0.25F * values.at(k, i) - 0.25F * low[k]) / std::max(extent, 0.25e-30F);
       bits |= spread_bits(static_cast<std::uint32_t>(std::clamp(share, 0.0F, 1.0F) * 1023)) << k;
     }
     keys[static_cast<std::size_t>(i)] = std::uint64_t{bits} << 32 | static_cast<std::uint32_t>(i);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -14,6 +15,7 @@ namespace {
 constexpr std::uint32_t kHidden = 0xffffffffU;
 constexpr std::size_t kPairsLimit = std::size_t{1} << 26;
 constexpr std::size_t kPart = 2048;  ///< Gaussians
+constexpr std::size_t kTold = 4096;  ///< pairs of a part that the others need not know of
 constexpr std::size_t kAhead = 8;    ///< Gaussians ahead of which they are fetched from memory
 
 /// Positive floats sort as their bits do: three stable passes of 11 bits.
@@ -114,8 +116,10 @@ void make_tile_lists(const ProjectedSplat* projected, const std::uint32_t* depth
   lists.pair_first.assign(static_cast<std::size_t>(count), 0);
   lists.pair_count.assign(static_cast<std::size_t>(count), 0);
 
-  // Pairs of each part.
+  // Pairs of each part. Too many of all together are noticed before they are all in memory.
+  std::atomic<std::size_t> told = 0;
   tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t p) {
+    std::size_t told_of_part = 0;
     TileLists::Part& part = lists.parts[p];
     part.pair_tile.clear();
     part.tile_count.assign(tiles, 0);
@@ -123,18 +127,22 @@ void make_tile_lists(const ProjectedSplat* projected, const std::uint32_t* depth
       const std::uint32_t splat = lists.front_to_back[i];
       __builtin_prefetch(projected + lists.front_to_back[std::min(i + kAhead, shown - 1)]);
       const std::size_t before = part.pair_tile.size();
-      if (before > kPairsLimit) break;
+      if (before - told_of_part >= kTold) {
+        told += before - told_of_part;
+        told_of_part = before;
+      }
+      if (told > kPairsLimit) break;
       list_pairs(projected[splat], lists, part);
       lists.pair_count[splat] = static_cast<std::uint32_t>(part.pair_tile.size() - before);
     }
   });
   std::size_t pairs = 0;
-  for (const TileLists::Part& part : lists.parts) {
-    pairs += part.pair_tile.size();
-    if (pairs > kPairsLimit) {
-      throw std::runtime_error("splats cover " + std::to_string(pairs) +
-                               " tiles in one view; the limit is " + std::to_string(kPairsLimit));
-    }
+  for (const TileLists::Part& part : lists.parts) pairs += part.pair_tile.size();
+  if (pairs > kPairsLimit) {
+    lists.parts = {};  // gigabytes
+    throw std::runtime_error(
+        "splats cover more tiles in one view, all taken together, than the limit of " +
+        std::to_string(kPairsLimit));
   }
 
   // Neighbours in memory are neighbours in space: numbered in that order, their pairs are too.

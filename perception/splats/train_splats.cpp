@@ -13,17 +13,6 @@ namespace {
 /// Steps before training gives up on views that show nothing.
 int patience(std::size_t views) { return 2 * static_cast<int>(views); }
 
-/// Whether a view has shown any of the Gaussians since training began: those have moments.
-bool was_shown(const SplatTrainState& state) {
-  const SplatPlanes& squares = state.second_moment;
-  for (int k = 0; k < SplatPlane::count; ++k) {
-    for (int i = 0; i < squares.size(); ++i) {
-      if (squares.at(k, i) > 0) return true;
-    }
-  }
-  return false;
-}
-
 bool any_weight(std::span<const SplatView> views) {
   return std::any_of(views.begin(), views.end(), [](const SplatView& view) {
     const Image<float>& weight = view.full.weight;
@@ -131,17 +120,19 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   if (views.empty()) return training;
   check_views(views);
   SavedTraining saved = begin_or_go_on(views, start, config, checkpoint);
-  training.status = saved.state.values.size() == 0 ? SplatTrainStatus::no_start
-                    : any_weight(views)            ? SplatTrainStatus::ok
-                                                   : SplatTrainStatus::nothing_to_learn;
+  training.curve = std::move(saved.curve);
+  training.status =
+      saved.state.values.size() == 0
+          ? saved.state.step == 0 ? SplatTrainStatus::no_start : SplatTrainStatus::nothing_left
+      : any_weight(views) ? SplatTrainStatus::ok
+                          : SplatTrainStatus::nothing_to_learn;
   if (training.status != SplatTrainStatus::ok) return training;
 
-  training.curve = std::move(saved.curve);
   const SplatTrainPoint before = training.curve.empty() ? SplatTrainPoint{} : training.curve.back();
   SplatTrainer trainer(views, config, std::move(saved.state));
   double loss_sum = saved.loss_sum;
   int loss_count = saved.loss_count;
-  int blind = 0;
+  int blind = saved.blind;
   const auto point_now = [&](double loss) {
     return SplatTrainPoint{trainer.state().step, saved.wall_s + trainer.seconds().total,
                            saved.cpu_s + trainer.seconds().total_cpu, loss,
@@ -151,16 +142,25 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
       before.step < config.steps && !progress(before)) {
     training.status = SplatTrainStatus::stopped;
   }
+  const auto judge = [&] {  // by what the views showed
+    const int done = trainer.state().step;
+    const bool never = done > 0 && blind == done;
+    if (trainer.state().values.size() == 0 || (blind >= patience(views.size()) && !never)) {
+      training.status = SplatTrainStatus::nothing_left;
+    } else if (never && (blind >= patience(views.size()) ||
+                         (done == config.steps && done >= static_cast<int>(views.size())))) {
+      training.status = SplatTrainStatus::nothing_seen;
+    }
+  };
+  if (training.status == SplatTrainStatus::ok) judge();  // one that had ended says so again
   while (training.status == SplatTrainStatus::ok && trainer.state().step < config.steps) {
     const SplatTrainer::Step step = trainer.step();
     const int done = trainer.state().step;
     blind = step.shown == 0 ? blind + 1 : 0;
-    if (!std::isfinite(step.loss)) training.status = SplatTrainStatus::not_finite;
-    const bool has_none = trainer.state().values.size() == 0;
-    if (has_none || blind >= patience(views.size())) {
-      training.status = has_none || was_shown(trainer.state()) ? SplatTrainStatus::nothing_left
-                                                               : SplatTrainStatus::nothing_seen;
-    }
+    if (std::isfinite(step.loss))
+      judge();
+    else
+      training.status = SplatTrainStatus::not_finite;
     if (snapshots.take && training.status == SplatTrainStatus::ok &&
         std::find(snapshots.at.begin(), snapshots.at.end(), done) != snapshots.at.end()) {
       snapshots.take(point_now(step.loss), learned(trainer, config));
@@ -181,7 +181,7 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
         (stops || done % checkpoint.every == 0 || done == config.steps)) {
       const SplatTrainPoint now = point_now(step.loss);
       write_training(checkpoint.file, {saved.fingerprint, trainer.state(), training.curve,
-                                       now.wall_s, now.cpu_s, loss_sum, loss_count});
+                                       now.wall_s, now.cpu_s, loss_sum, loss_count, blind});
     }
   }
   training.seconds = trainer.seconds();

@@ -122,6 +122,27 @@ TEST_F(NgpFileTest, CheckpointsOfOtherTrainingsAreRefusedOrReplaced) {
   EXPECT_THROW(train_ngp(views, config_, {}, {}, {checkpoint.file, 0}), std::invalid_argument);
 }
 
+// The sizes of its arrays are those of its own configuration.
+TEST_F(NgpFileTest, ACheckpointOfAnotherModelUnderTheSameFingerprintIsRefused) {
+  const std::vector<NgpView> views = ball_views(3);
+  config_.iterations = 4;
+  const NgpCheckpoint checkpoint = {folder_ / "c", 2};
+  train_ngp(views, config_, {}, {}, checkpoint);
+  const std::string fingerprint = read_ngp_training(checkpoint.file).fingerprint;
+  NgpConfig small = config_;
+  small.grid.levels -= 1;
+  fs::remove(checkpoint.file);
+  train_ngp(views, small, {}, {}, checkpoint);
+  SavedNgpTraining other = read_ngp_training(checkpoint.file);
+  other.fingerprint = fingerprint;
+  write_ngp_training(checkpoint.file, other);
+  EXPECT_THROW(train_ngp(views, config_, {}, {}, checkpoint), std::runtime_error);
+  // One that has not begun has no checkpoint.
+  other.state.iteration = 0;
+  write_ngp_training(checkpoint.file, other);
+  EXPECT_THROW((void)read_ngp_training(checkpoint.file), std::runtime_error);
+}
+
 // Sealed anew, so that not the hash but the reader must notice.
 TEST_F(NgpFileTest, HostileBytesAreAnErrorThatNamesTheFile) {
   config_.iterations = 2;

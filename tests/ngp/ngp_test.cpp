@@ -147,6 +147,9 @@ TEST(Ngp, BadInputIsNamed) {
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "view 1: image of 10 x 10 but the camera has 48 x 36");
   }
+  Pose nowhere;
+  nowhere.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(render_ngp({}, views[0].camera, nowhere), std::invalid_argument);
   NgpConfig config = small_field_config();
   config.grid.log2_table = 40;
   EXPECT_THROW(validate(config), std::invalid_argument);

@@ -44,6 +44,19 @@ TEST(Occupancy, RaysSampleFilledCellsOnlyAndStepThroughThemWhole) {
   EXPECT_NEAR(length, 0.125, 0.0041) << "up to a step at either face";
 }
 
+// From so far away a step of 0.003 is less than what floats tell apart.
+TEST(Occupancy, AStepThatAFloatDoesNotTellApartEndsTheRay) {
+  const NgpVolume volume;
+  std::vector<RaySample> samples;
+  MarchConfig config;
+  config.shortest = 0.003;
+  config.cone = 0;
+  for (const std::uint8_t filled : {0, 1}) {
+    march(volume, grid_of(volume, 8, filled), config, {-1e5F, 0, 0}, {1, 0, 0}, 0, samples);
+    EXPECT_LE(samples.size(), 1U);
+  }
+}
+
 TEST(Occupancy, RaysThatMissOrPointAwayHaveNoSamples) {
   NgpVolume volume;
   volume.cascades = 2;

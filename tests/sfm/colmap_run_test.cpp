@@ -162,6 +162,9 @@ TEST_F(ColmapRunTest, OtherImagesPairsOrSettingsStartAnew) {
   other.max_features = 4000;
   EXPECT_FALSE(run_colmap(pictures.input, other).resumed);
   EXPECT_TRUE(run_colmap(pictures.input, other).resumed);
+  // Its words of extraction are the same, and the database has matches of lost images by now.
+  other.lens = other.lens == ColmapLens::focal ? ColmapLens::given : ColmapLens::focal;
+  EXPECT_FALSE(run_colmap(pictures.input, other).resumed);
 }
 
 TEST_F(ColmapRunTest, AStepThatFailedIsTriedAgainWithWhatWasDoneBefore) {

@@ -255,6 +255,29 @@ TEST(SfmPoses, ImagesThatTheBoardContradictsAreTakenOut) {
   EXPECT_GT(centre_rms_m(views, believed), 0.1);
 }
 
+TEST(SfmPoses, AnImageThatContradictedOnesLeaveWithoutTracksIsLostAlone) {
+  SKIP_WITHOUT_CERES();
+  PlantViews views = plant_views({}, 9);
+  std::swap(views.corners[4], views.corners[13]);  // their tracks are right, their boards are not
+  int shared = 0;
+  for (SfmPoint& point : views.model.points) {  // image 7 shares points with these two alone
+    const auto sees = [&](int image) {
+      return std::any_of(point.sightings.begin(), point.sightings.end(),
+                         [&](const SfmSighting& seen) { return seen.image == image; });
+    };
+    const bool theirs = sees(4) && sees(7) && sees(13) && shared++ < 40;
+    std::erase_if(point.sightings, [&](const SfmSighting& seen) {
+      return theirs ? seen.image != 4 && seen.image != 7 && seen.image != 13 : seen.image == 7;
+    });
+  }
+  ASSERT_GT(shared, 40);
+  const SfmEstimate estimate = refined(views, {.place_by_board = false});
+  EXPECT_THAT(estimate.contradicted, ElementsAre(14, 23));
+  EXPECT_EQ(estimate.status, SfmStatus::partly_registered) << estimate.reason;
+  EXPECT_THAT(estimate.lost, ElementsAre(14, 17, 23));
+  EXPECT_LT(centre_rms_m(views, estimate), 5e-4);
+}
+
 TEST(SfmPoses, AnImageWhoseTracksAreSomeDegreesOffIsWhereItsBoardIs) {
   SKIP_WITHOUT_CERES();
   // 6 cm off, and less than what is denied before: its corners are hundreds of deviations away.

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "benchmarks/splats/kept_training.h"
+#include "perception/splats/splat_checkpoint_io.h"
 #include "perception/splats/splat_ply.h"
 #include "perception/splats/train_splats.h"
 #include "sim/dataset/atomic_file.h"
@@ -131,6 +132,63 @@ TEST_F(SplatCheckpointTest, KeptModelsOfTwoProcessesAreThoseOfOne) {
   }
   fs::remove_all(folder_ / "kept" / "60");
   EXPECT_THROW((void)second.models(at), std::runtime_error);  // 100 is there
+}
+
+// Sealed anew, so that not the hash but the reader must notice.
+TEST_F(SplatCheckpointTest, CountsThatNoTrainingHasAreRefused) {
+  SplatTrainConfig config = quick_config(SplatGrowth::fixed);
+  config.steps = 6;
+  const fs::path file = folder_ / "c";
+  (void)train_splats(views_of(true_model(), 3), start_model(20), config, {}, {file, 2});
+  const SavedTraining good = read_training(file, 20);
+  EXPECT_EQ(good.state.step, 6);
+  const auto refused = [&](auto change) {
+    SavedTraining other = good;
+    change(other);
+    write_training(file, other);
+    try {
+      (void)read_training(file, 20);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what()).find(file.string()) != std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.state.step = -1000000; }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.state.step = 0; }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.state.step = 2000000; }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.state.rest_updates = 7; }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.state.started_with = 21; }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.loss_count = -1; }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.blind = 7; }));
+  EXPECT_FALSE(refused([](SavedTraining&) {}));
+}
+
+// The same status again and again, not another after each call.
+TEST_F(SplatCheckpointTest, ATrainingThatSawOrLeftNothingSaysSoAgain) {
+  std::vector<SplatView> views = views_of(true_model(), 3);
+  SplatTrainConfig config = quick_config(SplatGrowth::budgeted);
+  std::vector<SplatView> away = views;
+  for (SplatView& view : away) view.camera_from_world = look_at({5, 0, 0}, {9, 0, 0});
+  for (int call = 0; call < 3; ++call) {
+    const SplatTraining seen =
+        train_splats(away, start_model(9), config, {}, {folder_ / "away", 1000});
+    EXPECT_EQ(seen.status, SplatTrainStatus::nothing_seen) << call;
+    if (call > 0) EXPECT_EQ(seen.seconds.total, 0);
+  }
+  // Black photographs, of which nothing is the best model.
+  for (SplatView& view : views) {
+    for (Image<float>& channel : view.full.color.channel)
+      std::fill(channel.begin(), channel.end(), 0.0F);
+  }
+  SplatModel start = start_model(9);
+  for (Splat& splat : start.splats) splat.opacity_logit = -5.2F;
+  config.steps = 4000;
+  const auto train = [&] {
+    return train_splats(views, start, config, {}, {folder_ / "black", 100000}).status;
+  };
+  const SplatTrainStatus first = train();
+  EXPECT_EQ(first, SplatTrainStatus::nothing_left);
+  EXPECT_EQ(train(), first);
 }
 
 TEST_F(SplatCheckpointTest, DamagedAndForeignOnesAreRefused) {

@@ -19,6 +19,24 @@ SplatModel cube_model() {
   return model;
 }
 
+// 650 million pairs would be 2.6 GB, and are not made before they are refused.
+TEST(SplatRender, GaussiansThatCoverTooManyTilesAreRefused) {
+  SplatModel model;
+  model.splats.resize(20000);
+  for (Splat& splat : model.splats) {
+    splat.centre_m = {3, 0, 0};
+    splat.log_scale.setConstant(3);
+    splat.opacity_logit = 4;
+  }
+  try {
+    (void)render_splats(model, pinhole(3840, 2160, 2000), look_at({0, 0, 0}, {1, 0, 0}));
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("limit of 67108864"), std::string::npos)
+        << error.what();
+  }
+}
+
 double largest_difference(const ColorPlanes& a, const ColorPlanes& b) {
   double largest = 0;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -153,6 +153,10 @@ TEST(TrainSplats, WhatCannotBeTrainedSaysSo) {
   std::vector<SplatView> away = views;
   for (SplatView& view : away) view.camera_from_world = look_at({5, 0, 0}, {9, 0, 0});
   EXPECT_EQ(train_splats(away, start_model(9), config).status, SplatTrainStatus::nothing_seen);
+  SplatTrainConfig short_one = config;  // each view once and no more
+  short_one.steps = 3;
+  EXPECT_EQ(train_splats(away, start_model(9), short_one).status, SplatTrainStatus::nothing_seen);
+  EXPECT_EQ(train_splats(views, start_model(9), short_one).status, SplatTrainStatus::ok);
   // Masks that hide all.
   for (SplatView& view : views) {
     view.full.weight = Image<float>(view.full.camera.width_px, view.full.camera.height_px, 0.0F);
