@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -13,7 +14,8 @@ namespace cousin {
 struct ScoreLimit {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  std::string text;  ///< for people: "at most 0.15 mm"
+  std::int64_t least_n = 0;  ///< of as many at least: what is not measured must not raise a score
+  std::string text;          ///< for people: "at most 0.15 mm"
 };
 
 /// The limit of a row of `bench seeds` at the paper's imaging (1920 x 1080, 60 or 270 views): of

@@ -42,8 +42,8 @@ std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photo
                                       const SeedsImageRenderer& render, const ScoreRow& base,
                                       const LearnedDistance* learned);
 
-/// The rows of an estimate's Gaussians, their number and the seconds of training. Empty if it holds
-/// none.
+/// The rows of an estimate's Gaussians and their number, of the photographs or their parts that its
+/// method trains on; each has the seconds of the stage "splats". Empty if it holds none.
 std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstimate& estimate,
                                        const SeedsPipelineConfig& config,
                                        const SeedsScoreLabels& labels,

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "benchmarks/seeds/limits.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/splat_images.h"
 #include "benchmarks/splats/kept_training.h"
@@ -25,6 +26,15 @@ constexpr double kCentreRateForImages = 1e-3;  ///< a share of the cameras' exte
 
 bool is_before_training(const StageTiming& timing) {
   return timing.stage == "corners" || timing.stage == "poses";
+}
+
+/// What a stage's clock has to be changed by to say the seconds of all processes without those that
+/// models and checkpoints take to be kept.
+StageTiming seconds_of_training_alone(const SplatTraining& training) {
+  StageTiming change = seconds_before(training);
+  change.wall_s -= training.seconds.kept;
+  change.cpu_s -= training.seconds.kept_cpu;
+  return change;
 }
 
 /// The chain after a training that was left at this model. @param last  the training's end
@@ -95,10 +105,17 @@ void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
   for (const char* trait : {"length", "width", "height", "area", "volume"}) {
     const auto pairs =
         trait_pairs(scores.specimens, trait, [](const SpecimenRow&) { return true; });
-    if (pairs.size() < 2) continue;
     ScoreRow base = labelled_row(labels);
     base.wall_s = total_wall_s(estimate);
     const std::string name = trait;
+    if (pairs.size() < 2) {  // a number that is missing is a row, so that it keeps no limit
+      base.metric = "curve." + name + ".rmse";
+      base.value = ScoreRow::kNone;
+      base.unit = name == "area" ? "m2" : name == "volume" ? "m3" : "m";
+      base.n = static_cast<std::int64_t>(pairs.size());
+      if (seeds_limit(base)) rows.push_back(base);
+      continue;
+    }
     const TraitStatistics s =
         trait_statistics(pairs, Rng(labels.seed).fork("curve").fork(labels.case_name + name));
     rows.push_back(with_interval(base, "curve." + name + ".rmse",
@@ -127,7 +144,7 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   watch.checkpoint = kept.checkpoint();
   StageTiming before, steps;
   watch.end = [&](const SplatTraining& training) {
-    before = seconds_before(training);
+    before = seconds_of_training_alone(training);
     if (training.curve.empty()) return;
     steps.wall_s = training.curve.back().wall_s;
     steps.cpu_s = training.curve.back().cpu_s;
@@ -138,7 +155,9 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   add_seconds_before(before, result.estimate.timings);
   add_rows(task, config, result.estimate, after_steps(labels, last), true, result.file);
   if (result.estimate.splats.splats.empty()) return result;
-  for (const KeptModel& way : kept.models(task.at)) {
+  std::vector<int> on_the_way = task.at;
+  std::erase_if(on_the_way, [last](int step) { return step >= last; });
+  for (const KeptModel& way : kept.models(on_the_way)) {
     add_rows(task, config, measured(task, config, result.estimate, steps, way),
              after_steps(labels, way.step), false, result.file);
   }
@@ -167,11 +186,19 @@ std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int step
   };
   watch.checkpoint = kept.checkpoint();
   StageTiming before;
-  watch.end = [&](const SplatTraining& training) { before = seconds_before(training); };
+  watch.end = [&](const SplatTraining& training) { before = seconds_of_training_alone(training); };
   SeedsEstimate estimate =
       run_seeds(task.run->capture, config, stages_of(config, task.stage_seed, {}, 0, watch));
   add_seconds_before(before, estimate.timings);
-  return splat_image_rows(task.run->capture, estimate, config, labels, task.learned, kAllViews);
+  std::vector<ScoreRow> rows =
+      splat_image_rows(task.run->capture, estimate, config, labels, task.learned, kAllViews);
+  if (rows.empty()) return rows;
+  ScoreRow seconds = rows.back();
+  seconds.metric = "seconds.splats";
+  seconds.value = seconds.wall_s;
+  seconds.unit = "s";
+  rows.push_back(seconds);
+  return rows;
 }
 
 std::vector<ScoreRow> measure_by_ngp(const SeedsTrainingTask& task, const Poses& poses) {

@@ -36,6 +36,7 @@ PairsRun run_pairs(const SfmSuiteConfig& suite, const Capture& capture, PairChoi
   config.scale = SfmScale::none;
   config.colmap.program = suite.program;
   config.colmap.threads = suite.threads;
+  config.colmap.match_lost = false;  // what the pairs alone are worth
   config.colmap.folder = (suite.folder / ("neutral_" + name)).string();
   ColmapInput input;
   std::vector<int> frames;

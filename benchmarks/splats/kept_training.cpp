@@ -43,6 +43,20 @@ void keep(const fs::path& folder, std::vector<Kept<Model>>& in_memory, int step,
   write_model(model_file(own, model), model);
 }
 
+/// What was kept of a training before is not this one's.
+template <class Model>
+void forget(const fs::path& folder, std::vector<Kept<Model>>& in_memory) {
+  in_memory.clear();
+  if (folder.empty() || !fs::exists(folder)) return;
+  std::vector<fs::path> folders;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory() && name.find_first_not_of("0123456789") == std::string::npos)
+      folders.push_back(entry.path());
+  }
+  for (const fs::path& of_step : folders) fs::remove_all(of_step);
+}
+
 template <class Model>
 std::vector<Kept<Model>> kept_models(const fs::path& folder,
                                      const std::vector<Kept<Model>>& in_memory,
@@ -91,7 +105,7 @@ SplatSnapshots KeptTraining::snapshots(std::vector<int> at) const {
                                                           const SplatModel& model) {
     keep(folder, *kept, point.step, point, model);
   };
-  return {std::move(at), take};
+  return {std::move(at), take, [folder = folder_, kept = in_memory_] { forget(folder, *kept); }};
 }
 
 std::vector<KeptModel> KeptTraining::models(const std::vector<int>& at) const {
@@ -111,7 +125,7 @@ NgpSnapshots KeptFieldTraining::snapshots(std::vector<int> at) const {
                                                           const NgpModel& model) {
     keep(folder, *kept, point.iteration, point, model);
   };
-  return {std::move(at), take};
+  return {std::move(at), take, [folder = folder_, kept = in_memory_] { forget(folder, *kept); }};
 }
 
 std::vector<KeptField> KeptFieldTraining::models(const std::vector<int>& at) const {

@@ -1,6 +1,7 @@
 #include "benchmarks/splats/posed_set.h"
 
 #include <algorithm>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -50,6 +51,14 @@ PosedSet read_split_set(const fs::path& folder) {
       parse_nerfstudio(read_file(transforms, std::size_t{1} << 26), transforms.string());
   const Capture capture = import_nerfstudio(transforms);
   if (!capture.warnings.empty()) throw std::runtime_error(capture.warnings.front());
+  std::map<std::string, int> views_of_name;
+  for (const auto& frame : list.frames) ++views_of_name[fs::path(frame.image).filename().string()];
+  for (const std::string& name : held) {
+    if (const int views = views_of_name[name]; views != 1)
+      throw std::runtime_error((folder / "split.txt").string() + ": \"" + name +
+                               "\" is the image of " + std::to_string(views) +
+                               " views of transforms.json, not of one");
+  }
   for (SplatView& view : splat_views(capture, reported_poses(capture))) {
     const std::string& image = list.frames.at(static_cast<std::size_t>(view.frame)).image;
     const std::string name = fs::path(image).filename().string();

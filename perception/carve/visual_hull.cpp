@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -28,14 +29,15 @@ class AreaTable {
     }
   }
   /// Whether the square about `centre_px` holds object pixels; true if it lies outside the image
-  /// altogether.
-  bool may_see(const Eigen::Vector2d& centre_px, double half_px) const {
+  /// altogether, or if it must be `whole` and a part of it does.
+  bool may_see(const Eigen::Vector2d& centre_px, double half_px, bool whole) const {
     const auto low = [](double v) { return std::ceil(std::max(-1e8, v - 0.5)); };
     const auto high = [](double v) { return std::floor(std::min(1e8, v + 0.5)); };
     // A square smaller than a pixel is the pixel its centre is in.
     const double x0 = low(centre_px.x() - half_px), x1 = high(centre_px.x() + half_px);
     const double y0 = low(centre_px.y() - half_px), y1 = high(centre_px.y() + half_px);
     if (x1 < 0 || y1 < 0 || x0 > width_ - 1 || y0 > height_ - 1) return true;
+    if (whole && (x0 < 0 || y0 < 0 || x1 > width_ - 1 || y1 > height_ - 1)) return true;
     const int left = static_cast<int>(std::max(0.0, x0)),
               right = static_cast<int>(std::min(width_ - 1.0, x1)) + 1;
     const int top = static_cast<int>(std::max(0.0, y0)),
@@ -50,8 +52,23 @@ class AreaTable {
 
 using Cell = std::array<std::int32_t, 3>;
 
+/// Half of a square that bounds the image of a sphere: from its centre at the angle t off the axis
+/// it reaches to tan(t + a), sin a = radius / distance. Infinite where it reaches beyond the image
+/// plane's horizon.
+double reach_px(const Camera& camera, const Eigen::Vector3d& centre_m, double radius_m) {
+  constexpr double kOfLens = 1.25;  // a lens may magnify more at the border than at its centre
+  const double distance = centre_m.norm();
+  if (distance <= radius_m) return std::numeric_limits<double>::infinity();
+  const double across = std::acos(centre_m.z() / distance), sine = radius_m / distance;
+  const double farthest = std::cos(across + std::asin(sine));
+  if (farthest < 0.05) return std::numeric_limits<double>::infinity();
+  return (camera.model == LensModel::pinhole ? 1 : kOfLens) * std::max(camera.fx_px, camera.fy_px) *
+         sine / (std::cos(across) * farthest);
+}
+
+/// @param last  the cube is a voxel: its own projected side counts, and the part in the image
 bool keeps(const std::vector<CarveView>& views, const std::vector<AreaTable>& tables,
-           const Eigen::Vector3d& centre_m, double radius_m, int tolerated) {
+           const Eigen::Vector3d& centre_m, double radius_m, bool last, int tolerated) {
   int misses = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const CarveView& view = views[i];
@@ -60,8 +77,10 @@ bool keeps(const std::vector<CarveView>& views, const std::vector<AreaTable>& ta
     const auto pixel = project(view.camera, point);
     if (!pixel) continue;
     const double half_px =
-        std::max(view.camera.fx_px, view.camera.fy_px) * radius_m / (point.z() - radius_m);
-    if (!tables[i].may_see(*pixel, half_px) && ++misses > tolerated) return false;
+        last ? std::max(view.camera.fx_px, view.camera.fy_px) * radius_m / (point.z() - radius_m)
+             : reach_px(view.camera, point, radius_m);
+    if (!std::isfinite(half_px)) continue;
+    if (!tables[i].may_see(*pixel, half_px, !last) && ++misses > tolerated) return false;
   }
   return true;
 }
@@ -110,7 +129,7 @@ Carving carve_visual_hull(const std::vector<CarveView>& views, const CarveConfig
       const Eigen::Vector3d low = index * side_m;
       if ((low.array() >= size.array()).any()) return;
       const Eigen::Vector3d centre = config.low_m + low + Eigen::Vector3d::Constant(0.5 * side_m);
-      kept[i] = keeps(views, tables, centre, radius_m, config.tolerated_misses) ? 1 : 0;
+      kept[i] = keeps(views, tables, centre, radius_m, last, config.tolerated_misses) ? 1 : 0;
     });
     std::vector<Cell> next;
     for (std::size_t i = 0; i < cells.size(); ++i) {

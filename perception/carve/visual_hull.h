@@ -34,8 +34,8 @@ struct Carving {
 
 /// Visual hull [Laurentini, PAMI 1994] on a grid, coarse to fine: a cube stays while, in all views
 /// but the tolerated ones, the square that bounds its projection holds object pixels (counted by
-/// summed-area tables). At the finest level the square has the voxel's own projected side. A cube
-/// that a view does not see at all (outside its image) is not carved by that view.
+/// summed-area tables). At the finest level the square has the voxel's own projected side. A voxel
+/// outside a view's image, and a coarser cube that reaches out of it, is not carved by that view.
 Carving carve_visual_hull(const std::vector<CarveView>& views, const CarveConfig& config);
 
 /// Views of an imported capture whose images are silhouettes (any channel above 127 = object);

@@ -81,6 +81,8 @@ struct NgpTraining {
 struct NgpSnapshots {
   std::vector<int> at;
   std::function<void(const NgpPoint&, const NgpModel&)> take;
+  /// Called where a training begins that does not go on from a checkpoint. May be empty.
+  std::function<void()> begin;
 };
 
 /// Where a training keeps itself, so that one that was stopped goes on and ends in the same bytes.

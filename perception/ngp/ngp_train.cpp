@@ -414,7 +414,10 @@ NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
   SavedNgpTraining saved = begin_or_go_on(views, config, checkpoint);
   NgpModel& model = saved.model;
   NgpTrainState& state = saved.state;
-  if (state.iteration == 0) model.volume = ngp_volume(config, views);
+  if (state.iteration == 0) {
+    model.volume = ngp_volume(config, views);
+    if (snapshots.begin) snapshots.begin();
+  }
   if (!(model.volume.side_m > 0))
     return refuse(NgpStatus::no_volume,
                   "most cameras look away from their common centre; give "

@@ -296,6 +296,24 @@ void require_images(const Capture& capture, const SeedsPipelineConfig& config) {
           "with --set knows_pose=true)");
 }
 
+/// What a stage says of each frame is taken by its place.
+/// @throws StageError if the places are not those of the capture's frames
+template <class Item>
+void require_frames(const char* stage, const Capture& capture, const std::vector<Item>& items) {
+  if (items.empty()) return;
+  if (items.size() != capture.frames.size()) {
+    throw StageError(stage, std::to_string(items.size()) + " frames; the capture has " +
+                                std::to_string(capture.frames.size()));
+  }
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (items[i].frame == capture.frames[i].id) continue;
+    throw StageError(stage, "place " + std::to_string(i) + " is frame " +
+                                std::to_string(items[i].frame) + ", of the capture frame " +
+                                std::to_string(capture.frames[i].id) +
+                                "; frames come in the capture's order");
+  }
+}
+
 SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,
                         const SeedsStages& stages, const StageObserver& observer) {
   validate(config);
@@ -303,9 +321,12 @@ SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& confi
   require_images(capture, config);
   SeedsEstimate estimate;
   run_stage("corners", stages.corners, capture, estimate, &SeedsEstimate::corners, observer);
+  require_frames("corners", capture, estimate.corners);
   run_stage("poses", stages.poses, capture, estimate, &SeedsEstimate::poses, observer);
+  require_frames("poses", capture, estimate.poses);
   run_stage("splats", stages.splats, capture, estimate, &SeedsEstimate::splats, observer);
   run_stage("depth", stages.depth, capture, estimate, &SeedsEstimate::depths, observer);
+  require_frames("depth", capture, estimate.depths);
   run_stage("cloud", stages.cloud, capture, estimate, &SeedsEstimate::cloud, observer);
   run_stage("clusters", stages.clusters, capture, estimate, &SeedsEstimate::clusters, observer);
   run_stage("masks", stages.masks, capture, estimate, &SeedsEstimate::silhouettes, observer);

@@ -258,8 +258,9 @@ SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const Star
     if (watch.progress) watch.progress(point.step, stop_after);
     return point.step < stop_after;
   };
-  SplatTraining trained =
-      train_splats(views, start, training, go_on, watch.checkpoint, watch.snapshots);
+  SplatCheckpoint checkpoint = watch.checkpoint;
+  checkpoint.most_steps = stop_after;
+  SplatTraining trained = train_splats(views, start, training, go_on, checkpoint, watch.snapshots);
   if (watch.end) watch.end(trained);
   switch (trained.status) {
     case SplatTrainStatus::ok:

@@ -255,10 +255,10 @@ std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
     views.push_back({static_cast<int>(i), poses[i].camera_from_world, {}});
   }
   if (pixels > config.most_pixels) {
-    throw std::invalid_argument("splat_views: " + std::to_string(views.size()) + " views have " +
-                                std::to_string(pixels) + " pixels; most_pixels is " +
-                                std::to_string(config.most_pixels) +
-                                "; a smaller largest_side_px helps");
+    throw std::invalid_argument(
+        "splat_views: " + std::to_string(views.size()) + " views have " + std::to_string(pixels) +
+        " pixels; most_pixels is " + std::to_string(config.most_pixels) +
+        "; fewer or smaller photographs, or less around what they are of, help");
   }
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t v) {
     SplatView& view = views[v];

@@ -6,6 +6,7 @@
 
 #include "perception/splats/splat_checkpoint_io.h"
 #include "perception/splats/splat_trainer.h"
+#include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
@@ -64,8 +65,13 @@ SavedTraining begin_or_go_on(std::span<const SplatView> views, const SplatModel&
   const std::string fingerprint = training_fingerprint(views, start, config);
   if (std::filesystem::exists(checkpoint.file)) {
     try {
-      return read_training_of(fingerprint, views.size(), checkpoint.file,
-                              std::max(config.most_splats, static_cast<int>(start.splats.size())));
+      SavedTraining kept =
+          read_training_of(fingerprint, views.size(), checkpoint.file,
+                           std::max(config.most_splats, static_cast<int>(start.splats.size())));
+      if (checkpoint.most_steps == 0 || kept.state.step <= checkpoint.most_steps) return kept;
+      throw std::runtime_error(checkpoint.file.string() + ": the checkpoint is of " +
+                               std::to_string(kept.state.step) + " steps, beyond the " +
+                               std::to_string(checkpoint.most_steps) + " that are asked for");
     } catch (const std::runtime_error&) {
       if (!checkpoint.replaces_other) throw;
     }
@@ -127,12 +133,21 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
       : any_weight(views) ? SplatTrainStatus::ok
                           : SplatTrainStatus::nothing_to_learn;
   if (training.status != SplatTrainStatus::ok) return training;
+  if (snapshots.begin && saved.state.step == 0) snapshots.begin();
 
   const SplatTrainPoint before = training.curve.empty() ? SplatTrainPoint{} : training.curve.back();
   SplatTrainer trainer(views, config, std::move(saved.state));
   double loss_sum = saved.loss_sum;
   int loss_count = saved.loss_count;
   int blind = saved.blind;
+  StageTiming kept;  // what snapshots and checkpoints take
+  const auto keeping = [&kept](const auto& keep) {
+    const StageClock clock("kept");
+    keep();
+    const StageTiming took = clock.finish();
+    kept.wall_s += took.wall_s;
+    kept.cpu_s += took.cpu_s;
+  };
   const auto point_now = [&](double loss) {
     return SplatTrainPoint{trainer.state().step, saved.wall_s + trainer.seconds().total,
                            saved.cpu_s + trainer.seconds().total_cpu, loss,
@@ -163,7 +178,7 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
       training.status = SplatTrainStatus::not_finite;
     if (snapshots.take && training.status == SplatTrainStatus::ok &&
         std::find(snapshots.at.begin(), snapshots.at.end(), done) != snapshots.at.end()) {
-      snapshots.take(point_now(step.loss), learned(trainer, config));
+      keeping([&] { snapshots.take(point_now(step.loss), learned(trainer, config)); });
     }
     loss_sum += step.loss;
     ++loss_count;
@@ -180,11 +195,15 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     if (!checkpoint.file.empty() && training.status != SplatTrainStatus::not_finite &&
         (stops || done % checkpoint.every == 0 || done == config.steps)) {
       const SplatTrainPoint now = point_now(step.loss);
-      write_training(checkpoint.file, {saved.fingerprint, trainer.state(), training.curve,
-                                       now.wall_s, now.cpu_s, loss_sum, loss_count, blind});
+      keeping([&] {
+        write_training(checkpoint.file, {saved.fingerprint, trainer.state(), training.curve,
+                                         now.wall_s, now.cpu_s, loss_sum, loss_count, blind});
+      });
     }
   }
   training.seconds = trainer.seconds();
+  training.seconds.kept = kept.wall_s;
+  training.seconds.kept_cpu = kept.cpu_s;
   training.model = learned(trainer, config);
   training.model.views_seen = trainer.views_seen();
   return training;

@@ -35,7 +35,8 @@ struct SplatTrainPoint {
 /// Seconds of wall time in each stage.
 struct SplatTrainSeconds {
   double draw = 0, loss = 0, gradients = 0, update = 0, grow = 0, total = 0;
-  double total_cpu = 0;  ///< of all threads of the process
+  double total_cpu = 0;           ///< of all threads of the process
+  double kept = 0, kept_cpu = 0;  ///< of snapshots and checkpoints, in none of the others
 };
 
 struct SplatTraining {
@@ -51,6 +52,8 @@ struct SplatCheckpoint {
   int every = 500;             ///< steps
   /// A file that is of another training, or that is damaged, is begun anew in place of an error.
   bool replaces_other = false;
+  /// One of more steps is of another training, which was not left so early; 0: none is.
+  int most_steps = 0;
 };
 
 /// Called at every point of the curve; false stops training. One that goes on from a point calls it
@@ -64,6 +67,9 @@ struct SplatSnapshots {
   /// @param point  its loss is of this step alone; seconds are without those that snapshots take
   /// @param model  without `views_seen`
   std::function<void(const SplatTrainPoint& point, const SplatModel& model)> take;
+  /// Called where a training begins that does not go on from a checkpoint: what was taken before is
+  /// another's. May be empty.
+  std::function<void()> begin;
 };
 
 /// Fits Gaussians to photographs with known poses [Kerbl et al., ACM TOG 42(4), 2023]. The same

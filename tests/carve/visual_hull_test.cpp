@@ -80,6 +80,23 @@ TEST(VisualHull, OneBlackSilhouetteEmptiesItUnlessTolerated) {
   EXPECT_EQ(carve_visual_hull(views, tolerant).status, CarveStatus::ok);
 }
 
+// It shows the half of the volume with x < 0, and nothing there; of the rest it says nothing,
+// though coarse cubes of the rest reach into it.
+TEST(VisualHull, AViewCarvesOnlyWhatItShows) {
+  CarveView view{Camera{LensModel::pinhole, 100, 240, 600, 600, 99.5, 120, {}},
+                 look_at({0, -1, 0}, {0, 0, 0}), Image<std::uint8_t>(100, 240)};
+  const Eigen::Vector3d right =
+      view.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitX();
+  const Carving carving = carve_visual_hull({view}, sphere_config());
+  ASSERT_EQ(carving.status, CarveStatus::ok);
+  int outside = 0;
+  for (const Eigen::Vector3d& centre : carving.centres_m) {
+    EXPECT_GT(centre.dot(right), -0.002);
+    outside += centre.dot(right) > 0.002;
+  }
+  EXPECT_GT(outside, 0.95 * 39 * 80 * 80);  // 40 layers of 80 x 80, all but one
+}
+
 TEST(VisualHull, NoViewsIsAStatusAndBadInputIsRefused) {
   EXPECT_EQ(carve_visual_hull({}, sphere_config()).status, CarveStatus::no_views);
   CarveConfig config = sphere_config();

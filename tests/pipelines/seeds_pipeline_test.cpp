@@ -61,6 +61,36 @@ TEST(SeedsPipeline, AStageThatThrowsIsNamedAndEarlierResultsWereHandedOver) {
   EXPECT_EQ(finished, (std::vector<std::string>{"corners", "poses"}));
 }
 
+TEST(SeedsPipeline, PosesInAnotherOrderThanTheFramesAreRefused) {
+  Capture capture;
+  capture.rig.push_back({});
+  for (const int id : {0, 1, 2}) {
+    Frame frame{.id = id};
+    frame.sensors.push_back({.color = Image<Rgb8>(32, 32)});
+    capture.frames.push_back(frame);
+  }
+  for (const std::vector<int>& ids : {std::vector{0, 2, 1}, std::vector{0, 1}}) {
+    SeedsStages stages;
+    stages.poses = [&ids](const Capture&, const SeedsEstimate&) {
+      Poses poses;
+      for (const int id : ids) {
+        poses.emplace_back();
+        poses.back().frame = id;
+      }
+      return poses;
+    };
+    try {
+      run_seeds(capture, {}, stages);
+      FAIL();
+    } catch (const StageError& error) {
+      EXPECT_EQ(error.stage, "poses");
+      EXPECT_NE(std::string(error.what()).find(ids.size() == 2 ? "2 frames" : "place 1 is frame 2"),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
 TEST(SeedsPipeline, SigmasOfLengthsFollowTheMedianViewsPixel) {
   const SeedsPipelineConfig config;
   SeedsEstimate estimate;

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "benchmarks/seeds/score_seeds.h"
+
 namespace cousin {
 namespace {
 
@@ -45,6 +49,35 @@ TEST(SeedsLimits, ANumberThatIsMissingFails) {
   EXPECT_EQ(held(pooled("wheat", "camera.centre_rms", ScoreRow::kNone)), ScoreStatus::fail);
 }
 
+TEST(SeedsLimits, ASphereThatIsNotFoundAndSigmasThatAreMissingAreRowsThatFail) {
+  std::vector<SpecimenRow> specimens;
+  for (int i = 0; i < 3; ++i) {
+    SpecimenRow row;
+    row.instance = i;
+    row.cultivar = i == 0 ? kSphere : i == 1 ? "jimai22" : "suijing18";
+    row.run = "0";
+    row.method = "ours";
+    row.trait = "volume";
+    row.unit = "m3";
+    row.truth = 1e-8 + 1e-10 * i;
+    if (i > 0) row.measured = row.truth;
+    specimens.push_back(row);
+  }
+  SeedsScoreLabels labels;
+  labels.suite = "seeds";
+  labels.scene = "pooled";
+  std::vector<ScoreRow> rows = pooled_rows(specimens, labels);
+  hold_to_limits(rows);
+  int sphere = 0, coverage = 0;
+  for (const ScoreRow& row : rows) {
+    const bool fails = row.status == ScoreStatus::fail && std::isnan(row.value);
+    sphere += row.case_name == kSphere && row.metric == "volume.mape" && fails;
+    coverage += row.case_name == "all" && row.metric == "volume.coverage_95" && fails;
+  }
+  EXPECT_EQ(sphere, 1);
+  EXPECT_EQ(coverage, 1);
+}
+
 TEST(SeedsLimits, SeedsThatAreNotMeasuredFail) {
   EXPECT_EQ(held(pooled("rice", "length.solved", 0)), ScoreStatus::fail);
   EXPECT_EQ(held(pooled("rice", "length.solved", 0.95)), ScoreStatus::pass);
@@ -56,7 +89,11 @@ TEST(SeedsLimits, RunsOfManyViewsAreHeldToTheirSpeciesLimit) {
   EXPECT_EQ(held(row), ScoreStatus::fail);
   row.scene = "zhengdan958";
   row.case_name = "zhengdan958 run 0 270 views 1920x1080";
+  row.n = 9;
   EXPECT_EQ(held(row), ScoreStatus::pass);
+  row.n = 8;  // of ten seeds
+  EXPECT_EQ(held(row), ScoreStatus::fail);
+  row.n = 9;
   row.case_name = "zhengdan958 run 0 120 views 1920x1080";
   EXPECT_EQ(held(row), ScoreStatus::ok);
 }

@@ -83,6 +83,40 @@ TEST_F(SplatCheckpointTest, ATrainingThatWasLeftTakesNoMoreSteps) {
   }
 }
 
+// Whoever asks for fewer steps than were taken gets no model of more.
+TEST_F(SplatCheckpointTest, ATrainingThatIsToBeLeftEarlierBeginsAnew) {
+  const std::vector<SplatView> views = views_of(true_model(), 5);
+  const SplatTrainConfig config = quick_config(SplatGrowth::budgeted);
+  const auto leave_at = [](int step) {
+    return [step](const SplatTrainPoint& point) { return point.step < step; };
+  };
+  const SplatCheckpoint checkpoint = {folder_ / "c", 33, true, 40};
+  const SplatTraining alone = train_splats(views, start_model(150), config, leave_at(40));
+  (void)train_splats(views, start_model(150), config, leave_at(80), {folder_ / "c", 33});
+  EXPECT_THROW(
+      train_splats(views, start_model(150), config, leave_at(40), {folder_ / "c", 33, false, 40}),
+      std::runtime_error);
+  const SplatTraining again =
+      train_splats(views, start_model(150), config, leave_at(40), checkpoint);
+  EXPECT_EQ(again.curve.back().step, 40);
+  EXPECT_TRUE(same_bytes(alone.model, again.model));
+}
+
+// Its models are not those of the training before it in the same folder.
+TEST_F(SplatCheckpointTest, AnotherTrainingForgetsWhatWasKept) {
+  SplatTrainConfig config = quick_config(SplatGrowth::fixed);
+  const std::vector<int> at = {20, 60, 100};
+  const KeptTraining kept(folder_ / "kept");
+  (void)train_splats(views_of(true_model(), 4), start_model(60), config, {}, kept.checkpoint(),
+                     kept.snapshots(at));
+  EXPECT_EQ(kept.models(at).size(), 3U);
+  config.steps = 40;
+  const SplatTraining second = train_splats(views_of(true_model(), 3), start_model(60), config, {},
+                                            kept.checkpoint(), kept.snapshots(at));
+  EXPECT_EQ(kept.models(at).size(), 1U);
+  EXPECT_GT(second.seconds.kept, 0);
+}
+
 TEST_F(SplatCheckpointTest, ForeignAndDamagedOnesAreReplacedWhereThatIsAskedFor) {
   const std::vector<SplatView> views = views_of(true_model(), 3);
   SplatTrainConfig config = quick_config(SplatGrowth::fixed);

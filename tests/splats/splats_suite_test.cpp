@@ -6,6 +6,7 @@
 #include "benchmarks/splats/posed_set.h"
 #include "benchmarks/splats/splats_page.h"
 #include "benchmarks/splats/training_rows.h"
+#include "sim/imaging/image_io.h"
 #include "tests/places/places.h"
 
 namespace cousin {
@@ -29,6 +30,28 @@ TEST(SplatsSuite, AWordThatIsNeitherTrainNorTestIsNamed) {
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("\"trial\""), std::string::npos) << error.what();
+  }
+  fs::remove_all(folder);
+}
+
+// Else a held-out photograph would be trained on.
+TEST(SplatsSuite, AHeldOutNameThatNoViewHasIsNamed) {
+  const fs::path folder = fs::path(testing::TempDir()) / "splats_suite_names";
+  fs::create_directories(folder);
+  const char* pose = "[[1,0,0,0],[0,1,0,0],[0,0,1,1],[0,0,0,1]]";
+  std::ofstream(folder / "transforms.json")
+      << "{\"fl_x\":60,\"fl_y\":60,\"cx\":16,\"cy\":16,\"w\":32,\"h\":32,\"frames\":["
+      << "{\"file_path\":\"000.png\",\"transform_matrix\":" << pose << "},"
+      << "{\"file_path\":\"001.png\",\"transform_matrix\":" << pose << "}]}";
+  for (const char* name : {"000.png", "001.png"}) write_png(folder / name, Image<Rgb8>(32, 32));
+  std::ofstream(folder / "split.txt") << "000.png train\n001.jpg test\n";
+  try {
+    (void)read_split_set(folder);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("\"001.jpg\" is the image of 0 views"),
+              std::string::npos)
+        << error.what();
   }
   fs::remove_all(folder);
 }
