@@ -270,17 +270,21 @@ ScoreFile bench_plants(const JobContext& context, const fs::path& out) {
 
 ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  const fs::path photographs =
+  SplatsSuiteConfig config;
+  config.photographs =
       (fs::path(COUSIN_REAL_DATA) / ".." / "data" / "splat_neutral").lexically_normal();
-  return finish(
+  config.fox = fs::path(COUSIN_REAL_DATA) / "multiview/instantngp_fox/transforms.json";
+  config.chair = fs::path(COUSIN_REAL_DATA) / "multiview/boofcv_chair";
+  config.seed = o.seed;
+  config.quick = o.quick;
+  const auto results = run_jobs(context, out, splats_jobs(config));
+  SeedsReport report =
       titled("Cousin: bench splats",
              "Gaussian splatting on a CPU: core time of each blended pair, wall time of a training "
              "step, and held-out PSNR against wall time on photographs that are not Cousin's.",
-             splats_suite(photographs,
-                          fs::path(COUSIN_REAL_DATA) / "multiview/instantngp_fox/transforms.json",
-                          fs::path(COUSIN_REAL_DATA) / "multiview/boofcv_chair", o.seed, o.quick,
-                          context.progress.function())),
-      context, out);
+             scores_of_shards(results, "splats", o.seed));
+  note_missing(context, results, report);
+  return finish(std::move(report), context, out);
 }
 
 ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
@@ -369,7 +373,7 @@ constexpr std::array<Suite, 14> kSuites = {
      {"cousins", bench_cousins, {"--quick", "--set", "--shard", "--only"}},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
-     {"splats", bench_splats, {"--quick"}},
+     {"splats", bench_splats, {"--quick", "--shard", "--only"}},
      {"calibration", bench_calibration, {"--quick", "--shard", "--only", "--runs"}},
      {"sfm", bench_sfm, {"--quick", "--shard", "--only"}},
      {"real", bench_real, {"--quick"}},

@@ -5,6 +5,7 @@
 
 #include "benchmarks/splats/posed_set.h"
 #include "benchmarks/splats/splats_page.h"
+#include "benchmarks/splats/splats_suite.h"
 #include "benchmarks/splats/training_rows.h"
 #include "sim/imaging/image_io.h"
 #include "tests/places/places.h"
@@ -32,6 +33,21 @@ TEST(SplatsSuite, AWordThatIsNeitherTrainNorTestIsNamed) {
     EXPECT_NE(std::string(error.what()).find("\"trial\""), std::string::npos) << error.what();
   }
   fs::remove_all(folder);
+}
+
+TEST(SplatsSuite, AJobIsKnownByItsPhotographsAndExtent) {
+  SplatsSuiteConfig config;
+  config.photographs = "/no/such/folder";
+  const std::vector<ShardJob> jobs = splats_jobs(config);
+  ASSERT_EQ(jobs.size(), 3U);
+  EXPECT_EQ(jobs[1].name, "training.json");
+  EXPECT_NE(jobs[1].key.find("/no/such/folder absent"), std::string::npos);
+  EXPECT_NE(jobs[1].run().find("no photographs at"), std::string::npos);
+  config.photographs = testing::TempDir();
+  EXPECT_EQ(splats_jobs(config)[0].key, jobs[0].key);  // kernels have none
+  EXPECT_NE(splats_jobs(config)[1].key, jobs[1].key);
+  config.quick = true;
+  EXPECT_EQ(splats_jobs(config)[0].name, "kernels.quick.json");
 }
 
 // Else a held-out photograph would be trained on.
