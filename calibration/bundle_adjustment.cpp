@@ -2,14 +2,15 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <set>
 #include <stdexcept>
 
+#include "calibration/bundle_frame.h"
 #include "calibration/bundle_problem.h"
+#include "calibration/bundle_squares.h"
 #include "calibration/calibration_uncertainty.h"
 #include "calibration/planar_pose.h"
 
@@ -52,15 +53,11 @@ std::string complaint_about(const BundleAdjustmentInput& input) {
   return "";
 }
 
-bool is_on_a_line(const std::vector<KnownPoint>& known) {
-  if (known.size() < 3) return true;
-  Vector3d middle = Vector3d::Zero();
-  for (const KnownPoint& k : known) middle += k.in_world_m / static_cast<double>(known.size());
-  Matrix3d spread = Matrix3d::Zero();
-  for (const KnownPoint& k : known)
-    spread += (k.in_world_m - middle) * (k.in_world_m - middle).transpose();
-  const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(spread).eigenvalues();
-  return values.y() <= 1e-10 * values.z();
+bool fix_the_frame(const std::vector<KnownPoint>& known) {
+  Eigen::Matrix3Xd points(3, known.size());
+  for (std::size_t i = 0; i < known.size(); ++i)
+    points.col(static_cast<Eigen::Index>(i)) = known[i].in_world_m;
+  return !are_on_a_line(points, 1e-5);
 }
 
 void place_lens(const BundleAdjustmentConfig& config, const Camera& lens, BundleProblem& problem) {
@@ -124,7 +121,7 @@ BundleProblem make_problem(const BundleAdjustmentInput& input,
     known.sigma_m /= problem.unit_m;
     problem.known_distances.push_back(known);
   }
-  problem.gauge = !is_on_a_line(input.known_points) ? BundleGauge::metric
+  problem.gauge = fix_the_frame(input.known_points) ? BundleGauge::metric
                   : input.known_distances.empty()   ? BundleGauge::similarity
                                                     : BundleGauge::rigid;
   return problem;
@@ -148,85 +145,6 @@ std::vector<bool> leave_out(const BundleAdjustmentInput& input,
   for (std::size_t i = 0; i < problem.used.size(); ++i)
     problem.used[i] = !out[static_cast<std::size_t>(input.observations[i].point)];
   return out;
-}
-
-/// Points that a sighting in use shows: what is known of others says nothing of a sighting.
-std::set<int> seen_points(const BundleProblem& problem) {
-  std::set<int> points;
-  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
-    if (problem.used[i]) points.insert(problem.observations[i].point);
-  }
-  return points;
-}
-
-int freedoms_of(const BundleProblem& problem) {
-  const std::set<int> points = seen_points(problem);
-  int coordinates =
-      2 * static_cast<int>(std::count(problem.used.begin(), problem.used.end(), true));
-  for (const KnownPoint& known : problem.known_points)
-    coordinates += points.contains(known.point) ? 3 : 0;
-  for (const KnownDistance& known : problem.known_distances)
-    coordinates += points.contains(known.point_a) && points.contains(known.point_b) ? 1 : 0;
-  int unknowns = 6 * static_cast<int>(problem.poses.size()) + 3 * static_cast<int>(points.size());
-  for (const std::vector<bool>& free : problem.free)
-    unknowns += static_cast<int>(std::count(free.begin(), free.end(), true));
-  // A zoom is one unknown more, and what is known of it before one measurement more.
-  if (problem.gauge == BundleGauge::similarity) unknowns -= 7;
-  if (problem.gauge == BundleGauge::rigid) unknowns -= 6;
-  return coordinates - unknowns;
-}
-
-/// Sum of squares under the loss, with those of what is known before, and that of sightings alone
-/// without it.
-struct Squares {
-  double softened = 0, plain = 0;
-  int points = 0;
-};
-Squares squares_of(const BundleProblem& problem) {
-  Squares sum;
-  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
-    if (!problem.used[i]) continue;
-    const Eigen::Vector2d r = bundle_residual(problem, problem.observations[i]);
-    if (!r.allFinite()) continue;
-    const double g = soften(problem.config.loss, problem.config.loss_px, r).factor;
-    sum.softened += g * g * r.squaredNorm();
-    sum.plain +=
-        r.squaredNorm() * problem.observations[i].sigma_px * problem.observations[i].sigma_px;
-    ++sum.points;
-  }
-  // These are measurements as sightings are, see freedoms_of().
-  const auto point = [&](int i) { return problem.points[static_cast<std::size_t>(i)]; };
-  const std::set<int> seen = seen_points(problem);
-  for (const KnownPoint& known : problem.known_points) {
-    if (seen.contains(known.point))
-      sum.softened +=
-          (point(known.point) - known.in_world_m).squaredNorm() / (known.sigma_m * known.sigma_m);
-  }
-  for (const KnownDistance& known : problem.known_distances) {
-    if (!seen.contains(known.point_a) || !seen.contains(known.point_b)) continue;
-    const double length = (point(known.point_a) - point(known.point_b)).norm();
-    sum.softened += std::pow((length - known.length_m) / known.sigma_m, 2);
-  }
-  for (const double zoom : problem.zoom) {
-    if (problem.config.zoom_share > 0)
-      sum.softened += std::pow((zoom - 1) / problem.config.zoom_share, 2);
-  }
-  return sum;
-}
-
-/// Median of the residuals' lengths over sqrt(2 ln 2): the deviation of a coordinate, outliers or
-/// not.
-double robust_sigma(const BundleProblem& problem) {
-  std::vector<double> lengths;
-  for (std::size_t i = 0; i < problem.observations.size(); ++i) {
-    if (!problem.used[i]) continue;
-    const double length = bundle_residual(problem, problem.observations[i]).norm();
-    if (std::isfinite(length)) lengths.push_back(length);  // else the point is behind the image
-  }
-  if (lengths.empty()) return 0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle / std::sqrt(2 * std::log(2.0));
 }
 
 /// @returns how many observations went.
@@ -356,63 +274,6 @@ void fold_zoom(BundleProblem& problem) {
   }
 }
 
-/// The similarity world_after -> world_before of the cameras' centres [Umeyama, TPAMI 1991].
-struct Similarity {
-  Matrix3d rotation = Matrix3d::Identity();
-  double scale = 1;
-  Vector3d shift = Vector3d::Zero();
-};
-double spread_of(const Eigen::Matrix3Xd& points) {
-  return (points.colwise() - points.rowwise().mean()).norm();
-}
-bool are_on_a_line(const Eigen::Matrix3Xd& points) {
-  const Eigen::Matrix3Xd apart = points.colwise() - points.rowwise().mean();
-  const Vector3d extents = Eigen::JacobiSVD<Matrix3d>(apart * apart.transpose()).singularValues();
-  return extents[1] <= 1e-8 * extents[0];  // squares: a line to 1e-4 of its length
-}
-Similarity back_to_start(const BundleProblem& after, const std::vector<Vector6d>& before) {
-  Eigen::Matrix3Xd from(3, before.size()), to(3, before.size());
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    from.col(at) = centre_in_world_m(pose_of_vector(after.poses[i]));
-    to.col(at) = centre_in_world_m(pose_of_vector(before[i]));
-  }
-  Similarity result;
-  if (are_on_a_line(from) || are_on_a_line(to)) {  // a turn about it is open to them
-    Matrix3d turns = Matrix3d::Zero();
-    for (std::size_t i = 0; i < before.size(); ++i)
-      turns +=
-          (pose_of_vector(before[i]).rotation.conjugate() * pose_of_vector(after.poses[i]).rotation)
-              .toRotationMatrix();
-    const Eigen::JacobiSVD<Matrix3d> svd(turns, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Matrix3d product = svd.matrixU() * svd.matrixV().transpose();
-    const Vector3d sign(1, 1, product.determinant() < 0 ? -1 : 1);
-    result.rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-    const double apart = spread_of(from);
-    if (after.gauge == BundleGauge::similarity && apart > 0) result.scale = spread_of(to) / apart;
-    result.shift = to.rowwise().mean() - result.scale * (result.rotation * from.rowwise().mean());
-    return result;
-  }
-  const Eigen::Matrix4d t = Eigen::umeyama(from, to, after.gauge == BundleGauge::similarity);
-  result.scale = std::cbrt(t.topLeftCorner<3, 3>().determinant());
-  result.rotation = t.topLeftCorner<3, 3>() / result.scale;
-  result.shift = t.topRightCorner<3, 1>();
-  return result;
-}
-
-void hold_frame(const std::vector<Vector6d>& before, BundleProblem& problem) {
-  if (problem.gauge == BundleGauge::metric) return;
-  const Similarity s = back_to_start(problem, before);
-  for (Vector3d& point : problem.points) point = s.scale * (s.rotation * point) + s.shift;
-  for (Vector6d& vector : problem.poses) {
-    const Pose pose = pose_of_vector(vector);
-    Pose moved;
-    moved.rotation = Eigen::Quaterniond(pose.rotation * Eigen::Quaterniond(s.rotation).conjugate());
-    moved.translation_m = s.scale * pose.translation_m - moved.rotation * s.shift;
-    vector = pose_vector(moved);
-  }
-}
-
 /// The part of a lens, as projection_uncertainty takes it.
 CalibrationResult lens_alone(const BundleAdjustmentResult& bundle, std::size_t lens,
                              Eigen::Index from) {
@@ -482,7 +343,7 @@ void report(const BundleProblem& problem, const BundleAdjustmentInput& input,
   for (std::size_t i = 0; i < input.observations.size(); ++i)
     result.rejected.push_back(!problem.used[i] &&
                               !out[static_cast<std::size_t>(input.observations[i].point)]);
-  const Squares squares = squares_of(problem);
+  const BundleSquares squares = squares_of(problem);
   result.cost_px2 = squares.softened;
   result.rms_px = std::sqrt(squares.plain / std::max(1, 2 * squares.points));
   const int freedoms = freedoms_of(problem);

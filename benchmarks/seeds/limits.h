@@ -14,14 +14,19 @@ namespace cousin {
 struct ScoreLimit {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  std::int64_t least_n = 0;  ///< of as many at least: what is not measured must not raise a score
   std::string text;          ///< for people: "at most 0.15 mm"
+  std::int64_t least_n = 0;  ///< of as many at least: what is not measured must not raise a score
 };
 
 /// The limit of a row of `bench seeds` at the paper's imaging (1920 x 1080, 60 or 270 views): of
 /// our method's pooled rows, of its ratio to the paper's, and of the runs with 270 views. Other
 /// rows have none.
 std::optional<ScoreLimit> seeds_limit(const ScoreRow& row);
+
+/// Adds a number that there is none of, if it has a limit: a limit is not kept by what is missing.
+/// @param base  labels
+void add_missing(std::vector<ScoreRow>& rows, ScoreRow base, const std::string& metric,
+                 const std::string& unit);
 
 /// Gives each row that has a limit the status pass or fail; a number that is missing fails.
 void hold_to_limits(std::vector<ScoreRow>& rows);

@@ -14,7 +14,6 @@
 #include "benchmarks/metrics/trait_statistics.h"
 #include "benchmarks/seeds/board_turn.h"
 #include "benchmarks/seeds/limits.h"
-#include "benchmarks/seeds/limits.h"
 #include "benchmarks/seeds/true_outline.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/geometry/measure.h"
@@ -207,14 +206,6 @@ bool in_group(const SpecimenRow& row, const std::string& group) {
   return row.cultivar == group || species_of(row.cultivar) == group;
 }
 
-/// A number that is missing is a row where it has a limit, so that none is kept by it.
-void add_missing(std::vector<ScoreRow>& rows, ScoreRow base, const std::string& metric) {
-  base.metric = metric;
-  base.unit = "1";
-  base.n = 0;
-  if (seeds_limit(base)) rows.push_back(std::move(base));
-}
-
 std::map<std::string, std::string> traits_in(std::span<const SpecimenRow> specimens) {
   std::map<std::string, std::string> units;
   for (const SpecimenRow& row : specimens) units[row.trait] = row.unit;
@@ -317,14 +308,14 @@ std::vector<ScoreRow> pooled_rows(std::span<const SpecimenRow> specimens,
           add(rows, base, trait + ".mape", std::abs(pairs[0].measured / pairs[0].truth - 1), "1",
               1);
         }
-        if (pairs.empty()) add_missing(rows, base, trait + ".mape");
+        if (pairs.empty()) add_missing(rows, base, trait + ".mape", "1");
         if (pairs.size() < 2) continue;
         const Rng rng = Rng(labels.seed).fork("bootstrap").fork(method + "/" + group + "/" + trait);
         for (ScoreRow& row : score_rows(base, trait, unit, trait_statistics(pairs, rng)))
           rows.push_back(std::move(row));
         const SigmaCoverage coverage = sigma_coverage(pairs);
         if (coverage.n == 0) {
-          add_missing(rows, base, trait + ".coverage_95");
+          add_missing(rows, base, trait + ".coverage_95", "1");
           continue;
         }
         for (ScoreRow& row : score_rows(base, trait, coverage)) rows.push_back(std::move(row));

@@ -108,21 +108,14 @@ void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
     ScoreRow base = labelled_row(labels);
     base.wall_s = total_wall_s(estimate);
     const std::string name = trait;
-    if (pairs.size() < 2) {  // a number that is missing is a row, so that it keeps no limit
-      base.metric = "curve." + name + ".rmse";
-      base.value = ScoreRow::kNone;
-      base.unit = name == "area" ? "m2" : name == "volume" ? "m3" : "m";
-      base.n = static_cast<std::int64_t>(pairs.size());
-      if (seeds_limit(base)) rows.push_back(base);
+    const std::string unit = name == "area" ? "m2" : name == "volume" ? "m3" : "m";
+    if (pairs.size() < 2) {
+      add_missing(rows, base, "curve." + name + ".rmse", unit);
       continue;
     }
     const TraitStatistics s =
         trait_statistics(pairs, Rng(labels.seed).fork("curve").fork(labels.case_name + name));
-    rows.push_back(with_interval(base, "curve." + name + ".rmse",
-                                 name == "area"     ? "m2"
-                                 : name == "volume" ? "m3"
-                                                    : "m",
-                                 s.rmse, s.n));
+    rows.push_back(with_interval(base, "curve." + name + ".rmse", unit, s.rmse, s.n));
     rows.push_back(with_interval(base, "curve." + name + ".mape", "1", s.mape, s.n));
   }
 }

@@ -1,10 +1,7 @@
 #include "benchmarks/sfm/sfm_suite.h"
 
-#include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <utility>
-#include <vector>
 
 #include "benchmarks/sfm/sfm_rows.h"
 #include "perception/sfm/colmap_run.h"
@@ -62,30 +59,11 @@ ScoreRow missing_row(ScoreRow row, const std::string& why, ScoreStatus status) {
   return row;
 }
 
-namespace {
-
-/// Of the set's files that a result depends on; "absent" where it has none.
-std::string hash_of(const std::filesystem::path& set) {
-  namespace fs = std::filesystem;
-  if (!fs::exists(set / "transforms.json")) return "absent";
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(set)) {
-    if (entry.is_regular_file()) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  std::string hashes;
-  for (const fs::path& file : files)
-    hashes += file.lexically_relative(set).string() + " " + sha256_hex_of_file(file) + "\n";
-  return sha256_hex(hashes);
-}
-
-}  // namespace
-
 std::vector<ShardJob> sfm_suite_jobs(const SfmSuiteConfig& config, const Progress& progress) {
   const std::string key = std::string(COUSIN_VERSION) + "/" + std::to_string(config.seed) + "/" +
                           (config.quick ? "quick" : "full") + "/" + std::to_string(config.threads) +
                           "/colmap " + colmap_version(config.program) + "/" +
-                          config.neutral.string() + "/" + hash_of(config.neutral);
+                          config.neutral.string() + "/" + sha256_hex_of_folder(config.neutral);
   const std::string ending = config.quick ? ".quick.json" : ".json";
   return {
       {"neutral" + ending, key + "/neutral", [config] { return text_of(neutral_rows(config)); }},

@@ -9,15 +9,9 @@
 namespace cousin {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// Which set of photographs it is: its list of views says so.
-std::string text_of(const fs::path& set) {
-  const fs::path list = set.extension() == ".json" ? set : set / "transforms.json";
-  const std::string state = fs::is_regular_file(list) ? sha256_hex_of_file(list)
-                            : fs::is_directory(set)   ? "there"
-                                                      : "absent";
-  return set.string() + " " + state;
+/// Which photographs they are. @param folder  that holds them
+std::string text_of(const std::filesystem::path& folder) {
+  return folder.string() + " " + sha256_hex_of_folder(folder);
 }
 
 }  // namespace
@@ -33,15 +27,17 @@ std::vector<ShardJob> splats_jobs(const SplatsSuiteConfig& config) {
                     [config, rows] { return to_json(ScoreFile{.scores = rows(config)}); },
                     {}};
   };
-  return {job("kernels", "", [](const SplatsSuiteConfig& c) { return splat_kernel_rows(c.seed); }),
-          job("training", text_of(config.photographs),
-              [](const SplatsSuiteConfig& c) {
-                return splat_training_rows(c.photographs, c.seed, c.quick);
-              }),
-          job("fields", text_of(config.photographs) + text_of(config.fox) + text_of(config.chair),
-              [](const SplatsSuiteConfig& c) {
-                return field_rows(c.photographs, c.fox, c.chair, c.seed, c.quick);
-              })};
+  return {
+      job("kernels", "", [](const SplatsSuiteConfig& c) { return splat_kernel_rows(c.seed); }),
+      job("training", text_of(config.photographs),
+          [](const SplatsSuiteConfig& c) {
+            return splat_training_rows(c.photographs, c.seed, c.quick);
+          }),
+      job("fields",
+          text_of(config.photographs) + text_of(config.fox.parent_path()) + text_of(config.chair),
+          [](const SplatsSuiteConfig& c) {
+            return field_rows(c.photographs, c.fox, c.chair, c.seed, c.quick);
+          })};
 }
 
 }  // namespace cousin

@@ -52,18 +52,28 @@ class AreaTable {
 
 using Cell = std::array<std::int32_t, 3>;
 
-/// Half of a square that bounds the image of a sphere: from its centre at the angle t off the axis
-/// it reaches to tan(t + a), sin a = radius / distance. Infinite where it reaches beyond the image
-/// plane's horizon.
-double reach_px(const Camera& camera, const Eigen::Vector3d& centre_m, double radius_m) {
-  constexpr double kOfLens = 1.25;  // a lens may magnify more at the border than at its centre
-  const double distance = centre_m.norm();
-  if (distance <= radius_m) return std::numeric_limits<double>::infinity();
-  const double across = std::acos(centre_m.z() / distance), sine = radius_m / distance;
+/// Half of a square about `centre_px` that bounds the image of a sphere; infinite if it has none.
+/// Seen from a pinhole at the angle t off the axis, a sphere reaches to tan(t + a), sin a = radius
+/// / distance. A lens keeps the border of the square that bounds it there outside of what is
+/// inside.
+double reach_px(const Camera& camera, const Eigen::Vector2d& centre_px,
+                const Eigen::Vector3d& centre_m, double radius_m) {
+  const double across = std::acos(centre_m.z() / centre_m.norm());
+  const double sine = radius_m / centre_m.norm();  // below 1: z is above the radius
   const double farthest = std::cos(across + std::asin(sine));
-  if (farthest < 0.05) return std::numeric_limits<double>::infinity();
-  return (camera.model == LensModel::pinhole ? 1 : kOfLens) * std::max(camera.fx_px, camera.fy_px) *
-         sine / (std::cos(across) * farthest);
+  if (!(farthest > 0)) return std::numeric_limits<double>::infinity();
+  const double reach = sine / (std::cos(across) * farthest);
+  double half_px = 0;
+  for (const int x : {-1, 0, 1}) {
+    for (const int y : {-1, 0, 1}) {
+      const Eigen::Vector3d ray(centre_m.x() / centre_m.z() + x * reach,
+                                centre_m.y() / centre_m.z() + y * reach, 1);
+      const auto pixel = project(camera, ray);
+      if (!pixel) return std::numeric_limits<double>::infinity();
+      half_px = std::max(half_px, (*pixel - centre_px).lpNorm<Eigen::Infinity>());
+    }
+  }
+  return half_px;
 }
 
 /// @param last  the cube is a voxel: its own projected side counts, and the part in the image
@@ -78,7 +88,7 @@ bool keeps(const std::vector<CarveView>& views, const std::vector<AreaTable>& ta
     if (!pixel) continue;
     const double half_px =
         last ? std::max(view.camera.fx_px, view.camera.fy_px) * radius_m / (point.z() - radius_m)
-             : reach_px(view.camera, point, radius_m);
+             : reach_px(view.camera, *pixel, point, radius_m);
     if (!std::isfinite(half_px)) continue;
     if (!tables[i].may_see(*pixel, half_px, !last) && ++misses > tolerated) return false;
   }

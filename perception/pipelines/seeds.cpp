@@ -81,6 +81,24 @@ void run_stage(const char* name, const Stage& stage, const Capture& capture,
   if (observer) observer(name, true, estimate);
 }
 
+/// What a stage says of each frame is taken by its place.
+/// @throws StageError if the places are not those of the capture's frames
+template <class Item>
+void require_frames(const char* stage, const Capture& capture, const std::vector<Item>& items) {
+  if (items.empty()) return;
+  if (items.size() != capture.frames.size()) {
+    throw StageError(stage, std::to_string(items.size()) + " frames; the capture has " +
+                                std::to_string(capture.frames.size()));
+  }
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (items[i].frame == capture.frames[i].id) continue;
+    throw StageError(stage, "place " + std::to_string(i) + " is frame " +
+                                std::to_string(items[i].frame) + ", of the capture frame " +
+                                std::to_string(capture.frames[i].id) +
+                                "; frames come in the capture's order");
+  }
+}
+
 }  // namespace
 
 StageError::StageError(const std::string& stage_name, const std::string& what)
@@ -294,24 +312,6 @@ void require_images(const Capture& capture, const SeedsPipelineConfig& config) {
   require(config.method != SeedsMethod::depth_only || has_poses,
           "the poses of a rig that knows where it is; the capture has none (a simulated rig knows "
           "with --set knows_pose=true)");
-}
-
-/// What a stage says of each frame is taken by its place.
-/// @throws StageError if the places are not those of the capture's frames
-template <class Item>
-void require_frames(const char* stage, const Capture& capture, const std::vector<Item>& items) {
-  if (items.empty()) return;
-  if (items.size() != capture.frames.size()) {
-    throw StageError(stage, std::to_string(items.size()) + " frames; the capture has " +
-                                std::to_string(capture.frames.size()));
-  }
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (items[i].frame == capture.frames[i].id) continue;
-    throw StageError(stage, "place " + std::to_string(i) + " is frame " +
-                                std::to_string(items[i].frame) + ", of the capture frame " +
-                                std::to_string(capture.frames[i].id) +
-                                "; frames come in the capture's order");
-  }
 }
 
 SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,

@@ -159,11 +159,14 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   }
   const auto judge = [&] {  // by what the views showed
     const int done = trainer.state().step;
-    const bool never = done > 0 && blind == done;
-    if (trainer.state().values.size() == 0 || (blind >= patience(views.size()) && !never)) {
+    const auto all = static_cast<int>(views.size());
+    // To the end, a round of all views that showed none says as much as the patience with them.
+    const bool was_shown = blind < done;
+    const bool gives_up =
+        blind >= patience(views.size()) || (!was_shown && done == config.steps && done >= all);
+    if (trainer.state().values.size() == 0 || (gives_up && was_shown)) {
       training.status = SplatTrainStatus::nothing_left;
-    } else if (never && (blind >= patience(views.size()) ||
-                         (done == config.steps && done >= static_cast<int>(views.size())))) {
+    } else if (gives_up) {
       training.status = SplatTrainStatus::nothing_seen;
     }
   };

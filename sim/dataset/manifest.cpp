@@ -142,6 +142,14 @@ std::vector<VerifyProblem> verify_by_reading(const fs::path& dataset) {
 
 }  // namespace
 
+std::string sha256_hex_of_folder(const fs::path& folder) {
+  if (!fs::is_directory(folder)) return "absent";
+  std::string hashes;
+  for (const std::string& file : list_files(folder))
+    hashes += file + " " + sha256_hex_of_file(folder / file) + "\n";
+  return sha256_hex(hashes);
+}
+
 void write_manifest(const fs::path& dataset, Manifest header) {
   write_file(dataset / "manifest.json",
              to_text(with_hashes(dataset, std::move(header), list_files(dataset))));

@@ -9,6 +9,8 @@ namespace cousin {
 
 std::string sha256_hex(std::string_view bytes);
 std::string sha256_hex_of_file(const std::filesystem::path& file);
+/// Of the names and bytes of what a manifest hashes below a folder; "absent" if it is none.
+std::string sha256_hex_of_folder(const std::filesystem::path& folder);
 
 struct Manifest {
   int schema = 1;

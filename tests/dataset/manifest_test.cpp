@@ -71,6 +71,20 @@ TEST(Manifest, ListsEveryFileButManifestsTimingsAndTheMarkerOfWorkBegun) {
   EXPECT_THAT(problems_of(folder.path()), testing::IsEmpty());
 }
 
+TEST(Manifest, AFoldersHashIsOfNamesAndBytes) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(sha256_hex_of_folder(folder.path() / "none"), "absent");
+  const std::string empty = sha256_hex_of_folder(folder.path());
+  write_file(folder.path() / "a.txt", "one");
+  const std::string one = sha256_hex_of_folder(folder.path());
+  EXPECT_NE(one, empty);
+  write_file(folder.path() / "a.txt", "two");
+  const std::string two = sha256_hex_of_folder(folder.path());
+  EXPECT_NE(two, one);
+  std::filesystem::rename(folder.path() / "a.txt", folder.path() / "b.txt");
+  EXPECT_NE(sha256_hex_of_folder(folder.path()), two);
+}
+
 TEST(Manifest, ShardsInAnyOrderMergeToTheBytesOfOneRun) {
   const TemporaryFolder folder;
   make_dataset(folder.path());

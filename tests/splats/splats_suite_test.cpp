@@ -1,3 +1,5 @@
+#include "benchmarks/splats/splats_suite.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -5,7 +7,6 @@
 
 #include "benchmarks/splats/posed_set.h"
 #include "benchmarks/splats/splats_page.h"
-#include "benchmarks/splats/splats_suite.h"
 #include "benchmarks/splats/training_rows.h"
 #include "sim/imaging/image_io.h"
 #include "tests/places/places.h"
@@ -43,9 +44,14 @@ TEST(SplatsSuite, AJobIsKnownByItsPhotographsAndExtent) {
   EXPECT_EQ(jobs[1].name, "training.json");
   EXPECT_NE(jobs[1].key.find("/no/such/folder absent"), std::string::npos);
   EXPECT_NE(jobs[1].run().find("no photographs at"), std::string::npos);
-  config.photographs = testing::TempDir();
+  const fs::path folder = fs::path(testing::TempDir()) / "splats_suite_jobs";
+  fs::create_directories(folder);
+  config.photographs = folder;
+  const std::string empty = splats_jobs(config)[1].key;
+  std::ofstream(folder / "000.png") << "other bytes under the same name";
   EXPECT_EQ(splats_jobs(config)[0].key, jobs[0].key);  // kernels have none
-  EXPECT_NE(splats_jobs(config)[1].key, jobs[1].key);
+  EXPECT_NE(splats_jobs(config)[1].key, empty);
+  fs::remove_all(folder);
   config.quick = true;
   EXPECT_EQ(splats_jobs(config)[0].name, "kernels.quick.json");
 }
