@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "perception/splats/view_exposures.h"
+
 namespace cousin {
 namespace {
 
@@ -89,6 +91,28 @@ ExactSurface exact_surface(const FieldViews& views) {
   if (all.pixels > 0)
     result.psnr_db = -10 * std::log10(all.sum / (3 * static_cast<double>(all.pixels)));
   return result;
+}
+
+ExactSurface exact_surface_at_one_exposure(const FieldViews& views) {
+  std::vector<SampleView> all;
+  for (const auto* set : {&views.train, &views.held_out}) {
+    for (const SampleView* view : *set) all.push_back(*view);
+  }
+  std::vector<SplatView> photographs;
+  std::vector<Image<float>> depths_m;
+  for (const SampleView& view : all) {
+    photographs.push_back(view.photograph);
+    depths_m.push_back(view.depth_m);
+  }
+  const ViewExposures exposures =
+      estimate_exposures(photographs, depths_m, {.depth_agreement = kSameSurface});
+  FieldViews even;
+  for (std::size_t v = 0; v < all.size(); ++v) {
+    SplatViewLevel& level = all[v].photograph.full;
+    level = at_mean_exposure(std::move(level), exposures.gain_of(v), exposures.vignetting);
+    (v < views.train.size() ? even.train : even.held_out).push_back(&all[v]);
+  }
+  return exact_surface(even);
 }
 
 }  // namespace cousin

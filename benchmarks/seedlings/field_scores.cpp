@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/seedlings/best_exposed.h"
 #include "benchmarks/seedlings/surface_coverage.h"
 
 namespace cousin {
@@ -41,7 +42,7 @@ FidelityPlanes where_shown(FidelityPlanes image, const FidelityPlanes& photograp
 }
 
 struct ViewSums {
-  std::vector<double> psnr_db, ssim, flip, seedlings_db, learned;
+  std::vector<double> psnr_db, ssim, flip, seedlings_db, exposed_db, learned;
 
   void add(const FidelityPlanes& image, const SampleView& view, const LearnedDistance* network) {
     const FidelityPlanes& photograph = view.photograph.full.color.channel;
@@ -49,6 +50,8 @@ struct ViewSums {
     psnr_db.push_back(whole.psnr_db);
     ssim.push_back(whole.ssim);
     flip.push_back(whole.flip);
+    exposed_db.push_back(
+        cousin::psnr_db(best_exposed(image, photograph, view.shown), photograph, view.shown));
     const double plants_db = cousin::psnr_db(image, photograph, view.seedlings);
     if (network)
       learned.push_back(network->between(where_shown(image, photograph, view.shown), photograph));
@@ -60,12 +63,13 @@ struct ViewSums {
             mean(ssim),
             mean(flip),
             mean(seedlings_db),
+            mean(exposed_db),
             mean(learned)};
   }
 };
 
 FidelityPlanes image_of(const FieldRenderer& render, const SampleView& view) {
-  return render(view.photograph.full.camera, view.photograph.camera_from_world);
+  return render(view.photograph);
 }
 
 }  // namespace

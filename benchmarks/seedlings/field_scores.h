@@ -12,15 +12,17 @@
 
 namespace cousin {
 
-/// A model's image of a pinhole camera.
-using FieldRenderer = std::function<FidelityPlanes(const Camera&, const Pose&)>;
+/// A model's image as the view's camera shows it; its exposure is the view's where the model knows
+/// that, else the mean of those that it was trained on.
+using FieldRenderer = std::function<FidelityPlanes(const SplatView&)>;
 
 /// How a model's images look beside photographs: means over the views, NaN where no pixel counts.
 struct ViewScores {
   std::int64_t views = 0;
   double psnr_db = kNaN, ssim = kNaN, flip = kNaN;  ///< over what the photograph shows
   double psnr_seedlings_db = kNaN;                  ///< over the plants alone
-  double learned = kNaN;                            ///< by a network of the user's, if there is one
+  double psnr_exposed_db = kNaN;  ///< after the factor on light that fits each photograph best
+  double learned = kNaN;          ///< by a network of the user's, if there is one
 };
 
 /// A model after some of its training.

@@ -1,27 +1,46 @@
 #include "benchmarks/seedlings/field_training.h"
 
+#include <fstream>
+#include <map>
 #include <memory>
 #include <stdexcept>
 
 #include "benchmarks/splats/kept_training.h"
 #include "benchmarks/splats/ngp_view.h"
 #include "perception/splats/splat_render.h"
+#include "perception/splats/swept_start.h"
 #include "perception/splats/train_splats.h"
+#include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr std::size_t kLeastSwept = 100;  ///< points, of a start on surfaces
+
 FieldRenderer renderer_of(SplatModel model) {
-  return [model = std::make_shared<const SplatModel>(std::move(model))](const Camera& camera,
-                                                                        const Pose& pose) {
-    return render_splats(*model, camera, pose).color.channel;
+  return [model = std::make_shared<const SplatModel>(std::move(model))](const SplatView& view) {
+    return render_splats(*model, view.full.camera, view.camera_from_world).color.channel;
+  };
+}
+
+/// As each view's camera shows a model of their mean exposure. @param trained  of the exposures
+FieldRenderer as_exposed_by(FieldRenderer render, const ViewExposures& exposures,
+                            const std::vector<SplatView>& trained) {
+  std::map<int, double> log_gains;  // by frame
+  for (std::size_t v = 0; v < trained.size(); ++v)
+    log_gains[trained[v].frame] = exposures.gain_of(v);
+  return [render = std::move(render), log_gains,
+          vignetting = exposures.vignetting](const SplatView& view) {
+    const auto known = log_gains.find(view.frame);
+    const double log_gain = known == log_gains.end() ? 0 : known->second;
+    return as_exposed({render(view)}, view.full.camera, log_gain, vignetting).channel;
   };
 }
 
 FieldRenderer renderer_of(const NgpModel& model) {
-  return [kept = std::make_shared<const NgpModel>(model)](const Camera& camera, const Pose& pose) {
-    return fidelity_planes(render_ngp(*kept, camera, pose).color);
+  return [kept = std::make_shared<const NgpModel>(model)](const SplatView& view) {
+    return fidelity_planes(render_ngp(*kept, view.full.camera, view.camera_from_world).color);
   };
 }
 
@@ -43,13 +62,21 @@ std::vector<SplatView> photographs(const FieldViews& views) {
   return result;
 }
 
+/// What Gaussians are trained on and begin from.
+struct GaussianStart {
+  std::vector<SplatView> photographs;
+  SplatModel model;
+  ViewExposures exposures;   ///< that were taken out of the photographs
+  StageTiming seconds = {};  ///< of finding all that
+};
+
 TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<int>& at,
-                             const FieldViews& views, const SplatModel& start,
+                             const FieldViews& views, const GaussianStart& start,
                              const fs::path& unfinished) {
   const KeptTraining kept(unfinished);
   const auto go_on = [&](const SplatTrainPoint& point) { return point.step < at.back(); };
-  const SplatTraining training =
-      train_splats(photographs(views), start, config, go_on, kept.checkpoint(), kept.snapshots(at));
+  const SplatTraining training = train_splats(start.photographs, start.model, config, go_on,
+                                              kept.checkpoint(), kept.snapshots(at));
   TrainedField field;
   const bool is_left = training.status == SplatTrainStatus::stopped;
   field.status = is_left ? "ok" : to_string(training.status);
@@ -60,25 +87,71 @@ TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<i
                              std::to_string(at.size()) +
                              " models are there; remove it to train again");
   }
+  field.exposures = start.exposures;
   for (KeptModel& way : models) {
+    way.seconds.wall_s += start.seconds.wall_s;
+    way.seconds.cpu_s += start.seconds.cpu_s;
+    FieldRenderer render = renderer_of(way.model);
+    if (start.exposures.status == ExposureStatus::ok)
+      render = as_exposed_by(std::move(render), start.exposures, start.photographs);
     add_scores(views, way.step, way.seconds, static_cast<std::int64_t>(way.model.splats.size()),
-               renderer_of(way.model), field);
+               std::move(render), field);
     field.splats = std::move(way.model);
   }
   return field;
 }
 
-TrainedField train_reference(const FieldPlan& plan, const FieldViews& views,
-                             const SplatModel& start, std::uint64_t seed,
-                             const fs::path& unfinished) {
+/// Seconds of a start as the first process that made it took them, since each makes it again.
+StageTiming kept_seconds(const fs::path& unfinished, StageTiming now) {
+  if (unfinished.empty()) return now;
+  const fs::path file = unfinished / "start_seconds.txt";
+  StageTiming first = now;
+  if (std::ifstream in(file); in >> first.wall_s >> first.cpu_s) return first;
+  fs::create_directories(unfinished);
+  std::ofstream out(file);
+  out.precision(17);
+  out << now.wall_s << ' ' << now.cpu_s << '\n';
+  if (!out.flush()) throw std::runtime_error(file.string() + " cannot be written");
+  return now;
+}
+
+/// On surfaces that are swept, of photographs with their exposures taken out; on the points where
+/// hardly any surface is found.
+GaussianStart swept(const FieldPlan& plan, const FieldViews& views, const FieldStart& from,
+                    const fs::path& unfinished) {
+  const StageClock clock("start");
+  GaussianStart start{photographs(views), {}, {}};
+  SweptStartConfig config;
+  config.most_points = plan.start_points;
+  SweptStart surfaces = swept_start(start.photographs, from.volume, config);
+  start.exposures = std::move(surfaces.exposures);
+  for (std::size_t v = 0; v < start.photographs.size(); ++v) {
+    SplatViewLevel& level = start.photographs[v].full;
+    level =
+        at_mean_exposure(std::move(level), start.exposures.gain_of(v), start.exposures.vignetting);
+  }
+  if (surfaces.points.size() < kLeastSwept) {
+    start.model = splats_from_points(from.points);
+  } else {
+    surfaces.points.insert(surfaces.points.end(), from.beside.begin(), from.beside.end());
+    start.model = splats_from_points(surfaces.points);
+  }
+  start.seconds = kept_seconds(unfinished, clock.finish());
+  return start;
+}
+
+TrainedField train_reference(const FieldPlan& plan, const FieldViews& views, const FieldStart& from,
+                             std::uint64_t seed, const fs::path& unfinished) {
+  const GaussianStart start{photographs(views), splats_from_points(from.points), {}};
   SplatTrainConfig config = reference_training();
   config.seed = seed;
   config.report_every = 10;  // where it can be left
   return train_gaussians(config, plan.at, views, start, unfinished);
 }
 
-TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const SplatModel& start,
+TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const FieldStart& from,
                         std::uint64_t seed, const fs::path& unfinished) {
+  const GaussianStart start = swept(plan, views, from, unfinished);
   TrainedField field;
   if (!plan.most_splats.empty() && plan.most_splats.size() != plan.at.size())
     throw std::invalid_argument(plan.method + ": " + std::to_string(plan.most_splats.size()) +
@@ -99,6 +172,7 @@ TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const Sp
     field.scores.push_back(one.scores.back());
     field.render = std::move(one.render);
     field.splats = std::move(one.splats);
+    field.exposures = std::move(one.exposures);
   }
   return field;
 }
@@ -124,14 +198,12 @@ TrainedField train_radiance_field(const FieldPlan& plan, const FieldViews& views
 
 }  // namespace
 
-TrainedField train_field(const FieldPlan& plan, const FieldViews& views,
-                         const std::vector<StartPoint>& start, std::uint64_t seed,
-                         const fs::path& unfinished) {
+TrainedField train_field(const FieldPlan& plan, const FieldViews& views, const FieldStart& start,
+                         std::uint64_t seed, const fs::path& unfinished) {
   if (plan.at.empty()) throw std::invalid_argument(plan.method + ": no steps to score after");
   if (plan.method == kNgp) return train_radiance_field(plan, views, seed, unfinished);
-  const SplatModel from = splats_from_points(start);
-  if (plan.method == kReference) return train_reference(plan, views, from, seed, unfinished);
-  if (plan.method == kOurs) return train_ours(plan, views, from, seed, unfinished);
+  if (plan.method == kReference) return train_reference(plan, views, start, seed, unfinished);
+  if (plan.method == kOurs) return train_ours(plan, views, start, seed, unfinished);
   throw std::invalid_argument("method \"" + plan.method + "\" is not one of " + kReference + ", " +
                               kOurs + ", " + kNgp);
 }

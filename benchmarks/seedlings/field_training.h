@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "benchmarks/seedlings/field_scores.h"
+#include "perception/mvs/plane_sweep.h"
 #include "perception/splats/splat_model.h"
+#include "perception/splats/view_exposures.h"
 
 namespace cousin {
 
@@ -31,15 +33,23 @@ struct FieldPlan {
 struct TrainedField {
   std::string status;  ///< "ok", or why there are no scores
   std::vector<FieldScores> scores;
-  FieldRenderer render;  ///< of the last scores' model
-  SplatModel splats;     ///< that model, if it is of Gaussians
+  FieldRenderer render;     ///< of the last scores' model
+  SplatModel splats;        ///< that model, if it is of Gaussians
+  ViewExposures exposures;  ///< of the views trained on, if the method measured them
 };
 
-/// Trains and scores. @param start  of Gaussians; radiance fields need none
+/// What Gaussians begin from. Radiance fields need none.
+struct FieldStart {
+  std::vector<StartPoint> points;  ///< the reference's; and ours where nothing is swept
+  /// Ours: surfaces swept in `volume`, and `beside`, where there is too little texture to sweep.
+  SweepVolume volume;
+  std::vector<StartPoint> beside;
+};
+
+/// Trains and scores. Seconds of ours are with those of its sweep.
 /// @param unfinished  folder of this training alone: Gaussians that were stopped go on from here;
 /// empty: none do
-TrainedField train_field(const FieldPlan& plan, const FieldViews& views,
-                         const std::vector<StartPoint>& start, std::uint64_t seed,
-                         const std::filesystem::path& unfinished = {});
+TrainedField train_field(const FieldPlan& plan, const FieldViews& views, const FieldStart& start,
+                         std::uint64_t seed, const std::filesystem::path& unfinished = {});
 
 }  // namespace cousin

@@ -14,6 +14,17 @@ namespace cousin {
 namespace {
 
 constexpr double kShown = 0.999;  ///< least weight of a pixel that shows something
+/// Above the substrate, beyond the tray, below its foot; and of the bench what is swept too.
+constexpr double kPlants_m = 0.1, kBeside_m = 0.5, kBench_m = 0.01, kRim_m = 0.03;
+
+struct TraySize {
+  double half_x_m, half_y_m, depth_m;
+};
+TraySize tray_of(const SeedlingsSample& sample) {
+  const PlantRunConfig config = sample_config(sample);
+  const auto& tray = std::get<SeedlingsSceneConfig>(config.scene).setting.tray;
+  return {0.5 * tray.columns * tray.pitch_m, 0.5 * tray.rows * tray.pitch_m, tray.depth_m};
+}
 
 /// One phone before one scene. Streams are forked by purpose and frame.
 class Photographer {
@@ -167,20 +178,28 @@ SampleCapture photograph_sample(const SeedlingsSample& sample, SamplePlan plan, 
   return capture;
 }
 
+std::vector<StartPoint> bench_start(const SeedlingsSample& sample, int points, const Rng& rng) {
+  const TraySize tray = tray_of(sample);
+  return random_start_points(
+      {-tray.half_x_m - kBeside_m, -tray.half_y_m - kBeside_m, -tray.depth_m - kBench_m},
+      {tray.half_x_m + kBeside_m, tray.half_y_m + kBeside_m, -tray.depth_m}, points,
+      rng.fork("bench"));
+}
+
 std::vector<StartPoint> sample_start(const SeedlingsSample& sample, int points, Rng rng) {
-  const PlantRunConfig config = sample_config(sample);
-  const auto& tray = std::get<SeedlingsSceneConfig>(config.scene).setting.tray;
-  constexpr double kPlants_m = 0.1, kBeside_m = 0.5, kBench_m = 0.01;
-  const double half_x_m = 0.5 * tray.columns * tray.pitch_m;
-  const double half_y_m = 0.5 * tray.rows * tray.pitch_m;
-  std::vector<StartPoint> start =
-      random_start_points({-half_x_m, -half_y_m, -tray.depth_m}, {half_x_m, half_y_m, kPlants_m},
-                          points - points / 3, rng.fork("tray"));
-  const std::vector<StartPoint> bench = random_start_points(
-      {-half_x_m - kBeside_m, -half_y_m - kBeside_m, -tray.depth_m - kBench_m},
-      {half_x_m + kBeside_m, half_y_m + kBeside_m, -tray.depth_m}, points / 3, rng.fork("bench"));
+  const TraySize tray = tray_of(sample);
+  std::vector<StartPoint> start = random_start_points(
+      {-tray.half_x_m, -tray.half_y_m, -tray.depth_m}, {tray.half_x_m, tray.half_y_m, kPlants_m},
+      points - points / 3, rng.fork("tray"));
+  const std::vector<StartPoint> bench = bench_start(sample, points / 3, rng);
   start.insert(start.end(), bench.begin(), bench.end());
   return start;
+}
+
+SweepVolume sample_volume(const SeedlingsSample& sample) {
+  const TraySize tray = tray_of(sample);
+  return {{-tray.half_x_m - kRim_m, -tray.half_y_m - kRim_m, -tray.depth_m - kBench_m},
+          {tray.half_x_m + kRim_m, tray.half_y_m + kRim_m, kPlants_m}};
 }
 
 }  // namespace cousin

@@ -6,6 +6,7 @@
 
 #include "benchmarks/scenes/plant_run.h"
 #include "benchmarks/seedlings/view_sets.h"
+#include "perception/mvs/plane_sweep.h"
 #include "perception/splats/splat_start.h"
 #include "perception/splats/splat_views.h"
 #include "sim/truth/truth_images.h"
@@ -65,5 +66,9 @@ SampleCapture photograph_sample(const SeedlingsSample& sample, SamplePlan plan, 
 /// its plants, a third over a layer of the bench about it. Exact poses come without the points that
 /// a reconstruction of poses makes; where the reference has none, it begins at random points too.
 std::vector<StartPoint> sample_start(const SeedlingsSample& sample, int points, Rng rng);
+/// Those over the bench alone, as many.
+std::vector<StartPoint> bench_start(const SeedlingsSample& sample, int points, const Rng& rng);
+/// The space of the tray and its plants with a rim of the bench: where surfaces are swept.
+SweepVolume sample_volume(const SeedlingsSample& sample);
 
 }  // namespace cousin

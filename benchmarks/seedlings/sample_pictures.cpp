@@ -31,7 +31,7 @@ const FidelityPlanes& photograph_of(const SampleView& view) {
 }
 
 FidelityPlanes image_of(const TrainedField& field, const SampleView& view) {
-  return field.render(view.photograph.full.camera, view.photograph.camera_from_world);
+  return field.render(view.photograph);
 }
 
 double covered_share(const FieldViews& views, std::size_t held_out) {

@@ -183,6 +183,7 @@ std::string key_of(const SeedlingsJob& job) {
   for (const int step : job.plan.at) key += "/" + std::to_string(step);
   for (const int most : job.plan.most_splats) key += "/most" + std::to_string(most);
   if (job.plan.method == kOurs) {
+    key += "/swept, one exposure";
     key += "/low_pass" + std::to_string(SplatTrainConfig().low_pass_px2);
     for (const int step : job.plan.at) {
       const SplatRates rates = rates_for(step);
@@ -213,8 +214,12 @@ ScoreFile run_seedlings_job(const SeedlingsJob& job, std::uint64_t seed, LastCap
   FieldViews views = field_views(trained_views(job, seed, captures), held_out_views(whole));
   views.learned = std::move(learned);
   const Rng rng = Rng(seed).fork("start").fork(static_cast<std::uint64_t>(job.sample.number));
-  const TrainedField field = train_field(
-      job.plan, views, sample_start(job.sample, job.plan.start_points, rng), seed, unfinished);
+  const int points = job.plan.start_points;
+  const TrainedField field =
+      train_field(job.plan, views,
+                  {sample_start(job.sample, points, rng), sample_volume(job.sample),
+                   bench_start(job.sample, points / 3, rng)},
+                  seed, unfinished);
   ScoreFile file;
   file.scores = sample_rows(job, seed, field, views, whole);
   if (job.shown && field.render && !report.empty())

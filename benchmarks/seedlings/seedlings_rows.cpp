@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <tuple>
 
@@ -38,6 +39,8 @@ ScoreRow with_number(ScoreRow row, const std::string& metric, double value, cons
 void add_view_scores(const ScoreRow& row, const std::string& set, const ViewScores& scores,
                      std::vector<ScoreRow>& rows) {
   rows.push_back(with_number(row, set + ".psnr", scores.psnr_db, "dB", scores.views));
+  rows.push_back(
+      with_number(row, set + ".psnr_exposed", scores.psnr_exposed_db, "dB", scores.views));
   rows.push_back(with_number(row, set + ".ssim", scores.ssim, "1", scores.views));
   rows.push_back(with_number(row, set + ".flip", scores.flip, "1", scores.views));
   if (!std::isnan(scores.learned))
@@ -163,6 +166,10 @@ std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
   of_capture.method = "exact surface, mean colour";
   rows.push_back(with_number(of_capture, "held_out.psnr_covered", surface.psnr_db, "dB",
                              static_cast<std::int64_t>(views.held_out.size())));
+  of_capture.method = "exact surface, mean colour, one exposure";
+  rows.push_back(with_number(of_capture, "held_out.psnr_covered",
+                             exact_surface_at_one_exposure(views).psnr_db, "dB",
+                             static_cast<std::int64_t>(views.held_out.size())));
   of_capture.method = "simulator";
   rows.push_back(with_number(of_capture, "seconds.photographs", whole.wall_s, "s",
                              static_cast<std::int64_t>(whole.views.size())));
@@ -199,7 +206,9 @@ std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int ste
   for (const ScoreRow& row : rows) {
     const int own = steps_of(row.case_name);
     if (own == 0 || without_sample(row.case_name).empty()) continue;
-    if (row.metric != "train.psnr" && row.metric != "held_out.psnr") continue;
+    constexpr const char* kHeld[] = {"train.psnr", "held_out.psnr", "train.psnr_exposed",
+                                     "held_out.psnr_exposed"};
+    if (std::find(std::begin(kHeld), std::end(kHeld), row.metric) == std::end(kHeld)) continue;
     const std::string photographs = row.case_name.substr(0, row.case_name.rfind(", "));
     Sweeps& sweeps = all[{row.scene, photographs, row.metric}];
     if (row.method == kReference && own <= steps) sweeps.reference.push_back(&row);

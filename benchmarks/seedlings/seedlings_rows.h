@@ -11,10 +11,11 @@ namespace cousin {
 
 inline constexpr const char* kSeedlingsSuite = "seedlings";
 
-/// Rows of one job. After each of its steps ("CASE, 7000 steps"): train.psnr, .ssim, .flip,
-/// .psnr_seedlings, the same of held_out, held_out.psnr_covered and .psnr_uncovered, gaussians. The
-/// reference's say of their photographs how much of the held-out pixels' surface is seen by 1 and
-/// by kEnoughViews of them (coverage.seen_by_3); on the full set also noise_floor.psnr.
+/// Rows of one job. After each of its steps ("CASE, 7000 steps"): train.psnr, .psnr_exposed,
+/// .ssim, .flip, .psnr_seedlings, the same of held_out, held_out.psnr_covered and .psnr_uncovered,
+/// gaussians. The reference's say of their photographs how much of the held-out pixels' surface is
+/// seen by 1 and by kEnoughViews of them (coverage.seen_by_3); on the full set also
+/// noise_floor.psnr.
 std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
                                   const TrainedField& field, const FieldViews& views,
                                   const SampleCapture& whole);

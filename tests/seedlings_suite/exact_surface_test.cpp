@@ -50,6 +50,15 @@ TEST(ExactSurface, WhatHidesThePointDoesNotCount) {
   EXPECT_NEAR(exact_surface({{&a, &b, &c, &leaf, &blank}, {&held_out}, {}, {}}).psnr_db, 20, 1e-4);
 }
 
+// The same plane by cameras of other exposures: 0.2 to 0.6 of white are one light's.
+TEST(ExactSurface, ExposuresAreTakenOut) {
+  const SampleView a = above(0, 0.2F), b = above(0.1, 0.4F), c = above(-0.1, 0.6F);
+  const SampleView held_out = above(0, 0.5F);
+  const FieldViews views{{&a, &b, &c}, {&held_out}, {}, {}};
+  EXPECT_GT(exact_surface_at_one_exposure(views).psnr_db, 60);
+  EXPECT_EQ(exact_surface_at_one_exposure(views).pixels, exact_surface(views).pixels);
+}
+
 TEST(ExactSurface, TooFewViewsSayNothing) {
   const SampleView a = above(0, 0.2F), b = above(0, 0.4F), held_out = above(0, 0.5F);
   const ExactSurface found = exact_surface({{&a, &b}, {&held_out}, {}, {}});

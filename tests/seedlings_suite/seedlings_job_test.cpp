@@ -71,6 +71,7 @@ TEST(SeedlingsJobs, TheKeyTellsWhatDecidesTheResult) {
   SeedlingsJob ours = job;
   ours.plan.method = kOurs;
   EXPECT_NE(key_of(ours).find("low_pass0.1"), std::string::npos);
+  EXPECT_NE(key_of(ours).find("swept"), std::string::npos);
 }
 
 TEST(FieldScores, OfManyViewsTrainedOnTenAreScored) {
@@ -106,7 +107,7 @@ TEST(FieldScores, ANetworkSeesNoDifferenceWhereThePhotographShowsNothing) {
     for (int y = 0; y < kSide / 4; ++y) view.shown(x, y) = 0;
   }
   view.seedlings = view.shown;
-  const FieldRenderer white = [](const Camera&, const Pose&) {
+  const FieldRenderer white = [](const SplatView&) {
     const Image<float> one(kSide, kSide, 1.0F);
     return FidelityPlanes{one, one, one};
   };
@@ -149,6 +150,9 @@ TEST(SeedlingsJobs, ATinyJobOfEachMethodLearnsItsPhotographs) {
       EXPECT_LT(after(at[1], std::string(set) + ".psnr"), 60) << method;
       EXPECT_LE(after(at[1], std::string(set) + ".ssim"), 1) << method;
       EXPECT_GT(after(at[1], std::string(set) + ".flip"), 0) << method;
+      EXPECT_GT(after(at[1], std::string(set) + ".psnr_exposed"),
+                after(at[1], std::string(set) + ".psnr") - 1e-3)
+          << method;
     }
     EXPECT_GT(after(at[1], "train.psnr"), after(at[0], "train.psnr")) << method;
     if (method == kReference) {
@@ -159,6 +163,37 @@ TEST(SeedlingsJobs, ATinyJobOfEachMethodLearnsItsPhotographs) {
     }
     for (const ScoreRow& row : file.scores) EXPECT_EQ(row.status, ScoreStatus::ok) << row.metric;
   }
+}
+
+// Ours shows a view trained on as its own exposure was: no factor makes that image better, while
+// the photographs' exposures differ.
+TEST(SeedlingsJobs, OursKnowsTheExposuresOfWhatItIsTrainedOn) {
+  LastCaptures captures;
+  SeedlingsJob job = tiny_job(kOurs, {150});
+  job.sample.width_px = 240;
+  job.sample.height_px = 180;
+  job.sample.views = job.set.views = 24;
+  job.set.name = "24 views";
+  const SampleCapture& whole = captures.of(job.sample, SamplePlan::whole_tray, 0, 2);
+  std::vector<const SampleView*> train, held_out;
+  for (const SampleView& view : whole.views)
+    (is_held_out(view.photograph.frame) ? held_out : train).push_back(&view);
+  const TrainedField field =
+      train_field(job.plan, field_views(train, held_out),
+                  {sample_start(job.sample, 1500, Rng(1)), sample_volume(job.sample),
+                   bench_start(job.sample, 500, Rng(1))},
+                  2);
+  ASSERT_EQ(field.status, "ok");
+  ASSERT_EQ(field.exposures.status, ExposureStatus::ok);
+  double squares = 0;
+  for (std::size_t v = 0; v < train.size(); ++v)
+    squares += field.exposures.gain_of(v) * field.exposures.gain_of(v);
+  EXPECT_GT(squares / static_cast<double>(train.size()), 0.05 * 0.05);
+  EXPECT_LT(field.exposures.vignetting.log_at(1),
+            -0.1);  // the phone's corners have 0.75 of the light
+  EXPECT_GT(field.exposures.vignetting.log_at(1), -0.6);
+  const ViewScores& scores = field.scores.back().train;
+  EXPECT_NEAR(scores.psnr_exposed_db, scores.psnr_db, 0.3);
 }
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }

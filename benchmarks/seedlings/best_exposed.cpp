@@ -1,0 +1,80 @@
+#include "benchmarks/seedlings/best_exposed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sim/imaging/color.h"
+
+namespace cousin {
+namespace {
+
+constexpr double kMost = 2.0794415;  // ln 8
+constexpr int kSearched = 20'000;    // pixels that the factor is found by, about
+constexpr int kRounds = 40;          // of the golden section: 2 ln 8 becomes 2e-8
+
+struct Pair {
+  float light, encoded;  ///< of the image, of the photograph
+};
+
+double squares(const std::vector<Pair>& pairs, double log_factor) {
+  const auto factor = static_cast<float>(std::exp(log_factor));
+  double sum = 0;
+  for (const Pair& p : pairs) {
+    const double off = static_cast<double>(srgb_from_linear(factor * p.light)) - p.encoded;
+    sum += off * off;
+  }
+  return sum;
+}
+
+/// Has one least value: what is too dark only gains by light.
+double best_log_factor(const std::vector<Pair>& pairs) {
+  const double golden = 0.5 * (std::sqrt(5.0) - 1);
+  double low = -kMost, high = kMost;
+  double left = high - golden * (high - low), right = low + golden * (high - low);
+  double at_left = squares(pairs, left), at_right = squares(pairs, right);
+  for (int round = 0; round < kRounds; ++round) {
+    if (at_left < at_right) {
+      high = right;
+      right = left;
+      at_right = at_left;
+      at_left = squares(pairs, left = high - golden * (high - low));
+    } else {
+      low = left;
+      left = right;
+      at_left = at_right;
+      at_right = squares(pairs, right = low + golden * (high - low));
+    }
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+FidelityPlanes best_exposed(const FidelityPlanes& image, const FidelityPlanes& photograph,
+                            const Image<std::uint8_t>& mask) {
+  const auto shown = static_cast<std::size_t>(
+      std::count_if(mask.data(), mask.data() + mask.size(), [](auto m) { return m != 0; }));
+  const std::size_t every = std::max<std::size_t>(1, shown / kSearched);
+  std::vector<Pair> pairs;
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      if (mask.data()[i] == 0 || count++ % every != 0) continue;
+      const float value = std::clamp(image[c].data()[i], 0.0F, 1.0F);
+      pairs.push_back({linear_from_srgb(value), photograph[c].data()[i]});
+    }
+  }
+  if (pairs.empty()) return image;
+  const auto factor = static_cast<float>(std::exp(best_log_factor(pairs)));
+  FidelityPlanes exposed = image;
+  for (Image<float>& channel : exposed) {
+    for (std::size_t i = 0; i < channel.size(); ++i) {
+      float& value = channel.data()[i];
+      value = srgb_from_linear(factor * linear_from_srgb(std::clamp(value, 0.0F, 1.0F)));
+    }
+  }
+  return exposed;
+}
+
+}  // namespace cousin
