@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kMost = 2.0794415;  // ln 8
 constexpr int kSearched = 20'000;    // pixels that the factor is found by, about
-constexpr int kRounds = 40;          // of the golden section: 2 ln 8 becomes 2e-8
+constexpr int kTried = 16;           // steps between factors that are tried first
+constexpr int kRounds = 25;          // of the golden section: 0.5 becomes 3e-6
 
 struct Pair {
   float light, encoded;  ///< of the image, of the photograph
@@ -27,10 +28,19 @@ double squares(const std::vector<Pair>& pairs, double log_factor) {
   return sum;
 }
 
-/// Has one least value: what is too dark only gains by light.
+/// The best of evenly spread factors, then a golden section about it: pixels that clip may make
+/// more than one least value.
 double best_log_factor(const std::vector<Pair>& pairs) {
-  const double golden = 0.5 * (std::sqrt(5.0) - 1);
-  double low = -kMost, high = kMost;
+  double best = -kMost, least = squares(pairs, best);
+  for (int i = 1; i <= kTried; ++i) {
+    const double at = -kMost + 2 * kMost * i / kTried, there = squares(pairs, at);
+    if (there < least) {
+      least = there;
+      best = at;
+    }
+  }
+  const double golden = 0.5 * (std::sqrt(5.0) - 1), step = 2 * kMost / kTried;
+  double low = std::max(-kMost, best - step), high = std::min(kMost, best + step);
   double left = high - golden * (high - low), right = low + golden * (high - low);
   double at_left = squares(pairs, left), at_right = squares(pairs, right);
   for (int round = 0; round < kRounds; ++round) {

@@ -14,8 +14,9 @@ struct ExactSurface {
   std::int64_t pixels = 0;  ///< those
 };
 ExactSurface exact_surface(const FieldViews& views);
-/// The same of photographs whose exposures and vignetting, measured on the true surfaces of all
-/// views, held-out ones too, are taken out first.
+/// The same where exposures and vignetting, measured on the true surfaces of all views, held-out
+/// ones too, are taken out of what is averaged and put into what is shown. NaN where they are not
+/// found.
 ExactSurface exact_surface_at_one_exposure(const FieldViews& views);
 
 }  // namespace cousin

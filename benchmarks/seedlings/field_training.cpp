@@ -1,15 +1,17 @@
 #include "benchmarks/seedlings/field_training.h"
 
-#include <fstream>
 #include <map>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 
 #include "benchmarks/splats/kept_training.h"
 #include "benchmarks/splats/ngp_view.h"
+#include "perception/splats/splat_checkpoint_io.h"
 #include "perception/splats/splat_render.h"
 #include "perception/splats/swept_start.h"
 #include "perception/splats/train_splats.h"
+#include "sim/dataset/atomic_file.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -27,13 +29,20 @@ FieldRenderer renderer_of(SplatModel model) {
 /// As each view's camera shows a model of their mean exposure. @param trained  of the exposures
 FieldRenderer as_exposed_by(FieldRenderer render, const ViewExposures& exposures,
                             const std::vector<SplatView>& trained) {
-  std::map<int, double> log_gains;  // by frame
+  struct Known {
+    Eigen::Vector3d centre_m;
+    double log_gain;
+  };
+  std::map<int, Known> known;  // by frame, whose number another capture may have too
   for (std::size_t v = 0; v < trained.size(); ++v)
-    log_gains[trained[v].frame] = exposures.gain_of(v);
-  return [render = std::move(render), log_gains,
+    known[trained[v].frame] = {centre_in_world_m(trained[v].camera_from_world),
+                               exposures.gain_of(v)};
+  return [render = std::move(render), known,
           vignetting = exposures.vignetting](const SplatView& view) {
-    const auto known = log_gains.find(view.frame);
-    const double log_gain = known == log_gains.end() ? 0 : known->second;
+    const auto own = known.find(view.frame);
+    const bool is_known =
+        own != known.end() && own->second.centre_m == centre_in_world_m(view.camera_from_world);
+    const double log_gain = is_known ? own->second.log_gain : 0;
     return as_exposed({render(view)}, view.full.camera, log_gain, vignetting).channel;
   };
 }
@@ -102,16 +111,20 @@ TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<i
 }
 
 /// Seconds of a start as the first process that made it took them, since each makes it again.
-StageTiming kept_seconds(const fs::path& unfinished, StageTiming now) {
+StageTiming kept_seconds(const fs::path& unfinished, const GaussianStart& start, StageTiming now) {
   if (unfinished.empty()) return now;
   const fs::path file = unfinished / "start_seconds.txt";
-  StageTiming first = now;
-  if (std::ifstream in(file); in >> first.wall_s >> first.cpu_s) return first;
-  fs::create_directories(unfinished);
-  std::ofstream out(file);
+  const std::string own = training_fingerprint(start.photographs, start.model, {});
+  if (fs::exists(file)) {
+    std::istringstream in(read_file(file));
+    std::string of;
+    StageTiming first = now;
+    if (in >> of >> first.wall_s >> first.cpu_s && of == own) return first;
+  }
+  std::ostringstream out;
   out.precision(17);
-  out << now.wall_s << ' ' << now.cpu_s << '\n';
-  if (!out.flush()) throw std::runtime_error(file.string() + " cannot be written");
+  out << own << ' ' << now.wall_s << ' ' << now.cpu_s << '\n';
+  write_file(file, out.str());
   return now;
 }
 
@@ -136,7 +149,7 @@ GaussianStart swept(const FieldPlan& plan, const FieldViews& views, const FieldS
     surfaces.points.insert(surfaces.points.end(), from.beside.begin(), from.beside.end());
     start.model = splats_from_points(surfaces.points);
   }
-  start.seconds = kept_seconds(unfinished, clock.finish());
+  start.seconds = kept_seconds(unfinished, start, clock.finish());
   return start;
 }
 

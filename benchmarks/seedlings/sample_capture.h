@@ -66,7 +66,7 @@ SampleCapture photograph_sample(const SeedlingsSample& sample, SamplePlan plan, 
 /// its plants, a third over a layer of the bench about it. Exact poses come without the points that
 /// a reconstruction of poses makes; where the reference has none, it begins at random points too.
 std::vector<StartPoint> sample_start(const SeedlingsSample& sample, int points, Rng rng);
-/// Those over the bench alone, as many.
+/// Points over the layer of the bench alone.
 std::vector<StartPoint> bench_start(const SeedlingsSample& sample, int points, const Rng& rng);
 /// The space of the tray and its plants with a rim of the bench: where surfaces are swept.
 SweepVolume sample_volume(const SeedlingsSample& sample);

@@ -11,6 +11,8 @@
 namespace cousin {
 namespace {
 
+constexpr double kLeastFuse_m = 1e-6, kMostFuse_m = 0.1;  // what FuseConfig takes
+
 std::vector<SplatView> small_views(std::span<const SplatView> views, int largest_side_px) {
   std::vector<SplatView> result;
   for (const SplatView& view : views) {
@@ -112,8 +114,8 @@ SweptStart swept_start(std::span<const SplatView> views, const SweepVolume& volu
   const double span_m = pixel_m(small, depths);
   if (span_m == 0) return start;
   FuseConfig fuse;
-  fuse.voxel_m = config.voxel_px * span_m;
-  fuse.agreement_m = config.agreement_px * span_m;
+  fuse.voxel_m = std::clamp(config.voxel_px * span_m, kLeastFuse_m, kMostFuse_m);
+  fuse.agreement_m = std::clamp(config.agreement_px * span_m, kLeastFuse_m, kMostFuse_m);
   GreenConfig no_screen;
   no_screen.hue_low = 1;
   no_screen.hue_high = 0;

@@ -11,8 +11,8 @@
 namespace cousin {
 
 struct SweptStartConfig {
-  /// Photographs are halved until their longer side is at most this: a start needs no more, and
-  /// half the side takes an eighth of the time.
+  /// Photographs are halved until their longer side is at most this, or a side is below 32: a start
+  /// needs no more, and half the side takes an eighth of the time.
   int largest_side_px = 128;
   MvsConfig mvs = {.neighbours = 4, .window_px = 5, .consistency_depth = 0.01, .max_references = 0};
   double voxel_px = 0.5;    ///< points nearer than this are one, in pixels at the median depth

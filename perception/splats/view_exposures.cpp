@@ -6,10 +6,12 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace cousin {
 namespace {
@@ -18,6 +20,8 @@ constexpr int kLeastViews = 2;   // that show a point
 constexpr int kRounds = 30;      // of weights
 constexpr double kWidest = 0.5;  // Cauchy's scale at first: gains are unknown
 constexpr double kNarrowest = 0.02;
+constexpr double kOfScatter = 2;     // Cauchy's scale at last
+constexpr double kPriorSigma = 0.5;  // of each of vignetting's two numbers
 
 /// sRGB's curve, which goes on above 1.
 double light_of(double encoded) {
@@ -35,7 +39,7 @@ double radius2(const Camera& camera, double x_px, double y_px) {
 }
 
 struct Sighting {
-  int view;
+  int view, pixel;  ///< nearest
   double log_light, r2;
 };
 /// Sightings of one point after another.
@@ -127,7 +131,8 @@ class SurfaceLight {
         light += share * light_of(value);
       }
     }
-    return Sighting{static_cast<int>(v), std::log(light),
+    const int nearest = (y + (down >= 0.5 ? 1 : 0)) * level.camera.width_px + x + (right >= 0.5);
+    return Sighting{static_cast<int>(v), nearest, std::log(light),
                     radius2(level.camera, pixel->x(), pixel->y())};
   }
 
@@ -152,33 +157,34 @@ std::int64_t sightings_of(const Sightings& sightings, std::size_t view) {
                        [&](const Sighting& s) { return s.view == static_cast<int>(view); });
 }
 
-/// Which views are in the largest set that shared surfaces link, those with too few left out.
+/// Which views are in the largest set that is linked: two views are by as many common points as a
+/// view needs sightings, so that no single wrong one says how bright one set is beside another.
 std::vector<std::uint8_t> linked_views(const Sightings& sightings, std::size_t views, int least) {
-  std::vector<int> count(views, 0);
-  for (const Sighting& s : sightings.all) ++count[static_cast<std::size_t>(s.view)];
+  std::map<std::pair<int, int>, int> common;
+  for (std::size_t p = 0; p < sightings.points(); ++p) {
+    const std::span<const Sighting> of = sightings.of(p);
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      for (std::size_t j = i + 1; j < of.size(); ++j) ++common[{of[i].view, of[j].view}];
+    }
+  }
   std::vector<std::size_t> root(views);
   std::iota(root.begin(), root.end(), std::size_t{0});
   const auto find = [&](std::size_t v) {
     while (root[v] != v) v = root[v] = root[root[v]];
     return v;
   };
-  for (std::size_t p = 0; p < sightings.points(); ++p) {
-    std::optional<std::size_t> before;
-    for (const Sighting& s : sightings.of(p)) {
-      const auto v = static_cast<std::size_t>(s.view);
-      if (count[v] < least) continue;
-      if (before) root[find(v)] = find(*before);
-      before = v;
-    }
+  for (const auto& [pair, count] : common) {
+    if (count >= least)
+      root[find(static_cast<std::size_t>(pair.first))] =
+          find(static_cast<std::size_t>(pair.second));
   }
   std::vector<int> size(views, 0);
-  for (std::size_t v = 0; v < views; ++v) size[find(v)] += count[v] >= least ? 1 : 0;
+  for (std::size_t v = 0; v < views; ++v) ++size[find(v)];
   const auto largest =
       static_cast<std::size_t>(std::max_element(size.begin(), size.end()) - size.begin());
   std::vector<std::uint8_t> linked(views, 0);
   if (size[largest] < kLeastViews) return linked;
-  for (std::size_t v = 0; v < views; ++v)
-    linked[v] = count[v] >= least && find(v) == largest ? 1 : 0;
+  for (std::size_t v = 0; v < views; ++v) linked[v] = find(v) == largest ? 1 : 0;
   return linked;
 }
 
@@ -198,6 +204,7 @@ class ExposureFit {
     }
     solution_ = Eigen::VectorXd::Zero(gains_ + 2);
     residual_.resize(sightings.all.size(), 0);
+    find_used();
   }
 
   void run() {
@@ -205,20 +212,27 @@ class ExposureFit {
     for (int round = 0; round < kRounds; ++round) {
       solve(scale);
       find_residuals(scale);
-      scale = std::max(kNarrowest, std::min(0.7 * scale, std::max(scatter(), kNarrowest)));
+      scatter_ = robust_scatter();
+      scale = std::max({kNarrowest, kOfScatter * scatter(), 0.7 * scale});
     }
   }
 
   double gain(std::size_t view) const { return place_[view] < 0 ? kNaN : solution_[place_[view]]; }
   double gain_sigma(std::size_t view) const {
-    return place_[view] < 0 ? kNaN : scatter() * std::sqrt(covariance_(place_[view], place_[view]));
+    if (place_[view] < 0) return kNaN;
+    return scatter_ * std::sqrt(repeats_ * covariance_(place_[view], place_[view]));
   }
   Vignetting vignetting() const { return {solution_[gains_], solution_[gains_ + 1]}; }
   double corner_sigma() const {
-    return scatter() * std::sqrt(covariance_.bottomRightCorner<2, 2>().sum());
+    return scatter_ * std::sqrt(repeats_ * covariance_.bottomRightCorner<2, 2>().sum());
   }
   /// Robust, of one sighting about its point.
-  double scatter() const {
+  double scatter() const { return scatter_; }
+  std::int64_t points() const { return points_; }
+  std::int64_t sightings() const { return used_; }
+
+ private:
+  double robust_scatter() const {
     std::vector<double> sizes;
     for (std::size_t i = 0; i < residual_.size(); ++i) {
       if (is_used(i)) sizes.push_back(std::abs(residual_[i]));
@@ -230,12 +244,28 @@ class ExposureFit {
     const double freedom = 1 - static_cast<double>(points_) / static_cast<double>(sizes.size());
     return 1.4826 * *middle / std::sqrt(std::max(freedom, 0.1));
   }
-  std::int64_t points() const { return points_; }
-  std::int64_t sightings() const { return used_; }
-
- private:
-  bool is_used(std::size_t i) const {
-    return place_[static_cast<std::size_t>(sightings_.all[i].view)] >= 0;
+  bool is_used(std::size_t i) const { return used_by_[i] != 0; }
+  /// Of views that are linked, and not alone in showing their point.
+  void find_used() {
+    used_by_.resize(sightings_.all.size(), 0);
+    std::vector<std::pair<int, int>> pixels;
+    for (std::size_t p = 0; p < sightings_.points(); ++p) {
+      const std::span<const Sighting> of = sightings_.of(p);
+      const auto seen = std::count_if(of.begin(), of.end(), [&](const Sighting& s) {
+        return place_[static_cast<std::size_t>(s.view)] >= 0;
+      });
+      if (seen < kLeastViews) continue;
+      ++points_;
+      used_ += seen;
+      for (std::size_t k = 0; k < of.size(); ++k) {
+        if (place_[static_cast<std::size_t>(of[k].view)] < 0) continue;
+        used_by_[sightings_.first[p] + k] = 1;
+        pixels.emplace_back(of[k].view, of[k].pixel);
+      }
+    }
+    std::sort(pixels.begin(), pixels.end());
+    const auto distinct = std::unique(pixels.begin(), pixels.end()) - pixels.begin();
+    if (distinct > 0) repeats_ = static_cast<double>(used_) / static_cast<double>(distinct);
   }
   double without_point(const Sighting& s) const {
     return s.log_light - solution_[place_[static_cast<std::size_t>(s.view)]] -
@@ -250,11 +280,13 @@ class ExposureFit {
     const int size = gains_ + 2;
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
-    points_ = used_ = 0;
     for (std::size_t p = 0; p < sightings_.points(); ++p) add_point(p, scale, normal, right);
-    // Sum of gains zero, about as heavy as the rest; and a vignetting that nothing shows is none.
+    // Sum of gains zero, about as heavy as the rest; and surfaces in the middle of the images say
+    // little of the corners.
     normal.topLeftCorner(gains_, gains_).array() += normal.trace() / size / gains_;
-    normal.bottomRightCorner<2, 2>().diagonal().array() += 1e-6;
+    const double noise = std::max(kNarrowest, scatter_);
+    normal.bottomRightCorner<2, 2>().diagonal().array() +=
+        repeats_ * noise * noise / (kPriorSigma * kPriorSigma);
     const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
     solution_ = factor.solve(right);
     covariance_ = factor.solve(Eigen::MatrixXd::Identity(size, size));
@@ -269,12 +301,10 @@ class ExposureFit {
     double weights = 0, sum = 0, sum_r2 = 0, sum_r4 = 0;
     std::vector<Entry> row;  // sum of weights times unknowns' factors
     const std::span<const Sighting> of = sightings_.of(p);
-    int seen = 0;
     for (std::size_t k = 0; k < of.size(); ++k) {
+      if (!is_used(sightings_.first[p] + k)) continue;
       const Sighting& s = of[k];
       const int g = place_[static_cast<std::size_t>(s.view)];
-      if (g < 0) continue;
-      ++seen;
       const double w = weight(sightings_.first[p] + k, scale), r4 = s.r2 * s.r2;
       const int a = gains_, b = gains_ + 1;
       weights += w;
@@ -295,9 +325,7 @@ class ExposureFit {
       right[a] += w * s.r2 * s.log_light;
       right[b] += w * r4 * s.log_light;
     }
-    if (seen == 0) return;
-    ++points_;
-    used_ += seen;
+    if (row.empty()) return;
     row.push_back({gains_, sum_r2});
     row.push_back({gains_ + 1, sum_r4});
     for (const Entry& i : row) {
@@ -329,6 +357,10 @@ class ExposureFit {
   Eigen::VectorXd solution_;
   Eigen::MatrixXd covariance_;
   std::vector<double> residual_;
+  std::vector<std::uint8_t> used_by_;  ///< whether a sighting counts
+  double scatter_ = kWidest;
+  /// A patch is followed from each view that has depths of it: so many sightings are of one pixel.
+  double repeats_ = 1;
   std::int64_t points_ = 0, used_ = 0;
 };
 
@@ -336,6 +368,21 @@ void check(const char* name, double value, double low, double high) {
   if (value >= low && value <= high) return;
   throw std::invalid_argument("exposures: " + std::string(name) + " = " + std::to_string(value) +
                               " is not in " + std::to_string(low) + " .. " + std::to_string(high));
+}
+
+void check_sizes(std::size_t view, const SplatViewLevel& level, const Image<float>& depth_m) {
+  const auto check_size = [&](const char* what, const Image<float>& image) {
+    if (image.width() == level.camera.width_px && image.height() == level.camera.height_px) return;
+    throw std::invalid_argument("exposures: view " + std::to_string(view) + ": " + what + " is " +
+                                std::to_string(image.width()) + " x " +
+                                std::to_string(image.height()) + " px, its camera " +
+                                std::to_string(level.camera.width_px) + " x " +
+                                std::to_string(level.camera.height_px));
+  };
+  for (const Image<float>& channel : level.color.channel) check_size("a channel", channel);
+  if (!level.weight.empty()) check_size("the weight", level.weight);
+  if (!level.behind.empty()) check_size("what is behind", level.behind);
+  if (!depth_m.empty()) check_size("the depth image", depth_m);
 }
 
 template <typename Curve>
@@ -371,15 +418,7 @@ ViewExposures estimate_exposures(std::span<const SplatView> views,
   if (views.size() != depths_m.size())
     throw std::invalid_argument("exposures: " + std::to_string(depths_m.size()) +
                                 " depth images for " + std::to_string(views.size()) + " views");
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const Image<float>&depth_m = depths_m[v], &color = views[v].full.color.channel[0];
-    if (depth_m.empty()) continue;
-    if (depth_m.width() != color.width() || depth_m.height() != color.height())
-      throw std::invalid_argument(
-          "exposures: view " + std::to_string(v) + " is " + std::to_string(color.width()) + " x " +
-          std::to_string(color.height()) + " px, its depth image " +
-          std::to_string(depth_m.width()) + " x " + std::to_string(depth_m.height()));
-  }
+  for (std::size_t v = 0; v < views.size(); ++v) check_sizes(v, views[v].full, depths_m[v]);
   ViewExposures result;
   result.log_gain.assign(views.size(), kNaN);
   result.sigma.assign(views.size(), kNaN);
@@ -423,7 +462,7 @@ ColorPlanes as_exposed(ColorPlanes image, const Camera& camera, double log_gain,
                        const Vignetting& vignetting) {
   for_colors(image, camera, [&](double value, double r2) {
     const double light =
-        light_of(std::max(0.0, value)) * std::exp(log_gain + vignetting.log_at(r2));
+        light_of(std::max(value, 0.0)) * std::exp(log_gain + vignetting.log_at(r2));
     return std::clamp(encoded(light), 0.0, 1.0);
   });
   return image;

@@ -28,7 +28,9 @@ struct ViewExposures {
   /// One for each view: ln of its light over that of the views' geometric mean; NaN = it shares too
   /// little surface with the others.
   std::vector<double> log_gain;
-  std::vector<double> sigma;  ///< of each, from the sightings' scatter; NaN likewise
+  /// Of each, from the sightings' scatter; NaN likewise. What shines or is in the shade of a view
+  /// alone is not in it.
+  std::vector<double> sigma;
   Vignetting vignetting;
   double vignetting_sigma = kNaN;  ///< of ln of light in the corners (r = 1)
   double scatter = kNaN;           ///< robust standard deviation of ln of light that is left
@@ -43,7 +45,7 @@ struct ExposureConfig {
   double depth_agreement =
       0.02;  ///< relative: views whose depths differ by more show different surfaces
   double darkest = 0.1, brightest = 0.97;  ///< encoded: all channels' of what counts
-  int least_sightings = 50;                ///< of a view
+  int least_sightings = 50;  ///< that two views share, to say one's beside the other's
 };
 void validate(const ExposureConfig& config);  ///< throws std::invalid_argument
 
@@ -54,6 +56,7 @@ void validate(const ExposureConfig& config);  ///< throws std::invalid_argument
 /// are zero. A view with too few depths of its own counts where other views' surfaces should be in
 /// it.
 /// @param depths_m  one for each view, of its size: depth along the axis, NaN = none; empty = none
+/// Where surfaces are in the middle of the images alone, vignetting is held near none.
 /// @throws std::invalid_argument if counts or sizes differ or the configuration is invalid.
 ViewExposures estimate_exposures(std::span<const SplatView> views,
                                  std::span<const Image<float>> depths_m,
@@ -62,7 +65,8 @@ ViewExposures estimate_exposures(std::span<const SplatView> views,
 /// The photograph with the views' mean exposure and no vignetting. Colours may exceed 1.
 SplatViewLevel at_mean_exposure(SplatViewLevel level, double log_gain,
                                 const Vignetting& vignetting);
-/// The other way: an image of mean exposure as a camera of that exposure and lens shows it, 0..1.
+/// The other way: an image of mean exposure as a camera of that exposure and lens shows it, 0..1;
+/// NaN stays.
 ColorPlanes as_exposed(ColorPlanes image, const Camera& camera, double log_gain,
                        const Vignetting& vignetting);
 

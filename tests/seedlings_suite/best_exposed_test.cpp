@@ -49,6 +49,23 @@ TEST(BestExposed, WhatIsMaskedDoesNotCountAndNothingIsNoFactor) {
   EXPECT_EQ(same[0](50, 50), shades(1)[0](50, 50));
 }
 
+// What clips has two least values: the better is a factor of eight.
+TEST(BestExposed, OfTwoLeastValuesTheLesser) {
+  const Image<std::uint8_t> all(kWidth, kHeight, 255);
+  FidelityPlanes image, photograph;
+  for (std::size_t c = 0; c < 3; ++c) {
+    image[c] = Image<float>(kWidth, kHeight, srgb_from_linear(0.5F));
+    photograph[c] = Image<float>(kWidth, kHeight, 0.5F);
+    for (int y = 0; y < kHeight * 2 / 5; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        image[c](x, y) = srgb_from_linear(0.02F);
+        photograph[c](x, y) = 1;
+      }
+    }
+  }
+  EXPECT_GT(best_exposed(image, photograph, all)[0](0, 0), srgb_from_linear(0.15F));
+}
+
 // No other factor is better: what it is for.
 TEST(BestExposed, OthersAreWorse) {
   const Image<std::uint8_t> all(kWidth, kHeight, 255);
