@@ -18,7 +18,7 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kLeastSwept = 100;  ///< points, of a start on surfaces
+constexpr std::size_t kLeastSwept = 1000;  ///< points, of a start on surfaces
 
 FieldRenderer renderer_of(SplatModel model) {
   return [model = std::make_shared<const SplatModel>(std::move(model))](const SplatView& view) {

@@ -1,6 +1,7 @@
 #include "perception/splats/swept_start.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -11,6 +12,7 @@
 namespace cousin {
 namespace {
 
+constexpr double kDarkLuma = 0.4;                         // of what is bright in the photographs
 constexpr double kLeastFuse_m = 1e-6, kMostFuse_m = 0.1;  // what FuseConfig takes
 
 std::vector<SplatView> small_views(std::span<const SplatView> views, int largest_side_px) {
@@ -34,6 +36,44 @@ Image<Rgb8> codes_of(const ColorPlanes& planes) {
     image.data()[i] = {code(planes.channel[0].data()[i]), code(planes.channel[1].data()[i]),
                        code(planes.channel[2].data()[i])};
   return image;
+}
+
+/// The 95 % quantile of each channel over all views where they have weight.
+std::array<double, 3> bright_of(std::span<const SplatView> views) {
+  std::array<double, 3> bright{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::vector<float> values;
+    for (const SplatView& view : views) {
+      const Image<float>&channel = view.full.color.channel[c], &weight = view.full.weight;
+      for (std::size_t i = 0; i < channel.size(); ++i) {
+        if (weight.empty() || weight.data()[i] > 0.5F) values.push_back(channel.data()[i]);
+      }
+    }
+    if (values.empty()) continue;
+    const auto high = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 95 / 100);
+    std::nth_element(values.begin(), high, values.end());
+    bright[c] = static_cast<double>(*high);
+  }
+  return bright;
+}
+
+/// Under lamps of some wavelengths alone luma, by which surfaces are matched, may be dark and flat:
+/// then greys in its place, each channel weighed by how bright it is, their brightest at 0.8.
+void lighten(std::vector<SplatView>& views) {
+  const std::array<double, 3> bright = bright_of(views);
+  if (0.299 * bright[0] + 0.587 * bright[1] + 0.114 * bright[2] >= kDarkLuma) return;
+  double squares = 0;
+  for (const double b : bright) squares += b * b;
+  if (!(squares > 0)) return;
+  for (SplatView& view : views) {
+    std::array<Image<float>, 3>& channel = view.full.color.channel;
+    for (std::size_t i = 0; i < channel[0].size(); ++i) {
+      double grey = 0;
+      for (std::size_t c = 0; c < 3; ++c)
+        grey += 0.8 / squares * bright[c] * static_cast<double>(channel[c].data()[i]);
+      for (Image<float>& one : channel) one.data()[i] = static_cast<float>(grey);
+    }
+  }
 }
 
 /// The views as a capture of pinhole cameras.
@@ -102,7 +142,9 @@ SweptStart swept_start(std::span<const SplatView> views, const SweepVolume& volu
   validate(config);
   std::vector<SplatView> small = small_views(views, config.largest_side_px);
   const Poses poses = poses_of(small);
-  const Depths depths = estimate_depths(capture_of(small), poses, volume, config.mvs);
+  std::vector<SplatView> matched = small;
+  lighten(matched);
+  const Depths depths = estimate_depths(capture_of(matched), poses, volume, config.mvs);
   std::vector<Image<float>> depths_m;
   for (const FrameDepth& depth : depths) depths_m.push_back(depth.depth_m);
 

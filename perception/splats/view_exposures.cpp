@@ -119,7 +119,7 @@ class SurfaceLight {
     const double most_m = config_.depth_agreement * in_camera_m.z();
     if (!(std::abs(there_m - in_camera_m.z()) <= most_m || (is_unsure && std::isnan(there_m))))
       return std::nullopt;
-    double light = 0;
+    double light = 0, sum = 0;
     for (int corner = 0; corner < 4; ++corner) {
       const int i = corner % 2, j = corner / 2;
       const double share = (i ? right : 1 - right) * (j ? down : 1 - down);
@@ -127,10 +127,12 @@ class SurfaceLight {
       if (!level.behind.empty() && level.behind(x + i, y + j) > 0.001F) return std::nullopt;
       for (const Image<float>& channel : level.color.channel) {
         const double value = channel(x + i, y + j);
-        if (!(value >= config_.darkest && value <= config_.brightest)) return std::nullopt;
+        if (!(value <= config_.brightest)) return std::nullopt;
         light += share * light_of(value);
+        sum += share * value;
       }
     }
+    if (!(sum >= 3 * config_.darkest)) return std::nullopt;
     const int nearest = (y + (down >= 0.5 ? 1 : 0)) * level.camera.width_px + x + (right >= 0.5);
     return Sighting{static_cast<int>(v), nearest, std::log(light),
                     radius2(level.camera, pixel->x(), pixel->y())};

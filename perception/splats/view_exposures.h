@@ -43,8 +43,9 @@ struct ViewExposures {
 struct ExposureConfig {
   int stride_px = 2;  ///< between pixels of a depth image whose surface is followed
   double depth_agreement =
-      0.02;  ///< relative: views whose depths differ by more show different surfaces
-  double darkest = 0.1, brightest = 0.97;  ///< encoded: all channels' of what counts
+      0.02;                 ///< relative: views whose depths differ by more show different surfaces
+  double darkest = 0.1;     ///< encoded, the mean of the channels of what counts
+  double brightest = 0.97;  ///< encoded, each of them
   int least_sightings = 50;  ///< that two views share, to say one's beside the other's
 };
 void validate(const ExposureConfig& config);  ///< throws std::invalid_argument

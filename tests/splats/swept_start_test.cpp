@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "sim/imaging/color.h"
@@ -21,7 +22,8 @@ double light_at(double x_m, double y_m) {
 }
 
 /// The plane z = 0.03 from about half a metre, by automatic exposure.
-std::vector<SplatView> photographs() {
+/// @param lamp  its light in each channel
+std::vector<SplatView> photographs(const std::array<double, 3>& lamp = {1, 1, 1}) {
   std::vector<SplatView> views;
   for (int i = 0; i < 8; ++i) {
     SplatView view;
@@ -40,8 +42,9 @@ std::vector<SplatView> photographs() {
       for (int x = 0; x < kWidth; ++x) {
         const Eigen::Vector3d ray = world_from_camera.rotation * *lens.unproject({x, y});
         const Eigen::Vector3d at_m = eye_m + ray * ((0.03 - eye_m.z()) / ray.z());
-        for (Image<float>& channel : level.color.channel)
-          channel(x, y) = srgb_from_linear(static_cast<float>(gain * light_at(at_m.x(), at_m.y())));
+        const double light = gain * light_at(at_m.x(), at_m.y());
+        for (std::size_t c = 0; c < 3; ++c)
+          level.color.channel[c](x, y) = srgb_from_linear(static_cast<float>(lamp[c] * light));
       }
     }
     views.push_back(view);
@@ -64,6 +67,20 @@ TEST(SweptStart, PointsLieOnTheSurfaceAndExposuresAreTheViews) {
   ASSERT_EQ(start.exposures.status, ExposureStatus::ok);
   for (std::size_t v = 0; v < 8; ++v)
     EXPECT_NEAR(start.exposures.log_gain[v], (v % 2 == 0 ? 1 : -1) * std::log(1.3), 0.02) << v;
+}
+
+// Red and blue lamps, as over trays: luma is nearly black.
+TEST(SweptStart, SurfacesAreFoundUnderLampsWithoutGreen) {
+  const SweptStart start = swept_start(photographs({0.05, 0, 0.3}), kVolume,
+                                       {.exposures = {.darkest = 0.02}, .most_points = 400});
+  ASSERT_EQ(start.points.size(), 400u);
+  int off = 0;
+  for (const StartPoint& point : start.points)
+    off += std::abs(point.position_m.z() - 0.03) > 0.005 ? 1 : 0;
+  EXPECT_LT(off, 20);
+  ASSERT_EQ(start.exposures.status, ExposureStatus::ok);
+  for (std::size_t v = 0; v < 8; ++v)
+    EXPECT_NEAR(start.exposures.log_gain[v], (v % 2 == 0 ? 1 : -1) * std::log(1.3), 0.03) << v;
 }
 
 TEST(SweptStart, NothingToSweepGivesNoPoints) {

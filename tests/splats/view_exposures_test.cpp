@@ -195,7 +195,8 @@ TEST(ViewExposures, TooLittleSaysSo) {
 TEST(ViewExposures, WhatIsBlackWhiteBehindOrWithoutWeightIsNoSurface) {
   Plane plane = six_views(0, 5);
   plane.views[1].full.color.channel[0] = Image<float>(kWidth, kHeight, 0.99F);
-  plane.views[4].full.color.channel[2] = Image<float>(kWidth, kHeight, 0.05F);
+  for (Image<float>& channel : plane.views[4].full.color.channel)
+    channel = Image<float>(kWidth, kHeight, 0.05F);
   const ViewExposures some = estimate_exposures(plane.views, plane.depths_m);
   for (std::size_t v = 0; v < 6; ++v)
     EXPECT_EQ(std::isnan(some.log_gain[v]), v == 1 || v == 4) << v;
