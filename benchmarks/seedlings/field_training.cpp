@@ -164,12 +164,12 @@ TrainedField train_reference(const FieldPlan& plan, const FieldViews& views, con
 
 TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const FieldStart& from,
                         std::uint64_t seed, const fs::path& unfinished) {
-  const GaussianStart start = swept(plan, views, from, unfinished);
-  TrainedField field;
   if (!plan.most_splats.empty() && plan.most_splats.size() != plan.at.size())
     throw std::invalid_argument(plan.method + ": " + std::to_string(plan.most_splats.size()) +
                                 " numbers of Gaussians for " + std::to_string(plan.at.size()) +
                                 " trainings");
+  const GaussianStart start = swept(plan, views, from, unfinished);
+  TrainedField field;
   for (std::size_t i = 0; i < plan.at.size(); ++i) {
     const int steps = plan.at[i];
     SplatTrainConfig config;

@@ -195,6 +195,20 @@ Poses reported_poses(const Capture& capture) {
   return poses;
 }
 
+void check_size(const Camera& camera, const Image<float>& image, const std::string& name) {
+  if (image.width() == camera.width_px && image.height() == camera.height_px) return;
+  throw std::invalid_argument(
+      name + " is " + std::to_string(image.width()) + " x " + std::to_string(image.height()) +
+      ", its camera " + std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px));
+}
+
+void check_sizes(const SplatViewLevel& level, const std::string& name) {
+  for (const Image<float>& channel : level.color.channel)
+    check_size(level.camera, channel, name + ": a channel");
+  if (!level.weight.empty()) check_size(level.camera, level.weight, name + ": the weight");
+  if (!level.behind.empty()) check_size(level.camera, level.behind, name + ": what is behind");
+}
+
 int halvings_of(const Camera& camera, int times) {
   const int side = std::min(camera.width_px, camera.height_px);
   int can = 0;

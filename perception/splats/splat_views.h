@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "perception/splats/splat_render.h"
@@ -52,6 +53,11 @@ std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
                                    const std::vector<Image<std::uint8_t>>& masks = {},
                                    const SplatViewsConfig& config = {},
                                    const std::vector<Image<std::uint8_t>>& screens = {});
+
+/// @throws std::invalid_argument naming `name`, the image's size and the camera's if they differ
+void check_size(const Camera& camera, const Image<float>& image, const std::string& name);
+/// The same of all images of a level that are there; colours must be.
+void check_sizes(const SplatViewLevel& level, const std::string& name);
 
 /// How often a camera's image can be halved, at most `times`, before a side is below 16 pixels.
 int halvings_of(const Camera& camera, int times);

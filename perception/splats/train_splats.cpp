@@ -25,25 +25,15 @@ bool any_weight(std::span<const SplatView> views) {
 /// @throws std::invalid_argument naming the view, and what is wrong with it
 void check_views(std::span<const SplatView> views) {
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const std::string name = "splat training: view " + std::to_string(i) + ": ";
+    const std::string name = "splat training: view " + std::to_string(i);
     const SplatViewLevel& level = views[i].full;
-    if (level.color.channel[0].empty()) throw std::invalid_argument(name + "has no image");
+    if (level.color.channel[0].empty()) throw std::invalid_argument(name + ": has no image");
     try {
       splat_camera(level.camera, views[i].camera_from_world, Eigen::Vector3d::Zero(), 1);
     } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(name + error.what());
+      throw std::invalid_argument(name + ": " + error.what());
     }
-    const auto check = [&](const char* what, const Image<float>& image) {
-      if (image.width() == level.camera.width_px && image.height() == level.camera.height_px)
-        return;
-      throw std::invalid_argument(name + what + " is " + std::to_string(image.width()) + " x " +
-                                  std::to_string(image.height()) + ", its camera " +
-                                  std::to_string(level.camera.width_px) + " x " +
-                                  std::to_string(level.camera.height_px));
-    };
-    for (const Image<float>& channel : level.color.channel) check("a channel", channel);
-    if (!level.weight.empty()) check("the weight", level.weight);
-    if (!level.behind.empty()) check("what is behind", level.behind);
+    check_sizes(level, name);
   }
 }
 
