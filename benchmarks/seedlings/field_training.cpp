@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLeastSwept = 1000;  ///< points, of a start on surfaces
+/// Of the rate of centres: Gaussians that begin on surfaces need not be thrown about.
+constexpr double kSweptRate = 0.25;
 
 FieldRenderer renderer_of(SplatModel model) {
   return [model = std::make_shared<const SplatModel>(std::move(model))](const SplatView& view) {
@@ -76,6 +78,7 @@ struct GaussianStart {
   std::vector<SplatView> photographs;
   SplatModel model;
   ViewExposures exposures;   ///< that were taken out of the photographs
+  double centre_rate = 1;    ///< share of the configuration's
   StageTiming seconds = {};  ///< of finding all that
 };
 
@@ -148,6 +151,7 @@ GaussianStart swept(const FieldPlan& plan, const FieldViews& views, const FieldS
   } else {
     surfaces.points.insert(surfaces.points.end(), from.beside.begin(), from.beside.end());
     start.model = splats_from_points(surfaces.points);
+    start.centre_rate = kSweptRate;
   }
   start.seconds = kept_seconds(unfinished, start, clock.finish());
   return start;
@@ -175,6 +179,7 @@ TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const Fi
     SplatTrainConfig config;
     config.steps = steps;
     config.rates = rates_for(steps);
+    config.rates.centre_first *= start.centre_rate;
     if (!plan.most_splats.empty()) config.most_splats = plan.most_splats[i];
     config.seed = seed;
     TrainedField one =

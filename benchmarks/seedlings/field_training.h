@@ -41,7 +41,7 @@ struct TrainedField {
 /// What Gaussians begin from. Radiance fields need none.
 struct FieldStart {
   std::vector<StartPoint> points;  ///< the reference's; and ours where nothing is swept
-  /// Ours: surfaces swept in `volume`, and `beside`, where there is too little texture to sweep.
+  /// Ours: surfaces swept in `volume`, and `beside`, what a sweep does not find.
   SweepVolume volume;
   std::vector<StartPoint> beside;
 };

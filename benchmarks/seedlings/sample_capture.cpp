@@ -16,6 +16,7 @@ namespace {
 constexpr double kShown = 0.999;  ///< least weight of a pixel that shows something
 /// Above the substrate, beyond the tray, below its foot; and of the bench what is swept too.
 constexpr double kPlants_m = 0.1, kBeside_m = 0.5, kBench_m = 0.01, kRim_m = 0.03;
+constexpr double kBenchOpacity = 0.9, kAirOpacity = 0.02;
 
 struct TraySize {
   double half_x_m, half_y_m, depth_m;
@@ -133,6 +134,22 @@ void measure_noise(const Photographer& photographer, int views, SampleCapture& c
   if (capture.noise_views > 0) capture.noise_psnr_db /= capture.noise_views;
 }
 
+std::vector<StartPoint> points_over_bench(const SeedlingsSample& sample, int points,
+                                          const Rng& rng) {
+  const TraySize tray = tray_of(sample);
+  return random_start_points(
+      {-tray.half_x_m - kBeside_m, -tray.half_y_m - kBeside_m, -tray.depth_m - kBench_m},
+      {tray.half_x_m + kBeside_m, tray.half_y_m + kBeside_m, -tray.depth_m}, points,
+      rng.fork("bench"));
+}
+
+std::vector<StartPoint> points_over_plants(const SeedlingsSample& sample, int points,
+                                           const Rng& rng) {
+  const TraySize tray = tray_of(sample);
+  return random_start_points({-tray.half_x_m, -tray.half_y_m, -tray.depth_m},
+                             {tray.half_x_m, tray.half_y_m, kPlants_m}, points, rng.fork("tray"));
+}
+
 }  // namespace
 
 PhoneConfig with_picture(PhoneConfig phone, int width_px, int height_px) {
@@ -178,21 +195,20 @@ SampleCapture photograph_sample(const SeedlingsSample& sample, SamplePlan plan, 
   return capture;
 }
 
-std::vector<StartPoint> bench_start(const SeedlingsSample& sample, int points, const Rng& rng) {
-  const TraySize tray = tray_of(sample);
-  return random_start_points(
-      {-tray.half_x_m - kBeside_m, -tray.half_y_m - kBeside_m, -tray.depth_m - kBench_m},
-      {tray.half_x_m + kBeside_m, tray.half_y_m + kBeside_m, -tray.depth_m}, points,
-      rng.fork("bench"));
+std::vector<StartPoint> sample_start(const SeedlingsSample& sample, int points, Rng rng) {
+  std::vector<StartPoint> start = points_over_plants(sample, points - points / 3, rng);
+  const std::vector<StartPoint> bench = points_over_bench(sample, points / 3, rng);
+  start.insert(start.end(), bench.begin(), bench.end());
+  return start;
 }
 
-std::vector<StartPoint> sample_start(const SeedlingsSample& sample, int points, Rng rng) {
-  const TraySize tray = tray_of(sample);
-  std::vector<StartPoint> start = random_start_points(
-      {-tray.half_x_m, -tray.half_y_m, -tray.depth_m}, {tray.half_x_m, tray.half_y_m, kPlants_m},
-      points - points / 3, rng.fork("tray"));
-  const std::vector<StartPoint> bench = bench_start(sample, points / 3, rng);
-  start.insert(start.end(), bench.begin(), bench.end());
+std::vector<StartPoint> unswept_start(const SeedlingsSample& sample, int points, const Rng& rng) {
+  std::vector<StartPoint> start = points_over_bench(sample, points / 3, rng);
+  for (StartPoint& point : start) point.opacity = kBenchOpacity;
+  for (StartPoint point : points_over_plants(sample, points * 3 / 5, rng)) {
+    point.opacity = kAirOpacity;
+    start.push_back(point);
+  }
   return start;
 }
 

@@ -184,7 +184,7 @@ std::string key_of(const SeedlingsJob& job) {
   for (const int step : job.plan.at) key += "/" + std::to_string(step);
   for (const int most : job.plan.most_splats) key += "/most" + std::to_string(most);
   if (job.plan.method == kOurs) {
-    key += "/swept, one exposure";
+    key += "/swept and thin air, one exposure";
     key += "/low_pass" + std::to_string(SplatTrainConfig().low_pass_px2);
     for (const int step : job.plan.at) {
       const SplatRates rates = rates_for(step);
@@ -219,7 +219,7 @@ ScoreFile run_seedlings_job(const SeedlingsJob& job, std::uint64_t seed, LastCap
   const TrainedField field =
       train_field(job.plan, views,
                   {sample_start(job.sample, points, rng), sample_volume(job.sample),
-                   bench_start(job.sample, points / 3, rng)},
+                   unswept_start(job.sample, points, rng)},
                   seed, unfinished);
   ScoreFile file;
   file.scores = sample_rows(job, seed, field, views, whole);

@@ -198,6 +198,9 @@ SplatModel splats_from_points(std::span<const StartPoint> points, const SplatSta
   for (const StartPoint& point : points) {
     if (!point.position_m.allFinite())
       fail_config("point " + std::to_string(positions_m.size()) + " is not finite");
+    if (!(point.opacity >= 0 && point.opacity < 1))
+      fail_config("point " + std::to_string(positions_m.size()) +
+                  ": opacity = " + std::to_string(point.opacity) + " is not in 0 .. 1, without 1");
     positions_m.push_back(point.position_m);
   }
   std::vector<double> scales = neighbour_scales(positions_m);
@@ -215,7 +218,8 @@ SplatModel splats_from_points(std::span<const StartPoint> points, const SplatSta
     const double scale = std::max(scales[i], least);
     splat.log_scale.setConstant(static_cast<float>(std::log(scale > 0 ? scale : config.alone_m)));
     if (points[i].normal.squaredNorm() > 0.5) lay_flat(points[i].normal, config.flatness, splat);
-    splat.opacity_logit = static_cast<float>(std::log(config.opacity / (1 - config.opacity)));
+    const double opacity = points[i].opacity > 0 ? points[i].opacity : config.opacity;
+    splat.opacity_logit = static_cast<float>(std::log(opacity / (1 - opacity)));
     const std::array<std::uint8_t, 3> codes = {points[i].color.r, points[i].color.g,
                                                points[i].color.b};
     for (std::size_t c = 0; c < 3; ++c)

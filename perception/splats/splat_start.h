@@ -17,6 +17,7 @@ struct StartPoint {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< in the world
   Rgb8 color{128, 128, 128};                             ///< sRGB
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< of the surface, unit; zero = unknown
+  double opacity = 0;  ///< how sure something is there, 0..1 exclusive; zero = the configuration's
 };
 
 /// What a file of points held.
@@ -40,7 +41,7 @@ std::vector<StartPoint> random_start_points(const Eigen::Vector3d& low_m,
 
 struct SplatStartConfig {
   int sh_degree = 3;      ///< of the model; coefficients beyond the first start at zero
-  double opacity = 0.1;   ///< of each Gaussian, 0..1 exclusive
+  double opacity = 0.1;   ///< of a Gaussian whose point has none, 0..1 exclusive
   double flatness = 1;    ///< thickness over width where the point has a normal; 0..1, not 0
   double alone_m = 0.01;  ///< scale where no other point gives one
 };
@@ -52,7 +53,8 @@ void validate(const SplatStartConfig& config);  ///< throws std::invalid_argumen
 /// across it, `flatness` times as thick; its colour is the point's in every
 /// direction. The origin is zero, or, where coordinates are more than a hundred times the points'
 /// spread, their mean: floats then keep what they tell apart. TBB; the same bytes on any number of
-/// threads. @throws std::invalid_argument if a point is not finite or the configuration is invalid.
+/// threads. @throws std::invalid_argument if a point is not finite, its opacity is none, or the
+/// configuration is invalid.
 SplatModel splats_from_points(std::span<const StartPoint> points,
                               const SplatStartConfig& config = {});
 

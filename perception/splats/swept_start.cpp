@@ -133,6 +133,7 @@ void validate(const SweptStartConfig& config) {
   check("voxel_px", config.voxel_px, 0.01, 100);
   check("agreement_px", config.agreement_px, 0.01, 100);
   check("most_points", config.most_points, 0, static_cast<double>(kMostStartPoints));
+  check("opacity", config.opacity, 1e-6, 1 - 1e-6);
   validate(config.mvs);
   validate(config.exposures);
 }
@@ -165,8 +166,8 @@ SweptStart swept_start(std::span<const SplatView> views, const SweepVolume& volu
   const std::size_t count = std::min(cloud.size(), static_cast<std::size_t>(config.most_points));
   for (std::size_t i = 0; i < count; ++i) {
     const CloudPoint& point = cloud[i * cloud.size() / count];
-    start.points.push_back(
-        {point.position_m.cast<double>(), point.color, point.normal.cast<double>()});
+    start.points.push_back({point.position_m.cast<double>(), point.color,
+                            point.normal.cast<double>(), config.opacity});
   }
   return start;
 }

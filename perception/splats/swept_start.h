@@ -19,6 +19,7 @@ struct SweptStartConfig {
   double agreement_px = 1;  ///< along the normal: farther off is another surface
   ExposureConfig exposures;
   int most_points = 5000;  ///< evenly taken of those found; >= 0
+  double opacity = 0.5;    ///< of the points, 0..1 exclusive
 };
 void validate(const SweptStartConfig& config);  ///< throws std::invalid_argument
 

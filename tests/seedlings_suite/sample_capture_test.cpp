@@ -109,5 +109,24 @@ TEST(SampleCapture, GaussiansStartWhereTheTrayIsAndOnTheBench) {
   EXPECT_GT(beside, 120);
 }
 
+TEST(SampleCapture, BesideSurfacesTheBenchIsOpaqueAndTheAirThin) {
+  const std::vector<StartPoint> points = unswept_start(small_sample(), 600, Rng(1));
+  ASSERT_EQ(points.size(), 560u);
+  int on_bench = 0;
+  for (const StartPoint& point : points) {
+    const bool is_bench = point.opacity > 0.5;
+    on_bench += is_bench;
+    if (is_bench) {
+      EXPECT_LE(point.position_m.z(), -0.03);
+    } else {
+      EXPECT_LT(point.opacity, 0.05);
+      EXPECT_GT(point.opacity, 0);
+      EXPECT_LE(std::abs(point.position_m.x()), 0.35);
+      EXPECT_LE(std::abs(point.position_m.y()), 0.175);
+    }
+  }
+  EXPECT_EQ(on_bench, 200);
+}
+
 }  // namespace
 }  // namespace cousin

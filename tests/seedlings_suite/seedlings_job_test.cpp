@@ -181,7 +181,7 @@ TEST(SeedlingsJobs, OursKnowsTheExposuresOfWhatItIsTrainedOn) {
   const TrainedField field =
       train_field(job.plan, field_views(train, held_out),
                   {sample_start(job.sample, 1500, Rng(1)), sample_volume(job.sample),
-                   bench_start(job.sample, 500, Rng(1))},
+                   unswept_start(job.sample, 1500, Rng(1))},
                   2);
   ASSERT_EQ(field.status, "ok");
   ASSERT_EQ(field.exposures.status, ExposureStatus::ok);

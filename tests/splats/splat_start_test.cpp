@@ -105,6 +105,18 @@ TEST(SplatStart, APointWithANormalIsADiscAcrossIt) {
   EXPECT_THROW(splats_from_points(points, {.flatness = 0}), std::invalid_argument);
 }
 
+TEST(SplatStart, APointSaysHowOpaqueItIs) {
+  std::vector<StartPoint> points = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 2, 0}}};
+  points[1].opacity = 0.75;
+  const SplatModel model = splats_from_points(points, {.opacity = 0.5});
+  EXPECT_FLOAT_EQ(model.splats[0].opacity_logit, 0);
+  EXPECT_FLOAT_EQ(model.splats[1].opacity_logit, std::log(3.0F));
+  for (const double wrong : {1.0, -0.1, std::nan("")}) {
+    points[2].opacity = wrong;
+    EXPECT_THROW(splats_from_points(points), std::invalid_argument) << wrong;
+  }
+}
+
 TEST(SplatStart, ScaleIsTheRootMeanSquareOfThreeDistances) {
   const std::vector<StartPoint> points = {
       {{0, 0, 0}}, {{1, 0, 0}}, {{0, 2, 0}}, {{0, 0, 3}}, {{0, 0, 9}}};

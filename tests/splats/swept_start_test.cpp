@@ -58,6 +58,7 @@ TEST(SweptStart, PointsLieOnTheSurfaceAndExposuresAreTheViews) {
   int off = 0;
   double color = 0;
   for (const StartPoint& point : start.points) {
+    EXPECT_EQ(point.opacity, 0.5);
     off += std::abs(point.position_m.z() - 0.03) > 0.005 ? 1 : 0;
     const double light = linear_from_srgb8(point.color.r);
     color += std::abs(light - light_at(point.position_m.x(), point.position_m.y())) / 400;
@@ -94,6 +95,7 @@ TEST(SweptStart, NothingToSweepGivesNoPoints) {
   EXPECT_NE(start.exposures.status, ExposureStatus::ok);
   EXPECT_TRUE(swept_start({}, kVolume).points.empty());
   EXPECT_THROW(swept_start(plain, kVolume, {.most_points = -1}), std::invalid_argument);
+  EXPECT_THROW(swept_start(plain, kVolume, {.opacity = 1}), std::invalid_argument);
 }
 
 }  // namespace
