@@ -30,7 +30,8 @@ class PooledPsnr {
   std::int64_t count_ = 0;
 };
 
-/// The image, and the photograph's own pixels where that shows nothing: a network takes no mask.
+/// The image, and the photograph's own pixels where that shows nothing: windows of SSIM, FLIP's
+/// filters and a network look beyond a mask.
 FidelityPlanes where_shown(FidelityPlanes image, const FidelityPlanes& photograph,
                            const Image<std::uint8_t>& shown) {
   for (std::size_t c = 0; c < 3; ++c) {
@@ -46,15 +47,15 @@ struct ViewSums {
 
   void add(const FidelityPlanes& image, const SampleView& view, const LearnedDistance* network) {
     const FidelityPlanes& photograph = view.photograph.full.color.channel;
-    const ImageFidelity whole = score_fidelity(image, photograph, view.shown);
+    const FidelityPlanes inside = where_shown(image, photograph, view.shown);
+    const ImageFidelity whole = score_fidelity(inside, photograph, view.shown);
     psnr_db.push_back(whole.psnr_db);
     ssim.push_back(whole.ssim);
     flip.push_back(whole.flip);
     exposed_db.push_back(
         cousin::psnr_db(best_exposed(image, photograph, view.shown), photograph, view.shown));
     const double plants_db = cousin::psnr_db(image, photograph, view.seedlings);
-    if (network)
-      learned.push_back(network->between(where_shown(image, photograph, view.shown), photograph));
+    if (network) learned.push_back(network->between(inside, photograph));
     if (!std::isnan(plants_db)) seedlings_db.push_back(plants_db);  // some views show none
   }
   ViewScores scores() const {

@@ -82,6 +82,12 @@ struct GaussianStart {
   StageTiming seconds = {};  ///< of finding all that
 };
 
+[[noreturn]] void throw_incomplete(const fs::path& unfinished, std::size_t models,
+                                   std::size_t wanted) {
+  throw std::runtime_error(unfinished.string() + ": " + std::to_string(models) + " of " +
+                           std::to_string(wanted) + " models are there; remove it to train again");
+}
+
 TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<int>& at,
                              const FieldViews& views, const GaussianStart& start,
                              const fs::path& unfinished) {
@@ -94,11 +100,7 @@ TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<i
   field.status = is_left ? "ok" : to_string(training.status);
   if (field.status != "ok") return field;
   std::vector<KeptModel> models = kept.models(at);
-  if (models.size() != at.size()) {
-    throw std::runtime_error(unfinished.string() + ": " + std::to_string(models.size()) + " of " +
-                             std::to_string(at.size()) +
-                             " models are there; remove it to train again");
-  }
+  if (models.size() != at.size()) throw_incomplete(unfinished, models.size(), at.size());
   field.exposures = start.exposures;
   for (KeptModel& way : models) {
     way.seconds.wall_s += start.seconds.wall_s;
@@ -209,7 +211,10 @@ TrainedField train_radiance_field(const FieldPlan& plan, const FieldViews& views
       train_ngp(photographs, config, kept.snapshots(plan.at), {}, kept.checkpoint());
   field.status = to_string(training.status);
   if (training.status != NgpStatus::ok) field.status += ", " + training.reason;
-  for (const KeptField& way : kept.models(plan.at))
+  const std::vector<KeptField> models = kept.models(plan.at);
+  if (training.status == NgpStatus::ok && models.size() != plan.at.size())
+    throw_incomplete(unfinished, models.size(), plan.at.size());
+  for (const KeptField& way : models)
     add_scores(views, way.step, way.seconds, 0, renderer_of(way.model), field);
   return field;
 }

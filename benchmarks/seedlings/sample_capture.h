@@ -67,9 +67,9 @@ SampleCapture photograph_sample(const SeedlingsSample& sample, SamplePlan plan, 
 /// a reconstruction of poses makes; where the reference has none, it begins at random points too.
 std::vector<StartPoint> sample_start(const SeedlingsSample& sample, int points, Rng rng);
 /// What a sweep does not find, beside `points` on surfaces: a third as many, nearly opaque, over
-/// the layer of the bench, which has no texture, and three fifths, nearly transparent, over the
-/// space of the tray and its plants, whose stems are thin. Were all as opaque, the points in the
-/// air would show the bench and be fog before held-out views.
+/// the layer just under the bench, which has no texture, and three fifths, nearly transparent, over
+/// the space of the tray and its plants, whose stems are thin. Were all as opaque, the points in
+/// the air would show the bench and be fog before held-out views.
 std::vector<StartPoint> unswept_start(const SeedlingsSample& sample, int points, const Rng& rng);
 /// The space of the tray and its plants with a rim of the bench: where surfaces are swept.
 SweepVolume sample_volume(const SeedlingsSample& sample);

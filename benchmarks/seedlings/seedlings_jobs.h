@@ -43,7 +43,8 @@ struct SeedlingsJob {
 
 /// All jobs, those of one capture one after another.
 std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config);
-/// Everything that decides a job's result but the seed.
+/// What decides a job's result but the seed: all that is configured, and a word for what the code
+/// of ours decides by constants, to be changed with them.
 std::string key_of(const SeedlingsJob& job);
 
 /// Keeps the last capture of each plan, since neighbouring jobs share it.

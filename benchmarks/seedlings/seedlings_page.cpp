@@ -151,7 +151,8 @@ LinePlot views_plot(const std::vector<ScoreRow>& rows) {
   plot.section = kCoverageSection;
   plot.title = "PSNR over the number of views trained on";
   plot.caption = {"The first tray under each light, ours after " + std::to_string(kMoreViewsSteps) +
-                  " steps; each view at the exposure that fits it best."};
+                  " steps; each view at the exposure that fits it best. Every fifth of each "
+                  "number's own places is held out, so that the held-out views differ."};
   plot.x_label = "views trained on";
   plot.y_label = "PSNR (dB)";
   for (const std::string& light : lights_of(rows)) {

@@ -166,6 +166,8 @@ std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
   of_capture.method = "exact surface, mean colour";
   rows.push_back(with_number(of_capture, "held_out.psnr_covered", surface.psnr_db, "dB",
                              static_cast<std::int64_t>(views.held_out.size())));
+  rows.push_back(with_number(of_capture, "held_out.pixels", static_cast<double>(surface.pixels),
+                             "1", surface.pixels));
   of_capture.method = "exact surface, mean colour, one exposure";
   rows.push_back(with_number(of_capture, "held_out.psnr_covered",
                              exact_surface_at_one_exposure(views).psnr_db, "dB",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -12,12 +13,16 @@ namespace {
 
 constexpr double kBehind_m = 0.002;
 
-/// The farthest depth about a pixel; NaN where there is no surface.
+/// The farthest depth about a pixel: infinite where there is no surface.
 double farthest_m(const Image<float>& depth_m, int x, int y) {
-  double farthest = std::nan("");
+  double farthest = 0;
   for (int v = y - 1; v <= y + 1; ++v) {
     for (int u = x - 1; u <= x + 1; ++u) {
-      if (depth_m.contains(u, v)) farthest = std::fmax(farthest, depth_m(u, v));
+      if (!depth_m.contains(u, v)) continue;
+      const float depth = depth_m(u, v);
+      farthest = std::isnan(depth) ? std::numeric_limits<double>::infinity()
+                                   : std::max(farthest, static_cast<double>(depth));
+      if (std::isinf(farthest)) return farthest;
     }
   }
   return farthest;

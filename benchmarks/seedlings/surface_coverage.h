@@ -18,10 +18,11 @@ struct DepthSight {
   const Image<float>* depth_m = nullptr;  ///< true, along the axis; NaN = no surface
 };
 
-/// In how many of `views` each pixel's surface point is seen: it lies in the image, and no surface
-/// is more than 2 mm before it at any of the pixels about it (one pixel each way, since depth is
-/// known at pixel centres). A pixel without a point has zero. TBB over rows; the same on any number
-/// of threads. @param position_m  in the world; NaN = none
+/// In how many of `views` each pixel's surface point is seen: it lies in the image, and at one
+/// pixel at least of the nine about it no surface is more than 2 mm before it. Depth is known at
+/// pixel centres, so that points beside an edge are seen; so are those behind a stem of two pixels.
+/// A pixel without a point has zero. TBB over rows; the same on any number of threads. @param
+/// position_m  in the world; NaN = none
 /// @throws std::invalid_argument if a depth image has another size than its camera.
 Image<std::uint16_t> views_that_see(const Image<Eigen::Vector3f>& position_m,
                                     std::span<const DepthSight> views);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -34,8 +35,9 @@ double mode_of(std::vector<double> values) {
 }
 
 /// Sigma of a normal distribution about `centre` by the values below it: half of them lie within
-/// 0.6745 sigmas.
+/// 0.6745 sigmas. NaN of fewer than kLeastPoints values.
 double lower_sigma(const std::vector<double>& values, double centre) {
+  if (values.size() < std::size_t{kLeastPoints}) return std::numeric_limits<double>::quiet_NaN();
   std::vector<double> below;
   for (const double value : values) {
     if (value <= centre) below.push_back(centre - value);

@@ -16,17 +16,18 @@
 
 #include "perception/cloud/clusters.h"
 
-/// A cloud's point as PCL wants it: its voxel grid averages every registered field.
+/// A cloud's point as PCL wants it. Its voxel grid averages position, normal, colour and curvature,
+/// and no field of another name: what it calls curvature is our sigma, m.
 struct EIGEN_ALIGN16 PaperPoint {
   PCL_ADD_POINT4D;
   PCL_ADD_NORMAL4D;
-  float red, green, blue, sigma;
+  PCL_ADD_RGB;
+  float curvature;
 };
 POINT_CLOUD_REGISTER_POINT_STRUCT(
     PaperPoint,
     (float, x, x)(float, y, y)(float, z, z)(float, normal_x, normal_x)(float, normal_y, normal_y)(
-        float, normal_z, normal_z)(float, red, red)(float, green, green)(float, blue,
-                                                                         blue)(float, sigma, sigma))
+        float, normal_z, normal_z)(float, rgb, rgb)(float, curvature, curvature))
 
 namespace cousin {
 namespace {
@@ -56,20 +57,16 @@ PclCloud::Ptr to_pcl(const Cloud& cloud, Eigen::Vector3d& mean_m) {
   result->reserve(count);
   for (const CloudPoint& p : cloud) {
     if (!p.position_m.allFinite()) continue;
-    PaperPoint q;
+    PaperPoint q{};
     q.getVector3fMap() = (p.position_m.cast<double>() - mean_m).cast<float>();
     q.getNormalVector3fMap() = p.normal.allFinite() ? p.normal : Eigen::Vector3f::Zero();
-    q.red = p.color.r;
-    q.green = p.color.g;
-    q.blue = p.color.b;
-    q.sigma = std::isfinite(p.sigma_m) ? p.sigma_m : 0;
+    q.r = p.color.r;
+    q.g = p.color.g;
+    q.b = p.color.b;
+    q.curvature = std::isfinite(p.sigma_m) ? p.sigma_m : 0;
     result->push_back(q);
   }
   return result;
-}
-
-std::uint8_t to_code(float value) {
-  return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
 }
 
 CloudPoint from_pcl(const PaperPoint& q, const Eigen::Vector3d& mean_m) {
@@ -78,8 +75,8 @@ CloudPoint from_pcl(const PaperPoint& q, const Eigen::Vector3d& mean_m) {
   p.normal = q.getNormalVector3fMap();
   const float length = p.normal.norm();
   p.normal = length > 0.1F ? Eigen::Vector3f(p.normal / length) : Eigen::Vector3f::Zero();
-  p.color = {to_code(q.red), to_code(q.green), to_code(q.blue)};
-  p.sigma_m = q.sigma;
+  p.color = {q.r, q.g, q.b};
+  p.sigma_m = q.curvature;
   return p;
 }
 

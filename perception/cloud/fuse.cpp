@@ -101,7 +101,7 @@ std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth,
       if (!ray || ray->z() <= 0) continue;
       view.point_m(x, y) = (world_from_camera * (*ray * (z / ray->z())).eval()).cast<float>();
       const float sigma = depth.sigma_m.empty() ? 0 : depth.sigma_m(view.x0 + x, view.y0 + y);
-      if (sigma > 0) view.sigma_m(x, y) = sigma;
+      if (sigma > 0) view.sigma_m(x, y) = sigma / static_cast<float>(ray->z());  // is of z
     }
   }
   for (int y = 0; y < h; ++y) {

@@ -56,10 +56,11 @@ Image<std::uint8_t> pixels_to_refine(const MvsView& view, const ReferenceDepth& 
                             p.slope_y * (view.ray_y(x2, y2) - view.ray_y(x, y));
     return std::abs(depth.inverse_depth(x2, y2) / predicted - 1) < 0.0012F;
   };
+  const float start_score = std::min(kStartScore, min_score);
   Image<std::uint8_t> refine(w, h, 0);
   for (int y = radius; y < h - radius; ++y) {
     for (int x = radius; x < w - radius; ++x) {
-      if (!std::isfinite(depth.inverse_depth(x, y)) || depth.score(x, y) < kStartScore) continue;
+      if (!std::isfinite(depth.inverse_depth(x, y)) || depth.score(x, y) < start_score) continue;
       int seen = 0, same = 0;
       for (int dy = -kFlatRadius; dy <= kFlatRadius; dy += kFlatRadius) {
         for (int dx = -kFlatRadius; dx <= kFlatRadius; dx += kFlatRadius) {

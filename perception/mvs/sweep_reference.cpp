@@ -72,7 +72,7 @@ PlaneFamily make_family(const Eigen::Vector3d& normal, const MvsView& view,
 struct SweepBuffers {
   explicit SweepBuffers(int width, int height, int counted_)
       : counted(counted_),
-        inverse_slope(width, height),
+        ray_slope(width, height),
         mean(width, height),
         spread(width, height),
         warped(width, height),
@@ -84,10 +84,10 @@ struct SweepBuffers {
     for (int i = 0; i < counted; ++i) top.emplace_back(width, height, -1.0F);
   }
   int counted;
-  Image<float> inverse_slope;     ///< depth of plane d = d * inverse_slope
-  Image<float> mean;              ///< of the reference's window
-  Image<float> spread;            ///< 1 / sqrt(variance + noise) of the reference's window
-  Image<float> warped;            ///< the neighbour seen through the plane
+  Image<float> ray_slope;  ///< of a family: depth = its distance over this; NaN: the ray misses
+  Image<float> mean;       ///< of the reference's window
+  Image<float> spread;     ///< 1 / sqrt(variance + noise) of the reference's window
+  Image<float> warped;     ///< the neighbour seen through the plane
   std::vector<Image<float>> top;  ///< best scores at this plane, in descending order
   Image<float> best_score, best_plane, before, after, previous;
 };
@@ -290,7 +290,7 @@ void merge(const PlaneFamily& family, const Eigen::Vector3f& normal_in_camera,
   for (std::size_t i = 0; i < buffers.best_score.size(); ++i) {
     const float score = buffers.best_score.data()[i];
     const float plane = buffers.best_plane.data()[i];
-    const float slope = buffers.inverse_slope.data()[i];
+    const float slope = buffers.ray_slope.data()[i];
     if (plane < 0 || !(score > result.score.data()[i] + kFamilyMargin) || !(slope > 0)) continue;
     float at = plane;
     if (plane > 0 && plane < static_cast<float>(family.count - 1)) {
@@ -308,10 +308,10 @@ void sweep_family(const PlaneFamily& family, const MvsView& view,
                   const std::vector<const MvsView*>& neighbours, int radius, SweepBuffers& buffers,
                   ReferenceDepth& result) {
   const Eigen::Vector3f n = (view.camera_from_world.rotation * family.normal).cast<float>();
-  for (std::size_t i = 0; i < buffers.inverse_slope.size(); ++i) {
+  for (std::size_t i = 0; i < buffers.ray_slope.size(); ++i) {
     // 1 / depth = (n . ray) / distance; rays along the plane or away from it have none.
     const float slope = n.x() * view.ray_x.data()[i] + n.y() * view.ray_y.data()[i] + n.z();
-    buffers.inverse_slope.data()[i] = slope > 1e-3F ? slope : kNone;
+    buffers.ray_slope.data()[i] = slope > 1e-3F ? slope : kNone;
   }
   for (Image<float>* image : {&buffers.best_score, &buffers.best_plane, &buffers.before,
                               &buffers.after, &buffers.previous}) {
@@ -323,8 +323,8 @@ void sweep_family(const PlaneFamily& family, const MvsView& view,
     const float inverse_distance = static_cast<float>(1.0 / family.distance(plane));
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
       for (int y = 0; y < view.rect.height; ++y) {
-        warp_row(view, *neighbours[i], warps[i], inverse_distance,
-                 buffers.inverse_slope.row(y).data(), y, buffers.warped.row(y).data());
+        warp_row(view, *neighbours[i], warps[i], inverse_distance, buffers.ray_slope.row(y).data(),
+                 y, buffers.warped.row(y).data());
       }
       score_plane(view.luma, radius, buffers);
     }

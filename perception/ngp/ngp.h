@@ -36,7 +36,8 @@ struct NgpConfig {
 Fields fields(NgpConfig& config);
 void validate(const NgpConfig& config);
 
-/// One photograph with its camera, of any lens model.
+/// One photograph with its camera, of any lens model. What lies behind the plane through a camera
+/// counts as not seen by it: a fisheye's image beyond 90 degrees is not explained.
 struct NgpView {
   Camera camera;
   Pose camera_from_world;

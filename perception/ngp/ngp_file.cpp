@@ -1,5 +1,6 @@
 #include "perception/ngp/ngp_file.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -73,8 +74,9 @@ NgpModel take_model(ByteReader& reader, const std::string& name) {
   reader.take(model.volume.centre_in_world_m.data(), 3 * sizeof(double));
   model.volume.side_m = reader.take<double>();
   model.volume.cascades = model.config.cascades;
-  if (!model.volume.centre_in_world_m.allFinite() || !(model.volume.side_m > 0))
-    throw std::runtime_error(where + "the cubes have no place or no side above 0");
+  if (!model.volume.centre_in_world_m.allFinite() || !(model.volume.side_m > 0) ||
+      !std::isfinite(model.volume.side_m))
+    throw std::runtime_error(where + "the cubes have no place or no finite side above 0");
   model.occupancy.resolution = model.config.occupancy_cells;
   const std::size_t cells =
       model.occupancy.cells_of_cube() * static_cast<std::size_t>(model.config.cascades);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "perception/ngp/ngp_file.h"
@@ -75,8 +76,8 @@ class Trainer {
     groups_.resize(kGroups);
   }
 
-  /// One step; returns the mean loss of its rays.
-  double step() {
+  /// One step; returns the mean loss of its rays, nothing where masks left none of those drawn.
+  std::optional<double> step() {
     const int iteration = state_.iteration;
     if (iteration % kUpdateEvery == 0) look_for_matter(iteration);
     const int rays_of_group = std::max(1, state_.rays / kGroups);
@@ -98,7 +99,8 @@ class Trainer {
     const double per_ray = std::max(1.0, static_cast<double>(samples) / rays);
     state_.rays = rays_in_limits(config_.samples_per_step / per_ray);
     ++state_.iteration;
-    return loss / (3.0 * static_cast<double>(std::max<std::int64_t>(1, drawn)));
+    if (drawn == 0) return std::nullopt;
+    return loss / (3.0 * static_cast<double>(drawn));
   }
 
  private:
@@ -420,18 +422,19 @@ NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
   }
   if (!(model.volume.side_m > 0))
     return refuse(NgpStatus::no_volume,
-                  "most cameras look away from their common centre; give "
+                  "most cameras look in parallel, or away from their common centre; give "
                   "centre_m and side_m");
 
   Trainer trainer(views, config, model, state);
   while (state.iteration < config.iterations) {
     const StageClock step_clock("iteration");
-    const double loss = trainer.step();
+    const std::optional<double> mean = trainer.step();
+    const double loss = mean.value_or(0);
     const StageTiming took = step_clock.finish();
     saved.wall_s += took.wall_s;
     saved.cpu_s += took.cpu_s;
     saved.loss_sum += loss;
-    ++saved.loss_count;
+    saved.loss_count += mean ? 1 : 0;
     const int done = state.iteration;
     if (!std::isfinite(loss)) {
       training.model = std::move(model);
@@ -439,7 +442,7 @@ NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
                     "the loss is not finite at step " + std::to_string(done - 1));
     }
     const bool is_last = done == config.iterations;
-    if (done % 100 == 0 || is_last) {
+    if ((done % 100 == 0 || is_last) && saved.loss_count > 0) {
       saved.curve.push_back({done, saved.wall_s, saved.cpu_s, saved.loss_sum / saved.loss_count});
       saved.loss_sum = 0;
       saved.loss_count = 0;
@@ -454,6 +457,9 @@ NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
   training.curve = std::move(saved.curve);
   training.samples = state.samples;
   training.model = std::move(model);
+  if (state.samples == 0)
+    return refuse(NgpStatus::no_volume,
+                  "no ray that was drawn meets a part of the cubes that a camera sees");
   training.status = NgpStatus::ok;
   training.timing = clock.finish();
   return training;

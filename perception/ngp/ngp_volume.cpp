@@ -5,6 +5,13 @@
 #include "perception/ngp/ngp.h"
 
 namespace cousin {
+namespace {
+
+/// Cosine to the optical axis: what lies farther off is beside a camera, not before it. Where all
+/// look in parallel, the point nearest to their axes is among the cameras themselves.
+constexpr double kLeastBefore = 0.1;
+
+}  // namespace
 
 ngp::NgpVolume ngp_volume(const NgpConfig& config, std::span<const NgpView> views) {
   ngp::NgpVolume volume;
@@ -34,9 +41,9 @@ ngp::NgpVolume ngp_volume(const NgpConfig& config, std::span<const NgpView> view
     std::vector<double> distance_m;
     for (const NgpView& view : views) {
       const Eigen::Vector3d seen = view.camera_from_world * volume.centre_in_world_m;
-      if (seen.z() > 0) distance_m.push_back(seen.norm());
+      if (seen.z() > kLeastBefore * seen.norm()) distance_m.push_back(seen.norm());
     }
-    if (2 * distance_m.size() < views.size()) return volume;
+    if (distance_m.empty() || 2 * distance_m.size() < views.size()) return volume;
     const auto middle = distance_m.begin() + static_cast<std::ptrdiff_t>(distance_m.size() / 2);
     std::nth_element(distance_m.begin(), middle, distance_m.end());
     volume.side_m = std::isfinite(*middle) ? *middle : 0;

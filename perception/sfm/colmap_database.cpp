@@ -25,7 +25,7 @@ struct Closer {
 
 /// A file as a URI by which SQLite locks nothing and makes no file beside it.
 std::string uri_of(const std::filesystem::path& file) {
-  std::string uri = "file:";
+  std::string uri = "file://";  // no authority: a path may begin with two slashes
   for (const char c : std::filesystem::absolute(file).string()) {
     if (c == '?' || c == '#' || c == '%') {
       constexpr const char* kDigits = "0123456789ABCDEF";
@@ -81,6 +81,13 @@ class Reading {
     if (status != SQLITE_DONE && status != SQLITE_ROW) complain(sqlite3_errmsg(database_.get()));
   }
 
+  /// A column that the schema computes runs what the file says: such a table is not read.
+  void require_stored(const std::string& table) {
+    const std::string sql =
+        "SELECT name FROM pragma_table_xinfo('" + table + "') WHERE hidden <> 0";
+    each(sql.c_str(), [&](sqlite3_stmt*) { complain("table " + table + " has computed columns"); });
+  }
+
   /// 0 after a complaint.
   std::int64_t number(sqlite3_stmt* row, int column, const std::string& name, std::int64_t most) {
     if (sqlite3_column_type(row, column) != SQLITE_INTEGER) {
@@ -105,6 +112,8 @@ ColmapDatabase read_colmap_database(const std::filesystem::path& file, int image
   Reading reading(file);
   std::map<std::string, int> index_of_name;
   for (int i = 0; i < images; ++i) index_of_name[colmap_image_name(i)] = i;
+  for (const char* table : {"images", "keypoints", "matches", "two_view_geometries"})
+    reading.require_stored(table);
   std::map<std::int64_t, int> index_of_id;
   reading.each("SELECT image_id, name FROM images", [&](sqlite3_stmt* row) {
     const std::int64_t id = reading.number(row, 0, "images.image_id", kMostIds);

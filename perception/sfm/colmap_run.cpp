@@ -165,6 +165,7 @@ void write_images(const ColmapInput& input, const fs::path& folder) {
 
 constexpr std::array kDatabaseFiles = {"database.db", "database.db-shm", "database.db-wal"};
 constexpr std::array kRunFolders = {"images", "sparse", "sparse_lost"};
+constexpr std::array kRunSteps = {"features", "matches", "mapping", "matches_lost", "mapping_lost"};
 
 void remove_database(const fs::path& folder) {
   for (const char* name : kDatabaseFiles) fs::remove(folder / name);
@@ -173,7 +174,7 @@ void remove_database(const fs::path& folder) {
 /// A folder without our key is somebody's own: what is there is not ours to remove.
 /// @throws std::invalid_argument if it holds what a run would write over.
 void refuse_foreign_folder(const fs::path& folder) {
-  const auto refuse = [&](const char* name) {
+  const auto refuse = [&](const std::string& name) {
     if (!fs::exists(fs::symlink_status(folder / name))) return;
     throw std::invalid_argument("colmap.folder: " + (folder / name).string() +
                                 " is there, and no database.key of a run of ours beside it; "
@@ -181,6 +182,11 @@ void refuse_foreign_folder(const fs::path& folder) {
   };
   for (const char* name : kDatabaseFiles) refuse(name);
   for (const char* name : kRunFolders) refuse(name);
+  for (const char* name : {"pairs.txt", "pairs_lost.txt"}) refuse(name);
+  for (const std::string step : kRunSteps) {
+    refuse(step + ".log");
+    refuse(step + ".done");
+  }
 }
 
 /// Features and matches are in one database: what it was made of is written beside it, before
@@ -189,9 +195,7 @@ void keep_database_of(const std::string& key, const fs::path& folder) {
   if (holds(folder / "database.key", key)) return;
   if (!fs::exists(folder / "database.key")) refuse_foreign_folder(folder);
   remove_database(folder);
-  for (const char* name :
-       {"features.done", "matches.done", "mapping.done", "matches_lost.done", "mapping_lost.done"})
-    fs::remove(folder / name);
+  for (const std::string step : kRunSteps) fs::remove(folder / (step + ".done"));
   for (const char* name : kRunFolders) fs::remove_all(folder / name);
   write_file(folder / "database.key", key);
 }

@@ -64,14 +64,27 @@ std::vector<double> parallaxes(const BundleAdjustmentInput& input) {
   return result;
 }
 
-/// RMS turn of the images about their lines of sight. The reference is the world direction that
-/// their y axes come nearest to; turns are from their mean on the circle.
+/// RMS angle of unit vectors to their mean direction; pi/2 if they have none.
+double spread_rad(const std::vector<Vector3d>& directions) {
+  Vector3d sum = Vector3d::Zero();
+  for (const Vector3d& direction : directions) sum += direction;
+  if (sum.norm() < 1e-9) return M_PI / 2;
+  double squares = 0;
+  for (const Vector3d& direction : directions)
+    squares += std::pow(angle_between(direction, sum.normalized()), 2);
+  return std::sqrt(squares / static_cast<double>(directions.size()));
+}
+
+/// RMS turn of the images about their lines of sight. Upright images of any tilt have their x axes
+/// in one plane, whose normal is the up direction: turns are against that, from their mean on the
+/// circle. Images in one vertical plane have the same x axis, and no such plane: their turns are at
+/// most what their x axes part by.
 double roll_spread_rad(const BundleAdjustmentInput& input) {
   Matrix3d squares = Matrix3d::Zero();
+  std::vector<Vector3d> x_axes;
   for (const Pose& pose : input.camera_from_world) {
-    // Upright images of any tilt have their x axes in one plane, whose normal is the up direction.
-    const Vector3d x = pose.rotation.conjugate() * Vector3d::UnitX();
-    squares += x * x.transpose();
+    x_axes.push_back(pose.rotation.conjugate() * Vector3d::UnitX());
+    squares += x_axes.back() * x_axes.back().transpose();
   }
   const Vector3d up = Eigen::SelfAdjointEigenSolver<Matrix3d>(squares).eigenvectors().col(0);
   std::vector<double> turns;
@@ -89,7 +102,7 @@ double roll_spread_rad(const BundleAdjustmentInput& input) {
     const double off = std::remainder(turn - mean, 2 * M_PI);
     sum += off * off / static_cast<double>(turns.size());
   }
-  return std::sqrt(sum);
+  return std::min(std::sqrt(sum), spread_rad(x_axes));
 }
 
 std::vector<CalibrationWeakness> weaknesses_of(const ViewGeometry& geometry,

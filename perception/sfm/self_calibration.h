@@ -32,7 +32,7 @@ struct ViewGeometry {
   double axes_rad = 0;      ///< RMS angle of the optical axes from their mean
   double forward = 0;       ///< share of the cameras' spread that is along the mean axis
   double parallax_rad = 0;  ///< median over points of the largest angle between two rays
-  double roll_rad = 0;      ///< RMS turn about the line of sight, against the world's up direction
+  double roll_rad = 0;      ///< RMS turn about the line of sight, against the images' common up
 };
 ViewGeometry view_geometry(const BundleAdjustmentInput& input);
 

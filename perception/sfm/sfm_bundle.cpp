@@ -128,7 +128,8 @@ void report_poses(const SfmBundle& bundle, const SfmModel& model, bool good,
     if (i < bundle.result.pose_covariance.size())
       pose.covariance = bundle.result.pose_covariance[i];
     pose.corner_count = squares[i].points;
-    pose.rms_px = std::sqrt(squares[i].sum_px2 / std::max(1, 2 * squares[i].points));
+    if (squares[i].points > 0)
+      pose.rms_px = std::sqrt(squares[i].sum_px2 / (2 * squares[i].points));
   }
   estimate.lens = mean_lens(lenses);
   estimate.gauge = bundle.result.gauge;

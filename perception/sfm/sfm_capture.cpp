@@ -99,6 +99,7 @@ SfmEstimate estimate(const Capture& capture, const Corners& corners, const SeedB
   SfmEstimate result;
   if (run.status == ColmapStatus::ok) {
     result = refine_sfm(run.model, frames, lens, corners, board, config);
+    if (!run.reason.empty()) result.reason += (result.reason.empty() ? "" : "; ") + run.reason;
   } else {
     result.status = status_of(run.status);
     result.reason = run.reason;

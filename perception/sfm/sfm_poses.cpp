@@ -98,6 +98,15 @@ bool has_lens_prior(const SfmConfig& config) {
          config.adjust.distortion_prior > 0 || config.focal == SfmFocal::per_image;
 }
 
+/// A lens that the model itself estimated was found by the sightings that are to be adjusted: it is
+/// where they start, and no knowledge beside them.
+SfmConfig without_lens_prior(SfmConfig config) {
+  config.adjust.focal_prior_share = 0;
+  config.adjust.centre_prior_px = 0;
+  config.adjust.distortion_prior = 0;
+  return config;
+}
+
 /// The model's own adjustment: sightings count as a pixel each, which is right up to a factor. What
 /// is known of the lens has a deviation of its own, so that with it the sightings are weighed by
 /// what they turned out to scatter, and all is adjusted once more.
@@ -210,7 +219,10 @@ bool scale_bundle(const std::vector<int>& frames, const Corners& corners, const 
   if (config.scale == SfmScale::squares) {
     const SquareScale squares = scale_by_squares(board, found);
     if (!(squares.scale > 0)) {
-      refuse_scale("no two corners of the board are neighbours", estimate);
+      refuse_scale(
+          std::to_string(squares.sides) +
+              " of the board's sides have both corners in the model; at least 2 are needed",
+          estimate);
       return true;
     }
     for (Eigen::Vector3d& point : in_model) point *= squares.scale;
@@ -256,8 +268,9 @@ Camera mean_lens(const std::vector<Camera>& lenses) {
 
 SfmEstimate refine_sfm(const SfmModel& given, const std::vector<int>& frames,
                        const std::optional<Camera>& lens, const Corners& corners,
-                       const SeedBoard& board, const SfmConfig& config) {
-  validate(config);
+                       const SeedBoard& board, const SfmConfig& asked) {
+  validate(asked);
+  const SfmConfig config = lens ? asked : without_lens_prior(asked);
   if (!corners.empty() && corners.size() != frames.size()) {
     throw std::invalid_argument("refine_sfm: corners of " + std::to_string(corners.size()) +
                                 " frames for " + std::to_string(frames.size()));

@@ -1,5 +1,7 @@
 #include "perception/splats/splat_checkpoint_io.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -135,6 +137,13 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
   }
   state.near_m.resize(static_cast<std::size_t>(views));
   reader.take(state.near_m.data(), state.near_m.size() * sizeof(double));
+  const auto is_near = [](double near_m) { return near_m >= 0 && std::isfinite(near_m); };
+  if (!state.origin_in_world_m.allFinite() || !(state.extent_m >= 0) ||
+      !std::isfinite(state.extent_m) ||
+      !std::all_of(state.near_m.begin(), state.near_m.end(), is_near)) {
+    throw std::runtime_error(name +
+                             ": the origin, the extent or a near depth is not finite, or negative");
+  }
   const std::size_t bytes_a_point = 2 * sizeof(int) + 3 * sizeof(double);
   if (size < 0 || points < 0 ||
       static_cast<std::size_t>(size) * a_splat + static_cast<std::size_t>(points) * bytes_a_point !=

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -104,6 +105,9 @@ class SplatReader {
     bool found = false;
     for (const std::string& comment : header.comments) {
       if (!comment.starts_with(key)) continue;
+      const char next = comment.size() > key.size() ? comment[key.size()] : ' ';
+      if (std::isalpha(static_cast<unsigned char>(next)) != 0 || next == '_')
+        continue;  // another key
       if (found) fail("header: there are two comments \"" + std::string(key) + "\"");
       found = true;
       const char* at = comment.data() + key.size();

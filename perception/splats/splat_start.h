@@ -52,8 +52,8 @@ void validate(const SplatStartConfig& config);  ///< throws std::invalid_argumen
 /// hundredth of the median of those (points may coincide); where the point has a normal, a disc
 /// across it, `flatness` times as thick; its colour is the point's in every
 /// direction. The origin is zero, or, where coordinates are more than a hundred times the points'
-/// spread, their mean: floats then keep what they tell apart. TBB; the same bytes on any number of
-/// threads. @throws std::invalid_argument if a point is not finite, its opacity is none, or the
+/// spread, their median: floats then keep what they tell apart. TBB; the same bytes on any number
+/// of threads. @throws std::invalid_argument if a point is not finite, its opacity is none, or the
 /// configuration is invalid.
 SplatModel splats_from_points(std::span<const StartPoint> points,
                               const SplatStartConfig& config = {});

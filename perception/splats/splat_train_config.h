@@ -59,7 +59,7 @@ struct SplatTrainConfig {
   double quarter_until = 0.15, half_until = 0.4;
 
   SplatGrowth growth = SplatGrowth::budgeted;
-  int most_splats = 30000;       ///< never more; 1..10,000,000
+  int most_splats = 30000;       ///< growth makes no more, a start may have; 1..10,000,000
   int grow_every = 50;           ///< steps
   double grow_from = 0.05;       ///< share of the steps
   double grow_until = 0.6;       ///< share of the steps

@@ -58,6 +58,15 @@ TEST(BoardNoise, SaysNothingOfACloudThatIsNotThere) {
   Cloud astray(3);
   for (CloudPoint& point : astray) point.position_m.setConstant(NAN);
   EXPECT_TRUE(std::isnan(board_noise(astray, 0.1, 0.005).sigma_m));
+  Cloud few(4);  // of which no spread is known
+  for (std::size_t i = 0; i < few.size(); ++i)
+    few[i].position_m.z() = 1e-3F * static_cast<float>(i);
+  EXPECT_TRUE(std::isnan(board_noise(few, 0.1, 0.005).sigma_m));
+  few.emplace_back();
+  const BoardNoise one_patch = board_noise(few, 0.1, 0.005);
+  EXPECT_GT(one_patch.sigma_m, 0);
+  EXPECT_EQ(one_patch.patches, 1);
+  EXPECT_TRUE(std::isnan(one_patch.patch_sigma_m));
   EXPECT_THROW(board_noise({}, 0, 0.005), std::invalid_argument);
   EXPECT_THROW(board_noise({}, 0.1, -1), std::invalid_argument);
 }

@@ -200,6 +200,29 @@ TEST(PaperClusters, SameSeedSameBytes) {
     EXPECT_EQ(a.cloud[i].position_m, b.cloud[i].position_m);
 }
 
+TEST(PaperClusters, AVoxelHasTheMeanColourNormalAndSigmaOfItsPoints) {
+  Cloud cloud;
+  for (int i = 0; i < 400; ++i) {
+    CloudPoint point;
+    point.position_m = {0.002F * static_cast<float>(i % 20), 0.002F * static_cast<float>(i / 20),
+                        0};
+    point.normal = Eigen::Vector3f(0.6F, 0, 0.8F);
+    point.color = {200, 40, 10};
+    point.sigma_m = 1e-4F;
+    cloud.push_back(point);
+    point.color = {100, 60, 30};
+    point.sigma_m = 3e-4F;
+    cloud.push_back(point);
+  }
+  const Clusters clusters = cluster_as_paper(cloud, {}, Rng(1));
+  ASSERT_GT(clusters.cloud.size(), 390u);  // corners are outliers
+  for (const CloudPoint& point : clusters.cloud) {
+    EXPECT_EQ(point.color, (Rgb8{150, 50, 20}));
+    EXPECT_NEAR(point.sigma_m, 2e-4F, 1e-9);
+    EXPECT_NEAR((point.normal - Eigen::Vector3f(0.6F, 0, 0.8F)).norm(), 0, 1e-6);
+  }
+}
+
 TEST(PaperClusters, BoardTiltedAndTurnedOverGivesTheSameSeeds) {
   Cloud cloud = board_with_seeds();
   const Eigen::Quaternionf turn(Eigen::AngleAxisf(2.5F, Eigen::Vector3f(1, 2, 0.5F).normalized()));

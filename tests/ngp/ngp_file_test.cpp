@@ -103,6 +103,10 @@ TEST_F(NgpFileTest, AFieldThatWasReadDrawsTheSamePicture) {
   const NgpImage one = render_ngp(training.model, views[1].camera, views[1].camera_from_world);
   const NgpImage two = render_ngp(back, views[1].camera, views[1].camera_from_world);
   EXPECT_TRUE(std::equal(one.color.begin(), one.color.end(), two.color.begin()));
+  NgpModel endless = training.model;
+  endless.volume.side_m = HUGE_VAL;
+  write_ngp(folder_ / "endless", endless);
+  EXPECT_THROW(read_ngp(folder_ / "endless"), std::runtime_error);
 }
 
 TEST_F(NgpFileTest, CheckpointsOfOtherTrainingsAreRefusedOrReplaced) {

@@ -124,6 +124,26 @@ TEST(Ngp, WhatCannotBeLearnedIsAStatus) {
     away[v].camera_from_world = look_at({v ? 1.0 : -1.0, 0, 0}, {v ? 2.0 : -2.0, 0, 0});
   config.side_m = 0;
   EXPECT_EQ(train_ngp(away, config).status, NgpStatus::no_volume);
+  EXPECT_EQ(ngp_volume({}, {}).side_m, 0);
+
+  // All look straight down: no point is nearer to their axes than the cameras are themselves.
+  std::vector<NgpView> down = ball_views(10);
+  for (std::size_t v = 0; v < down.size(); ++v) {
+    const double x = 0.1 * static_cast<double>(v), z = v % 2 == 0 ? 2.00 : 2.02;
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+    down[v].camera_from_world = {turn, turn * Eigen::Vector3d(-x, 0, -z)};
+  }
+  const NgpTraining parallel = train_ngp(down, config);
+  EXPECT_EQ(parallel.status, NgpStatus::no_volume);
+  EXPECT_NE(parallel.reason.find("in parallel"), std::string::npos);
+
+  // Cubes that no camera sees: nothing was learned, whatever the loss.
+  config.centre_m = {0, 0, 1000};
+  config.side_m = 1.2;
+  config.cascades = 1;
+  const NgpTraining nowhere = train_ngp(ball_views(3), config);
+  EXPECT_EQ(nowhere.status, NgpStatus::no_volume);
+  EXPECT_EQ(nowhere.samples, 0);
 }
 
 TEST(Ngp, IdenticalAndBlackViewsStayFinite) {

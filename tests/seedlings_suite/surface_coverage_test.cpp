@@ -56,6 +56,14 @@ TEST(SurfaceCoverage, NothingBehindAPixelWithoutSurfaceIsHidden) {
   const Image<float> none(64, 48, kNone);
   const std::vector<DepthSight> views = {{camera_64(), above(0), &none}};
   EXPECT_EQ(views_that_see(points({{0, 0, 0}}), views)(0, 0), 1);
+  // Beside a surface 0.5 m before the point there is none: as beside an edge.
+  Image<float> edge(64, 48, kNone);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 32; ++x) edge(x, y) = 0.5F;
+  }
+  const std::vector<DepthSight> half = {{camera_64(), above(0), &edge}};
+  EXPECT_EQ(views_that_see(points({{-0.5F / 60, 0, 0}, {-4.5F / 60, 0, 0}}), half)(0, 0), 1);
+  EXPECT_EQ(views_that_see(points({{-0.5F / 60, 0, 0}, {-4.5F / 60, 0, 0}}), half)(1, 0), 0);
 }
 
 // Depth is known at pixel centres: a point beside an edge is seen where a neighbour is as deep.

@@ -87,6 +87,14 @@ TEST_F(ColmapDatabaseTest, WhatASchemaWouldRunIsNotRun) {
       complaint(kColmapTables + kImages +
                 "ALTER TABLE images RENAME TO own; CREATE VIEW images AS SELECT * FROM own"),
       HasSubstr("not a database of COLMAP"));
+  for (const char* kind : {"VIRTUAL", "STORED"}) {
+    EXPECT_THAT(complaint(kColmapTables + kImages +
+                          "ALTER TABLE keypoints RENAME TO own; CREATE TABLE keypoints (image_id "
+                          "INTEGER, rows INTEGER GENERATED ALWAYS AS "
+                          "(instr(hex(zeroblob(30)), hex(zeroblob(15)) || '1')) " +
+                          kind + ")"),
+                HasSubstr("table keypoints has computed columns"));
+  }
 }
 
 TEST_F(ColmapDatabaseTest, RowsMayHoldAsManyFeaturesAsAreAskedFor) {

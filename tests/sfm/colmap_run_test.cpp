@@ -188,8 +188,8 @@ TEST_F(ColmapRunTest, AFolderThatNoRunOfOursWroteIsLeftAsItIs) {
   StandInColmap program(scratch_.path() / "p");
   program.add_model(0, plant_views({.images = 5, .points = 30}, 1));
   const Pictures pictures(5);
-  for (const char* name :
-       {"images/field.png", "sparse/0/images.bin", "sparse_lost/a", "database.db"}) {
+  for (const char* name : {"images/field.png", "sparse/0/images.bin", "sparse_lost/a",
+                           "database.db", "pairs.txt", "mapping.log", "features.done"}) {
     const fs::path theirs = work_ / name;
     write_file(theirs, "a day's work");
     EXPECT_THAT([&] { run_colmap(pictures.input, config(program)); },
@@ -340,6 +340,28 @@ TEST_F(ColmapRunTest, ACaptureGoesThroughTheProgramToMetricPoses) {
   for (const StageTiming& timing : estimate.timings) stages.push_back(timing.stage);
   EXPECT_THAT(stages, ElementsAre("features", "matches", "mapping", "matches_lost", "mapping_lost",
                                   "adjust"));
+}
+
+TEST_F(ColmapRunTest, WhyASecondTryFailedIsInTheEstimatesReason) {
+  StandInColmap program(scratch_.path() / "p",
+                        "if [ \"$1\" = mapper ]; then\n"
+                        "  [ -e \"$here/mapped\" ] && echo 'no space left' && exit 3\n"
+                        "  touch \"$here/mapped\"; fi");
+  const PlantViews views = plant_views({.lost = {4}}, 3);
+  program.add_model(0, views);
+  Capture capture;
+  for (const int id : views.frames) {
+    Frame frame{.id = id};
+    frame.sensors.push_back({.reported = views.lens, .color = Image<Rgb8>(1280, 720)});
+    capture.frames.push_back(std::move(frame));
+  }
+  SfmConfig sfm;
+  sfm.colmap = config(program);
+  sfm.place_by_board = false;
+  const SfmEstimate estimate = estimate_poses_sfm(capture, views.corners, views.board, sfm);
+  if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
+  EXPECT_THAT(estimate.lost, ElementsAre(14));
+  EXPECT_THAT(estimate.reason, HasSubstr("no space left"));
 }
 
 /// Puts `made.db`, which lies beside the program, where the features go.

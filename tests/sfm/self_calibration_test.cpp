@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -135,6 +136,16 @@ TEST(SelfCalibration, TheGeometryOfAllPathsIsMeasuredAsItWasMade) {
   EXPECT_NEAR(geometry(CameraPath::upright).roll_rad, 0, 1e-9);
   // 0.6 sin(...) has a root mean square of 0.42 rad.
   EXPECT_NEAR(geometry(CameraPath::around).roll_rad, 0.42, 0.1);
+  // Cameras of one vertical plane only pitch: their x axes are one, whatever the up direction.
+  BundleAdjustmentInput meridian;
+  for (int i = 0; i < 10; ++i) {
+    const double pitch = 0.35 + 0.1 * i, wobble = i % 2 == 0 ? 1e-4 : -1e-4;
+    meridian.camera_from_world.push_back(
+        {Eigen::Quaterniond(Eigen::AngleAxisd(wobble, Eigen::Vector3d::UnitZ()) *
+                            Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX())),
+         {0, 0, 1}});
+  }
+  EXPECT_LT(view_geometry(meridian).roll_rad, 1e-3);
   EXPECT_NEAR(geometry(CameraPath::nadir_flat).axes_rad, 0, 1e-12);
   EXPECT_NEAR(geometry(CameraPath::nadir_flat).flatness, 0, 1e-7);
   EXPECT_NEAR(geometry(CameraPath::forward).forward, 1, 1e-9);

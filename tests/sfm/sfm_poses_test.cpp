@@ -413,6 +413,30 @@ TEST(SfmPoses, ALensThatTheImagesLeaveOpenIsSaid) {
   for (const FramePose& pose : estimate.poses) EXPECT_NE(pose.status, PoseStatus::ok);
 }
 
+// What COLMAP made of the same sightings says nothing beside them.
+TEST(SfmPoses, TheModelsOwnLensIsNoKnowledge) {
+  SKIP_WITHOUT_CERES();
+  const PlantViews views = plant_views({.path = CameraPath::nadir_flat}, 6);
+  const auto estimate = [&](const std::optional<Camera>& lens) {
+    return refine_sfm(views.model, views.frames, lens, views.corners, views.board,
+                      {.scale = SfmScale::none});
+  };
+  EXPECT_EQ(estimate(views.lens).status, SfmStatus::ok);
+  const SfmEstimate without = estimate(std::nullopt);
+  EXPECT_EQ(without.status, SfmStatus::not_determined);
+  EXPECT_THAT(without.not_determined, testing::Contains("fx_px"));
+}
+
+TEST(SfmPoses, AnImageThatNoTrackShowsHasNoResidual) {
+  PlantViews views = plant_views({.images = 8, .points = 40, .noise_px = 0.3}, 3);
+  for (SfmPoint& point : views.model.points)
+    std::erase_if(point.sightings, [](const auto& seen) { return seen.image == 2; });
+  const SfmEstimate estimate = refined(views, paper_sfm_config());
+  ASSERT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
+  EXPECT_TRUE(std::isnan(estimate.poses.at(2).rms_px));
+  EXPECT_GT(estimate.poses.at(3).rms_px, 0);
+}
+
 TEST(SfmPoses, WithoutOurAdjustmentPosesAreThoseOfTheModel) {
   const PlantViews views = plant_views({.noise_px = 0, .corner_noise_px = 0}, 7);
   const SfmEstimate estimate = refined(views, paper_sfm_config());

@@ -193,6 +193,10 @@ TEST_F(SplatCheckpointTest, CountsThatNoTrainingHasAreRefused) {
   EXPECT_TRUE(refused([](SavedTraining& s) { s.state.rest_updates = 7; }));
   EXPECT_TRUE(refused([](SavedTraining& s) { s.state.started_with = 21; }));
   EXPECT_TRUE(refused([](SavedTraining& s) { s.loss_count = -1; }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.state.near_m[0] = -1; }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.state.near_m[1] = std::nan(""); }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.state.extent_m = HUGE_VAL; }));
+  EXPECT_TRUE(refused([](SavedTraining& s) { s.state.origin_in_world_m.y() = std::nan(""); }));
   EXPECT_TRUE(refused([](SavedTraining& s) { s.blind = 7; }));
   EXPECT_FALSE(refused([](SavedTraining&) {}));
 }

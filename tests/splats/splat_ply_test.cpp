@@ -190,6 +190,8 @@ TEST(SplatPly, AnOriginIsThreeFiniteNumbersOrAnError) {
   };
   EXPECT_EQ(with("origin_m 1 2 3"), "");
   EXPECT_EQ(with("another origin_m 1"), "");
+  EXPECT_EQ(with("origin_model lidar"), "");
+  EXPECT_EQ(with("origin_m_of lidar"), "");
   for (const char* bad : {"origin_m 1 2", "origin_m 1 2 x", "origin_m 1 nan 3", "origin_m",
                           "origin_m 1 2 3 4", "origin_m1 2 3", "origin_m 1 2 1e999"}) {
     EXPECT_THAT(with(bad), HasSubstr("origin_m")) << bad;
