@@ -99,6 +99,17 @@ Image<std::uint8_t> counted_pixels(const Image<float>& weight) {
   return mask;
 }
 
+FidelityPlanes where_counted(FidelityPlanes image, const FidelityPlanes& photograph,
+                             const Image<std::uint8_t>& counted) {
+  require_sizes(image, photograph, counted, "where_counted");
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < counted.size(); ++i) {
+      if (counted.data()[i] == 0) image[c].data()[i] = photograph[c].data()[i];
+    }
+  }
+  return image;
+}
+
 double psnr_db(const FidelityPlanes& image, const FidelityPlanes& photograph,
                const Image<std::uint8_t>& mask) {
   require_sizes(image, photograph, mask, "psnr_db");

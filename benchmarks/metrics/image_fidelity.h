@@ -20,6 +20,11 @@ FidelityPlanes fidelity_planes(const Image<Rgb8>& image);
 /// not zero where the weight is at least 0.999. No weights, no mask.
 Image<std::uint8_t> counted_pixels(const Image<float>& weight);
 
+/// The image, and the photograph's own pixels where `counted` is zero (of the images' size; empty:
+/// all count): so windows of SSIM, FLIP's filters and a network see no difference there.
+FidelityPlanes where_counted(FidelityPlanes image, const FidelityPlanes& photograph,
+                             const Image<std::uint8_t>& counted);
+
 /// 10 log10(1 / mean squared difference) over pixels and channels; infinite for equal images.
 double psnr_db(const FidelityPlanes& image, const FidelityPlanes& photograph,
                const Image<std::uint8_t>& mask = {});

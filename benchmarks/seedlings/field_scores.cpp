@@ -30,24 +30,12 @@ class PooledPsnr {
   std::int64_t count_ = 0;
 };
 
-/// The image, and the photograph's own pixels where that shows nothing: windows of SSIM, FLIP's
-/// filters and a network look beyond a mask.
-FidelityPlanes where_shown(FidelityPlanes image, const FidelityPlanes& photograph,
-                           const Image<std::uint8_t>& shown) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t i = 0; i < shown.size(); ++i) {
-      if (shown.data()[i] == 0) image[c].data()[i] = photograph[c].data()[i];
-    }
-  }
-  return image;
-}
-
 struct ViewSums {
   std::vector<double> psnr_db, ssim, flip, seedlings_db, exposed_db, learned;
 
   void add(const FidelityPlanes& image, const SampleView& view, const LearnedDistance* network) {
     const FidelityPlanes& photograph = view.photograph.full.color.channel;
-    const FidelityPlanes inside = where_shown(image, photograph, view.shown);
+    const FidelityPlanes inside = where_counted(image, photograph, view.shown);
     const ImageFidelity whole = score_fidelity(inside, photograph, view.shown);
     psnr_db.push_back(whole.psnr_db);
     ssim.push_back(whole.ssim);

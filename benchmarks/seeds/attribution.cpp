@@ -1,6 +1,7 @@
 #include "benchmarks/seeds/attribution.h"
 
 #include <algorithm>
+#include <set>
 
 #include "benchmarks/metrics/trait_statistics.h"
 #include "benchmarks/seeds/truth_stages.h"
@@ -57,14 +58,37 @@ std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipeli
   return steps;
 }
 
+namespace {
+
+/// Specimens whose trait every step has that has any: only over the same ones is the difference of
+/// two steps what a stage contributes.
+std::set<int> solved_in_all(const std::vector<SeamStep>& steps, const std::string& trait) {
+  std::set<int> common;
+  bool is_first = true;
+  for (const SeamStep& step : steps) {
+    std::set<int> own;
+    for (const SpecimenRow& row : step.scores.specimens) {
+      if (row.trait == trait && row.status == ScoreStatus::ok) own.insert(row.instance);
+    }
+    if (own.empty()) continue;
+    if (is_first) common = own;
+    is_first = false;
+    std::erase_if(common, [&](int instance) { return !own.contains(instance); });
+  }
+  return common;
+}
+
+}  // namespace
+
 std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps,
                                        const SeedsScoreLabels& labels) {
   std::vector<ScoreRow> rows;
   for (const SeamStep& step : steps) {
     for (const char* trait : {"length", "width", "height", "area", "volume"}) {
-      const auto pairs =
-          trait_pairs(step.scores.specimens, trait, [](const SpecimenRow&) { return true; });
-      if (pairs.empty()) continue;
+      const std::set<int> common = solved_in_all(steps, trait);
+      const auto pairs = trait_pairs(
+          step.scores.specimens, trait,
+          [&](const SpecimenRow& specimen) { return common.contains(specimen.instance); });
       ScoreRow base;
       base.suite = labels.suite;
       base.scene = labels.scene;
@@ -74,6 +98,13 @@ std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps,
       base.wall_s = step.wall_s;
       const std::string name = trait;
       const std::string unit = name == "area" ? "m2" : name == "volume" ? "m3" : "m";
+      if (pairs.empty()) {
+        base.metric = name + ".rmse";
+        base.unit = unit;
+        base.status = ScoreStatus::not_solved;
+        rows.push_back(base);
+        continue;
+      }
       const TraitStatistics s =
           trait_statistics(pairs, Rng(labels.seed).fork("attribution").fork(step.stage + name));
       rows.push_back(with_interval(base, name + ".rmse", unit, s.rmse, s.n));

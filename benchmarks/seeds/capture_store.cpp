@@ -15,6 +15,11 @@
 #include "sim/dataset/truth_io.h"
 
 namespace cousin {
+
+std::string built_in_tables() {
+  return sha256_hex(cultivars_toml()) + "\n" + sha256_hex(setting_toml()) + "\n";
+}
+
 namespace fs = std::filesystem;
 namespace {
 
@@ -22,7 +27,7 @@ std::string capture_name(const SeedsRunConfig& config, std::uint64_t seed, int s
                          const TruthNeeds& needs) {
   std::string key = std::string(COUSIN_VERSION) + "\n" + simulator_toml(config) + "\n" +
                     std::to_string(seed) + "\n" + std::to_string(scene_index) + "\n" +
-                    sha256_hex(cultivars_toml()) + "\n" + sha256_hex(setting_toml()) + "\n";
+                    built_in_tables();
   const std::string files = user_files_hash(config.scene);
   if (!files.empty()) key += files + "\n";
   for (const bool need :

@@ -2,10 +2,15 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "benchmarks/seeds/simulate.h"
 
 namespace cousin {
+
+/// Hashes of the tables that the program has built in: what they hold decides captures, and no
+/// configuration tells it.
+std::string built_in_tables();
 
 /// simulate_seeds with a memory: a capture that an earlier run left in `folder` is read with its
 /// truth, and then there are no timings; else it is rendered and written, under its final name only

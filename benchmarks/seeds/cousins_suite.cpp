@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <functional>
 
+#include "benchmarks/seeds/capture_store.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/score_seeds.h"
@@ -205,7 +206,8 @@ std::vector<ShardJob> cousins_suite_jobs(const CousinsSuiteConfig& config,
   for (const Job& job : list_jobs(config)) {
     const std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
                             describe(seeds_cousin_moves()) + std::to_string(config.seed) + "/" +
-                            std::to_string(job.run) + user_files_hash(job.config.scene);
+                            std::to_string(job.run) + user_files_hash(job.config.scene) +
+                            built_in_tables();
     jobs.push_back({job.file(), key,
                     [job, seed = config.seed, progress] { return run_job(job, seed, progress); }});
   }

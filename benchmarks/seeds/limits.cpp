@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "benchmarks/seeds/score_seeds.h"
+#include "scenes/seeds/seeds_scene.h"
 
 namespace cousin {
 namespace {
@@ -103,10 +104,17 @@ void add_missing(std::vector<ScoreRow>& rows, ScoreRow base, const std::string& 
   if (seeds_limit(base)) rows.push_back(std::move(base));
 }
 
-void hold_to_limits(std::vector<ScoreRow>& rows) {
+void hold_to_limits(std::vector<ScoreRow>& rows, const std::set<std::string>& cultivars) {
+  const std::vector<std::string> all = cultivar_names();
+  const auto is_whole = [&](const std::string& group) {
+    return std::all_of(all.begin(), all.end(), [&](const std::string& cultivar) {
+      const bool belongs = group == "all" || species_of(cultivar) == group;
+      return !belongs || cultivars.contains(cultivar);
+    });
+  };
   for (ScoreRow& row : rows) {
     const std::optional<ScoreLimit> limit = seeds_limit(row);
-    if (!limit) continue;
+    if (!limit || (row.scene == "pooled" && !is_whole(row.case_name))) continue;
     const bool holds = row.value >= limit->low && row.value <= limit->high;
     row.status = holds && row.n >= limit->least_n ? ScoreStatus::pass : ScoreStatus::fail;
   }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,9 @@ std::optional<ScoreLimit> seeds_limit(const ScoreRow& row);
 void add_missing(std::vector<ScoreRow>& rows, ScoreRow base, const std::string& metric,
                  const std::string& unit);
 
-/// Gives each row that has a limit the status pass or fail; a number that is missing fails.
-void hold_to_limits(std::vector<ScoreRow>& rows);
+/// Gives each row that has a limit the status pass or fail; a number that is missing fails. Numbers
+/// over a species, or over all, are held to theirs only where each of its cultivars was measured.
+/// @param cultivars  that were
+void hold_to_limits(std::vector<ScoreRow>& rows, const std::set<std::string>& cultivars);
 
 }  // namespace cousin

@@ -51,8 +51,8 @@ std::string machine_text() {
 }
 
 std::string summary_table(const std::vector<ScoreRow>& rows) {
-  // (case, method, trait) -> metric -> value
-  std::map<std::tuple<std::string, std::string, std::string>,
+  // (suite, case, method, trait) -> metric -> value
+  std::map<std::tuple<std::string, std::string, std::string, std::string>,
            std::map<std::string, const ScoreRow*>>
       table;
   for (const ScoreRow& row : rows) {
@@ -61,14 +61,14 @@ std::string summary_table(const std::vector<ScoreRow>& rows) {
     const std::string trait = row.metric.substr(0, dot);
     static const std::set<std::string> kTraits = {"length", "width", "height", "area", "volume"};
     if (kTraits.contains(trait))
-      table[{row.case_name, row.method, trait}][row.metric.substr(dot + 1)] = &row;
+      table[{row.suite, row.case_name, row.method, trait}][row.metric.substr(dot + 1)] = &row;
   }
   std::string text;
   char line[200];
-  std::snprintf(line, sizeof line, "%-18s %-8s %-7s %4s %18s %9s %8s %7s %8s\n", "case", "method",
-                "trait", "n", "RMSE", "bias", "MAPE %", "slope", "cover 95");
+  std::snprintf(line, sizeof line, "%-18s %-18s %-12s %-7s %4s %18s %9s %8s %7s %8s\n", "suite",
+                "case", "method", "trait", "n", "RMSE", "bias", "MAPE %", "slope", "cover 95");
   for (const auto& [key, metrics] : table) {
-    const auto& [case_name, method, trait] = key;
+    const auto& [suite, case_name, method, trait] = key;
     const auto found = metrics.find("rmse");
     if (found == metrics.end() || !metrics.contains("slope")) continue;
     const auto value = [&](const char* metric) {
@@ -77,8 +77,9 @@ std::string summary_table(const std::vector<ScoreRow>& rows) {
     };
     const double scale = trait == "area" ? 1e6 : trait == "volume" ? 1e9 : 1e3;
     const char* unit = trait == "area" ? "mm2" : trait == "volume" ? "mm3" : "mm";
-    std::snprintf(line, sizeof line, "%-18s %-8s %-7s %4lld %13.4f %-4s %+9.4f %8.2f %7.3f %8.2f\n",
-                  case_name.c_str(), method.c_str(), trait.c_str(),
+    std::snprintf(line, sizeof line,
+                  "%-18s %-18s %-12s %-7s %4lld %13.4f %-4s %+9.4f %8.2f %7.3f %8.2f\n",
+                  suite.c_str(), case_name.c_str(), method.c_str(), trait.c_str(),
                   static_cast<long long>(found->second->n), value("rmse") * scale, unit,
                   value("bias") * scale, value("mape") * 100, value("slope"), value("coverage_95"));
     text += line;

@@ -12,6 +12,7 @@
 #include "benchmarks/metrics/specimens.h"
 #include "benchmarks/metrics/surface_distance.h"
 #include "benchmarks/metrics/trait_statistics.h"
+#include "benchmarks/metrics/visible_surface.h"
 #include "benchmarks/seeds/board_turn.h"
 #include "benchmarks/seeds/limits.h"
 #include "benchmarks/seeds/true_outline.h"
@@ -33,7 +34,8 @@ ScoreRow labelled_row(const SeedsScoreLabels& labels) {
 namespace {
 
 constexpr std::array<double, 3> kTolerances_m = {0.0001, 0.0002, 0.0005};
-constexpr double kMatchGate_m = 0.004;  ///< half a seed: nearer than two seeds can lie
+/// Half a seed: nearer than two seeds lie that are apart. In a heap the next may be nearer.
+constexpr double kMatchGate_m = 0.004;
 constexpr int kSurfaceSamples = 20000;
 
 void add(std::vector<ScoreRow>& rows, ScoreRow row, const std::string& metric, double value,
@@ -45,16 +47,37 @@ void add(std::vector<ScoreRow>& rows, ScoreRow row, const std::string& metric, d
   rows.push_back(std::move(row));
 }
 
+/// The estimate's poses in the order of the true views; those that are not there have none.
+/// @throws std::invalid_argument if one is of a frame that the truth does not have, or occurs twice
+Poses in_order_of(const std::vector<TrueView>& views, const Poses& poses) {
+  std::map<int, std::size_t> place;
+  Poses result;
+  for (const TrueView& view : views) {
+    place[view.frame] = result.size();
+    result.push_back({.frame = view.frame, .status = PoseStatus::no_board});
+  }
+  std::set<int> found;
+  for (const FramePose& pose : poses) {
+    const auto at = place.find(pose.frame);
+    if (at == place.end() || !found.insert(pose.frame).second)
+      throw std::invalid_argument(
+          "poses: frame " + std::to_string(pose.frame) +
+          (at == place.end() ? " is none of the truth's" : " occurs twice"));
+    result[at->second] = pose;
+  }
+  return result;
+}
+
 void score_poses_of(const SceneTruth& truth, const SeedsEstimate& estimate, const ScoreRow& base,
                     std::vector<ScoreRow>& rows) {
-  if (estimate.poses.empty() || estimate.poses.size() != truth.views.size()) return;
+  if (estimate.poses.empty() || truth.views.empty()) return;
   std::vector<Pose> poses;
   std::vector<Camera> cameras;
   for (const TrueView& view : truth.views) {
     poses.push_back(interpolate(view.camera_from_world, view.camera_from_world_end, 0.5));
     cameras.push_back(view.camera);
   }
-  const PoseScore score = score_poses(estimate.poses, poses, cameras);
+  const PoseScore score = score_poses(in_order_of(truth.views, estimate.poses), poses, cameras);
   add(rows, base, "views.posed", static_cast<double>(score.posed) / std::max(1, score.views), "1",
       score.views);
   add(rows, base, "camera.centre_rms", score.centre_rms_m, "m", score.posed);
@@ -71,6 +94,7 @@ void add_cloud_rows(const std::string& what, std::int64_t n, const CloudScore& s
   add(rows, base, what + ".accuracy_median", score.accuracy_median_m, "m", n);
   add(rows, base, what + ".bias", score.bias_m, "m", n);
   add(rows, base, what + ".completeness_mean", score.completeness_mean_m, "m", n);
+  add(rows, base, what + ".chamfer", chamfer_m(score), "m", n);
   for (const CloudScore::AtTolerance& at : score.at) {
     const std::string tolerance = std::to_string(static_cast<int>(at.tolerance_m * 1e6 + 0.5));
     add(rows, base, what + ".precision_" + tolerance + "um", at.precision, "1", n);
@@ -79,9 +103,21 @@ void add_cloud_rows(const std::string& what, std::int64_t n, const CloudScore& s
   }
 }
 
-/// Cloud against what cameras above the board can see of the seeds; meshes against all of it.
-void score_shapes(const std::vector<Mesh>& true_meshes, const SeedsEstimate& estimate,
-                  const ScoreRow& base, std::vector<ScoreRow>& rows) {
+/// Which points of the true surface two views at least could see, of those that have a pose or not.
+VisibleSamples samples_seen(const SceneTruth& truth, const Mesh& surface,
+                            const std::vector<Eigen::Vector3d>& samples_m) {
+  std::vector<SurfaceView> views;
+  for (const TrueView& view : truth.views)
+    views.push_back(
+        {view.camera, interpolate(view.camera_from_world, view.camera_from_world_end, 0.5)});
+  return visible_samples(surface, samples_m, views);
+}
+
+/// Cloud and meshes against all of the true surface, undersides too (`cloud`, `mesh`), and against
+/// what the views could see of it (`cloud_seen`, `mesh_seen`).
+void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
+                  const SeedsEstimate& estimate, const ScoreRow& base,
+                  std::vector<ScoreRow>& rows) {
   if (true_meshes.empty()) return;
   const Mesh surface = merged(true_meshes);
   const std::vector<Eigen::Vector3d> samples = sample_surface(surface, kSurfaceSamples, Rng(1));
@@ -90,19 +126,30 @@ void score_shapes(const std::vector<Mesh>& true_meshes, const SeedsEstimate& est
     if (estimate.clusters.instance[i] >= 0)
       cloud.push_back(estimate.clusters.cloud[i].position_m.cast<double>());
   }
-  if (!cloud.empty()) {
-    add_cloud_rows("cloud", static_cast<std::int64_t>(cloud.size()),
-                   score_cloud(cloud, surface, samples, kTolerances_m), base, rows);
-  }
   std::vector<Mesh> measured;
   for (const Surface& s : estimate.surfaces) {
     if (s.status == SurfaceStatus::ok && !s.mesh.triangles.empty()) measured.push_back(s.mesh);
+  }
+  if (cloud.empty() && measured.empty()) return;
+  const VisibleSamples seen = samples_seen(truth, surface, samples);
+  const auto seen_count = static_cast<std::int64_t>(seen.seen_m.size());
+  add(rows, base, "surface.seen",
+      static_cast<double>(seen_count) / static_cast<double>(kSurfaceSamples), "1", kSurfaceSamples);
+  if (!cloud.empty()) {
+    const auto n = static_cast<std::int64_t>(cloud.size());
+    add_cloud_rows("cloud", n, score_cloud(cloud, surface, samples, kTolerances_m), base, rows);
+    if (seen_count > 0)
+      add_cloud_rows("cloud_seen", n, score_visible_cloud(cloud, surface, seen, kTolerances_m),
+                     base, rows);
   }
   if (!measured.empty()) {
     const Mesh all = merged(measured);
     const auto points = sample_surface(all, kSurfaceSamples, Rng(2));
     add_cloud_rows("mesh", kSurfaceSamples,
                    score_mesh(all, points, surface, samples, kTolerances_m), base, rows);
+    if (seen_count > 0)
+      add_cloud_rows("mesh_seen", kSurfaceSamples,
+                     score_visible_mesh(all, points, surface, seen, kTolerances_m), base, rows);
   }
 }
 
@@ -273,7 +320,7 @@ SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& as_perceived
       "1", n);
   score_poses_of(truth, estimate, base, scores.rows);
   score_outlines_of(truth, meshes, matching, estimate, base, scores.rows);
-  score_shapes(meshes, estimate, base, scores.rows);
+  score_shapes(truth, meshes, estimate, base, scores.rows);
   score_hollows(meshes, base, scores.rows);
   score_timings(estimate, base, scores.rows);
   for (std::size_t i = 0; i < objects.size(); ++i) {

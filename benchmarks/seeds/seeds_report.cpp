@@ -101,15 +101,30 @@ int rank_of(const std::string& group) {
   return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), group) - kOrder.begin());
 }
 
+/// Whether a suite's numbers stand apart from those that plots and tiles are of: another spread of
+/// sizes does, and Gaussians' smaller images do where there are others.
+class Apart {
+ public:
+  explicit Apart(const std::vector<ScoreRow>& rows)
+      : has_seeds_(std::any_of(rows.begin(), rows.end(),
+                               [](const ScoreRow& row) { return row.suite == "seeds"; })) {}
+  bool operator()(const std::string& suite) const {
+    return suite == kPaperSpread || (has_seeds_ && suite == kSplatsSuite);
+  }
+
+ private:
+  bool has_seeds_;
+};
+
 /// RMSE and MAPE of our method, a species a line; where no species was pooled, a cultivar a line.
 std::vector<Headline> headlines_of(const std::vector<ScoreRow>& rows) {
   std::vector<std::pair<int, Headline>> found;
   const bool many = std::any_of(rows.begin(), rows.end(), [](const ScoreRow& row) {
     return row.scene == "pooled" && row.case_name == "all";
   });
+  const Apart is_apart(rows);
   for (const ScoreRow& row : rows) {
-    if (row.scene != "pooled" || row.suite == kPaperSpread ||
-        row.method.find('/') != row.method.npos)
+    if (row.scene != "pooled" || is_apart(row.suite) || row.method.find('/') != row.method.npos)
       continue;
     const bool is_species = rank_of(row.case_name) < 3;
     if (many ? !is_species : is_species || row.method == "simulator") continue;
@@ -179,11 +194,12 @@ std::string setting_of(const std::string& case_name) {
 
 std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
   std::map<std::string, ErrorTimeCurve> curves;
+  const Apart is_apart(rows);
   for (const ScoreRow& row : rows) {
     for (const std::string& trait : kTraits) {
       if (row.metric != "curve." + trait + ".rmse" || !(row.wall_s > 0)) continue;
       // One point a setting: further runs, and other spreads of sizes, are other seeds.
-      if (row.suite == kPaperSpread || row.case_name.find(" run 0 ") == std::string::npos) continue;
+      if (is_apart(row.suite) || row.case_name.find(" run 0 ") == std::string::npos) continue;
       ErrorTimeCurve& curve = curves[trait + "/" + row.scene];
       curve.title = "Error against time: " + trait + ", " + row.scene;
       curve.metric = "RMSE of " + trait;
@@ -233,8 +249,9 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   const auto& specimens = report.scores.specimens;
   const bool only_spheres = std::all_of(specimens.begin(), specimens.end(),
                                         [](const auto& row) { return row.cultivar == kSphere; });
+  const Apart is_apart(report.scores.scores);
   for (const SpecimenRow& row : specimens) {
-    if ((only_spheres || row.cultivar != kSphere) && row.dataset != kPaperSpread)
+    if ((only_spheres || row.cultivar != kSphere) && !is_apart(row.dataset))
       input.plotted.push_back(row);
   }
   input.headlines = headlines_of(report.scores.scores);

@@ -65,9 +65,10 @@ struct PhotographMeans {
     const Image<std::uint8_t> counted_small = counted_pixels(small(level.weight));
     whole_small.add(psnr_db(small(image), small(truth), counted_small) + rest_db);
     if (!level.behind.empty()) object.add(psnr_db(image, truth, objects_of(level, counted)));
-    ssim.add(cousin::ssim(image, truth, counted));
-    flip.add(cousin::flip(image, truth, counted));
-    if (learned) lpips.add(learned->between(image, truth));
+    const FidelityPlanes inside = where_counted(image, truth, counted);
+    ssim.add(cousin::ssim(inside, truth, counted));
+    flip.add(cousin::flip(inside, truth, counted));
+    if (learned) lpips.add(learned->between(inside, truth));
   }
 
   void append(const std::string& prefix, const ScoreRow& base, std::vector<ScoreRow>& rows) const {

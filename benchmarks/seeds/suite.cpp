@@ -243,17 +243,18 @@ std::vector<ScoreRow> pooled_pose_rows(const std::vector<ScoreRow>& of_runs,
     }
     for (const ScoreRow* run :
          rows_of_runs(of_runs, cultivars, labels.suite, "ours", "camera.centre_rms")) {
+      if (run->n == 0) continue;  // no view has a pose: its value is no number
       centres += static_cast<double>(run->n);
       square += run->value * run->value * static_cast<double>(run->n);
     }
-    if (views == 0 || centres == 0) continue;
+    if (views == 0) continue;
     row.metric = "views.posed";
     row.value = posed / views;
     row.unit = "1";
     row.n = static_cast<std::int64_t>(views);
     rows.push_back(row);
     row.metric = "camera.centre_rms";
-    row.value = std::sqrt(square / centres);
+    row.value = centres > 0 ? std::sqrt(square / centres) : ScoreRow::kNone;
     row.unit = "m";
     row.n = static_cast<std::int64_t>(centres);
     rows.push_back(row);
@@ -394,7 +395,7 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
                       (job.attribution ? "/attribution" : "") +
                       (job.trained.splats ? text_of(job.trained, job.config) + network : "") +
-                      user_files_hash(job.config.scene);
+                      user_files_hash(job.config.scene) + built_in_tables();
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back(
         {job.name, key,
@@ -428,7 +429,13 @@ ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
     add_run_times(of_runs, specimens, rows);
     pooled.scores.insert(pooled.scores.end(), rows.begin(), rows.end());
   }
-  if (!config.quick && config.sets.empty()) hold_to_limits(pooled.scores);
+  if (!config.quick && config.sets.empty()) {
+    std::set<std::string> cultivars;
+    for (const SpecimenRow& row : pooled.specimens) {
+      if (row.dataset == std::string("seeds")) cultivars.insert(row.cultivar);
+    }
+    hold_to_limits(pooled.scores, cultivars);
+  }
   return pooled;
 }
 

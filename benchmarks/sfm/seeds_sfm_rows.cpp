@@ -141,13 +141,16 @@ std::vector<ScoreRow> lens_rows(const SfmSuiteConfig& suite, const SfmModel& mod
 
 }  // namespace
 
+SeedsRunConfig seeds_sfm_scene(const SfmSuiteConfig& config) {
+  return seeds_run_config({std::string("views=") + (config.quick ? "30" : "60")});
+}
+
 std::vector<ScoreRow> seeds_sfm_rows(const SfmSuiteConfig& config, const Progress& progress) {
   const ScoreRow row = sfm_row(config, "seeds", "ours");
   if (colmap_version(config.program).empty())
     return {missing_row(row, "COLMAP was not found", ScoreStatus::not_built)};
-  const SeedsRunConfig scene =
-      seeds_run_config({std::string("views=") + (config.quick ? "30" : "60")});
-  const SimulatedRun run = simulate_seeds(scene, config.seed, 0, TruthNeeds{}, progress);
+  const SimulatedRun run =
+      simulate_seeds(seeds_sfm_scene(config), config.seed, 0, TruthNeeds{}, progress);
   const TrueCameras truth = true_cameras(run.truth);
   const Corners corners = detect_board(run.capture, SeedBoard{});
   std::vector<ScoreRow> rows = board_rows(config, run.capture, corners, truth);

@@ -5,6 +5,7 @@
 
 #include "benchmarks/metrics/image_scores.h"
 #include "benchmarks/metrics/scores.h"
+#include "benchmarks/seeds/run_config.h"
 #include "benchmarks/sfm/sfm_suite.h"
 
 namespace cousin {
@@ -23,6 +24,9 @@ std::vector<ScoreRow> pose_rows(const ScoreRow& row, const PoseScore& score);
 
 /// A row that says why there are no numbers.
 ScoreRow missing_row(ScoreRow row, const std::string& why, ScoreStatus status);
+
+/// The capture of `seeds_sfm_rows`.
+SeedsRunConfig seeds_sfm_scene(const SfmSuiteConfig& config);
 
 /// The jobs' rows.
 std::vector<ScoreRow> neutral_rows(const SfmSuiteConfig& config);

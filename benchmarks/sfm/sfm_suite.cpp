@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "benchmarks/seeds/capture_store.h"
 #include "benchmarks/sfm/sfm_rows.h"
 #include "perception/sfm/colmap_run.h"
 #include "sim/dataset/manifest.h"
@@ -67,7 +68,8 @@ std::vector<ShardJob> sfm_suite_jobs(const SfmSuiteConfig& config, const Progres
   const std::string ending = config.quick ? ".quick.json" : ".json";
   return {
       {"neutral" + ending, key + "/neutral", [config] { return text_of(neutral_rows(config)); }},
-      {"seeds" + ending, key + "/seeds",
+      {"seeds" + ending,
+       key + "/seeds" + resolved_toml(seeds_sfm_scene(config)) + built_in_tables(),
        [config, progress] { return text_of(seeds_sfm_rows(config, progress)); }}};
 }
 

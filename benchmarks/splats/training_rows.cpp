@@ -54,7 +54,9 @@ void training_rows(std::vector<ScoreRow>& rows, const PosedSet& set, const Goal&
         render_splats(training.model, level.camera, view.camera_from_world).color;
     const Image<std::uint8_t> counted = counted_pixels(level.weight);
     psnr += psnr_db(image.channel, level.color.channel, counted) / views;
-    similarity += ssim(image.channel, level.color.channel, counted) / views;
+    similarity += ssim(where_counted(image.channel, level.color.channel, counted),
+                       level.color.channel, counted) /
+                  views;
   }
   const auto add = [&](const std::string& metric, double value, const char* unit, std::size_t n) {
     ScoreRow next = row;

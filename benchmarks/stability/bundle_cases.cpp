@@ -121,7 +121,7 @@ void add_gauge_rows(std::vector<StabilityRow>& rows) {
     double worst = result.status == CalibrationStatus::ok ? 0 : kNoNumber;
     for (std::size_t p = 0; p < input.points_in_world_m.size(); ++p) {
       const Vector3d back = turn.conjugate() * (result.points_in_world_m.at(p) - shift) / c.scale;
-      worst = std::max(worst, (back - reference.points_in_world_m.at(p)).norm() / 0.2);
+      worst = worse(worst, (back - reference.points_in_world_m.at(p)).norm() / 0.2);
     }
     rows.push_back(make_row(c.name, "largest change of a point, over the scene's size", "",
                             c.far > 1e4 ? 1e-7 : 1e-8, worst));

@@ -44,7 +44,7 @@ double core_error(const CornerViews& views, const CalibrationResult& result) {
   double largest = 0;
   for (int i = 0; i < 4; ++i) {
     const double sigma = deviation(result, result.parameters[static_cast<std::size_t>(i)]);
-    largest = std::max(largest, std::abs(result.values(i) - core[i]) / sigma);
+    largest = worse(largest, std::abs(result.values(i) - core[i]) / sigma);
   }
   return largest;
 }
@@ -104,8 +104,8 @@ double largest_difference(const CalibrationResult& a, const CalibrationResult& b
   if (a.status != CalibrationStatus::ok || b.status != CalibrationStatus::ok) return 1;
   double largest = 0;
   for (Eigen::Index i = 0; i < a.values.size(); ++i)
-    largest = std::max(largest,
-                       std::abs(a.values(i) - b.values(i)) / std::max(1.0, std::abs(a.values(i))));
+    largest =
+        worse(largest, std::abs(a.values(i) - b.values(i)) / std::max(1.0, std::abs(a.values(i))));
   return largest;
 }
 

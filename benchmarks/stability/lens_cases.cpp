@@ -48,7 +48,7 @@ double round_trip_px(const Camera& camera) {
     const auto ray = unproject(camera, pixel);
     const auto back = ray ? project(camera, *ray) : std::nullopt;
     if (!back) return std::numeric_limits<double>::infinity();
-    largest = std::max(largest, (*back - pixel).norm());
+    largest = worse(largest, (*back - pixel).norm());
   }
   return largest;
 }

@@ -93,11 +93,11 @@ double not_finite(const Drawn& drawn) {
 double share_off(const ColorPlanes& a, const ColorPlanes& b) {
   double off = 0;
   for (std::size_t i = 0; i < a.channel[0].size(); ++i) {
-    float largest = 0;
+    double largest = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      largest = std::max(largest, std::abs(a.channel[k].data()[i] - b.channel[k].data()[i]));
+      largest = worse(largest, std::abs(a.channel[k].data()[i] - b.channel[k].data()[i]));
     }
-    off += largest > 1e-4F ? 1 : 0;
+    off += largest <= 1e-4 ? 0 : 1;
   }
   return off / static_cast<double>(a.channel[0].size());
 }
@@ -157,7 +157,7 @@ double gradients_off(const SplatModel& model, const Pose& pose) {
         std::sqrt(expected.col(k).squaredNorm() / static_cast<double>(expected.rows()));
     for (int i = 0; i < drawn.gradients.size(); ++i) {
       const double limit = 1e-3 * (std::abs(expected(i, k)) + rms);
-      off += std::abs(drawn.gradients.at(k, i) - expected(i, k)) > limit ? 1 : 0;
+      off += std::abs(drawn.gradients.at(k, i) - expected(i, k)) <= limit ? 0 : 1;
     }
   }
   return off / static_cast<double>(expected.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,9 @@ struct StabilityRow {
   bool upper = true;  ///< the limit is an upper one: value <= limit passes; else value >= limit
   bool pass = false;  ///< NaN never passes
 };
+
+/// The larger of two numbers, and NaN once there was one, which std::max drops.
+inline double worse(double a, double b) { return std::isnan(b) || b > a ? b : a; }
 
 /// A row with `pass` worked out.
 inline StabilityRow make_row(std::string case_name, std::string quantity, std::string unit,

@@ -222,7 +222,7 @@ void swing_row(std::vector<StabilityRow>& rows, int segments, double step_s,
     if (t < 0.8 * end_s) continue;
     const double theory_m = 0.001 * std::exp(-decay_per_s * t) *
                             (std::cos(damped * t) + decay_per_s / damped * std::sin(damped * t));
-    off_m = std::max(off_m, std::abs(swing.tip_m() - theory_m));
+    off_m = worse(off_m, std::abs(swing.tip_m() - theory_m));
   }
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "benchmarks/seeds/score_seeds.h"
+#include "scenes/seeds/seeds_scene.h"
 
 namespace cousin {
 namespace {
@@ -20,9 +21,14 @@ ScoreRow pooled(const std::string& group, const std::string& metric, double valu
   return row;
 }
 
-ScoreStatus held(ScoreRow row) {
+std::set<std::string> all_cultivars() {
+  const std::vector<std::string> names = cultivar_names();
+  return {names.begin(), names.end()};
+}
+
+ScoreStatus held(ScoreRow row, const std::set<std::string>& cultivars = all_cultivars()) {
   std::vector<ScoreRow> rows = {std::move(row)};
-  hold_to_limits(rows);
+  hold_to_limits(rows, cultivars);
   return rows[0].status;
 }
 
@@ -31,6 +37,15 @@ TEST(SeedsLimits, ASpeciesIsHeldToItsOwnLimit) {
   EXPECT_EQ(held(pooled("maize", "length.rmse", 0.00016)), ScoreStatus::fail);
   EXPECT_EQ(held(pooled("wheat", "length.rmse", 0.00014)), ScoreStatus::fail);
   EXPECT_EQ(held(pooled("rice", "height.rmse", 0.00007)), ScoreStatus::pass);
+}
+
+TEST(SeedsLimits, APartOfASpeciesIsNotHeld) {
+  const ScoreRow row = pooled("maize", "length.rmse", 0.00016);
+  EXPECT_EQ(held(row, {"zhengdan958"}), ScoreStatus::ok);
+  EXPECT_EQ(held(row, {"zhengdan958", "tianguinuo932"}), ScoreStatus::fail);
+  EXPECT_EQ(held(pooled("all", "volume.coverage_95", 1.0), {"zhengdan958", "tianguinuo932"}),
+            ScoreStatus::ok);
+  EXPECT_EQ(held(pooled(kSphere, "volume.mape", 0.5), {}), ScoreStatus::fail);
 }
 
 TEST(SeedsLimits, BiasAndSlopeHaveTwoSides) {
@@ -67,7 +82,7 @@ TEST(SeedsLimits, ASphereThatIsNotFoundAndSigmasThatAreMissingAreRowsThatFail) {
   labels.suite = "seeds";
   labels.scene = "pooled";
   std::vector<ScoreRow> rows = pooled_rows(specimens, labels);
-  hold_to_limits(rows);
+  hold_to_limits(rows, all_cultivars());
   int sphere = 0, coverage = 0;
   for (const ScoreRow& row : rows) {
     const bool fails = row.status == ScoreStatus::fail && std::isnan(row.value);

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <numbers>
+#include <stdexcept>
 
+#include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/geometry/measure.h"
 
@@ -159,6 +164,101 @@ TEST(ScoreSeeds, RatioOfTwoMethodsIsTheirOffsetsRatio) {
   all.insert(all.end(), paper.begin(), paper.end());
   const auto rows = paired_rows(all, "ours", "paper", {});
   EXPECT_NEAR(row_of(rows, "maize", "length.rmse_ratio").value, 0.25, 1e-9);
+}
+
+TEST(ScoreSeeds, PosesAreMatchedByTheirFrames) {
+  SceneTruth truth = three_boxes();
+  SeedsEstimate estimate;
+  for (int i = 0; i < 12; ++i) {
+    TrueView view;
+    view.frame = i;
+    view.camera = {LensModel::pinhole, 64, 48, 60, 60, 31.5, 23.5};
+    view.camera_from_world =
+        view.camera_from_world_end = {Eigen::Quaterniond::Identity(), {0.1 * i, 0, 1}};
+    truth.views.push_back(view);
+    estimate.poses.push_back({.frame = i,
+                              .status = PoseStatus::ok,
+                              .camera_from_world = view.camera_from_world,
+                              .camera = view.camera});
+  }
+  const auto scored = [&](const char* metric) {
+    for (const ScoreRow& row : score_run(truth, estimate, {}).rows) {
+      if (row.metric == metric) return row.value;
+    }
+    return std::nan("");
+  };
+  std::rotate(estimate.poses.begin(), estimate.poses.begin() + 5, estimate.poses.end());
+  EXPECT_LT(scored("camera.centre_rms"), 1e-12);
+  estimate.poses.pop_back();
+  EXPECT_LT(scored("camera.centre_rms"), 1e-12);
+  EXPECT_NEAR(scored("views.posed"), 11.0 / 12, 1e-12);
+  estimate.poses.back().frame = estimate.poses.front().frame;
+  EXPECT_THROW(score_run(truth, estimate, {}), std::invalid_argument);
+  estimate.poses.back().frame = 12;
+  EXPECT_THROW(score_run(truth, estimate, {}), std::invalid_argument);
+}
+
+// A cloud of all that cameras above see is complete, though nothing of it is on the undersides.
+TEST(ScoreSeeds, CloudsAreScoredAgainstWhatCouldBeSeenToo) {
+  SceneTruth truth = three_boxes();
+  const Eigen::Quaterniond down(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+  for (int i = 0; i < 3; ++i) {
+    TrueView view;
+    view.frame = i;
+    view.camera = {LensModel::pinhole, 640, 480, 600, 600, 319.5, 239.5};
+    view.camera_from_world =
+        view.camera_from_world_end = {down, down * -Eigen::Vector3d(0.02 * i, 0, 0.3)};
+    truth.views.push_back(view);
+  }
+  SeedsEstimate estimate;
+  for (const Instance* seed : specimens_of(truth.scene)) {
+    const Eigen::Vector3d at_m = seed->world_from_object.translation_m;
+    const double half_x_m = 0.5 * seed->traits[0].value, half_z_m = 0.5 * seed->traits[2].value;
+    for (int k = 0; k < 2500; ++k) {
+      CloudPoint point;
+      const Eigen::Vector3d on_top(half_x_m * (k % 50 - 24.5) / 25, 0.003 * (k / 50 - 24.5) / 25,
+                                   half_z_m);
+      point.position_m = (at_m + on_top).cast<float>();
+      estimate.clusters.cloud.push_back(point);
+      estimate.clusters.instance.push_back(0);
+    }
+  }
+  const std::vector<ScoreRow> rows = score_run(truth, estimate, {}).rows;
+  const auto value = [&](const std::string& metric) {
+    for (const ScoreRow& row : rows) {
+      if (row.metric == metric) return row.value;
+    }
+    return std::nan("");
+  };
+  EXPECT_LT(value("cloud_seen.accuracy_mean"), 1e-6);
+  EXPECT_GT(value("surface.seen"), 0.25);  // tops, and the sides that look at the middle
+  EXPECT_LT(value("surface.seen"), 0.6);
+  EXPECT_LT(value("cloud.recall_500um"), 0.5);
+  EXPECT_GT(value("cloud_seen.recall_500um"), 1.3 * value("cloud.recall_500um"));
+  EXPECT_LT(value("cloud_seen.completeness_mean"), 0.6 * value("cloud.completeness_mean"));
+  EXPECT_NEAR(value("cloud_seen.chamfer"),
+              0.5 * (value("cloud_seen.accuracy_mean") + value("cloud_seen.completeness_mean")),
+              1e-12);
+}
+
+TEST(Attribution, StepsAreComparedOverTheSpecimensThatAllSolve) {
+  const SceneTruth truth = three_boxes();
+  SeedsEstimate hard = estimate_of(truth, 1e-4, 1e-5), easy = hard;
+  hard.traits.back().status = TraitStatus::not_solved;
+  for (Trait& trait : easy.traits.back().traits) trait.value += 1;  // the third seed is far off
+  const std::vector<SeamStep> steps = {{"none", score_run(truth, hard, {}), 1},
+                                       {"corners", score_run(truth, easy, {}), 1},
+                                       {"poses", score_run(truth, SeedsEstimate{}, {}), 1}};
+  std::map<std::string, const ScoreRow*> rmse;
+  const std::vector<ScoreRow> rows = attribution_rows(steps, {});
+  for (const ScoreRow& row : rows) {
+    if (row.metric == "length.rmse") rmse[row.case_name] = &row;
+  }
+  ASSERT_EQ(rmse.size(), 3u);
+  EXPECT_EQ(rmse["truth up to none"]->n, 2);
+  EXPECT_EQ(rmse["truth up to corners"]->n, 2);
+  EXPECT_NEAR(rmse["truth up to corners"]->value, 1e-4, 1e-12);
+  EXPECT_EQ(rmse["truth up to poses"]->status, ScoreStatus::not_solved);
 }
 
 TEST(Gate, HoldsBreaksAndRefusesNonsense) {

@@ -63,6 +63,15 @@ TEST(SplatImages, PixelsOfNoWeightDoNotCount) {
   const std::vector<ScoreRow> rows = photograph_rows(photographs, render, {}, nullptr);
   EXPECT_NEAR(value_of(rows, "train.psnr"), 20, 1e-4);
   EXPECT_NEAR(value_of(rows, "train.psnr_whole_small"), 20, 1e-4);
+  // Neither do windows and filters see what is drawn there.
+  const auto other = [&](const Camera& camera, const Pose& pose) {
+    FidelityPlanes image = render(camera, pose);
+    for (Image<float>& channel : image) channel(0, 0) = 0;
+    return image;
+  };
+  const std::vector<ScoreRow> same = photograph_rows(photographs, other, {}, nullptr);
+  EXPECT_EQ(value_of(rows, "train.ssim"), value_of(same, "train.ssim"));
+  EXPECT_EQ(value_of(rows, "train.flip"), value_of(same, "train.flip"));
 }
 
 TEST(SplatImages, ViewsHeldOutHaveRowsOfTheirOwn) {

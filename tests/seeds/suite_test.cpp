@@ -67,10 +67,11 @@ const ScoreRow* find(const ScoreFile& file, const std::string& suite, const std:
 }
 
 TEST(SeedsSuite, PoolsSpecimensPosesAndSecondsOfASpecies) {
-  const ScoreFile pooled =
-      pool_seeds_suite({finished("suijing18", 0, 3e-5, 3e-4), finished("suijing18", 1, 3e-5, 6e-4),
-                        finished("zhengdan958", 0, 2e-4, 1e-4)},
-                       {});
+  const ScoreFile pooled = pool_seeds_suite(
+      {finished("suijing18", 0, 3e-5, 3e-4), finished("xiangyaxiangzhan", 1, 3e-5, 6e-4),
+       finished("zhengdan958", 0, 2e-4, 1e-4), finished("tianguinuo932", 0, 2e-4, 1e-4),
+       finished("jimai22", 0, 2e-4, 1e-4)},
+      {});
   const ScoreRow* rmse = find(pooled, "seeds", "rice", "ours", "length.rmse");
   ASSERT_TRUE(rmse);
   EXPECT_NEAR(rmse->value, 3e-5, 1e-12);
@@ -79,6 +80,8 @@ TEST(SeedsSuite, PoolsSpecimensPosesAndSecondsOfASpecies) {
   EXPECT_DOUBLE_EQ(rmse->wall_s, 10.5);
   EXPECT_DOUBLE_EQ(rmse->peak_rss_mb, 1100);
   EXPECT_EQ(find(pooled, "seeds", "maize", "ours", "length.rmse")->status, ScoreStatus::fail);
+  // Of two cultivars one alone is not the species.
+  EXPECT_EQ(find(pooled, "seeds", "wheat", "ours", "length.rmse")->status, ScoreStatus::ok);
   const ScoreRow* posed = find(pooled, "seeds", "rice", "ours", "views.posed");
   ASSERT_TRUE(posed);
   EXPECT_DOUBLE_EQ(posed->value, 0.75);
@@ -87,6 +90,27 @@ TEST(SeedsSuite, PoolsSpecimensPosesAndSecondsOfASpecies) {
   EXPECT_NEAR(find(pooled, "seeds", "rice", "ours", "camera.centre_rms")->value,
               std::sqrt((60 * 9e-8 + 30 * 36e-8) / 90), 1e-12);
   EXPECT_NEAR(find(pooled, "seeds", "rice", "ours/paper", "length.rmse_ratio")->value, 0.25, 1e-9);
+}
+
+TEST(SeedsSuite, ARunWithoutPosesIsNoNumberAndKeepsNoLimit) {
+  const auto without_poses = [](const std::string& cultivar, int run) {
+    ShardResult result = finished(cultivar, run, 3e-5, 3e-4);
+    ScoreFile file = scores_from_json(result.text, "test");
+    for (ScoreRow& row : file.scores) {
+      if (row.metric == "views.posed") row.value = 0;
+      if (row.metric == "camera.centre_rms") row.value = ScoreRow::kNone, row.n = 0;
+    }
+    result.text = to_json(file);
+    return result;
+  };
+  const ScoreFile one = pool_seeds_suite(
+      {finished("suijing18", 0, 3e-5, 1e-4), without_poses("xiangyaxiangzhan", 0)}, {});
+  EXPECT_NEAR(find(one, "seeds", "rice", "ours", "camera.centre_rms")->value, 1e-4, 1e-12);
+  EXPECT_EQ(find(one, "seeds", "rice", "ours", "views.posed")->value, 0.5);
+  const ScoreFile none =
+      pool_seeds_suite({without_poses("suijing18", 0), without_poses("xiangyaxiangzhan", 0)}, {});
+  EXPECT_EQ(find(none, "seeds", "rice", "ours", "views.posed")->status, ScoreStatus::fail);
+  EXPECT_EQ(find(none, "seeds", "rice", "ours", "camera.centre_rms")->status, ScoreStatus::fail);
 }
 
 TEST(SeedsSuite, ThePapersSpreadIsPooledApart) {
