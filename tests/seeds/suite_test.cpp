@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/dataset/temporary_folder.h"
@@ -123,6 +124,22 @@ TEST(SeedsSuite, ThePapersSpreadIsPooledApart) {
   EXPECT_NEAR(spread->value, 6e-5, 1e-12);
   EXPECT_EQ(spread->status, ScoreStatus::ok);
   EXPECT_TRUE(find(pooled, kPaperSpread, "rice", "ours", "length.r2_paper"));
+}
+
+TEST(SeedsSuite, ItsTableTellsSuitesApart) {
+  const ScoreFile pooled = pool_seeds_suite(
+      {finished("suijing18", 0, 3e-5, 1e-4), finished("suijing18", 0, 6e-5, 1e-4, kSplatsSuite)},
+      {});
+  const std::string table = summary_table(pooled.scores);
+  const std::size_t own = table.find("0.0300 mm"), splats = table.find("0.0600 mm");
+  ASSERT_NE(own, std::string::npos) << table;
+  ASSERT_NE(splats, std::string::npos) << table;
+  const auto line_of = [&](std::size_t at) {
+    const std::size_t begin = table.rfind('\n', at) + 1;
+    return table.substr(begin, at - begin);
+  };
+  EXPECT_TRUE(line_of(own).starts_with("seeds "));
+  EXPECT_TRUE(line_of(splats).starts_with("seeds_splats "));
 }
 
 TEST(SeedsSuite, OnlyTheWholeExperimentIsHeldToItsLimits) {
