@@ -31,7 +31,9 @@ Fields fields(BoardClusterConfig& c) {
       {"cluster_distance_m", &c.cluster_distance_m, "points nearer than this belong together", 1e-6,
        0.1},
       {"join_rounds", &c.join_rounds,
-       "times that points join, each cluster_distance_m farther from an object's top", 1, 1000},
+       "times that points join, each cluster_distance_m farther from an object's top; splats: 8 if "
+       "less",
+       1, 1000},
       {"cluster_min_points", &c.cluster_min_points, "smaller clusters are noise", 1, 1e9}};
 }
 

@@ -9,6 +9,7 @@
 
 #include "perception/pipelines/seeds_sensor.h"
 #include "perception/pipelines/splat_stages.h"
+#include "sim/config/limits.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -144,6 +145,8 @@ Fields fields(SeedsPipelineConfig& config) {
 }
 
 void validate(const SeedsPipelineConfig& config) {
+  SeedsPipelineConfig copy = config;
+  check_limits(fields(copy));
   validate(config.board);
   validate(config.poses);
   validate(config.green);

@@ -121,7 +121,8 @@ struct PipelineNeeds {
   std::vector<std::pair<std::string, std::string>> left_out;  ///< stage, why
 };
 PipelineNeeds needs(const SeedsPipelineConfig& config);
-/// @throws std::invalid_argument naming the method and the images that the capture lacks.
+/// @throws std::invalid_argument naming the method, and the depth images or poses that it reads and
+/// the capture lacks. Without colour the stages that read it find nothing.
 void require_images(const Capture& capture, const SeedsPipelineConfig& config);
 std::string_view to_string(SeedsMethod method);
 

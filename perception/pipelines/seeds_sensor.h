@@ -5,7 +5,8 @@
 namespace cousin {
 
 /// Private to perception/pipelines: what the stages' configurations become where the depth is a
-/// sensor's own, which says itself how noisy it is. For the other methods they stay as they are.
+/// sensor's own, which says itself how noisy it is. For the other methods they stay as they are,
+/// except that points of Gaussians join in 8 rounds at least (clusters_for).
 
 /// What a pixel spans at the board's middle: the median over the views that have a pose, else NaN.
 double pixel_at_board_m(const Poses& poses);

@@ -221,9 +221,16 @@ std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
         frame.sensors.front().color.empty()) {
       continue;
     }
+    const Image<Rgb8>& color = frame.sensors.front().color;
+    const Camera& camera = poses[i].camera;
+    if (color.width() != camera.width_px || color.height() != camera.height_px)
+      throw std::invalid_argument("frame " + std::to_string(frame.id) + ": its photograph is " +
+                                  std::to_string(color.width()) + " x " +
+                                  std::to_string(color.height()) + ", the camera of its pose " +
+                                  std::to_string(camera.width_px) + " x " +
+                                  std::to_string(camera.height_px));
     const auto window = window_of(poses[i], volume, margin_px);
     if (!window) continue;
-    const Image<Rgb8>& color = frame.sensors.front().color;
     Frame next{.id = frame.id, .time_s = frame.time_s};
     FramePose pose = poses[i];
     pose.camera = camera_of(pose.camera, *window);

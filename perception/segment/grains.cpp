@@ -6,6 +6,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <stdexcept>
+#include <string>
 
 #include "sim/config/limits.h"
 #include "sim/imaging/color.h"
@@ -276,6 +278,10 @@ Fields fields(GrainConfig& c) {
 void validate(const GrainConfig& config) {
   GrainConfig copy = config;
   check_limits(fields(copy), "grains");
+  if (!(config.least_length_m < config.most_length_m))
+    throw std::invalid_argument(
+        "grains: least_length_m = " + std::to_string(config.least_length_m) +
+        " is not below most_length_m = " + std::to_string(config.most_length_m));
 }
 
 GrainPhoto measure_grains(const Image<Rgb8>& image, const GrainConfig& config) {

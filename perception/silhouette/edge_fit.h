@@ -32,7 +32,8 @@ struct EdgeFitOptions {
 /// priors; offset and curvature (about the guess's) are found by Gauss-Newton together with them.
 /// Beyond the plate the background is one unknown colour. The half-level line of a curved, blurred
 /// edge lies k sigma^2 / 2 inside the edge; that is in `a`. Nothing where the background is partly
-/// plate and partly not, or pixels of another object or none are in reach.
+/// plate and partly not, or a sample lies outside the window. Pixels of another object are not left
+/// out: whoever uses the fit looks how near they are (outlines.cpp does).
 std::optional<EdgeFit> fit_edge(const ObjectWindow& window, const ContourVertex& guess,
                                 const EdgeFitOptions& options);
 

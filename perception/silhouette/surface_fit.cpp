@@ -152,6 +152,7 @@ void fill_surface(const SurfaceProblem& problem, const SurfaceState& state,
   surface.mesh.vertices_m = vertices_of(sphere, state.frame, values.transpose() * state.radius);
   // H = L L^T: L^-T z has the covariance H^-1.
   const Eigen::LLT<Eigen::MatrixXd> root(problem.information(state, scale, kFineLimit_px));
+  if (root.info() != Eigen::Success) return;  // no samples: sigmas are not known
   for (int s = 0; s < problem.config.samples; ++s) {
     Rng draw = rng.fork(static_cast<std::uint64_t>(s));
     Eigen::VectorXd z(harmonics + 2);

@@ -136,6 +136,13 @@ TEST(SeedsPipeline, EveryKeyIsUniqueAndReadsBack) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) EXPECT_NE(all[i].key, all[j].key);
   }
+  for (double SeedsPipelineConfig::*number :
+       {&SeedsPipelineConfig::tallest_m, &SeedsPipelineConfig::margin_m,
+        &SeedsPipelineConfig::agreement_sigmas, &SeedsPipelineConfig::sensor_size_sigma_m}) {
+    SeedsPipelineConfig wrong;
+    wrong.*number = -0.005;
+    EXPECT_THROW(validate(wrong), std::invalid_argument);
+  }
   SeedsPipelineConfig copy;
   read_toml_text(to_toml(all), "own", fields(copy), MissingKeys::error);
   EXPECT_EQ(to_toml(fields(copy)), to_toml(all));

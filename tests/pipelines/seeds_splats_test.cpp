@@ -134,6 +134,10 @@ TEST(SeedsSplats, NothingToLearnGivesNoGaussians) {
   FramePose away = slanted(0, 0);
   away.camera_from_world.translation_m = {0, 0, -0.3};  // looks away from the board
   EXPECT_TRUE(seed_views(capture_of({away}, kGreen), {away}, volume, {}, 8).empty());
+  FramePose larger = slanted(0, 0);
+  larger.camera.width_px *= 2;
+  EXPECT_THROW(seed_views(capture_of({slanted(0, 0)}, kGreen), {larger}, volume, {}, 8),
+               std::invalid_argument);
 }
 
 /// A closed box of 4 mm on the board.
