@@ -116,6 +116,7 @@ TEST(Grains, AStripCutShortDoesNotChangeTheScale) {
 
 TEST(Grains, WithoutStripOrGrainsItIsAStatus) {
   EXPECT_EQ(measure_grains({}).status, GrainStatus::no_strip);
+  EXPECT_THROW(measure_grains({}, {.least_length_m = 0.02}), std::invalid_argument);
   EXPECT_EQ(measure_grains(Image<Rgb8>(64, 64)).status, GrainStatus::no_strip);
   EXPECT_EQ(measure_grains(Image<Rgb8>(64, 64, Rgb8{255, 255, 255})).status, GrainStatus::no_strip);
   EXPECT_EQ(measure_grains(drawn(1260, 420, {{{600, 210}, 75, 30, 0.4}})).status,
