@@ -58,10 +58,12 @@ Json lines_of(const char* data, const Json& dash) {
 }  // namespace
 
 Plot line_plot(const LinePlot& plot) {
-  Json points = Json::array(), laws = Json::array(), names = Json::array();
+  Json points = Json::array(), laws = Json::array(), names = Json::array(), colors = Json::array();
   Range xs, ys;
   for (const LineSeries& series : plot.series) {
+    const std::size_t color = series.color.value_or(names.size());
     names.push_back(series.name);
+    colors.push_back(kPalette[color % kPalette.size()]);
     for (const PlotPoint& p : series.points) {
       if (!can_show(p, plot)) continue;
       Json point = {
@@ -90,10 +92,9 @@ Plot line_plot(const LinePlot& plot) {
                   {{"name", "joined"},
                    {"source", "points"},
                    {"transform", {{{"type", "filter"}, {"expr", "datum.joined"}}}}}};
-  spec["scales"] = {
-      scale_of("x", "width", plot.log_x, xs),
-      scale_of("y", "height", plot.log_y, ys),
-      {{"name", "color"}, {"type", "ordinal"}, {"domain", names}, {"range", kPalette}}};
+  spec["scales"] = {scale_of("x", "width", plot.log_x, xs),
+                    scale_of("y", "height", plot.log_y, ys),
+                    {{"name", "color"}, {"type", "ordinal"}, {"domain", names}, {"range", colors}}};
   spec["axes"] = {axis("x", "bottom", plot.x_label), axis("y", "left", plot.y_label)};
   spec["legends"].push_back(legend("fill", "color"));
   spec["marks"].push_back(lines_of("laws", {5, 4}));

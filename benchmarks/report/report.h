@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,9 @@ struct LineSeries {
   std::vector<PlotPoint> points;  ///< in the order of x
   bool is_law = false;            ///< drawn dashed, without points
   bool is_joined = true;          ///< by a line; a law always is
+  /// Colour in the palette, so that one thing is one colour on plots that lack others; none: its
+  /// place among the series.
+  std::optional<std::size_t> color = {};
 };
 struct LinePlot {
   std::string title;

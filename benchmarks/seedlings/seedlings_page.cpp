@@ -56,9 +56,11 @@ LinePlot time_plot(const std::vector<ScoreRow>& rows, const std::string& light,
   plot.x_label = "wall time of training (s)";
   plot.y_label = "PSNR (dB)";
   plot.log_x = true;
+  std::size_t color = 0;
   for (const char* method : {kReference, kOurs, kNgp}) {
     LineSeries series;
     series.name = method;
+    series.color = color++;
     for (const ScoreRow& row : rows) {
       if (is_mean_of(row, light, metric) && row.method == method)
         series.points.push_back({row.wall_s, interval_of(row)});
@@ -71,6 +73,7 @@ LinePlot time_plot(const std::vector<ScoreRow>& rows, const std::string& light,
   }
   if (metric == "train.psnr" && !plot.series.empty()) {
     LineSeries published = published_series(rows, light);
+    published.color = color;
     if (!published.points.empty()) plot.series.push_back(std::move(published));
   }
   return plot;

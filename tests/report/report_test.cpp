@@ -67,6 +67,16 @@ TEST(Report, PlotsStandUnderTheHeadingThatTheyName) {
   EXPECT_EQ(page.find(">Against theory<"), std::string::npos);
 }
 
+TEST(Report, ASeriesHasTheColourThatItNames) {
+  ReportInput input;
+  LinePlot plot;
+  plot.series = {{.name = "a", .points = {{0, {1}}, {1, {2}}}}};
+  input.lines = {plot};
+  EXPECT_NE(make_report(input).find("\"range\":[\"#2b83c6\"]"), std::string::npos);
+  input.lines[0].series[0].color = 1;
+  EXPECT_NE(make_report(input).find("\"range\":[\"#d55e00\"]"), std::string::npos);
+}
+
 TEST(Report, TextNeverBecomesMarkup) {
   const std::string html = make_report(example_report());
   EXPECT_EQ(html.find("<b>not markup</b>"), std::string::npos);

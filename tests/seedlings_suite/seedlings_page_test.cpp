@@ -68,6 +68,17 @@ TEST(SeedlingsPage, PsnrIsDrawnOverTheSecondsOfEachMethod) {
   EXPECT_NEAR(trained.series[1].points.at(0).y.value, 25.0, 0.05);
 }
 
+TEST(SeedlingsPage, AMethodHasItsColourWhereOthersAreMissing) {
+  std::vector<ScoreRow> rows = some_rows();
+  for (ScoreRow& row : rows) {
+    if (row.metric == "held_out.psnr") row.method = kOurs;
+  }
+  const std::vector<LinePlot> plots = seedlings_plots(rows);
+  const LinePlot& alone = plot_named(plots, "D1: PSNR of held-out views over training time");
+  ASSERT_EQ(alone.series.size(), 1u);
+  EXPECT_EQ(alone.series[0].color, 1u);
+}
+
 TEST(SeedlingsPage, PsnrIsDrawnOverTheNumberOfViews) {
   std::vector<ScoreRow> rows;
   for (const int views : {120, 30, 60}) {

@@ -318,19 +318,25 @@ TEST_F(ColmapRunTest, WrongInputIsRefused) {
   EXPECT_EQ(run_colmap({}, {.lens = ColmapLens::self}).status, ColmapStatus::too_few_images);
 }
 
-TEST_F(ColmapRunTest, ACaptureGoesThroughTheProgramToMetricPoses) {
-  StandInColmap program(scratch_.path() / "p");
-  const PlantViews views = plant_views({.lost = {4}}, 3);
-  program.add_model(0, views);
+/// A capture of the views' frames, whose photographs are black: a stand-in program looks at none.
+Capture capture_of(const PlantViews& views) {
   Capture capture;
   for (const int id : views.frames) {
     Frame frame{.id = id};
     frame.sensors.push_back({.reported = views.lens, .color = Image<Rgb8>(1280, 720)});
     capture.frames.push_back(std::move(frame));
   }
+  return capture;
+}
+
+TEST_F(ColmapRunTest, ACaptureGoesThroughTheProgramToMetricPoses) {
+  StandInColmap program(scratch_.path() / "p");
+  const PlantViews views = plant_views({.lost = {4}}, 3);
+  program.add_model(0, views);
   SfmConfig sfm;
   sfm.colmap = config(program);
-  const SfmEstimate estimate = estimate_poses_sfm(capture, views.corners, views.board, sfm);
+  const SfmEstimate estimate =
+      estimate_poses_sfm(capture_of(views), views.corners, views.board, sfm);
   if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
   EXPECT_EQ(estimate.status, SfmStatus::ok) << estimate.reason;
   EXPECT_THAT(estimate.by_board, ElementsAre(14));
@@ -349,16 +355,11 @@ TEST_F(ColmapRunTest, WhyASecondTryFailedIsInTheEstimatesReason) {
                         "  touch \"$here/mapped\"; fi");
   const PlantViews views = plant_views({.lost = {4}}, 3);
   program.add_model(0, views);
-  Capture capture;
-  for (const int id : views.frames) {
-    Frame frame{.id = id};
-    frame.sensors.push_back({.reported = views.lens, .color = Image<Rgb8>(1280, 720)});
-    capture.frames.push_back(std::move(frame));
-  }
   SfmConfig sfm;
   sfm.colmap = config(program);
   sfm.place_by_board = false;
-  const SfmEstimate estimate = estimate_poses_sfm(capture, views.corners, views.board, sfm);
+  const SfmEstimate estimate =
+      estimate_poses_sfm(capture_of(views), views.corners, views.board, sfm);
   if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
   EXPECT_THAT(estimate.lost, ElementsAre(14));
   EXPECT_THAT(estimate.reason, HasSubstr("no space left"));
@@ -398,16 +399,11 @@ TEST_F(ColmapRunTest, ALostFrameSaysWhatWasFoundOfIt) {
                      "," + colmap_pair(16, 19, 0) + "," + colmap_pair(17, 19, 80) +
                      "; INSERT INTO two_view_geometries VALUES " + colmap_pair(16, 17, 0) + "," +
                      colmap_pair(17, 19, 70));
-  Capture capture;
-  for (const int id : views.frames) {
-    Frame frame{.id = id};
-    frame.sensors.push_back({.reported = views.lens, .color = Image<Rgb8>(1280, 720)});
-    capture.frames.push_back(std::move(frame));
-  }
   SfmConfig sfm;
   sfm.colmap = config(program);
   sfm.place_by_board = false;
-  const SfmEstimate estimate = estimate_poses_sfm(capture, views.corners, views.board, sfm);
+  const SfmEstimate estimate =
+      estimate_poses_sfm(capture_of(views), views.corners, views.board, sfm);
   if (estimate.status == SfmStatus::not_built) GTEST_SKIP() << estimate.reason;
   EXPECT_THAT(estimate.lost, ElementsAre(14));
   ASSERT_EQ(estimate.images.size(), 6U);
