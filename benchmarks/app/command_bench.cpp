@@ -74,7 +74,7 @@ ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& 
   add_plots(report);
   ScoreHeader& header = report.scores.header;
   header.program_version = COUSIN_VERSION;
-  header.machine = machine_text();
+  if (header.machine.empty()) header.machine = machine_text();
   header.more["command"] = report.command_line = context.command_line;
   header.more["title"] = report.title;
   header.more["summary"] = report.summary;
@@ -96,12 +96,25 @@ SeedsReport titled(const char* title, const char* summary, ScoreFile scores) {
   return report;
 }
 
-/// Runs a suite's jobs that `out` holds no result of; says which were there and which failed.
+/// Jobs whose results say which machine they were run on: kept ones may be of several.
+std::vector<ShardJob> with_machine(std::vector<ShardJob> jobs) {
+  for (ShardJob& job : jobs) {
+    job.run = [run = std::move(job.run), name = job.name] {
+      ScoreFile file = scores_from_json(run(), name);
+      file.header.machine = machine_text();
+      return to_json(file);
+    };
+  }
+  return jobs;
+}
+
+/// Runs a suite's jobs that `out` holds no result of; says which were there and which failed. Their
+/// results are scores.json.
 std::vector<ShardResult> run_jobs(const JobContext& context, const fs::path& out,
                                   const std::vector<ShardJob>& jobs) {
   const auto results = run_shards(
-      out / "shards", jobs_named(jobs, context.options.only), parse_shard(context.options.shard),
-      [&](const std::string& name, int done, int total) {
+      out / "shards", with_machine(jobs_named(jobs, context.options.only)),
+      parse_shard(context.options.shard), [&](const std::string& name, int done, int total) {
         context.progress.line("job " + std::to_string(done + 1) + " of " + std::to_string(total) +
                               ": " + name);
       });
@@ -411,6 +424,10 @@ void print_rows(const ScoreFile& file) {
 ExitCode command_bench(const JobContext& context) {
   const Options& o = context.options;
   std::vector<std::string> names = o.arguments;
+  if (names.empty() && (!o.only.empty() || !o.shard.empty())) {
+    throw std::invalid_argument(std::string(o.only.empty() ? "--shard" : "--only") +
+                                " is of the suites that run in jobs: name the suite");
+  }
   if (names.empty()) {
     for (const Suite& suite : kSuites) names.emplace_back(suite.name);
   }

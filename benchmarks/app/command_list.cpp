@@ -153,7 +153,11 @@ ExitCode command_methods(const JobContext& context) {
        {"seeds/splats_paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
         "the paper's chain: Gaussians trained as their reference does, their centres, the paper's "
         "steps (perceive --set splats.poses=sfm, run --set pipeline.splats.poses=sfm: poses by "
-        "COLMAP)"}},
+        "COLMAP)"},
+       {"views/splats", "built in",
+        "perceive --pipeline views, of photographs of anything: poses of the capture or by COLMAP, "
+        "Gaussians, their depth, cloud and closed mesh, PSNR of views trained on and held out"},
+       {"views/splats_paper", "built in", "the same by the reference's schedule"}},
       context.options.json);
   return ExitCode::done;
 }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/perceive_places.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/run_config.h"
@@ -17,18 +18,6 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-/// Scenes of a dataset, or the folder itself if it is one scene.
-std::vector<fs::path> scenes_of(const fs::path& dataset) {
-  if (!fs::is_directory(dataset)) throw std::runtime_error(dataset.string() + ": no such folder");
-  std::vector<fs::path> scenes = scene_folders(dataset);
-  if (scenes.empty() && fs::exists(dataset / "rig.json")) scenes.push_back(dataset);
-  if (scenes.empty()) {
-    throw std::runtime_error(dataset.string() +
-                             ": holds no scene (000000/rig.json); see `cousin import`");
-  }
-  return scenes;
-}
-
 std::string pipeline_of(const Options& options, const Capture& capture, const fs::path& dataset) {
   std::string name = options.pipeline;
   if (name.empty()) {
@@ -36,14 +25,15 @@ std::string pipeline_of(const Options& options, const Capture& capture, const fs
     name = manifest ? manifest->pipeline : capture.pipeline;
   }
   if (name.empty())
-    throw std::invalid_argument("a real capture names no pipeline: give --pipeline seeds");
+    throw std::invalid_argument("a real capture names no pipeline: give --pipeline seeds or views");
   for (const SceneEntry& scene : scene_table()) {
     if (scene.name != name || scene.has_pipeline) continue;
     throw std::invalid_argument(dataset.string() + " is of scene \"" + name +
-                                "\", which has no pipeline yet");
+                                "\", which has no pipeline of its own; --pipeline views trains "
+                                "Gaussians on any photographs");
   }
   if (name != "seeds")
-    throw std::invalid_argument("--pipeline \"" + name + "\" is not one of: seeds");
+    throw std::invalid_argument("--pipeline \"" + name + "\" is not one of: seeds, views");
   return name;
 }
 
@@ -75,15 +65,6 @@ void print_traits(const std::string& scene, const Traits& traits) {
     }
     std::printf("\n");
   }
-}
-
-/// An estimate in the dataset's own folder would be taken for part of it.
-void refuse_dataset_as_out(const fs::path& dataset, const fs::path& out) {
-  const fs::path inner = fs::weakly_canonical(out), outer = fs::weakly_canonical(dataset);
-  const auto parted = std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end());
-  if (parted.first != outer.end()) return;
-  throw std::invalid_argument("--out " + out.string() + ": lies in the dataset " +
-                              dataset.string() + "; name a folder beside it");
 }
 
 /// Where all of the views are, and nothing was found from Gaussians.
@@ -155,6 +136,7 @@ int count_posed(const Poses& poses, const Corners& corners, ProgressPrinter& pro
 
 ExitCode command_perceive(const JobContext& context) {
   const Options& o = context.options;
+  if (o.pipeline == "views") return command_perceive_views(context);
   SeedsPipelineConfig config;
   if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
   if (!o.method.empty()) set_field(fields(config), "method=" + o.method);
@@ -170,22 +152,19 @@ ExitCode command_perceive(const JobContext& context) {
   std::vector<StageSource> sources;
   for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
 
-  fs::path dataset = o.arguments.at(0);
-  if (!dataset.has_filename()) dataset = dataset.parent_path();  // "data/"
-  const fs::path out = o.out.empty() ? fs::path(dataset.string() + "_estimate") : fs::path(o.out);
-  refuse_dataset_as_out(dataset, out);
+  const PerceivePlaces places = perceive_places(o);
+  const fs::path& dataset = places.dataset;
+  const fs::path& out = places.out;
   const Warn warn = [&](const std::string& text) { context.progress.line("warning: " + text); };
   std::vector<std::string> nothing_found;
   nlohmann::json rows = nlohmann::json::array();
-  for (const fs::path& scene_dir : scenes_of(dataset)) {
+  for (const fs::path& scene_dir : places.scenes) {
     const Capture capture = read_capture(scene_dir);
     pipeline_of(o, capture, dataset);
     board_of(capture, config);  // throws here, before any work, if there is none
     for (const std::string& warning : capture.warnings) warn(warning);
     const std::string name = scene_dir.filename().string();
-    const bool is_scene_id =
-        name.size() == 6 && name.find_first_not_of("0123456789") == std::string::npos;
-    const int index = is_scene_id ? std::stoi(name) : 0;
+    const int index = scene_index_of(scene_dir);
     const fs::path estimate_dir = out / scene_id(index);
     write_file(estimate_dir / "config.toml", to_toml(fields(config)));
     const SeedsEstimate estimate = perceive_seeds(capture, config, o.seed, sources, index,

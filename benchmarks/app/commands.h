@@ -22,6 +22,7 @@ ExitCode command_methods(const JobContext& context);
 ExitCode command_doctor(const JobContext& context);
 ExitCode command_render(const JobContext& context);
 ExitCode command_perceive(const JobContext& context);
+ExitCode command_perceive_views(const JobContext& context);  ///< perceive --pipeline views
 ExitCode command_score(const JobContext& context);
 ExitCode command_run(const JobContext& context);
 ExitCode command_calibrate(const JobContext& context);

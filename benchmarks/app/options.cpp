@@ -24,9 +24,10 @@ void add_config(CLI::App& verb, Options& o) {
 }
 
 void add_stages(CLI::App& verb, Options& o) {
-  verb.add_option("--method", o.method,
-                  "ours (default), paper, splats, splats_paper, sensor_depth, depth_only; see "
-                  "`cousin methods`");
+  verb.add_option(
+      "--method", o.method,
+      "of seeds ours (default), paper, splats, splats_paper, sensor_depth, depth_only; see "
+      "`cousin methods`");
   verb.add_option("--stage", o.stages,
                   "NAME=dir:PATH or NAME=exec:PROGRAM in place of a stage; repeatable")
       ->type_size(1)
@@ -233,7 +234,9 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   CLI::App* perceive =
       verb("perceive", "Run a pipeline on a simulated or real dataset; reads no truth");
   takes(perceive, "DATASET", "Dataset folder", 1, 1);
-  perceive->add_option("--pipeline", o.pipeline, "Pipeline; needed for a real capture");
+  perceive->add_option("--pipeline", o.pipeline,
+                       "seeds, or views: Gaussians of photographs of anything (docs/splats.md); "
+                       "needed for a real capture");
   add_stages(*perceive, o);
   add_config(*perceive, o);
   add_set(*perceive, o);

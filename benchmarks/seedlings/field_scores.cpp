@@ -53,7 +53,8 @@ struct ViewSums {
             mean(flip),
             mean(seedlings_db),
             mean(exposed_db),
-            mean(learned)};
+            mean(learned),
+            static_cast<std::int64_t>(seedlings_db.size())};
   }
 };
 
@@ -75,8 +76,8 @@ FieldViews field_views(std::vector<const SampleView*> train,
   FieldViews views{std::move(train), std::move(held_out), {}, {}};
   std::vector<DepthSight> eyes;
   for (const SampleView* view : views.train) {
-    eyes.push_back(
-        {view->photograph.full.camera, view->photograph.camera_from_world, &view->depth_m});
+    eyes.push_back({view->photograph.full.camera, view->photograph.camera_from_world,
+                    &view->depth_m, &view->shown});
   }
   for (const SampleView* view : views.held_out)
     views.seen.push_back(views_that_see(view->position_m, eyes));
@@ -88,19 +89,21 @@ FieldScores score_field(const FieldRenderer& render, const FieldViews& views) {
   ViewSums train, held_out;
   for (const std::size_t i : scored_views(views.train.size()))
     train.add(image_of(render, *views.train[i]), *views.train[i], views.learned.get());
-  PooledPsnr covered, uncovered;
+  PooledPsnr all, covered, uncovered;
   for (std::size_t v = 0; v < views.held_out.size(); ++v) {
     const SampleView& view = *views.held_out[v];
     const FidelityPlanes image = image_of(render, view);
     held_out.add(image, view, views.learned.get());
     for (std::size_t i = 0; i < view.shown.size(); ++i) {
       if (view.shown.data()[i] == 0) continue;
+      all.add(image, view.photograph.full.color.channel, i);
       const bool is_covered = views.seen[v].data()[i] >= kEnoughViews;
       (is_covered ? covered : uncovered).add(image, view.photograph.full.color.channel, i);
     }
   }
   scores.train = train.scores();
   scores.held_out = held_out.scores();
+  scores.pooled_db = all.value_db();
   scores.covered_db = covered.value_db();
   scores.uncovered_db = uncovered.value_db();
   return scores;

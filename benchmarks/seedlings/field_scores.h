@@ -20,9 +20,10 @@ using FieldRenderer = std::function<FidelityPlanes(const SplatView&)>;
 struct ViewScores {
   std::int64_t views = 0;
   double psnr_db = kNaN, ssim = kNaN, flip = kNaN;  ///< over what the photograph shows
-  double psnr_seedlings_db = kNaN;                  ///< over the plants alone
+  double psnr_seedlings_db = kNaN;                  ///< over the plants alone, of views with any
   double psnr_exposed_db = kNaN;  ///< after the factor on light that fits each photograph best
   double learned = kNaN;          ///< by a network of the user's, if there is one
+  std::int64_t views_of_seedlings = 0;
 };
 
 /// A model after some of its training.
@@ -31,9 +32,10 @@ struct FieldScores {
   double wall_s = 0, cpu_s = 0;  ///< of training
   std::int64_t gaussians = 0;    ///< 0: it has none
   ViewScores train, held_out;
-  /// PSNR over all pixels of the held-out views whose surface is seen by enough of the views that
-  /// were trained on, and over the others.
-  double covered_db = kNaN, uncovered_db = kNaN;
+  /// PSNR over all pixels of the held-out views together, over those whose surface is seen by
+  /// enough of the views that were trained on, and over the others. The first lies between the
+  /// others; the mean of the views' PSNR lies above it where views differ.
+  double pooled_db = kNaN, covered_db = kNaN, uncovered_db = kNaN;
 };
 
 /// Views that number and cover.

@@ -119,13 +119,16 @@ SampleView sample_view(const Photographer& photographer, const TrueView& view) {
   return result;
 }
 
-/// Noise of the first views that are not held out.
+/// Noise of so many of the views that are not held out, evenly spread.
 void measure_noise(const Photographer& photographer, int views, SampleCapture& capture) {
-  for (const SampleView& first : capture.views) {
-    const int frame = first.photograph.frame;
-    if (capture.noise_views == views) break;
-    if (is_held_out(frame)) continue;
-    const TrueView view = photographer.view(frame);
+  std::vector<const SampleView*> trained;
+  for (const SampleView& view : capture.views) {
+    if (!is_held_out(view.photograph.frame)) trained.push_back(&view);
+  }
+  const std::size_t count = std::min(trained.size(), static_cast<std::size_t>(std::max(0, views)));
+  for (std::size_t i = 0; i < count; ++i) {
+    const SampleView& first = *trained[i * trained.size() / count];
+    const TrueView view = photographer.view(first.photograph.frame);
     const SplatView again = pinhole_photograph(photographer.take(view, "again"), view);
     capture.noise_psnr_db +=
         psnr_db(again.full.color.channel, first.photograph.full.color.channel, first.shown);

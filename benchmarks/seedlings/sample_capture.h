@@ -30,7 +30,7 @@ PlantRunConfig sample_config(const SeedlingsSample& sample);
 
 /// `phone` with a picture of another size: a pixel is the mean of (width / new width)^2 of the
 /// preset's, so its well is that much deeper and its noise smaller in proportion. The field of view
-/// keeps its width.
+/// keeps its width, and the blur its share of a pixel, as a lens of the smaller picture's class.
 PhoneConfig with_picture(PhoneConfig phone, int width_px, int height_px);
 
 /// A photograph and what is true of it, all as a pinhole camera sees them.
@@ -57,8 +57,8 @@ struct SampleCapture {
   double wall_s = 0;  ///< of all
 };
 
-/// Photographs of a sample. @param noise_views  of the first ones that are not held out; 0 = the
-/// noise is not measured
+/// Photographs of a sample. @param noise_views  of those that are not held out, evenly spread; 0 =
+/// the noise is not measured
 SampleCapture photograph_sample(const SeedlingsSample& sample, SamplePlan plan, int noise_views,
                                 std::uint64_t seed);
 

@@ -4,6 +4,7 @@
 
 #include "benchmarks/seedlings/sample_pictures.h"
 #include "benchmarks/seedlings/seedlings_rows.h"
+#include "perception/ngp/ngp.h"
 #include "perception/splats/splat_train_config.h"
 
 namespace cousin {
@@ -14,7 +15,7 @@ constexpr double kFirstDay = 2, kLastDay = 10;  // of the paper's seedlings
 /// where photographs ask for them. D1, tray 0, 2000 steps, held out, each view at its best
 /// exposure: 27.5 dB with 5,000 and 27.2 with 20,000 (15,195 are found).
 constexpr int kOurStartPoints = 5000;
-/// Of the last of ours, which has minutes: one for 15 of the pixels it is trained on. With 30,000,
+/// Of those of ours that have minutes: one for 15 of the pixels it is trained on. With 30,000,
 /// trained views gain 3 dB from five times the steps and stay below the reference's, which has ten
 /// times as many. D2, tray 2, trained / held out: 36.2 / 25.9 dB with 120,000, 37.9 / 25.6 with
 /// these in 1.7 times the seconds.
@@ -52,7 +53,7 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
           4,
           {500, 1000, 2000, 5000, 7000},
           {500, 1000, 2000, 5000, 7000},
-          {usual, usual, usual, usual, kOurMostSplats},
+          {usual, usual, usual, kOurMostSplats, kOurMostSplats},
           {500, 2000},
           {{.method = kReference, .at = {10000, 30000}},
            {.method = kOurs,
@@ -69,7 +70,7 @@ void add_more_views(SeedlingsJob job, const Extent& extent, std::vector<Seedling
   for (const int views : extent.more) {
     job.sample.views = views;
     job.set = {std::to_string(views) + " views", views, false};
-    job.plan = {kOurs, {kMoreViewsSteps}, kOurStartPoints};
+    job.plan = {kOurs, {kMoreViewsSteps / 2, kMoreViewsSteps}, kOurStartPoints};
     job.noise_views = 0;
     job.shown = false;
     jobs.push_back(job);
@@ -182,6 +183,16 @@ std::string key_of(const SeedlingsJob& job) {
   if (job.set.one_side) key += "/" + std::to_string(kOneSideShare);
   for (const int step : job.plan.at) key += "/" + std::to_string(step);
   for (const int most : job.plan.most_splats) key += "/most" + std::to_string(most);
+  key += "/scores 2";  // another word where what rows mean changes
+  if (job.plan.method == kReference) {
+    const SplatTrainConfig config = reference_training();
+    key += "/low_pass" + std::to_string(config.low_pass_px2) + "/rates" +
+           std::to_string(config.rates.centre_first) + "," + std::to_string(config.rates.log_scale);
+  }
+  if (job.plan.method == kNgp) {
+    NgpConfig config;
+    key += "/" + to_toml(fields(config));
+  }
   if (job.plan.method == kOurs) {
     key += "/swept and thin air, one exposure";
     key += "/low_pass" + std::to_string(SplatTrainConfig().low_pass_px2);

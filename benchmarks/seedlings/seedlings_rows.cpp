@@ -45,8 +45,8 @@ void add_view_scores(const ScoreRow& row, const std::string& set, const ViewScor
   rows.push_back(with_number(row, set + ".flip", scores.flip, "1", scores.views));
   if (!std::isnan(scores.learned))
     rows.push_back(with_number(row, set + ".lpips", scores.learned, "1", scores.views));
-  rows.push_back(
-      with_number(row, set + ".psnr_seedlings", scores.psnr_seedlings_db, "dB", scores.views));
+  rows.push_back(with_number(row, set + ".psnr_seedlings", scores.psnr_seedlings_db, "dB",
+                             scores.views_of_seedlings));
 }
 
 void add_field_scores(ScoreRow row, const FieldScores& scores, std::vector<ScoreRow>& rows) {
@@ -56,6 +56,7 @@ void add_field_scores(ScoreRow row, const FieldScores& scores, std::vector<Score
   add_view_scores(row, "train", scores.train, rows);
   add_view_scores(row, "held_out", scores.held_out, rows);
   const std::int64_t n = scores.held_out.views;
+  rows.push_back(with_number(row, "held_out.psnr_pooled", scores.pooled_db, "dB", n));
   rows.push_back(with_number(row, "held_out.psnr_covered", scores.covered_db, "dB", n));
   rows.push_back(with_number(row, "held_out.psnr_uncovered", scores.uncovered_db, "dB", n));
   if (scores.gaussians > 0) {
@@ -114,17 +115,13 @@ struct SecondsKind {
 constexpr SecondsKind kSecondsKinds[] = {{"seconds", &ScoreRow::wall_s},
                                          {"cpu_seconds", &ScoreRow::cpu_s}};
 
-/// Value at `seconds` of rows that rise in theirs.
-double at_seconds(const std::vector<const ScoreRow*>& sweep, double ScoreRow::*column,
-                  double seconds) {
+/// The last of rows that rise in their seconds that was there by then; null if none was. Each is a
+/// training of its own, so there is nothing between two of them.
+const ScoreRow* finished_by(const std::vector<const ScoreRow*>& sweep, double ScoreRow::*column,
+                            double seconds) {
   const auto after = std::find_if(sweep.begin(), sweep.end(),
-                                  [&](const ScoreRow* row) { return row->*column >= seconds; });
-  if (after == sweep.end()) return sweep.back()->value;
-  if (after == sweep.begin()) return sweep.front()->value;
-  const ScoreRow& low = **(after - 1);
-  const ScoreRow& high = **after;
-  const double share = std::log(seconds / low.*column) / std::log(high.*column / low.*column);
-  return low.value + share * (high.value - low.value);
+                                  [&](const ScoreRow* row) { return row->*column > seconds; });
+  return after == sweep.begin() ? nullptr : *(after - 1);
 }
 
 /// Snapshots of the same photographs and metric, by their seconds.
@@ -230,9 +227,10 @@ std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int ste
       std::sort(sweeps.ours.begin(), sweeps.ours.end(), by_seconds);
       const ScoreRow& last =
           **std::max_element(sweeps.reference.begin(), sweeps.reference.end(), by_seconds);
-      const double ours = at_seconds(sweeps.ours, kind.column, last.*kind.column);
+      const ScoreRow* ours = finished_by(sweeps.ours, kind.column, last.*kind.column);
+      if (ours == nullptr) continue;
       ScoreRow row = with_number(last, last.metric + "_gain_at_equal_" + kind.name,
-                                 ours - last.value, "dB", last.n);
+                                 ours->value - last.value, "dB", last.n);
       row.method = kOurs;
       gains.push_back(row);
     }

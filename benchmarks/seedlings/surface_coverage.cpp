@@ -37,9 +37,20 @@ bool sees(const DepthSight& view, const Lens& lens, const Eigen::Vector3d& point
   if (!(pixel->x() > -0.5 && pixel->x() < view.camera.width_px - 0.5 && pixel->y() > -0.5 &&
         pixel->y() < view.camera.height_px - 0.5))
     return false;
-  const double surface_m = farthest_m(*view.depth_m, static_cast<int>(std::lround(pixel->x())),
-                                      static_cast<int>(std::lround(pixel->y())));
+  const int x = static_cast<int>(std::lround(pixel->x()));
+  const int y = static_cast<int>(std::lround(pixel->y()));
+  if (view.shown && (*view.shown)(x, y) == 0) return false;
+  const double surface_m = farthest_m(*view.depth_m, x, y);
   return !(in_camera_m.z() > surface_m + kBehind_m);
+}
+
+template <class Pixel>
+void check_size(const char* what, const Image<Pixel>& image, const Camera& camera) {
+  if (image.width() == camera.width_px && image.height() == camera.height_px) return;
+  throw std::invalid_argument(
+      "coverage: a " + std::string(what) + " of " + std::to_string(image.width()) + " x " +
+      std::to_string(image.height()) + " for a camera of " + std::to_string(camera.width_px) +
+      " x " + std::to_string(camera.height_px));
 }
 
 }  // namespace
@@ -48,13 +59,8 @@ Image<std::uint16_t> views_that_see(const Image<Eigen::Vector3f>& position_m,
                                     std::span<const DepthSight> views) {
   std::vector<Lens> lenses;
   for (const DepthSight& view : views) {
-    if (view.depth_m->width() != view.camera.width_px ||
-        view.depth_m->height() != view.camera.height_px) {
-      throw std::invalid_argument(
-          "coverage: a depth image of " + std::to_string(view.depth_m->width()) + " x " +
-          std::to_string(view.depth_m->height()) + " for a camera of " +
-          std::to_string(view.camera.width_px) + " x " + std::to_string(view.camera.height_px));
-    }
+    check_size("depth image", *view.depth_m, view.camera);
+    if (view.shown) check_size("mask", *view.shown, view.camera);
     lenses.emplace_back(view.camera);
   }
   Image<std::uint16_t> seen(position_m.width(), position_m.height());

@@ -15,15 +15,16 @@ namespace cousin {
 struct DepthSight {
   Camera camera;
   Pose camera_from_world;
-  const Image<float>* depth_m = nullptr;  ///< true, along the axis; NaN = no surface
+  const Image<float>* depth_m = nullptr;       ///< true, along the axis; NaN = no surface
+  const Image<std::uint8_t>* shown = nullptr;  ///< 0: it shows nothing there; null = all is shown
 };
 
-/// In how many of `views` each pixel's surface point is seen: it lies in the image, and at one
+/// In how many of `views` each pixel's surface point is seen: it lies in what is shown, and at one
 /// pixel at least of the nine about it no surface is more than 2 mm before it. Depth is known at
 /// pixel centres, so that points beside an edge are seen; so are those behind a stem of two pixels.
 /// A pixel without a point has zero. TBB over rows; the same on any number of threads. @param
 /// position_m  in the world; NaN = none
-/// @throws std::invalid_argument if a depth image has another size than its camera.
+/// @throws std::invalid_argument if a depth image or `shown` has another size than its camera.
 Image<std::uint16_t> views_that_see(const Image<Eigen::Vector3f>& position_m,
                                     std::span<const DepthSight> views);
 

@@ -30,15 +30,11 @@ void add_seconds_before(const StageTiming& before, std::vector<StageTiming>& tim
   }
 }
 
-SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
-                             std::uint64_t seed, const std::vector<StageSource>& sources,
-                             int scene_index, const std::filesystem::path& estimate_dir,
-                             const Progress& progress, const Warn& warn) {
-  const bool has_training =
-      config.method == SeedsMethod::splats || config.method == SeedsMethod::splats_paper;
-  if (warn && !has_training && config.splats.poses == SplatPoses::sfm) {
-    warn("splats.poses=sfm is not used: it is of the methods splats and splats_paper");
-  }
+SeedsEstimate perceive_with(
+    const std::function<SeedsStages(const SplatWatch&)>& stages_of_run,
+    const std::function<SeedsEstimate(const SeedsStages&, const StageObserver&)>& run,
+    const std::vector<StageSource>& sources, int scene_index,
+    const std::filesystem::path& estimate_dir, const Progress& progress) {
   const StepProgress steps = [&](int done, int all) {
     if (progress) progress("perceive: splats, step", done, all);
   };
@@ -49,7 +45,7 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
   if (!estimate_dir.empty()) {
     watch.checkpoint = {unfinished, 500, true};
   }
-  const SeedsStages stages = stages_of(config, seed, sources, scene_index, watch, warn);
+  const SeedsStages stages = stages_of_run(watch);
   const auto& names = seeds_stage_names();
   const auto observe = [&](const std::string& stage, bool finished, const SeedsEstimate& so_far) {
     const auto place = std::find(names.begin(), names.end(), stage) - names.begin();
@@ -71,10 +67,29 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
     }
     std::filesystem::remove(estimate_dir / "timings.json");
   }
-  SeedsEstimate estimate = run_seeds(capture, config, stages, observe);
+  SeedsEstimate estimate = run(stages, observe);
   add_seconds_before(before, estimate.timings);
   if (!estimate_dir.empty()) write_timings(estimate_dir, estimate.timings);
   return estimate;
+}
+
+SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
+                             std::uint64_t seed, const std::vector<StageSource>& sources,
+                             int scene_index, const std::filesystem::path& estimate_dir,
+                             const Progress& progress, const Warn& warn) {
+  const bool has_training =
+      config.method == SeedsMethod::splats || config.method == SeedsMethod::splats_paper;
+  if (warn && !has_training && config.splats.poses == SplatPoses::sfm) {
+    warn("splats.poses=sfm is not used: it is of the methods splats and splats_paper");
+  }
+  return perceive_with(
+      [&](const SplatWatch& watch) {
+        return stages_of(config, seed, sources, scene_index, watch, warn);
+      },
+      [&](const SeedsStages& stages, const StageObserver& observe) {
+        return run_seeds(capture, config, stages, observe);
+      },
+      sources, scene_index, estimate_dir, progress);
 }
 
 }  // namespace cousin

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "benchmarks/seeds/simulate.h"
@@ -19,6 +20,15 @@ SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
 StageTiming seconds_before(const SplatTraining& training);
 /// Adds them to the stage that trains.
 void add_seconds_before(const StageTiming& before, std::vector<StageTiming>& timings);
+
+/// Runs stages and writes every seam into `estimate_dir` as soon as its stage is finished, as
+/// perceive_seeds does. @param stages_of_run  told who watches a training @param sources  stages
+/// among them that are read from files
+SeedsEstimate perceive_with(
+    const std::function<SeedsStages(const SplatWatch&)>& stages_of_run,
+    const std::function<SeedsEstimate(const SeedsStages&, const StageObserver&)>& run,
+    const std::vector<StageSource>& sources, int scene_index,
+    const std::filesystem::path& estimate_dir, const Progress& progress);
 
 /// Runs the seeds pipeline on one capture with the given stages in place of ours, and writes every
 /// seam into `estimate_dir` as soon as its stage is finished (nothing if the path is empty): what

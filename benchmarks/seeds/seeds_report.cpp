@@ -71,8 +71,6 @@ ReportShape shape_of(const SplatModel& model, const std::string& name) {
   constexpr float kDc = 0.28209479F;  // of the first spherical harmonic
   ReportShape shape;
   shape.name = name;
-  shape.caption = "The trained model: " + std::to_string(model.splats.size()) +
-                  " Gaussians, in the colours that they have from all sides alike.";
   const Eigen::Vector3f origin_m = model.origin_in_world_m.cast<float>();
   const Eigen::AlignedBox3f box = shown_box(model.splats);
   for (const Splat& splat : model.splats) {
@@ -88,6 +86,12 @@ ReportShape shape_of(const SplatModel& model, const std::string& name) {
                             Eigen::Quaternionf(q[0], q[1], q[2], q[3]).normalized(),
                             1 / (1 + std::exp(-splat.opacity_logit))});
   }
+  const std::size_t drawn = shape.splats.size();
+  shape.caption =
+      "The trained model: " + std::to_string(drawn) + " of its " +
+      std::to_string(model.splats.size()) +
+      " Gaussians, without those far off from the middle 98 %, in the colours that they "
+      "have from all sides alike.";
   return shape;
 }
 

@@ -305,9 +305,9 @@ std::string text_of(const TrainedJob& job, SeedsRunConfig config) {
 void drop_repeated(std::vector<SuiteJob>& jobs) {
   std::set<std::string> seen;
   std::erase_if(jobs, [&](const SuiteJob& job) {
-    return !seen.insert(resolved_toml(job.config) + std::to_string(job.run) +
-                        text_of(job.trained, job.config))
-                .second;
+    std::string text = resolved_toml(job.config) + std::to_string(job.run);
+    for (const int views : job.view_counts) text += "/" + std::to_string(views);
+    return !seen.insert(text + text_of(job.trained, job.config)).second;
   });
 }
 

@@ -41,8 +41,10 @@ std::vector<LinePlot> trained_plots(const std::vector<ScoreRow>& rows) {
       LinePlot& plot = of_captures[capture];
       plot.section = "PSNR over time";
       plot.title = capture + ": PSNR over training time, " + kind.views;
-      plot.caption = {"Whole photographs, green screen black, at a third of their size.",
-                      "Seconds of Gaussians include those that find where they begin."};
+      plot.caption = {
+          "Whole photographs, green screen black, at a third of their size.",
+          "Seconds of Gaussians include those that find where they begin.",
+          "Points on the way are means of ten or twenty photographs, ends of Gaussians of all."};
       plot.x_label = "wall time of training (s)";
       plot.y_label = "PSNR (dB)";
       plot.log_x = true;

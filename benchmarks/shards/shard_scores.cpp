@@ -1,5 +1,7 @@
 #include "benchmarks/shards/shard_scores.h"
 
+#include <set>
+#include <string>
 #include <utility>
 
 namespace cousin {
@@ -7,9 +9,12 @@ namespace cousin {
 ScoreFile scores_of_shards(const std::vector<ShardResult>& results, const std::string& suite,
                            std::uint64_t seed) {
   ScoreFile all;
+  std::set<std::string> machines;
   for (const ShardResult& result : results) {
     if (!result.text.empty()) {
-      append(scores_from_json(result.text, result.name), all);
+      const ScoreFile part = scores_from_json(result.text, result.name);
+      if (!part.header.machine.empty()) machines.insert(part.header.machine);
+      append(part, all);
     } else if (!result.error.empty()) {
       ScoreRow row;
       row.suite = suite;
@@ -20,6 +25,8 @@ ScoreFile scores_of_shards(const std::vector<ShardResult>& results, const std::s
       all.scores.push_back(std::move(row));
     }
   }
+  for (const std::string& machine : machines)
+    all.header.machine += (all.header.machine.empty() ? "" : " and ") + machine;
   return all;
 }
 

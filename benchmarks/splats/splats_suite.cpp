@@ -3,6 +3,7 @@
 #include "benchmarks/splats/field_rows.h"
 #include "benchmarks/splats/kernel_rows.h"
 #include "benchmarks/splats/training_rows.h"
+#include "perception/sfm/colmap_run.h"
 #include "perception/splats/splat_train_config.h"
 #include "sim/dataset/manifest.h"
 
@@ -34,7 +35,8 @@ std::vector<ShardJob> splats_jobs(const SplatsSuiteConfig& config) {
             return splat_training_rows(c.photographs, c.seed, c.quick);
           }),
       job("fields",
-          text_of(config.photographs) + text_of(config.fox.parent_path()) + text_of(config.chair),
+          text_of(config.photographs) + text_of(config.fox.parent_path()) + text_of(config.chair) +
+              "/colmap " + colmap_version(),  // which places the chair's photographs
           [](const SplatsSuiteConfig& c) {
             return field_rows(c.photographs, c.fox, c.chair, c.seed, c.quick);
           })};

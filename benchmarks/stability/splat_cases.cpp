@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <string>
 
@@ -17,8 +18,8 @@ const int kWidth = cube_camera().width_px, kHeight = cube_camera().height_px;
 constexpr std::array<float, 3> kBackground = {0.2F, 0.5F, 0.1F};
 constexpr float kNear_m = 0.05F;
 
-/// Every combination of what breaks a covariance, a projection or an opacity.
-std::vector<Splat> extreme_splats() {
+/// Every combination of what breaks a covariance, a projection or an opacity, along the ray (u, v).
+std::vector<Splat> extreme_splats(float u, float v) {
   const Eigen::Vector4f turns[] = {
       {0, 0, 0, 0}, {1e-30F, 0, 0, 0}, {1, 2, -3, 0.5F}, {1e20F, 1e20F, 0, 0}};
   std::vector<Splat> splats;
@@ -28,7 +29,7 @@ std::vector<Splat> extreme_splats() {
         for (const auto& turn : turns) {
           for (const float depth_m : {-1.0F, 0.0F, 1e-30F, kNear_m, 1.0F, 1e6F}) {
             Splat s;
-            s.centre_m = {0.01F * depth_m, -0.02F * depth_m, depth_m};
+            s.centre_m = {u * depth_m, v * depth_m, depth_m};
             s.log_scale = {std::log(a), std::log(b), std::log(a)};
             s.rotation_wxyz = turn;
             s.opacity_logit = logit;
@@ -62,17 +63,20 @@ ColorPlanes gradient_planes() {
 
 struct Drawn {
   ColorPlanes color;
+  Image<float> depth_m, mean_depth_m;
   SplatPlanes gradients;
 };
 
-Drawn draw(const std::vector<Splat>& splats, const Pose& pose) {
+Drawn draw(const std::vector<Splat>& splats, const Pose& pose, double low_pass_px2 = 0.3) {
   const SplatKernels& kernels = best_splat_kernels();
   const SplatPlanes planes = to_planes(splats);
+  SplatCamera camera = splat_camera(cube_camera(), pose, {0, 0, 0}, kNear_m);
+  camera.low_pass_px2 = static_cast<float>(low_pass_px2);
   SplatFrame frame;
-  draw_splats(kernels, planes, 3, splat_camera(cube_camera(), pose, {0, 0, 0}, kNear_m),
-              kBackground, SplatDepths::none, frame);
+  draw_splats(kernels, planes, 3, camera, kBackground, SplatDepths::with, frame);
   blend_gradients(kernels, gradient_planes(), kBackground, frame);
-  return {frame.color, parameter_gradients(kernels, planes, frame)};
+  return {frame.color, frame.depth_m, frame.mean_depth_m,
+          parameter_gradients(kernels, planes, frame)};
 }
 
 double not_finite(const Drawn& drawn) {
@@ -86,6 +90,40 @@ double not_finite(const Drawn& drawn) {
     }
   }
   return count;
+}
+
+/// Depths that no surface before the camera has; NaN says that there is none.
+double impossible_depths(const Drawn& drawn) {
+  double count = 0;
+  for (const Image<float>* depth_m : {&drawn.depth_m, &drawn.mean_depth_m}) {
+    for (const float z : *depth_m) count += std::isinf(z) || z <= 0 ? 1 : 0;
+  }
+  return count;
+}
+
+/// Extremes on the axis, at the image's edge and beyond it, each alone and all together.
+void extreme_rows(std::vector<StabilityRow>& rows) {
+  struct Ray {
+    const char* name;
+    float u, v;
+  };
+  constexpr Ray kRays[] = {{"near the axis", 0.01F, -0.02F},
+                           {"at the image's edge", 0.42F, -0.29F},
+                           {"beyond 1.3 of the field of view", 2.5F, 1.5F}};
+  for (const Ray& ray : kRays) {
+    const std::vector<Splat> extreme = extreme_splats(ray.u, ray.v);
+    Drawn drawn = draw(extreme, Pose{});
+    double count = not_finite(drawn), impossible = impossible_depths(drawn);
+    for (const Splat& alone : extreme) {
+      drawn = draw({alone}, Pose{});
+      count += not_finite(drawn);
+      impossible += impossible_depths(drawn);
+    }
+    const std::string name =
+        "scales 1e-9..1e3, no turns, opacity 0..1, depths -1..1e6 m, " + std::string(ray.name);
+    rows.push_back(make_row(name, "values not finite", "", 0, count));
+    rows.push_back(make_row(name, "depths of 0 or less, or infinite", "", 0, impossible));
+  }
 }
 
 /// Share of the pixels that differ by more than 1e-4: those where rounding turns a decision at an
@@ -136,9 +174,10 @@ void invariance_rows(std::vector<StabilityRow>& rows) {
 
 /// Share of the kernels' gradients farther from the double reference than 1e-3 of the value and of
 /// the parameter's root mean square.
-double gradients_off(const SplatModel& model, const Pose& pose) {
-  const Drawn drawn = draw(model.splats, pose);
+double gradients_off(const SplatModel& model, const Pose& pose, double low_pass_px2 = 0.3) {
+  const Drawn drawn = draw(model.splats, pose, low_pass_px2);
   ReferenceView view;
+  view.low_pass_px2 = low_pass_px2;
   view.camera = cube_camera();
   view.camera_from_origin = pose;
   view.near_m = kNear_m;
@@ -167,15 +206,15 @@ double gradients_off(const SplatModel& model, const Pose& pose) {
 
 std::vector<StabilityRow> splat_cases() {
   std::vector<StabilityRow> rows;
-  const std::vector<Splat> extreme = extreme_splats();
-  double count = not_finite(draw(extreme, Pose{}));
-  for (const Splat& alone : extreme) count += not_finite(draw({alone}, Pose{}));
-  rows.push_back(make_row("scales 1e-9..1e3, no turns, opacity 0..1, depths -1..1e6 m",
-                          "values not finite", "", 0, count));
+  extreme_rows(rows);
   invariance_rows(rows);
-  rows.push_back(make_row("float kernels beside the double reference",
-                          "share of gradients off by 1e-3", "", 0.01,
-                          gradients_off(cube_of_splats(), view_of_cube())));
+  for (const double low_pass_px2 : {0.3, 0.1, 0.03}) {
+    char name[96];
+    std::snprintf(name, sizeof name, "float kernels beside the double reference, low pass %g px2",
+                  low_pass_px2);
+    rows.push_back(make_row(name, "share of gradients off by 1e-3", "", 0.01,
+                            gradients_off(cube_of_splats(), view_of_cube(), low_pass_px2)));
+  }
   const SplatModel flat = cube_at_one_depth();
   rows.push_back(make_row("400 Gaussians at one depth", "values not finite", "", 0,
                           not_finite(draw(flat.splats, Pose{}))));

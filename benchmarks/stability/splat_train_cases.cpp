@@ -224,7 +224,7 @@ void start_cases(std::vector<StabilityRow>& rows) {
               rows, mixed);
   SplatModel at_camera = grey_start();
   for (std::size_t i = 0; i < at_camera.splats.size(); i += 2) {
-    const Pose world_from_camera = inverse(ring_pose(static_cast<int>(i)));
+    const Pose world_from_camera = inverse(ring_pose(static_cast<int>(i / 2)));
     at_camera.splats[i].centre_m = world_from_camera.translation_m.cast<float>();
   }
   add_learned("half of the start at the cameras' centres", ring, 15, rows, at_camera);

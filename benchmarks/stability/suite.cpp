@@ -8,6 +8,7 @@
 #include "benchmarks/stability/bundle_cases.h"
 #include "benchmarks/stability/calibration_cases.h"
 #include "benchmarks/stability/contact_cases.h"
+#include "benchmarks/stability/depth_cases.h"
 #include "benchmarks/stability/geometry_cases.h"
 #include "benchmarks/stability/lens_cases.h"
 #include "benchmarks/stability/mesh_ray_cases.h"
@@ -54,6 +55,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       {"bundles", [&] { return bundle_cases(quick); }},
       {"calibration", calibration_cases},
       {"structure from motion", sfm_cases},
+      {"depths and fusion", depth_cases},
       {"rays", [&] { return ray_cases(rays, Rng(1)); }},
       {"rays at bad meshes", mesh_ray_cases},
       {"light at its limits", [&] { return path_cases(quick); }},

@@ -34,6 +34,9 @@ Fields fields(BoardClusterConfig& c) {
        "times that points join, each cluster_distance_m farther from an object's top; splats: 8 if "
        "less",
        1, 1000},
+      {"join_saturation", &c.join_saturation,
+       "share of an object's own saturation that points need to join it; splats: 0.5 if less", 0,
+       1},
       {"cluster_min_points", &c.cluster_min_points, "smaller clusters are noise", 1, 1e9}};
 }
 

@@ -42,6 +42,9 @@ struct BoardClusterConfig {
   /// Times that points join, each `cluster_distance_m` farther from the core. Plane sweeps smear
   /// between objects that nearly touch, so 1; of clouds without smears sides may join to the board.
   int join_rounds = 1;
+  /// Points join an object if their saturation is at least this share of the median of its core's:
+  /// board at a pale grain's foot is paler than the grain. 0: any may.
+  double join_saturation = 0;
   double min_share =
       0.08;  ///< of the largest object's upward points: smaller ones are patches, not objects
   int cluster_min_points = 60;

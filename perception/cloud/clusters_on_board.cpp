@@ -104,10 +104,27 @@ std::vector<int> core_groups(const BoardClusterConfig& config, const Cloud& clou
   return instance;
 }
 
+/// Of each group the median of its points' saturations.
+std::vector<double> median_saturations(const Cloud& cloud, const std::vector<int>& instance) {
+  std::vector<std::vector<double>> all(static_cast<std::size_t>(group_count(instance)));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (instance[i] >= 0)
+      all[static_cast<std::size_t>(instance[i])].push_back(saturation(cloud[i].color));
+  }
+  std::vector<double> medians;
+  for (std::vector<double>& values : all) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    medians.push_back(values.empty() ? 0 : *middle);
+  }
+  return medians;
+}
+
 /// Points of an object's own kind of colour join the core they are nearest to: coloured ones down
-/// to `low_height_m`, grey ones down to `min_height_m`.
+/// to `low_height_m`, grey ones down to `min_height_m`. @param of_core  median saturation of each
 void join_cores(const BoardClusterConfig& config, const Cloud& cloud,
-                const std::vector<bool>& saturated, std::vector<int>& instance) {
+                const std::vector<bool>& saturated, const std::vector<double>& of_core,
+                std::vector<int>& instance) {
   std::vector<Eigen::Vector3f> core_m;
   std::vector<std::size_t> source;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -124,7 +141,9 @@ void join_cores(const BoardClusterConfig& config, const Cloud& cloud,
     float nearest = std::numeric_limits<float>::infinity();
     grid.for_neighbours(p, [&](std::size_t other) {
       const float distance = (core_m[other] - p).squaredNorm();
-      if (distance < nearest && saturated[source[other]] == saturated[i]) {
+      const auto own = static_cast<std::size_t>(core[source[other]]);
+      if (distance < nearest && saturated[source[other]] == saturated[i] &&
+          saturation(cloud[i].color) >= config.join_saturation * of_core[own]) {
         nearest = distance;
         instance[i] = core[source[other]];
       }
@@ -161,9 +180,10 @@ Clusters cluster_on_board(const Cloud& cloud, const BoardClusterConfig& config) 
     saturated[i] = saturation(clusters.cloud[i].color) >= config.min_saturation;
   }
   clusters.instance = core_groups(config, clusters.cloud, saturated);
+  const std::vector<double> of_core = median_saturations(clusters.cloud, clusters.instance);
   for (int round = 0; round < config.join_rounds; ++round) {
     const std::vector<int> before = clusters.instance;
-    join_cores(config, clusters.cloud, saturated, clusters.instance);
+    join_cores(config, clusters.cloud, saturated, of_core, clusters.instance);
     if (clusters.instance == before) break;
   }
   clusters.count = renumber(config.cluster_min_points, clusters.instance);

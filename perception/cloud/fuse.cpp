@@ -22,6 +22,10 @@ constexpr float kLeastSigmaM =
 constexpr float kLeastFacing =
     0.2F;  ///< cosine between normal and ray below which a depth says little
 
+/// From the world's origin, in voxels: nearer than that floats of a position tell a quarter of a
+/// voxel apart, and a voxel's number fits in 32 bits.
+constexpr double kFarthestVoxels = 1 << 21;
+
 /// A view's depths as points of the world, cropped to where there are any.
 struct DepthView {
   int frame = 0;
@@ -77,7 +81,9 @@ Eigen::Vector3f window_normal(const DepthView& view, int x, int y, float reach_m
   return n.dot(view.centre_m - centre) < 0 ? Eigen::Vector3f(-n) : n;
 }
 
-std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth, int frame) {
+/// @param farthest_m  of a point along each axis of the world
+std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth, int frame,
+                                 double farthest_m) {
   const std::optional<Box> box = box_of_depths(depth.depth_m);
   if (!box) return std::nullopt;
   DepthView view;
@@ -99,7 +105,9 @@ std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth,
       if (!std::isfinite(z) || z <= 0) continue;
       const auto ray = view.lens->unproject(Eigen::Vector2d(view.x0 + x, view.y0 + y));
       if (!ray || ray->z() <= 0) continue;
-      view.point_m(x, y) = (world_from_camera * (*ray * (z / ray->z())).eval()).cast<float>();
+      const Eigen::Vector3d in_world_m = world_from_camera * (*ray * (z / ray->z())).eval();
+      if (!(in_world_m.cwiseAbs().maxCoeff() <= farthest_m)) continue;
+      view.point_m(x, y) = in_world_m.cast<float>();
       const float sigma = depth.sigma_m.empty() ? 0 : depth.sigma_m(view.x0 + x, view.y0 + y);
       if (sigma > 0) view.sigma_m(x, y) = sigma / static_cast<float>(ray->z());  // is of z
     }
@@ -252,6 +260,19 @@ void check_sizes(const Capture& capture, const Poses& poses, const Depths& depth
   }
 }
 
+void check_near(const Poses& poses, double farthest_m) {
+  for (const FramePose& pose : poses) {
+    if (pose.status != PoseStatus::ok) continue;
+    const double far_m = centre_in_world_m(pose.camera_from_world).cwiseAbs().maxCoeff();
+    if (far_m <= farthest_m) continue;
+    throw std::invalid_argument(
+        "fusion: the camera of frame " + std::to_string(pose.frame) + " is " +
+        std::to_string(far_m) + " m from the world's origin along an axis; clouds hold positions " +
+        "as float, which with this voxel_m say enough to " + std::to_string(farthest_m) +
+        " m: move the origin, or take larger voxels");
+  }
+}
+
 }  // namespace
 
 Fields fields(FuseConfig& c) {
@@ -271,10 +292,12 @@ Cloud fuse_depths(const Capture& capture, const Poses& poses, const Depths& dept
   validate(green);
   validate(config);
   check_sizes(capture, poses, depths);
+  const double farthest_m = kFarthestVoxels * config.voxel_m;
+  check_near(poses, farthest_m);
   std::vector<std::optional<DepthView>> prepared(depths.size());
   tbb::parallel_for(std::size_t{0}, depths.size(), [&](std::size_t i) {
     if (poses[i].status == PoseStatus::ok && !depths[i].depth_m.empty()) {
-      prepared[i] = prepare(poses[i], depths[i], static_cast<int>(i));
+      prepared[i] = prepare(poses[i], depths[i], static_cast<int>(i), farthest_m);
     }
   });
   std::vector<DepthView> views;

@@ -22,7 +22,9 @@ void validate(const FuseConfig& config);
 /// views that see the surface there and agree; then points are averaged in voxels. Order: by voxel,
 /// so the same on any number of threads. Frames whose depth image is empty, or whose pose is
 /// missing, add nothing. Depths without sigma count alike. Frames without colour give grey points.
-/// @throws std::invalid_argument if sizes of capture, poses, depths or their images differ.
+/// Points more than 2^21 voxels (315 m by default) from the world's origin along an axis are left
+/// out: floats do not tell them apart. @throws std::invalid_argument if a camera is so far, or if
+/// sizes of capture, poses, depths or their images differ.
 Cloud fuse_depths(const Capture& capture, const Poses& poses, const Depths& depths,
                   const GreenConfig& green, const FuseConfig& config = {});
 

@@ -317,11 +317,9 @@ void require_images(const Capture& capture, const SeedsPipelineConfig& config) {
           "with --set knows_pose=true)");
 }
 
-SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,
-                        const SeedsStages& stages, const StageObserver& observer) {
-  validate(config);
+SeedsEstimate run_stages(const Capture& capture, const SeedsStages& stages,
+                         const StageObserver& observer) {
   if (capture.frames.empty()) throw std::invalid_argument("the capture has no frames");
-  require_images(capture, config);
   SeedsEstimate estimate;
   run_stage("corners", stages.corners, capture, estimate, &SeedsEstimate::corners, observer);
   require_frames("corners", capture, estimate.corners);
@@ -336,6 +334,13 @@ SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& confi
   run_stage("surfaces", stages.surfaces, capture, estimate, &SeedsEstimate::surfaces, observer);
   run_stage("traits", stages.traits, capture, estimate, &SeedsEstimate::traits, observer);
   return estimate;
+}
+
+SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,
+                        const SeedsStages& stages, const StageObserver& observer) {
+  validate(config);
+  if (!capture.frames.empty()) require_images(capture, config);
+  return run_stages(capture, stages, observer);
 }
 
 }  // namespace cousin

@@ -130,6 +130,11 @@ std::string_view to_string(SeedsMethod method);
 using StageObserver =
     std::function<void(const std::string& stage, bool finished, const SeedsEstimate&)>;
 
+/// Runs the stages that there are, in order. @throws StageError; std::invalid_argument without
+/// frames
+SeedsEstimate run_stages(const Capture& capture, const SeedsStages& stages,
+                         const StageObserver& observer = {});
+/// The same, having checked that the capture has what the configuration reads.
 SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,
                         const SeedsStages& stages, const StageObserver& observer = {});
 

@@ -79,8 +79,11 @@ BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Capture
   BoardClusterConfig clusters = config.clusters;
   // Depth of Gaussians has no smears between objects: their sides are theirs down to the board.
   constexpr int kJoinRounds = 8;
-  if (config.method == SeedsMethod::splats)
+  constexpr double kJoinSaturation = 0.5;
+  if (config.method == SeedsMethod::splats) {
     clusters.join_rounds = std::max(clusters.join_rounds, kJoinRounds);
+    clusters.join_saturation = std::max(clusters.join_saturation, kJoinSaturation);
+  }
   if (!reads_sensor_depth(config)) return clusters;
   const BoardNoise noise = noise_of(config, capture, so_far);
   if (!std::isfinite(noise.sigma_m)) return clusters;

@@ -105,6 +105,10 @@ constexpr std::uint32_t kEntryBatch = 32;
 /// Entries ahead of which what they name is fetched from memory.
 constexpr std::uint32_t kAhead = 8;
 
+/// Below that share of its centre's inverse depth a disc is taken to end: no ray sees it at more
+/// than four times the centre's depth.
+constexpr float kLeastNearness = 0.25F;
+
 /// Alpha of one Gaussian in one block, 0 below 1/255. `log2` receives the logarithm of what alpha
 /// is before it is limited.
 template <class L>
@@ -163,8 +167,9 @@ inline void blend_tile_as(const BlendTask& task, int tile) {
         multiply_add(weight, blue, L::load(color[2] + 8 * block)).store(color[2] + 8 * block);
         if constexpr (kDepth) {
           const float* slope = task.depth_slope + 2 * std::size_t{task.tile_splat[entry]};
-          const L depth =
-              multiply_add(L(slope[0]), dx, multiply_add(L(slope[1]), dy, L(s.depth_m)));
+          const L nearer =  // a plane's inverse depth is linear in the image
+              multiply_subtract(L(slope[0]), dx, multiply_subtract(L(slope[1]), dy, L(1)));
+          const L depth = L(s.depth_m) / larger(nearer, L(kLeastNearness));
           multiply_add(weight, depth, L::load(mean + 8 * block)).store(mean + 8 * block);
           const auto falls = takes & at_least(before, L(0.5)) & less(after, L(0.5));
           where(falls, depth, L::load(median + 8 * block)).store(median + 8 * block);

@@ -63,7 +63,7 @@ Footprint footprint(const SplatParameters& parameters, Eigen::Index i, const Ref
   f.scale = p.segment<3>(3).transpose().array().exp();
   const Eigen::Matrix3d rotation = view.camera_from_origin.rotation.toRotationMatrix();
   const Matrix23 m = f.jacobian * rotation * f.turn * f.scale.asDiagonal();
-  f.covariance = m * m.transpose() + 0.3 * Eigen::Matrix2d::Identity();
+  f.covariance = m * m.transpose() + view.low_pass_px2 * Eigen::Matrix2d::Identity();
   f.conic = f.covariance.inverse();
   f.opacity = 1 / (1 + std::exp(-p[10]));
 

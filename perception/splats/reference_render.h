@@ -16,6 +16,7 @@ struct ReferenceView {
   double near_m = 1e-9;
   std::array<double, 3> background{};
   int sh_degree = 3;
+  double low_pass_px2 = 0.3;  ///< as in SplatModel
 };
 
 /// Red, green, blue of each pixel (row y * width + x), and the transmittance left there.

@@ -20,8 +20,8 @@ void fit(Image<float>& image, const SplatCamera& camera) {
 
 /// A ray is deepest in a Gaussian of precision A, in the camera's frame, where the density along it
 /// is largest: at r'Ac / r'Ar of the ray r with r.z = 1, c the centre. At the centre's own ray that
-/// changes by -c.z (e'Ar) / (r'Ar) along the unit vector e of the image [the idea of a depth for
-/// each ray: Zhang et al., RaDe-GS, 2024].
+/// changes by the share -(e'Ar) / (r'Ar) along the unit vector e of the image [the idea of a depth
+/// for each ray: Zhang et al., RaDe-GS, 2024].
 void set_depth_slope(const SplatPlanes& planes, const SplatCamera& camera, int i, float* slope) {
   slope[0] = slope[1] = 0;
   const auto value = [&](int plane) { return static_cast<double>(planes.at(plane, i)); };
@@ -45,17 +45,13 @@ void set_depth_slope(const SplatPlanes& planes, const SplatCamera& camera, int i
   const Eigen::Vector3d along = precision.cwiseProduct(axes.transpose() * ray);
   const Eigen::Vector3d a_ray = axes * along;
   const double denominator = ray.dot(a_ray);
-  const double right = -c.z() * a_ray.x() / denominator / static_cast<double>(camera.fx);
-  const double down = -c.z() * a_ray.y() / denominator / static_cast<double>(camera.fy);
+  const double right = -a_ray.x() / denominator, down = -a_ray.y() / denominator;
   // A disc seen edge-on, or a needle along the ray, says nothing of where a surface is on its
   // length: its centre is the better guess.
   constexpr double kSteepest = 5.67;  ///< tan 80 degrees
-  const double steepness =
-      std::hypot(right * static_cast<double>(camera.fx), down * static_cast<double>(camera.fy)) /
-      c.z();
-  if (!(steepness <= kSteepest)) return;
-  slope[0] = static_cast<float>(right);
-  slope[1] = static_cast<float>(down);
+  if (!(std::hypot(right, down) <= kSteepest)) return;
+  slope[0] = static_cast<float>(right / static_cast<double>(camera.fx));
+  slope[1] = static_cast<float>(down / static_cast<double>(camera.fy));
 }
 
 /// Resizes what is written anew in each frame: the old block goes before a larger one comes, so

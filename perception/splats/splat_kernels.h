@@ -61,7 +61,8 @@ struct BlendTask {
   float* transmittance = nullptr;  ///< likewise
   float* depth_m = nullptr;        ///< may be null, together with mean_depth_m
   float* mean_depth_m = nullptr;   ///< likewise
-  /// With depth_m: two of each Gaussian, change of its depth a pixel to the right and down.
+  /// With depth_m: two of each Gaussian, change of its depth a pixel to the right and down, as a
+  /// share of the depth.
   const float* depth_slope = nullptr;
   std::uint32_t* tile_done = nullptr;  ///< entries of the list that were looked at
   std::uint32_t* touched = nullptr;    ///< of those entries: blocks that the ellipse may meet

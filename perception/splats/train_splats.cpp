@@ -130,7 +130,7 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   double loss_sum = saved.loss_sum;
   int loss_count = saved.loss_count;
   int blind = saved.blind;
-  StageTiming kept;  // what snapshots and checkpoints take
+  StageTiming kept;  // what is not training: snapshots, checkpoints, who saw what
   const auto keeping = [&kept](const auto& keep) {
     const StageClock clock("kept");
     keep();
@@ -195,10 +195,10 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     }
   }
   training.seconds = trainer.seconds();
+  training.model = learned(trainer, config);
+  keeping([&] { training.model.views_seen = trainer.views_seen(); });
   training.seconds.kept = kept.wall_s;
   training.seconds.kept_cpu = kept.cpu_s;
-  training.model = learned(trainer, config);
-  training.model.views_seen = trainer.views_seen();
   return training;
 }
 

@@ -35,8 +35,9 @@ struct SplatTrainPoint {
 /// Seconds of wall time in each stage.
 struct SplatTrainSeconds {
   double draw = 0, loss = 0, gradients = 0, update = 0, grow = 0, total = 0;
-  double total_cpu = 0;           ///< of all threads of the process
-  double kept = 0, kept_cpu = 0;  ///< of snapshots and checkpoints, in none of the others
+  double total_cpu = 0;  ///< of all threads of the process
+  double kept = 0,
+         kept_cpu = 0;  ///< of snapshots, checkpoints and `views_seen`, in none of the others
 };
 
 struct SplatTraining {

@@ -6,8 +6,8 @@
 
 namespace cousin {
 
-/// Measures one stage: wall time, CPU time of all threads of the process, and the peak memory of
-/// the process so far.
+/// Measures one stage: wall time, CPU time of all threads of the process and of the programs that
+/// it ran to their end meanwhile, and the peak memory of the process so far.
 class StageClock {
  public:
   explicit StageClock(std::string stage);

@@ -116,6 +116,41 @@ TEST(BoardClusters, SidesJoinAsFarAsRoundsReach) {
   EXPECT_NEAR(lowest_m(8), 0.0002, 1e-6);
 }
 
+TEST(BoardClusters, APaleGrainsFootDoesNotTakeTheBoard) {
+  // A pale top, its side in the same colour, and grey board that floats a millimetre up around it.
+  constexpr Rgb8 kPale{200, 190, 164}, kGrey{170, 170, 168};  // saturations .18 and .01
+  Cloud cloud = board();
+  const auto add = [&](float x, float y, float z, const Eigen::Vector3f& normal, Rgb8 color) {
+    cloud.push_back({{x, y, z}, normal, color, 0});
+  };
+  for (int i = -15; i <= 15; ++i) {
+    for (int j = -15; j <= 15; ++j)
+      add(2e-4F * static_cast<float>(i), 2e-4F * static_cast<float>(j), 0.002F, {0, 0, 1}, kPale);
+    for (int k = 3; k < 10; ++k)
+      add(3e-3F, 2e-4F * static_cast<float>(i), 2e-4F * static_cast<float>(k), {1, 0, 0}, kPale);
+    for (int k = 1; k < 8; ++k)
+      add(3e-3F + 2e-4F * static_cast<float>(k), 2e-4F * static_cast<float>(i), 0.001F, {0, 0, 1},
+          kGrey);
+  }
+  const auto farthest_m = [&](double share) {
+    BoardClusterConfig config;
+    config.join_rounds = 8;
+    config.join_saturation = share;
+    const Clusters clusters = cluster_on_board(cloud, config);
+    EXPECT_EQ(clusters.count, 1);
+    float farthest = 0, lowest = 1;
+    for (std::size_t i = 0; i < clusters.cloud.size(); ++i) {
+      if (clusters.instance[i] != 0) continue;
+      farthest = std::max(farthest, clusters.cloud[i].position_m.x());
+      lowest = std::min(lowest, clusters.cloud[i].position_m.z());
+    }
+    EXPECT_NEAR(lowest, 0.0006, 1e-6) << share;  // the side is there either way
+    return farthest;
+  };
+  EXPECT_NEAR(farthest_m(0), 0.0044, 1e-5);
+  EXPECT_NEAR(farthest_m(0.5), 0.003, 1e-6);
+}
+
 TEST(BoardClusters, NoSeedsNoClusters) {
   const Clusters clusters = cluster_on_board(board(), {});
   EXPECT_EQ(clusters.count, 0);

@@ -140,6 +140,25 @@ TEST(Fuse, SameBytesOnAnyNumberOfThreads) {
   }
 }
 
+TEST(Fuse, FarFromTheOriginIsRefusedAndFarPointsAreLeftOut) {
+  NoisyViews noisy = noisy_views();
+  const std::size_t points =
+      fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}).size();
+  noisy.depths[0].depth_m(80, 60) = 1e30F;  // 315 m by default is the farthest
+  EXPECT_NEAR(static_cast<double>(
+                  fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}).size()),
+              static_cast<double>(points), 10);
+  const Eigen::Vector3d offset_m(0, 400, 0);
+  for (FramePose& pose : noisy.views.poses)
+    pose.camera_from_world.translation_m -= pose.camera_from_world.rotation * offset_m;
+  try {
+    (void)fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {});
+    FAIL() << "400 m";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("frame 0 is 400"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Fuse, EmptyAndMismatchedInput) {
   EXPECT_TRUE(fuse_depths({}, {}, {}, {}).empty());
   NoisyViews noisy = noisy_views();

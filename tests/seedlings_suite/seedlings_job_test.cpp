@@ -42,7 +42,8 @@ TEST(SeedlingsJobs, ThreeLightsThreeMethodsThreeSamples) {
   // More photographs of the first tray under each light, for ours alone.
   const auto more = std::count_if(jobs.begin(), jobs.end(), [](const SeedlingsJob& job) {
     return job.sample.views > 30 && job.set.views == job.sample.views && job.sample.number == 0 &&
-           job.plan.method == kOurs && job.plan.at == std::vector{kMoreViewsSteps};
+           job.plan.method == kOurs &&
+           job.plan.at == std::vector{kMoreViewsSteps / 2, kMoreViewsSteps};
   });
   EXPECT_EQ(more, 2 * 3);
   EXPECT_EQ(longest[kReference], (std::set<int>{7000, 30000}));

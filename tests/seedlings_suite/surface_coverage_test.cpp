@@ -66,6 +66,23 @@ TEST(SurfaceCoverage, NothingBehindAPixelWithoutSurfaceIsHidden) {
   EXPECT_EQ(views_that_see(points({{-0.5F / 60, 0, 0}, {-4.5F / 60, 0, 0}}), half)(1, 0), 0);
 }
 
+TEST(SurfaceCoverage, WhatThePhotographDoesNotShowIsNotSeen) {
+  const Image<float> open = plane_m();
+  Image<std::uint8_t> shown(64, 48, 255);
+  shown(32, 24) = 0;
+  const std::vector<DepthSight> views = {{camera_64(), above(0), &open, &shown}};
+  const auto at = [&](double x_px) {
+    const Camera camera = camera_64();
+    return Eigen::Vector3f(static_cast<float>((x_px - camera.cx_px) / camera.fx_px),
+                           static_cast<float>((camera.cy_px - 24) / camera.fy_px), 0);
+  };
+  const Image<std::uint16_t> seen = views_that_see(points({at(32), at(34)}), views);
+  EXPECT_EQ(seen(0, 0), 0);
+  EXPECT_EQ(seen(1, 0), 1);
+  shown = Image<std::uint8_t>(10, 10, 255);
+  EXPECT_THROW(views_that_see(points({at(32)}), views), std::invalid_argument);
+}
+
 // Depth is known at pixel centres: a point beside an edge is seen where a neighbour is as deep.
 TEST(SurfaceCoverage, APointBesideAnEdgeIsSeen) {
   Image<float> edge = plane_m();

@@ -22,5 +22,19 @@ TEST(ShardScores, AFailedJobIsAnErrorRowAndTheOthersStay) {
   EXPECT_EQ(pooled.scores[1].seed, 5U);
 }
 
+TEST(ShardScores, MachinesOfKeptJobsAreNamedOnce) {
+  ShardResult jobs[3];
+  for (int i = 0; i < 3; ++i) {
+    ScoreFile file;
+    file.header.machine = i == 1 ? "B, 4 cores" : "A, 2 cores";
+    jobs[i] = {std::to_string(i) + ".json", to_json(file), {}, {}, false};
+  }
+  const ShardResult unknown{"old.json", to_json(ScoreFile{}), {}, {}, false};
+  EXPECT_EQ(scores_of_shards({jobs[0], unknown, jobs[2]}, "splats", 1).header.machine,
+            "A, 2 cores");
+  EXPECT_EQ(scores_of_shards({jobs[0], jobs[1], jobs[2]}, "splats", 1).header.machine,
+            "A, 2 cores and B, 4 cores");
+}
+
 }  // namespace
 }  // namespace cousin

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "tests/splats/random_splats.h"
@@ -144,6 +145,35 @@ TEST(SplatRender, FlatGaussiansOfASlantedPlaneHaveThePlanesDepth) {
       EXPECT_NEAR(image.mean_depth_m(x, y), plane_m, 0.01 * plane_m) << x << " " << y;
     }
   }
+}
+
+TEST(SplatRender, OneLargeDiscHasItsPlanesDepthToFourTimesItsOwn) {
+  // 79 degrees aslant: linear in the image its depth would be below 0 from x = -20 px on.
+  const double slant = 79 * std::numbers::pi / 180, slope = std::tan(slant);
+  SplatModel model;
+  model.sh_degree = 0;
+  Splat s;
+  s.centre_m = {0, 0, 1};
+  s.log_scale = {std::log(10.0F), std::log(10.0F), std::log(1e-4F)};
+  s.rotation_wxyz = {static_cast<float>(std::cos(-slant / 2)), 0,
+                     static_cast<float>(std::sin(-slant / 2)), 0};
+  s.opacity_logit = 6;
+  model.splats.push_back(s);
+  Camera camera = pinhole(64, 16, 100);
+  camera.cx_px = 31.5;
+  camera.cy_px = 7.5;
+  const SplatImage image = render_splats(model, camera, Pose{});
+  int compared = 0;
+  for (int x = 0; x < 64; ++x) {
+    if (!std::isfinite(image.depth_m(x, 8))) continue;
+    EXPECT_GT(image.depth_m(x, 8), 0) << x;
+    EXPECT_LT(image.depth_m(x, 8), 4.001) << x;
+    const double nearness = 1 - slope * (x - camera.cx_px) / camera.fx_px;
+    if (nearness < 0.26) continue;
+    EXPECT_NEAR(image.depth_m(x, 8), 1 / nearness, 0.002 / nearness) << x;
+    ++compared;
+  }
+  EXPECT_GT(compared, 40);
 }
 
 /// Discs of 0.12 mm on a ball of 1.5 mm about the origin, as many as cover each place five times.

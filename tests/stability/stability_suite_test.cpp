@@ -13,13 +13,21 @@ namespace {
 TEST(StabilitySuite, EveryCaseHoldsItsLimit) {
   const ScoreFile file = stability_suite(true);
   std::map<ScoreStatus, int> count;
+  std::map<std::string, int> passed;  // by module
   for (const ScoreRow& row : file.scores) {
     ++count[row.status];
+    passed[row.scene] += row.status == ScoreStatus::pass ? 1 : 0;
     EXPECT_NE(row.status, ScoreStatus::fail)
         << row.case_name << ", " << row.metric << " " << row.value << " " << row.unit;
     EXPECT_NE(row.status, ScoreStatus::error) << row.case_name << ": " << row.metric;
   }
-  EXPECT_GT(count[ScoreStatus::pass], 40);
+  // Those that are always built in.
+  const std::map<std::string, int> least = {{"geometry", 20},           {"lenses and light", 10},
+                                            {"depths and fusion", 25},  {"rays", 50},
+                                            {"rays at bad meshes", 50}, {"light at its limits", 20},
+                                            {"watertight seeds", 6},    {"splats", 14},
+                                            {"training of splats", 35}};
+  for (const auto& [module, cases] : least) EXPECT_GE(passed[module], cases) << module;
 }
 
 TEST(StabilitySuite, RaysEscapeFromASeedThatLacksATriangle) {

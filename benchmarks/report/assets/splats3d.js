@@ -1,7 +1,8 @@
 "use strict";
-// Gaussians that can be turned, blended as the trainer blends them: nearest first, by the same rule on any machine.
+// Gaussians that can be turned, blended nearest first, by the same rule on any machine. For looking: the canvas has
+// its own grid, so the low pass of the model's photographs means nothing on it, and rays stop earlier than in training.
 // Colours are those of all directions alike (the first coefficient of the spherical harmonics).
-const kBlur_px2 = 0.3;           // added to each Gaussian's variances on the screen, as 3DGS does
+const kBlur_px2 = 0.3;           // added to each Gaussian's variances on the canvas, as 3DGS does in photographs
 const kLeastAlpha = 1 / 255;     // below it nothing is blended
 const kFullTransmittance = 0.004;  // what is behind so little light does not show
 
@@ -104,6 +105,7 @@ function showSplats(element, shape) {
   };
   const view = turnedBy(canvas, repaint);
   repaint();
+  mustBeSeenOn(canvas, shape);
   element.dataset.viewOk = "canvas";
   return {repaint};
 }

@@ -41,6 +41,18 @@ function turnedBy(canvas, repaint) {
   return view;
 }
 
+// Throws where a shape of something left every pixel as it was. @param pixels  red, green, blue, alpha
+function mustBeSeen(shape, pixels) {
+  if (shape.count === 0 || pixels.length === 0) return;
+  for (let i = 3; i < pixels.length; i += 4) if (pixels[i] > 0) return;
+  throw new Error("the view of " + shape.count + " places is empty");
+}
+
+function mustBeSeenOn(canvas, shape) {
+  const {width, height} = canvas;
+  if (width > 0 && height > 0) mustBeSeen(shape, canvas.getContext("2d").getImageData(0, 0, width, height).data);
+}
+
 function showWithThree(element, shape) {
   const renderer = new THREE.WebGLRenderer({antialias: true, alpha: true, preserveDrawingBuffer: true});
   renderer.setPixelRatio(window.devicePixelRatio || 1);
@@ -78,7 +90,11 @@ function showWithThree(element, shape) {
   controls.addEventListener("change", repaint);
   window.addEventListener("resize", repaint);
   repaint();
-  if (renderer.getContext().isContextLost()) throw new Error("the WebGL context is lost");
+  const gl = renderer.getContext();
+  if (gl.isContextLost()) throw new Error("the WebGL context is lost");
+  const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+  gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  mustBeSeen(shape, pixels);
   element.dataset.viewOk = "webgl";
   return {repaint};
 }
@@ -135,6 +151,7 @@ function showOnCanvas(element, shape) {
   };
   const view = turnedBy(canvas, repaint);
   repaint();
+  mustBeSeenOn(canvas, shape);
   element.dataset.viewOk = "canvas";
   return {repaint};
 }

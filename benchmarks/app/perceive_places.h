@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "benchmarks/app/options.h"
+
+namespace cousin {
+
+/// What `cousin perceive` reads and where it writes.
+struct PerceivePlaces {
+  std::filesystem::path dataset, out;
+  std::vector<std::filesystem::path> scenes;
+};
+/// @throws std::invalid_argument if estimates would lie in the dataset; std::runtime_error if that
+/// holds no scene
+PerceivePlaces perceive_places(const Options& options);
+
+/// 3 of a folder "000003"; 0 of any other.
+int scene_index_of(const std::filesystem::path& scene);
+
+}  // namespace cousin

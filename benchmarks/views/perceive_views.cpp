@@ -1,0 +1,174 @@
+#include "benchmarks/views/perceive_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "benchmarks/metrics/image_fidelity.h"
+#include "benchmarks/metrics/order_statistics.h"
+#include "perception/splats/splat_geometry.h"
+#include "perception/splats/splat_render.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/geometry/measure.h"
+#include "sim/imaging/image_io.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kEnoughViews = 3;
+constexpr std::size_t kPictures = 4;
+
+FidelityPlanes image_of(const SplatModel& model, const SplatView& view) {
+  return render_splats(model, view.full.camera, view.camera_from_world).color.channel;
+}
+
+struct Looks {
+  std::vector<double> psnr_db, ssim, flip;
+  void add(const FidelityPlanes& image, const SplatView& view) {
+    const FidelityPlanes& photograph = view.full.color.channel;
+    const Image<std::uint8_t> counted = counted_pixels(view.full.weight);
+    const ImageFidelity scores =
+        score_fidelity(where_counted(image, photograph, counted), photograph, counted);
+    psnr_db.push_back(scores.psnr_db);
+    ssim.push_back(scores.ssim);
+    flip.push_back(scores.flip);
+  }
+};
+
+void add_row(const std::string& metric, double value, const char* unit, std::int64_t n,
+             ScoreRow row, std::vector<ScoreRow>& rows) {
+  row.metric = metric;
+  row.value = value;
+  row.unit = unit;
+  row.n = n;
+  rows.push_back(std::move(row));
+}
+
+void add_looks(const std::string& set, const Looks& looks, const ScoreRow& base,
+               std::vector<ScoreRow>& rows) {
+  const auto n = static_cast<std::int64_t>(looks.psnr_db.size());
+  if (n == 0) return;
+  add_row(set + ".psnr", mean(looks.psnr_db), "dB", n, base, rows);
+  add_row(set + ".ssim", mean(looks.ssim), "1", n, base, rows);
+  add_row(set + ".flip", mean(looks.flip), "1", n, base, rows);
+}
+
+/// Photograph and model side by side.
+Image<Rgb8> side_by_side(const FidelityPlanes& photograph, const FidelityPlanes& image) {
+  const int width = image[0].width(), height = image[0].height();
+  Image<Rgb8> both(2 * width, height);
+  const auto code = [](float value) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
+  };
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto pixel = [&](const FidelityPlanes& of) {
+        return Rgb8{code(of[0](x, y)), code(of[1](x, y)), code(of[2](x, y))};
+      };
+      both(x, y) = pixel(photograph);
+      both(width + x, y) = pixel(image);
+    }
+  }
+  return both;
+}
+
+/// Scores the model by all placed views, and keeps pictures of some.
+void look(const ViewsPipelineConfig& config, const Capture& capture, const SeedsEstimate& estimate,
+          const fs::path& pictures, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+  const std::vector<SplatView> views = splat_views(capture, estimate.poses);
+  const bool some_held_out = is_held_out(config, 0);
+  std::vector<std::size_t> shown;  // places
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (is_held_out(config, i) == some_held_out) shown.push_back(i);
+  }
+  const std::size_t count = std::min(shown.size(), kPictures);
+  for (std::size_t i = 0; i < count; ++i) shown[i] = shown[i * shown.size() / count];
+  shown.resize(count);
+  Looks train, held_out;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const FidelityPlanes image = image_of(estimate.splats, views[i]);
+    (is_held_out(config, i) ? held_out : train).add(image, views[i]);
+    if (pictures.empty() || std::find(shown.begin(), shown.end(), i) == shown.end()) continue;
+    const int id = capture.frames[static_cast<std::size_t>(views[i].frame)].id;
+    write_png(pictures / (scene_id(id) + ".png"),
+              side_by_side(views[i].full.color.channel, image));
+  }
+  add_looks("train", train, base, rows);
+  add_looks("held_out", held_out, base, rows);
+}
+
+void count_seen(const SeedsEstimate& estimate, const fs::path& file, const ScoreRow& base,
+                std::vector<ScoreRow>& rows) {
+  SplatDepthImages depths;
+  depths.poses = estimate.poses;
+  depths.depths = estimate.depths;
+  for (std::size_t v = depths.poses.size(); v-- > 0;) {  // those that show something
+    if (depths.poses[v].status == PoseStatus::ok && !depths.depths[v].depth_m.empty()) continue;
+    depths.poses.erase(depths.poses.begin() + static_cast<std::ptrdiff_t>(v));
+    depths.depths.erase(depths.depths.begin() + static_cast<std::ptrdiff_t>(v));
+  }
+  const std::vector<int> seen = views_that_see(estimate.splats, depths);
+  const auto enough =
+      std::count_if(seen.begin(), seen.end(), [](int views) { return views >= kEnoughViews; });
+  const auto n = static_cast<std::int64_t>(seen.size());
+  add_row("gaussians", static_cast<double>(n), "1", 1, base, rows);
+  if (n > 0)
+    add_row("gaussians.seen_by_" + std::to_string(kEnoughViews),
+            static_cast<double>(enough) / static_cast<double>(n), "1", n, base, rows);
+  if (file.empty()) return;
+  std::string text = "views\n";
+  for (const int views : seen) text += std::to_string(views) + "\n";
+  write_file(file, text);
+}
+
+}  // namespace
+
+ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& config,
+                        std::uint64_t seed, const std::vector<StageSource>& sources,
+                        int scene_index, const std::string& name, const fs::path& estimate_dir,
+                        const Progress& progress, const Warn& warn) {
+  const Capture small = reduced(capture, config.largest_side_px);
+  const std::uint64_t own_seed = Rng(seed).fork(static_cast<std::uint64_t>(scene_index))();
+  ViewsRun run;
+  run.estimate = perceive_with(
+      [&](const SplatWatch& watch) {
+        return with_stage_sources(views_stages(config, capture, own_seed, watch), sources,
+                                  scene_index, warn);
+      },
+      [&](const SeedsStages& stages, const StageObserver& observe) {
+        return run_stages(small, stages, observe);
+      },
+      sources, scene_index, estimate_dir, progress);
+  const SeedsEstimate& estimate = run.estimate;
+  ScoreRow base;
+  base.suite = "views";
+  base.scene = name;
+  base.case_name = "photographs";
+  base.method = to_string(config.method);
+  base.seed = seed;
+  const auto file = [&](const char* of) { return estimate_dir.empty() ? fs::path() : estimate_dir / of; };
+  if (!estimate_dir.empty()) fs::remove_all(file("pictures"));
+  if (!estimate.splats.splats.empty()) {
+    look(config, small, estimate, file("pictures"), base, run.rows);
+    count_seen(estimate, file("splats_seen.csv"), base, run.rows);
+  }
+  add_row("cloud.points", static_cast<double>(estimate.cloud.size()), "1", 1, base, run.rows);
+  for (const Surface& surface : estimate.surfaces) {
+    if (surface.status == SurfaceStatus::ok)
+      add_row("mesh.area", mass_properties(surface.mesh).area_m2, "m2", 1, base, run.rows);
+  }
+  for (const StageTiming& timing : estimate.timings) {
+    ScoreRow row = base;
+    row.wall_s = timing.wall_s;
+    row.cpu_s = timing.cpu_s;
+    row.peak_rss_mb = timing.peak_rss_mb;
+    row.peak_above_start_mb = timing.peak_above_start_mb;
+    add_row("seconds." + timing.stage, timing.wall_s, "s", 1, row, run.rows);
+  }
+  if (!estimate_dir.empty()) write_file(file("scores.csv"), to_csv(run.rows));
+  return run;
+}
+
+}  // namespace cousin

@@ -1,0 +1,364 @@
+#include "perception/pipelines/views.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "perception/ngp/ngp.h"
+#include "perception/splats/depth_mesh.h"
+#include "sim/config/limits.h"
+
+namespace cousin {
+namespace {
+
+constexpr std::pair<ViewsMethod, std::string_view> kMethods[] = {
+    {ViewsMethod::splats, "splats"}, {ViewsMethod::splats_paper, "splats_paper"}};
+constexpr std::pair<ViewsPoses, std::string_view> kPoses[] = {
+    {ViewsPoses::best, "best"}, {ViewsPoses::reported, "reported"}, {ViewsPoses::sfm, "sfm"}};
+
+/// A field of an enumeration whose values have names.
+template <class Value, std::size_t N>
+TextField named(const char* key, Value& value,
+                const std::pair<Value, std::string_view> (&names)[N]) {
+  return {[&value, &names] {
+            for (const auto& [is, name] : names) {
+              if (is == value) return std::string(name);
+            }
+            return std::string();
+          },
+          [key, &value, &names](const std::string& text) {
+            std::string all;
+            for (const auto& [is, name] : names) {
+              if (name == text) {
+                value = is;
+                return;
+              }
+              all += (all.empty() ? "" : ", ") + std::string(name);
+            }
+            throw std::invalid_argument(std::string(key) + " \"" + text + "\" is not one of " +
+                                        all);
+          }};
+}
+
+/// How many pixels along a side become one.
+int reduction(int width_px, int height_px, int largest_side_px) {
+  const int longest = std::max(width_px, height_px);
+  return largest_side_px <= 0 ? 1 : std::max(1, (longest + largest_side_px - 1) / largest_side_px);
+}
+
+Image<Rgb8> reduced(const Image<Rgb8>& image, int by) {
+  Image<Rgb8> small(image.width() / by, image.height() / by);
+  const int half = by * by / 2;
+  for (int y = 0; y < small.height(); ++y) {
+    for (int x = 0; x < small.width(); ++x) {
+      std::array<int, 3> sum = {half, half, half};
+      for (int j = 0; j < by; ++j) {
+        for (int i = 0; i < by; ++i) {
+          const Rgb8 c = image(by * x + i, by * y + j);
+          sum[0] += c.r;
+          sum[1] += c.g;
+          sum[2] += c.b;
+        }
+      }
+      const auto code = [&](std::size_t k) {
+        return static_cast<std::uint8_t>(sum[k] / (by * by));
+      };
+      small(x, y) = {code(0), code(1), code(2)};
+    }
+  }
+  return small;
+}
+
+std::size_t placed(const Poses& poses) {
+  return static_cast<std::size_t>(
+      std::count_if(poses.begin(), poses.end(),
+                    [](const FramePose& pose) { return pose.status == PoseStatus::ok; }));
+}
+
+/// Poses of a capture's frames, and the points of the tracks that gave them.
+struct Placing {
+  Poses poses;
+  std::vector<StartPoint> tracks;
+};
+
+Placing place_by_tracks(const Capture& capture) {
+  SfmConfig config;
+  // Frames may come in any order; beyond so many, in the order of a walk around.
+  constexpr std::size_t kAllPairs = 60;
+  if (capture.frames.size() <= kAllPairs) config.pairs.choice = PairChoice::exhaustive;
+  if (capture.board.empty() || capture.board == "none") config.scale = SfmScale::none;
+  SfmEstimate estimate = estimate_poses_sfm(capture, config);
+  if (!has_poses(estimate.status))
+    throw std::runtime_error("structure from motion: " + std::string(to_string(estimate.status)) +
+                             (estimate.reason.empty() ? "" : ", " + estimate.reason));
+  Placing placing{std::move(estimate.poses), {}};
+  for (const SfmPoint& point : estimate.points)
+    placing.tracks.push_back({point.in_world_m, point.color});
+  return placing;
+}
+
+Placing place(const Capture& full, ViewsPoses from) {
+  Placing placing;
+  if (from != ViewsPoses::sfm) placing.poses = reported_poses(full);
+  if (from == ViewsPoses::sfm || (from == ViewsPoses::best && placed(placing.poses) < 2))
+    placing = place_by_tracks(full);
+  if (const std::size_t count = placed(placing.poses); count < 2)
+    throw std::runtime_error(std::to_string(count) + " of " +
+                             std::to_string(placing.poses.size()) +
+                             " views have a pose; at least 2 (poses=sfm finds them by COLMAP)");
+  return placing;
+}
+
+/// Everything: depths are cut to no part of the world.
+SweepVolume everywhere() {
+  const Eigen::Vector3d far = Eigen::Vector3d::Constant(1e30);
+  return {-far, far};
+}
+
+std::vector<StartPoint> start_points(const ViewsPipelineConfig& config,
+                                     const std::vector<SplatView>& views,
+                                     const std::vector<StartPoint>& tracks, std::uint64_t seed) {
+  constexpr std::size_t kLeastTracks = 100;
+  if (tracks.size() >= kLeastTracks) return tracks;
+  std::vector<NgpView> cameras;
+  for (const SplatView& view : views)
+    cameras.push_back({view.full.camera, view.camera_from_world, {}, {}});
+  const ngp::NgpVolume volume = ngp_volume({}, cameras);
+  if (!(volume.side_m > 0))
+    throw std::runtime_error("the cameras look at no common point, about which Gaussians could "
+                             "begin; poses=sfm begins at its points");
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(volume.side_m);
+  return random_start_points(volume.centre_in_world_m - half, volume.centre_in_world_m + half,
+                             config.start_points, Rng(seed).fork("splat_start"));
+}
+
+SplatTrainConfig training_of(const ViewsPipelineConfig& config) {
+  SplatTrainConfig training;
+  if (config.method == ViewsMethod::splats_paper) {
+    training = reference_training();
+    // It can be left where it reports.
+    training.report_every = std::gcd(training.report_every, config.reference_steps);
+  } else {
+    training.steps = config.steps;
+    training.rates = rates_for(config.steps);
+    training.most_splats = config.most_splats;
+    training.low_pass_px2 = config.low_pass_px2;
+  }
+  training.sh_degree = config.sh_degree;
+  return training;
+}
+
+SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, const Poses& poses,
+                 const std::vector<StartPoint>& tracks, std::uint64_t seed,
+                 const SplatWatch& watch) {
+  std::vector<SplatView> views;
+  std::size_t place = 0;
+  for (SplatView& view : splat_views(capture, poses)) {
+    if (!is_held_out(config, place++)) views.push_back(std::move(view));
+  }
+  SplatTrainConfig training = training_of(config);
+  training.seed = Rng(seed).fork("splats")();
+  const int last = config.method == ViewsMethod::splats_paper ? config.reference_steps
+                                                              : training.steps;
+  return train_on_seeds(views, start_points(config, views, tracks, seed), {}, training, last,
+                        watch);
+}
+
+/// The median of the pixels' spans in the world over all depths; NaN where there is none.
+double median_span_m(const Poses& poses, const Depths& depths) {
+  std::vector<double> spans_m;
+  for (std::size_t v = 0; v < depths.size(); ++v) {
+    const Image<float>& depth_m = depths[v].depth_m;
+    constexpr std::size_t kEvery = 97;  // pixels
+    for (std::size_t i = 0; i < depth_m.size(); i += kEvery) {
+      const auto z = static_cast<double>(depth_m.data()[i]);
+      if (std::isfinite(z) && z > 0) spans_m.push_back(z / poses[v].camera.fx_px);
+    }
+  }
+  if (spans_m.empty()) return kNaN;
+  const auto middle = spans_m.begin() + static_cast<std::ptrdiff_t>(spans_m.size() / 2);
+  std::nth_element(spans_m.begin(), middle, spans_m.end());
+  return *middle;
+}
+
+Cloud cloud_of(const ViewsPipelineConfig& config, const Capture& capture,
+               const SeedsEstimate& so_far) {
+  if (config.cloud_views == 0) return {};
+  const double span_m = median_span_m(so_far.poses, so_far.depths);
+  if (!std::isfinite(span_m)) return {};
+  std::vector<std::size_t> with_depth;
+  for (std::size_t v = 0; v < so_far.depths.size(); ++v) {
+    if (!so_far.depths[v].depth_m.empty()) with_depth.push_back(v);
+  }
+  const std::size_t count =
+      std::min(with_depth.size(), static_cast<std::size_t>(config.cloud_views));
+  Depths some;
+  for (const FrameDepth& depth : so_far.depths) some.push_back({depth.frame, {}, {}});
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t v = with_depth[i * with_depth.size() / count];
+    some[v] = so_far.depths[v];
+  }
+  FuseConfig fuse;
+  fuse.voxel_m = std::clamp(config.voxel_px * span_m, 1e-6, 0.1);
+  fuse.agreement_m = std::clamp(config.agreement_px * span_m, 1e-6, 0.1);
+  const GreenConfig nothing_is_green{.hue_low = 1, .hue_high = 0};
+  return fuse_depths(capture, so_far.poses, some, nothing_is_green, fuse);
+}
+
+/// Where the middle 98 % of a cloud along each axis lie, and a tenth more on either side.
+Eigen::AlignedBox3d middle_of(const Cloud& cloud) {
+  Eigen::AlignedBox3d box(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  for (int k = 0; k < 3; ++k) {
+    std::vector<float> at;
+    for (const CloudPoint& point : cloud) at.push_back(point.position_m[k]);
+    std::sort(at.begin(), at.end());
+    const std::size_t cut = at.size() / 100;
+    const double low = at[cut], high = at[at.size() - 1 - cut];
+    box.min()[k] = low - 0.1 * (high - low);
+    box.max()[k] = high + 0.1 * (high - low);
+  }
+  return box;
+}
+
+Surfaces mesh_of(const ViewsPipelineConfig& config, const SeedsEstimate& so_far) {
+  constexpr std::size_t kLeastPoints = 100;
+  if (config.mesh_cells == 0) return {};
+  Surface surface;
+  if (so_far.cloud.size() >= kLeastPoints) {
+    const Eigen::AlignedBox3d box = middle_of(so_far.cloud);
+    DepthMeshConfig mesh;
+    mesh.low_m = box.min();
+    mesh.high_m = box.max();
+    mesh.step_m = box.sizes().maxCoeff() / config.mesh_cells;
+    mesh.truncation_m = 4 * mesh.step_m;
+    mesh.no_depth = DepthMeshConfig::NoDepth::unknown;
+    if ((box.sizes().array() > 0).all()) surface.mesh = mesh_of_depths(so_far.poses, so_far.depths, mesh);
+  }
+  surface.status = surface.mesh.triangles.empty() ? SurfaceStatus::empty : SurfaceStatus::ok;
+  return {surface};
+}
+
+}  // namespace
+
+std::string_view to_string(ViewsMethod method) {
+  return kMethods[static_cast<std::size_t>(method)].second;
+}
+
+Fields fields(ViewsPipelineConfig& c) {
+  return {
+      {"method", named("method", c.method, kMethods),
+       "splats: ours; splats_paper: the reference's schedule, left after reference_steps"},
+      {"poses", named("poses", c.poses, kPoses),
+       "best: the capture's where it has them, else sfm; reported; sfm: by COLMAP and our "
+       "adjustment"},
+      {"largest_side_px", &c.largest_side_px,
+       "longer side that photographs are made small to after they were placed; 0: they stay", 0,
+       100000},
+      {"hold_out_every", &c.hold_out_every,
+       "every so many-th view has no part in the training and scores it; 0 or 1: all have", 0,
+       1000},
+      {"steps", &c.steps, "splats: training steps, one view each", 1, 1e6},
+      {"most_splats", &c.most_splats, "splats: Gaussians at the end", 1, 1e7},
+      {"reference_steps", &c.reference_steps,
+       "splats_paper: steps of the reference's 30,000 after which training is left", 1, 30000},
+      {"sh_degree", &c.sh_degree, "of the colours over directions", 0, 3},
+      {"low_pass_px2", &c.low_pass_px2,
+       "splats: added to the variances of a Gaussian in the image; the reference has 0.3", 1e-6,
+       100},
+      {"start_points", &c.start_points, "Gaussians at the beginning, where there are no tracks", 1,
+       1e6},
+      {"cloud_views", &c.cloud_views, "views whose depths become the cloud; 0: no cloud", 0, 1000},
+      {"voxel_px", &c.voxel_px, "of the cloud, in pixels at the median depth", 0.01, 100},
+      {"agreement_px", &c.agreement_px, "along the normal, at which depths agree; likewise", 0.01,
+       100},
+      {"mesh_cells", &c.mesh_cells,
+       "of the mesh's lattice along the cloud's longest side; 0: no mesh", 0, 400}};
+}
+
+void validate(const ViewsPipelineConfig& config) {
+  ViewsPipelineConfig copy = config;
+  check_limits(fields(copy), "views");
+}
+
+Camera reduced(const Camera& camera, int by) {
+  if (by < 1) throw std::invalid_argument("reduced: by = " + std::to_string(by) + " is not >= 1");
+  Camera small = camera;
+  small.width_px /= by;
+  small.height_px /= by;
+  small.fx_px /= by;
+  small.fy_px /= by;
+  // A pixel's centre is the middle of the centres that it covers.
+  small.cx_px = (camera.cx_px + 0.5) / by - 0.5;
+  small.cy_px = (camera.cy_px + 0.5) / by - 0.5;
+  return small;
+}
+
+Capture reduced(const Capture& capture, int largest_side_px) {
+  Capture small;
+  small.pipeline = capture.pipeline;
+  small.board = capture.board;
+  small.warnings = capture.warnings;
+  if (!capture.rig.empty()) {
+    small.rig.push_back(capture.rig.front());
+    Camera& camera = small.rig.front().camera;
+    camera = reduced(camera, reduction(camera.width_px, camera.height_px, largest_side_px));
+  }
+  for (const Frame& frame : capture.frames) {
+    Frame next{.id = frame.id, .time_s = frame.time_s, .rig_from_world = frame.rig_from_world};
+    if (!frame.sensors.empty()) {
+      const SensorFrame& from = frame.sensors.front();
+      const int by =
+          reduction(from.reported.width_px, from.reported.height_px, largest_side_px);
+      SensorFrame sensor{.reported = reduced(from.reported, by)};
+      if (!from.color.empty()) sensor.color = by > 1 ? reduced(from.color, by) : from.color;
+      next.sensors.push_back(std::move(sensor));
+    }
+    small.frames.push_back(std::move(next));
+  }
+  return small;
+}
+
+bool is_held_out(const ViewsPipelineConfig& config, std::size_t place) {
+  const auto every = static_cast<std::size_t>(std::max(0, config.hold_out_every));
+  return every > 1 && place % every == 0;
+}
+
+SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
+                         std::uint64_t seed, const SplatWatch& watch) {
+  validate(config);
+  SeedsStages stages;
+  // Points of tracks, from the stage that finds the poses to the one that begins on them.
+  const auto tracks = std::make_shared<std::vector<StartPoint>>();
+  stages.poses = [config, &full, tracks](const Capture&, const SeedsEstimate&) {
+    Placing placing = place(full, config.poses);
+    for (FramePose& pose : placing.poses) {
+      const Camera& camera = pose.camera;
+      pose.camera = reduced(
+          camera, reduction(camera.width_px, camera.height_px, config.largest_side_px));
+    }
+    *tracks = std::move(placing.tracks);
+    return std::move(placing.poses);
+  };
+  stages.splats = [config, seed, tracks, watch](const Capture& capture,
+                                                const SeedsEstimate& so_far) {
+    return train(config, capture, so_far.poses, *tracks, seed, watch);
+  };
+  stages.depth = [](const Capture&, const SeedsEstimate& so_far) {
+    return depths_of_splats(so_far.splats, so_far.poses, everywhere(),
+                            so_far.splats.low_pass_px2);
+  };
+  stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    return cloud_of(config, capture, so_far);
+  };
+  stages.surfaces = [config](const Capture&, const SeedsEstimate& so_far) {
+    return mesh_of(config, so_far);
+  };
+  return stages;
+}
+
+}  // namespace cousin

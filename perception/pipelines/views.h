@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "perception/pipelines/seeds.h"
+
+namespace cousin {
+
+/// `splats`: ours; `splats_paper`: the reference's schedule and density control, left early.
+enum class ViewsMethod { splats, splats_paper };
+/// Where poses come from: the capture's own where it has them, else (or only) by COLMAP and our
+/// adjustment of its tracks.
+enum class ViewsPoses { best, reported, sfm };
+
+/// Gaussians of photographs of anything: no board, no specimens, no traits.
+struct ViewsPipelineConfig {
+  ViewsMethod method = ViewsMethod::splats;
+  ViewsPoses poses = ViewsPoses::best;
+  /// Photographs are made smaller by a whole number until their longer side is at most this, after
+  /// they were placed; 0: they stay.
+  int largest_side_px = 1000;
+  /// Every so many-th placed view, the first included, has no part in the training and scores it
+  /// [Barron et al., CVPR 2022]; 0 or 1: all have.
+  int hold_out_every = 8;
+  int steps = 3000;            ///< `splats`
+  int most_splats = 60000;     ///< `splats`
+  int reference_steps = 7000;  ///< `splats_paper`: of the reference's 30,000
+  int sh_degree = 3;
+  double low_pass_px2 = 0.1;  ///< `splats`, as in SplatModel
+  /// Where no tracks are, Gaussians begin at so many places drawn evenly over a cube of twice the
+  /// cameras' median distance about the point that they look at.
+  int start_points = 20000;
+  int cloud_views = 24;  ///< evenly spread, whose depths become the cloud; 0: there is no cloud
+  double voxel_px = 2;   ///< of the cloud, in pixels at the median depth
+  double agreement_px = 3;  ///< along the normal, likewise
+  int mesh_cells = 160;     ///< along the longest side of what the cloud covers; 0: no mesh
+};
+Fields fields(ViewsPipelineConfig& config);
+void validate(const ViewsPipelineConfig& config);
+std::string_view to_string(ViewsMethod method);
+
+/// The capture with photographs and lenses smaller by the least whole number that makes the longer
+/// side of each at most `largest_side_px`: pixels are means of the squares they cover, last rows
+/// and columns that fill none are left out. Other images than colour are dropped.
+Capture reduced(const Capture& capture, int largest_side_px);
+/// The camera of such a photograph. @param by  >= 1
+Camera reduced(const Camera& camera, int by);
+
+/// Whether the `place`-th of the views that have poses has no part in the training.
+bool is_held_out(const ViewsPipelineConfig& config, std::size_t place);
+
+/// Stages `poses`, `splats`, `depth`, `cloud` and `surfaces`, the others are none. They run on
+/// `reduced(full, config.largest_side_px)`, whose cameras `poses` has. The unit is the capture's
+/// own: metres where its poses or a board give them. `splats` is empty where training had nothing
+/// to begin from or to learn; `surfaces` is one closed mesh, `empty` where depths agree on none.
+/// @param full  outlives the stages. `poses` throws std::runtime_error where fewer than two views
+/// find a place, `splats` if training diverged.
+SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
+                         std::uint64_t seed, const SplatWatch& watch = {});
+
+}  // namespace cousin

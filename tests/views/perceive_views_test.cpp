@@ -1,0 +1,79 @@
+#include "benchmarks/views/perceive_views.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "perception/splats/splat_ply.h"
+#include "sim/dataset/atomic_file.h"
+#include "sim/dataset/seam_io.h"
+#include "sim/imaging/image_io.h"
+#include "sim/process/scratch_folder.h"
+#include "tests/views/cube_capture.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+
+ViewsPipelineConfig quick() {
+  ViewsPipelineConfig config;
+  config.steps = 400;
+  config.most_splats = 1500;
+  config.start_points = 600;
+  config.mesh_cells = 40;
+  config.hold_out_every = 4;
+  return config;
+}
+
+double value_of(const std::vector<ScoreRow>& rows, const std::string& metric) {
+  for (const ScoreRow& row : rows) {
+    if (row.metric == metric) return row.value;
+  }
+  ADD_FAILURE() << "no row " << metric;
+  return kNaN;
+}
+
+TEST(PerceiveViews, WritesSeamsScoresAndPictures) {
+  const ScratchFolder scratch("cousin-views");
+  const fs::path out = scratch.path() / "est";
+  const ViewsRun run = perceive_views(cube_capture(), quick(), 1, {}, 0, "cube", out);
+  EXPECT_EQ(read_poses(out).size(), 12U);
+  EXPECT_EQ(read_splat_ply(out / "splats.ply").model.splats.size(),
+            run.estimate.splats.splats.size());
+  EXPECT_EQ(read_depths(out).size(), 12U);
+  EXPECT_EQ(read_cloud(out).size(), run.estimate.cloud.size());
+  EXPECT_TRUE(fs::exists(out / "meshes" / "000000.ply"));
+  EXPECT_FALSE(fs::exists(out / "splats.unfinished"));
+  for (const char* id : {"000000", "000004", "000008"}) {  // those held out
+    const Image<Rgb8> both = read_color(out / "pictures" / (std::string(id) + ".png"));
+    EXPECT_EQ(both.width(), 2 * 108);
+    EXPECT_EQ(both.height(), 75);
+  }
+  const std::string seen = read_file(out / "splats_seen.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(seen.begin(), seen.end(), '\n')),
+            run.estimate.splats.splats.size() + 1);
+  EXPECT_THAT(read_file(out / "scores.csv"), testing::HasSubstr("held_out.psnr"));
+  EXPECT_GT(value_of(run.rows, "train.psnr"), 22);
+  EXPECT_GT(value_of(run.rows, "held_out.psnr"), 12.5);
+  EXPECT_LT(value_of(run.rows, "held_out.psnr"), value_of(run.rows, "train.psnr"));
+  EXPECT_GT(value_of(run.rows, "gaussians.seen_by_3"), 0.2);
+  EXPECT_GT(value_of(run.rows, "mesh.area"), 1);
+}
+
+TEST(PerceiveViews, AForeignModelIsScoredLikeOurs) {
+  const ScratchFolder scratch("cousin-views");
+  SplatModel truth = cube_of_splats();
+  truth.low_pass_px2 = 0.3;
+  fs::create_directories(scratch.path() / "mine");
+  write_splat_ply(scratch.path() / "mine" / "splats.ply", truth);
+  const StageSource mine =
+      parse_stage_source("splats=dir:" + (scratch.path() / "mine").string());
+  const ViewsRun run = perceive_views(cube_capture(), quick(), 1, {mine}, 0, "cube", {});
+  // The photographs are of this very model, rounded to codes.
+  EXPECT_GT(value_of(run.rows, "train.psnr"), 50);
+  EXPECT_GT(value_of(run.rows, "held_out.psnr"), 50);
+  EXPECT_EQ(value_of(run.rows, "gaussians"), static_cast<double>(truth.splats.size()));
+}
+
+}  // namespace
+}  // namespace cousin

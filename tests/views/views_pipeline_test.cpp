@@ -1,0 +1,169 @@
+#include "perception/pipelines/views.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "sim/geometry/measure.h"
+#include "tests/views/cube_capture.h"
+
+namespace cousin {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+ViewsPipelineConfig quick() {
+  ViewsPipelineConfig config;
+  config.steps = 300;
+  config.most_splats = 1500;
+  config.start_points = 600;
+  config.mesh_cells = 40;
+  return config;
+}
+
+SeedsEstimate run(const Capture& capture, const ViewsPipelineConfig& config) {
+  return run_stages(reduced(capture, config.largest_side_px), views_stages(config, capture, 1));
+}
+
+bool same(const SplatModel& a, const SplatModel& b) {
+  return a.splats.size() == b.splats.size() &&
+         std::equal(a.splats.begin(), a.splats.end(), b.splats.begin(),
+                    [](const Splat& s, const Splat& t) {
+                      return s.centre_m == t.centre_m && s.log_scale == t.log_scale &&
+                             s.sh_dc == t.sh_dc && s.opacity_logit == t.opacity_logit;
+                    });
+}
+
+TEST(ViewsPipeline, GaussiansDepthCloudAndMeshOfPosedPhotographs) {
+  const Capture capture = cube_capture();
+  const SeedsEstimate estimate = run(capture, quick());
+  EXPECT_GT(estimate.splats.splats.size(), 600U);
+  ASSERT_EQ(estimate.depths.size(), 12U);
+  EXPECT_EQ(estimate.depths[3].depth_m.width(), cube_camera().width_px);
+  ASSERT_GT(estimate.cloud.size(), 300U);
+  std::size_t near = 0;  // to the cube of 1 m, whose Gaussians reach a little over its faces
+  for (const CloudPoint& point : estimate.cloud) {
+    near += point.position_m.cwiseAbs().maxCoeff() < 0.7F ? 1 : 0;
+    EXPECT_NEAR(point.normal.norm(), 1, 1e-3);
+  }
+  EXPECT_GT(static_cast<double>(near), 0.9 * static_cast<double>(estimate.cloud.size()));
+  ASSERT_EQ(estimate.surfaces.size(), 1U);
+  ASSERT_EQ(estimate.surfaces[0].status, SurfaceStatus::ok);
+  const MassProperties body = mass_properties(estimate.surfaces[0].mesh);
+  EXPECT_GT(body.volume_m3, 0.1);
+  EXPECT_LT(body.volume_m3, 2);
+  EXPECT_TRUE(estimate.corners.empty());
+  EXPECT_TRUE(estimate.traits.empty());
+}
+
+TEST(ViewsPipeline, ViewsHeldOutChangeNoByteOfTheModel) {
+  const Capture capture = cube_capture();
+  ViewsPipelineConfig config = quick();
+  config.steps = 60;
+  config.hold_out_every = 4;
+  Capture other = capture;
+  for (std::size_t i = 0; i < other.frames.size(); ++i) {
+    EXPECT_EQ(is_held_out(config, i), i % 4 == 0);
+    if (is_held_out(config, i))
+      other.frames[i].sensors[0].color = Image<Rgb8>(108, 75, {255, 0, 255});
+  }
+  EXPECT_TRUE(same(run(capture, config).splats, run(other, config).splats));
+  other.frames[1].sensors[0].color = Image<Rgb8>(108, 75, {255, 0, 255});
+  EXPECT_FALSE(same(run(capture, config).splats, run(other, config).splats));
+  config.hold_out_every = 0;
+  EXPECT_FALSE(is_held_out(config, 0));
+}
+
+TEST(ViewsPipeline, TheSameBytesOnAnyNumberOfThreads) {
+  const Capture capture = cube_capture();
+  ViewsPipelineConfig config = quick();
+  config.steps = 60;
+  const auto on = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return run(capture, config);
+  };
+  const SeedsEstimate one = on(1), four = on(4);
+  EXPECT_TRUE(same(one.splats, four.splats));
+  ASSERT_EQ(one.cloud.size(), four.cloud.size());
+  for (std::size_t i = 0; i < one.cloud.size(); ++i)
+    EXPECT_EQ(one.cloud[i].position_m, four.cloud[i].position_m);
+  EXPECT_EQ(one.surfaces.at(0).mesh.triangles, four.surfaces.at(0).mesh.triangles);
+}
+
+TEST(ViewsPipeline, TheReferencesScheduleIsLeftEarly) {
+  ViewsPipelineConfig config = quick();
+  config.method = ViewsMethod::splats_paper;
+  config.reference_steps = 50;
+  config.cloud_views = config.mesh_cells = 0;
+  const SeedsEstimate estimate = run(cube_capture(), config);
+  EXPECT_FALSE(estimate.splats.splats.empty());
+  EXPECT_EQ(estimate.splats.low_pass_px2, 0.3);
+  EXPECT_TRUE(estimate.cloud.empty());
+  EXPECT_TRUE(estimate.surfaces.empty());
+}
+
+TEST(ViewsPipeline, SmallerPhotographsKeepWhereRaysGo) {
+  Capture capture = cube_capture();
+  Image<Rgb8>& color = capture.frames[0].sensors[0].color;  // 108 x 75
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 0; x < 3; ++x) color(x, y) = {static_cast<std::uint8_t>(10 * (3 * y + x)), 0, 7};
+  }
+  const Capture small = reduced(capture, 40);
+  const SensorFrame& sensor = small.frames[0].sensors[0];
+  EXPECT_EQ(sensor.color.width(), 36);
+  EXPECT_EQ(sensor.color.height(), 25);
+  EXPECT_EQ(sensor.reported.width_px, 36);
+  EXPECT_EQ(small.rig[0].camera.height_px, 25);
+  EXPECT_EQ(sensor.color(0, 0).r, 40);  // the mean of 0, 10, ..., 80
+  EXPECT_EQ(sensor.color(0, 0).b, 7);
+  const Eigen::Vector3d ray(0.1, -0.2, 1);
+  const Eigen::Vector2d large = *Lens(cube_camera()).project(ray);
+  const Eigen::Vector2d less = *Lens(sensor.reported).project(ray);
+  EXPECT_NEAR(less.x(), (large.x() + 0.5) / 3 - 0.5, 1e-9);
+  EXPECT_NEAR(less.y(), (large.y() + 0.5) / 3 - 0.5, 1e-9);
+  EXPECT_EQ(reduced(capture, 0).frames[0].sensors[0].color.width(), 108);
+  EXPECT_EQ(reduced(capture, 108).frames[0].sensors[0].color.width(), 108);
+  const SeedsEstimate estimate = [&] {
+    ViewsPipelineConfig config = quick();
+    config.steps = 20;
+    config.largest_side_px = 40;
+    return run(cube_capture(), config);
+  }();
+  EXPECT_EQ(estimate.poses[0].camera.width_px, 36);
+  EXPECT_EQ(estimate.depths[0].depth_m.width(), 36);
+}
+
+TEST(ViewsPipeline, WhatCannotBeDoneIsSaid) {
+  Capture capture = cube_capture();
+  ViewsPipelineConfig config = quick();
+  config.poses = ViewsPoses::reported;
+  for (std::size_t i = 1; i < capture.frames.size(); ++i)
+    capture.frames[i].rig_from_world.reset();
+  EXPECT_THAT([&] { run(capture, config); },
+              ThrowsMessage<StageError>(HasSubstr("1 of 12 views have a pose")));
+  Capture parallel = cube_capture();  // all look along one axis, from beside each other
+  for (std::size_t i = 0; i < parallel.frames.size(); ++i) {
+    const double x = 0.1 * static_cast<double>(i);
+    parallel.frames[i].rig_from_world = look_at({x, 0, 1}, {x, 0, 0}, Eigen::Vector3d::UnitY());
+  }
+  EXPECT_THAT([&] { run(parallel, quick()); },
+              ThrowsMessage<StageError>(HasSubstr("look at no common point")));
+  EXPECT_THROW(run({}, quick()), std::invalid_argument);
+  config.mesh_cells = 401;
+  EXPECT_THAT([&] { validate(config); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("mesh_cells")));
+  EXPECT_THAT([&] { set_field(fields(config), "poses=guessed"); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("best, reported, sfm")));
+}
+
+TEST(ViewsPipeline, BlackPhotographsGiveNoGaussiansAndNoCrash) {
+  Capture capture = cube_capture();
+  for (Frame& frame : capture.frames) frame.sensors[0].color = Image<Rgb8>(108, 75, {0, 0, 0});
+  const SeedsEstimate estimate = run(capture, quick());
+  EXPECT_TRUE(estimate.cloud.empty());
+  EXPECT_TRUE(estimate.surfaces.empty() || estimate.surfaces[0].status == SurfaceStatus::empty);
+}
+
+}  // namespace
+}  // namespace cousin
