@@ -29,7 +29,7 @@ std::string pipeline_of(const Options& options, const Capture& capture, const fs
   for (const SceneEntry& scene : scene_table()) {
     if (scene.name != name || scene.has_pipeline) continue;
     throw std::invalid_argument(dataset.string() + " is of scene \"" + name +
-                                "\", which has no pipeline of its own; --pipeline views trains "
+                                "\", which has no pipeline yet; --pipeline views trains "
                                 "Gaussians on any photographs");
   }
   if (name != "seeds")

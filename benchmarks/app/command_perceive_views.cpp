@@ -49,13 +49,13 @@ std::string number_of(const std::vector<ScoreRow>& rows, const std::string& metr
 }
 
 std::string summary_of(const ViewsRun& run, std::size_t frames) {
-  const auto posed = std::count_if(
-      run.estimate.poses.begin(), run.estimate.poses.end(),
-      [](const FramePose& pose) { return pose.status == PoseStatus::ok; });
+  const auto posed =
+      std::count_if(run.estimate.poses.begin(), run.estimate.poses.end(),
+                    [](const FramePose& pose) { return pose.status == PoseStatus::ok; });
   std::string text = std::to_string(posed) + " of " + std::to_string(frames) + " views posed, " +
                      std::to_string(run.estimate.splats.splats.size()) + " Gaussians";
-  for (const auto& [metric, words] : {std::pair("train.psnr", "trained on"),
-                                      std::pair("held_out.psnr", "held out")}) {
+  for (const auto& [metric, words] :
+       {std::pair("train.psnr", "trained on"), std::pair("held_out.psnr", "held out")}) {
     const std::string number = number_of(run.rows, metric);
     if (!number.empty()) text += ", " + std::string(words) + " " + number;
   }
@@ -87,13 +87,14 @@ ExitCode command_perceive_views(const JobContext& context) {
     ViewsPipelineConfig written = config;
     write_file(estimate_dir / "config.toml", to_toml(fields(written)));
     const std::string name = scene.filename().string();
-    const ViewsRun run = perceive_views(capture, config, o.seed, sources, index, name,
-                                        estimate_dir, context.progress.function(), warn);
+    const ViewsRun run = perceive_views(capture, config, o.seed, sources, index, name, estimate_dir,
+                                        context.progress.function(), warn);
     context.progress.line(name + ": " + summary_of(run, capture.frames.size()));
     if (run.estimate.splats.splats.empty()) {
       all_found = false;
-      std::fprintf(stderr, "cousin: %s: no Gaussians: the photographs showed none of the start or "
-                           "nothing to learn\n",
+      std::fprintf(stderr,
+                   "cousin: %s: no Gaussians: the photographs showed none of the start or "
+                   "nothing to learn\n",
                    scene.string().c_str());
     }
     append({.scores = run.rows}, all);

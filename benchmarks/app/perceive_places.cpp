@@ -37,8 +37,8 @@ PerceivePlaces perceive_places(const Options& options) {
   PerceivePlaces places;
   places.dataset = options.arguments.at(0);
   if (!places.dataset.has_filename()) places.dataset = places.dataset.parent_path();  // "data/"
-  places.out = options.out.empty() ? fs::path(places.dataset.string() + "_estimate")
-                                   : fs::path(options.out);
+  places.out =
+      options.out.empty() ? fs::path(places.dataset.string() + "_estimate") : fs::path(options.out);
   refuse_dataset_as_out(places.dataset, places.out);
   places.scenes = scenes_of(places.dataset);
   return places;

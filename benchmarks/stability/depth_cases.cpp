@@ -143,8 +143,9 @@ void add_silent(const std::string& name, const Swept& swept, std::vector<Stabili
 void sweep_rows(std::vector<StabilityRow>& rows) {
   for (const double offset_m : {0.0, 1e3, 1e6}) {
     const Eigen::Vector3d offset = offset_m * Eigen::Vector3d(1, -2, 0.3);
-    const std::string name =
-        offset_m == 0 ? "slanted square" : offset_m < 1e4 ? "2e3 m from zero" : "2e6 m from zero";
+    const std::string name = offset_m == 0    ? "slanted square"
+                             : offset_m < 1e4 ? "2e3 m from zero"
+                                              : "2e6 m from zero";
     add_solved(name, sweep(slanted_square(1, 1, offset), volume_about(offset)), rows);
   }
   const SweepVolume volume = volume_about({0, 0, 0});
@@ -187,8 +188,8 @@ Fused measured(const Cloud& cloud, const Eigen::Vector3d& offset_m = Eigen::Vect
   for (const CloudPoint& point : cloud) {
     const Eigen::Vector3d n = point.normal.cast<double>();
     fused.angle_rad = worse(fused.angle_rad, std::atan2(n.cross(kNormal).norm(), n.dot(kNormal)));
-    fused.off_m = worse(fused.off_m,
-                        std::abs(kNormal.dot(point.position_m.cast<double>() - offset_m)));
+    fused.off_m =
+        worse(fused.off_m, std::abs(kNormal.dot(point.position_m.cast<double>() - offset_m)));
     ++fused.points;
   }
   return fused;
@@ -253,8 +254,8 @@ void fusion_rows(std::vector<StabilityRow>& rows) {
     depth.depth_m(kWidth / 2, kHeight / 2 + 1) = 1e30F;
   }
   const Fused pierced = measured(fused_cloud(holes));
-  rows.push_back(make_row("fused, a third NaN", "largest distance from the plane", "m", 1e-6,
-                          pierced.off_m));
+  rows.push_back(
+      make_row("fused, a third NaN", "largest distance from the plane", "m", 1e-6, pierced.off_m));
   rows.push_back(make_row("fused, a third NaN", "share of the points", "", 0.6,
                           pierced.points / static_cast<double>(plain.size()), false));
   SlantedSquare turned = slanted_square();
@@ -266,8 +267,8 @@ void fusion_rows(std::vector<StabilityRow>& rows) {
   SlantedSquare blind = slanted_square();
   for (FrameDepth& depth : blind.depths)
     std::fill(depth.depth_m.begin(), depth.depth_m.end(), kNan);
-  rows.push_back(make_row("fused, all NaN", "points", "", 0,
-                          static_cast<double>(fused_cloud(blind).size())));
+  rows.push_back(
+      make_row("fused, all NaN", "points", "", 0, static_cast<double>(fused_cloud(blind).size())));
 }
 
 }  // namespace

@@ -92,8 +92,7 @@ void look(const ViewsPipelineConfig& config, const Capture& capture, const Seeds
     (is_held_out(config, i) ? held_out : train).add(image, views[i]);
     if (pictures.empty() || std::find(shown.begin(), shown.end(), i) == shown.end()) continue;
     const int id = capture.frames[static_cast<std::size_t>(views[i].frame)].id;
-    write_png(pictures / (scene_id(id) + ".png"),
-              side_by_side(views[i].full.color.channel, image));
+    write_png(pictures / (scene_id(id) + ".png"), side_by_side(views[i].full.color.channel, image));
   }
   add_looks("train", train, base, rows);
   add_looks("held_out", held_out, base, rows);
@@ -131,6 +130,8 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
                         const Progress& progress, const Warn& warn) {
   const Capture small = reduced(capture, config.largest_side_px);
   const std::uint64_t own_seed = Rng(seed).fork(static_cast<std::uint64_t>(scene_index))();
+  if (warn && !has_metric_poses(config, capture))
+    warn("poses are of COLMAP without a board: lengths are in its model's own unit");
   ViewsRun run;
   run.estimate = perceive_with(
       [&](const SplatWatch& watch) {
@@ -148,7 +149,9 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   base.case_name = "photographs";
   base.method = to_string(config.method);
   base.seed = seed;
-  const auto file = [&](const char* of) { return estimate_dir.empty() ? fs::path() : estimate_dir / of; };
+  const auto file = [&](const char* of) {
+    return estimate_dir.empty() ? fs::path() : estimate_dir / of;
+  };
   if (!estimate_dir.empty()) fs::remove_all(file("pictures"));
   if (!estimate.splats.splats.empty()) {
     look(config, small, estimate, file("pictures"), base, run.rows);
@@ -157,7 +160,8 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   add_row("cloud.points", static_cast<double>(estimate.cloud.size()), "1", 1, base, run.rows);
   for (const Surface& surface : estimate.surfaces) {
     if (surface.status == SurfaceStatus::ok)
-      add_row("mesh.area", mass_properties(surface.mesh).area_m2, "m2", 1, base, run.rows);
+      add_row("mesh.area", mass_properties(surface.mesh).area_m2,
+              has_metric_poses(config, capture) ? "m2" : "unit2", 1, base, run.rows);
   }
   for (const StageTiming& timing : estimate.timings) {
     ScoreRow row = base;

@@ -25,24 +25,24 @@ constexpr std::pair<ViewsPoses, std::string_view> kPoses[] = {
 template <class Value, std::size_t N>
 TextField named(const char* key, Value& value,
                 const std::pair<Value, std::string_view> (&names)[N]) {
-  return {[&value, &names] {
-            for (const auto& [is, name] : names) {
-              if (is == value) return std::string(name);
-            }
-            return std::string();
-          },
-          [key, &value, &names](const std::string& text) {
-            std::string all;
-            for (const auto& [is, name] : names) {
-              if (name == text) {
-                value = is;
-                return;
-              }
-              all += (all.empty() ? "" : ", ") + std::string(name);
-            }
-            throw std::invalid_argument(std::string(key) + " \"" + text + "\" is not one of " +
-                                        all);
-          }};
+  return {
+      [&value, &names] {
+        for (const auto& [is, name] : names) {
+          if (is == value) return std::string(name);
+        }
+        return std::string();
+      },
+      [key, &value, &names](const std::string& text) {
+        std::string all;
+        for (const auto& [is, name] : names) {
+          if (name == text) {
+            value = is;
+            return;
+          }
+          all += (all.empty() ? "" : ", ") + std::string(name);
+        }
+        throw std::invalid_argument(std::string(key) + " \"" + text + "\" is not one of " + all);
+      }};
 }
 
 /// How many pixels along a side become one.
@@ -86,12 +86,21 @@ struct Placing {
   std::vector<StartPoint> tracks;
 };
 
+bool shows_board(const Capture& capture) {
+  return !capture.board.empty() && capture.board != "none";
+}
+
+bool are_reported(const Capture& capture, ViewsPoses from) {
+  return from == ViewsPoses::reported ||
+         (from == ViewsPoses::best && placed(reported_poses(capture)) >= 2);
+}
+
 Placing place_by_tracks(const Capture& capture) {
   SfmConfig config;
   // Frames may come in any order; beyond so many, in the order of a walk around.
   constexpr std::size_t kAllPairs = 60;
   if (capture.frames.size() <= kAllPairs) config.pairs.choice = PairChoice::exhaustive;
-  if (capture.board.empty() || capture.board == "none") config.scale = SfmScale::none;
+  if (!shows_board(capture)) config.scale = SfmScale::none;
   SfmEstimate estimate = estimate_poses_sfm(capture, config);
   if (!has_poses(estimate.status))
     throw std::runtime_error("structure from motion: " + std::string(to_string(estimate.status)) +
@@ -104,12 +113,13 @@ Placing place_by_tracks(const Capture& capture) {
 
 Placing place(const Capture& full, ViewsPoses from) {
   Placing placing;
-  if (from != ViewsPoses::sfm) placing.poses = reported_poses(full);
-  if (from == ViewsPoses::sfm || (from == ViewsPoses::best && placed(placing.poses) < 2))
+  if (are_reported(full, from)) {
+    placing.poses = reported_poses(full);
+  } else {
     placing = place_by_tracks(full);
+  }
   if (const std::size_t count = placed(placing.poses); count < 2)
-    throw std::runtime_error(std::to_string(count) + " of " +
-                             std::to_string(placing.poses.size()) +
+    throw std::runtime_error(std::to_string(count) + " of " + std::to_string(placing.poses.size()) +
                              " views have a pose; at least 2 (poses=sfm finds them by COLMAP)");
   return placing;
 }
@@ -130,8 +140,9 @@ std::vector<StartPoint> start_points(const ViewsPipelineConfig& config,
     cameras.push_back({view.full.camera, view.camera_from_world, {}, {}});
   const ngp::NgpVolume volume = ngp_volume({}, cameras);
   if (!(volume.side_m > 0))
-    throw std::runtime_error("the cameras look at no common point, about which Gaussians could "
-                             "begin; poses=sfm begins at its points");
+    throw std::runtime_error(
+        "the cameras look at no common point, about which Gaussians could "
+        "begin; poses=sfm begins at its points");
   const Eigen::Vector3d half = Eigen::Vector3d::Constant(volume.side_m);
   return random_start_points(volume.centre_in_world_m - half, volume.centre_in_world_m + half,
                              config.start_points, Rng(seed).fork("splat_start"));
@@ -163,8 +174,8 @@ SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, cons
   }
   SplatTrainConfig training = training_of(config);
   training.seed = Rng(seed).fork("splats")();
-  const int last = config.method == ViewsMethod::splats_paper ? config.reference_steps
-                                                              : training.steps;
+  const int last =
+      config.method == ViewsMethod::splats_paper ? config.reference_steps : training.steps;
   return train_on_seeds(views, start_points(config, views, tracks, seed), {}, training, last,
                         watch);
 }
@@ -237,7 +248,8 @@ Surfaces mesh_of(const ViewsPipelineConfig& config, const SeedsEstimate& so_far)
     mesh.step_m = box.sizes().maxCoeff() / config.mesh_cells;
     mesh.truncation_m = 4 * mesh.step_m;
     mesh.no_depth = DepthMeshConfig::NoDepth::unknown;
-    if ((box.sizes().array() > 0).all()) surface.mesh = mesh_of_depths(so_far.poses, so_far.depths, mesh);
+    if ((box.sizes().array() > 0).all())
+      surface.mesh = mesh_of_depths(so_far.poses, so_far.depths, mesh);
   }
   surface.status = surface.mesh.triangles.empty() ? SurfaceStatus::empty : SurfaceStatus::ok;
   return {surface};
@@ -312,8 +324,7 @@ Capture reduced(const Capture& capture, int largest_side_px) {
     Frame next{.id = frame.id, .time_s = frame.time_s, .rig_from_world = frame.rig_from_world};
     if (!frame.sensors.empty()) {
       const SensorFrame& from = frame.sensors.front();
-      const int by =
-          reduction(from.reported.width_px, from.reported.height_px, largest_side_px);
+      const int by = reduction(from.reported.width_px, from.reported.height_px, largest_side_px);
       SensorFrame sensor{.reported = reduced(from.reported, by)};
       if (!from.color.empty()) sensor.color = by > 1 ? reduced(from.color, by) : from.color;
       next.sensors.push_back(std::move(sensor));
@@ -328,8 +339,12 @@ bool is_held_out(const ViewsPipelineConfig& config, std::size_t place) {
   return every > 1 && place % every == 0;
 }
 
-SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
-                         std::uint64_t seed, const SplatWatch& watch) {
+bool has_metric_poses(const ViewsPipelineConfig& config, const Capture& capture) {
+  return are_reported(capture, config.poses) || shows_board(capture);
+}
+
+SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
+                         const SplatWatch& watch) {
   validate(config);
   SeedsStages stages;
   // Points of tracks, from the stage that finds the poses to the one that begins on them.
@@ -338,8 +353,8 @@ SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
     Placing placing = place(full, config.poses);
     for (FramePose& pose : placing.poses) {
       const Camera& camera = pose.camera;
-      pose.camera = reduced(
-          camera, reduction(camera.width_px, camera.height_px, config.largest_side_px));
+      pose.camera =
+          reduced(camera, reduction(camera.width_px, camera.height_px, config.largest_side_px));
     }
     *tracks = std::move(placing.tracks);
     return std::move(placing.poses);
@@ -349,8 +364,7 @@ SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
     return train(config, capture, so_far.poses, *tracks, seed, watch);
   };
   stages.depth = [](const Capture&, const SeedsEstimate& so_far) {
-    return depths_of_splats(so_far.splats, so_far.poses, everywhere(),
-                            so_far.splats.low_pass_px2);
+    return depths_of_splats(so_far.splats, so_far.poses, everywhere(), so_far.splats.low_pass_px2);
   };
   stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
     return cloud_of(config, capture, so_far);

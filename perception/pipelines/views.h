@@ -32,8 +32,8 @@ struct ViewsPipelineConfig {
   /// Where no tracks are, Gaussians begin at so many places drawn evenly over a cube of twice the
   /// cameras' median distance about the point that they look at.
   int start_points = 20000;
-  int cloud_views = 24;  ///< evenly spread, whose depths become the cloud; 0: there is no cloud
-  double voxel_px = 2;   ///< of the cloud, in pixels at the median depth
+  int cloud_views = 24;     ///< evenly spread, whose depths become the cloud; 0: there is no cloud
+  double voxel_px = 2;      ///< of the cloud, in pixels at the median depth
   double agreement_px = 3;  ///< along the normal, likewise
   int mesh_cells = 160;     ///< along the longest side of what the cloud covers; 0: no mesh
 };
@@ -51,13 +51,17 @@ Camera reduced(const Camera& camera, int by);
 /// Whether the `place`-th of the views that have poses has no part in the training.
 bool is_held_out(const ViewsPipelineConfig& config, std::size_t place);
 
+/// Whether lengths are the capture's own, or a board's; else they are in the unit of COLMAP's
+/// model, which says nothing.
+bool has_metric_poses(const ViewsPipelineConfig& config, const Capture& capture);
+
 /// Stages `poses`, `splats`, `depth`, `cloud` and `surfaces`, the others are none. They run on
 /// `reduced(full, config.largest_side_px)`, whose cameras `poses` has. The unit is the capture's
 /// own: metres where its poses or a board give them. `splats` is empty where training had nothing
 /// to begin from or to learn; `surfaces` is one closed mesh, `empty` where depths agree on none.
 /// @param full  outlives the stages. `poses` throws std::runtime_error where fewer than two views
 /// find a place, `splats` if training diverged.
-SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
-                         std::uint64_t seed, const SplatWatch& watch = {});
+SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
+                         const SplatWatch& watch = {});
 
 }  // namespace cousin

@@ -37,5 +37,4 @@ inline Capture cube_capture() {
   return capture;
 }
 
-
 }  // namespace cousin

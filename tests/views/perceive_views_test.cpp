@@ -66,8 +66,7 @@ TEST(PerceiveViews, AForeignModelIsScoredLikeOurs) {
   truth.low_pass_px2 = 0.3;
   fs::create_directories(scratch.path() / "mine");
   write_splat_ply(scratch.path() / "mine" / "splats.ply", truth);
-  const StageSource mine =
-      parse_stage_source("splats=dir:" + (scratch.path() / "mine").string());
+  const StageSource mine = parse_stage_source("splats=dir:" + (scratch.path() / "mine").string());
   const ViewsRun run = perceive_views(cube_capture(), quick(), 1, {mine}, 0, "cube", {});
   // The photographs are of this very model, rounded to codes.
   EXPECT_GT(value_of(run.rows, "train.psnr"), 50);

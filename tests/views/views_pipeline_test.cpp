@@ -1,9 +1,8 @@
-#include "perception/pipelines/views.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "perception/pipelines/views.h"
 #include "sim/geometry/measure.h"
 #include "tests/views/cube_capture.h"
 
@@ -138,8 +137,7 @@ TEST(ViewsPipeline, WhatCannotBeDoneIsSaid) {
   Capture capture = cube_capture();
   ViewsPipelineConfig config = quick();
   config.poses = ViewsPoses::reported;
-  for (std::size_t i = 1; i < capture.frames.size(); ++i)
-    capture.frames[i].rig_from_world.reset();
+  for (std::size_t i = 1; i < capture.frames.size(); ++i) capture.frames[i].rig_from_world.reset();
   EXPECT_THAT([&] { run(capture, config); },
               ThrowsMessage<StageError>(HasSubstr("1 of 12 views have a pose")));
   Capture parallel = cube_capture();  // all look along one axis, from beside each other
@@ -155,6 +153,22 @@ TEST(ViewsPipeline, WhatCannotBeDoneIsSaid) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("mesh_cells")));
   EXPECT_THAT([&] { set_field(fields(config), "poses=guessed"); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("best, reported, sfm")));
+}
+
+TEST(ViewsPipeline, LengthsAreKnownFromThePosesOrABoard) {
+  Capture capture = cube_capture();
+  ViewsPipelineConfig config;
+  EXPECT_TRUE(has_metric_poses(config, capture));
+  config.poses = ViewsPoses::sfm;
+  EXPECT_FALSE(has_metric_poses(config, capture));
+  capture.board = "none";
+  EXPECT_FALSE(has_metric_poses(config, capture));
+  capture.board = "plain";
+  EXPECT_TRUE(has_metric_poses(config, capture));
+  config.poses = ViewsPoses::best;
+  capture.board.clear();
+  for (Frame& frame : capture.frames) frame.rig_from_world.reset();
+  EXPECT_FALSE(has_metric_poses(config, capture));
 }
 
 TEST(ViewsPipeline, BlackPhotographsGiveNoGaussiansAndNoCrash) {

@@ -1,0 +1,83 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/dataset/capture_io.h"
+#include "tests/app/program.h"
+#include "tests/views/cube_capture.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+Words few_steps(const char* steps = "150") {
+  return {"--pipeline", "views",
+          "--set",      std::string("steps=") + steps,
+          "--set",      "most_splats=900",
+          "--set",      "start_points=500",
+          "--set",      "mesh_cells=30",
+          "--set",      "hold_out_every=4"};
+}
+
+TEST(AppPerceiveViews, PhotographsOfAnythingBecomeGaussiansAndScores) {
+  const Program program;
+  write_capture(program.path("cube/000000"), cube_capture());
+  const Outcome ours =
+      program.run(Words{"perceive", "cube", "--out", "est", "--json"} + few_steps());
+  ASSERT_EQ(ours.code, 0) << ours.err;
+  const nlohmann::json scores = nlohmann::json::parse(ours.out);
+  bool has_held_out = false;
+  for (const nlohmann::json& row : scores["scores"]) {
+    if (row["metric"] != "held_out.psnr") continue;
+    has_held_out = true;
+    EXPECT_EQ(row["n"], 3);
+  }
+  EXPECT_TRUE(has_held_out) << ours.out.substr(0, 400);
+  for (const char* file : {"splats.ply", "splats_seen.csv", "cloud.ply", "meshes/000000.ply",
+                           "scores.csv", "config.toml", "pictures/000004.png"})
+    EXPECT_TRUE(fs::exists(program.path("est/000000") / file)) << file;
+  // Its own model again, as somebody's.
+  const Outcome theirs = program.run(
+      Words{"perceive", "cube", "--out", "again", "--stage", "splats=dir:est"} + few_steps());
+  EXPECT_EQ(theirs.code, 0) << theirs.err;
+  EXPECT_THAT(theirs.err, AllOf(HasSubstr("12 of 12 views posed"), HasSubstr("held out")));
+  EXPECT_EQ(contents(program.path("again/000000")).at("cloud.ply"),
+            contents(program.path("est/000000")).at("cloud.ply"));
+}
+
+TEST(AppPerceiveViews, AKilledTrainingGoesOnToTheSameBytes) {
+  const Program program;
+  write_capture(program.path("cube/000000"), cube_capture());
+  const Words words = Words{"perceive", "cube"} + few_steps("1500");
+  ASSERT_EQ(program.run(words + Words{"--out", "whole"}).code, 0);
+  const fs::path unfinished = program.path("parts/000000/splats.unfinished");
+  program.run_until(words + Words{"--out", "parts"}, [&] { return fs::exists(unfinished); });
+  const Outcome rest = program.run(words + Words{"--out", "parts"});
+  ASSERT_EQ(rest.code, 0) << rest.err;
+  EXPECT_FALSE(fs::exists(unfinished));
+  auto whole = contents(program.path("whole")), parts = contents(program.path("parts"));
+  for (auto* files : {&whole, &parts}) files->erase("000000/scores.csv");  // has seconds
+  EXPECT_EQ(parts, whole);
+}
+
+TEST(AppPerceiveViews, MistakesAreNamed) {
+  const Program program;
+  write_capture(program.path("cube/000000"), cube_capture());
+  const auto refusal = [&](const Words& words) {
+    const Outcome outcome =
+        program.run(Words{"perceive", "cube", "--pipeline", "views", "--out", "est"} + words);
+    EXPECT_EQ(outcome.code, 2);
+    return outcome.err;
+  };
+  EXPECT_THAT(refusal({"--method", "ours"}), HasSubstr("is not one of splats, splats_paper"));
+  EXPECT_THAT(refusal({"--stage", "corners=dir:cube"}), HasSubstr("poses, splats, depth"));
+  EXPECT_THAT(refusal({"--set", "voxel_px=0"}), HasSubstr("voxel_px = 0: must be in"));
+  EXPECT_THAT(refusal({"--set", "clusters.join_rounds=2"}), HasSubstr("unknown key"));
+}
+
+}  // namespace
+}  // namespace cousin
