@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "benchmarks/seeds/stage_files.h"
 #include "sim/dataset/capture_io.h"
 
 namespace cousin {
@@ -41,6 +42,12 @@ PerceivePlaces perceive_places(const Options& options) {
       options.out.empty() ? fs::path(places.dataset.string() + "_estimate") : fs::path(options.out);
   refuse_dataset_as_out(places.dataset, places.out);
   places.scenes = scenes_of(places.dataset);
+  for (const fs::path& scene : places.scenes) {
+    const fs::path estimate = places.out / scene_id(scene_index_of(scene));
+    if (fs::weakly_canonical(estimate) == fs::weakly_canonical(scene))
+      throw std::invalid_argument("--out " + places.out.string() + ": the estimate of " +
+                                  scene.string() + " would lie in the scene itself");
+  }
   return places;
 }
 

@@ -13,7 +13,7 @@ ScoreFile scores_of_shards(const std::vector<ShardResult>& results, const std::s
   for (const ShardResult& result : results) {
     if (!result.text.empty()) {
       const ScoreFile part = scores_from_json(result.text, result.name);
-      if (!part.header.machine.empty()) machines.insert(part.header.machine);
+      machines.insert(part.header.machine.empty() ? "unknown" : part.header.machine);
       append(part, all);
     } else if (!result.error.empty()) {
       ScoreRow row;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "benchmarks/metrics/image_fidelity.h"
@@ -122,6 +123,21 @@ void count_seen(const SeedsEstimate& estimate, const fs::path& file, const Score
   write_file(file, text);
 }
 
+/// What an earlier run left beside its seams.
+void remove_earlier(const fs::path& estimate_dir) {
+  fs::remove(estimate_dir / "scores.csv");
+  fs::remove(estimate_dir / "splats_seen.csv");
+  const fs::path pictures = estimate_dir / "pictures";
+  if (!fs::is_directory(pictures)) return;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(pictures)) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") == 6 && name.ends_with(".png") && name.size() == 10)
+      files.push_back(entry.path());
+  }
+  for (const fs::path& picture : files) fs::remove(picture);  // others are somebody's own
+}
+
 }  // namespace
 
 ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& config,
@@ -130,18 +146,27 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
                         const Progress& progress, const Warn& warn) {
   const Capture small = reduced(capture, config.largest_side_px);
   const std::uint64_t own_seed = Rng(seed).fork(static_cast<std::uint64_t>(scene_index))();
-  if (warn && !has_metric_poses(config, capture))
-    warn("poses are of COLMAP without a board: lengths are in its model's own unit");
+  const auto file = [&](const char* of) {
+    return estimate_dir.empty() ? fs::path() : estimate_dir / of;
+  };
+  if (!estimate_dir.empty()) remove_earlier(estimate_dir);
+  const auto placing = std::make_shared<ViewsPlacing>();
+  fs::path colmap;
   ViewsRun run;
   run.estimate = perceive_with(
       [&](const SplatWatch& watch) {
-        return with_stage_sources(views_stages(config, capture, own_seed, watch), sources,
+        colmap = colmap_folder(watch.checkpoint);
+        return with_stage_sources(views_stages(config, capture, own_seed, watch, placing), sources,
                                   scene_index, warn);
       },
       [&](const SeedsStages& stages, const StageObserver& observe) {
         return run_stages(small, stages, observe);
       },
       sources, scene_index, estimate_dir, progress);
+  std::error_code left;  // what cannot be removed costs room, not the result
+  if (!colmap.empty()) fs::remove_all(colmap, left);
+  if (warn && !placing->is_metric)
+    warn("poses are of COLMAP without a board: lengths are in its model's own unit");
   const SeedsEstimate& estimate = run.estimate;
   ScoreRow base;
   base.suite = "views";
@@ -149,10 +174,6 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   base.case_name = "photographs";
   base.method = to_string(config.method);
   base.seed = seed;
-  const auto file = [&](const char* of) {
-    return estimate_dir.empty() ? fs::path() : estimate_dir / of;
-  };
-  if (!estimate_dir.empty()) fs::remove_all(file("pictures"));
   if (!estimate.splats.splats.empty()) {
     look(config, small, estimate, file("pictures"), base, run.rows);
     count_seen(estimate, file("splats_seen.csv"), base, run.rows);
@@ -161,7 +182,7 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   for (const Surface& surface : estimate.surfaces) {
     if (surface.status == SurfaceStatus::ok)
       add_row("mesh.area", mass_properties(surface.mesh).area_m2,
-              has_metric_poses(config, capture) ? "m2" : "unit2", 1, base, run.rows);
+              placing->is_metric ? "m2" : "unit2", 1, base, run.rows);
   }
   for (const StageTiming& timing : estimate.timings) {
     ScoreRow row = base;

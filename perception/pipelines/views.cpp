@@ -80,48 +80,40 @@ std::size_t placed(const Poses& poses) {
                     [](const FramePose& pose) { return pose.status == PoseStatus::ok; }));
 }
 
-/// Poses of a capture's frames, and the points of the tracks that gave them.
-struct Placing {
-  Poses poses;
-  std::vector<StartPoint> tracks;
-};
-
-bool shows_board(const Capture& capture) {
-  return !capture.board.empty() && capture.board != "none";
-}
-
 bool are_reported(const Capture& capture, ViewsPoses from) {
   return from == ViewsPoses::reported ||
          (from == ViewsPoses::best && placed(reported_poses(capture)) >= 2);
 }
 
-Placing place_by_tracks(const Capture& capture) {
+/// @param colmap  folder that COLMAP works in; empty: one that goes
+Poses place_by_tracks(const Capture& capture, const std::filesystem::path& colmap,
+                      ViewsPlacing& placing) {
   SfmConfig config;
+  config.colmap.folder = colmap;
   // Frames may come in any order; beyond so many, in the order of a walk around.
   constexpr std::size_t kAllPairs = 60;
   if (capture.frames.size() <= kAllPairs) config.pairs.choice = PairChoice::exhaustive;
-  if (!shows_board(capture)) config.scale = SfmScale::none;
+  if (capture.board.empty() || capture.board == "none") config.scale = SfmScale::none;
   SfmEstimate estimate = estimate_poses_sfm(capture, config);
   if (!has_poses(estimate.status))
     throw std::runtime_error("structure from motion: " + std::string(to_string(estimate.status)) +
                              (estimate.reason.empty() ? "" : ", " + estimate.reason));
-  Placing placing{std::move(estimate.poses), {}};
+  placing.by_tracks = true;
+  placing.is_metric = estimate.gauge == BundleGauge::metric;
   for (const SfmPoint& point : estimate.points)
     placing.tracks.push_back({point.in_world_m, point.color});
-  return placing;
+  return std::move(estimate.poses);
 }
 
-Placing place(const Capture& full, ViewsPoses from) {
-  Placing placing;
-  if (are_reported(full, from)) {
-    placing.poses = reported_poses(full);
-  } else {
-    placing = place_by_tracks(full);
-  }
-  if (const std::size_t count = placed(placing.poses); count < 2)
-    throw std::runtime_error(std::to_string(count) + " of " + std::to_string(placing.poses.size()) +
+Poses place(const Capture& full, ViewsPoses from, const std::filesystem::path& colmap,
+            ViewsPlacing& placing) {
+  placing = {};
+  Poses poses =
+      are_reported(full, from) ? reported_poses(full) : place_by_tracks(full, colmap, placing);
+  if (const std::size_t count = placed(poses); count < 2)
+    throw std::runtime_error(std::to_string(count) + " of " + std::to_string(poses.size()) +
                              " views have a pose; at least 2 (poses=sfm finds them by COLMAP)");
-  return placing;
+  return poses;
 }
 
 /// Everything: depths are cut to no part of the world.
@@ -172,6 +164,11 @@ SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, cons
   for (SplatView& view : splat_views(capture, poses)) {
     if (!is_held_out(config, place++)) views.push_back(std::move(view));
   }
+  if (views.empty())
+    throw std::runtime_error(std::to_string(placed(poses)) + " views have a pose, of " +
+                             std::to_string(place) + " with a colour photograph none is left to " +
+                             "train on (hold_out_every = " + std::to_string(config.hold_out_every) +
+                             ")");
   SplatTrainConfig training = training_of(config);
   training.seed = Rng(seed).fork("splats")();
   const int last =
@@ -208,17 +205,28 @@ Cloud cloud_of(const ViewsPipelineConfig& config, const Capture& capture,
   }
   const std::size_t count =
       std::min(with_depth.size(), static_cast<std::size_t>(config.cloud_views));
+  // Fusion knows how large things are that lie on a bench: there a pixel spans this.
+  constexpr double kBenchSpan_m = 1e-4;
+  const double to_bench = kBenchSpan_m / span_m;
+  Poses poses = so_far.poses;
+  for (FramePose& pose : poses) pose.camera_from_world.translation_m *= to_bench;
   Depths some;
   for (const FrameDepth& depth : so_far.depths) some.push_back({depth.frame, {}, {}});
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t v = with_depth[i * with_depth.size() / count];
-    some[v] = so_far.depths[v];
+    some[v].depth_m = so_far.depths[v].depth_m;
+    for (float& z : some[v].depth_m) z *= static_cast<float>(to_bench);
   }
   FuseConfig fuse;
-  fuse.voxel_m = std::clamp(config.voxel_px * span_m, 1e-6, 0.1);
-  fuse.agreement_m = std::clamp(config.agreement_px * span_m, 1e-6, 0.1);
+  fuse.voxel_m = config.voxel_px * kBenchSpan_m;
+  fuse.agreement_m = config.agreement_px * kBenchSpan_m;
   const GreenConfig nothing_is_green{.hue_low = 1, .hue_high = 0};
-  return fuse_depths(capture, so_far.poses, some, nothing_is_green, fuse);
+  Cloud cloud = fuse_depths(capture, poses, some, nothing_is_green, fuse);
+  for (CloudPoint& point : cloud) {
+    point.position_m *= static_cast<float>(1 / to_bench);
+    point.sigma_m = 0;  // depths of Gaussians have none
+  }
+  return cloud;
 }
 
 /// Where the middle 98 % of a cloud along each axis lie, and a tenth more on either side.
@@ -269,8 +277,9 @@ Fields fields(ViewsPipelineConfig& c) {
        "best: the capture's where it has them, else sfm; reported; sfm: by COLMAP and our "
        "adjustment"},
       {"largest_side_px", &c.largest_side_px,
-       "longer side that photographs are made small to after they were placed; 0: they stay", 0,
-       100000},
+       "longer side that photographs are made small to after they were placed, from 16 on; 0: they "
+       "stay",
+       0, 100000},
       {"hold_out_every", &c.hold_out_every,
        "every so many-th view has no part in the training and scores it; 0 or 1: all have", 0,
        1000},
@@ -289,12 +298,17 @@ Fields fields(ViewsPipelineConfig& c) {
       {"agreement_px", &c.agreement_px, "along the normal, at which depths agree; likewise", 0.01,
        100},
       {"mesh_cells", &c.mesh_cells,
-       "of the mesh's lattice along the cloud's longest side; 0: no mesh", 0, 400}};
+       "of the mesh's lattice along the cloud's longest side; 0: no mesh", 0, 390}};
 }
 
 void validate(const ViewsPipelineConfig& config) {
   ViewsPipelineConfig copy = config;
   check_limits(fields(copy), "views");
+  constexpr int kLeastSide_px = 16;
+  if (config.largest_side_px > 0 && config.largest_side_px < kLeastSide_px)
+    throw std::invalid_argument(
+        "views: largest_side_px = " + std::to_string(config.largest_side_px) +
+        " is neither 0 nor " + std::to_string(kLeastSide_px) + " or more");
 }
 
 Camera reduced(const Camera& camera, int by) {
@@ -339,29 +353,30 @@ bool is_held_out(const ViewsPipelineConfig& config, std::size_t place) {
   return every > 1 && place % every == 0;
 }
 
-bool has_metric_poses(const ViewsPipelineConfig& config, const Capture& capture) {
-  return are_reported(capture, config.poses) || shows_board(capture);
+std::filesystem::path colmap_folder(const SplatCheckpoint& checkpoint) {
+  return checkpoint.file.empty() ? std::filesystem::path()
+                                 : std::filesystem::path(checkpoint.file.string() + ".colmap");
 }
 
 SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
-                         const SplatWatch& watch) {
+                         const SplatWatch& watch, std::shared_ptr<ViewsPlacing> placing) {
   validate(config);
   SeedsStages stages;
-  // Points of tracks, from the stage that finds the poses to the one that begins on them.
-  const auto tracks = std::make_shared<std::vector<StartPoint>>();
-  stages.poses = [config, &full, tracks](const Capture&, const SeedsEstimate&) {
-    Placing placing = place(full, config.poses);
-    for (FramePose& pose : placing.poses) {
+  // From the stage that finds the poses to the one that begins on their tracks.
+  if (!placing) placing = std::make_shared<ViewsPlacing>();
+  stages.poses = [config, &full, placing, colmap = colmap_folder(watch.checkpoint)](
+                     const Capture&, const SeedsEstimate&) {
+    Poses poses = place(full, config.poses, colmap, *placing);
+    for (FramePose& pose : poses) {
       const Camera& camera = pose.camera;
       pose.camera =
           reduced(camera, reduction(camera.width_px, camera.height_px, config.largest_side_px));
     }
-    *tracks = std::move(placing.tracks);
-    return std::move(placing.poses);
+    return poses;
   };
-  stages.splats = [config, seed, tracks, watch](const Capture& capture,
-                                                const SeedsEstimate& so_far) {
-    return train(config, capture, so_far.poses, *tracks, seed, watch);
+  stages.splats = [config, seed, placing, watch](const Capture& capture,
+                                                 const SeedsEstimate& so_far) {
+    return train(config, capture, so_far.poses, placing->tracks, seed, watch);
   };
   stages.depth = [](const Capture&, const SeedsEstimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses, everywhere(), so_far.splats.low_pass_px2);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -22,7 +24,8 @@ struct ViewsPipelineConfig {
   /// they were placed; 0: they stay.
   int largest_side_px = 1000;
   /// Every so many-th placed view, the first included, has no part in the training and scores it
-  /// [Barron et al., CVPR 2022]; 0 or 1: all have.
+  /// [Barron et al., CVPR 2022]; 0 or 1: all have. With poses by COLMAP it has its part in these
+  /// and in where Gaussians begin, as is usual.
   int hold_out_every = 8;
   int steps = 3000;            ///< `splats`
   int most_splats = 60000;     ///< `splats`
@@ -51,17 +54,28 @@ Camera reduced(const Camera& camera, int by);
 /// Whether the `place`-th of the views that have poses has no part in the training.
 bool is_held_out(const ViewsPipelineConfig& config, std::size_t place);
 
-/// Whether lengths are the capture's own, or a board's; else they are in the unit of COLMAP's
-/// model, which says nothing.
-bool has_metric_poses(const ViewsPipelineConfig& config, const Capture& capture);
+/// What the stage `poses` found beside them.
+struct ViewsPlacing {
+  bool by_tracks = false;  ///< by COLMAP and our adjustment
+  /// Lengths are the capture's own, or a board's; else they are in the unit of COLMAP's model,
+  /// which says nothing.
+  bool is_metric = true;
+  std::vector<StartPoint> tracks;
+};
 
 /// Stages `poses`, `splats`, `depth`, `cloud` and `surfaces`, the others are none. They run on
 /// `reduced(full, config.largest_side_px)`, whose cameras `poses` has. The unit is the capture's
 /// own: metres where its poses or a board give them. `splats` is empty where training had nothing
-/// to begin from or to learn; `surfaces` is one closed mesh, `empty` where depths agree on none.
+/// to learn; `surfaces` is one closed mesh, `empty` where depths agree on none. Where a checkpoint
+/// is kept, COLMAP's folder is beside it, named as `colmap_folder` says: its models vary from run
+/// to run, and a training goes on with the poses that it began with.
 /// @param full  outlives the stages. `poses` throws std::runtime_error where fewer than two views
-/// find a place, `splats` if training diverged.
+/// find a place, `splats` if training diverged or no photograph is left to train on.
+/// @param placing  out, once `poses` has run
 SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
-                         const SplatWatch& watch = {});
+                         const SplatWatch& watch = {}, std::shared_ptr<ViewsPlacing> placing = {});
+
+/// Beside a checkpoint's file; the caller removes it when the training is done.
+std::filesystem::path colmap_folder(const SplatCheckpoint& checkpoint);
 
 }  // namespace cousin

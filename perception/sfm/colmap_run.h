@@ -61,8 +61,8 @@ struct ColmapRun {
 };
 
 /// Sparse reconstruction by COLMAP (3.8; CPU): features, the pairs given, incremental mapping.
-/// Called with words, never through a shell; its logs stay in the folder. On one thread, a run of
-/// the same program on the same images gives the same model; COLMAP promises no more than that.
+/// Called with words, never through a shell; its logs stay in the folder. Models vary from run to
+/// run, on one thread too; in a folder that is kept, finished steps are taken as they are.
 /// @throws std::invalid_argument for an invalid config, images without pixels or of another size
 /// than the first or the lens, a lens that COLMAP does not have, or a pair that does not exist;
 /// std::runtime_error if the folder cannot be written or a model is malformed.

@@ -25,7 +25,8 @@ struct SplatImage {
   ColorPlanes color;   ///< front to back, over the background
   Image<float> alpha;  ///< 1 - transmittance
   /// Along the axis, of the Gaussian at which transmittance falls through 1/2, where the pixel's
-  /// ray is deepest in it (to first order about its centre); NaN = never.
+  /// ray is deepest in it (as in the plane of a flat one, at most four times its centre's depth);
+  /// NaN = never.
   Image<float> depth_m;
   Image<float>
       mean_depth_m;  ///< mean of the Gaussians' depths weighted as their colours are; NaN = alpha 0

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "sim/dataset/capture_io.h"
@@ -15,12 +16,16 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 Words few_steps(const char* steps = "150") {
-  return {"--pipeline", "views",
-          "--set",      std::string("steps=") + steps,
-          "--set",      "most_splats=900",
-          "--set",      "start_points=500",
-          "--set",      "mesh_cells=30",
-          "--set",      "hold_out_every=4"};
+  return {"--pipeline", "views",           "--set", std::string("steps=") + steps,
+          "--set",      "most_splats=900", "--set", "start_points=500",
+          "--set",      "mesh_cells=30",   "--set", "hold_out_every=4"};
+}
+
+/// Of the first line that says how far training is; 0: none does.
+int first_step(const std::string& err) {
+  const std::string words = "splats, step ";
+  const std::size_t at = err.find(words);
+  return at == std::string::npos ? 0 : std::stoi(err.substr(at + words.size()));
 }
 
 TEST(AppPerceiveViews, PhotographsOfAnythingBecomeGaussiansAndScores) {
@@ -55,9 +60,14 @@ TEST(AppPerceiveViews, AKilledTrainingGoesOnToTheSameBytes) {
   const Words words = Words{"perceive", "cube"} + few_steps("1500");
   ASSERT_EQ(program.run(words + Words{"--out", "whole"}).code, 0);
   const fs::path unfinished = program.path("parts/000000/splats.unfinished");
-  program.run_until(words + Words{"--out", "parts"}, [&] { return fs::exists(unfinished); });
+  const Outcome killed =
+      program.run_until(words + Words{"--out", "parts"}, [&] { return fs::exists(unfinished); });
+  if (killed.signal != SIGKILL) GTEST_SKIP() << "it was finished before it could be killed";
+  ASSERT_TRUE(fs::exists(unfinished));
+  EXPECT_EQ(first_step(killed.err), 50);
   const Outcome rest = program.run(words + Words{"--out", "parts"});
   ASSERT_EQ(rest.code, 0) << rest.err;
+  EXPECT_GE(first_step(rest.err), 500);  // there the first checkpoint was
   EXPECT_FALSE(fs::exists(unfinished));
   auto whole = contents(program.path("whole")), parts = contents(program.path("parts"));
   for (auto* files : {&whole, &parts}) files->erase("000000/scores.csv");  // has seconds
@@ -75,8 +85,13 @@ TEST(AppPerceiveViews, MistakesAreNamed) {
   };
   EXPECT_THAT(refusal({"--method", "ours"}), HasSubstr("is not one of splats, splats_paper"));
   EXPECT_THAT(refusal({"--stage", "corners=dir:cube"}), HasSubstr("poses, splats, depth"));
+  EXPECT_THAT(refusal({"--set", "largest_side_px=1"}), HasSubstr("neither 0 nor 16"));
   EXPECT_THAT(refusal({"--set", "voxel_px=0"}), HasSubstr("voxel_px = 0: must be in"));
   EXPECT_THAT(refusal({"--set", "clusters.join_rounds=2"}), HasSubstr("unknown key"));
+  const Outcome inside =
+      program.run({"perceive", "cube/000000", "--pipeline", "views", "--out", "cube"});
+  EXPECT_EQ(inside.code, 2);
+  EXPECT_THAT(inside.err, HasSubstr("would lie in the scene itself"));
 }
 
 }  // namespace

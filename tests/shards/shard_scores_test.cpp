@@ -30,8 +30,9 @@ TEST(ShardScores, MachinesOfKeptJobsAreNamedOnce) {
     jobs[i] = {std::to_string(i) + ".json", to_json(file), {}, {}, false};
   }
   const ShardResult unknown{"old.json", to_json(ScoreFile{}), {}, {}, false};
-  EXPECT_EQ(scores_of_shards({jobs[0], unknown, jobs[2]}, "splats", 1).header.machine,
-            "A, 2 cores");
+  EXPECT_EQ(scores_of_shards({jobs[0], jobs[2]}, "splats", 1).header.machine, "A, 2 cores");
+  EXPECT_EQ(scores_of_shards({jobs[0], unknown}, "splats", 1).header.machine,
+            "A, 2 cores and unknown");
   EXPECT_EQ(scores_of_shards({jobs[0], jobs[1], jobs[2]}, "splats", 1).header.machine,
             "A, 2 cores and B, 4 cores");
 }

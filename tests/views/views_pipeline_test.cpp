@@ -148,30 +148,44 @@ TEST(ViewsPipeline, WhatCannotBeDoneIsSaid) {
   EXPECT_THAT([&] { run(parallel, quick()); },
               ThrowsMessage<StageError>(HasSubstr("look at no common point")));
   EXPECT_THROW(run({}, quick()), std::invalid_argument);
-  config.mesh_cells = 401;
+  Capture blind = cube_capture();
+  for (std::size_t i = 1; i < blind.frames.size(); ++i) blind.frames[i].sensors[0].color = {};
+  EXPECT_THAT([&] { run(blind, quick()); },
+              ThrowsMessage<StageError>(HasSubstr("of 1 with a colour photograph none is left")));
+  config.mesh_cells = 391;
   EXPECT_THAT([&] { validate(config); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("mesh_cells")));
   EXPECT_THAT([&] { set_field(fields(config), "poses=guessed"); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("best, reported, sfm")));
 }
 
-TEST(ViewsPipeline, LengthsAreKnownFromThePosesOrABoard) {
-  Capture capture = cube_capture();
-  ViewsPipelineConfig config;
-  EXPECT_TRUE(has_metric_poses(config, capture));
-  config.poses = ViewsPoses::sfm;
-  EXPECT_FALSE(has_metric_poses(config, capture));
-  capture.board = "none";
-  EXPECT_FALSE(has_metric_poses(config, capture));
-  capture.board = "plain";
-  EXPECT_TRUE(has_metric_poses(config, capture));
-  config.poses = ViewsPoses::best;
-  capture.board.clear();
-  for (Frame& frame : capture.frames) frame.rig_from_world.reset();
-  EXPECT_FALSE(has_metric_poses(config, capture));
+TEST(ViewsPipeline, TheUnitOfLengthDoesNotMatter) {
+  const Capture capture = cube_capture();
+  ViewsPipelineConfig config = quick();
+  config.steps = 60;
+  const SeedsEstimate metres = run(capture, config);
+  Capture large = capture;  // the same in millimetres
+  for (Frame& frame : large.frames) frame.rig_from_world->translation_m *= 1000;
+  const SeedsEstimate millimetres = run(large, config);
+  ASSERT_GT(metres.cloud.size(), 100U);
+  EXPECT_NEAR(static_cast<double>(millimetres.cloud.size()),
+              static_cast<double>(metres.cloud.size()),
+              0.1 * static_cast<double>(metres.cloud.size()));
+  EXPECT_NEAR(mass_properties(millimetres.surfaces.at(0).mesh).area_m2,
+              1e6 * mass_properties(metres.surfaces.at(0).mesh).area_m2, 2e6);
 }
 
-TEST(ViewsPipeline, BlackPhotographsGiveNoGaussiansAndNoCrash) {
+TEST(ViewsPipeline, PlacingSaysWhereThePosesAreFrom) {
+  const Capture capture = cube_capture();
+  const auto placing = std::make_shared<ViewsPlacing>();
+  placing->is_metric = false;
+  const SeedsStages stages = views_stages(quick(), capture, 1, {}, placing);
+  EXPECT_EQ(stages.poses(capture, {}).size(), 12U);
+  EXPECT_FALSE(placing->by_tracks);
+  EXPECT_TRUE(placing->is_metric);
+}
+
+TEST(ViewsPipeline, BlackPhotographsGiveNoSurface) {
   Capture capture = cube_capture();
   for (Frame& frame : capture.frames) frame.sensors[0].color = Image<Rgb8>(108, 75, {0, 0, 0});
   const SeedsEstimate estimate = run(capture, quick());
