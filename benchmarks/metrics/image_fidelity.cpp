@@ -93,6 +93,17 @@ FidelityPlanes fidelity_planes(const Image<Rgb8>& image) {
   return planes;
 }
 
+Image<Rgb8> rgb_of(const FidelityPlanes& planes) {
+  const auto& [red, green, blue] = planes;
+  const auto code = [](float value) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
+  };
+  Image<Rgb8> image(red.width(), red.height());
+  for (std::size_t i = 0; i < image.size(); ++i)
+    image.data()[i] = {code(red.data()[i]), code(green.data()[i]), code(blue.data()[i])};
+  return image;
+}
+
 Image<std::uint8_t> counted_pixels(const Image<float>& weight) {
   Image<std::uint8_t> mask(weight.width(), weight.height());
   for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = weight.data()[i] >= 0.999F;

@@ -15,6 +15,8 @@ namespace cousin {
 /// pixel are NaN. All throw std::invalid_argument if sizes differ.
 using FidelityPlanes = std::array<Image<float>, 3>;
 FidelityPlanes fidelity_planes(const Image<Rgb8>& image);
+/// Back to codes, values beyond 0..1 clamped.
+Image<Rgb8> rgb_of(const FidelityPlanes& planes);
 
 /// The mask of a photograph some of whose pixels say nothing, as borders that undistorting leaves:
 /// not zero where the weight is at least 0.999. No weights, no mask.

@@ -13,16 +13,10 @@ namespace {
 
 constexpr int kQuality = 92;  ///< of JPEG: pages are small
 
-std::uint8_t to_byte(float value) {
-  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
-}
-
 void put(const FidelityPlanes& planes, int left_px, Image<Rgb8>& into) {
-  for (int y = 0; y < planes[0].height(); ++y) {
-    for (int x = 0; x < planes[0].width(); ++x) {
-      into(left_px + x, y) = {to_byte(planes[0](x, y)), to_byte(planes[1](x, y)),
-                              to_byte(planes[2](x, y))};
-    }
+  const Image<Rgb8> image = rgb_of(planes);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) into(left_px + x, y) = image(x, y);
   }
 }
 

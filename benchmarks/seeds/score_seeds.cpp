@@ -191,29 +191,6 @@ void score_outlines_of(const SceneTruth& truth, const std::vector<Mesh>& true_me
   add(rows, base, "outline.rms_over_sigma", score.normalized_rms, "1", score.points);
 }
 
-void score_timings(const SeedsEstimate& estimate, const ScoreRow& base,
-                   std::vector<ScoreRow>& rows) {
-  double wall_s = 0, cpu_s = 0, peak_mb = 0, above_mb = ScoreRow::kNone;
-  for (const StageTiming& timing : estimate.timings) {
-    ScoreRow row = base;
-    row.wall_s = timing.wall_s;
-    row.cpu_s = timing.cpu_s;
-    row.peak_rss_mb = timing.peak_rss_mb;
-    row.peak_above_start_mb = timing.peak_above_start_mb;
-    add(rows, row, "seconds." + timing.stage, timing.wall_s, "s", 1);
-    wall_s += timing.wall_s;
-    cpu_s += timing.cpu_s;
-    peak_mb = std::max(peak_mb, timing.peak_rss_mb);
-    above_mb = std::fmax(above_mb, timing.peak_above_start_mb);  // NaN gives way to a number
-  }
-  ScoreRow row = base;
-  row.wall_s = wall_s;
-  row.cpu_s = cpu_s;
-  row.peak_rss_mb = peak_mb;
-  row.peak_above_start_mb = above_mb;
-  add(rows, row, "seconds.perceive", wall_s, "s", 1);
-}
-
 std::vector<Eigen::Vector3d> centroids_of(const Traits& traits) {
   std::vector<Eigen::Vector3d> result;
   for (const SpecimenTraits& t : traits) result.push_back(t.centroid_in_world_m);
@@ -281,6 +258,29 @@ std::string species_of(const std::string& cultivar) {
       {"aikang58", "wheat"},    {"suijing18", "rice"},      {"xiangyaxiangzhan", "rice"}};
   const auto found = kSpecies.find(cultivar);
   return found == kSpecies.end() ? cultivar : found->second;
+}
+
+void score_timings(const SeedsEstimate& estimate, const ScoreRow& base,
+                   std::vector<ScoreRow>& rows) {
+  double wall_s = 0, cpu_s = 0, peak_mb = 0, above_mb = ScoreRow::kNone;
+  for (const StageTiming& timing : estimate.timings) {
+    ScoreRow row = base;
+    row.wall_s = timing.wall_s;
+    row.cpu_s = timing.cpu_s;
+    row.peak_rss_mb = timing.peak_rss_mb;
+    row.peak_above_start_mb = timing.peak_above_start_mb;
+    add(rows, row, "seconds." + timing.stage, timing.wall_s, "s", 1);
+    wall_s += timing.wall_s;
+    cpu_s += timing.cpu_s;
+    peak_mb = std::max(peak_mb, timing.peak_rss_mb);
+    above_mb = std::fmax(above_mb, timing.peak_above_start_mb);  // NaN gives way to a number
+  }
+  ScoreRow row = base;
+  row.wall_s = wall_s;
+  row.cpu_s = cpu_s;
+  row.peak_rss_mb = peak_mb;
+  row.peak_above_start_mb = above_mb;
+  add(rows, row, "seconds.perceive", wall_s, "s", 1);
 }
 
 SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& as_perceived,

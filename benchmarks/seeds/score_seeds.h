@@ -29,6 +29,11 @@ struct SeedsScores {
   std::vector<SpecimenRow> specimens;
 };
 
+/// seconds.STAGE of each stage and seconds.perceive of all, with CPU time and memory in their
+/// columns.
+void score_timings(const SeedsEstimate& estimate, const ScoreRow& base,
+                   std::vector<ScoreRow>& rows);
+
 /// Scores one capture: specimens found, missed and spurious, poses, cloud and meshes against the
 /// true surfaces, seconds and memory; and one specimen row for each true specimen and trait (status
 /// not_solved where it was not measured). Whatever the estimate does not hold is not scored. On a

@@ -1,12 +1,12 @@
 #include "benchmarks/views/perceive_views.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <utility>
 
 #include "benchmarks/metrics/image_fidelity.h"
 #include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/seeds/score_seeds.h"
 #include "perception/splats/splat_geometry.h"
 #include "perception/splats/splat_render.h"
 #include "sim/dataset/atomic_file.h"
@@ -56,21 +56,12 @@ void add_looks(const std::string& set, const Looks& looks, const ScoreRow& base,
   add_row(set + ".flip", mean(looks.flip), "1", n, base, rows);
 }
 
-/// Photograph and model side by side.
-Image<Rgb8> side_by_side(const FidelityPlanes& photograph, const FidelityPlanes& image) {
-  const int width = image[0].width(), height = image[0].height();
-  Image<Rgb8> both(2 * width, height);
-  const auto code = [](float value) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
-  };
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const auto pixel = [&](const FidelityPlanes& of) {
-        return Rgb8{code(of[0](x, y)), code(of[1](x, y)), code(of[2](x, y))};
-      };
-      both(x, y) = pixel(photograph);
-      both(width + x, y) = pixel(image);
-    }
+Image<Rgb8> side_by_side(const Image<Rgb8>& left, const Image<Rgb8>& right) {
+  Image<Rgb8> both(left.width() + right.width(), left.height());
+  for (int y = 0; y < left.height(); ++y) {
+    const auto row = both.row(y);
+    std::copy(left.row(y).begin(), left.row(y).end(), row.begin());
+    std::copy(right.row(y).begin(), right.row(y).end(), row.begin() + left.width());
   }
   return both;
 }
@@ -93,7 +84,8 @@ void look(const ViewsPipelineConfig& config, const Capture& capture, const Seeds
     (is_held_out(config, i) ? held_out : train).add(image, views[i]);
     if (pictures.empty() || std::find(shown.begin(), shown.end(), i) == shown.end()) continue;
     const int id = capture.frames[static_cast<std::size_t>(views[i].frame)].id;
-    write_png(pictures / (scene_id(id) + ".png"), side_by_side(views[i].full.color.channel, image));
+    write_png(pictures / (scene_id(id) + ".png"),
+              side_by_side(rgb_of(views[i].full.color.channel), rgb_of(image)));
   }
   add_looks("train", train, base, rows);
   add_looks("held_out", held_out, base, rows);
@@ -184,14 +176,7 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
       add_row("mesh.area", mass_properties(surface.mesh).area_m2,
               placing->is_metric ? "m2" : "unit2", 1, base, run.rows);
   }
-  for (const StageTiming& timing : estimate.timings) {
-    ScoreRow row = base;
-    row.wall_s = timing.wall_s;
-    row.cpu_s = timing.cpu_s;
-    row.peak_rss_mb = timing.peak_rss_mb;
-    row.peak_above_start_mb = timing.peak_above_start_mb;
-    add_row("seconds." + timing.stage, timing.wall_s, "s", 1, row, run.rows);
-  }
+  score_timings(estimate, base, run.rows);
   if (!estimate_dir.empty()) write_file(file("scores.csv"), to_csv(run.rows));
   return run;
 }

@@ -16,7 +16,7 @@ struct ViewsRun {
   SeedsEstimate estimate;  ///< poses, splats, depths, cloud and one surface at most
   /// No truth is needed for them: train.psnr, .ssim, .flip and the same of held_out, n = views;
   /// gaussians; gaussians.seen_by_3, the share that at least three of all placed views see;
-  /// cloud.points; mesh.area; seconds.STAGE.
+  /// cloud.points; mesh.area; seconds of stages.
   std::vector<ScoreRow> rows;
 };
 
