@@ -8,6 +8,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/perceive_places.h"
+#include "benchmarks/app/result_output.h"
 #include "benchmarks/views/perceive_views.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
@@ -102,9 +103,7 @@ ExitCode command_perceive_views(const JobContext& context) {
   if (o.json) {
     std::printf("%s\n", to_json(all).c_str());
   } else {
-    for (const ScoreRow& row : all.scores)
-      std::printf("%s %-28s %14.6g %s\n", row.scene.c_str(), row.metric.c_str(), row.value,
-                  row.unit == "1" ? "" : row.unit.c_str());
+    print_rows(all.scores);
   }
   context.progress.line("estimates: " + places.out.string());
   return all_found ? ExitCode::done : ExitCode::bad_input;

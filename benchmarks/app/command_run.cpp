@@ -1,4 +1,4 @@
-// run and score: from a scene, or from a dataset and estimates, to numbers and a report.
+// run: from a scene to numbers and a report.
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/result_output.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/perceive.h"
@@ -16,9 +17,6 @@
 #include "benchmarks/seeds/seeds_report.h"
 #include "benchmarks/shards/shard.h"
 #include "sim/dataset/capture_io.h"
-#include "sim/dataset/manifest.h"
-#include "sim/dataset/seam_io.h"
-#include "sim/dataset/truth_io.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -30,21 +28,6 @@ std::vector<std::string> assignments(const Options& o) {
   if (o.frames > 0) sets.push_back("views=" + std::to_string(o.frames));
   if (!o.method.empty()) sets.push_back("pipeline.method=" + o.method);
   return sets;
-}
-
-ExitCode check_gates(const Options& o, const std::vector<ScoreRow>& rows) {
-  bool all_hold = true;
-  for (const std::string& text : o.gates) {
-    for (const std::string& problem : broken(parse_gate(text), rows)) {
-      std::fprintf(stderr, "gate %s: %s\n", text.c_str(), problem.c_str());
-      all_hold = false;
-    }
-  }
-  return all_hold ? ExitCode::done : ExitCode::gate_failed;
-}
-
-void print_result(const Options& o, const ScoreFile& file) {
-  std::printf("%s", o.json ? to_json(file).c_str() : summary_table(file.scores).c_str());
 }
 
 /// Seconds of the simulator's passes as rows.
@@ -289,60 +272,6 @@ ExitCode command_run(const JobContext& context) {
   std::snprintf(line, sizeof line, "%.1f s, peak %.0f MB; report: %s", whole.wall_s,
                 whole.peak_rss_mb, (out / "report.html").string().c_str());
   context.progress.line(line);
-  return check_gates(o, file.scores);
-}
-
-ExitCode command_score(const JobContext& context) {
-  const Options& o = context.options;
-  const fs::path dataset = o.arguments.at(0);
-  const fs::path estimates = o.arguments.at(1);
-  for (const std::string& gate : o.gates) parse_gate(gate);
-  ScoreFile file;
-  file.header.program_version = COUSIN_VERSION;
-  file.header.machine = machine_text();
-  if (const auto manifest = read_manifest(dataset)) {
-    file.header.dataset_hash = sha256_hex_of_file(dataset / "manifest.json");
-    file.header.config_hash = manifest->config_hash;
-  }
-  SeedsScoreLabels labels;
-  labels.suite = dataset.filename().string();
-  labels.method = "estimate";
-  int scored = 0;
-  for (const fs::path& scene_dir : scene_folders(dataset)) {
-    const fs::path estimate_dir = estimates / scene_dir.filename();
-    if (!fs::is_directory(estimate_dir)) {
-      context.progress.line("no estimate of " + scene_dir.filename().string());
-      continue;
-    }
-    if (!fs::is_directory(scene_dir / "truth")) {
-      throw std::runtime_error(scene_dir.string() + ": there is no truth/ to score against");
-    }
-    const SceneTruth truth = read_truth(scene_dir);
-    SeedsEstimate estimate;
-    estimate.traits = read_traits(estimate_dir);
-    if (fs::exists(estimate_dir / "poses.json")) estimate.poses = read_poses(estimate_dir);
-    if (fs::exists(estimate_dir / "clusters.ply")) estimate.clusters = read_clusters(estimate_dir);
-    if (fs::exists(estimate_dir / "surfaces.json")) estimate.surfaces = read_surfaces(estimate_dir);
-    if (fs::exists(estimate_dir / "masks.json")) {
-      estimate.silhouettes = read_silhouettes(estimate_dir);
-    }
-    if (fs::exists(estimate_dir / "timings.json")) estimate.timings = read_timings(estimate_dir);
-    labels.scene = labels.run = scene_dir.filename().string();
-    labels.seed = truth.seed;
-    SeedsScores scores = score_run(truth, estimate, labels);
-    file.scores.insert(file.scores.end(), scores.rows.begin(), scores.rows.end());
-    file.specimens.insert(file.specimens.end(), scores.specimens.begin(), scores.specimens.end());
-    ++scored;
-  }
-  if (scored == 0)
-    throw std::runtime_error(estimates.string() + ": holds no estimate of any scene of " +
-                             dataset.string());
-  labels.scene = "pooled";
-  for (ScoreRow& row : pooled_rows(file.specimens, labels)) file.scores.push_back(std::move(row));
-  const fs::path out = o.out.empty() ? estimates : fs::path(o.out);
-  write_result_tables(out, file);
-  print_result(o, file);
-  context.progress.line("scores: " + (out / "scores.csv").string());
   return check_gates(o, file.scores);
 }
 

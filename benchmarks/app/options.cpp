@@ -243,6 +243,9 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
 
   CLI::App* score = verb("score", "Score estimates, ours or anybody's, against a dataset's truth");
   takes(score, "DATASET ESTIMATE_DIR", "Dataset and estimate folders", 2, 2);
+  score->add_flag("--align", o.align,
+                  "Of estimates without traits.json: turn, move and scale them so that camera "
+                  "centres come nearest to the true ones");
   score
       ->add_option("--gate", o.gates,
                    "'metric<=x' or 'metric>=x': exit code 1 if it does not hold; repeatable")

@@ -46,6 +46,7 @@ struct Options {
   std::string solver;        ///< of `calibrate`; empty = ceres
   std::string fixed;         ///< parameters that `calibrate` keeps, parted by commas
   bool plan = false;
+  bool align = false;  ///< `score`: the estimate's frame and unit are its own
   bool quick = false;
   int runs = 0;  ///< of each point of a benchmark; 0 = the suite's own number
   bool attribution = false;

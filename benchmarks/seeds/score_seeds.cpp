@@ -8,13 +8,12 @@
 #include <set>
 #include <stdexcept>
 
-#include "benchmarks/metrics/image_scores.h"
 #include "benchmarks/metrics/specimens.h"
 #include "benchmarks/metrics/surface_distance.h"
 #include "benchmarks/metrics/trait_statistics.h"
-#include "benchmarks/metrics/visible_surface.h"
 #include "benchmarks/seeds/board_turn.h"
 #include "benchmarks/seeds/limits.h"
+#include "benchmarks/seeds/score_geometry.h"
 #include "benchmarks/seeds/true_outline.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/geometry/measure.h"
@@ -38,83 +37,13 @@ constexpr std::array<double, 3> kTolerances_m = {0.0001, 0.0002, 0.0005};
 constexpr double kMatchGate_m = 0.004;
 constexpr int kSurfaceSamples = 20000;
 
-void add(std::vector<ScoreRow>& rows, ScoreRow row, const std::string& metric, double value,
+void add(std::vector<ScoreRow>& rows, const ScoreRow& row, const std::string& metric, double value,
          const std::string& unit, std::int64_t n) {
-  row.metric = metric;
-  row.value = value;
-  row.unit = unit;
-  row.n = n;
-  rows.push_back(std::move(row));
-}
-
-/// The estimate's poses in the order of the true views; those that are not there have none.
-/// @throws std::invalid_argument if one is of a frame that the truth does not have, or occurs twice
-Poses in_order_of(const std::vector<TrueView>& views, const Poses& poses) {
-  std::map<int, std::size_t> place;
-  Poses result;
-  for (const TrueView& view : views) {
-    place[view.frame] = result.size();
-    result.push_back({.frame = view.frame, .status = PoseStatus::no_board});
-  }
-  std::set<int> found;
-  for (const FramePose& pose : poses) {
-    const auto at = place.find(pose.frame);
-    if (at == place.end() || !found.insert(pose.frame).second)
-      throw std::invalid_argument(
-          "poses: frame " + std::to_string(pose.frame) +
-          (at == place.end() ? " is none of the truth's" : " occurs twice"));
-    result[at->second] = pose;
-  }
-  return result;
-}
-
-void score_poses_of(const SceneTruth& truth, const SeedsEstimate& estimate, const ScoreRow& base,
-                    std::vector<ScoreRow>& rows) {
-  if (estimate.poses.empty() || truth.views.empty()) return;
-  std::vector<Pose> poses;
-  std::vector<Camera> cameras;
-  for (const TrueView& view : truth.views) {
-    poses.push_back(interpolate(view.camera_from_world, view.camera_from_world_end, 0.5));
-    cameras.push_back(view.camera);
-  }
-  const PoseScore score = score_poses(in_order_of(truth.views, estimate.poses), poses, cameras);
-  add(rows, base, "views.posed", static_cast<double>(score.posed) / std::max(1, score.views), "1",
-      score.views);
-  add(rows, base, "camera.centre_rms", score.centre_rms_m, "m", score.posed);
-  add(rows, base, "camera.centre_max", score.centre_max_m, "m", score.posed);
-  add(rows, base, "camera.rotation_rms", score.rotation_rms_rad, "rad", score.posed);
-  add(rows, base, "camera.focal_rms", score.focal_rms, "1", score.posed);
-}
-
-void add_cloud_rows(const std::string& what, std::int64_t n, const CloudScore& score,
-                    const ScoreRow& base, std::vector<ScoreRow>& rows) {
-  add(rows, base, what + ".points", static_cast<double>(n), "1", n);
-  add(rows, base, what + ".accuracy_rms", score.accuracy_rms_m, "m", n);
-  add(rows, base, what + ".accuracy_mean", score.accuracy_mean_m, "m", n);
-  add(rows, base, what + ".accuracy_median", score.accuracy_median_m, "m", n);
-  add(rows, base, what + ".bias", score.bias_m, "m", n);
-  add(rows, base, what + ".completeness_mean", score.completeness_mean_m, "m", n);
-  add(rows, base, what + ".chamfer", chamfer_m(score), "m", n);
-  for (const CloudScore::AtTolerance& at : score.at) {
-    const std::string tolerance = std::to_string(static_cast<int>(at.tolerance_m * 1e6 + 0.5));
-    add(rows, base, what + ".precision_" + tolerance + "um", at.precision, "1", n);
-    add(rows, base, what + ".recall_" + tolerance + "um", at.recall, "1", n);
-    add(rows, base, what + ".f1_" + tolerance + "um", at.f1, "1", n);
-  }
-}
-
-/// Which points of the true surface two views at least could see, of those that have a pose or not.
-VisibleSamples samples_seen(const SceneTruth& truth, const Mesh& surface,
-                            const std::vector<Eigen::Vector3d>& samples_m) {
-  std::vector<SurfaceView> views;
-  for (const TrueView& view : truth.views)
-    views.push_back(
-        {view.camera, interpolate(view.camera_from_world, view.camera_from_world_end, 0.5)});
-  return visible_samples(surface, samples_m, views);
+  rows.push_back(measured_row(row, metric, value, unit, n));
 }
 
 /// Cloud and meshes against all of the true surface, undersides too (`cloud`, `mesh`), and against
-/// what the views could see of it (`cloud_seen`, `mesh_seen`).
+/// what two views at least could see of it, posed or not (`cloud_seen`, `mesh_seen`).
 void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
                   const SeedsEstimate& estimate, const ScoreRow& base,
                   std::vector<ScoreRow>& rows) {
@@ -131,7 +60,7 @@ void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
     if (s.status == SurfaceStatus::ok && !s.mesh.triangles.empty()) measured.push_back(s.mesh);
   }
   if (cloud.empty() && measured.empty()) return;
-  const VisibleSamples seen = samples_seen(truth, surface, samples);
+  const VisibleSamples seen = visible_samples(surface, samples, surface_views(truth));
   const auto seen_count = static_cast<std::int64_t>(seen.seen_m.size());
   add(rows, base, "surface.seen",
       static_cast<double>(seen_count) / static_cast<double>(kSurfaceSamples), "1", kSurfaceSamples);
@@ -318,7 +247,7 @@ SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& as_perceived
           std::count_if(estimate.traits.begin(), estimate.traits.end(),
                         [](const SpecimenTraits& t) { return t.status != TraitStatus::ok; })),
       "1", n);
-  score_poses_of(truth, estimate, base, scores.rows);
+  add_pose_rows(truth, estimate.poses, PoseAlignment::none, base, scores.rows);
   score_outlines_of(truth, meshes, matching, estimate, base, scores.rows);
   score_shapes(truth, meshes, estimate, base, scores.rows);
   score_hollows(meshes, base, scores.rows);

@@ -148,8 +148,13 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   run.estimate = perceive_with(
       [&](const SplatWatch& watch) {
         colmap = colmap_folder(watch.checkpoint);
-        return with_stage_sources(views_stages(config, capture, own_seed, watch, placing), sources,
-                                  scene_index, warn);
+        SeedsStages stages = with_stage_sources(
+            views_stages(config, capture, own_seed, watch, placing), sources, scene_index, warn);
+        stages.poses = [poses = std::move(stages.poses), &capture, side = config.largest_side_px](
+                           const Capture& photographs, const SeedsEstimate& so_far) {
+          return reduced(poses(photographs, so_far), capture, side);  // somebody's too
+        };
+        return stages;
       },
       [&](const SeedsStages& stages, const StageObserver& observe) {
         return run_stages(small, stages, observe);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
@@ -348,6 +349,22 @@ Capture reduced(const Capture& capture, int largest_side_px) {
   return small;
 }
 
+Poses reduced(Poses poses, const Capture& full, int largest_side_px) {
+  std::map<int, const Camera*> sizes;  // of frames with a photograph
+  for (const Frame& frame : full.frames) {
+    if (!frame.sensors.empty()) sizes[frame.id] = &frame.sensors.front().reported;
+  }
+  for (FramePose& pose : poses) {
+    const auto found = sizes.find(pose.frame);
+    if (found == sizes.end()) continue;
+    Camera& camera = pose.camera;
+    const Camera& size = *found->second;
+    if (camera.width_px != size.width_px || camera.height_px != size.height_px) continue;
+    camera = reduced(camera, reduction(camera.width_px, camera.height_px, largest_side_px));
+  }
+  return poses;
+}
+
 bool is_held_out(const ViewsPipelineConfig& config, std::size_t place) {
   const auto every = static_cast<std::size_t>(std::max(0, config.hold_out_every));
   return every > 1 && place % every == 0;
@@ -366,13 +383,7 @@ SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
   if (!placing) placing = std::make_shared<ViewsPlacing>();
   stages.poses = [config, &full, placing, colmap = colmap_folder(watch.checkpoint)](
                      const Capture&, const SeedsEstimate&) {
-    Poses poses = place(full, config.poses, colmap, *placing);
-    for (FramePose& pose : poses) {
-      const Camera& camera = pose.camera;
-      pose.camera =
-          reduced(camera, reduction(camera.width_px, camera.height_px, config.largest_side_px));
-    }
-    return poses;
+    return reduced(place(full, config.poses, colmap, *placing), full, config.largest_side_px);
   };
   stages.splats = [config, seed, placing, watch](const Capture& capture,
                                                  const SeedsEstimate& so_far) {

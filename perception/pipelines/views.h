@@ -51,6 +51,10 @@ Capture reduced(const Capture& capture, int largest_side_px);
 /// The camera of such a photograph. @param by  >= 1
 Camera reduced(const Camera& camera, int by);
 
+/// Cameras of the size of the full photographs, as somebody's poses have them, become those of
+/// reduced(full, largest_side_px); others stay.
+Poses reduced(Poses poses, const Capture& full, int largest_side_px);
+
 /// Whether the `place`-th of the views that have poses has no part in the training.
 bool is_held_out(const ViewsPipelineConfig& config, std::size_t place);
 

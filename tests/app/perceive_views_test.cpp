@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/seam_io.h"
 #include "tests/app/program.h"
+#include "tests/views/box_scene.h"
 #include "tests/views/cube_capture.h"
 
 namespace cousin {
@@ -14,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 Words few_steps(const char* steps = "150") {
   return {"--pipeline", "views",           "--set", std::string("steps=") + steps,
@@ -72,6 +75,42 @@ TEST(AppPerceiveViews, AKilledTrainingGoesOnToTheSameBytes) {
   auto whole = contents(program.path("whole")), parts = contents(program.path("parts"));
   for (auto* files : {&whole, &parts}) files->erase("000000/scores.csv");  // has seconds
   EXPECT_EQ(parts, whole);
+}
+
+TEST(AppPerceiveViews, ASceneAsAWholeIsScoredAgainstItsTruth) {
+  const Program program;
+  const SceneTruth truth = box_on_bench();
+  write_capture(program.path("box/000000"), cube_capture());  // of as many frames
+  write_truth(program.path("box/000000"), truth);
+  const SeedsEstimate estimate = measured_box(truth, 0.0005F);
+  fs::create_directories(program.path("est/000000"));
+  write_cloud(program.path("est/000000"), estimate.cloud);
+  const Outcome raw = program.run(
+      {"score", "box", "est", "--json", "--gate", "specimens.cloud_seen.accuracy_mean<=0.0006"});
+  EXPECT_EQ(raw.code, 0) << raw.err;
+  EXPECT_THAT(raw.out, Not(HasSubstr("specimens.missed")));
+  const Words tight = {"score", "box", "est", "--gate",
+                       "specimens.cloud_seen.accuracy_mean<=0.0004"};
+  const Outcome broken = program.run(tight);
+  EXPECT_EQ(broken.code, 1) << broken.err;
+  EXPECT_THAT(broken.err, HasSubstr("scored as a scene as a whole"));
+  EXPECT_THAT(broken.out, HasSubstr("000000 specimens.cloud_seen.f1_1000um"));
+  // Without poses nothing can be aligned, and nothing is scored as if it were.
+  const Outcome lost = program.run(tight + Words{"--align"});
+  EXPECT_EQ(lost.code, 1) << lost.err;
+  EXPECT_THAT(lost.out, AllOf(HasSubstr("not_solved"), HasSubstr("alignment.scale")));
+  write_poses(program.path("est/000000"), estimate.poses);
+  EXPECT_EQ(program.run(tight + Words{"--align"}).code, 1);
+  EXPECT_EQ(program
+                .run({"score", "box", "est", "--align", "--gate", "alignment.scale>=0.999",
+                      "--gate", "alignment.scale<=1.001"})
+                .code,
+            0);
+  // An estimate that told specimens apart says lengths in metres.
+  write_traits(program.path("est/000000"), {});
+  const Outcome seeds = program.run({"score", "box", "est", "--align"});
+  EXPECT_EQ(seeds.code, 2);
+  EXPECT_THAT(seeds.err, HasSubstr("has traits.json"));
 }
 
 TEST(AppPerceiveViews, MistakesAreNamed) {

@@ -74,5 +74,18 @@ TEST(PerceiveViews, AForeignModelIsScoredLikeOurs) {
   EXPECT_EQ(value_of(run.rows, "gaussians"), static_cast<double>(truth.splats.size()));
 }
 
+TEST(PerceiveViews, SomebodysPosesHaveCamerasOfTheFullSize) {
+  const ScratchFolder scratch("cousin-views");
+  const Capture capture = cube_capture();
+  write_poses(scratch.path(), reported_poses(capture));
+  const StageSource mine = parse_stage_source("poses=dir:" + scratch.path().string());
+  ViewsPipelineConfig config = quick();
+  config.steps = 20;
+  config.largest_side_px = 40;
+  const ViewsRun run = perceive_views(capture, config, 1, {mine}, 0, "cube", {});
+  EXPECT_EQ(run.estimate.poses.at(0).camera.width_px, 36);
+  EXPECT_EQ(run.estimate.depths.at(0).depth_m.width(), 36);
+}
+
 }  // namespace
 }  // namespace cousin

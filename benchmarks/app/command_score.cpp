@@ -1,0 +1,109 @@
+// score: from a dataset and estimates, ours or anybody's, to numbers.
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "benchmarks/app/commands.h"
+#include "benchmarks/app/result_output.h"
+#include "benchmarks/seeds/result_folder.h"
+#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/shards/shard.h"
+#include "benchmarks/views/score_views.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/dataset/manifest.h"
+#include "sim/dataset/seam_io.h"
+#include "sim/dataset/truth_io.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+namespace {
+
+/// An estimate without traits.json told no specimens apart.
+bool is_whole_scene(const fs::path& estimate_dir) {
+  if (fs::exists(estimate_dir / "traits.json")) return false;
+  for (const char* file : {"poses.json", "cloud.ply", "surfaces.json"}) {
+    if (fs::exists(estimate_dir / file)) return true;
+  }
+  return false;
+}
+
+/// The seams that scores are of.
+SeedsEstimate read_estimate(const fs::path& dir) {
+  SeedsEstimate estimate;
+  const bool is_whole = is_whole_scene(dir);
+  if (!is_whole) estimate.traits = read_traits(dir);
+  if (is_whole && fs::exists(dir / "cloud.ply")) estimate.cloud = read_cloud(dir);
+  if (fs::exists(dir / "poses.json")) estimate.poses = read_poses(dir);
+  if (fs::exists(dir / "clusters.ply")) estimate.clusters = read_clusters(dir);
+  if (fs::exists(dir / "surfaces.json")) estimate.surfaces = read_surfaces(dir);
+  if (fs::exists(dir / "masks.json")) estimate.silhouettes = read_silhouettes(dir);
+  if (fs::exists(dir / "timings.json")) estimate.timings = read_timings(dir);
+  return estimate;
+}
+
+ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path& estimate_dir,
+                      const SeedsScoreLabels& labels, ProgressPrinter& progress) {
+  const SeedsEstimate estimate = read_estimate(estimate_dir);
+  ScoreFile file;
+  if (!is_whole_scene(estimate_dir)) {
+    if (o.align)
+      throw std::invalid_argument("--align: " + estimate_dir.string() +
+                                  " has traits.json, whose lengths are metres in the board's frame");
+    SeedsScores scores = score_run(truth, estimate, labels);
+    file.scores = std::move(scores.rows);
+    file.specimens = std::move(scores.specimens);
+    return file;
+  }
+  progress.line(estimate_dir.string() + ": no traits.json: scored as a scene as a whole");
+  file.scores =
+      score_views(truth, estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
+                  labelled_row(labels));
+  return file;
+}
+
+}  // namespace
+
+ExitCode command_score(const JobContext& context) {
+  const Options& o = context.options;
+  const fs::path dataset = o.arguments.at(0);
+  const fs::path estimates = o.arguments.at(1);
+  for (const std::string& gate : o.gates) parse_gate(gate);
+  ScoreFile file;
+  file.header.program_version = COUSIN_VERSION;
+  file.header.machine = machine_text();
+  if (const auto manifest = read_manifest(dataset)) {
+    file.header.dataset_hash = sha256_hex_of_file(dataset / "manifest.json");
+    file.header.config_hash = manifest->config_hash;
+  }
+  SeedsScoreLabels labels;
+  labels.suite = dataset.filename().string();
+  labels.method = "estimate";
+  int scored = 0;
+  for (const fs::path& scene_dir : scene_folders(dataset)) {
+    const fs::path estimate_dir = estimates / scene_dir.filename();
+    if (!fs::is_directory(estimate_dir)) {
+      context.progress.line("no estimate of " + scene_dir.filename().string());
+      continue;
+    }
+    if (!fs::is_directory(scene_dir / "truth")) {
+      throw std::runtime_error(scene_dir.string() + ": there is no truth/ to score against");
+    }
+    const SceneTruth truth = read_truth(scene_dir);
+    labels.scene = labels.run = scene_dir.filename().string();
+    labels.seed = truth.seed;
+    append(score_scene(o, truth, estimate_dir, labels, context.progress), file);
+    ++scored;
+  }
+  if (scored == 0)
+    throw std::runtime_error(estimates.string() + ": holds no estimate of any scene of " +
+                             dataset.string());
+  labels.scene = "pooled";
+  for (ScoreRow& row : pooled_rows(file.specimens, labels)) file.scores.push_back(std::move(row));
+  const fs::path out = o.out.empty() ? estimates : fs::path(o.out);
+  write_result_tables(out, file);
+  print_result(o, file);
+  context.progress.line("scores: " + (out / "scores.csv").string());
+  return check_gates(o, file.scores);
+}
+
+}  // namespace cousin

@@ -1,0 +1,41 @@
+#include "benchmarks/app/result_output.h"
+
+#include <cstdio>
+#include <string>
+
+#include "benchmarks/seeds/result_folder.h"
+#include "benchmarks/seeds/score_seeds.h"
+
+namespace cousin {
+
+ExitCode check_gates(const Options& options, const std::vector<ScoreRow>& rows) {
+  bool all_hold = true;
+  for (const std::string& text : options.gates) {
+    for (const std::string& problem : broken(parse_gate(text), rows)) {
+      std::fprintf(stderr, "gate %s: %s\n", text.c_str(), problem.c_str());
+      all_hold = false;
+    }
+  }
+  return all_hold ? ExitCode::done : ExitCode::gate_failed;
+}
+
+void print_rows(const std::vector<ScoreRow>& rows) {
+  for (const ScoreRow& row : rows) {
+    const std::string status =
+        row.status == ScoreStatus::ok ? "" : " " + std::string(to_string(row.status));
+    std::printf("%s %-34s %14.6g %s%s\n", row.scene.c_str(), row.metric.c_str(), row.value,
+                row.unit == "1" ? "" : row.unit.c_str(), status.c_str());
+  }
+}
+
+void print_result(const Options& options, const ScoreFile& file) {
+  if (options.json) {
+    std::printf("%s", to_json(file).c_str());
+  } else if (file.specimens.empty()) {
+    print_rows(file.scores);
+  } else {
+    std::printf("%s", summary_table(file.scores).c_str());
+  }
+}
+
+}  // namespace cousin
