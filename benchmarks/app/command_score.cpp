@@ -47,17 +47,22 @@ ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path&
   ScoreFile file;
   if (!is_whole_scene(estimate_dir)) {
     if (o.align)
-      throw std::invalid_argument("--align: " + estimate_dir.string() +
-                                  " has traits.json, whose lengths are metres in the board's frame");
+      throw std::invalid_argument(
+          "--align: " + estimate_dir.string() +
+          " has traits.json, whose lengths are metres in the board's frame");
     SeedsScores scores = score_run(truth, estimate, labels);
     file.scores = std::move(scores.rows);
     file.specimens = std::move(scores.specimens);
     return file;
   }
   progress.line(estimate_dir.string() + ": no traits.json: scored as a scene as a whole");
-  file.scores =
-      score_views(truth, estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
-                  labelled_row(labels));
+  try {
+    file.scores =
+        score_views(truth, estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
+                    fs::exists(estimate_dir / "cloud.ply"), labelled_row(labels));
+  } catch (const std::invalid_argument& error) {  // of what the files hold
+    throw std::runtime_error(estimate_dir.string() + ": " + error.what());
+  }
   return file;
 }
 

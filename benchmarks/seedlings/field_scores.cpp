@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "benchmarks/metrics/best_exposed.h"
 #include "benchmarks/metrics/order_statistics.h"
-#include "benchmarks/seedlings/best_exposed.h"
 #include "benchmarks/seedlings/surface_coverage.h"
 
 namespace cousin {

@@ -24,7 +24,8 @@ std::vector<SurfaceView> surface_views(const SceneTruth& truth);
 /// @throws std::invalid_argument if one is of a frame that the truth does not have, or occurs twice
 Poses in_order_of(const std::vector<TrueView>& views, const Poses& poses);
 
-/// views.posed, camera.centre_rms, .centre_max, .rotation_rms and .focal_rms; nothing without poses.
+/// views.posed, camera.centre_rms, .centre_max, .rotation_rms and .focal_rms; nothing without
+/// poses.
 /// @throws as in_order_of.
 void add_pose_rows(const SceneTruth& truth, const Poses& poses, PoseAlignment alignment,
                    const ScoreRow& base, std::vector<ScoreRow>& rows);

@@ -1,9 +1,12 @@
 #include "benchmarks/views/perceive_views.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <sstream>
 #include <utility>
 
+#include "benchmarks/metrics/best_exposed.h"
 #include "benchmarks/metrics/image_fidelity.h"
 #include "benchmarks/metrics/order_statistics.h"
 #include "benchmarks/seeds/score_seeds.h"
@@ -21,18 +24,17 @@ namespace fs = std::filesystem;
 constexpr int kEnoughViews = 3;
 constexpr std::size_t kPictures = 4;
 
-FidelityPlanes image_of(const SplatModel& model, const SplatView& view) {
-  return render_splats(model, view.full.camera, view.camera_from_world).color.channel;
-}
-
 struct Looks {
-  std::vector<double> psnr_db, ssim, flip;
-  void add(const FidelityPlanes& image, const SplatView& view) {
+  std::vector<double> psnr_db, exposed_psnr_db, ssim, flip;
+  /// @param plain  the image at the mean exposure
+  void add(const FidelityPlanes& image, const FidelityPlanes& plain, const SplatView& view) {
     const FidelityPlanes& photograph = view.full.color.channel;
     const Image<std::uint8_t> counted = counted_pixels(view.full.weight);
     const ImageFidelity scores =
         score_fidelity(where_counted(image, photograph, counted), photograph, counted);
     psnr_db.push_back(scores.psnr_db);
+    exposed_psnr_db.push_back(
+        cousin::psnr_db(best_exposed(plain, photograph, counted), photograph, counted));
     ssim.push_back(scores.ssim);
     flip.push_back(scores.flip);
   }
@@ -52,6 +54,7 @@ void add_looks(const std::string& set, const Looks& looks, const ScoreRow& base,
   const auto n = static_cast<std::int64_t>(looks.psnr_db.size());
   if (n == 0) return;
   add_row(set + ".psnr", mean(looks.psnr_db), "dB", n, base, rows);
+  add_row(set + ".psnr_exposed", mean(looks.exposed_psnr_db), "dB", n, base, rows);
   add_row(set + ".ssim", mean(looks.ssim), "1", n, base, rows);
   add_row(set + ".flip", mean(looks.flip), "1", n, base, rows);
 }
@@ -68,7 +71,8 @@ Image<Rgb8> side_by_side(const Image<Rgb8>& left, const Image<Rgb8>& right) {
 
 /// Scores the model by all placed views, and keeps pictures of some.
 void look(const ViewsPipelineConfig& config, const Capture& capture, const SeedsEstimate& estimate,
-          const fs::path& pictures, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+          const ViewsFindings& findings, const fs::path& pictures, const ScoreRow& base,
+          std::vector<ScoreRow>& rows) {
   const std::vector<SplatView> views = splat_views(capture, estimate.poses);
   const bool some_held_out = is_held_out(config, 0);
   std::vector<std::size_t> shown;  // places
@@ -80,12 +84,20 @@ void look(const ViewsPipelineConfig& config, const Capture& capture, const Seeds
   shown.resize(count);
   Looks train, held_out;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const FidelityPlanes image = image_of(estimate.splats, views[i]);
-    (is_held_out(config, i) ? held_out : train).add(image, views[i]);
+    const SplatView& view = views[i];
+    const ColorPlanes drawn =
+        render_splats(estimate.splats, view.full.camera, view.camera_from_world).color;
+    const FidelityPlanes image = as_exposed(drawn, view, findings).channel;
+    const bool has_exposures = findings.exposures.status == ExposureStatus::ok;
+    const FidelityPlanes plain =
+        has_exposures
+            ? as_exposed(drawn, view.full.camera, 0, findings.exposures.vignetting).channel
+            : image;
+    (is_held_out(config, i) ? held_out : train).add(image, plain, view);
     if (pictures.empty() || std::find(shown.begin(), shown.end(), i) == shown.end()) continue;
-    const int id = capture.frames[static_cast<std::size_t>(views[i].frame)].id;
+    const int id = capture.frames[static_cast<std::size_t>(view.frame)].id;
     write_png(pictures / (scene_id(id) + ".png"),
-              side_by_side(rgb_of(views[i].full.color.channel), rgb_of(image)));
+              side_by_side(rgb_of(view.full.color.channel), rgb_of(image)));
   }
   add_looks("train", train, base, rows);
   add_looks("held_out", held_out, base, rows);
@@ -115,10 +127,44 @@ void count_seen(const SeedsEstimate& estimate, const fs::path& file, const Score
   write_file(file, text);
 }
 
+/// Of each frame trained on ln of its light over the geometric mean's, and its standard deviation;
+/// empty where a photograph shares too little with others. And the vignetting, in the first lines.
+void write_exposures(const fs::path& file, const Capture& capture, const ViewsFindings& findings) {
+  if (findings.exposures.status != ExposureStatus::ok) return;
+  const ViewExposures& exposures = findings.exposures;
+  std::ostringstream text;
+  text.precision(6);
+  text
+      << "# ln of light in the image at r of its half diagonal: vignetting_a r^2 + vignetting_b r^4"
+      << "\n# vignetting_a = " << exposures.vignetting.a
+      << "\n# vignetting_b = " << exposures.vignetting.b << "\nframe,log_gain,sigma\n";
+  for (std::size_t v = 0; v < findings.exposed_frames.size(); ++v) {
+    text << capture.frames[static_cast<std::size_t>(findings.exposed_frames[v])].id << ',';
+    if (std::isfinite(exposures.log_gain[v]))
+      text << exposures.log_gain[v] << ',' << exposures.sigma[v];
+    else
+      text << ',';
+    text << '\n';
+  }
+  write_file(file, text.str());
+}
+
+void warn_of_exposures(const ViewsFindings& findings, const Warn& warn) {
+  const ViewExposures& exposures = findings.exposures;
+  const std::size_t views = exposures.log_gain.size();
+  const auto unknown =
+      static_cast<std::size_t>(std::count_if(exposures.log_gain.begin(), exposures.log_gain.end(),
+                                             [](double gain) { return !std::isfinite(gain); }));
+  if (views == 0 || (exposures.status == ExposureStatus::ok && unknown == 0)) return;
+  warn("exposures of " + std::to_string(unknown) + " of " + std::to_string(views) +
+       " photographs could not be measured: they share too little surface with others" +
+       (exposures.status == ExposureStatus::ok ? "" : "; all are trained on as they are"));
+}
+
 /// What an earlier run left beside its seams.
 void remove_earlier(const fs::path& estimate_dir) {
-  fs::remove(estimate_dir / "scores.csv");
-  fs::remove(estimate_dir / "splats_seen.csv");
+  for (const char* file : {"scores.csv", "splats_seen.csv", "exposures.csv"})
+    fs::remove(estimate_dir / file);
   const fs::path pictures = estimate_dir / "pictures";
   if (!fs::is_directory(pictures)) return;
   std::vector<fs::path> files;
@@ -142,14 +188,14 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
     return estimate_dir.empty() ? fs::path() : estimate_dir / of;
   };
   if (!estimate_dir.empty()) remove_earlier(estimate_dir);
-  const auto placing = std::make_shared<ViewsPlacing>();
+  const auto findings = std::make_shared<ViewsFindings>();
   fs::path colmap;
   ViewsRun run;
   run.estimate = perceive_with(
       [&](const SplatWatch& watch) {
         colmap = colmap_folder(watch.checkpoint);
         SeedsStages stages = with_stage_sources(
-            views_stages(config, capture, own_seed, watch, placing), sources, scene_index, warn);
+            views_stages(config, capture, own_seed, watch, findings), sources, scene_index, warn);
         stages.poses = [poses = std::move(stages.poses), &capture, side = config.largest_side_px](
                            const Capture& photographs, const SeedsEstimate& so_far) {
           return reduced(poses(photographs, so_far), capture, side);  // somebody's too
@@ -162,7 +208,8 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
       sources, scene_index, estimate_dir, progress);
   std::error_code left;  // what cannot be removed costs room, not the result
   if (!colmap.empty()) fs::remove_all(colmap, left);
-  if (warn && !placing->is_metric)
+  if (warn) warn_of_exposures(*findings, warn);
+  if (warn && !findings->is_metric)
     warn("poses are of COLMAP without a board: lengths are in its model's own unit");
   const SeedsEstimate& estimate = run.estimate;
   ScoreRow base;
@@ -172,14 +219,15 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   base.method = to_string(config.method);
   base.seed = seed;
   if (!estimate.splats.splats.empty()) {
-    look(config, small, estimate, file("pictures"), base, run.rows);
+    look(config, small, estimate, *findings, file("pictures"), base, run.rows);
     count_seen(estimate, file("splats_seen.csv"), base, run.rows);
+    if (!estimate_dir.empty()) write_exposures(file("exposures.csv"), small, *findings);
   }
   add_row("cloud.points", static_cast<double>(estimate.cloud.size()), "1", 1, base, run.rows);
   for (const Surface& surface : estimate.surfaces) {
     if (surface.status == SurfaceStatus::ok)
       add_row("mesh.area", mass_properties(surface.mesh).area_m2,
-              placing->is_metric ? "m2" : "unit2", 1, base, run.rows);
+              findings->is_metric ? "m2" : "unit2", 1, base, run.rows);
   }
   score_timings(estimate, base, run.rows);
   if (!estimate_dir.empty()) write_file(file("scores.csv"), to_csv(run.rows));

@@ -14,7 +14,8 @@ namespace cousin {
 /// What the pipeline `views` made of a capture, and how its images look beside the photographs.
 struct ViewsRun {
   SeedsEstimate estimate;  ///< poses, splats, depths, cloud and one surface at most
-  /// No truth is needed for them: train.psnr, .ssim, .flip and the same of held_out, n = views;
+  /// No truth is needed for them: train.psnr, .psnr_exposed (after the one factor on light that
+  /// fits each photograph best), .ssim, .flip and the same of held_out, n = views;
   /// gaussians; gaussians.seen_by_3, the share that at least three of all placed views see;
   /// cloud.points; mesh.area; seconds of stages.
   std::vector<ScoreRow> rows;
@@ -22,8 +23,9 @@ struct ViewsRun {
 
 /// Runs the pipeline on one capture with the given stages in place of ours. Writes every seam into
 /// `estimate_dir` as soon as its stage is finished, then scores.csv, splats_seen.csv (views that
-/// see each Gaussian, in the order of splats.ply) and pictures/ of at most four views: photograph
-/// and model, those held out where there are any. @param name  of the scene in the rows
+/// see each Gaussian, in the order of splats.ply), exposures.csv where exposures were measured, and
+/// pictures/ of at most four views: photograph and model with its exposure, those held out where
+/// there are any. @param name  of the scene in the rows
 ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& config,
                         std::uint64_t seed, const std::vector<StageSource>& sources,
                         int scene_index, const std::string& name,

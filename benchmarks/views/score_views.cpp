@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -69,10 +70,15 @@ TrueSurfaces true_surfaces(const Scene& scene) {
 
 /// What the estimate holds of surfaces.
 struct Measured {
+  bool has_cloud = false, has_mesh = false;
   Points cloud_m;
   Mesh mesh;
   Points on_mesh_m;
 };
+
+Points points_on(const Mesh& mesh) {
+  return mesh.triangles.empty() ? Points() : sample_surface(mesh, kMeshSamples, Rng(2));
+}
 
 Measured measured_of(const SeedsEstimate& estimate, const WorldSimilarity& truth_from_estimate) {
   Measured measured;
@@ -85,43 +91,71 @@ Measured measured_of(const SeedsEstimate& estimate, const WorldSimilarity& truth
     for (Eigen::Vector3d& vertex : meshes.back().vertices_m) vertex = truth_from_estimate * vertex;
   }
   measured.mesh = merged(meshes);
-  if (!measured.mesh.triangles.empty())
-    measured.on_mesh_m = sample_surface(measured.mesh, kMeshSamples, Rng(2));
+  measured.on_mesh_m = points_on(measured.mesh);
+  measured.has_mesh = !estimate.surfaces.empty();
   return measured;
 }
 
-/// Those that lie around a specimen and are nearer to one than to anything else.
-Points near_specimens(const Points& points_m, const TrueSurfaces& surfaces,
-                      const DistanceTree& specimens, const DistanceTree& others) {
-  std::vector<std::uint8_t> is_own(points_m.size());
-  tbb::parallel_for(std::size_t{0}, points_m.size(), [&](std::size_t i) {
-    const bool is_around =
-        std::any_of(surfaces.around_specimens.begin(), surfaces.around_specimens.end(),
-                    [&](const Eigen::AlignedBox3d& box) { return box.contains(points_m[i]); });
-    is_own[i] =
-        is_around && specimens.distance_m(points_m[i]) <= others.distance_m(points_m[i]) ? 1 : 0;
-  });
-  Points result;
-  for (std::size_t i = 0; i < points_m.size(); ++i) {
-    if (is_own[i] != 0) result.push_back(points_m[i]);
+/// Says of points whether they lie around a specimen and are nearer to one than to anything else.
+class NearSpecimens {
+ public:
+  explicit NearSpecimens(const TrueSurfaces& surfaces)
+      : boxes_(surfaces.around_specimens), specimens_(surfaces.specimens) {
+    if (!surfaces.others.triangles.empty()) others_.emplace(surfaces.others);
   }
-  return result;
+  std::vector<std::uint8_t> of(const Points& points_m) const {
+    std::vector<std::uint8_t> is_own(points_m.size());
+    tbb::parallel_for(std::size_t{0}, points_m.size(), [&](std::size_t i) {
+      const Eigen::Vector3d& point = points_m[i];
+      const bool is_around =
+          std::any_of(boxes_.begin(), boxes_.end(),
+                      [&](const Eigen::AlignedBox3d& box) { return box.contains(point); });
+      is_own[i] =
+          is_around && (!others_ || specimens_.distance_m(point) <= others_->distance_m(point)) ? 1
+                                                                                                : 0;
+    });
+    return is_own;
+  }
+
+ private:
+  const std::vector<Eigen::AlignedBox3d>& boxes_;
+  DistanceTree specimens_;
+  std::optional<DistanceTree> others_;
+};
+
+/// The part near specimens: of a mesh the triangles whose middles are.
+Measured part_near(const Measured& measured, const NearSpecimens& near) {
+  Measured part{measured.has_cloud, measured.has_mesh, {}, {}, {}};
+  const std::vector<std::uint8_t> is_own = near.of(measured.cloud_m);
+  for (std::size_t i = 0; i < is_own.size(); ++i) {
+    if (is_own[i] != 0) part.cloud_m.push_back(measured.cloud_m[i]);
+  }
+  Points middles;
+  const Points& vertices = measured.mesh.vertices_m;
+  for (const auto& t : measured.mesh.triangles)
+    middles.push_back((vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3);
+  const std::vector<std::uint8_t> is_kept = near.of(middles);
+  part.mesh.vertices_m = vertices;
+  for (std::size_t i = 0; i < is_kept.size(); ++i) {
+    if (is_kept[i] != 0) part.mesh.triangles.push_back(measured.mesh.triangles[i]);
+  }
+  part.on_mesh_m = points_on(part.mesh);
+  return part;
 }
 
 /// Rows of the clouds and meshes against `surface`. @param all  what may hide it
 void add_shape_rows(const std::string& prefix, const Measured& measured, const Mesh& surface,
                     int samples, const Mesh& all, const std::vector<SurfaceView>& views,
                     const ScoreRow& base, std::vector<ScoreRow>& rows) {
-  const VisibleSamples seen =
-      visible_samples(all, sample_surface(surface, samples, Rng(1)), views);
+  const VisibleSamples seen = visible_samples(all, sample_surface(surface, samples, Rng(1)), views);
   const auto count = static_cast<std::int64_t>(seen.seen_m.size());
-  rows.push_back(measured_row(base, prefix + "surface.seen",
-                              static_cast<double>(count) / samples, "1", samples));
+  rows.push_back(measured_row(base, prefix + "surface.seen", static_cast<double>(count) / samples,
+                              "1", samples));
   if (count == 0) return;
-  if (!measured.cloud_m.empty())
+  if (measured.has_cloud)
     add_cloud_rows(prefix + "cloud_seen", static_cast<std::int64_t>(measured.cloud_m.size()),
                    score_visible_cloud(measured.cloud_m, surface, seen, kTolerances_m), base, rows);
-  if (!measured.on_mesh_m.empty())
+  if (measured.has_mesh)
     add_cloud_rows(
         prefix + "mesh_seen", static_cast<std::int64_t>(measured.on_mesh_m.size()),
         score_visible_mesh(measured.mesh, measured.on_mesh_m, surface, seen, kTolerances_m), base,
@@ -130,29 +164,45 @@ void add_shape_rows(const std::string& prefix, const Measured& measured, const M
 
 void add_all_shapes(const SceneTruth& truth, const Measured& measured, const ScoreRow& base,
                     std::vector<ScoreRow>& rows) {
-  if (measured.cloud_m.empty() && measured.on_mesh_m.empty()) return;
+  if (!measured.has_cloud && !measured.has_mesh) return;
   const TrueSurfaces surfaces = true_surfaces(truth.scene);
   if (surfaces.all.triangles.empty()) return;
   const std::vector<SurfaceView> views = surface_views(truth);
   add_shape_rows("", measured, surfaces.all, kSceneSamples, surfaces.all, views, base, rows);
-  if (surfaces.specimens.triangles.empty() || surfaces.others.triangles.empty()) return;
-  const DistanceTree specimens(surfaces.specimens), others(surfaces.others);
-  Measured own;
-  own.cloud_m = near_specimens(measured.cloud_m, surfaces, specimens, others);
-  own.mesh = measured.mesh;
-  own.on_mesh_m = near_specimens(measured.on_mesh_m, surfaces, specimens, others);
-  add_shape_rows("specimens.", own, surfaces.specimens, kSpecimenSamples, surfaces.all, views, base,
-                 rows);
+  if (surfaces.specimens.triangles.empty()) return;
+  add_shape_rows("specimens.", part_near(measured, NearSpecimens(surfaces)), surfaces.specimens,
+                 kSpecimenSamples, surfaces.all, views, base, rows);
 }
 
-/// Focal lengths in pixels of the true cameras, where photographs were made smaller by a whole
-/// number.
+/// The rows of an estimate that cannot be put beside the truth.
+void add_unsolved_shapes(const SceneTruth& truth, const Measured& measured, const ScoreRow& base,
+                         std::vector<ScoreRow>& rows) {
+  CloudScore none{kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, {}};
+  for (const double tolerance_m : kTolerances_m) none.at.push_back({tolerance_m, kNaN, kNaN, kNaN});
+  ScoreRow unsolved = base;
+  unsolved.status = ScoreStatus::not_solved;
+  const bool has_specimens =
+      std::any_of(truth.scene.instances.begin(), truth.scene.instances.end(),
+                  [](const Instance& instance) { return instance.is_specimen; });
+  for (const std::string prefix : {"", "specimens."}) {
+    if (!prefix.empty() && !has_specimens) continue;
+    if (measured.has_cloud) add_cloud_rows(prefix + "cloud_seen", 0, none, unsolved, rows);
+    if (measured.has_mesh) add_cloud_rows(prefix + "mesh_seen", 0, none, unsolved, rows);
+  }
+}
+
+/// Focal lengths in pixels of the true cameras, where photographs were made smaller or larger: by a
+/// whole number where rows that filled no pixel may have been left out, else by the widths' ratio.
+/// Parts cut out of photographs look like smaller ones.
 Poses at_true_size(Poses poses, const SceneTruth& truth) {
   for (FramePose& pose : poses) {
+    const int width_px = pose.camera.width_px;
     for (const TrueView& view : truth.views) {
-      if (view.frame != pose.frame || pose.camera.width_px <= 0) continue;
-      const double by = std::round(static_cast<double>(view.camera.width_px) / pose.camera.width_px);
-      if (by > 1) pose.camera.fx_px *= by;
+      if (view.frame != pose.frame || width_px <= 0) continue;
+      const int by =
+          static_cast<int>(std::lround(static_cast<double>(view.camera.width_px) / width_px));
+      const bool is_whole = by >= 1 && view.camera.width_px / by == width_px;
+      pose.camera.fx_px *= is_whole ? by : static_cast<double>(view.camera.width_px) / width_px;
     }
   }
   return poses;
@@ -172,7 +222,7 @@ SimilarityFit fit_to_truth(const SceneTruth& truth, const Poses& estimate) {
 }  // namespace
 
 std::vector<ScoreRow> score_views(const SceneTruth& truth, const SeedsEstimate& as_perceived,
-                                  PoseAlignment alignment, const ScoreRow& base) {
+                                  PoseAlignment alignment, bool has_cloud, const ScoreRow& base) {
   const bool is_aligned = alignment == PoseAlignment::similarity;
   const SeedsEstimate estimate = is_aligned ? as_perceived : turned_to_truth(as_perceived, truth);
   std::vector<ScoreRow> rows;
@@ -188,7 +238,13 @@ std::vector<ScoreRow> score_views(const SceneTruth& truth, const SeedsEstimate& 
     if (!fit.ok) row.status = ScoreStatus::not_solved;
     rows.push_back(std::move(row));
   }
-  if (has_frame) add_all_shapes(truth, measured_of(estimate, truth_from_estimate), base, rows);
+  Measured measured = measured_of(estimate, truth_from_estimate);
+  measured.has_cloud = has_cloud;
+  if (has_frame) {
+    add_all_shapes(truth, measured, base, rows);
+  } else {
+    add_unsolved_shapes(truth, measured, base, rows);
+  }
   score_timings(estimate, base, rows);
   return rows;
 }

@@ -257,7 +257,7 @@ void fill_start(const SweepVolume& volume, int count, Rng rng, std::vector<Start
   start.insert(start.end(), more.begin(), more.end());
 }
 
-SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const StartPoint> from,
+SplatModel train_on_views(std::span<const SplatView> views, std::span<const StartPoint> from,
                           const SplatStartConfig& start_config, const SplatTrainConfig& training,
                           int stop_after, const SplatWatch& watch) {
   const SplatModel start = splats_from_points(from, start_config);

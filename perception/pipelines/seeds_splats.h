@@ -108,7 +108,7 @@ void fill_start(const SweepVolume& volume, int count, Rng rng, std::vector<Start
 
 /// Gaussians that the views show. Empty where there is nothing to begin from, or the views show
 /// nothing that could be learned. @throws std::runtime_error if training diverged
-SplatModel train_on_seeds(std::span<const SplatView> views, std::span<const StartPoint> from,
+SplatModel train_on_views(std::span<const SplatView> views, std::span<const StartPoint> from,
                           const SplatStartConfig& start, const SplatTrainConfig& training,
                           int stop_after, const SplatWatch& watch = {});
 

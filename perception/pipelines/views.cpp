@@ -6,12 +6,14 @@
 #include <map>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "perception/ngp/ngp.h"
 #include "perception/splats/depth_mesh.h"
+#include "perception/splats/swept_start.h"
 #include "sim/config/limits.h"
 
 namespace cousin {
@@ -88,7 +90,7 @@ bool are_reported(const Capture& capture, ViewsPoses from) {
 
 /// @param colmap  folder that COLMAP works in; empty: one that goes
 Poses place_by_tracks(const Capture& capture, const std::filesystem::path& colmap,
-                      ViewsPlacing& placing) {
+                      ViewsFindings& findings) {
   SfmConfig config;
   config.colmap.folder = colmap;
   // Frames may come in any order; beyond so many, in the order of a walk around.
@@ -99,18 +101,18 @@ Poses place_by_tracks(const Capture& capture, const std::filesystem::path& colma
   if (!has_poses(estimate.status))
     throw std::runtime_error("structure from motion: " + std::string(to_string(estimate.status)) +
                              (estimate.reason.empty() ? "" : ", " + estimate.reason));
-  placing.by_tracks = true;
-  placing.is_metric = estimate.gauge == BundleGauge::metric;
+  findings.by_tracks = true;
+  findings.is_metric = estimate.gauge == BundleGauge::metric;
   for (const SfmPoint& point : estimate.points)
-    placing.tracks.push_back({point.in_world_m, point.color});
+    findings.tracks.push_back({point.in_world_m, point.color});
   return std::move(estimate.poses);
 }
 
 Poses place(const Capture& full, ViewsPoses from, const std::filesystem::path& colmap,
-            ViewsPlacing& placing) {
-  placing = {};
+            ViewsFindings& findings) {
+  findings = {};
   Poses poses =
-      are_reported(full, from) ? reported_poses(full) : place_by_tracks(full, colmap, placing);
+      are_reported(full, from) ? reported_poses(full) : place_by_tracks(full, colmap, findings);
   if (const std::size_t count = placed(poses); count < 2)
     throw std::runtime_error(std::to_string(count) + " of " + std::to_string(poses.size()) +
                              " views have a pose; at least 2 (poses=sfm finds them by COLMAP)");
@@ -123,22 +125,82 @@ SweepVolume everywhere() {
   return {-far, far};
 }
 
-std::vector<StartPoint> start_points(const ViewsPipelineConfig& config,
-                                     const std::vector<SplatView>& views,
-                                     const std::vector<StartPoint>& tracks, std::uint64_t seed) {
-  constexpr std::size_t kLeastTracks = 100;
-  if (tracks.size() >= kLeastTracks) return tracks;
+/// Where things may be of which the cameras alone are known: the cube of twice their median
+/// distance about the point that they look at; nothing where there is none.
+std::optional<SweepVolume> looked_at(const std::vector<SplatView>& views) {
   std::vector<NgpView> cameras;
   for (const SplatView& view : views)
     cameras.push_back({view.full.camera, view.camera_from_world, {}, {}});
   const ngp::NgpVolume volume = ngp_volume({}, cameras);
-  if (!(volume.side_m > 0))
+  if (!(volume.side_m > 0)) return std::nullopt;
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(volume.side_m);
+  return SweepVolume{volume.centre_in_world_m - half, volume.centre_in_world_m + half};
+}
+
+std::vector<StartPoint> start_points(const ViewsPipelineConfig& config,
+                                     const std::optional<SweepVolume>& volume,
+                                     const std::vector<StartPoint>& tracks, std::uint64_t seed) {
+  constexpr std::size_t kLeastTracks = 100;
+  if (tracks.size() >= kLeastTracks) return tracks;
+  if (!volume)
     throw std::runtime_error(
         "the cameras look at no common point, about which Gaussians could "
         "begin; poses=sfm begins at its points");
-  const Eigen::Vector3d half = Eigen::Vector3d::Constant(volume.side_m);
-  return random_start_points(volume.centre_in_world_m - half, volume.centre_in_world_m + half,
-                             config.start_points, Rng(seed).fork("splat_start"));
+  return random_start_points(volume->low_m, volume->high_m, config.start_points,
+                             Rng(seed).fork("splat_start"));
+}
+
+/// The views in a frame about the volume, in whose middle is the origin and whose half side is a
+/// length that things on a bench are looked at from: sweep and fusion know how large these are.
+struct OnBench {
+  static constexpr double kHalfSide_m = 0.3;
+  std::vector<SplatView> views;
+  Eigen::Vector3d centre_m;
+  double scale;
+
+  OnBench(const std::vector<SplatView>& of, const SweepVolume& volume)
+      : views(of),
+        centre_m(0.5 * (volume.low_m + volume.high_m)),
+        scale(2 * kHalfSide_m / (volume.high_m.x() - volume.low_m.x())) {
+    for (SplatView& view : views) {
+      Pose& pose = view.camera_from_world;
+      pose.translation_m = scale * (pose.translation_m + pose.rotation * centre_m);
+    }
+  }
+  SweepVolume volume() const {
+    const Eigen::Vector3d half = Eigen::Vector3d::Constant(kHalfSide_m);
+    return {-half, half};
+  }
+  Eigen::Vector3d in_world(const Eigen::Vector3d& point_m) const {
+    return point_m / scale + centre_m;
+  }
+};
+
+/// Takes exposures out of the photographs, and adds points of what was swept for them.
+void take_out_exposures(const ViewsPipelineConfig& config, const SweepVolume& volume,
+                        std::vector<SplatView>& views, std::vector<StartPoint>& start,
+                        ViewsFindings& findings) {
+  SweptStartConfig sweep;
+  sweep.most_points = config.swept_points;
+  const OnBench bench(views, volume);
+  SweptStart swept = swept_start(bench.views, bench.volume(), sweep);
+  for (StartPoint& point : swept.points) {
+    point.position_m = bench.in_world(point.position_m);
+    start.push_back(point);
+  }
+  if (!config.one_exposure) return;
+  ViewExposures& exposures = findings.exposures = std::move(swept.exposures);
+  const auto measured =
+      static_cast<std::size_t>(std::count_if(exposures.log_gain.begin(), exposures.log_gain.end(),
+                                             [](double gain) { return std::isfinite(gain); }));
+  if (exposures.status == ExposureStatus::ok && 2 * measured < views.size())
+    exposures.status = ExposureStatus::too_few_sightings;
+  if (exposures.status != ExposureStatus::ok) return;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    views[v].full =
+        at_mean_exposure(std::move(views[v].full), exposures.gain_of(v), exposures.vignetting);
+    findings.exposed_frames.push_back(views[v].frame);
+  }
 }
 
 SplatTrainConfig training_of(const ViewsPipelineConfig& config) {
@@ -158,8 +220,9 @@ SplatTrainConfig training_of(const ViewsPipelineConfig& config) {
 }
 
 SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, const Poses& poses,
-                 const std::vector<StartPoint>& tracks, std::uint64_t seed,
-                 const SplatWatch& watch) {
+                 ViewsFindings& findings, std::uint64_t seed, const SplatWatch& watch) {
+  findings.exposures = {};
+  findings.exposed_frames.clear();
   std::vector<SplatView> views;
   std::size_t place = 0;
   for (SplatView& view : splat_views(capture, poses)) {
@@ -174,8 +237,12 @@ SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, cons
   training.seed = Rng(seed).fork("splats")();
   const int last =
       config.method == ViewsMethod::splats_paper ? config.reference_steps : training.steps;
-  return train_on_seeds(views, start_points(config, views, tracks, seed), {}, training, last,
-                        watch);
+  const std::optional<SweepVolume> volume = looked_at(views);
+  std::vector<StartPoint> start = start_points(config, volume, findings.tracks, seed);
+  const bool is_swept = config.one_exposure || config.swept_points > 0;
+  if (is_swept && volume && config.method == ViewsMethod::splats)
+    take_out_exposures(config, *volume, views, start, findings);
+  return train_on_views(views, start, {}, training, last, watch);
 }
 
 /// The median of the pixels' spans in the world over all depths; NaN where there is none.
@@ -266,6 +333,30 @@ Surfaces mesh_of(const ViewsPipelineConfig& config, const SeedsEstimate& so_far)
 
 }  // namespace
 
+ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
+                       const ViewsFindings& findings) {
+  const ViewExposures& exposures = findings.exposures;
+  if (exposures.status != ExposureStatus::ok) return image;
+  double before = kNaN, after = kNaN;
+  int first = 0, last = 0;  // their frames, in the capture's order
+  for (std::size_t v = 0; v < findings.exposed_frames.size(); ++v) {
+    const int frame = findings.exposed_frames[v];
+    if (frame == photograph.frame)
+      return as_exposed(std::move(image), photograph.full.camera, exposures.gain_of(v),
+                        exposures.vignetting);
+    if (!std::isfinite(exposures.log_gain[v])) continue;
+    if (frame < photograph.frame) before = exposures.log_gain[v], first = frame;
+    if (frame > photograph.frame && !std::isfinite(after))
+      after = exposures.log_gain[v], last = frame;
+  }
+  if (!std::isfinite(before)) before = std::isfinite(after) ? after : 0;
+  if (!std::isfinite(after)) after = before;
+  const double share =
+      last > first ? static_cast<double>(photograph.frame - first) / (last - first) : 0;
+  return as_exposed(std::move(image), photograph.full.camera, before + share * (after - before),
+                    exposures.vignetting);
+}
+
 std::string_view to_string(ViewsMethod method) {
   return kMethods[static_cast<std::size_t>(method)].second;
 }
@@ -292,6 +383,10 @@ Fields fields(ViewsPipelineConfig& c) {
       {"low_pass_px2", &c.low_pass_px2,
        "splats: added to the variances of a Gaussian in the image; the reference has 0.3", 1e-6,
        100},
+      {"one_exposure", &c.one_exposure,
+       "splats: exposures and vignetting are measured on swept surfaces and taken out"},
+      {"swept_points", &c.swept_points, "splats: at most so many of these surfaces begin too", 0,
+       1e6},
       {"start_points", &c.start_points, "Gaussians at the beginning, where there are no tracks", 1,
        1e6},
       {"cloud_views", &c.cloud_views, "views whose depths become the cloud; 0: no cloud", 0, 1000},
@@ -376,18 +471,18 @@ std::filesystem::path colmap_folder(const SplatCheckpoint& checkpoint) {
 }
 
 SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
-                         const SplatWatch& watch, std::shared_ptr<ViewsPlacing> placing) {
+                         const SplatWatch& watch, std::shared_ptr<ViewsFindings> findings) {
   validate(config);
   SeedsStages stages;
   // From the stage that finds the poses to the one that begins on their tracks.
-  if (!placing) placing = std::make_shared<ViewsPlacing>();
-  stages.poses = [config, &full, placing, colmap = colmap_folder(watch.checkpoint)](
+  if (!findings) findings = std::make_shared<ViewsFindings>();
+  stages.poses = [config, &full, findings, colmap = colmap_folder(watch.checkpoint)](
                      const Capture&, const SeedsEstimate&) {
-    return reduced(place(full, config.poses, colmap, *placing), full, config.largest_side_px);
+    return reduced(place(full, config.poses, colmap, *findings), full, config.largest_side_px);
   };
-  stages.splats = [config, seed, placing, watch](const Capture& capture,
-                                                 const SeedsEstimate& so_far) {
-    return train(config, capture, so_far.poses, placing->tracks, seed, watch);
+  stages.splats = [config, seed, findings, watch](const Capture& capture,
+                                                  const SeedsEstimate& so_far) {
+    return train(config, capture, so_far.poses, *findings, seed, watch);
   };
   stages.depth = [](const Capture&, const SeedsEstimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses, everywhere(), so_far.splats.low_pass_px2);

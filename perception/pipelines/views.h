@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "perception/pipelines/seeds.h"
+#include "perception/splats/view_exposures.h"
 
 namespace cousin {
 
@@ -32,6 +33,12 @@ struct ViewsPipelineConfig {
   int reference_steps = 7000;  ///< `splats_paper`: of the reference's 30,000
   int sh_degree = 3;
   double low_pass_px2 = 0.1;  ///< `splats`, as in SplatModel
+  /// `splats`: exposures and vignetting of the photographs trained on are measured on surfaces that
+  /// are swept at a small size, and taken out (estimate_exposures). Where those of fewer than half
+  /// of them can be measured, all stay as they are.
+  bool one_exposure = true;
+  /// `splats`: at most so many of these surfaces' points, opacity 0.5, are in the start too.
+  int swept_points = 5000;
   /// Where no tracks are, Gaussians begin at so many places drawn evenly over a cube of twice the
   /// cameras' median distance about the point that they look at.
   int start_points = 20000;
@@ -58,14 +65,24 @@ Poses reduced(Poses poses, const Capture& full, int largest_side_px);
 /// Whether the `place`-th of the views that have poses has no part in the training.
 bool is_held_out(const ViewsPipelineConfig& config, std::size_t place);
 
-/// What the stage `poses` found beside them.
-struct ViewsPlacing {
+/// What the stages found beside their seams.
+struct ViewsFindings {
   bool by_tracks = false;  ///< by COLMAP and our adjustment
   /// Lengths are the capture's own, or a board's; else they are in the unit of COLMAP's model,
   /// which says nothing.
   bool is_metric = true;
   std::vector<StartPoint> tracks;
+  /// Of the photographs that `splats` trained on, taken out of them where the status is ok. Views
+  /// whose gain is NaN were trained on as they are.
+  ViewExposures exposures;
+  std::vector<int>
+      exposed_frames;  ///< places of theirs in the capture; none where status is not ok
 };
+/// An image of the model as the photograph's camera shows it: with the lens's vignetting and the
+/// photograph's exposure. That of a photograph that was not trained on is taken from the nearest
+/// ones before and after it in the capture that have one, as if the light had changed evenly.
+ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
+                       const ViewsFindings& findings);
 
 /// Stages `poses`, `splats`, `depth`, `cloud` and `surfaces`, the others are none. They run on
 /// `reduced(full, config.largest_side_px)`, whose cameras `poses` has. The unit is the capture's
@@ -75,9 +92,10 @@ struct ViewsPlacing {
 /// to run, and a training goes on with the poses that it began with.
 /// @param full  outlives the stages. `poses` throws std::runtime_error where fewer than two views
 /// find a place, `splats` if training diverged or no photograph is left to train on.
-/// @param placing  out, once `poses` has run
+/// @param findings  out, once the stages have run
 SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
-                         const SplatWatch& watch = {}, std::shared_ptr<ViewsPlacing> placing = {});
+                         const SplatWatch& watch = {},
+                         std::shared_ptr<ViewsFindings> findings = {});
 
 /// Beside a checkpoint's file; the caller removes it when the training is done.
 std::filesystem::path colmap_folder(const SplatCheckpoint& checkpoint);

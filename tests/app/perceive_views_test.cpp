@@ -106,6 +106,12 @@ TEST(AppPerceiveViews, ASceneAsAWholeIsScoredAgainstItsTruth) {
                       "--gate", "alignment.scale<=1.001"})
                 .code,
             0);
+  Poses unknown = estimate.poses;
+  unknown[0].frame = 99;
+  write_poses(program.path("est/000000"), unknown);
+  const Outcome foreign = program.run({"score", "box", "est"});
+  EXPECT_EQ(foreign.code, 3);
+  EXPECT_THAT(foreign.err, AllOf(HasSubstr("est/000000"), HasSubstr("frame 99")));
   // An estimate that told specimens apart says lengths in metres.
   write_traits(program.path("est/000000"), {});
   const Outcome seeds = program.run({"score", "box", "est", "--align"});

@@ -130,7 +130,7 @@ TEST(SeedsSplats, ViewsAreCutToTheVolumeAndGreenIsBlack) {
 
 TEST(SeedsSplats, NothingToLearnGivesNoGaussians) {
   const Poses poses = {slanted(0, 0), slanted(1, 1)};
-  EXPECT_TRUE(train_on_seeds({}, std::vector<StartPoint>(9), {}, {}, 100).splats.empty());
+  EXPECT_TRUE(train_on_views({}, std::vector<StartPoint>(9), {}, {}, 100).splats.empty());
   FramePose away = slanted(0, 0);
   away.camera_from_world.translation_m = {0, 0, -0.3};  // looks away from the board
   EXPECT_TRUE(seed_views(capture_of({away}, kGreen), {away}, volume, {}, 8).empty());
@@ -258,7 +258,7 @@ SplatModel trained_on(const std::vector<SplatView>& views, bool any_background) 
   training.any_background = any_background;
   training.rates.centre_first = SeedsSplatConfig{}.centre_rate;
   training.rates.centre_last = 0.01 * training.rates.centre_first;
-  return train_on_seeds(
+  return train_on_views(
       views, random_start_points({-0.03, -0.03, 0.0097}, {0.03, 0.03, 0.0103}, 4000, Rng(3)), {},
       training, training.steps);
 }

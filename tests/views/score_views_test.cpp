@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 
 #include "perception/pipelines/views.h"
 #include "sim/geometry/similarity.h"
@@ -13,7 +14,8 @@ namespace {
 
 std::vector<ScoreRow> score(const SceneTruth& truth, const SeedsEstimate& estimate,
                             PoseAlignment alignment = PoseAlignment::none) {
-  return score_views(truth, estimate, alignment, {.suite = "t", .scene = "box", .method = "m"});
+  return score_views(truth, estimate, alignment, !estimate.cloud.empty(),
+                     {.suite = "t", .scene = "box", .method = "m"});
 }
 
 double value_of(const std::vector<ScoreRow>& rows, const std::string& metric) {
@@ -49,7 +51,8 @@ TEST(ScoreViews, ACloudIsAsFarOffAsItWasPut) {
 TEST(ScoreViews, WhatIsMissingCostsRecallAlone) {
   const SceneTruth truth = box_on_bench();
   SeedsEstimate estimate = measured_box(truth, 0);
-  std::erase_if(estimate.cloud, [](const CloudPoint& point) { return point.position_m.z() > 0.1F; });
+  std::erase_if(estimate.cloud,
+                [](const CloudPoint& point) { return point.position_m.z() > 0.1F; });
   const auto rows = score(truth, estimate);
   EXPECT_GT(value_of(rows, "specimens.cloud_seen.precision_1000um"), 0.99);
   // Of five faces of one size, half of four is left.
@@ -113,12 +116,55 @@ TEST(ScoreViews, WithoutCamerasThereIsNoFrame) {
   SeedsEstimate estimate = measured_box(truth, 0);
   estimate.poses.resize(2);
   const auto rows = score(truth, estimate, PoseAlignment::similarity);
-  bool is_told = false;
+  EXPECT_TRUE(std::isnan(value_of(rows, "specimens.cloud_seen.recall_1000um")));
   for (const ScoreRow& row : rows) {
-    EXPECT_EQ(row.metric.find("cloud"), std::string::npos) << row.metric;
-    if (row.metric == "alignment.scale") is_told = row.status == ScoreStatus::not_solved;
+    const bool is_shape = row.metric.find("cloud") != std::string::npos;
+    if (is_shape || row.metric == "alignment.scale")
+      EXPECT_EQ(row.status, ScoreStatus::not_solved) << row.metric;
   }
-  EXPECT_TRUE(is_told);
+}
+
+TEST(ScoreViews, WhatWasNotFoundIsRecallOfNothing) {
+  const SceneTruth truth = box_on_bench();
+  SeedsEstimate estimate = measured_box(truth, 0);
+  std::erase_if(estimate.cloud, [](const CloudPoint& p) {
+    return std::abs(p.position_m.x()) < 0.2F && std::abs(p.position_m.y()) < 0.2F;
+  });
+  EXPECT_EQ(value_of(score(truth, estimate), "specimens.cloud_seen.recall_5000um"), 0);
+  estimate.cloud.clear();
+  estimate.surfaces = {{}};  // one that is empty
+  const auto rows = score_views(truth, estimate, PoseAlignment::none, true, {});
+  for (const std::string what : {"cloud_seen", "specimens.cloud_seen", "specimens.mesh_seen"})
+    EXPECT_EQ(value_of(rows, what + ".recall_5000um"), 0) << what;
+}
+
+TEST(ScoreViews, ABenchIsNoPartOfASpecimensMesh) {
+  const SceneTruth truth = box_on_bench();
+  SeedsEstimate estimate;
+  Surface surface;
+  surface.status = SurfaceStatus::ok;
+  surface.mesh = truth.scene.models[0].mesh;  // of two triangles a face
+  estimate.surfaces = {surface};
+  const auto rows = score(truth, estimate);
+  EXPECT_EQ(value_of(rows, "specimens.mesh_seen.recall_5000um"), 0);
+  EXPECT_GT(value_of(rows, "mesh_seen.recall_1000um"), 0.75);
+}
+
+TEST(ScoreViews, FocalLengthsAreOfTheSizeThatPhotographsHave) {
+  SceneTruth truth = box_on_bench();
+  for (TrueView& view : truth.views) {
+    view.camera.width_px = 1920;
+    view.camera.fx_px = 1500;
+  }
+  SeedsEstimate estimate = measured_box(truth, 0);
+  estimate.cloud.clear();
+  estimate.poses[1].camera.width_px = 1280;
+  estimate.poses[1].camera.fx_px = 1000;
+  estimate.poses[2].camera.width_px = 274;  // 1920 / 7, cut
+  estimate.poses[2].camera.fx_px = 1500. / 7;
+  estimate.poses[3].camera.width_px = 3840;
+  estimate.poses[3].camera.fx_px = 3000;
+  EXPECT_NEAR(value_of(score(truth, estimate), "camera.focal_rms"), 0, 1e-12);
 }
 
 }  // namespace

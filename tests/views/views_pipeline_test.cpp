@@ -2,8 +2,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "benchmarks/metrics/image_fidelity.h"
 #include "perception/pipelines/views.h"
+#include "perception/splats/splat_render.h"
 #include "sim/geometry/measure.h"
+#include "sim/imaging/color.h"
+#include "tests/splats/exposed_plane.h"
 #include "tests/views/cube_capture.h"
 
 namespace cousin {
@@ -177,7 +181,7 @@ TEST(ViewsPipeline, TheUnitOfLengthDoesNotMatter) {
 
 TEST(ViewsPipeline, PlacingSaysWhereThePosesAreFrom) {
   const Capture capture = cube_capture();
-  const auto placing = std::make_shared<ViewsPlacing>();
+  const auto placing = std::make_shared<ViewsFindings>();
   placing->is_metric = false;
   const SeedsStages stages = views_stages(quick(), capture, 1, {}, placing);
   EXPECT_EQ(stages.poses(capture, {}).size(), 12U);
@@ -191,6 +195,84 @@ TEST(ViewsPipeline, BlackPhotographsGiveNoSurface) {
   const SeedsEstimate estimate = run(capture, quick());
   EXPECT_TRUE(estimate.cloud.empty());
   EXPECT_TRUE(estimate.surfaces.empty() || estimate.surfaces[0].status == SurfaceStatus::empty);
+}
+
+/// Photographs by automatic exposure, brighter and darker in turn.
+Capture exposed_capture() {
+  Capture capture;
+  for (const SplatView& view : exposed_plane()) {
+    if (capture.rig.empty()) capture.rig.push_back({.camera = view.full.camera});
+    Frame frame{.id = 10 + 2 * view.frame, .rig_from_world = view.camera_from_world};  // no place
+    frame.sensors.push_back(
+        {.reported = view.full.camera, .color = rgb_of(view.full.color.channel)});
+    capture.frames.push_back(std::move(frame));
+  }
+  return capture;
+}
+
+TEST(ViewsPipeline, ExposuresAreMeasuredAndTakenOut) {
+  const Capture capture = exposed_capture();
+  ViewsPipelineConfig config = quick();
+  config.steps = 150;
+  config.hold_out_every = 4;
+  config.cloud_views = config.mesh_cells = 0;
+  const auto findings = std::make_shared<ViewsFindings>();
+  const auto trained = [&] {
+    return run_stages(capture, views_stages(config, capture, 1, {}, findings));
+  };
+  const SeedsEstimate even = trained();
+  ASSERT_EQ(findings->exposures.status, ExposureStatus::ok);
+  ASSERT_EQ(findings->exposed_frames, (std::vector<int>{1, 2, 3, 5, 6, 7}));
+  for (std::size_t v = 1; v < 6; ++v) {
+    const int frame = findings->exposed_frames[v], first = findings->exposed_frames[0];
+    EXPECT_NEAR(findings->exposures.log_gain[v] - findings->exposures.log_gain[0],
+                plane_log_gain(frame) - plane_log_gain(first), 0.02);
+  }
+  // The model has one exposure; each photograph's is put into its images, and of one held out that
+  // of its neighbours.
+  const std::vector<SplatView> views = splat_views(capture, even.poses);
+  const auto light = [](const ColorPlanes& planes) {
+    return linear_from_srgb(planes.channel[1](80, 60));
+  };
+  const auto drawn = [&](const SplatView& view) {
+    return render_splats(even.splats, view.full.camera, view.camera_from_world).color;
+  };
+  const auto ratio = [&](std::size_t v) {  // of what is shown to the photograph
+    return light(as_exposed(drawn(views[v]), views[v], *findings)) / light(views[v].full.color);
+  };
+  EXPECT_NEAR(light(drawn(views[1])) / 1.3 / light(views[1].full.color), 1, 0.15);
+  EXPECT_NEAR(light(drawn(views[2])) * 1.3 / light(views[2].full.color), 1, 0.15);
+  EXPECT_NEAR(ratio(1), 1, 0.15);
+  EXPECT_NEAR(ratio(2), 1, 0.15);
+  EXPECT_NEAR(ratio(4), 1 / (1.3 * 1.3), 0.1);
+  config.one_exposure = false;
+  trained();
+  EXPECT_NE(findings->exposures.status, ExposureStatus::ok);
+  EXPECT_TRUE(findings->exposed_frames.empty());
+}
+
+TEST(ViewsPipeline, BetweenPhotographsExposureChangesEvenly) {
+  ViewsFindings findings;
+  findings.exposures.status = ExposureStatus::ok;
+  findings.exposed_frames = {1, 3, 5, 6};
+  findings.exposures.log_gain = {0, std::log(2.0), kNaN, std::log(4.0)};
+  SplatView photograph;
+  photograph.full.camera = {LensModel::pinhole, 1, 1, 20, 20, 0, 0};
+  const auto light_at = [&](int frame) {
+    ColorPlanes image;
+    for (Image<float>& channel : image.channel)
+      channel = Image<float>(1, 1, srgb_from_linear(0.1F));
+    photograph.frame = frame;
+    return linear_from_srgb(as_exposed(image, photograph, findings).channel[0](0, 0));
+  };
+  EXPECT_NEAR(light_at(3), 0.2, 1e-5);  // its own
+  EXPECT_NEAR(light_at(2), 0.1 * std::sqrt(2.0), 1e-5);
+  EXPECT_NEAR(light_at(4), 0.2 * std::cbrt(2.0), 1e-5);  // the first of three steps from 2 to 4
+  EXPECT_NEAR(light_at(5), 0.1, 1e-5);                   // it was trained on as it is
+  EXPECT_NEAR(light_at(0), 0.1, 1e-5);
+  EXPECT_NEAR(light_at(9), 0.4, 1e-5);
+  findings.exposures.log_gain.assign(4, kNaN);
+  EXPECT_NEAR(light_at(3), 0.1, 1e-5);
 }
 
 }  // namespace

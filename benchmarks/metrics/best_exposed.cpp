@@ -1,4 +1,4 @@
-#include "benchmarks/seedlings/best_exposed.h"
+#include "benchmarks/metrics/best_exposed.h"
 
 #include <algorithm>
 #include <cmath>
