@@ -239,9 +239,10 @@ SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, cons
       config.method == ViewsMethod::splats_paper ? config.reference_steps : training.steps;
   const std::optional<SweepVolume> volume = looked_at(views);
   std::vector<StartPoint> start = start_points(config, volume, findings.tracks, seed);
-  const bool is_swept = config.one_exposure || config.swept_points > 0;
-  if (is_swept && volume && config.method == ViewsMethod::splats)
-    take_out_exposures(config, *volume, views, start, findings);
+  if (config.method == ViewsMethod::splats && (config.one_exposure || config.swept_points > 0)) {
+    if (config.one_exposure) findings.exposures.log_gain.assign(views.size(), kNaN);
+    if (volume) take_out_exposures(config, *volume, views, start, findings);
+  }
   return train_on_views(views, start, {}, training, last, watch);
 }
 
