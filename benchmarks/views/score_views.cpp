@@ -19,6 +19,7 @@
 #include "benchmarks/seeds/true_outline.h"
 #include "sim/geometry/measure.h"
 #include "sim/geometry/similarity.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
@@ -44,20 +45,13 @@ Eigen::AlignedBox3d around(const Mesh& mesh) {
   return {box.min() - margin, box.max() + margin};
 }
 
-bool is_of_specimen(const Scene& scene, const Instance& instance) {
-  if (instance.part_of < 0) return instance.is_specimen;
-  return std::any_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& whole) {
-    return whole.id == instance.part_of && whole.is_specimen;
-  });
-}
-
 TrueSurfaces true_surfaces(const Scene& scene) {
   std::vector<Mesh> all, specimens, others;
   TrueSurfaces surfaces;
   for (const Instance& instance : scene.instances) {
     Mesh mesh = mesh_in_world(scene, instance);
     if (mesh.triangles.empty()) continue;
-    const bool is_own = is_of_specimen(scene, instance);
+    const bool is_own = is_of_specimen(instance);
     if (is_own) surfaces.around_specimens.push_back(around(mesh));
     (is_own ? specimens : others).push_back(mesh);
     all.push_back(std::move(mesh));
@@ -80,7 +74,8 @@ Points points_on(const Mesh& mesh) {
   return mesh.triangles.empty() ? Points() : sample_surface(mesh, kMeshSamples, Rng(2));
 }
 
-Measured measured_of(const SeedsEstimate& estimate, const WorldSimilarity& truth_from_estimate) {
+Measured measured_of(const SeedsEstimate& estimate, bool has_cloud,
+                     const WorldSimilarity& truth_from_estimate) {
   Measured measured;
   for (const CloudPoint& point : estimate.cloud)
     measured.cloud_m.push_back(truth_from_estimate * point.position_m.cast<double>());
@@ -92,6 +87,7 @@ Measured measured_of(const SeedsEstimate& estimate, const WorldSimilarity& truth
   }
   measured.mesh = merged(meshes);
   measured.on_mesh_m = points_on(measured.mesh);
+  measured.has_cloud = has_cloud;
   measured.has_mesh = !estimate.surfaces.empty();
   return measured;
 }
@@ -181,9 +177,7 @@ void add_unsolved_shapes(const SceneTruth& truth, const Measured& measured, cons
   for (const double tolerance_m : kTolerances_m) none.at.push_back({tolerance_m, kNaN, kNaN, kNaN});
   ScoreRow unsolved = base;
   unsolved.status = ScoreStatus::not_solved;
-  const bool has_specimens =
-      std::any_of(truth.scene.instances.begin(), truth.scene.instances.end(),
-                  [](const Instance& instance) { return instance.is_specimen; });
+  const bool has_specimens = !specimens_of(truth.scene).empty();
   for (const std::string prefix : {"", "specimens."}) {
     if (!prefix.empty() && !has_specimens) continue;
     if (measured.has_cloud) add_cloud_rows(prefix + "cloud_seen", 0, none, unsolved, rows);
@@ -238,8 +232,7 @@ std::vector<ScoreRow> score_views(const SceneTruth& truth, const SeedsEstimate& 
     if (!fit.ok) row.status = ScoreStatus::not_solved;
     rows.push_back(std::move(row));
   }
-  Measured measured = measured_of(estimate, truth_from_estimate);
-  measured.has_cloud = has_cloud;
+  const Measured measured = measured_of(estimate, has_cloud, truth_from_estimate);
   if (has_frame) {
     add_all_shapes(truth, measured, base, rows);
   } else {

@@ -9,6 +9,7 @@
 #include "sim/imaging/image_io.h"
 #include "sim/process/scratch_folder.h"
 #include "tests/views/cube_capture.h"
+#include "tests/views/row_value.h"
 
 namespace cousin {
 namespace {
@@ -23,14 +24,6 @@ ViewsPipelineConfig quick() {
   config.mesh_cells = 40;
   config.hold_out_every = 4;
   return config;
-}
-
-double value_of(const std::vector<ScoreRow>& rows, const std::string& metric) {
-  for (const ScoreRow& row : rows) {
-    if (row.metric == metric) return row.value;
-  }
-  ADD_FAILURE() << "no row " << metric;
-  return kNaN;
 }
 
 TEST(PerceiveViews, WritesSeamsScoresAndPictures) {

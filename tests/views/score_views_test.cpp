@@ -8,6 +8,7 @@
 #include "perception/pipelines/views.h"
 #include "sim/geometry/similarity.h"
 #include "tests/views/box_scene.h"
+#include "tests/views/row_value.h"
 
 namespace cousin {
 namespace {
@@ -16,14 +17,6 @@ std::vector<ScoreRow> score(const SceneTruth& truth, const SeedsEstimate& estima
                             PoseAlignment alignment = PoseAlignment::none) {
   return score_views(truth, estimate, alignment, !estimate.cloud.empty(),
                      {.suite = "t", .scene = "box", .method = "m"});
-}
-
-double value_of(const std::vector<ScoreRow>& rows, const std::string& metric) {
-  for (const ScoreRow& row : rows) {
-    if (row.metric == metric) return row.value;
-  }
-  ADD_FAILURE() << "no row " << metric;
-  return kNaN;
 }
 
 TEST(ScoreViews, ACloudIsAsFarOffAsItWasPut) {
