@@ -25,44 +25,48 @@ constexpr const char* kLights[] = {"D1", "D2", "D3"};
 /// Numbers of a run, and of a quick one.
 struct Extent {
   int samples, width_px, height_px, pixel_samples, noise_views;
-  std::vector<int> reference, ours, ours_most, ngp;
-  std::vector<FieldPlan> further;  ///< of the first tray, in jobs of their own
-  std::vector<ViewSet> fewer;      ///< sets that the reference alone is trained on
-  std::vector<int> more;           ///< photographs of the first tray that ours alone is trained on
+  std::vector<int> reference, ours, ours_most = {}, ngp = {};
+  FieldPlan between = {};               ///< of ours, in a job of its own; without steps: none
+  std::vector<FieldPlan> further = {};  ///< of the first tray, in jobs of their own
+  std::vector<ViewSet> fewer = {};      ///< sets that the reference alone is trained on
+  std::vector<int> more = {};  ///< photographs of the first tray that ours alone is trained on
 };
 Extent extent_of(const SeedlingsSuiteConfig& config) {
   if (config.quick) {
-    return {1,
-            200,
-            150,
-            16,
-            2,
-            {250, 500, 1000},
-            {250, 500},
-            {},
-            {50, 100},
-            {},
-            {{"10 views", 10, false}, {"30 views of one side", 30, true}},
-            {}};
+    return {.samples = 1,
+            .width_px = 200,
+            .height_px = 150,
+            .pixel_samples = 16,
+            .noise_views = 2,
+            .reference = {250, 500, 1000},
+            .ours = {250, 500},
+            .ngp = {50, 100},
+            .fewer = {{"10 views", 10, false}, {"30 views of one side", 30, true}}};
   }
   const int usual = SplatTrainConfig().most_splats;
-  return {config.samples,
-          400,
-          300,
-          16,
-          4,
-          {500, 1000, 2000, 5000, 7000},
-          {500, 1000, 2000, 5000, 7000},
-          {usual, usual, usual, kOurMostSplats, kOurMostSplats},
-          {500, 2000},
-          {{.method = kReference, .at = {10000, 30000}},
-           {.method = kOurs,
-            .at = {10000, 30000},
-            .start_points = kOurStartPoints,
-            .most_splats = {kOurMostSplats, kOurMostSplats}},
-           {.method = kNgp, .at = {1000, 5000, 7000, 10000, 30000}}},
-          {{"20 views", 20, false}, {"10 views", 10, false}, {"30 views of one side", 30, true}},
-          {60, 120}};
+  return {.samples = config.samples,
+          .width_px = 400,
+          .height_px = 300,
+          .pixel_samples = 16,
+          .noise_views = 4,
+          .reference = {500, 1000, 2000, 5000, 7000},
+          .ours = {500, 1000, 2000, 5000, 7000},
+          .ours_most = {usual, usual, usual, kOurMostSplats, kOurMostSplats},
+          .ngp = {500, 2000},
+          .between = {.method = kOurs,
+                      .at = {3000},
+                      .start_points = kOurStartPoints,
+                      .most_splats = {kOurMostSplats / 2}},
+          .further = {{.method = kReference, .at = {10000, 30000}},
+                      {.method = kOurs,
+                       .at = {10000, 30000},
+                       .start_points = kOurStartPoints,
+                       .most_splats = {kOurMostSplats, kOurMostSplats}},
+                      {.method = kNgp, .at = {1000, 5000, 7000, 10000, 30000}}},
+          .fewer = {{"20 views", 20, false},
+                    {"10 views", 10, false},
+                    {"30 views of one side", 30, true}},
+          .more = {60, 120}};
 }
 
 /// One job for each number: what more photographs do for the views that are held out.
@@ -77,11 +81,21 @@ void add_more_views(SeedlingsJob job, const Extent& extent, std::vector<Seedling
   }
 }
 
+/// One between trainings of one minute and of four: the reference's 7,000 steps may end there, and
+/// who has that long should not have to take what one minute gives.
+void add_between(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>& jobs) {
+  if (extent.between.at.empty()) return;
+  job.plan = extent.between;
+  job.part = "between";
+  job.shown = false;
+  jobs.push_back(job);
+}
+
 /// The methods' further steps: they take longer than all else, so that each may be left out.
 void add_long(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>& jobs) {
   job.set = {"30 views", job.sample.views, false};
   job.shown = false;
-  job.is_long = true;
+  job.part = "long";
   for (const FieldPlan& plan : extent.further) {
     job.plan = plan;
     jobs.push_back(job);
@@ -130,8 +144,8 @@ std::vector<const SampleView*> held_out_views(const SampleCapture& whole) {
 
 std::string SeedlingsJob::name() const {
   return sample.light + "_" + std::to_string(sample.number) + "_" + std::to_string(set.views) +
-         (set.one_side ? "_side_" : "_") + short_name(plan.method) + (is_long ? "_long_" : "_") +
-         std::to_string(sample.width_px) + "px";
+         (set.one_side ? "_side_" : "_") + short_name(plan.method) + "_" +
+         (part.empty() ? "" : part + "_") + std::to_string(sample.width_px) + "px";
 }
 
 std::string SeedlingsJob::case_name() const {
@@ -162,6 +176,7 @@ std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config) {
       jobs.push_back(job);
       job.plan = {kNgp, extent.ngp};
       jobs.push_back(job);
+      add_between(job, extent, jobs);
       for (const ViewSet& set : extent.fewer) {
         job.set = set;
         job.plan = {kReference, {extent.reference.back()}};

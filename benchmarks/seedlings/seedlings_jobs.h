@@ -32,9 +32,10 @@ struct SeedlingsJob {
   FieldPlan plan;
   int noise_views = 4;
   bool shown = false;  ///< the page has pictures of it
-  /// The method's further steps, up to half an hour: another job has what comes before, and the
-  /// reference's says what the photographs are like.
-  bool is_long = false;
+  /// Which of the method's trainings, where other jobs have the rest: "between" those of minutes,
+  /// "long", up to an hour; empty: the first, of which the reference's says what the photographs
+  /// are like.
+  std::string part;
 
   std::string name() const;  ///< "D1_0_20_reference": letters, digits, _
   std::string case_name()

@@ -151,7 +151,7 @@ std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
     row.status = ScoreStatus::not_solved;
     rows.push_back(row);
   }
-  if (job.plan.method != kReference || job.is_long) return rows;
+  if (job.plan.method != kReference || !job.part.empty()) return rows;
   add_coverage(base, views, rows);
   if (job.set.one_side || job.set.views != job.sample.views) return rows;
   ScoreRow of_capture = base;
