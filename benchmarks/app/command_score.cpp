@@ -18,9 +18,12 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-/// An estimate without traits.json told no specimens apart.
+/// An estimate without traits.json told no specimens apart; one with what only chains write that do
+/// was left before its end.
 bool is_whole_scene(const fs::path& estimate_dir) {
-  if (fs::exists(estimate_dir / "traits.json")) return false;
+  for (const char* file : {"traits.json", "corners.json", "clusters.ply", "masks.json"}) {
+    if (fs::exists(estimate_dir / file)) return false;
+  }
   for (const char* file : {"poses.json", "cloud.ply", "surfaces.json"}) {
     if (fs::exists(estimate_dir / file)) return true;
   }
@@ -45,21 +48,22 @@ ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path&
                       const SeedsScoreLabels& labels, ProgressPrinter& progress) {
   const SeedsEstimate estimate = read_estimate(estimate_dir);
   ScoreFile file;
-  if (!is_whole_scene(estimate_dir)) {
-    if (o.align)
-      throw std::invalid_argument(
-          "--align: " + estimate_dir.string() +
-          " has traits.json, whose lengths are metres in the board's frame");
-    SeedsScores scores = score_run(truth, estimate, labels);
-    file.scores = std::move(scores.rows);
-    file.specimens = std::move(scores.specimens);
-    return file;
-  }
-  progress.line(estimate_dir.string() + ": no traits.json: scored as a scene as a whole");
+  const bool is_whole = is_whole_scene(estimate_dir);
+  if (!is_whole && o.align)
+    throw std::invalid_argument("--align: " + estimate_dir.string() +
+                                " has traits.json, whose lengths are metres in the board's frame");
+  if (is_whole)
+    progress.line(estimate_dir.string() + ": no traits.json: scored as a scene as a whole");
   try {
-    file.scores =
-        score_views(truth, estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
-                    fs::exists(estimate_dir / "cloud.ply"), labelled_row(labels));
+    if (is_whole) {
+      file.scores =
+          score_views(truth, estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
+                      fs::exists(estimate_dir / "cloud.ply"), labelled_row(labels));
+    } else {
+      SeedsScores scores = score_run(truth, estimate, labels);
+      file.scores = std::move(scores.rows);
+      file.specimens = std::move(scores.specimens);
+    }
   } catch (const std::invalid_argument& error) {  // of what the files hold
     throw std::runtime_error(estimate_dir.string() + ": " + error.what());
   }
@@ -84,6 +88,7 @@ ExitCode command_score(const JobContext& context) {
   labels.suite = dataset.filename().string();
   labels.method = "estimate";
   int scored = 0;
+  std::vector<std::string> failures;
   for (const fs::path& scene_dir : scene_folders(dataset)) {
     const fs::path estimate_dir = estimates / scene_dir.filename();
     if (!fs::is_directory(estimate_dir)) {
@@ -93,12 +98,17 @@ ExitCode command_score(const JobContext& context) {
     if (!fs::is_directory(scene_dir / "truth")) {
       throw std::runtime_error(scene_dir.string() + ": there is no truth/ to score against");
     }
-    const SceneTruth truth = read_truth(scene_dir);
     labels.scene = labels.run = scene_dir.filename().string();
-    labels.seed = truth.seed;
-    append(score_scene(o, truth, estimate_dir, labels, context.progress), file);
-    ++scored;
+    try {
+      const SceneTruth truth = read_truth(scene_dir);
+      labels.seed = truth.seed;
+      append(score_scene(o, truth, estimate_dir, labels, context.progress), file);
+      ++scored;
+    } catch (const std::runtime_error& error) {  // of its files; the others' scores are kept
+      failures.emplace_back(error.what());
+    }
   }
+  if (scored == 0 && !failures.empty()) throw std::runtime_error(failures.front());
   if (scored == 0)
     throw std::runtime_error(estimates.string() + ": holds no estimate of any scene of " +
                              dataset.string());
@@ -108,6 +118,13 @@ ExitCode command_score(const JobContext& context) {
   write_result_tables(out, file);
   print_result(o, file);
   context.progress.line("scores: " + (out / "scores.csv").string());
+  if (!failures.empty()) {
+    std::string text = std::to_string(failures.size()) + " of " +
+                       std::to_string(failures.size() + static_cast<std::size_t>(scored)) +
+                       " scenes could not be scored, the others' scores are written:";
+    for (const std::string& failure : failures) text += "\n  " + failure;
+    throw std::runtime_error(text);
+  }
   return check_gates(o, file.scores);
 }
 

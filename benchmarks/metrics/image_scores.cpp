@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "benchmarks/metrics/order_statistics.h"
-#include "sim/geometry/similarity.h"
 
 namespace cousin {
 namespace {
@@ -40,17 +39,6 @@ double looking_distance_m(std::span<const Pose> camera_from_world) {
   double distance = 0;
   for (const Pose& pose : camera_from_world) distance += (centre_in_world_m(pose) - point).norm();
   return distance / static_cast<double>(camera_from_world.size());
-}
-
-/// The similarity that takes the posed views' centres to the true ones.
-SimilarityFit aligned(const Poses& estimate, std::span<const Pose> truth) {
-  std::vector<Eigen::Vector3d> estimated_m, true_m;
-  for (std::size_t i = 0; i < estimate.size(); ++i) {
-    if (estimate[i].status != PoseStatus::ok) continue;
-    estimated_m.push_back(centre_in_world_m(estimate[i].camera_from_world));
-    true_m.push_back(centre_in_world_m(truth[i]));
-  }
-  return fit_similarity(true_m, estimated_m);
 }
 
 }  // namespace
@@ -97,6 +85,20 @@ DepthScore score_depth(const Image<float>& estimate_m, const Image<float>& truth
   return score;
 }
 
+SimilarityFit fit_to_truth(const Poses& estimate, std::span<const Pose> truth_camera_from_world) {
+  if (estimate.size() != truth_camera_from_world.size())
+    throw std::invalid_argument("fit_to_truth: " + std::to_string(estimate.size()) +
+                                " estimates, " + std::to_string(truth_camera_from_world.size()) +
+                                " true poses");
+  std::vector<Eigen::Vector3d> estimated_m, true_m;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    if (estimate[i].status != PoseStatus::ok) continue;
+    estimated_m.push_back(centre_in_world_m(estimate[i].camera_from_world));
+    true_m.push_back(centre_in_world_m(truth_camera_from_world[i]));
+  }
+  return fit_similarity(true_m, estimated_m);
+}
+
 PoseScore score_poses(const Poses& estimate, std::span<const Pose> truth_camera_from_world,
                       std::span<const Camera> truth_cameras, PoseAlignment alignment) {
   if (estimate.size() != truth_camera_from_world.size() ||
@@ -107,18 +109,22 @@ PoseScore score_poses(const Poses& estimate, std::span<const Pose> truth_camera_
   }
   PoseScore score;
   score.views = static_cast<int>(estimate.size());
+  std::vector<double> focals;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    if (estimate[i].status != PoseStatus::ok) continue;
+    ++score.posed;
+    if (!truth_cameras.empty())
+      focals.push_back(estimate[i].camera.fx_px / truth_cameras[i].fx_px - 1);
+  }
+  score.focal_rms = rms(focals);
   WorldSimilarity truth_from_estimate;
   if (alignment == PoseAlignment::similarity) {
-    const SimilarityFit fit = aligned(estimate, truth_camera_from_world);
-    score.posed =
-        static_cast<int>(std::count_if(estimate.begin(), estimate.end(), [](const FramePose& pose) {
-          return pose.status == PoseStatus::ok;
-        }));
+    const SimilarityFit fit = fit_to_truth(estimate, truth_camera_from_world);
     score.scale = fit.ok ? fit.a_from_b.scale : kNaN;
     if (!fit.ok) return score;
     truth_from_estimate = fit.a_from_b;
   }
-  std::vector<double> centres, rotations, focals;
+  std::vector<double> centres, rotations;
   for (std::size_t i = 0; i < estimate.size(); ++i) {
     if (estimate[i].status != PoseStatus::ok) continue;
     const Pose& truth = truth_camera_from_world[i];
@@ -127,16 +133,12 @@ PoseScore score_poses(const Poses& estimate, std::span<const Pose> truth_camera_
                          : moved(estimate[i].camera_from_world, truth_from_estimate);
     centres.push_back((centre_in_world_m(own) - centre_in_world_m(truth)).norm());
     rotations.push_back(angle_rad(own.rotation * truth.rotation.conjugate()));
-    if (!truth_cameras.empty())
-      focals.push_back(estimate[i].camera.fx_px / truth_cameras[i].fx_px - 1);
   }
-  score.posed = static_cast<int>(centres.size());
   score.centre_rms_m = rms(centres);
   score.centre_max_m = quantile(centres, 1);
   score.centre_rms_share = score.centre_rms_m / looking_distance_m(truth_camera_from_world);
   score.rotation_rms_rad = rms(rotations);
   score.rotation_max_rad = quantile(rotations, 1);
-  score.focal_rms = rms(focals);
   return score;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "sim/geometry/similarity.h"
 #include "sim/types/image.h"
 #include "sim/types/pose.h"
 #include "sim/types/seams.h"
@@ -40,12 +41,18 @@ struct PoseScore {
   double rotation_rms_rad = kNaN;  ///< of the angles between the orientations
   double rotation_max_rad = kNaN;
   double focal_rms = kNaN;  ///< of the relative errors of fx; NaN if no true cameras are given
-  double scale = 1;         ///< true lengths over estimated ones, as the alignment found
+  /// True lengths over estimated ones, as the alignment found; NaN if there is none, nor then are
+  /// centres and rotations scored.
+  double scale = 1;
 };
 /// `none`: both are in the same world. `similarity`: the estimate's world and unit are its own; it
 /// is moved so that the centres of its posed views come nearest to the true ones. Of fewer than
 /// three posed views, or centres on a line, there is no alignment, and no error.
 enum class PoseAlignment { none, similarity };
+
+/// The similarity that brings the posed views' centres nearest to the true ones.
+/// @throws std::invalid_argument if counts differ.
+SimilarityFit fit_to_truth(const Poses& estimate, std::span<const Pose> truth_camera_from_world);
 
 /// @param truth_camera_from_world  one for each of `estimate`, same order: the pose while the
 /// middle row is read

@@ -249,11 +249,15 @@ std::vector<double> signed_distances(std::span<const Eigen::Vector3d> points,
 }
 
 /// @param signed_to_surface  of the measured points
+/// @param to_measured        of the samples; empty where nothing was measured
 CloudScore score_of(const std::vector<double>& signed_to_surface,
-                    const std::vector<double>& to_measured, std::span<const double> tolerances_m) {
+                    const std::vector<double>& to_measured, std::size_t samples,
+                    std::span<const double> tolerances_m) {
   std::vector<double> to_surface = signed_to_surface;
   for (double& distance_m : to_surface) distance_m = std::abs(distance_m);
   CloudScore score;
+  score.measured_points = static_cast<std::int64_t>(signed_to_surface.size());
+  score.surface_samples = static_cast<std::int64_t>(samples);
   score.bias_m = mean(signed_to_surface);
   score.accuracy_mean_m = mean(to_surface);
   score.accuracy_rms_m = rms(to_surface);
@@ -284,9 +288,10 @@ CloudScore score_cloud(std::span<const Eigen::Vector3d> cloud_m, const Mesh& sur
                        std::span<const double> tolerances_m) {
   check_samples(surface_samples_m, "score_cloud");
   const DistanceTree surface_tree(surface);
-  if (cloud_m.empty()) return score_of({}, {}, tolerances_m);
+  if (cloud_m.empty()) return score_of({}, {}, surface_samples_m.size(), tolerances_m);
   return score_of(signed_distances(cloud_m, surface_tree),
-                  distances(surface_samples_m, DistanceTree(cloud_m)), tolerances_m);
+                  distances(surface_samples_m, DistanceTree(cloud_m)), surface_samples_m.size(),
+                  tolerances_m);
 }
 
 CloudScore score_mesh(const Mesh& measured, std::span<const Eigen::Vector3d> measured_samples_m,
@@ -294,9 +299,10 @@ CloudScore score_mesh(const Mesh& measured, std::span<const Eigen::Vector3d> mea
                       std::span<const double> tolerances_m) {
   check_samples(surface_samples_m, "score_mesh");
   const DistanceTree surface_tree(surface);
-  if (measured_samples_m.empty()) return score_of({}, {}, tolerances_m);
+  if (measured_samples_m.empty()) return score_of({}, {}, surface_samples_m.size(), tolerances_m);
   return score_of(signed_distances(measured_samples_m, surface_tree),
-                  distances(surface_samples_m, DistanceTree(measured)), tolerances_m);
+                  distances(surface_samples_m, DistanceTree(measured)), surface_samples_m.size(),
+                  tolerances_m);
 }
 
 }  // namespace cousin

@@ -62,8 +62,10 @@ std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int count, Rng rng
 
 /// A measured cloud against a true surface [terms of Knapitsch et al., "Tanks and Temples", 2017].
 struct CloudScore {
-  double accuracy_mean_m = 0;  ///< cloud to surface
-  double bias_m = 0;           ///< mean signed distance, outside of a closed surface positive
+  std::int64_t measured_points = 0;  ///< that accuracy and precision are over
+  std::int64_t surface_samples = 0;  ///< that completeness and recall are over
+  double accuracy_mean_m = 0;        ///< cloud to surface
+  double bias_m = 0;                 ///< mean signed distance, outside of a closed surface positive
   double accuracy_rms_m = 0;
   double accuracy_median_m = 0;
   double accuracy_p95_m = 0;

@@ -54,7 +54,6 @@ SeedsEstimate perceive_with(
         progress("perceive: " + stage, static_cast<int>(place), static_cast<int>(names.size()));
     } else if (!estimate_dir.empty()) {
       write_seam(estimate_dir, stage, so_far, scene_index);
-      if (stage == "splats") std::filesystem::remove(unfinished);
     }
   };
   if (!estimate_dir.empty()) {
@@ -69,7 +68,9 @@ SeedsEstimate perceive_with(
   }
   SeedsEstimate estimate = run(stages, observe);
   add_seconds_before(before, estimate.timings);
-  if (!estimate_dir.empty()) write_timings(estimate_dir, estimate.timings);
+  if (estimate_dir.empty()) return estimate;
+  write_timings(estimate_dir, estimate.timings);
+  std::filesystem::remove(unfinished);  // only now: the next run begins with the first seam
   return estimate;
 }
 

@@ -56,33 +56,36 @@ void add_pose_rows(const SceneTruth& truth, const Poses& poses, PoseAlignment al
   }
   const PoseScore score =
       score_poses(in_order_of(truth.views, poses), true_poses, cameras, alignment);
+  ScoreRow row = base;
   const auto add = [&](const std::string& metric, double value, const char* unit, std::int64_t n) {
-    rows.push_back(measured_row(base, metric, value, unit, n));
+    rows.push_back(measured_row(row, metric, value, unit, n));
   };
   add("views.posed", static_cast<double>(score.posed) / std::max(1, score.views), "1", score.views);
+  add("camera.focal_rms", score.focal_rms, "1", score.posed);
+  if (std::isnan(score.scale)) row.status = ScoreStatus::not_solved;
   add("camera.centre_rms", score.centre_rms_m, "m", score.posed);
   add("camera.centre_max", score.centre_max_m, "m", score.posed);
   add("camera.rotation_rms", score.rotation_rms_rad, "rad", score.posed);
-  add("camera.focal_rms", score.focal_rms, "1", score.posed);
 }
 
 void add_cloud_rows(const std::string& what, std::int64_t points, const CloudScore& score,
                     const ScoreRow& base, std::vector<ScoreRow>& rows) {
-  const auto add = [&](const std::string& metric, double value, const char* unit) {
-    rows.push_back(measured_row(base, what + metric, value, unit, points));
+  const auto add = [&](const std::string& metric, double value, const char* unit, std::int64_t n) {
+    rows.push_back(measured_row(base, what + metric, value, unit, n));
   };
-  add(".points", static_cast<double>(points), "1");
-  add(".accuracy_rms", score.accuracy_rms_m, "m");
-  add(".accuracy_mean", score.accuracy_mean_m, "m");
-  add(".accuracy_median", score.accuracy_median_m, "m");
-  add(".bias", score.bias_m, "m");
-  add(".completeness_mean", score.completeness_mean_m, "m");
-  add(".chamfer", chamfer_m(score), "m");
+  const std::int64_t measured = score.measured_points, samples = score.surface_samples;
+  add(".points", static_cast<double>(points), "1", 1);
+  add(".accuracy_rms", score.accuracy_rms_m, "m", measured);
+  add(".accuracy_mean", score.accuracy_mean_m, "m", measured);
+  add(".accuracy_median", score.accuracy_median_m, "m", measured);
+  add(".bias", score.bias_m, "m", measured);
+  add(".completeness_mean", score.completeness_mean_m, "m", samples);
+  add(".chamfer", chamfer_m(score), "m", measured + samples);
   for (const CloudScore::AtTolerance& at : score.at) {
     const std::string tolerance = std::to_string(std::lround(at.tolerance_m * 1e6)) + "um";
-    add(".precision_" + tolerance, at.precision, "1");
-    add(".recall_" + tolerance, at.recall, "1");
-    add(".f1_" + tolerance, at.f1, "1");
+    add(".precision_" + tolerance, at.precision, "1", measured);
+    add(".recall_" + tolerance, at.recall, "1", samples);
+    add(".f1_" + tolerance, at.f1, "1", measured + samples);
   }
 }
 

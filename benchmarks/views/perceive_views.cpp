@@ -157,7 +157,8 @@ void warn_of_exposures(const ViewsFindings& findings, const Warn& warn) {
                                              [](double gain) { return !std::isfinite(gain); }));
   if (views == 0 || (exposures.status == ExposureStatus::ok && unknown == 0)) return;
   warn("exposures of " + std::to_string(unknown) + " of " + std::to_string(views) +
-       " photographs could not be measured: they share too little surface with others" +
+       " photographs could not be measured: too little surface was found that they share with " +
+       "others" +
        (exposures.status == ExposureStatus::ok ? "" : "; all are trained on as they are"));
 }
 
@@ -209,8 +210,16 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   std::error_code left;  // what cannot be removed costs room, not the result
   if (!colmap.empty()) fs::remove_all(colmap, left);
   if (warn) warn_of_exposures(*findings, warn);
-  if (warn && !findings->is_metric)
-    warn("poses are of COLMAP without a board: lengths are in its model's own unit");
+  const bool are_somebodys =
+      std::any_of(sources.begin(), sources.end(),
+                  [](const StageSource& source) { return source.stage == "poses"; });
+  // What unit somebody's poses have is not known.
+  const bool is_metric = findings->is_metric && !are_somebodys;
+  if (warn && !findings->sfm_doubts.empty()) warn("structure from motion: " + findings->sfm_doubts);
+  if (warn && !is_metric)
+    warn(are_somebodys ? "poses are somebody's: lengths are in their unit"
+                       : "poses are of COLMAP and no board gave them a scale: lengths are in its "
+                         "model's own unit");
   const SeedsEstimate& estimate = run.estimate;
   ScoreRow base;
   base.suite = "views";
@@ -226,8 +235,8 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   add_row("cloud.points", static_cast<double>(estimate.cloud.size()), "1", 1, base, run.rows);
   for (const Surface& surface : estimate.surfaces) {
     if (surface.status == SurfaceStatus::ok)
-      add_row("mesh.area", mass_properties(surface.mesh).area_m2,
-              findings->is_metric ? "m2" : "unit2", 1, base, run.rows);
+      add_row("mesh.area", mass_properties(surface.mesh).area_m2, is_metric ? "m2" : "unit2", 1,
+              base, run.rows);
   }
   score_timings(estimate, base, run.rows);
   if (!estimate_dir.empty()) write_file(file("scores.csv"), to_csv(run.rows));

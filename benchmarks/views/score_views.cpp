@@ -70,8 +70,15 @@ struct Measured {
   Points on_mesh_m;
 };
 
+/// None on a mesh without area.
 Points points_on(const Mesh& mesh) {
-  return mesh.triangles.empty() ? Points() : sample_surface(mesh, kMeshSamples, Rng(2));
+  const auto has_area = [&](const std::array<std::uint32_t, 3>& t) {
+    const Eigen::Vector3d& a = mesh.vertices_m[t[0]];
+    return (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a).norm() > 0;
+  };
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), has_area)
+             ? sample_surface(mesh, kMeshSamples, Rng(2))
+             : Points();
 }
 
 Measured measured_of(const SeedsEstimate& estimate, bool has_cloud,
@@ -173,7 +180,10 @@ void add_all_shapes(const SceneTruth& truth, const Measured& measured, const Sco
 /// The rows of an estimate that cannot be put beside the truth.
 void add_unsolved_shapes(const SceneTruth& truth, const Measured& measured, const ScoreRow& base,
                          std::vector<ScoreRow>& rows) {
-  CloudScore none{kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, {}};
+  CloudScore none;
+  for (double* value : {&none.accuracy_mean_m, &none.bias_m, &none.accuracy_rms_m,
+                        &none.accuracy_median_m, &none.completeness_mean_m})
+    *value = kNaN;
   for (const double tolerance_m : kTolerances_m) none.at.push_back({tolerance_m, kNaN, kNaN, kNaN});
   ScoreRow unsolved = base;
   unsolved.status = ScoreStatus::not_solved;
@@ -202,15 +212,10 @@ Poses at_true_size(Poses poses, const SceneTruth& truth) {
   return poses;
 }
 
-SimilarityFit fit_to_truth(const SceneTruth& truth, const Poses& estimate) {
-  const Poses poses = in_order_of(truth.views, estimate);
-  Points true_m, own_m;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (poses[i].status != PoseStatus::ok) continue;
-    true_m.push_back(centre_in_world_m(middle_pose(truth.views[i])));
-    own_m.push_back(centre_in_world_m(poses[i].camera_from_world));
-  }
-  return fit_similarity(true_m, own_m);
+std::vector<Pose> middle_poses(const SceneTruth& truth) {
+  std::vector<Pose> poses;
+  for (const TrueView& view : truth.views) poses.push_back(middle_pose(view));
+  return poses;
 }
 
 }  // namespace
@@ -224,11 +229,15 @@ std::vector<ScoreRow> score_views(const SceneTruth& truth, const SeedsEstimate& 
   WorldSimilarity truth_from_estimate;
   bool has_frame = true;
   if (is_aligned) {
-    const SimilarityFit fit = fit_to_truth(truth, estimate.poses);
+    const Poses poses = in_order_of(truth.views, estimate.poses);
+    const SimilarityFit fit = fit_to_truth(poses, middle_poses(truth));
     truth_from_estimate = fit.a_from_b;
     has_frame = fit.ok;
+    const auto posed = std::count_if(poses.begin(), poses.end(), [](const FramePose& pose) {
+      return pose.status == PoseStatus::ok;
+    });
     ScoreRow row = measured_row(base, "alignment.scale", fit.ok ? fit.a_from_b.scale : kNaN, "1",
-                                static_cast<std::int64_t>(estimate.poses.size()));
+                                static_cast<std::int64_t>(posed));
     if (!fit.ok) row.status = ScoreStatus::not_solved;
     rows.push_back(std::move(row));
   }

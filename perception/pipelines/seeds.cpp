@@ -83,10 +83,12 @@ void run_stage(const char* name, const Stage& stage, const Capture& capture,
 }
 
 /// What a stage says of each frame is taken by its place.
+/// @param has_run  else there is nothing of any frame
 /// @throws StageError if the places are not those of the capture's frames
 template <class Item>
-void require_frames(const char* stage, const Capture& capture, const std::vector<Item>& items) {
-  if (items.empty()) return;
+void require_frames(const char* stage, bool has_run, const Capture& capture,
+                    const std::vector<Item>& items) {
+  if (!has_run) return;
   if (items.size() != capture.frames.size()) {
     throw StageError(stage, std::to_string(items.size()) + " frames; the capture has " +
                                 std::to_string(capture.frames.size()));
@@ -322,12 +324,12 @@ SeedsEstimate run_stages(const Capture& capture, const SeedsStages& stages,
   if (capture.frames.empty()) throw std::invalid_argument("the capture has no frames");
   SeedsEstimate estimate;
   run_stage("corners", stages.corners, capture, estimate, &SeedsEstimate::corners, observer);
-  require_frames("corners", capture, estimate.corners);
+  require_frames("corners", stages.corners != nullptr, capture, estimate.corners);
   run_stage("poses", stages.poses, capture, estimate, &SeedsEstimate::poses, observer);
-  require_frames("poses", capture, estimate.poses);
+  require_frames("poses", stages.poses != nullptr, capture, estimate.poses);
   run_stage("splats", stages.splats, capture, estimate, &SeedsEstimate::splats, observer);
   run_stage("depth", stages.depth, capture, estimate, &SeedsEstimate::depths, observer);
-  require_frames("depth", capture, estimate.depths);
+  require_frames("depth", stages.depth != nullptr, capture, estimate.depths);
   run_stage("cloud", stages.cloud, capture, estimate, &SeedsEstimate::cloud, observer);
   run_stage("clusters", stages.clusters, capture, estimate, &SeedsEstimate::clusters, observer);
   run_stage("masks", stages.masks, capture, estimate, &SeedsEstimate::silhouettes, observer);

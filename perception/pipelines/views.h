@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,8 +14,8 @@ namespace cousin {
 
 /// `splats`: ours; `splats_paper`: the reference's schedule and density control, left early.
 enum class ViewsMethod { splats, splats_paper };
-/// Where poses come from: the capture's own where it has them, else (or only) by COLMAP and our
-/// adjustment of its tracks.
+/// Where poses come from: the capture's own, by COLMAP and our adjustment of its tracks, or `best`:
+/// the capture's own where at least half of its frames, and two, have them.
 enum class ViewsPoses { best, reported, sfm };
 
 /// Gaussians of photographs of anything: no board, no specimens, no traits.
@@ -42,10 +43,13 @@ struct ViewsPipelineConfig {
   /// Where no tracks are, Gaussians begin at so many places drawn evenly over a cube of twice the
   /// cameras' median distance about the point that they look at.
   int start_points = 20000;
-  int cloud_views = 24;     ///< evenly spread, whose depths become the cloud; 0: there is no cloud
+  /// Evenly spread, whose depths become the cloud; 0: there is no cloud. One is refused, before the
+  /// training, where cameras are 2^21 of its voxels from the origin.
+  int cloud_views = 24;
   double voxel_px = 2;      ///< of the cloud, in pixels at the median depth
   double agreement_px = 3;  ///< along the normal, likewise
-  int mesh_cells = 160;     ///< along the longest side of what the cloud covers; 0: no mesh
+  /// Along the longest side of what the cloud, or without one the depths, cover; 0: no mesh.
+  int mesh_cells = 160;
 };
 Fields fields(ViewsPipelineConfig& config);
 void validate(const ViewsPipelineConfig& config);
@@ -71,9 +75,10 @@ struct ViewsFindings {
   /// Lengths are the capture's own, or a board's; else they are in the unit of COLMAP's model,
   /// which says nothing.
   bool is_metric = true;
+  std::string sfm_doubts;  ///< what structure from motion says of its model; empty where it is ok
   std::vector<StartPoint> tracks;
-  /// Of the photographs that `splats` trained on, taken out of them where the status is ok. Views
-  /// whose gain is NaN were trained on as they are.
+  /// Of the photographs that `splats` trained on, taken out of them where the status is ok. Of
+  /// views whose gain is NaN only the vignetting was.
   ViewExposures exposures;
   std::vector<int>
       exposed_frames;  ///< places of theirs in the capture; none where status is not ok

@@ -112,6 +112,23 @@ TEST(AppPerceiveViews, ASceneAsAWholeIsScoredAgainstItsTruth) {
   const Outcome foreign = program.run({"score", "box", "est"});
   EXPECT_EQ(foreign.code, 3);
   EXPECT_THAT(foreign.err, AllOf(HasSubstr("est/000000"), HasSubstr("frame 99")));
+  // Another scene's scores are kept.
+  write_capture(program.path("box/000001"), cube_capture());
+  write_truth(program.path("box/000001"), truth);
+  fs::create_directories(program.path("est/000001"));
+  write_cloud(program.path("est/000001"), estimate.cloud);
+  const Outcome half = program.run({"score", "box", "est"});
+  EXPECT_EQ(half.code, 3);
+  EXPECT_THAT(half.err,
+              AllOf(HasSubstr("1 of 2 scenes could not be scored"), HasSubstr("frame 99")));
+  EXPECT_THAT(half.out, HasSubstr("000001 specimens.cloud_seen.f1_1000um"));
+  EXPECT_TRUE(fs::exists(program.path("est/scores.csv")));
+  fs::remove_all(program.path("est/000001"));
+  // One that was left before its traits is not taken for another kind.
+  write_corners(program.path("est/000000"), {});
+  const Outcome cut = program.run({"score", "box", "est"});
+  EXPECT_EQ(cut.code, 3);
+  EXPECT_THAT(cut.err, HasSubstr("traits.json"));
   // An estimate that told specimens apart says lengths in metres.
   write_traits(program.path("est/000000"), {});
   const Outcome seeds = program.run({"score", "box", "est", "--align"});

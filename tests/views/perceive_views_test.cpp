@@ -80,5 +80,44 @@ TEST(PerceiveViews, SomebodysPosesHaveCamerasOfTheFullSize) {
   EXPECT_EQ(run.estimate.depths.at(0).depth_m.width(), 36);
 }
 
+TEST(PerceiveViews, TheUnitOfSomebodysPosesIsNotKnown) {
+  const ScratchFolder scratch("cousin-views");
+  const Capture capture = cube_capture();
+  write_poses(scratch.path(), reported_poses(capture));
+  const auto unit_of_area = [&](const std::vector<StageSource>& sources, std::string* warnings) {
+    const ViewsRun run = perceive_views(capture, quick(), 1, sources, 0, "cube", {}, {},
+                                        [&](const std::string& warning) { *warnings += warning; });
+    for (const ScoreRow& row : run.rows) {
+      if (row.metric == "mesh.area") return row.unit;
+    }
+    return std::string();
+  };
+  std::string own, theirs;
+  EXPECT_EQ(unit_of_area({}, &own), "m2");
+  EXPECT_THAT(own, testing::Not(testing::HasSubstr("unit")));
+  EXPECT_EQ(unit_of_area({parse_stage_source("poses=dir:" + scratch.path().string())}, &theirs),
+            "unit2");
+  EXPECT_THAT(theirs, testing::HasSubstr("lengths are in their unit"));
+}
+
+TEST(PerceiveViews, ATrainingIsKeptUntilTheRunIsWhole) {
+  const ScratchFolder scratch("cousin-views");
+  const fs::path out = scratch.path() / "est";
+  const auto run = [&](const Progress& progress) {
+    return perceive_views(cube_capture(), quick(), 1, {}, 0, "cube", out, progress);
+  };
+  EXPECT_THROW(run([](const std::string& what, int, int) {
+                 if (what == "perceive: depth") throw std::runtime_error("the disk is full");
+               }),
+               std::runtime_error);
+  EXPECT_TRUE(fs::exists(out / "splats.unfinished"));
+  int steps = 0;
+  run([&](const std::string& what, int, int) {
+    steps += what.find("splats, step") != std::string::npos ? 1 : 0;
+  });
+  EXPECT_LE(steps, 1);
+  EXPECT_FALSE(fs::exists(out / "splats.unfinished"));
+}
+
 }  // namespace
 }  // namespace cousin

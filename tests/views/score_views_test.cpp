@@ -112,9 +112,44 @@ TEST(ScoreViews, WithoutCamerasThereIsNoFrame) {
   EXPECT_TRUE(std::isnan(value_of(rows, "specimens.cloud_seen.recall_1000um")));
   for (const ScoreRow& row : rows) {
     const bool is_shape = row.metric.find("cloud") != std::string::npos;
-    if (is_shape || row.metric == "alignment.scale")
+    const bool is_place = row.metric.starts_with("camera.") && row.metric != "camera.focal_rms";
+    if (is_shape || is_place || row.metric == "alignment.scale")
       EXPECT_EQ(row.status, ScoreStatus::not_solved) << row.metric;
   }
+  EXPECT_NEAR(value_of(rows, "camera.focal_rms"), 0, 1e-12);
+}
+
+TEST(ScoreViews, EachNumberSaysHowManyPointsItIsOver) {
+  const SceneTruth truth = box_on_bench();
+  SeedsEstimate estimate = measured_box(truth, 0.0005F);
+  const std::size_t seen = estimate.cloud.size();
+  for (int i = 0; i < 500; ++i) {  // on the underside, which nobody sees
+    CloudPoint under;
+    under.position_m = {0.0001F * static_cast<float>(i), 0, -0.03F};
+    estimate.cloud.push_back(under);
+  }
+  const auto rows = score(truth, estimate);
+  const auto n_of = [&](const std::string& metric) {
+    for (const ScoreRow& row : rows) {
+      if (row.metric == metric) return row.n;
+    }
+    return std::int64_t{-1};
+  };
+  EXPECT_EQ(value_of(rows, "cloud_seen.points"), static_cast<double>(seen + 500));
+  EXPECT_LE(n_of("cloud_seen.accuracy_mean"), static_cast<std::int64_t>(seen));
+  EXPECT_EQ(static_cast<double>(n_of("cloud_seen.recall_1000um")),
+            value_of(rows, "surface.seen") * static_cast<double>(n_of("surface.seen")));
+}
+
+TEST(ScoreViews, AMeshWithoutAreaIsNoSurface) {
+  const SceneTruth truth = box_on_bench();
+  SeedsEstimate estimate;
+  Surface surface;
+  surface.status = SurfaceStatus::ok;
+  surface.mesh.vertices_m = {{0, 0, 0.1}, {0.01, 0, 0.1}, {0.02, 0, 0.1}};
+  surface.mesh.triangles = {{0, 1, 2}};
+  estimate.surfaces = {surface};
+  EXPECT_EQ(value_of(score(truth, estimate), "specimens.mesh_seen.recall_5000um"), 0);
 }
 
 TEST(ScoreViews, WhatWasNotFoundIsRecallOfNothing) {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include "benchmarks/metrics/image_fidelity.h"
 #include "perception/pipelines/views.h"
@@ -34,7 +35,8 @@ bool same(const SplatModel& a, const SplatModel& b) {
          std::equal(a.splats.begin(), a.splats.end(), b.splats.begin(),
                     [](const Splat& s, const Splat& t) {
                       return s.centre_m == t.centre_m && s.log_scale == t.log_scale &&
-                             s.sh_dc == t.sh_dc && s.opacity_logit == t.opacity_logit;
+                             s.rotation_wxyz == t.rotation_wxyz && s.sh_dc == t.sh_dc &&
+                             s.sh_rest == t.sh_rest && s.opacity_logit == t.opacity_logit;
                     });
 }
 
@@ -82,16 +84,21 @@ TEST(ViewsPipeline, TheSameBytesOnAnyNumberOfThreads) {
   const Capture capture = cube_capture();
   ViewsPipelineConfig config = quick();
   config.steps = 60;
-  const auto on = [&](std::size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return run(capture, config);
+  const auto on = [&](int threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(threads));
+    tbb::task_arena arena(threads);  // as many on a machine of fewer cores
+    return arena.execute([&] { return run(capture, config); });
   };
   const SeedsEstimate one = on(1), four = on(4);
   EXPECT_TRUE(same(one.splats, four.splats));
   ASSERT_EQ(one.cloud.size(), four.cloud.size());
-  for (std::size_t i = 0; i < one.cloud.size(); ++i)
+  for (std::size_t i = 0; i < one.cloud.size(); ++i) {
     EXPECT_EQ(one.cloud[i].position_m, four.cloud[i].position_m);
+    EXPECT_EQ(one.cloud[i].normal, four.cloud[i].normal);
+  }
   EXPECT_EQ(one.surfaces.at(0).mesh.triangles, four.surfaces.at(0).mesh.triangles);
+  EXPECT_EQ(one.surfaces.at(0).mesh.vertices_m, four.surfaces.at(0).mesh.vertices_m);
 }
 
 TEST(ViewsPipeline, TheReferencesScheduleIsLeftEarly) {
@@ -177,6 +184,80 @@ TEST(ViewsPipeline, TheUnitOfLengthDoesNotMatter) {
               0.1 * static_cast<double>(metres.cloud.size()));
   EXPECT_NEAR(mass_properties(millimetres.surfaces.at(0).mesh).area_m2,
               1e6 * mass_properties(metres.surfaces.at(0).mesh).area_m2, 2e6);
+  for (Frame& frame : large.frames) frame.rig_from_world->translation_m *= 1e5;
+  const SeedsEstimate hundreds_of_nanometres = run(large, config);  // steps of millions of units
+  EXPECT_EQ(hundreds_of_nanometres.surfaces.at(0).status, SurfaceStatus::ok);
+}
+
+Capture moved_by(Capture capture, const Eigen::Vector3d& shift_m) {
+  for (Frame& frame : capture.frames) {
+    Pose& pose = *frame.rig_from_world;
+    pose.translation_m -= pose.rotation * shift_m;
+  }
+  return capture;
+}
+
+TEST(ViewsPipeline, AFarOriginIsRefusedBeforeTheTraining) {
+  ViewsPipelineConfig config = quick();
+  config.steps = 60;
+  const SeedsEstimate near = run(moved_by(cube_capture(), {300, 0, 0}), config);
+  EXPECT_GT(near.cloud.size(), 100U);
+  EXPECT_EQ(near.surfaces.at(0).status, SurfaceStatus::ok);
+  const Capture far = moved_by(cube_capture(), {0, 5e6, 0});
+  const auto before = [](const std::string& stage, bool finished, const SeedsEstimate&) {
+    EXPECT_FALSE(finished && stage == "splats");
+  };
+  EXPECT_THAT([&] { run_stages(far, views_stages(config, far, 1), before); },
+              ThrowsMessage<StageError>(HasSubstr("from the origin of the poses")));
+  config.cloud_views = config.mesh_cells = 0;
+  EXPECT_FALSE(run(far, config).splats.splats.empty());
+}
+
+TEST(ViewsPipeline, AMeshNeedsNoCloud) {
+  ViewsPipelineConfig config = quick();
+  config.cloud_views = 0;
+  const SeedsEstimate estimate = run(cube_capture(), config);
+  EXPECT_TRUE(estimate.cloud.empty());
+  ASSERT_EQ(estimate.surfaces.at(0).status, SurfaceStatus::ok);
+  EXPECT_GT(mass_properties(estimate.surfaces[0].mesh).volume_m3, 0.1);
+}
+
+TEST(ViewsPipeline, StagesSayOneThingOfEachFrame) {
+  const Capture capture = cube_capture();
+  SeedsStages stages = views_stages(quick(), capture, 1);
+  stages.splats = [](const Capture&, const SeedsEstimate&) { return cube_of_splats(); };
+  SeedsStages no_depth = stages, no_poses = stages;
+  no_depth.depth = [](const Capture&, const SeedsEstimate&) { return Depths(); };
+  EXPECT_THAT([&] { run_stages(capture, no_depth); },
+              ThrowsMessage<StageError>(HasSubstr("0 frames; the capture has 12")));
+  no_poses.poses = [](const Capture&, const SeedsEstimate&) { return Poses(); };
+  EXPECT_THROW(run_stages(capture, no_poses), StageError);
+  // Depth of a frame whose place nobody knows is no length.
+  SeedsStages one_lost = stages;
+  one_lost.poses = [&](const Capture& of, const SeedsEstimate& so_far) {
+    Poses poses = stages.poses(of, so_far);
+    poses[2] = {.frame = poses[2].frame, .status = PoseStatus::no_board};
+    return poses;
+  };
+  one_lost.depth = [&](const Capture& of, const SeedsEstimate& so_far) {
+    SeedsEstimate all = so_far;
+    all.poses = reported_poses(of);
+    return stages.depth(of, all);
+  };
+  EXPECT_GT(run_stages(capture, one_lost).cloud.size(), 300U);
+}
+
+TEST(ViewsPipeline, FewReportedPosesAreNotTheBest) {
+  Capture capture = cube_capture();
+  ViewsPipelineConfig config = quick();
+  for (std::size_t i = 6; i < capture.frames.size(); ++i) capture.frames[i].rig_from_world.reset();
+  config.steps = 5;
+  config.cloud_views = config.mesh_cells = 0;
+  EXPECT_FALSE(run(capture, config).splats.splats.empty());
+  capture.frames[5].rig_from_world.reset();  // fewer than half: COLMAP's, of which these have none
+  for (Frame& frame : capture.frames) frame.sensors[0].color = Image<Rgb8>(108, 75, {0, 0, 0});
+  EXPECT_THAT([&] { run(capture, config); },
+              ThrowsMessage<StageError>(HasSubstr("structure from motion")));
 }
 
 TEST(ViewsPipeline, PlacingSaysWhereThePosesAreFrom) {
