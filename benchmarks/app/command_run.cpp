@@ -197,7 +197,8 @@ ExitCode run_without_pipeline(const JobContext& context, const SceneEntry& entry
     print_plan(o, job.plan());
   } else {
     throw std::invalid_argument("scene \"" + entry.name +
-                                "\" has no pipeline yet, so there is nothing to run on it; "
+                                "\" has no pipeline of its own yet; `cousin run " + entry.name +
+                                " --pipeline views` trains Gaussians on its photographs, "
                                 "`cousin render " +
                                 entry.name + "` writes its images and truth");
   }
@@ -209,6 +210,11 @@ ExitCode run_without_pipeline(const JobContext& context, const SceneEntry& entry
 ExitCode command_run(const JobContext& context) {
   const Options& o = context.options;
   const SceneEntry& entry = scene_entry(o.arguments.at(0));
+  if (o.pipeline == "views") return command_run_views(context);
+  if (!o.pipeline.empty() && o.pipeline != "seeds")
+    throw std::invalid_argument("--pipeline \"" + o.pipeline + "\" is not one of: seeds, views");
+  if (o.align)
+    throw std::invalid_argument("--align is of --pipeline views: seeds are measured in metres");
   if (!entry.has_pipeline) return run_without_pipeline(context, entry);
   const StageClock total("run");
   const SeedsRunConfig config = seeds_run_config(assignments(o), o.config);

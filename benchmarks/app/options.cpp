@@ -259,6 +259,12 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       ->capture_default_str();
   run->add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
       ->check(CLI::Range(0, 100000));
+  run->add_option("--pipeline", o.pipeline,
+                  "seeds, or views: Gaussians of any scene's photographs (docs/splats.md), whose "
+                  "keys --set names with \"pipeline.\" before them; the scene's own if not given");
+  run->add_flag("--align", o.align,
+                "--pipeline views: turn, move and scale the estimate so that camera centres come "
+                "nearest to the true ones, as poses by COLMAP need");
   run->add_flag("--plan", o.plan, "Print what will run, what is left out and why, and leave");
   run->add_flag("--attribution", o.attribution, "Also put truth in place of each seam in turn");
   run->add_option("--gate", o.gates,

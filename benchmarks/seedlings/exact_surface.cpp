@@ -28,6 +28,8 @@ std::optional<Color> color_in(const SampleView& view, const Lens& lens,
   if (!(in_camera_m.z() > 0)) return std::nullopt;
   const auto pixel = lens.project(in_camera_m);
   if (!pixel) return std::nullopt;
+  // Just before the camera's plane a pixel may be no whole number.
+  if (!(std::abs(pixel->x()) < 1e6 && std::abs(pixel->y()) < 1e6)) return std::nullopt;
   const int left = static_cast<int>(std::floor(pixel->x()));
   const int top = static_cast<int>(std::floor(pixel->y()));
   if (!view.depth_m.contains(left, top) || !view.depth_m.contains(left + 1, top + 1))
@@ -140,6 +142,7 @@ ExactSurface exact_surface_at_one_exposure(const FieldViews& views) {
   const std::vector<Lens> lenses = lenses_of(trained);
   PooledScore pooled;
   for (std::size_t v = 0; v < views.held_out.size(); ++v) {
+    if (!std::isfinite(exposures.log_gain[views.train.size() + v])) continue;
     const SplatView& photograph = views.held_out[v]->photograph;
     pooled.add(as_exposed({mean_image(trained, lenses, *views.held_out[v])}, photograph.full.camera,
                           exposures.gain_of(views.train.size() + v), exposures.vignetting)

@@ -1,5 +1,6 @@
 #include "benchmarks/seedlings/field_training.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -18,7 +19,7 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kLeastSwept = 1000;  ///< points, of a start on surfaces
+constexpr std::size_t kLeastSwept = 1000;  ///< points, of a start on surfaces; or all wanted
 /// Of the rate of centres: Gaussians that begin on surfaces need not be thrown about.
 constexpr double kSweptRate = 0.25;
 
@@ -98,9 +99,9 @@ TrainedField train_gaussians(const SplatTrainConfig& config, const std::vector<i
   TrainedField field;
   const bool is_left = training.status == SplatTrainStatus::stopped;
   field.status = is_left ? "ok" : to_string(training.status);
-  if (field.status != "ok") return field;
-  std::vector<KeptModel> models = kept.models(at);
-  if (models.size() != at.size()) throw_incomplete(unfinished, models.size(), at.size());
+  std::vector<KeptModel> models = kept.models(at);  // of one that failed those before
+  if (field.status == "ok" && models.size() != at.size())
+    throw_incomplete(unfinished, models.size(), at.size());
   field.exposures = start.exposures;
   for (KeptModel& way : models) {
     way.seconds.wall_s += start.seconds.wall_s;
@@ -148,7 +149,8 @@ GaussianStart swept(const FieldPlan& plan, const FieldViews& views, const FieldS
     level =
         at_mean_exposure(std::move(level), start.exposures.gain_of(v), start.exposures.vignetting);
   }
-  if (surfaces.points.size() < kLeastSwept) {
+  const auto wanted = static_cast<std::size_t>(std::max(1, plan.start_points));
+  if (surfaces.points.size() < std::min(kLeastSwept, wanted)) {
     start.model = splats_from_points(from.points);
   } else {
     surfaces.points.insert(surfaces.points.end(), from.beside.begin(), from.beside.end());
@@ -188,7 +190,7 @@ TrainedField train_ours(const FieldPlan& plan, const FieldViews& views, const Fi
         train_gaussians(config, {steps}, views, start,
                         unfinished.empty() ? unfinished : unfinished / std::to_string(steps));
     field.status = one.status;
-    if (one.status != "ok") break;
+    if (one.scores.empty()) break;
     field.scores.push_back(one.scores.back());
     field.render = std::move(one.render);
     field.splats = std::move(one.splats);

@@ -1,9 +1,7 @@
 #include "benchmarks/seedlings/seedlings_rows.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <tuple>
 
@@ -14,8 +12,6 @@
 
 namespace cousin {
 namespace {
-
-constexpr const char* kSteps = " steps";
 
 ScoreRow base_row(const SeedlingsJob& job, std::uint64_t seed) {
   ScoreRow row;
@@ -50,7 +46,7 @@ void add_view_scores(const ScoreRow& row, const std::string& set, const ViewScor
 }
 
 void add_field_scores(ScoreRow row, const FieldScores& scores, std::vector<ScoreRow>& rows) {
-  row.case_name += ", " + std::to_string(scores.steps) + kSteps;
+  row.case_name += ", " + std::to_string(scores.steps) + " steps";
   row.wall_s = scores.wall_s;
   row.cpu_s = scores.cpu_s;
   add_view_scores(row, "train", scores.train, rows);
@@ -106,39 +102,7 @@ double column_mean(const std::vector<const ScoreRow*>& rows, double ScoreRow::*c
   return mean(values);
 }
 
-/// Seconds that methods are held beside each other at. Wall time is what a user waits; what runs
-/// beside disturbs CPU time far less.
-struct SecondsKind {
-  const char* name;
-  double ScoreRow::*column;
-};
-constexpr SecondsKind kSecondsKinds[] = {{"seconds", &ScoreRow::wall_s},
-                                         {"cpu_seconds", &ScoreRow::cpu_s}};
-
-/// The last of rows that rise in their seconds that was there by then; null if none was. Each is a
-/// training of its own, so there is nothing between two of them.
-const ScoreRow* finished_by(const std::vector<const ScoreRow*>& sweep, double ScoreRow::*column,
-                            double seconds) {
-  const auto after = std::find_if(sweep.begin(), sweep.end(),
-                                  [&](const ScoreRow* row) { return row->*column > seconds; });
-  return after == sweep.begin() ? nullptr : *(after - 1);
-}
-
-/// Snapshots of the same photographs and metric, by their seconds.
-struct Sweeps {
-  std::vector<const ScoreRow*> reference, ours;
-};
-
 }  // namespace
-
-int steps_of(const std::string& case_name) {
-  if (!case_name.ends_with(kSteps)) return 0;
-  const std::size_t begin = case_name.rfind(", ");
-  if (begin == std::string::npos) return 0;
-  int steps = 0;
-  std::from_chars(case_name.data() + begin + 2, case_name.data() + case_name.size(), steps);
-  return steps;
-}
 
 std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
                                   const TrainedField& field, const FieldViews& views,
@@ -201,41 +165,15 @@ std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows) {
 }
 
 std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int steps) {
-  std::map<std::tuple<std::string, std::string, std::string>, Sweeps> all;
+  std::vector<ScoreRow> of_samples;
   for (const ScoreRow& row : rows) {
-    const int own = steps_of(row.case_name);
-    if (own == 0 || without_sample(row.case_name).empty()) continue;
-    constexpr const char* kHeld[] = {"train.psnr", "held_out.psnr", "train.psnr_exposed",
-                                     "held_out.psnr_exposed"};
-    if (std::find(std::begin(kHeld), std::end(kHeld), row.metric) == std::end(kHeld)) continue;
-    const std::string photographs = row.case_name.substr(0, row.case_name.rfind(", "));
-    Sweeps& sweeps = all[{row.scene, photographs, row.metric}];
-    if (row.method == kReference && own <= steps) sweeps.reference.push_back(&row);
-    if (row.method == kOurs) sweeps.ours.push_back(&row);
+    if (!without_sample(row.case_name).empty()) of_samples.push_back(row);
   }
-  std::vector<ScoreRow> gains;
-  for (auto& [key, sweeps] : all) {
-    if (sweeps.reference.empty() || sweeps.ours.empty()) continue;
-    for (const SecondsKind& kind : kSecondsKinds) {
-      const auto by_seconds = [&](const ScoreRow* a, const ScoreRow* b) {
-        return a->*kind.column < b->*kind.column;
-      };
-      const auto has_none = [&](const ScoreRow* row) { return !(row->*kind.column > 0); };
-      if (std::any_of(sweeps.reference.begin(), sweeps.reference.end(), has_none) ||
-          std::any_of(sweeps.ours.begin(), sweeps.ours.end(), has_none))
-        continue;
-      std::sort(sweeps.ours.begin(), sweeps.ours.end(), by_seconds);
-      const ScoreRow& last =
-          **std::max_element(sweeps.reference.begin(), sweeps.reference.end(), by_seconds);
-      const ScoreRow* ours = finished_by(sweeps.ours, kind.column, last.*kind.column);
-      if (ours == nullptr) continue;
-      ScoreRow row = with_number(last, last.metric + "_gain_at_equal_" + kind.name,
-                                 ours->value - last.value, "dB", last.n);
-      row.method = kOurs;
-      gains.push_back(row);
-    }
-  }
-  return gains;
+  return equal_time_rows(
+      of_samples, {kReference,
+                   kOurs,
+                   steps,
+                   {"train.psnr", "held_out.psnr", "train.psnr_exposed", "held_out.psnr_exposed"}});
 }
 
 }  // namespace cousin

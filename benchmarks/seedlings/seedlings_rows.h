@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/metrics/equal_time.h"
 #include "benchmarks/metrics/scores.h"
 #include "benchmarks/seedlings/seedlings_jobs.h"
 
@@ -30,8 +31,5 @@ std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows);
 /// after the last of its trainings that takes no more seconds of wall time; and the same of CPU
 /// time. Two rows a sample and metric, none where none of ours ends by then.
 std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int steps);
-
-/// The number of steps that a snapshot's case ends with; 0: it is of no snapshot.
-int steps_of(const std::string& case_name);
 
 }  // namespace cousin

@@ -1,7 +1,11 @@
 #include "benchmarks/seeds/render_noise.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <vector>
+
+#include "benchmarks/metrics/image_fidelity.h"
 
 namespace cousin {
 
@@ -36,6 +40,22 @@ RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneC
   std::nth_element(ratios.begin(), middle, ratios.end());
   noise.median_ratio = *middle;
   return noise;
+}
+
+double noise_floor_psnr_db(const SeedsSimulation& simulation, int views) {
+  const int all = static_cast<int>(simulation.views().size());
+  if (views < 1 || views > all)
+    throw std::invalid_argument("noise_floor_psnr_db: " + std::to_string(views) + " views of " +
+                                std::to_string(all));
+  double sum_db = 0;
+  for (int i = 0; i < views; ++i) {
+    const auto planes = [&](std::uint64_t repeat) {
+      const RigFrame taken = simulation.take(i * all / views, {.color = true}, repeat);
+      return fidelity_planes(taken.frame.sensors.front().color);
+    };
+    sum_db += psnr_db(planes(1), planes(0));
+  }
+  return sum_db / views;
 }
 
 }  // namespace cousin

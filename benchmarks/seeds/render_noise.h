@@ -17,4 +17,9 @@ struct RenderNoise {
 RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor,
                                  int frame);
 
+/// PSNR between two captures of the same views that differ in their noise alone, mean over `views`
+/// of them evenly spread: what a model without noise has is 3.0 dB above.
+/// @throws std::invalid_argument unless 1 <= views <= those that there are
+double noise_floor_psnr_db(const SeedsSimulation& simulation, int views);
+
 }  // namespace cousin

@@ -165,7 +165,9 @@ std::vector<Headline> limits_of(const std::vector<ScoreRow>& rows) {
     headline.label = row.metric;
     headline.group = row.case_name;
     if (row.scene != "pooled") {  // a capture of its own
-      headline.label = row.metric.substr(row.metric.find('.') + 1) + ", 270 views";
+      headline.label = row.suite == kSplatsSuite
+                           ? row.metric + ", " + row.method
+                           : row.metric.substr(row.metric.find('.') + 1) + ", 270 views";
       headline.group = row.scene;
     }
     if (row.method.find('/') != row.method.npos)
@@ -203,9 +205,11 @@ std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
     for (const std::string& trait : kTraits) {
       if (row.metric != "curve." + trait + ".rmse" || !(row.wall_s > 0)) continue;
       // One point a setting: further runs, and other spreads of sizes, are other seeds.
-      if (is_apart(row.suite) || row.case_name.find(" run 0 ") == std::string::npos) continue;
-      ErrorTimeCurve& curve = curves[trait + "/" + row.scene];
-      curve.title = "Error against time: " + trait + ", " + row.scene;
+      if (row.suite == kPaperSpread || row.case_name.find(" run 0 ") == std::string::npos) continue;
+      // Gaussians' smaller images have plots of their own beside others.
+      const std::string apart = is_apart(row.suite) ? ", trained models" : "";
+      ErrorTimeCurve& curve = curves[apart + trait + "/" + row.scene];
+      curve.title = "Error against time: " + trait + ", " + row.scene + apart;
       curve.metric = "RMSE of " + trait;
       curve.unit = unit_of(trait);
       curve.points.push_back({row.method,

@@ -94,8 +94,8 @@ RadianceRenderer SeedsSimulation::renderer() const {
   return [impl](const TrueView& view, const Rng& rng) { return impl->light(view, 0, rng); };
 }
 
-RigFrame SeedsSimulation::take(int frame, const Streams& streams) const {
-  return impl_->rig.take(frame, streams, renderer());
+RigFrame SeedsSimulation::take(int frame, const Streams& streams, std::uint64_t repeat) const {
+  return impl_->rig.take(frame, streams, renderer(), repeat);
 }
 
 TruthImages SeedsSimulation::truth(int frame, const TruthNeeds& needs) const {

@@ -38,7 +38,8 @@ class SeedsSimulation {
   /// The same for a rig; the first call fills the light cache. The simulation must outlive it.
   RadianceRenderer renderer() const;
   /// What the rig hands over for one view, of the streams asked for, and what is true of its depth.
-  RigFrame take(int frame, const Streams& streams) const;
+  /// @param repeat  another number: the same with other noise of the colour
+  RigFrame take(int frame, const Streams& streams, std::uint64_t repeat = 0) const;
   /// What the first sensor sees. The depth sensor's truth comes with take().
   TruthImages truth(int frame, const TruthNeeds& needs) const;
 

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <set>
 
+#include "benchmarks/metrics/equal_time.h"
 #include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/capture_store.h"
 #include "benchmarks/seeds/limits.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/plan.h"
+#include "benchmarks/seeds/published_seeds.h"
+#include "benchmarks/seeds/render_noise.h"
 #include "benchmarks/seeds/report_scene.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/trained_models.h"
@@ -40,7 +43,13 @@ struct SuiteJob {
   bool attribution = false;
   bool shown = false;  ///< the page has pictures of it
   TrainedJob trained;
+  int noise_views = 0;  ///< photographed twice, and nothing else is done
 };
+
+/// Views of the Gaussians' captures that are photographed twice.
+constexpr int kNoiseViews = 4;
+/// The iterations of the paper's second column, beside which ours is held.
+constexpr int kComparedSteps = 7000;
 
 Capture subset(const Capture& capture, int views) {
   Capture part = capture;
@@ -111,8 +120,27 @@ std::filesystem::path unfinished_of(const SuiteJob& job, const SeedsSuiteConfig&
   return suite.unfinished / std::filesystem::path(job.name).stem();
 }
 
+ScoreFile noise_of(const SuiteJob& job) {
+  const SeedsSimulation simulation(job.config, job.seed, job.run);
+  SeedsScoreLabels labels;
+  labels.suite = kSplatsSuite;
+  labels.scene = job.config.scene.cultivar;
+  labels.seed = job.seed;
+  labels.method = "photographs";
+  const Camera& camera = simulation.capture_header().rig.front().camera;
+  labels.case_name = labels.scene + " run " + std::to_string(job.run) + " " +
+                     std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px);
+  ScoreRow row = labelled_row(labels);
+  row.metric = "noise_floor.psnr";
+  row.value = noise_floor_psnr_db(simulation, job.noise_views);
+  row.unit = "dB";
+  row.n = job.noise_views;
+  return {.scores = {row}};
+}
+
 std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
                     const LearnedDistance* learned, const Progress& progress) {
+  if (job.noise_views > 0) return to_json(noise_of(job));
   const SimulatedRun run = stored_seeds(suite.captures, job.config, job.seed, job.run,
                                         planned_truth(job.attribution), progress);
   ScoreFile file;
@@ -305,7 +333,8 @@ std::string text_of(const TrainedJob& job, SeedsRunConfig config) {
 void drop_repeated(std::vector<SuiteJob>& jobs) {
   std::set<std::string> seen;
   std::erase_if(jobs, [&](const SuiteJob& job) {
-    std::string text = resolved_toml(job.config) + std::to_string(job.run);
+    std::string text =
+        resolved_toml(job.config) + std::to_string(job.run) + (job.noise_views > 0 ? "/noise" : "");
     for (const int views : job.view_counts) text += "/" + std::to_string(views);
     return !seen.insert(text + text_of(job.trained, job.config)).second;
   });
@@ -330,16 +359,27 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     jobs.push_back({name + ".json", sets, config, suite.seed, run, view_counts, pooled, attribution,
                     shown, trained});
   };
+  const auto add_noise = [&](const std::string& name, const std::vector<std::string>& sets) {
+    SuiteJob job;
+    job.name = name + ".json";
+    job.sets = sets;
+    job.config = job_config(suite, sets);
+    job.seed = suite.seed;
+    job.noise_views = std::min(kNoiseViews, job.config.scene.views);
+    jobs.push_back(std::move(job));
+  };
   if (suite.quick) {
     for (const char* cultivar : {"zhengdan958", "jimai22", "suijing18"}) {
       add(std::string("quick_") + cultivar, 0,
           {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=30"}, {10, 20}, true,
           suite.attribution);
     }
-    add("quick_splats_zhengdan958", 0,
-        {"cultivar=zhengdan958", "rig=phone_video_720p", "views=24",
-         "pipeline.splats.reference_steps=2000", "pipeline.splats.steps=1500"},
-        {}, true, false, {true, {500, 1000}, {500}, {100, 250}, {500}});
+    const std::vector<std::string> few = {"cultivar=zhengdan958", "rig=phone_video_720p",
+                                          "views=24", "pipeline.splats.reference_steps=2000",
+                                          "pipeline.splats.steps=1500"};
+    add("quick_splats_zhengdan958", 0, few, {}, true, false,
+        {true, {500, 1000}, {500}, {100, 250}, {500}});
+    add_noise("quick_noise_zhengdan958", few);
     drop_repeated(jobs);
     return jobs;
   }
@@ -359,8 +399,11 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     }
   }
   for (const std::string& cultivar : cultivars) {
-    add(cultivar + "_splats", 0, {"cultivar=" + cultivar, "rig=phone_video_720p", "views=60"}, {},
-        true, false, {true, {500, 1000, 2000, 5000}, {300, 600}, {500, 1000, 2000}, {1000, 3000}});
+    const std::vector<std::string> own = {"cultivar=" + cultivar, "rig=phone_video_720p",
+                                          "views=60"};
+    add(cultivar + "_splats", 0, own, {}, true, false,
+        {true, {500, 1000, 2000, 5000}, {300, 600}, {500, 1000, 2000}, {1000, 3000}});
+    add_noise(cultivar + "_noise", own);
   }
   add("zhengdan958_splats_30k", 0,
       {"cultivar=zhengdan958", "rig=phone_video_720p", "views=60",
@@ -395,6 +438,7 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
                       (job.attribution ? "/attribution" : "") +
                       (job.trained.splats ? text_of(job.trained, job.config) + network : "") +
+                      (job.noise_views > 0 ? "/noise " + std::to_string(job.noise_views) : "") +
                       user_files_hash(job.config.scene) + built_in_tables();
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back(
@@ -429,12 +473,22 @@ ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
     add_run_times(of_runs, specimens, rows);
     pooled.scores.insert(pooled.scores.end(), rows.begin(), rows.end());
   }
+  const auto is_trained = [](const ScoreRow& row) { return row.suite == kSplatsSuite; };
+  if (std::any_of(of_runs.begin(), of_runs.end(), is_trained)) {
+    append({.scores = equal_time_rows(of_runs, {"splats_paper",
+                                                "splats_images",
+                                                kComparedSteps,
+                                                {"train.psnr_whole", "held_out.psnr_whole"}})},
+           pooled);
+    append({.scores = published_seeds_rows()}, pooled);
+  }
   if (!config.quick && config.sets.empty()) {
     std::set<std::string> cultivars;
     for (const SpecimenRow& row : pooled.specimens) {
       if (row.dataset == std::string("seeds")) cultivars.insert(row.cultivar);
     }
     hold_to_limits(pooled.scores, cultivars);
+    hold_trained_to_limits(pooled.scores);
   }
   return pooled;
 }

@@ -19,19 +19,25 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kListLimit = std::size_t{1} << 20;  ///< bytes of split.txt
 
-/// Names of the files that split.txt calls "test".
-std::vector<std::string> test_files(const fs::path& file) {
+/// Whether split.txt calls a file "test", by its name.
+std::map<std::string, bool> read_split(const fs::path& file) {
   std::istringstream lines(read_file(file, kListLimit));
-  std::vector<std::string> names;
-  std::string name, kind;
-  while (lines >> name >> kind) {
-    if (kind == "test") {
-      names.push_back(name);
-    } else if (kind != "train") {
-      throw std::runtime_error(file.string() + ": \"" + kind + "\" is neither train nor test");
-    }
+  std::map<std::string, bool> split;
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::istringstream words(line);
+    std::string name, kind, more;
+    if (!(words >> name)) continue;
+    const auto fail = [&](const std::string& what) {
+      throw std::runtime_error(file.string() + ", line " + std::to_string(number) + ": " + what);
+    };
+    words >> kind;
+    if (kind != "train" && kind != "test")
+      fail("\"" + kind + "\" of \"" + name + "\" is neither train nor test");
+    if (words >> more) fail("\"" + more + "\" after \"" + name + " " + kind + "\"");
+    if (!split.emplace(name, kind == "test").second) fail("\"" + name + "\" occurs twice");
   }
-  return names;
+  return split;
 }
 
 void require_both(const PosedSet& set, const fs::path& where) {
@@ -45,7 +51,7 @@ void require_both(const PosedSet& set, const fs::path& where) {
 
 PosedSet read_split_set(const fs::path& folder) {
   PosedSet set;
-  const std::vector<std::string> held = test_files(folder / "split.txt");
+  const std::map<std::string, bool> split = read_split(folder / "split.txt");
   const fs::path transforms = folder / "transforms.json";
   const NerfstudioFile list =
       parse_nerfstudio(read_file(transforms, std::size_t{1} << 26), transforms.string());
@@ -53,7 +59,7 @@ PosedSet read_split_set(const fs::path& folder) {
   if (!capture.warnings.empty()) throw std::runtime_error(capture.warnings.front());
   std::map<std::string, int> views_of_name;
   for (const auto& frame : list.frames) ++views_of_name[fs::path(frame.image).filename().string()];
-  for (const std::string& name : held) {
+  for (const auto& [name, is_test] : split) {
     if (const int views = views_of_name[name]; views != 1)
       throw std::runtime_error((folder / "split.txt").string() + ": \"" + name +
                                "\" is the image of " + std::to_string(views) +
@@ -62,8 +68,11 @@ PosedSet read_split_set(const fs::path& folder) {
   for (SplatView& view : splat_views(capture, reported_poses(capture))) {
     const std::string& image = list.frames.at(static_cast<std::size_t>(view.frame)).image;
     const std::string name = fs::path(image).filename().string();
-    const bool is_test = std::find(held.begin(), held.end(), name) != held.end();
-    (is_test ? set.test : set.train).push_back(std::move(view));
+    const auto own = split.find(name);
+    if (own == split.end())
+      throw std::runtime_error((folder / "split.txt").string() + ": there is no line for \"" +
+                               name + "\"");
+    (own->second ? set.test : set.train).push_back(std::move(view));
   }
   require_both(set, folder);
   set.start = splats_from_points(read_start_points(folder / "points.ply").points);

@@ -111,8 +111,15 @@ void grow_adaptive(SplatTrainState& state, const SplatTrainConfig& config, doubl
     kept.push_back(i);
     if (mean_gradient(state, i) >= config.gradient_limit) chosen.push_back(i);
   }
-  const std::size_t room = static_cast<std::size_t>(config.most_splats);
-  chosen.resize(std::min(chosen.size(), room - std::min(room, kept.size())));
+  const std::size_t most = static_cast<std::size_t>(config.most_splats);
+  const std::size_t room = most - std::min(most, kept.size());
+  if (chosen.size() > room) {  // those that ask for it most; in memory neighbours are side by side
+    std::stable_sort(chosen.begin(), chosen.end(), [&](int i, int j) {
+      return mean_gradient(state, i) > mean_gradient(state, j);
+    });
+    chosen.resize(room);
+    std::sort(chosen.begin(), chosen.end());
+  }
   const std::vector<Pair> pairs = add_copies(state, kept, chosen);
   for (const Pair& pair : pairs) {
     if (largest_scale_m(state.values, pair.first) > config.split_size * extent_m) {

@@ -1,6 +1,7 @@
 #include "perception/splats/splat_render.h"
 
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "perception/splats/splat_frame.h"
@@ -17,6 +18,11 @@ SplatImage render_splats(const SplatModel& model, const Camera& camera,
   if (!(low_pass_px2 > 0) || !std::isfinite(low_pass_px2)) {
     throw std::invalid_argument("low_pass_px2 = " + std::to_string(low_pass_px2) +
                                 " is not above 0");
+  }
+  if (!(config.near >= 1e-9 && config.near <= 1)) {
+    std::ostringstream text;
+    text << "near = " << config.near << " is not in 1e-9..1 (a share of the median depth)";
+    throw std::invalid_argument(text.str());
   }
   const SplatPlanes planes = to_planes(model.splats);
   const double near_m =

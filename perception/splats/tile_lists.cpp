@@ -140,9 +140,10 @@ void make_tile_lists(const ProjectedSplat* projected, const std::uint32_t* depth
   for (const TileLists::Part& part : lists.parts) pairs += part.pair_tile.size();
   if (pairs > kPairsLimit) {
     lists.parts = {};  // gigabytes
-    throw std::runtime_error(
-        "splats cover more tiles in one view, all taken together, than the limit of " +
-        std::to_string(kPairsLimit));
+    throw std::runtime_error(std::to_string(lists.pair_first.size()) + " splats cover " +
+                             std::to_string(pairs) +
+                             " tiles in one view, all taken together, more than the limit of " +
+                             std::to_string(kPairsLimit));
   }
 
   // Neighbours in memory are neighbours in space: numbered in that order, their pairs are too.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <stdexcept>
 
 #include "perception/splats/splat_checkpoint_io.h"
@@ -54,6 +55,9 @@ SavedTraining begin_or_go_on(std::span<const SplatView> views, const SplatModel&
   }
   const std::string fingerprint = training_fingerprint(views, start, config);
   if (std::filesystem::exists(checkpoint.file)) {
+    // One that cannot be read now may be read later: it is not begun anew.
+    if (!std::ifstream(checkpoint.file, std::ios::binary))
+      throw std::runtime_error(checkpoint.file.string() + ": the checkpoint cannot be read");
     try {
       SavedTraining kept =
           read_training_of(fingerprint, views.size(), checkpoint.file,

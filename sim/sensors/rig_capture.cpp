@@ -109,9 +109,10 @@ struct RigCapture::Impl {
 
   /// Colour and raw of the cameras, in their places among the sensors.
   void take_color(int frame, const Streams& asked, const RadianceRenderer& radiance,
-                  Frame& into) const {
+                  std::uint64_t repeat, Frame& into) const {
     const std::size_t cameras = std::visit([](const auto& rig) { return camera_count(rig); }, kind);
-    const Rng light = rng.fork("radiance").fork(std::uint64_t{0});
+    const Rng light = rng.fork("radiance").fork(repeat);
+    const Rng noise = of_frame("sensor", frame);
     for (std::size_t s = 0; s < cameras; ++s) {
       const TrueView& view = views[s].views[static_cast<std::size_t>(frame)];
       const Rng of_view = light.fork(static_cast<std::uint64_t>(frame));
@@ -120,7 +121,8 @@ struct RigCapture::Impl {
       const Image<Rgbf> seen = radiance(view, s == 0 ? of_view : of_view.fork(views[s].sensor));
       SensorFrame sensed = std::visit(
           [&](const auto& rig) {
-            return sense_color(rig, s, seen, view, spot, of_frame("sensor", frame));
+            return sense_color(rig, s, seen, view, spot,
+                               repeat == 0 ? noise : noise.fork("repeat").fork(repeat));
           },
           kind);
       if (asked.color) into.sensors[s].color = std::move(sensed.color);
@@ -174,12 +176,13 @@ Frame RigCapture::outline(int frame, const Streams& streams) const {
   return result;
 }
 
-RigFrame RigCapture::take(int frame, const Streams& streams,
-                          const RadianceRenderer& radiance) const {
+RigFrame RigCapture::take(int frame, const Streams& streams, const RadianceRenderer& radiance,
+                          std::uint64_t repeat) const {
   require_streams(streams, impl_->streams);
   RigFrame result;
   result.frame = reported(frame);
-  if (streams.color || streams.raw) impl_->take_color(frame, streams, radiance, result.frame);
+  if (streams.color || streams.raw)
+    impl_->take_color(frame, streams, radiance, repeat, result.frame);
   const DepthTake from{impl_->rays,
                        impl_->scene,
                        impl_->scene.views[static_cast<std::size_t>(frame)].rig_from_world,

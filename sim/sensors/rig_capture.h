@@ -68,8 +68,11 @@ class RigCapture {
   Frame outline(int frame, const Streams& streams) const;
   /// Renders and senses what is asked for and nothing else: without colour and raw no light is
   /// traced, without infrared and depth by matching no infrared.
+  /// @param repeat  another number draws other noise of the colour, and other light paths, from the
+  /// same place by the same unit
   /// @throws std::invalid_argument for a stream that the rig does not have.
-  RigFrame take(int frame, const Streams& streams, const RadianceRenderer& radiance) const;
+  RigFrame take(int frame, const Streams& streams, const RadianceRenderer& radiance,
+                std::uint64_t repeat = 0) const;
   /// True disparity of the first sensor's pixels in the second; empty if the rig has one sensor or
   /// a depth camera's.
   ViewMatch disparity(int frame) const;

@@ -136,6 +136,48 @@ TEST(AppPerceiveViews, ASceneAsAWholeIsScoredAgainstItsTruth) {
   EXPECT_THAT(seeds.err, HasSubstr("has traits.json"));
 }
 
+TEST(AppRunViews, AnySceneBecomesGaussiansNumbersAndAPage) {
+  const Program program;
+  const Words tray = tiny_tray() + Words{"--frames", "8", "--set", "knows_pose=true"};
+  const Words words =
+      Words{"run", "seedlings", "--pipeline", "views", "--out", "tray", "--scenes", "2"} + tray +
+      Words{"--set", "pipeline.steps=60",         "--set", "pipeline.most_splats=900",
+            "--set", "pipeline.start_points=500", "--set", "pipeline.mesh_cells=30",
+            "--set", "pipeline.hold_out_every=4"};
+  const Outcome run = program.run(words + Words{"--json", "--gate", "views.posed>=1"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const nlohmann::json scores = nlohmann::json::parse(run.out)["scores"];
+  const auto rows = [&](const std::string& metric) {
+    return std::count_if(scores.begin(), scores.end(),
+                         [&](const nlohmann::json& row) { return row["metric"] == metric; });
+  };
+  for (const char* metric : {"held_out.psnr", "camera.centre_rms", "surface.seen", "gaussians",
+                             "seconds.splats", "seconds.render"})
+    EXPECT_EQ(rows(metric), 2) << metric;
+  for (const char* file : {"report.html", "scores.csv", "config.toml", "estimate/000001/splats.ply",
+                           "report/000000/splats.ply", "report/000000/truth.ply"})
+    EXPECT_TRUE(fs::exists(program.path("tray") / file)) << file;
+  EXPECT_FALSE(fs::exists(program.path("tray/parts")));
+  // The same as its parts: render, perceive.
+  ASSERT_EQ(program.run(Words{"render", "seedlings", "--out", "data"} + tray).code, 0);
+  ASSERT_EQ(program
+                .run({"perceive", "data", "--pipeline", "views", "--out", "est", "--set",
+                      "steps=60", "--set", "most_splats=900", "--set", "start_points=500", "--set",
+                      "mesh_cells=30", "--set", "hold_out_every=4"})
+                .code,
+            0);
+  for (const char* file : {"splats.ply", "cloud.ply", "poses.json"})
+    EXPECT_EQ(contents(program.path("est/000000")).at(file),
+              contents(program.path("tray/estimate/000000")).at(file))
+        << file;
+  EXPECT_EQ(program.run(words + Words{"--attribution"}).code, 2);
+  const Outcome keys = program.run({"run", "seedlings", "--pipeline", "views", "--keys"});
+  EXPECT_THAT(keys.out, AllOf(HasSubstr("hold_out_every"), HasSubstr("tray")));
+  const Outcome unknown = program.run({"run", "seedlings", "--pipeline", "plants"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("seeds, views"));
+}
+
 TEST(AppPerceiveViews, MistakesAreNamed) {
   const Program program;
   write_capture(program.path("cube/000000"), cube_capture());

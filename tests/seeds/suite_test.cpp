@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
+#include "scenes/seeds/seeds_scene.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/dataset/temporary_folder.h"
 
@@ -158,9 +160,9 @@ TEST(SeedsSuite, OnlyTheWholeExperimentIsHeldToItsLimits) {
 TEST(SeedsSuite, TheSameSeedsAreNotCountedTwice) {
   SeedsSuiteConfig config;
   config.quick = true;
-  EXPECT_EQ(seeds_suite_jobs(config).size(), 4U);
+  EXPECT_EQ(seeds_suite_jobs(config).size(), 5U);
   config.sets = {"cultivar=jimai22"};
-  EXPECT_EQ(seeds_suite_jobs(config).size(), 2U);  // one of them with Gaussians
+  EXPECT_EQ(seeds_suite_jobs(config).size(), 3U);  // one with Gaussians, one photographed twice
 }
 
 TEST(SeedsSuite, CapturesForGaussiansAreNotTakenForThoseOfTheCurves) {
@@ -168,6 +170,104 @@ TEST(SeedsSuite, CapturesForGaussiansAreNotTakenForThoseOfTheCurves) {
   for (const ShardJob& job : seeds_suite_jobs(SeedsSuiteConfig{}))
     found += job.name == "zhengdan958_splats.json" || job.name == "zhengdan958_720p.json";
   EXPECT_EQ(found, 2);
+}
+
+TEST(SeedsSuite, ANoiseJobPhotographsTwiceAndMeasuresNothingElse) {
+  SeedsSuiteConfig config;
+  config.quick = true;
+  config.sets = {"seeds=1",
+                 "views=2",
+                 "rig.width_px=160",
+                 "rig.height_px=90",
+                 "render.irradiance_samples=16",
+                 "render.edge_samples=4"};
+  int found = 0;
+  for (const ShardJob& job : seeds_suite_jobs(config)) {
+    if (job.name != "quick_noise_zhengdan958.json") continue;
+    const ScoreFile file = scores_from_json(job.run(), job.name);
+    ASSERT_EQ(file.scores.size(), 1U);
+    EXPECT_EQ(file.scores[0].metric, "noise_floor.psnr");
+    EXPECT_EQ(file.scores[0].n, 2);
+    EXPECT_GT(file.scores[0].value, 25);  // it is noise, and another one
+    EXPECT_LT(file.scores[0].value, 60);
+    ++found;
+  }
+  EXPECT_EQ(found, 1);
+}
+
+TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
+  ScoreFile file;
+  for (const std::string& cultivar : cultivar_names()) {
+    const auto add = [&](const char* method, int steps, const char* metric, double value,
+                         double cpu_s) {
+      ScoreRow row;
+      row.suite = kSplatsSuite;
+      row.scene = cultivar;
+      row.case_name = cultivar + " run 0 60 views 1280x720, " + std::to_string(steps) + " steps";
+      row.method = method;
+      row.metric = metric;
+      row.value = value;
+      row.wall_s = row.cpu_s = cpu_s;
+      file.scores.push_back(row);
+    };
+    add("splats", 600, "cloud_seen.accuracy_mean", 2e-4, 30);
+    add("splats", 1200, "cloud_seen.accuracy_mean", cultivar == "jimai22" ? 1.1e-4 : 9e-5, 60);
+    add("splats_paper", 7000, "train.psnr_whole", 38, 700);
+    add("splats_images", 3000, "train.psnr_whole", 39.5, 200);
+    add("splats_images", 9000, "train.psnr_whole", 45, 800);
+    for (const char* method : {"splats", "splats_paper"}) {
+      for (int i = 0; i < 2; ++i) {
+        SpecimenRow row;
+        row.dataset = kSplatsSuite;
+        row.scene = row.cultivar = cultivar;
+        row.run = "0";
+        row.instance = i;
+        row.method = method;
+        row.trait = "length";
+        row.unit = "m";
+        row.truth = 0.01 + 1e-4 * i;
+        row.measured = row.truth + (method == std::string("splats") ? 1e-5 : 1e-4) * (i + 1);
+        file.specimens.push_back(row);
+      }
+    }
+  }
+  ShardResult result;
+  result.name = "all.json";
+  result.text = to_json(file);
+  const ScoreFile pooled = pool_seeds_suite({result}, {});
+  const auto row_of = [&](const std::string& scene, const std::string& method,
+                          const std::string& metric, const std::string& end = "") {
+    for (const ScoreRow& row : pooled.scores) {
+      if (row.scene == scene && row.method == method && row.metric == metric &&
+          row.case_name.ends_with(end))
+        return row;
+    }
+    ADD_FAILURE() << scene << " " << method << " " << metric;
+    return ScoreRow();
+  };
+  const auto status = [&](const std::string& cultivar, const std::string& steps) {
+    return row_of(cultivar, "splats", "cloud_seen.accuracy_mean", steps).status;
+  };
+  EXPECT_EQ(status("jimai22", "1200 steps"), ScoreStatus::fail);
+  EXPECT_EQ(status("suijing18", "1200 steps"), ScoreStatus::pass);
+  EXPECT_EQ(status("suijing18", ", 600 steps"), ScoreStatus::ok);  // on the way
+  const ScoreRow gain =
+      row_of("aikang58", "splats_images", "train.psnr_whole_gain_at_equal_cpu_seconds");
+  EXPECT_DOUBLE_EQ(gain.value, 1.5);
+  EXPECT_EQ(gain.status, ScoreStatus::pass);
+  EXPECT_EQ(row_of("pooled", "splats/splats_paper", "length.rmse_ratio", "all").status,
+            ScoreStatus::pass);
+  // The paper's own numbers, in SI units.
+  EXPECT_DOUBLE_EQ(row_of("zhengdan958", "published: SfM-MVS", "height.rmse").value, 0.000553);
+  EXPECT_DOUBLE_EQ(row_of("jimai22", "published: 3DGS", "psnr", "7000 steps").value, 34.89);
+  EXPECT_DOUBLE_EQ(row_of("zhengdan958", "published: 3DGS/SfM-MVS", "length.paired_t_p").value,
+                   0.0143);
+  const auto published = [](const ScoreRow& row) { return row.method.starts_with("published"); };
+  EXPECT_EQ(std::count_if(pooled.scores.begin(), pooled.scores.end(), published),
+            10 + 7 * 9 + 6 * 6 + 6);
+  // Without trained models nothing is said of any.
+  const ScoreFile others = pool_seeds_suite({finished("suijing18", 0, 2e-4, 3e-4)}, {});
+  EXPECT_EQ(std::count_if(others.scores.begin(), others.scores.end(), published), 0);
 }
 
 TEST(SeedsSuite, ItsConfigurationNamesEveryJob) {

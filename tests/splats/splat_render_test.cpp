@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sim/types/seams.h"
 #include "tests/splats/random_splats.h"
 
 namespace cousin {
@@ -42,8 +43,10 @@ double largest_difference(const ColorPlanes& a, const ColorPlanes& b) {
   double largest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t i = 0; i < a.channel[k].size(); ++i) {
-      largest = std::max(
-          largest, static_cast<double>(std::abs(a.channel[k].data()[i] - b.channel[k].data()[i])));
+      const auto difference =
+          static_cast<double>(std::abs(a.channel[k].data()[i] - b.channel[k].data()[i]));
+      if (std::isnan(difference)) return kNaN;
+      largest = std::max(largest, difference);
     }
   }
   return largest;
@@ -54,12 +57,10 @@ double largest_difference(const ColorPlanes& a, const ColorPlanes& b) {
 int pixels_off(const ColorPlanes& a, const ColorPlanes& b) {
   int off = 0;
   for (std::size_t i = 0; i < a.channel[0].size(); ++i) {
-    double largest = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      largest = std::max(
-          largest, static_cast<double>(std::abs(a.channel[k].data()[i] - b.channel[k].data()[i])));
-    }
-    off += largest > 1e-4 ? 1 : 0;
+    bool is_near = true;
+    for (std::size_t k = 0; k < 3; ++k)
+      is_near = is_near && std::abs(a.channel[k].data()[i] - b.channel[k].data()[i]) <= 1e-4F;
+    off += is_near ? 0 : 1;
   }
   return off;
 }

@@ -59,18 +59,22 @@ Capture capture_of(const std::vector<Camera>& cameras) {
 /// Largest difference from what each pixel's ray shows, over pixels that count fully.
 double worst_difference(const SplatViewLevel& level) {
   double worst = 0;
+  int counted = 0;
   for (int y = 0; y < level.camera.height_px; ++y) {
     for (int x = 0; x < level.camera.width_px; ++x) {
       if (!level.weight.empty() && level.weight(x, y) < 1) continue;
+      ++counted;
       const auto expected = scene((x - level.camera.cx_px) / level.camera.fx_px,
                                   (y - level.camera.cy_px) / level.camera.fy_px);
       for (std::size_t c = 0; c < 3; ++c) {
         const double value = static_cast<double>(level.color.channel[c](x, y));
-        worst = std::max(worst, std::abs(value - expected[c]));
+        const double difference = std::abs(value - expected[c]);
+        if (std::isnan(difference)) return kNaN;
+        worst = std::max(worst, difference);
       }
     }
   }
-  return worst;
+  return 2 * counted > level.camera.width_px * level.camera.height_px ? worst : kNaN;
 }
 
 /// As they are, halved and halved twice.

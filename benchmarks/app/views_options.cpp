@@ -1,0 +1,67 @@
+#include "benchmarks/app/views_options.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+namespace cousin {
+namespace {
+
+/// Stages that the pipeline has not would be read and never used.
+void check_stages(const std::vector<StageSource>& sources) {
+  constexpr const char* kStages[] = {"poses", "splats", "depth", "cloud", "surfaces"};
+  for (const StageSource& source : sources) {
+    if (std::find(std::begin(kStages), std::end(kStages), source.stage) != std::end(kStages))
+      continue;
+    std::string all;
+    for (const char* stage : kStages) all += (all.empty() ? "" : ", ") + std::string(stage);
+    throw std::invalid_argument("--stage " + source.stage + ": pipeline views has " + all);
+  }
+}
+
+std::string number_of(const std::vector<ScoreRow>& rows, const std::string& metric) {
+  for (const ScoreRow& row : rows) {
+    if (row.metric != metric) continue;
+    char text[64];
+    std::snprintf(text, sizeof text, "%.2f %s of %lld views", row.value, row.unit.c_str(),
+                  static_cast<long long>(row.n));
+    return text;
+  }
+  return {};
+}
+
+}  // namespace
+
+ViewsPipelineConfig views_config(const std::filesystem::path& file, const std::string& method,
+                                 const std::vector<std::string>& assignments) {
+  ViewsPipelineConfig config;
+  if (!file.empty()) read_toml(file, fields(config), MissingKeys::keep_default);
+  if (!method.empty()) set_field(fields(config), "method=" + method);
+  for (const std::string& assignment : assignments) set_field(fields(config), assignment);
+  validate(config);
+  return config;
+}
+
+std::vector<StageSource> views_sources(const std::vector<std::string>& stages) {
+  std::vector<StageSource> sources;
+  for (const std::string& stage : stages) sources.push_back(parse_stage_source(stage));
+  check_stages(sources);
+  return sources;
+}
+
+std::string views_summary(const ViewsRun& run, std::size_t frames) {
+  const auto posed =
+      std::count_if(run.estimate.poses.begin(), run.estimate.poses.end(),
+                    [](const FramePose& pose) { return pose.status == PoseStatus::ok; });
+  std::string text = std::to_string(posed) + " of " + std::to_string(frames) + " views posed, " +
+                     std::to_string(run.estimate.splats.splats.size()) + " Gaussians";
+  for (const auto& [metric, words] :
+       {std::pair("train.psnr", "trained on"), std::pair("held_out.psnr", "held out")}) {
+    const std::string number = number_of(run.rows, metric);
+    if (!number.empty()) text += ", " + std::string(words) + " " + number;
+  }
+  return text;
+}
+
+}  // namespace cousin

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "benchmarks/views/perceive_views.h"
+
+namespace cousin {
+
+/// The pipeline views as a command line configures it. @param file  TOML; empty: the defaults
+/// @throws std::invalid_argument naming the key, its value and its limits
+ViewsPipelineConfig views_config(const std::filesystem::path& file, const std::string& method,
+                                 const std::vector<std::string>& assignments);
+
+/// @throws std::invalid_argument naming a stage that the pipeline has not: it would be read and
+/// never used
+std::vector<StageSource> views_sources(const std::vector<std::string>& stages);
+
+/// "12 of 12 views posed, 900 Gaussians, trained on 25.10 dB of 9 views, held out ...".
+std::string views_summary(const ViewsRun& run, std::size_t frames);
+
+}  // namespace cousin

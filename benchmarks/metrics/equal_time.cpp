@@ -1,0 +1,85 @@
+#include "benchmarks/metrics/equal_time.h"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <tuple>
+
+namespace cousin {
+namespace {
+
+/// Seconds that methods are held beside each other at. Wall time is what a user waits; what runs
+/// beside disturbs CPU time far less.
+struct SecondsKind {
+  const char* name;
+  double ScoreRow::*column;
+};
+constexpr SecondsKind kSecondsKinds[] = {{"seconds", &ScoreRow::wall_s},
+                                         {"cpu_seconds", &ScoreRow::cpu_s}};
+
+/// The last of rows that rise in their seconds that was there by then; null if none was. Each is a
+/// training of its own, so there is nothing between two of them.
+const ScoreRow* finished_by(const std::vector<const ScoreRow*>& sweep, double ScoreRow::*column,
+                            double seconds) {
+  const auto after = std::find_if(sweep.begin(), sweep.end(),
+                                  [&](const ScoreRow* row) { return row->*column > seconds; });
+  return after == sweep.begin() ? nullptr : *(after - 1);
+}
+
+/// Snapshots of the same photographs and metric, by their seconds.
+struct Sweeps {
+  std::vector<const ScoreRow*> reference, ours;
+};
+
+}  // namespace
+
+int steps_of(const std::string& case_name) {
+  if (!case_name.ends_with(" steps")) return 0;
+  const std::size_t begin = case_name.rfind(", ");
+  if (begin == std::string::npos) return 0;
+  int steps = 0;
+  std::from_chars(case_name.data() + begin + 2, case_name.data() + case_name.size(), steps);
+  return steps;
+}
+
+std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows,
+                                      const EqualTimeQuestion& question) {
+  std::map<std::tuple<std::string, std::string, std::string>, Sweeps> all;
+  for (const ScoreRow& row : rows) {
+    const int own = steps_of(row.case_name);
+    if (own == 0 || std::find(question.metrics.begin(), question.metrics.end(), row.metric) ==
+                        question.metrics.end())
+      continue;
+    const std::string photographs = row.case_name.substr(0, row.case_name.rfind(", "));
+    Sweeps& sweeps = all[{row.scene, photographs, row.metric}];
+    if (row.method == question.reference && own <= question.reference_steps)
+      sweeps.reference.push_back(&row);
+    if (row.method == question.ours) sweeps.ours.push_back(&row);
+  }
+  std::vector<ScoreRow> gains;
+  for (auto& [key, sweeps] : all) {
+    if (sweeps.reference.empty() || sweeps.ours.empty()) continue;
+    for (const SecondsKind& kind : kSecondsKinds) {
+      const auto by_seconds = [&](const ScoreRow* a, const ScoreRow* b) {
+        return a->*kind.column < b->*kind.column;
+      };
+      const auto has_none = [&](const ScoreRow* row) { return !(row->*kind.column > 0); };
+      if (std::any_of(sweeps.reference.begin(), sweeps.reference.end(), has_none) ||
+          std::any_of(sweeps.ours.begin(), sweeps.ours.end(), has_none))
+        continue;
+      std::sort(sweeps.ours.begin(), sweeps.ours.end(), by_seconds);
+      const ScoreRow& last =
+          **std::max_element(sweeps.reference.begin(), sweeps.reference.end(), by_seconds);
+      const ScoreRow* ours = finished_by(sweeps.ours, kind.column, last.*kind.column);
+      if (ours == nullptr) continue;
+      ScoreRow row = last;
+      row.metric += std::string("_gain_at_equal_") + kind.name;
+      row.value = ours->value - last.value;
+      row.method = question.ours;
+      gains.push_back(row);
+    }
+  }
+  return gains;
+}
+
+}  // namespace cousin

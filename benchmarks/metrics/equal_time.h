@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "benchmarks/metrics/scores.h"
+
+namespace cousin {
+
+/// Steps that a case's name ends with, as in "sample 0, 30 views, 7000 steps"; 0 without.
+int steps_of(const std::string& case_name);
+
+/// Whose trainings are held beside whose.
+struct EqualTimeQuestion {
+  std::string reference, ours;  ///< methods
+  int reference_steps = 7000;   ///< the reference's last model of at most so many
+  std::vector<std::string> metrics;
+};
+/// Of each scene, case and metric: that of ours, the last training that took no longer than the
+/// reference's, less the reference's, as METRIC_gain_at_equal_seconds and
+/// METRIC_gain_at_equal_cpu_seconds. Each training of ours is one of its own: there is nothing
+/// between two of them. Without seconds, or a training of ours by then, there is no row.
+std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows,
+                                      const EqualTimeQuestion& question);
+
+}  // namespace cousin
