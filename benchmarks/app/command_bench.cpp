@@ -34,6 +34,7 @@
 #include "benchmarks/splats/splats_page.h"
 #include "benchmarks/splats/splats_suite.h"
 #include "benchmarks/stability/suite.h"
+#include "perception/sfm/colmap_run.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -75,6 +76,11 @@ ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& 
   ScoreHeader& header = report.scores.header;
   header.program_version = COUSIN_VERSION;
   if (header.machine.empty()) header.machine = machine_text();
+  const auto& rows = report.scores.scores;
+  const bool is_by_colmap = std::any_of(rows.begin(), rows.end(), [](const ScoreRow& row) {
+    return row.suite == "sfm" || row.suite == "splats";
+  });
+  if (is_by_colmap) header.more["colmap"] = colmap_version();
   header.more["command"] = report.command_line = context.command_line;
   header.more["title"] = report.title;
   header.more["summary"] = report.summary;

@@ -10,7 +10,7 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/report/javascript_libraries.h"
 #include "benchmarks/scenes/scene_table.h"
-#include "sim/process/program_run.h"
+#include "perception/sfm/colmap_run.h"
 #include "sim/sensors/active_stereo.h"
 #include "sim/sensors/phone.h"
 #include "sim/sensors/range_rig.h"
@@ -165,6 +165,7 @@ ExitCode command_methods(const JobContext& context) {
 ExitCode command_doctor(const JobContext& context) {
   namespace fs = std::filesystem;
   const JavascriptLibraries libraries = load_javascript_libraries({});
+  const std::string colmap = colmap_version();
   const auto program = [](const char* path) { return fs::exists(path) ? "found" : "missing"; };
   std::vector<Entry> entries = {
       {"threads", std::to_string(std::thread::hardware_concurrency()),
@@ -175,8 +176,9 @@ ExitCode command_doctor(const JobContext& context) {
       {"ceres", built(COUSIN_WITH_CERES, "WITH_CERES"), "refinement of board poses"},
       {"torch", built(COUSIN_WITH_TORCH, "WITH_TORCH"),
        "images scored by a network of yours (bench --lpips)"},
-      {"colmap", find_program("colmap").empty() ? "missing" : "found",
-       "poses without a board (bench sfm; splats.poses=sfm of splats_paper)"},
+      {"colmap", colmap.empty() ? "missing" : "found, " + colmap,
+       "poses without a board (perceive --pipeline views, bench sfm; splats.poses=sfm of "
+       "splats_paper); tested with 3.8"},
       {"vega", libraries.vega.empty() ? "missing" : "found", "plots of the report (libjs-vega)"},
       {"three.js", libraries.three.empty() ? "missing" : "found",
        "3D view of the report (libjs-three)"},

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -15,6 +16,7 @@
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/seeds_report.h"
+#include "benchmarks/seeds/splat_images.h"
 #include "benchmarks/shards/shard.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/types/stage_clock.h"
@@ -123,6 +125,11 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
   ScoreFile file;
   file.scores = std::move(scores.rows);
   file.specimens = std::move(scores.specimens);
+  // How Gaussians look beside all photographs; no rows of a method without them.
+  constexpr std::size_t kAllViews = std::numeric_limits<std::size_t>::max();
+  append({.scores =
+              splat_image_rows(run.capture, estimate, config.pipeline, labels, nullptr, kAllViews)},
+         file);
   for (ScoreRow& row : timing_rows(run, labels)) file.scores.push_back(std::move(row));
   if (o.attribution) {
     const auto steps =

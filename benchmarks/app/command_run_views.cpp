@@ -19,6 +19,7 @@
 #include "benchmarks/shards/shard.h"
 #include "benchmarks/views/score_views.h"
 #include "benchmarks/views/views_report.h"
+#include "perception/sfm/colmap_run.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
@@ -73,10 +74,10 @@ std::vector<ScoreRow> rows_of_scene(const JobContext& context, const RunConfig& 
   const StageClock clock("render");
   const Capture capture = photographs_of(built, context.progress.function());
   const StageTiming rendered = clock.finish();
-  const ViewsRun run = perceive_views(
-      capture, config.views, o.seed, config.sources, scene, scene_id(scene),
-      out / "estimate" / scene_id(scene), context.progress.function(),
-      [&](const std::string& text) { context.progress.line("warning: " + text); });
+  const ViewsRun run =
+      perceive_views(capture, config.views, o.seed, config.sources, scene, scene_id(scene),
+                     out / "estimate" / scene_id(scene), context.progress.function(),
+                     [&](const std::string& text) { context.progress.line("warning: " + text); });
   context.progress.line(scene_id(scene) + ": " + views_summary(run, capture.frames.size()));
   ScoreRow base;
   base.suite = "run";
@@ -113,7 +114,8 @@ ExitCode print_keys(const RunConfig& config) {
 }
 
 std::string plan_text(const RunConfig& config) {
-  return describe(config.scene.plan()) + "\nPipeline views: poses, splats, depth, cloud, surfaces\n";
+  return describe(config.scene.plan()) +
+         "\nPipeline views: poses, splats, depth, cloud, surfaces\n";
 }
 
 }  // namespace
@@ -146,6 +148,7 @@ ExitCode command_run_views(const JobContext& context) {
   file.header.program_version = COUSIN_VERSION;
   file.header.config_hash = sha256_hex(config.scene.hash(o.seed) + report.config_toml);
   file.header.machine = machine_text();
+  file.header.more["colmap"] = colmap_version();
   file.header.more["command"] = context.command_line;
   file.header.more["title"] = report.title;
   file.header.more["summary"] = report.summary;
@@ -156,8 +159,8 @@ ExitCode command_run_views(const JobContext& context) {
   std::vector<ShardJob> jobs;
   for (int scene = 0; scene < o.scenes; ++scene) {
     jobs.push_back({scene_id(scene) + ".json", key + "\n" + scene_id(scene), [&, scene] {
-                      return to_json(ScoreFile{
-                          .scores = rows_of_scene(context, config, scene, out)});
+                      return to_json(
+                          ScoreFile{.scores = rows_of_scene(context, config, scene, out)});
                     }});
   }
   const fs::path parts = out / "parts";

@@ -34,20 +34,12 @@ struct Lengths {  // tables 2 and 4
   std::array<Agreement, 3> of;  ///< length, width, height
 };
 constexpr Lengths kLengths[] = {
-    {"zhengdan958",
-     kGaussians,
-     {{{.9361, 1.91, .304}, {.8889, 3.99, .464}, {.946, 3.66, .34}}}},
+    {"zhengdan958", kGaussians, {{{.9361, 1.91, .304}, {.8889, 3.99, .464}, {.946, 3.66, .34}}}},
     {"zhengdan958", kStereo, {{{.812, 2.97, .501}, {.777, 4.35, .554}, {.8917, 5.76, .553}}}},
-    {"tianguinuo932",
-     kGaussians,
-     {{{.9372, 3.96, .38}, {.9042, 2.37, .201}, {.9031, 9.11, .51}}}},
-    {"jimai22",
-     kGaussians,
-     {{{.8527, 1.45, .118}, {.8643, 2.87, .124}, {.8661, 3.38, .137}}}},
+    {"tianguinuo932", kGaussians, {{{.9372, 3.96, .38}, {.9042, 2.37, .201}, {.9031, 9.11, .51}}}},
+    {"jimai22", kGaussians, {{{.8527, 1.45, .118}, {.8643, 2.87, .124}, {.8661, 3.38, .137}}}},
     {"aikang58", kGaussians, {{{.9264, 2, .156}, {.8452, 4.01, .199}, {.8637, 2.54, .115}}}},
-    {"suijing18",
-     kGaussians,
-     {{{.8998, 2.31, .216}, {.8402, 6.04, .193}, {.807, 8.34, .222}}}},
+    {"suijing18", kGaussians, {{{.8998, 2.31, .216}, {.8402, 6.04, .193}, {.807, 8.34, .222}}}},
     {"xiangyaxiangzhan",
      kGaussians,
      {{{.9644, 3.04, .329}, {.8428, 9.63, .257}, {.8588, 9.1, .197}}}}};
@@ -124,10 +116,10 @@ std::vector<ScoreRow> published_seeds_rows() {
     rows.push_back(with_number(whole, "ssim", line.ssim, "1", 5));
     rows.push_back(with_number(whole, "psnr", line.psnr_db, "dB", 5));
     rows.push_back(with_number(whole, "lpips", line.lpips, "1", 5));
-    rows.push_back(with_number(base_row(line.cultivar, kGaussians, 30000), "psnr",
-                               line.at_30000_db, "dB", 5));
-    rows.push_back(with_number(base_row(line.cultivar, kGaussians, 7000), "psnr", line.at_7000_db,
-                               "dB", 5));
+    rows.push_back(
+        with_number(base_row(line.cultivar, kGaussians, 30000), "psnr", line.at_30000_db, "dB", 5));
+    rows.push_back(
+        with_number(base_row(line.cultivar, kGaussians, 7000), "psnr", line.at_7000_db, "dB", 5));
     rows.push_back(
         with_number(base_row(line.cultivar, kRadianceField, 0), "psnr", line.ngp_db, "dB", 5));
   }
@@ -137,8 +129,12 @@ std::vector<ScoreRow> published_seeds_rows() {
     both.method += "/SfM-MVS";
     rows.push_back(with_number(both, metric + "_difference",
                                test.unit_si * (test.gaussians - test.stereo), test.unit, 50));
-    rows.push_back(with_number(both, metric == "length.absolute" ? "length.paired_t" : metric + "_paired_t", test.t, "1", 50));
-    rows.push_back(with_number(both, metric == "length.absolute" ? "length.paired_t_p" : metric + "_paired_t_p", test.p, "1", 50));
+    rows.push_back(
+        with_number(both, metric == "length.absolute" ? "length.paired_t" : metric + "_paired_t",
+                    test.t, "1", 50));
+    rows.push_back(with_number(
+        both, metric == "length.absolute" ? "length.paired_t_p" : metric + "_paired_t_p", test.p,
+        "1", 50));
   }
   return rows;
 }

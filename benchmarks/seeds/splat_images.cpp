@@ -51,7 +51,7 @@ FidelityPlanes small(const FidelityPlanes& image) {
 
 /// What photographs say of a model, over one kind of them.
 struct PhotographMeans {
-  Mean psnr, object, whole, whole_small, ssim, flip, lpips;
+  Mean psnr, object, whole, whole_small, ssim, ssim_object, flip, flip_object, lpips;
 
   void add(const FidelityPlanes& image, const ScoredPhotograph& photograph,
            const LearnedDistance* learned) {
@@ -64,7 +64,13 @@ struct PhotographMeans {
     whole.add(part_db + rest_db);
     const Image<std::uint8_t> counted_small = counted_pixels(small(level.weight));
     whole_small.add(psnr_db(small(image), small(truth), counted_small) + rest_db);
-    if (!level.behind.empty()) object.add(psnr_db(image, truth, objects_of(level, counted)));
+    if (!level.behind.empty()) {
+      const Image<std::uint8_t> objects = objects_of(level, counted);
+      object.add(psnr_db(image, truth, objects));
+      const FidelityPlanes of_objects = where_counted(image, truth, objects);
+      ssim_object.add(cousin::ssim(of_objects, truth, objects));
+      flip_object.add(cousin::flip(of_objects, truth, objects));
+    }
     const FidelityPlanes inside = where_counted(image, truth, counted);
     ssim.add(cousin::ssim(inside, truth, counted));
     flip.add(cousin::flip(inside, truth, counted));
@@ -86,7 +92,9 @@ struct PhotographMeans {
     add("psnr_whole", whole, "dB");
     add("psnr_whole_small", whole_small, "dB");
     add("ssim", ssim, "1");
+    add("ssim_object", ssim_object, "1");
     add("flip", flip, "1");
+    add("flip_object", flip_object, "1");
     add("lpips", lpips, "1");
   }
 };

@@ -34,7 +34,8 @@ using SeedsImageRenderer = std::function<FidelityPlanes(const Camera&, const Pos
 
 /// How a model's images look beside photographs, means over them, "train." and, if there are any,
 /// "held_out.", of pixels whose weight is whole: `psnr`, `ssim` and `flip` of the part;
-/// `psnr_object` over what is not green; `psnr_whole` over the whole photograph, as the Seeds paper
+/// `psnr_object`, `ssim_object` and `flip_object` over what is not green, the same pixels whatever
+/// part a method trains on; `psnr_whole` over the whole photograph, as the Seeds paper
 /// has it, whose rest is black in both, so that this one, unlike those of a part, compares models
 /// trained on parts of different size; `psnr_whole_small`, the same for pixels averaged to a third
 /// of the size; and with a network `lpips`. @param base  labels, seconds and memory of the training

@@ -34,6 +34,10 @@ std::vector<ShardJob> splats_jobs(const SplatsSuiteConfig& config) {
           [](const SplatsSuiteConfig& c) {
             return splat_training_rows(c.photographs, c.seed, c.quick);
           }),
+      job("choices", text_of(config.photographs),
+          [](const SplatsSuiteConfig& c) {
+            return splat_choice_rows(c.photographs, c.seed, c.quick);
+          }),
       job("fields",
           text_of(config.photographs) + text_of(config.fox.parent_path()) + text_of(config.chair) +
               "/colmap " + colmap_version(),  // which places the chair's photographs

@@ -25,6 +25,48 @@ constexpr Goal kGoals[] = {{"short", 2000, 26000, 30.85, 40}, {"long", 5000, 400
 constexpr double kMemoryLimit_mb = 150;
 constexpr int kMemorySplats = 26000;
 
+struct HeldOut {
+  double psnr_db = 0, ssim = 0;
+};
+HeldOut held_out_of(const SplatModel& model, const PosedSet& set) {
+  HeldOut result;
+  const auto views = static_cast<double>(set.test.size());
+  for (const SplatView& view : set.test) {
+    const SplatViewLevel& level = view.full;
+    const ColorPlanes image = render_splats(model, level.camera, view.camera_from_world).color;
+    const Image<std::uint8_t> counted = counted_pixels(level.weight);
+    result.psnr_db += psnr_db(image.channel, level.color.channel, counted) / views;
+    result.ssim += ssim(where_counted(image.channel, level.color.channel, counted),
+                        level.color.channel, counted) /
+                   views;
+  }
+  return result;
+}
+
+/// What the first goal's training does without one of its techniques, or with another in its place.
+struct Choice {
+  const char* name;
+  void (*change)(SplatTrainConfig& config);
+};
+constexpr Choice kChoices[] = {
+    {"as it is", [](SplatTrainConfig&) {}},
+    {"growth: adaptive (clone, split, prune)",
+     [](SplatTrainConfig& c) { c.growth = SplatGrowth::adaptive; }},
+    {"growth: mcmc (relocation, noise)", [](SplatTrainConfig& c) { c.growth = SplatGrowth::mcmc; }},
+    {"growth: none", [](SplatTrainConfig& c) { c.growth = SplatGrowth::fixed; }},
+    {"full size from the first step",
+     [](SplatTrainConfig& c) { c.quarter_until = c.half_until = 0; }},
+    {"higher coefficients every 4 steps", [](SplatTrainConfig& c) { c.rest_every = 4; }},
+    {"low pass of 0.3 px2", [](SplatTrainConfig& c) { c.low_pass_px2 = 0.3; }},
+    {"L1 alone", [](SplatTrainConfig& c) { c.ssim_share = 0; }},
+    {"the reference's rates", [](SplatTrainConfig& c) { c.rates = reference_training().rates; }}};
+
+ScoreRow missing(ScoreRow row, const fs::path& photographs) {
+  row.metric = "no photographs at " + photographs.string();
+  row.status = ScoreStatus::not_solved;
+  return row;
+}
+
 void training_rows(std::vector<ScoreRow>& rows, const PosedSet& set, const Goal& goal,
                    const ScoreRow& base) {
   SplatTrainConfig config;
@@ -46,18 +88,7 @@ void training_rows(std::vector<ScoreRow>& rows, const PosedSet& set, const Goal&
     rows.push_back(row);
     return;
   }
-  double psnr = 0, similarity = 0;
-  const auto views = static_cast<double>(set.test.size());
-  for (const SplatView& view : set.test) {
-    const SplatViewLevel& level = view.full;
-    const ColorPlanes image =
-        render_splats(training.model, level.camera, view.camera_from_world).color;
-    const Image<std::uint8_t> counted = counted_pixels(level.weight);
-    psnr += psnr_db(image.channel, level.color.channel, counted) / views;
-    similarity += ssim(where_counted(image.channel, level.color.channel, counted),
-                       level.color.channel, counted) /
-                  views;
-  }
+  const auto [psnr, similarity] = held_out_of(training.model, set);
   const auto add = [&](const std::string& metric, double value, const char* unit, std::size_t n) {
     ScoreRow next = row;
     next.metric = metric;
@@ -99,15 +130,56 @@ std::vector<ScoreRow> splat_training_rows(const fs::path& photographs, std::uint
   std::vector<ScoreRow> rows;
   if (!fs::is_directory(photographs)) {
     base.case_name = "training";
-    base.metric = "no photographs at " + photographs.string();
-    base.status = ScoreStatus::not_solved;
-    rows.push_back(base);
-    return rows;
+    return {missing(base, photographs)};
   }
   const PosedSet set = read_split_set(photographs);
   for (const Goal& goal : kGoals) {
     training_rows(rows, set, goal, base);
     if (quick) break;
+  }
+  return rows;
+}
+
+std::vector<ScoreRow> splat_choice_rows(const fs::path& photographs, std::uint64_t seed,
+                                        bool quick) {
+  ScoreRow base;
+  base.suite = "splats";
+  base.scene = photographs.filename().string();
+  base.method = "choices";
+  base.seed = seed;
+  if (!fs::is_directory(photographs)) return {missing(base, photographs)};
+  const PosedSet set = read_split_set(photographs);
+  std::vector<ScoreRow> rows;
+  for (const Choice& choice : kChoices) {
+    SplatTrainConfig config;
+    config.steps = quick ? kGoals[0].steps / 4 : kGoals[0].steps;
+    config.most_splats = kGoals[0].splats;
+    config.seed = seed;
+    choice.change(config);
+    const StageClock clock("train");
+    const SplatTraining training = train_splats(set.train, set.start, config);
+    const StageTiming timing = clock.finish();
+    ScoreRow row = base;
+    row.case_name = choice.name;
+    row.wall_s = timing.wall_s;
+    row.cpu_s = timing.cpu_s;
+    const auto add = [&](const char* metric, double value, const char* unit, std::size_t n) {
+      row.metric = metric;
+      row.value = value;
+      row.unit = unit;
+      row.n = static_cast<std::int64_t>(n);
+      rows.push_back(row);
+    };
+    if (training.status != SplatTrainStatus::ok) {
+      row.status = ScoreStatus::not_solved;
+      add("held_out.psnr", ScoreRow::kNone, "dB", 0);
+      continue;
+    }
+    const HeldOut held_out = held_out_of(training.model, set);
+    add("held_out.psnr", held_out.psnr_db, "dB", set.test.size());
+    add("held_out.ssim", held_out.ssim, "1", set.test.size());
+    add("gaussians", static_cast<double>(training.model.splats.size()), "1", 1);
+    add("steps", config.steps, "1", 1);
   }
   return rows;
 }

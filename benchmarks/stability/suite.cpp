@@ -12,6 +12,7 @@
 #include "benchmarks/stability/geometry_cases.h"
 #include "benchmarks/stability/lens_cases.h"
 #include "benchmarks/stability/mesh_ray_cases.h"
+#include "benchmarks/stability/ngp_cases.h"
 #include "benchmarks/stability/path_cases.h"
 #include "benchmarks/stability/ray_cases.h"
 #include "benchmarks/stability/sfm_cases.h"
@@ -62,6 +63,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       {"watertight seeds", [&] { return watertight_seeds(quick); }},
       {"splats", splat_cases},
       {"training of splats", [&] { return splat_train_cases(quick); }},
+      {"radiance fields", ngp_cases},
       {"contacts", [&] { return contact_cases(quick); }},
       {"stems", [&] { return stem_cases(quick); }}};
   ScoreFile file;

@@ -71,9 +71,9 @@ Image<Rgb8> side_by_side(const Image<Rgb8>& left, const Image<Rgb8>& right) {
 
 /// Scores the model by all placed views, and keeps pictures of some.
 void look(const ViewsPipelineConfig& config, const Capture& capture, const SeedsEstimate& estimate,
-          const ViewsFindings& findings, const fs::path& pictures, const ScoreRow& base,
-          std::vector<ScoreRow>& rows) {
-  const std::vector<SplatView> views = splat_views(capture, estimate.poses);
+          const std::vector<Image<std::uint8_t>>& masks, const ViewsFindings& findings,
+          const fs::path& pictures, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+  const std::vector<SplatView> views = splat_views(capture, estimate.poses, masks);
   const bool some_held_out = is_held_out(config, 0);
   std::vector<std::size_t> shown;  // places
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -162,6 +162,32 @@ void warn_of_exposures(const ViewsFindings& findings, const Warn& warn) {
        (exposures.status == ExposureStatus::ok ? "" : "; all are trained on as they are"));
 }
 
+/// Those of the configuration's folder, one for each frame; none where it names none.
+/// @throws std::runtime_error naming the file if it is no mask of its photograph, or the folder if
+/// it holds none of any frame
+std::vector<Image<std::uint8_t>> read_masks(const std::string& folder, const Capture& capture) {
+  std::vector<Image<std::uint8_t>> masks;
+  if (folder.empty()) return masks;
+  bool has_one = false;
+  for (const Frame& frame : capture.frames) {
+    Image<std::uint8_t>& mask = masks.emplace_back();
+    const fs::path file = fs::path(folder) / (scene_id(frame.id) + ".png");
+    if (frame.sensors.empty() || frame.sensors.front().color.empty() || !fs::exists(file)) continue;
+    const Image<Rgb8>& color = frame.sensors.front().color;
+    try {
+      mask = reduced_mask(read_png8(file), color.width(), color.height());
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(file.string() + ": " + error.what());
+    }
+    has_one = true;
+  }
+  if (!has_one)
+    throw std::runtime_error(folder + ": holds no mask of any frame (\"" +
+                             scene_id(capture.frames.empty() ? 0 : capture.frames.front().id) +
+                             ".png\")");
+  return masks;
+}
+
 /// What an earlier run left beside its seams.
 void remove_earlier(const fs::path& estimate_dir) {
   for (const char* file : {"scores.csv", "splats_seen.csv", "exposures.csv"})
@@ -188,6 +214,7 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   const auto file = [&](const char* of) {
     return estimate_dir.empty() ? fs::path() : estimate_dir / of;
   };
+  const std::vector<Image<std::uint8_t>> masks = read_masks(config.masks, small);
   if (!estimate_dir.empty()) remove_earlier(estimate_dir);
   const auto findings = std::make_shared<ViewsFindings>();
   fs::path colmap;
@@ -195,8 +222,9 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   run.estimate = perceive_with(
       [&](const SplatWatch& watch) {
         colmap = colmap_folder(watch.checkpoint);
-        SeedsStages stages = with_stage_sources(
-            views_stages(config, capture, own_seed, watch, findings), sources, scene_index, warn);
+        SeedsStages stages =
+            with_stage_sources(views_stages(config, capture, own_seed, watch, findings, masks),
+                               sources, scene_index, warn);
         stages.poses = [poses = std::move(stages.poses), &capture, side = config.largest_side_px](
                            const Capture& photographs, const SeedsEstimate& so_far) {
           return reduced(poses(photographs, so_far), capture, side);  // somebody's too
@@ -228,7 +256,7 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   base.method = to_string(config.method);
   base.seed = seed;
   if (!estimate.splats.splats.empty()) {
-    look(config, small, estimate, *findings, file("pictures"), base, run.rows);
+    look(config, small, estimate, masks, *findings, file("pictures"), base, run.rows);
     count_seen(estimate, file("splats_seen.csv"), base, run.rows);
     if (!estimate_dir.empty()) write_exposures(file("exposures.csv"), small, *findings);
   }

@@ -25,6 +25,12 @@ constexpr std::pair<ViewsMethod, std::string_view> kMethods[] = {
 constexpr std::pair<ViewsPoses, std::string_view> kPoses[] = {
     {ViewsPoses::best, "best"}, {ViewsPoses::reported, "reported"}, {ViewsPoses::sfm, "sfm"}};
 
+constexpr std::pair<SplatGrowth, std::string_view> kGrowths[] = {
+    {SplatGrowth::budgeted, "budgeted"},
+    {SplatGrowth::adaptive, "adaptive"},
+    {SplatGrowth::mcmc, "mcmc"},
+    {SplatGrowth::fixed, "fixed"}};
+
 /// A field of an enumeration whose values have names.
 template <class Value, std::size_t N>
 TextField named(const char* key, Value& value,
@@ -107,6 +113,9 @@ Poses place_by_tracks(const Capture& capture, const std::filesystem::path& colma
   if (estimate.status != SfmStatus::ok)
     findings.sfm_doubts = std::string(to_string(estimate.status)) +
                           (estimate.reason.empty() ? "" : ", " + estimate.reason);
+  if (!estimate.colmap_version.starts_with("3.8"))
+    findings.sfm_doubts += (findings.sfm_doubts.empty() ? "" : "; ") +
+                           ("COLMAP " + estimate.colmap_version) + ", tested with 3.8";
   findings.is_metric = estimate.gauge == BundleGauge::metric;
   for (const SfmPoint& point : estimate.points)
     findings.tracks.push_back({point.in_world_m, point.color});
@@ -218,6 +227,7 @@ SplatTrainConfig training_of(const ViewsPipelineConfig& config) {
     training.steps = config.steps;
     training.rates = rates_for(config.steps);
     training.most_splats = config.most_splats;
+    training.growth = config.growth;
     training.low_pass_px2 = config.low_pass_px2;
   }
   training.sh_degree = config.sh_degree;
@@ -246,12 +256,13 @@ void require_near_origin(const ViewsPipelineConfig& config, const std::vector<Sp
 }
 
 SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, const Poses& poses,
-                 ViewsFindings& findings, std::uint64_t seed, const SplatWatch& watch) {
+                 const std::vector<Image<std::uint8_t>>& masks, ViewsFindings& findings,
+                 std::uint64_t seed, const SplatWatch& watch) {
   findings.exposures = {};
   findings.exposed_frames.clear();
   std::vector<SplatView> views;
   std::size_t place = 0;
-  for (SplatView& view : splat_views(capture, poses)) {
+  for (SplatView& view : splat_views(capture, poses, masks)) {
     if (!is_held_out(config, place++)) views.push_back(std::move(view));
   }
   if (views.empty())
@@ -472,8 +483,16 @@ Fields fields(ViewsPipelineConfig& c) {
        1000},
       {"steps", &c.steps, "splats: training steps, one view each", 1, 1e6},
       {"most_splats", &c.most_splats, "splats: Gaussians at the end", 1, 1e7},
+      {"growth", named("growth", c.growth, kGrowths),
+       "splats: how they become that many. budgeted: those of the largest gradients part; "
+       "adaptive: "
+       "the reference's clone, split and prune; mcmc: relocation and noise; fixed: they do not"},
       {"reference_steps", &c.reference_steps,
        "splats_paper: steps of the reference's 30,000 after which training is left", 1, 30000},
+      {"masks",
+       TextField{[&c] { return c.masks; }, [&c](const std::string& text) { c.masks = text; }},
+       "folder of masks, as 000012.png: where one is 0, its photograph is neither trained on nor "
+       "scored; empty: there are none"},
       {"sh_degree", &c.sh_degree, "of the colours over directions", 0, 3},
       {"low_pass_px2", &c.low_pass_px2,
        "splats: added to the variances of a Gaussian in the image; the reference has 0.3", 1e-6,
@@ -555,6 +574,21 @@ Poses reduced(Poses poses, const Capture& full, int largest_side_px) {
   return poses;
 }
 
+Image<std::uint8_t> reduced_mask(const Image<std::uint8_t>& mask, int width_px, int height_px) {
+  const int by = width_px > 0 ? mask.width() / width_px : 0;
+  if (by < 1 || height_px < 1 || mask.width() / by != width_px || mask.height() / by != height_px)
+    throw std::invalid_argument("a mask of " + std::to_string(mask.width()) + " x " +
+                                std::to_string(mask.height()) + " pixels for a photograph of " +
+                                std::to_string(width_px) + " x " + std::to_string(height_px));
+  Image<std::uint8_t> small(width_px, height_px, 255);
+  for (int y = 0; y < by * height_px; ++y) {
+    for (int x = 0; x < by * width_px; ++x) {
+      if (mask(x, y) == 0) small(x / by, y / by) = 0;
+    }
+  }
+  return small;
+}
+
 bool is_held_out(const ViewsPipelineConfig& config, std::size_t place) {
   const auto every = static_cast<std::size_t>(std::max(0, config.hold_out_every));
   return every > 1 && place % every == 0;
@@ -566,7 +600,8 @@ std::filesystem::path colmap_folder(const SplatCheckpoint& checkpoint) {
 }
 
 SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
-                         const SplatWatch& watch, std::shared_ptr<ViewsFindings> findings) {
+                         const SplatWatch& watch, std::shared_ptr<ViewsFindings> findings,
+                         std::vector<Image<std::uint8_t>> masks) {
   validate(config);
   SeedsStages stages;
   // From the stage that finds the poses to the one that begins on their tracks.
@@ -575,9 +610,9 @@ SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
                      const Capture&, const SeedsEstimate&) {
     return reduced(place(full, config.poses, colmap, *findings), full, config.largest_side_px);
   };
-  stages.splats = [config, seed, findings, watch](const Capture& capture,
-                                                  const SeedsEstimate& so_far) {
-    return train(config, capture, so_far.poses, *findings, seed, watch);
+  stages.splats = [config, seed, findings, watch, masks = std::move(masks)](
+                      const Capture& capture, const SeedsEstimate& so_far) {
+    return train(config, capture, so_far.poses, masks, *findings, seed, watch);
   };
   stages.depth = [](const Capture&, const SeedsEstimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses, everywhere(), so_far.splats.low_pass_px2);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "perception/pipelines/seeds.h"
+#include "perception/splats/splat_train_config.h"
 #include "perception/splats/view_exposures.h"
 
 namespace cousin {
@@ -29,9 +30,14 @@ struct ViewsPipelineConfig {
   /// [Barron et al., CVPR 2022]; 0 or 1: all have. With poses by COLMAP it has its part in these
   /// and in where Gaussians begin, as is usual.
   int hold_out_every = 8;
-  int steps = 3000;            ///< `splats`
-  int most_splats = 60000;     ///< `splats`
-  int reference_steps = 7000;  ///< `splats_paper`: of the reference's 30,000
+  int steps = 3000;                            ///< `splats`
+  int most_splats = 60000;                     ///< `splats`
+  SplatGrowth growth = SplatGrowth::budgeted;  ///< `splats`
+  int reference_steps = 7000;                  ///< `splats_paper`: of the reference's 30,000
+  /// Folder of masks, named as frames are in a dataset ("000012.png", grey of at most 8 bits), of
+  /// the photographs' size, full or made small: where one is 0, its photograph is neither trained
+  /// on nor scored. A frame without a file counts whole; empty: all do.
+  std::string masks;
   int sh_degree = 3;
   double low_pass_px2 = 0.1;  ///< `splats`, as in SplatModel
   /// `splats`: exposures and vignetting of the photographs trained on are measured on surfaces that
@@ -66,6 +72,11 @@ Camera reduced(const Camera& camera, int by);
 /// reduced(full, largest_side_px); others stay.
 Poses reduced(Poses poses, const Capture& full, int largest_side_px);
 
+/// A mask as such a photograph needs it: a pixel is 255 where none that it covers is 0.
+/// @throws std::invalid_argument unless it is of the small photograph's size or by a whole number
+/// larger, as `reduced` makes it small
+Image<std::uint8_t> reduced_mask(const Image<std::uint8_t>& mask, int width_px, int height_px);
+
 /// Whether the `place`-th of the views that have poses has no part in the training.
 bool is_held_out(const ViewsPipelineConfig& config, std::size_t place);
 
@@ -98,9 +109,11 @@ ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
 /// @param full  outlives the stages. `poses` throws std::runtime_error where fewer than two views
 /// find a place, `splats` if training diverged or no photograph is left to train on.
 /// @param findings  out, once the stages have run
+/// @param masks     empty, or one for each frame, of the reduced photographs' size or empty: what
+/// `config.masks` holds
 SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
-                         const SplatWatch& watch = {},
-                         std::shared_ptr<ViewsFindings> findings = {});
+                         const SplatWatch& watch = {}, std::shared_ptr<ViewsFindings> findings = {},
+                         std::vector<Image<std::uint8_t>> masks = {});
 
 /// Beside a checkpoint's file; the caller removes it when the training is done.
 std::filesystem::path colmap_folder(const SplatCheckpoint& checkpoint);

@@ -222,7 +222,9 @@ void SplatTrainer::update(double progress) {
     kernels_.update(task, 8 * range.begin(), 8 * range.end());
   });
   if (config_.growth == SplatGrowth::mcmc && config_.noise > 0) {
-    add_centre_noise(state_.values, config_.noise * centre / state_.extent_m,
+    // Covariances in extents, so that a unit of length changes nothing.
+    const double centre_share = centre / state_.extent_m;
+    add_centre_noise(state_.values, config_.noise * centre_share / state_.extent_m,
                      Rng(config_.seed).fork("noise").fork(static_cast<std::uint64_t>(state_.step)));
   }
 }

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxFrames = 1'000'000;
 
 /// Keys of other tools that do not change where a pixel looks.
-constexpr std::array<std::string_view, 20> kIgnoredKeys = {"aabb_scale",
+constexpr std::array<std::string_view, 19> kIgnoredKeys = {"aabb_scale",
                                                            "aabb",
                                                            "scale",
                                                            "offset",
@@ -35,7 +35,6 @@ constexpr std::array<std::string_view, 20> kIgnoredKeys = {"aabb_scale",
                                                            "applied_scale",
                                                            "orientation_override",
                                                            "colmap_im_id",
-                                                           "mask_path",
                                                            "depth_file_path",
                                                            "train_filenames",
                                                            "val_filenames",
@@ -71,7 +70,10 @@ void warn_unknown_keys(const JsonNode& node, const std::string& where,
       continue;
     if (warned.insert(key).second) {
       warnings.push_back(node.file() + ": " + where + " has the key \"" + key.substr(0, 100) +
-                         "\", which is not used");
+                         "\", which is not used" +
+                         (key == "mask_path" ? " (masks of a training are --set masks=FOLDER of "
+                                               "`cousin perceive --pipeline views`)"
+                                             : ""));
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "benchmarks/seedlings/field_training.h"
 #include "benchmarks/seedlings/sample_pictures.h"
 #include "benchmarks/seedlings/seedlings_jobs.h"
+#include "benchmarks/seedlings/seedlings_rows.h"
 #include "benchmarks/seedlings/seedlings_suite.h"
 #include "benchmarks/seeds/report_scene.h"
 
@@ -277,6 +278,42 @@ TEST(SeedlingsSuite, PooledTablesHaveThePublishedNumbersAndWhatFailed) {
   EXPECT_EQ(count([](const ScoreRow& r) { return r.status == ScoreStatus::error; }), 1);
   EXPECT_EQ(count([](const ScoreRow& r) { return r.case_name.starts_with("sample S"); }), 108);
   EXPECT_EQ(count([](const ScoreRow& r) { return r.case_name.starts_with("mean, "); }), 9);
+}
+
+TEST(SeedlingsSuite, OursIsHeldToTheReferenceAndToWhatItDidNotSee) {
+  ScoreFile file;
+  const auto add = [&](const char* method, int steps, const char* metric, double value,
+                       double cpu_s) {
+    ScoreRow row;
+    row.suite = "seedlings";
+    row.scene = "D1";
+    row.case_name = "sample 0, 30 views, 400x300, " + std::to_string(steps) + " steps";
+    row.method = method;
+    row.metric = metric;
+    row.value = value;
+    row.wall_s = row.cpu_s = cpu_s;
+    file.scores.push_back(row);
+  };
+  add(kReference, 7000, "train.psnr", 37, 370);
+  for (const char* metric : {"train.psnr", "train.psnr_exposed"}) {
+    add(kOurs, 1000, metric, 31.6, 30);
+    add(kOurs, 5000, metric, 43, 310);
+  }
+  add(kOurs, 1000, "held_out.psnr_exposed", 30.2, 30);
+  add(kOurs, 5000, "held_out.psnr_exposed", 27.8, 310);
+  ShardResult result;
+  result.name = "D1.json";
+  result.text = to_json(file);
+  std::map<std::string, ScoreStatus> found;
+  const ScoreFile pooled = pool_seedlings_suite({result}, {});
+  for (const ScoreRow& row : pooled.scores) {
+    if (row.status == ScoreStatus::pass || row.status == ScoreStatus::fail)
+      found[row.metric + std::to_string(steps_of(row.case_name))] = row.status;
+  }
+  EXPECT_EQ(found, (std::map<std::string, ScoreStatus>{
+                       {"train.psnr_gain_at_equal_cpu_seconds7000", ScoreStatus::pass},
+                       {"psnr_exposed.train_less_held_out1000", ScoreStatus::pass},
+                       {"psnr_exposed.train_less_held_out5000", ScoreStatus::fail}}));
 }
 
 TEST(SeedlingsSuite, EachJobIsAShardAndItsKeyHasTheSeed) {

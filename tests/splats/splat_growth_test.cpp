@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+
 #include "perception/splats/splat_render.h"
 #include "tests/splats/random_splats.h"
 
@@ -70,6 +73,29 @@ TEST(SplatGrowth, AdaptiveClonesTheSmallSplitsTheLargeAndPrunesTheFaint) {
   EXPECT_EQ(small, 2);
   EXPECT_EQ(parts, 2);
   EXPECT_EQ(state.gradient_count[0], 0);
+}
+
+// In memory neighbours in space are side by side: the first would be one corner of the scene.
+TEST(SplatGrowth, AdaptiveGivesItsLastRoomToTheLargestGradients) {
+  SplatTrainState state = state_of(6);
+  for (int i = 0; i < 6; ++i) {
+    state.values.at(SplatPlane::opacity, i) = 0;
+    state.gradient_sum[static_cast<std::size_t>(i)] = i == 1 || i == 4 ? 2.0F : 1.0F;
+    for (int k = 0; k < 3; ++k) {
+      state.values.at(k, i) = static_cast<float>(i);
+      state.values.at(SplatPlane::log_scale + k, i) = std::log(0.001F);
+    }
+  }
+  std::fill(state.gradient_count.begin(), state.gradient_count.end(), 1.0F);
+  SplatTrainConfig config;
+  config.growth = SplatGrowth::adaptive;
+  config.most_splats = 8;
+  grow_splats(state, config, 1, 0.5, Rng(1));
+  ASSERT_EQ(state.values.size(), 8);
+  std::array<int, 6> count{};
+  for (int i = 0; i < 8; ++i)
+    ++count.at(static_cast<std::size_t>(std::lround(state.values.at(0, i))));
+  EXPECT_EQ(count, (std::array<int, 6>{1, 2, 1, 1, 2, 1}));
 }
 
 // As the reference: what parts into two that are not too large is kept, what does not part is not.

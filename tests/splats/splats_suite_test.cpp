@@ -40,7 +40,9 @@ TEST(SplatsSuite, AJobIsKnownByItsPhotographsAndExtent) {
   SplatsSuiteConfig config;
   config.photographs = "/no/such/folder";
   const std::vector<ShardJob> jobs = splats_jobs(config);
-  ASSERT_EQ(jobs.size(), 3U);
+  ASSERT_EQ(jobs.size(), 4U);
+  EXPECT_EQ(jobs[2].name, "choices.json");
+  EXPECT_NE(jobs[2].run().find("no photographs at"), std::string::npos);
   EXPECT_EQ(jobs[1].name, "training.json");
   EXPECT_NE(jobs[1].key.find("/no/such/folder absent"), std::string::npos);
   EXPECT_NE(jobs[1].run().find("no photographs at"), std::string::npos);
@@ -54,6 +56,32 @@ TEST(SplatsSuite, AJobIsKnownByItsPhotographsAndExtent) {
   fs::remove_all(folder);
   config.quick = true;
   EXPECT_EQ(splats_jobs(config)[0].name, "kernels.quick.json");
+}
+
+// One that is cut off leaves views without a line: they would be trained on.
+TEST(SplatsSuite, EveryViewNeedsItsLineInTheSplit) {
+  const fs::path folder = fs::path(testing::TempDir()) / "splats_suite_lines";
+  fs::create_directories(folder);
+  const char* pose = "[[1,0,0,0],[0,1,0,0],[0,0,1,1],[0,0,0,1]]";
+  std::ofstream(folder / "transforms.json")
+      << "{\"fl_x\":60,\"fl_y\":60,\"cx\":16,\"cy\":16,\"w\":32,\"h\":32,\"frames\":["
+      << "{\"file_path\":\"000.png\",\"transform_matrix\":" << pose << "},"
+      << "{\"file_path\":\"001.png\",\"transform_matrix\":" << pose << "}]}";
+  for (const char* name : {"000.png", "001.png"}) write_png(folder / name, Image<Rgb8>(32, 32));
+  const auto refusal = [&](const char* split) {
+    std::ofstream(folder / "split.txt") << split;
+    try {
+      (void)read_split_set(folder);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refusal("000.png train\n").find("no line for \"001.png\""), std::string::npos);
+  EXPECT_NE(refusal("000.png train\n001.png").find("line 2"), std::string::npos);
+  EXPECT_NE(refusal("000.png train\n000.png test\n").find("occurs twice"), std::string::npos);
+  EXPECT_NE(refusal("000.png train test\n").find("line 1"), std::string::npos);
+  fs::remove_all(folder);
 }
 
 // Else a held-out photograph would be trained on.

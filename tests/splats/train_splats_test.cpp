@@ -39,6 +39,25 @@ TEST(TrainSplats, EveryKindOfGrowthBringsTheLossDown) {
   }
 }
 
+// Steps, sizes that part and noise are shares of the scene's extent.
+TEST(TrainSplats, TheUnitOfLengthChangesNoKindOfGrowth) {
+  constexpr float kUnits = 1000;
+  std::vector<SplatView> views = views_of(true_model(), 6);
+  std::vector<SplatView> large = views;
+  for (SplatView& view : large) view.camera_from_world.translation_m *= kUnits;
+  SplatModel start = start_model(150), large_start = start_model(150);
+  for (Splat& splat : large_start.splats) {
+    splat.centre_m *= kUnits;
+    splat.log_scale.array() += std::log(kUnits);
+  }
+  for (const SplatGrowth growth : kKinds) {
+    const SplatTrainConfig config = quick_config(growth);
+    const double metres = train_splats(views, start, config).curve.back().loss;
+    const double units = train_splats(large, large_start, config).curve.back().loss;
+    EXPECT_NEAR(units / metres, 1, 0.1) << static_cast<int>(growth);
+  }
+}
+
 TEST(TrainSplats, GrowthReachesItsBudget) {
   const std::vector<SplatView> views = views_of(true_model(), 6);
   for (const SplatGrowth growth : {SplatGrowth::budgeted, SplatGrowth::mcmc}) {

@@ -80,6 +80,57 @@ TEST(PerceiveViews, SomebodysPosesHaveCamerasOfTheFullSize) {
   EXPECT_EQ(run.estimate.depths.at(0).depth_m.width(), 36);
 }
 
+TEST(PerceiveViews, WhatMasksLeaveOutIsNeitherTrainedOnNorScored) {
+  const ScratchFolder scratch("cousin-views");
+  const fs::path masks = scratch.path() / "masks";
+  Capture capture = cube_capture();
+  ViewsPipelineConfig config = quick();
+  config.steps = 60;
+  config.one_exposure = false;
+  config.swept_points = 0;
+  config.masks = masks.string();
+  const auto run = [&] { return perceive_views(capture, config, 1, {}, 0, "cube", {}); };
+  fs::create_directories(masks);
+  EXPECT_THAT(run, testing::ThrowsMessage<std::runtime_error>(
+                       testing::HasSubstr("holds no mask of any frame (\"000000.png\")")));
+  // The left half of each photograph is somebody's hand, in another colour in the second capture.
+  Image<std::uint8_t> right(108, 75, 0);
+  for (int y = 0; y < 75; ++y) {
+    for (int x = 54; x < 108; ++x) right(x, y) = 1;
+  }
+  for (const Frame& frame : capture.frames) {
+    char name[16];
+    std::snprintf(name, sizeof name, "%06d.png", frame.id);
+    write_png(masks / name, right);
+  }
+  const ViewsRun first = run();
+  for (Frame& frame : capture.frames) {
+    for (int y = 0; y < 75; ++y) {
+      for (int x = 0; x < 54; ++x) frame.sensors[0].color(x, y) = {255, 0, 255};
+    }
+  }
+  const ViewsRun second = run();
+  ASSERT_FALSE(first.estimate.splats.splats.empty());
+  EXPECT_EQ(value_of(first.rows, "gaussians"), value_of(second.rows, "gaussians"));
+  for (const char* metric : {"train.psnr", "held_out.psnr", "held_out.ssim"})
+    EXPECT_EQ(value_of(first.rows, metric), value_of(second.rows, metric)) << metric;
+  write_png(masks / "000003.png", Image<std::uint8_t>(50, 75, 255));
+  EXPECT_THAT(run, testing::ThrowsMessage<std::runtime_error>(testing::AllOf(
+                       testing::HasSubstr("000003.png"),
+                       testing::HasSubstr("50 x 75 pixels for a photograph of 108 x 75"))));
+}
+
+TEST(PerceiveViews, AMaskOfTheFullSizeIsMadeSmallWithItsPhotograph) {
+  Image<std::uint8_t> mask(109, 75, 200);
+  mask(5, 4) = 0;
+  mask(108, 2) = 0;  // of a column that fills no pixel
+  const Image<std::uint8_t> small = reduced_mask(mask, 54, 37);
+  EXPECT_EQ(small(2, 2), 0);
+  EXPECT_EQ(std::count(small.begin(), small.end(), 255), 54 * 37 - 1);
+  EXPECT_THROW((void)reduced_mask(mask, 55, 37), std::invalid_argument);
+  EXPECT_THROW((void)reduced_mask(mask, 200, 150), std::invalid_argument);
+}
+
 TEST(PerceiveViews, TheUnitOfSomebodysPosesIsNotKnown) {
   const ScratchFolder scratch("cousin-views");
   const Capture capture = cube_capture();

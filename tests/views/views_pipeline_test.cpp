@@ -3,6 +3,8 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <map>
+
 #include "benchmarks/metrics/image_fidelity.h"
 #include "perception/pipelines/views.h"
 #include "perception/splats/splat_render.h"
@@ -211,6 +213,22 @@ TEST(ViewsPipeline, AFarOriginIsRefusedBeforeTheTraining) {
               ThrowsMessage<StageError>(HasSubstr("from the origin of the poses")));
   config.cloud_views = config.mesh_cells = 0;
   EXPECT_FALSE(run(far, config).splats.splats.empty());
+}
+
+TEST(ViewsPipeline, GrowthIsAsItIsAskedFor) {
+  ViewsPipelineConfig config = quick();
+  config.cloud_views = config.mesh_cells = 0;
+  config.steps = 100;
+  config.most_splats = 700;
+  std::map<std::string, std::size_t> count;
+  for (const std::string growth : {"budgeted", "mcmc", "fixed"}) {
+    set_field(fields(config), "growth=" + growth);
+    count[growth] = run(cube_capture(), config).splats.splats.size();
+  }
+  EXPECT_EQ(count["fixed"], 600U);
+  EXPECT_EQ(count["budgeted"], 700U);
+  EXPECT_GT(count["mcmc"], 620U);  // by a twentieth each time
+  EXPECT_LE(count["mcmc"], 700U);
 }
 
 TEST(ViewsPipeline, AMeshNeedsNoCloud) {
