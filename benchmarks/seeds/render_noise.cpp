@@ -1,6 +1,7 @@
 #include "benchmarks/seeds/render_noise.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -42,20 +43,29 @@ RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneC
   return noise;
 }
 
-double noise_floor_psnr_db(const SeedsSimulation& simulation, int views) {
+NoiseFloor measure_noise_floor(const SeedsSimulation& simulation, const GreenConfig& green,
+                               int views) {
   const int all = static_cast<int>(simulation.views().size());
   if (views < 1 || views > all)
-    throw std::invalid_argument("noise_floor_psnr_db: " + std::to_string(views) + " views of " +
+    throw std::invalid_argument("measure_noise_floor: " + std::to_string(views) + " views of " +
                                 std::to_string(all));
-  double sum_db = 0;
+  NoiseFloor floor;
   for (int i = 0; i < views; ++i) {
-    const auto planes = [&](std::uint64_t repeat) {
-      const RigFrame taken = simulation.take(i * all / views, {.color = true}, repeat);
-      return fidelity_planes(taken.frame.sensors.front().color);
+    const auto photograph = [&](std::uint64_t repeat) {
+      return simulation.take(i * all / views, {.color = true}, repeat).frame.sensors.front().color;
     };
-    sum_db += psnr_db(planes(1), planes(0));
+    const Image<Rgb8> first = photograph(0);
+    const FidelityPlanes once = fidelity_planes(first), again = fidelity_planes(photograph(1));
+    const Image<std::uint8_t> kept = without_specks(remove_green(first, green));
+    const auto objects = std::count_if(kept.begin(), kept.end(), [](auto x) { return x != 0; });
+    const double object_db = psnr_db(again, once, kept);
+    floor.psnr_db += psnr_db(again, once) / views;
+    floor.psnr_object_db += object_db / views;
+    floor.psnr_whole_db += (object_db - 10 * std::log10(static_cast<double>(objects) /
+                                                        static_cast<double>(kept.size()))) /
+                           views;
   }
-  return sum_db / views;
+  return floor;
 }
 
 }  // namespace cousin

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "benchmarks/seeds/simulate.h"
+#include "perception/segment/green.h"
 
 namespace cousin {
 
@@ -17,9 +18,15 @@ struct RenderNoise {
 RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor,
                                  int frame);
 
-/// PSNR between two captures of the same views that differ in their noise alone, mean over `views`
-/// of them evenly spread: what a model without noise has is 3.0 dB above.
+/// PSNR between two captures of the same views that differ in their noise alone, means over views
+/// evenly spread: what a model without noise has is 3.0 dB above.
+struct NoiseFloor {
+  double psnr_db = 0;         ///< of whole photographs
+  double psnr_object_db = 0;  ///< over what is not green in the first
+  double psnr_whole_db = 0;   ///< the same over all pixels, the green ones being black in both
+};
 /// @throws std::invalid_argument unless 1 <= views <= those that there are
-double noise_floor_psnr_db(const SeedsSimulation& simulation, int views);
+NoiseFloor measure_noise_floor(const SeedsSimulation& simulation, const GreenConfig& green,
+                               int views);
 
 }  // namespace cousin

@@ -130,12 +130,20 @@ ScoreFile noise_of(const SuiteJob& job) {
   const Camera& camera = simulation.capture_header().rig.front().camera;
   labels.case_name = labels.scene + " run " + std::to_string(job.run) + " " +
                      std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px);
-  ScoreRow row = labelled_row(labels);
-  row.metric = "noise_floor.psnr";
-  row.value = noise_floor_psnr_db(simulation, job.noise_views);
-  row.unit = "dB";
-  row.n = job.noise_views;
-  return {.scores = {row}};
+  const NoiseFloor floor =
+      measure_noise_floor(simulation, job.config.pipeline.green, job.noise_views);
+  ScoreFile file;
+  for (const auto& [metric, value] : {std::pair("noise_floor.psnr", floor.psnr_db),
+                                      std::pair("noise_floor.psnr_object", floor.psnr_object_db),
+                                      std::pair("noise_floor.psnr_whole", floor.psnr_whole_db)}) {
+    ScoreRow row = labelled_row(labels);
+    row.metric = metric;
+    row.value = value;
+    row.unit = "dB";
+    row.n = job.noise_views;
+    file.scores.push_back(row);
+  }
+  return file;
 }
 
 std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
@@ -438,7 +446,7 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
                       std::to_string(job.seed) + "/" + std::to_string(job.run) +
                       (job.attribution ? "/attribution" : "") +
                       (job.trained.splats ? text_of(job.trained, job.config) + network : "") +
-                      (job.noise_views > 0 ? "/noise " + std::to_string(job.noise_views) : "") +
+                      (job.noise_views > 0 ? "/noise 3 " + std::to_string(job.noise_views) : "") +
                       user_files_hash(job.config.scene) + built_in_tables();
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back(
