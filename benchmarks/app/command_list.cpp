@@ -11,6 +11,7 @@
 #include "benchmarks/report/javascript_libraries.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "perception/sfm/colmap_run.h"
+#include "sim/process/program_run.h"
 #include "sim/sensors/active_stereo.h"
 #include "sim/sensors/phone.h"
 #include "sim/sensors/range_rig.h"
@@ -176,7 +177,10 @@ ExitCode command_doctor(const JobContext& context) {
       {"ceres", built(COUSIN_WITH_CERES, "WITH_CERES"), "refinement of board poses"},
       {"torch", built(COUSIN_WITH_TORCH, "WITH_TORCH"),
        "images scored by a network of yours (bench --lpips)"},
-      {"colmap", colmap.empty() ? "missing" : "found, " + colmap,
+      {"colmap",
+       !colmap.empty()                  ? "found, " + colmap
+       : find_program("colmap").empty() ? "missing"
+                                        : "found, does not say its version",
        "poses without a board (perceive --pipeline views, bench sfm; splats.poses=sfm of "
        "splats_paper); tested with 3.8"},
       {"vega", libraries.vega.empty() ? "missing" : "found", "plots of the report (libjs-vega)"},

@@ -38,10 +38,7 @@ ExitCode command_perceive_views(const JobContext& context) {
     context.progress.line(name + ": " + views_summary(run, capture.frames.size()));
     if (run.estimate.splats.splats.empty()) {
       all_found = false;
-      std::fprintf(stderr,
-                   "cousin: %s: no Gaussians: the photographs showed none of the start or "
-                   "nothing to learn\n",
-                   scene.string().c_str());
+      std::fprintf(stderr, "cousin: %s: %s\n", scene.string().c_str(), kNoGaussians);
     }
     append({.scores = run.rows}, all);
   }

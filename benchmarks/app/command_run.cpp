@@ -183,17 +183,6 @@ bool run_scenes(const JobContext& context, const SeedsRunConfig& config,
   return resumed;
 }
 
-void print_plan(const Options& o, const std::vector<PlanEntry>& plan) {
-  if (!o.json) {
-    std::printf("%s", describe(plan).c_str());
-    return;
-  }
-  nlohmann::json rows = nlohmann::json::array();
-  for (const PlanEntry& entry : plan)
-    rows.push_back({{"pass", entry.pass}, {"runs", entry.runs}, {"why", entry.why}});
-  std::printf("%s\n", rows.dump(2).c_str());
-}
-
 /// Of a scene that can be rendered only: its keys and its plan.
 ExitCode run_without_pipeline(const JobContext& context, const SceneEntry& entry) {
   const Options& o = context.options;
@@ -222,6 +211,10 @@ ExitCode command_run(const JobContext& context) {
     throw std::invalid_argument("--pipeline \"" + o.pipeline + "\" is not one of: seeds, views");
   if (o.align)
     throw std::invalid_argument("--align is of --pipeline views: seeds are measured in metres");
+  if (!o.pipeline_config.empty())
+    throw std::invalid_argument(
+        "--pipeline-config is of --pipeline views; of seeds --config has "
+        "the pipeline's keys too");
   if (!entry.has_pipeline) return run_without_pipeline(context, entry);
   const StageClock total("run");
   const SeedsRunConfig config = seeds_run_config(assignments(o), o.config);

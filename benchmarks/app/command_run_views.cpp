@@ -47,10 +47,11 @@ RunConfig run_config(const Options& o, const SceneEntry& entry) {
         .push_back(is_pipelines ? set.substr(prefix.size()) : set);
   }
   if (o.frames > 0) of_scene.push_back("views=" + std::to_string(o.frames));
-  return {entry.configure(of_scene, o.config), views_config({}, o.method, of_pipeline),
-          views_sources(o.stages)};
+  return {entry.configure(of_scene, o.config),
+          views_config(o.pipeline_config, o.method, of_pipeline), views_sources(o.stages)};
 }
 
+/// As `cousin perceive` writes it beside its estimate.
 std::string pipeline_toml(const RunConfig& config) {
   ViewsPipelineConfig copy = config.views;
   return to_toml(fields(copy));
@@ -74,20 +75,23 @@ std::vector<ScoreRow> rows_of_scene(const JobContext& context, const RunConfig& 
   const StageClock clock("render");
   const Capture capture = photographs_of(built, context.progress.function());
   const StageTiming rendered = clock.finish();
+  write_file(out / "estimate" / scene_id(scene) / "config.toml", pipeline_toml(config));
   const ViewsRun run =
       perceive_views(capture, config.views, o.seed, config.sources, scene, scene_id(scene),
                      out / "estimate" / scene_id(scene), context.progress.function(),
                      [&](const std::string& text) { context.progress.line("warning: " + text); });
   context.progress.line(scene_id(scene) + ": " + views_summary(run, capture.frames.size()));
+  if (run.estimate.splats.splats.empty())
+    throw std::runtime_error(scene_id(scene) + ": " + kNoGaussians);
   ScoreRow base;
   base.suite = "run";
   base.scene = scene_id(scene);
   base.case_name = "photographs";
   base.method = to_string(config.views.method);
   base.seed = o.seed;
-  std::vector<ScoreRow> rows =
-      score_views(built.scene_truth(), run.estimate,
-                  o.align ? PoseAlignment::similarity : PoseAlignment::none, true, base);
+  std::vector<ScoreRow> rows = score_views(
+      built.scene_truth(), run.estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
+      fs::exists(out / "estimate" / scene_id(scene) / "cloud.ply"), base);
   std::erase_if(rows, [](const ScoreRow& row) { return row.metric.starts_with("seconds."); });
   for (ScoreRow row : run.rows) {
     row.suite = base.suite;
@@ -113,9 +117,24 @@ ExitCode print_keys(const RunConfig& config) {
   return ExitCode::done;
 }
 
-std::string plan_text(const RunConfig& config) {
-  return describe(config.scene.plan()) +
-         "\nPipeline views: poses, splats, depth, cloud, surfaces\n";
+/// The simulator's passes and the pipeline's stages.
+std::vector<PlanEntry> plan_of(const RunConfig& config) {
+  const ViewsPipelineConfig& views = config.views;
+  const auto stage = [&](const char* name, bool is_ours, const std::string& why) {
+    const bool is_read =
+        std::any_of(config.sources.begin(), config.sources.end(),
+                    [&](const StageSource& source) { return source.stage == name; });
+    return PlanEntry{name, is_read || is_ours, is_read ? "--stage in place of ours" : why};
+  };
+  return {
+      {"colour", true, std::to_string(config.scene.views) + " photographs a scene"},
+      {"other streams, truth images", false,
+       "the pipeline reads photographs, scores read the scene's shapes and cameras"},
+      stage("poses", true, "the capture's where half of it has them, else by COLMAP"),
+      stage("splats", true, std::string(to_string(views.method))),
+      stage("depth", true, "of the Gaussians"),
+      stage("cloud", views.cloud_views > 0, "cloud_views=" + std::to_string(views.cloud_views)),
+      stage("surfaces", views.mesh_cells > 0, "mesh_cells=" + std::to_string(views.mesh_cells))};
 }
 
 }  // namespace
@@ -128,7 +147,7 @@ ExitCode command_run_views(const JobContext& context) {
   const RunConfig config = run_config(o, entry);
   if (o.keys) return print_keys(config);
   if (o.plan) {
-    std::printf("%s", plan_text(config).c_str());
+    print_plan(o, plan_of(config));
     return ExitCode::done;
   }
   for (const std::string& gate : o.gates) parse_gate(gate);
@@ -142,11 +161,14 @@ ExitCode command_run_views(const JobContext& context) {
       "Images are scored against photographs, held-out ones among them, shapes against every true "
       "surface that two views at least could see, and near specimens.";
   report.command_line = context.command_line;
-  report.config_toml = pipeline_toml(config);
-  report.plan = plan_text(config);
+  const BuiltScene first = config.scene.build(o.seed, 0);
+  const SceneTruth truth = first.scene_truth();
+  const std::string pipeline = pipeline_toml(config);
+  report.config_toml = truth.config_toml;
+  report.plan = describe(plan_of(config)) + "\nThe pipeline's keys:\n" + pipeline;
   ScoreFile& file = report.scores;
   file.header.program_version = COUSIN_VERSION;
-  file.header.config_hash = sha256_hex(config.scene.hash(o.seed) + report.config_toml);
+  file.header.config_hash = sha256_hex(config.scene.hash(o.seed) + pipeline);
   file.header.machine = machine_text();
   file.header.more["colmap"] = colmap_version();
   file.header.more["command"] = context.command_line;
@@ -156,6 +178,7 @@ ExitCode command_run_views(const JobContext& context) {
   std::string key = COUSIN_VERSION + file.header.config_hash + std::to_string(o.seed);
   for (const std::string& stage : o.stages) key += "\n" + stage;
   if (o.align) key += "\nalign";
+  if (!config.views.masks.empty()) key += "\n" + sha256_hex_of_folder(config.views.masks);
   std::vector<ShardJob> jobs;
   for (int scene = 0; scene < o.scenes; ++scene) {
     jobs.push_back({scene_id(scene) + ".json", key + "\n" + scene_id(scene), [&, scene] {
@@ -166,10 +189,12 @@ ExitCode command_run_views(const JobContext& context) {
   const fs::path parts = out / "parts";
   for (const ShardResult& result : run_shards(parts, jobs, {})) {
     if (result.failure) std::rethrow_exception(result.failure);
+    if (result.reused)
+      context.progress.line("taken from the run that was stopped: " +
+                            (parts / result.name).string());
     append(scores_from_json(result.text, result.name), file);
   }
-  const BuiltScene first = config.scene.build(o.seed, 0);
-  report.scenes = {views_report_scene(out / "estimate" / scene_id(0), first.scene_truth())};
+  report.scenes = {views_report_scene(out / "estimate" / scene_id(0), truth)};
   write_report_scene(report_scenes_folder(out), report.scenes.front());
   write_report_folder(out, report);
   for (const ShardJob& job : jobs) fs::remove(parts / job.name);

@@ -44,14 +44,17 @@ SeedsEstimate read_estimate(const fs::path& dir) {
   return estimate;
 }
 
+void check_alignment(const Options& o, const fs::path& estimate_dir) {
+  if (!o.align || !fs::exists(estimate_dir / "traits.json")) return;
+  throw std::invalid_argument("--align: " + estimate_dir.string() +
+                              " has traits.json, whose lengths are metres in the board's frame");
+}
+
 ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path& estimate_dir,
                       const SeedsScoreLabels& labels, ProgressPrinter& progress) {
   const SeedsEstimate estimate = read_estimate(estimate_dir);
   ScoreFile file;
   const bool is_whole = is_whole_scene(estimate_dir);
-  if (!is_whole && o.align)
-    throw std::invalid_argument("--align: " + estimate_dir.string() +
-                                " has traits.json, whose lengths are metres in the board's frame");
   if (is_whole)
     progress.line(estimate_dir.string() + ": no traits.json: scored as a scene as a whole");
   try {
@@ -89,17 +92,18 @@ ExitCode command_score(const JobContext& context) {
   labels.method = "estimate";
   int scored = 0;
   std::vector<std::string> failures;
-  for (const fs::path& scene_dir : scene_folders(dataset)) {
+  const std::vector<fs::path> scenes = scene_folders(dataset);
+  for (const fs::path& scene_dir : scenes) check_alignment(o, estimates / scene_dir.filename());
+  for (const fs::path& scene_dir : scenes) {
     const fs::path estimate_dir = estimates / scene_dir.filename();
     if (!fs::is_directory(estimate_dir)) {
       context.progress.line("no estimate of " + scene_dir.filename().string());
       continue;
     }
-    if (!fs::is_directory(scene_dir / "truth")) {
-      throw std::runtime_error(scene_dir.string() + ": there is no truth/ to score against");
-    }
     labels.scene = labels.run = scene_dir.filename().string();
     try {
+      if (!fs::is_directory(scene_dir / "truth"))
+        throw std::runtime_error(scene_dir.string() + ": there is no truth/ to score against");
       const SceneTruth truth = read_truth(scene_dir);
       labels.seed = truth.seed;
       append(score_scene(o, truth, estimate_dir, labels, context.progress), file);

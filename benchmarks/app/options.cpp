@@ -262,6 +262,9 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   run->add_option("--pipeline", o.pipeline,
                   "seeds, or views: Gaussians of any scene's photographs (docs/splats.md), whose "
                   "keys --set names with \"pipeline.\" before them; the scene's own if not given");
+  run->add_option("--pipeline-config", o.pipeline_config,
+                  "--pipeline views: TOML file of the pipeline's keys, as config.toml of an "
+                  "estimate; --config is the scene's");
   run->add_flag("--align", o.align,
                 "--pipeline views: turn, move and scale the estimate so that camera centres come "
                 "nearest to the true ones, as poses by COLMAP need");

@@ -1,6 +1,7 @@
 #include "benchmarks/app/result_output.h"
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "benchmarks/seeds/result_folder.h"
@@ -36,6 +37,17 @@ void print_result(const Options& options, const ScoreFile& file) {
   } else {
     std::printf("%s", summary_table(file.scores).c_str());
   }
+}
+
+void print_plan(const Options& options, const std::vector<PlanEntry>& plan) {
+  if (!options.json) {
+    std::printf("%s", describe(plan).c_str());
+    return;
+  }
+  nlohmann::json rows = nlohmann::json::array();
+  for (const PlanEntry& entry : plan)
+    rows.push_back({{"pass", entry.pass}, {"runs", entry.runs}, {"why", entry.why}});
+  std::printf("%s\n", rows.dump(2).c_str());
 }
 
 }  // namespace cousin

@@ -4,6 +4,7 @@
 
 #include "benchmarks/app/options.h"
 #include "benchmarks/metrics/scores.h"
+#include "benchmarks/seeds/plan.h"
 
 namespace cousin {
 
@@ -17,5 +18,8 @@ void print_rows(const std::vector<ScoreRow>& rows);
 /// To standard output: all of it with --json, else a table of traits, where there are some, or the
 /// rows.
 void print_result(const Options& options, const ScoreFile& file);
+
+/// What will run, what is left out and why: lines, or a list with --json.
+void print_plan(const Options& options, const std::vector<PlanEntry>& plan);
 
 }  // namespace cousin

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <map>
+#include <set>
 #include <tuple>
+#include <utility>
 
 namespace cousin {
 namespace {
@@ -44,6 +46,12 @@ int steps_of(const std::string& case_name) {
 
 std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows,
                                       const EqualTimeQuestion& question) {
+  std::set<std::pair<std::string, std::string>> failed;  // scenes, photographs
+  for (const ScoreRow& row : rows) {
+    if (row.method == question.reference && row.status == ScoreStatus::not_solved &&
+        row.metric.starts_with("training: "))
+      failed.emplace(row.scene, row.case_name);
+  }
   std::map<std::tuple<std::string, std::string, std::string>, Sweeps> all;
   for (const ScoreRow& row : rows) {
     const int own = steps_of(row.case_name);
@@ -51,6 +59,7 @@ std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows,
                         question.metrics.end())
       continue;
     const std::string photographs = row.case_name.substr(0, row.case_name.rfind(", "));
+    if (failed.contains({row.scene, photographs})) continue;
     Sweeps& sweeps = all[{row.scene, photographs, row.metric}];
     if (row.method == question.reference && own <= question.reference_steps)
       sweeps.reference.push_back(&row);
@@ -71,7 +80,7 @@ std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows,
       const ScoreRow& last =
           **std::max_element(sweeps.reference.begin(), sweeps.reference.end(), by_seconds);
       const ScoreRow* ours = finished_by(sweeps.ours, kind.column, last.*kind.column);
-      if (ours == nullptr) continue;
+      if (ours == nullptr || ours->n != last.n) continue;
       ScoreRow row = last;
       row.metric += std::string("_gain_at_equal_") + kind.name;
       row.value = ours->value - last.value;

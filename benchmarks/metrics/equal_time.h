@@ -19,7 +19,8 @@ struct EqualTimeQuestion {
 /// Of each scene, case and metric: that of ours, the last training that took no longer than the
 /// reference's, less the reference's, as METRIC_gain_at_equal_seconds and
 /// METRIC_gain_at_equal_cpu_seconds. Each training of ours is one of its own: there is nothing
-/// between two of them. Without seconds, or a training of ours by then, there is no row.
+/// between two of them. Without seconds, or a training of ours by then, there is no row; nor where
+/// the two are over other numbers of photographs (n), or the reference's training failed.
 std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows,
                                       const EqualTimeQuestion& question);
 

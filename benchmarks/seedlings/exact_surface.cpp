@@ -81,6 +81,7 @@ FidelityPlanes mean_image(const std::vector<const SampleView*>& views,
 class PooledScore {
  public:
   void add(const FidelityPlanes& image, const FidelityPlanes& photograph) {
+    ++score_.views;
     for (std::size_t i = 0; i < image[0].size(); ++i) {
       if (std::isnan(image[0].data()[i])) continue;
       ++score_.pixels;

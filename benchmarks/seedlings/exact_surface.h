@@ -12,6 +12,7 @@ struct ExactSurface {
   /// edges and steep faces that `views_that_see` counts.
   double psnr_db = kNaN;
   std::int64_t pixels = 0;  ///< those
+  std::int64_t views = 0;   ///< held-out ones that were looked at
 };
 ExactSurface exact_surface(const FieldViews& views);
 /// The same where exposures and vignetting, measured on the true surfaces of all views, held-out

@@ -74,7 +74,7 @@ ScoreRow base_row(const char* scene, const char* method, int steps) {
   ScoreRow row;
   row.suite = kSplatsSuite;
   row.scene = scene;
-  row.case_name = "50 seeds, 270 photographs 1920x1080, RTX 4060 Ti";
+  row.case_name = "270 photographs 1920x1080, RTX 4060 Ti";
   if (steps > 0) row.case_name += ", " + std::to_string(steps) + " steps";
   row.method = method;
   return row;
@@ -96,8 +96,8 @@ std::vector<ScoreRow> published_seeds_rows() {
   for (const Reconstruction& line : kReconstructions) {
     ScoreRow row = base_row("pooled", line.method, line.steps);
     row.wall_s = line.seconds;
-    rows.push_back(with_number(row, "seconds.reconstruction", line.seconds, "s", 30));
-    rows.push_back(with_number(row, "cloud.points", line.points, "1", 30));
+    rows.push_back(with_number(row, "seconds.reconstruction", line.seconds, "s", 1));
+    rows.push_back(with_number(row, "cloud.points", line.points, "1", 1));
   }
   constexpr const char* kTraits[] = {"length", "width", "height"};
   for (const Lengths& line : kLengths) {
@@ -113,15 +113,15 @@ std::vector<ScoreRow> published_seeds_rows() {
   }
   for (const ImageQuality& line : kImageQuality) {
     const ScoreRow whole = base_row(line.cultivar, kGaussians, 0);
-    rows.push_back(with_number(whole, "ssim", line.ssim, "1", 5));
-    rows.push_back(with_number(whole, "psnr", line.psnr_db, "dB", 5));
-    rows.push_back(with_number(whole, "lpips", line.lpips, "1", 5));
+    rows.push_back(with_number(whole, "ssim", line.ssim, "1", 1));
+    rows.push_back(with_number(whole, "psnr", line.psnr_db, "dB", 1));
+    rows.push_back(with_number(whole, "lpips", line.lpips, "1", 1));
     rows.push_back(
-        with_number(base_row(line.cultivar, kGaussians, 30000), "psnr", line.at_30000_db, "dB", 5));
+        with_number(base_row(line.cultivar, kGaussians, 30000), "psnr", line.at_30000_db, "dB", 1));
     rows.push_back(
-        with_number(base_row(line.cultivar, kGaussians, 7000), "psnr", line.at_7000_db, "dB", 5));
+        with_number(base_row(line.cultivar, kGaussians, 7000), "psnr", line.at_7000_db, "dB", 1));
     rows.push_back(
-        with_number(base_row(line.cultivar, kRadianceField, 0), "psnr", line.ngp_db, "dB", 5));
+        with_number(base_row(line.cultivar, kRadianceField, 0), "psnr", line.ngp_db, "dB", 1));
   }
   for (const PairedTest& test : kPairedTests) {
     const std::string metric = test.metric;

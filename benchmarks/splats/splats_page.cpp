@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "benchmarks/splats/training_rows.h"
+
 namespace cousin {
 
 std::vector<ErrorTimeCurve> splats_curves(const std::vector<ScoreRow>& rows) {
   std::vector<ErrorTimeCurve> curves;
   for (const ScoreRow& row : rows) {
+    if (row.method == kSplatChoices) continue;  // of one length, in no order
     if (row.suite != "splats" || row.metric != "held_out.psnr" || !(row.wall_s > 0)) continue;
     const std::string title = "Views held out, " + row.scene;
     auto curve = std::find_if(curves.begin(), curves.end(),

@@ -145,7 +145,8 @@ std::vector<ScoreRow> splat_choice_rows(const fs::path& photographs, std::uint64
   ScoreRow base;
   base.suite = "splats";
   base.scene = photographs.filename().string();
-  base.method = "choices";
+  base.method = kSplatChoices;
+  base.case_name = "choices";
   base.seed = seed;
   if (!fs::is_directory(photographs)) return {missing(base, photographs)};
   const PosedSet set = read_split_set(photographs);

@@ -14,6 +14,8 @@ namespace cousin {
 std::vector<ScoreRow> splat_training_rows(const std::filesystem::path& photographs,
                                           std::uint64_t seed, bool quick);
 
+inline constexpr const char* kSplatChoices = "choices";
+
 /// The same photographs and the first goal's steps and Gaussians, with one technique changed at a
 /// time: growth of each kind, coarse to fine, cadence, loss, low pass, rates. A case a choice, with
 /// the seconds that it took: what each is worth.

@@ -30,6 +30,10 @@ struct Looks {
   void add(const FidelityPlanes& image, const FidelityPlanes& plain, const SplatView& view) {
     const FidelityPlanes& photograph = view.full.color.channel;
     const Image<std::uint8_t> counted = counted_pixels(view.full.weight);
+    // A photograph that a mask leaves nothing of says nothing.
+    if (!counted.empty() &&
+        std::all_of(counted.begin(), counted.end(), [](std::uint8_t x) { return x == 0; }))
+      return;
     const ImageFidelity scores =
         score_fidelity(where_counted(image, photograph, counted), photograph, counted);
     psnr_db.push_back(scores.psnr_db);

@@ -190,6 +190,20 @@ struct OnBench {
   }
 };
 
+/// Whether a photograph shows the place in a pixel that counts: masked pixels are black, and a
+/// sweep takes them as they are.
+bool is_shown(const Eigen::Vector3d& point_m, const std::vector<SplatView>& views) {
+  return std::any_of(views.begin(), views.end(), [&](const SplatView& view) {
+    const Image<float>& weight = view.full.weight;
+    if (weight.empty()) return true;
+    const auto pixel = Lens(view.full.camera).project(view.camera_from_world * point_m);
+    if (!pixel || !(pixel->array().abs() < 1e6).all()) return false;
+    const int x = static_cast<int>(std::lround(pixel->x()));
+    const int y = static_cast<int>(std::lround(pixel->y()));
+    return weight.contains(x, y) && weight(x, y) > 0;
+  });
+}
+
 /// Takes exposures out of the photographs, and adds points of what was swept for them.
 void take_out_exposures(const ViewsPipelineConfig& config, const SweepVolume& volume,
                         std::vector<SplatView>& views, std::vector<StartPoint>& start,
@@ -199,6 +213,7 @@ void take_out_exposures(const ViewsPipelineConfig& config, const SweepVolume& vo
   const OnBench bench(views, volume);
   SweptStart swept = swept_start(bench.views, bench.volume(), sweep);
   for (StartPoint& point : swept.points) {
+    if (!is_shown(point.position_m, bench.views)) continue;
     point.position_m = bench.in_world(point.position_m);
     start.push_back(point);
   }
@@ -352,7 +367,6 @@ class DepthBench {
 
 Cloud cloud_of(const ViewsPipelineConfig& config, const Capture& capture,
                const SeedsEstimate& so_far) {
-  if (config.cloud_views == 0) return {};
   const double span_m = median_span_m(so_far.poses, so_far.depths);
   if (!std::isfinite(span_m)) return {};
   std::vector<std::size_t> with_depth;
@@ -413,7 +427,6 @@ std::vector<Eigen::Vector3d> points_of(const ViewsPipelineConfig& config,
 
 Surfaces mesh_of(const ViewsPipelineConfig& config, const SeedsEstimate& so_far) {
   constexpr std::size_t kLeastPoints = 100;
-  if (config.mesh_cells == 0) return {};
   Surface surface;
   std::vector<Eigen::Vector3d> points_m = points_of(config, so_far);
   const double span_m = median_span_m(so_far.poses, so_far.depths);
@@ -472,8 +485,8 @@ Fields fields(ViewsPipelineConfig& c) {
       {"method", named("method", c.method, kMethods),
        "splats: ours; splats_paper: the reference's schedule, left after reference_steps"},
       {"poses", named("poses", c.poses, kPoses),
-       "best: the capture's where it has them, else sfm; reported; sfm: by COLMAP and our "
-       "adjustment"},
+       "best: the capture's where at least half of its frames have them, else sfm; reported; sfm: "
+       "by COLMAP and our adjustment"},
       {"largest_side_px", &c.largest_side_px,
        "longer side that photographs are made small to after they were placed, from 16 on; 0: they "
        "stay",
@@ -617,12 +630,16 @@ SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
   stages.depth = [](const Capture&, const SeedsEstimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses, everywhere(), so_far.splats.low_pass_px2);
   };
-  stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
-    return cloud_of(config, capture, so_far);
-  };
-  stages.surfaces = [config](const Capture&, const SeedsEstimate& so_far) {
-    return mesh_of(config, so_far);
-  };
+  if (config.cloud_views > 0) {
+    stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
+      return cloud_of(config, capture, so_far);
+    };
+  }
+  if (config.mesh_cells > 0) {
+    stages.surfaces = [config](const Capture&, const SeedsEstimate& so_far) {
+      return mesh_of(config, so_far);
+    };
+  }
   return stages;
 }
 

@@ -170,6 +170,20 @@ TEST(AppRunViews, AnySceneBecomesGaussiansNumbersAndAPage) {
     EXPECT_EQ(contents(program.path("est/000000")).at(file),
               contents(program.path("tray/estimate/000000")).at(file))
         << file;
+  // And again by what it wrote.
+  const Outcome again =
+      program.run({"run", "seedlings", "--pipeline", "views", "--out", "again", "--config",
+                   "tray/config.toml", "--pipeline-config", "tray/estimate/000000/config.toml"});
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(contents(program.path("again/estimate/000000")).at("splats.ply"),
+            contents(program.path("tray/estimate/000000")).at("splats.ply"));
+  const Outcome plan =
+      program.run(words + Words{"--plan", "--json", "--set", "pipeline.cloud_views=0"});
+  const nlohmann::json passes = nlohmann::json::parse(plan.out);
+  for (const nlohmann::json& pass : passes) {
+    if (pass["pass"] == "cloud") EXPECT_FALSE(pass["runs"]) << plan.out;
+    if (pass["pass"] == "splats") EXPECT_TRUE(pass["runs"]) << plan.out;
+  }
   EXPECT_EQ(program.run(words + Words{"--attribution"}).code, 2);
   const Outcome keys = program.run({"run", "seedlings", "--pipeline", "views", "--keys"});
   EXPECT_THAT(keys.out, AllOf(HasSubstr("hold_out_every"), HasSubstr("tray")));

@@ -11,6 +11,7 @@
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/simulate.h"
+#include "benchmarks/seeds/suite.h"
 #include "benchmarks/seeds/trained_models.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "perception/splats/splat_ply.h"
@@ -342,6 +343,31 @@ TEST(ClosedLoop, SeedsOfFilesAndPrograms) {
     EXPECT_EQ(error.stage, "traits");
     EXPECT_NE(std::string(error.what()).find("exited with 3"), std::string::npos) << error.what();
   }
+}
+
+TEST(ClosedLoop, ANoiseJobPhotographsTwiceAndMeasuresNothingElse) {
+  SeedsSuiteConfig config;
+  config.quick = true;
+  config.sets = {"seeds=1",
+                 "views=2",
+                 "rig.width_px=160",
+                 "rig.height_px=90",
+                 "render.irradiance_samples=16",
+                 "render.edge_samples=4"};
+  int found = 0;
+  for (const ShardJob& job : seeds_suite_jobs(config)) {
+    if (job.name != "quick_noise_zhengdan958.json") continue;
+    const ScoreFile file = scores_from_json(job.run(), job.name);
+    ASSERT_EQ(file.scores.size(), 3U);
+    // All but a part of the photograph is green: black in both, it has no error.
+    EXPECT_GT(file.scores[2].value, file.scores[1].value);
+    EXPECT_EQ(file.scores[0].metric, "noise_floor.psnr");
+    EXPECT_EQ(file.scores[0].n, 2);
+    EXPECT_GT(file.scores[0].value, 25);  // it is noise, and another one
+    EXPECT_LT(file.scores[0].value, 60);
+    ++found;
+  }
+  EXPECT_EQ(found, 1);
 }
 
 }  // namespace

@@ -172,31 +172,6 @@ TEST(SeedsSuite, CapturesForGaussiansAreNotTakenForThoseOfTheCurves) {
   EXPECT_EQ(found, 2);
 }
 
-TEST(SeedsSuite, ANoiseJobPhotographsTwiceAndMeasuresNothingElse) {
-  SeedsSuiteConfig config;
-  config.quick = true;
-  config.sets = {"seeds=1",
-                 "views=2",
-                 "rig.width_px=160",
-                 "rig.height_px=90",
-                 "render.irradiance_samples=16",
-                 "render.edge_samples=4"};
-  int found = 0;
-  for (const ShardJob& job : seeds_suite_jobs(config)) {
-    if (job.name != "quick_noise_zhengdan958.json") continue;
-    const ScoreFile file = scores_from_json(job.run(), job.name);
-    ASSERT_EQ(file.scores.size(), 3U);
-    // All but a part of the photograph is green: black in both, it has no error.
-    EXPECT_GT(file.scores[2].value, file.scores[1].value);
-    EXPECT_EQ(file.scores[0].metric, "noise_floor.psnr");
-    EXPECT_EQ(file.scores[0].n, 2);
-    EXPECT_GT(file.scores[0].value, 25);  // it is noise, and another one
-    EXPECT_LT(file.scores[0].value, 60);
-    ++found;
-  }
-  EXPECT_EQ(found, 1);
-}
-
 TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
   ScoreFile file;
   for (const std::string& cultivar : cultivar_names()) {
