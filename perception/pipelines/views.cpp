@@ -204,6 +204,13 @@ bool is_shown(const Eigen::Vector3d& point_m, const std::vector<SplatView>& view
   });
 }
 
+constexpr std::size_t kLeastSwept = 1000;  ///< points, of a sweep that found surfaces
+/// Where there are surfaces, what begins in the air is a guess, and centres need not be thrown
+/// about: else both become fog before the cameras. The fox, held out: 28.9 dB without, 30.7 with
+/// the opacity, 31.0 with both (48 s of training for 54).
+constexpr double kAirOpacity = 0.02;
+constexpr double kSweptRate = 0.25;  ///< of the centres' rate
+
 /// Takes exposures out of the photographs, and adds points of what was swept for them.
 void take_out_exposures(const ViewsPipelineConfig& config, const SweepVolume& volume,
                         std::vector<SplatView>& views, std::vector<StartPoint>& start,
@@ -211,7 +218,16 @@ void take_out_exposures(const ViewsPipelineConfig& config, const SweepVolume& vo
   SweptStartConfig sweep;
   sweep.most_points = config.swept_points;
   const OnBench bench(views, volume);
+  const Camera& camera = views.front().full.camera;
+  const int longest_px = std::max(camera.width_px, camera.height_px);
   SweptStart swept = swept_start(bench.views, bench.volume(), sweep);
+  // Where neighbours are far apart or things small, hardly any surface is found at that size.
+  constexpr int kLargestSide_px = 512;
+  while (swept.points.size() < kLeastSwept && 2 * sweep.largest_side_px <= kLargestSide_px &&
+         sweep.largest_side_px < longest_px) {
+    sweep.largest_side_px *= 2;
+    swept = swept_start(bench.views, bench.volume(), sweep);
+  }
   for (StartPoint& point : swept.points) {
     if (!is_shown(point.position_m, bench.views)) continue;
     point.position_m = bench.in_world(point.position_m);
@@ -294,7 +310,12 @@ SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, cons
   std::vector<StartPoint> start = start_points(config, volume, findings.tracks, seed);
   if (config.method == ViewsMethod::splats && (config.one_exposure || config.swept_points > 0)) {
     if (config.one_exposure) findings.exposures.log_gain.assign(views.size(), kNaN);
+    const std::size_t before = start.size();
     if (volume) take_out_exposures(config, *volume, views, start, findings);
+    if (start.size() - before >= kLeastSwept && findings.tracks.empty()) {
+      for (std::size_t i = 0; i < before; ++i) start[i].opacity = kAirOpacity;
+      training.rates.centre_first *= kSweptRate;
+    }
   }
   return train_on_views(views, start, {}, training, last, watch);
 }
