@@ -109,6 +109,7 @@ void look(const ViewsPipelineConfig& config, const Capture& capture, const Seeds
 
 void count_seen(const SeedsEstimate& estimate, const fs::path& file, const ScoreRow& base,
                 std::vector<ScoreRow>& rows) {
+  if (estimate.depths.empty()) return;  // somebody's, of whom nothing is known
   SplatDepthImages depths;
   depths.poses = estimate.poses;
   depths.depths = estimate.depths;

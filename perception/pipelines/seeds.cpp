@@ -324,12 +324,13 @@ SeedsEstimate run_stages(const Capture& capture, const SeedsStages& stages,
   if (capture.frames.empty()) throw std::invalid_argument("the capture has no frames");
   SeedsEstimate estimate;
   run_stage("corners", stages.corners, capture, estimate, &SeedsEstimate::corners, observer);
-  require_frames("corners", stages.corners != nullptr, capture, estimate.corners);
+  // Who puts what follows from them in their place may leave corners and depths empty; poses not.
+  require_frames("corners", !estimate.corners.empty(), capture, estimate.corners);
   run_stage("poses", stages.poses, capture, estimate, &SeedsEstimate::poses, observer);
   require_frames("poses", stages.poses != nullptr, capture, estimate.poses);
   run_stage("splats", stages.splats, capture, estimate, &SeedsEstimate::splats, observer);
   run_stage("depth", stages.depth, capture, estimate, &SeedsEstimate::depths, observer);
-  require_frames("depth", stages.depth != nullptr, capture, estimate.depths);
+  require_frames("depth", !estimate.depths.empty(), capture, estimate.depths);
   run_stage("cloud", stages.cloud, capture, estimate, &SeedsEstimate::cloud, observer);
   run_stage("clusters", stages.clusters, capture, estimate, &SeedsEstimate::clusters, observer);
   run_stage("masks", stages.masks, capture, estimate, &SeedsEstimate::silhouettes, observer);

@@ -142,7 +142,7 @@ TEST(AppInterrupted, AKilledBenchGoesOn) {
   const Outcome rest = program.run(bench);
   EXPECT_EQ(rest.code, 0) << rest.err;
   expect_untouched(finished);
-  EXPECT_EQ(times(shards).size(), 4U);
+  EXPECT_EQ(times(shards).size(), 5U);
   EXPECT_THAT(rest.err, Not(HasSubstr(finished.begin()->first.filename().string())));
   EXPECT_GT(fs::file_size(program.path("b/seeds/scores.csv")), 0U);
 }

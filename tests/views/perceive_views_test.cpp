@@ -67,6 +67,17 @@ TEST(PerceiveViews, AForeignModelIsScoredLikeOurs) {
   EXPECT_EQ(value_of(run.rows, "gaussians"), static_cast<double>(truth.splats.size()));
 }
 
+TEST(PerceiveViews, SomebodysDepthMayBeNone) {
+  const ScratchFolder scratch("cousin-views");
+  write_depths(scratch.path(), {});
+  const StageSource none = parse_stage_source("depth=dir:" + scratch.path().string());
+  ViewsPipelineConfig config = quick();
+  config.steps = 20;
+  const ViewsRun run = perceive_views(cube_capture(), config, 1, {none}, 0, "cube", {});
+  EXPECT_TRUE(run.estimate.cloud.empty());
+  EXPECT_GT(value_of(run.rows, "train.psnr"), 0);
+}
+
 TEST(PerceiveViews, SomebodysPosesHaveCamerasOfTheFullSize) {
   const ScratchFolder scratch("cousin-views");
   const Capture capture = cube_capture();
