@@ -92,6 +92,7 @@ std::vector<ScoreRow> rows_of_scene(const JobContext& context, const RunConfig& 
   std::vector<ScoreRow> rows = score_views(
       built.scene_truth(), run.estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
       fs::exists(out / "estimate" / scene_id(scene) / "cloud.ply"), base);
+  // The pipeline's own rows have its seconds too.
   std::erase_if(rows, [](const ScoreRow& row) { return row.metric.starts_with("seconds."); });
   for (ScoreRow row : run.rows) {
     row.suite = base.suite;

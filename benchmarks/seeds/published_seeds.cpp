@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "benchmarks/seeds/score_geometry.h"
 #include "benchmarks/seeds/score_seeds.h"
 
 namespace cousin {
@@ -80,15 +81,6 @@ ScoreRow base_row(const char* scene, const char* method, int steps) {
   return row;
 }
 
-ScoreRow with_number(ScoreRow row, const std::string& metric, double value, const char* unit,
-                     std::int64_t n) {
-  row.metric = metric;
-  row.value = value;
-  row.unit = unit;
-  row.n = n;
-  return row;
-}
-
 }  // namespace
 
 std::vector<ScoreRow> published_seeds_rows() {
@@ -96,43 +88,43 @@ std::vector<ScoreRow> published_seeds_rows() {
   for (const Reconstruction& line : kReconstructions) {
     ScoreRow row = base_row("pooled", line.method, line.steps);
     row.wall_s = line.seconds;
-    rows.push_back(with_number(row, "seconds.reconstruction", line.seconds, "s", 1));
-    rows.push_back(with_number(row, "cloud.points", line.points, "1", 1));
+    rows.push_back(measured_row(row, "seconds.reconstruction", line.seconds, "s", 1));
+    rows.push_back(measured_row(row, "cloud.points", line.points, "1", 1));
   }
   constexpr const char* kTraits[] = {"length", "width", "height"};
   for (const Lengths& line : kLengths) {
     const ScoreRow row = base_row(line.cultivar, line.method, 0);
     for (std::size_t i = 0; i < line.of.size(); ++i) {
       const std::string trait = kTraits[i];
-      rows.push_back(with_number(row, trait + ".r2_paper", line.of[i].r2, "1", 50));
+      rows.push_back(measured_row(row, trait + ".r2_paper", line.of[i].r2, "1", 50));
       rows.push_back(
-          with_number(row, trait + ".mape", kPercent * line.of[i].mape_percent, "1", 50));
+          measured_row(row, trait + ".mape", kPercent * line.of[i].mape_percent, "1", 50));
       rows.push_back(
-          with_number(row, trait + ".rmse", kMillimetre_m * line.of[i].rmse_mm, "m", 50));
+          measured_row(row, trait + ".rmse", kMillimetre_m * line.of[i].rmse_mm, "m", 50));
     }
   }
   for (const ImageQuality& line : kImageQuality) {
     const ScoreRow whole = base_row(line.cultivar, kGaussians, 0);
-    rows.push_back(with_number(whole, "ssim", line.ssim, "1", 1));
-    rows.push_back(with_number(whole, "psnr", line.psnr_db, "dB", 1));
-    rows.push_back(with_number(whole, "lpips", line.lpips, "1", 1));
+    rows.push_back(measured_row(whole, "ssim", line.ssim, "1", 1));
+    rows.push_back(measured_row(whole, "psnr", line.psnr_db, "dB", 1));
+    rows.push_back(measured_row(whole, "lpips", line.lpips, "1", 1));
+    rows.push_back(measured_row(base_row(line.cultivar, kGaussians, 30000), "psnr",
+                                line.at_30000_db, "dB", 1));
     rows.push_back(
-        with_number(base_row(line.cultivar, kGaussians, 30000), "psnr", line.at_30000_db, "dB", 1));
+        measured_row(base_row(line.cultivar, kGaussians, 7000), "psnr", line.at_7000_db, "dB", 1));
     rows.push_back(
-        with_number(base_row(line.cultivar, kGaussians, 7000), "psnr", line.at_7000_db, "dB", 1));
-    rows.push_back(
-        with_number(base_row(line.cultivar, kRadianceField, 0), "psnr", line.ngp_db, "dB", 1));
+        measured_row(base_row(line.cultivar, kRadianceField, 0), "psnr", line.ngp_db, "dB", 1));
   }
   for (const PairedTest& test : kPairedTests) {
     const std::string metric = test.metric;
     ScoreRow both = base_row("zhengdan958", kGaussians, 0);
     both.method += "/SfM-MVS";
-    rows.push_back(with_number(both, metric + "_difference",
-                               test.unit_si * (test.gaussians - test.stereo), test.unit, 50));
+    rows.push_back(measured_row(both, metric + "_difference",
+                                test.unit_si * (test.gaussians - test.stereo), test.unit, 50));
     rows.push_back(
-        with_number(both, metric == "length.absolute" ? "length.paired_t" : metric + "_paired_t",
-                    test.t, "1", 50));
-    rows.push_back(with_number(
+        measured_row(both, metric == "length.absolute" ? "length.paired_t" : metric + "_paired_t",
+                     test.t, "1", 50));
+    rows.push_back(measured_row(
         both, metric == "length.absolute" ? "length.paired_t_p" : metric + "_paired_t_p", test.p,
         "1", 50));
   }

@@ -36,4 +36,9 @@ Camera cube_camera() {
 
 Pose view_of_cube() { return look_at({1.3, -0.9, 0.7}, {0, 0, 0}); }
 
+Pose ring_pose(int i, int views) {
+  const double turn = 2 * M_PI * i / views;
+  return look_at({1.5 * std::cos(turn), 1.5 * std::sin(turn), 0.7}, {0, 0, 0});
+}
+
 }  // namespace cousin

@@ -11,5 +11,7 @@ namespace cousin {
 SplatModel cube_of_splats();
 Camera cube_camera();
 Pose view_of_cube();
+/// The i-th of so many places on a ring about the cube, from above.
+Pose ring_pose(int i, int views = 8);
 
 }  // namespace cousin

@@ -27,11 +27,6 @@ constexpr int kViews = 8;
 constexpr SplatGrowth kGrowths[] = {SplatGrowth::fixed, SplatGrowth::adaptive,
                                     SplatGrowth::budgeted, SplatGrowth::mcmc};
 
-Pose ring_pose(int i) {
-  const double turn = 2 * M_PI * i / kViews;
-  return look_at({1.5 * std::cos(turn), 1.5 * std::sin(turn), 0.7}, {0, 0, 0});
-}
-
 /// Photographs of the cube from a ring about it.
 std::vector<SplatView> ring_views() {
   const SplatModel model = cube_of_splats();

@@ -109,7 +109,9 @@ void look(const ViewsPipelineConfig& config, const Capture& capture, const Seeds
 
 void count_seen(const SeedsEstimate& estimate, const fs::path& file, const ScoreRow& base,
                 std::vector<ScoreRow>& rows) {
-  if (estimate.depths.empty()) return;  // somebody's, of whom nothing is known
+  const auto n = static_cast<std::int64_t>(estimate.splats.splats.size());
+  add_row("gaussians", static_cast<double>(n), "1", 1, base, rows);
+  if (estimate.depths.empty()) return;  // somebody's stage gave none: who sees what is not known
   SplatDepthImages depths;
   depths.poses = estimate.poses;
   depths.depths = estimate.depths;
@@ -121,8 +123,6 @@ void count_seen(const SeedsEstimate& estimate, const fs::path& file, const Score
   const std::vector<int> seen = views_that_see(estimate.splats, depths);
   const auto enough =
       std::count_if(seen.begin(), seen.end(), [](int views) { return views >= kEnoughViews; });
-  const auto n = static_cast<std::int64_t>(seen.size());
-  add_row("gaussians", static_cast<double>(n), "1", 1, base, rows);
   if (n > 0)
     add_row("gaussians.seen_by_" + std::to_string(kEnoughViews),
             static_cast<double>(enough) / static_cast<double>(n), "1", n, base, rows);

@@ -16,6 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// 000.png and 001.png with their poses, without a split.
+void write_two_views(const fs::path& folder) {
+  const char* pose = "[[1,0,0,0],[0,1,0,0],[0,0,1,1],[0,0,0,1]]";
+  std::ofstream(folder / "transforms.json")
+      << "{\"fl_x\":60,\"fl_y\":60,\"cx\":16,\"cy\":16,\"w\":32,\"h\":32,\"frames\":["
+      << "{\"file_path\":\"000.png\",\"transform_matrix\":" << pose << "},"
+      << "{\"file_path\":\"001.png\",\"transform_matrix\":" << pose << "}]}";
+  for (const char* name : {"000.png", "001.png"}) write_png(folder / name, Image<Rgb8>(32, 32));
+}
+
 TEST(SplatsSuite, PhotographsThatAreAbsentGiveARowThatIsNotSolved) {
   const std::vector<ScoreRow> rows = splat_training_rows("/no/such/folder", 1, true);
   ASSERT_EQ(rows.size(), 1u);
@@ -62,12 +72,7 @@ TEST(SplatsSuite, AJobIsKnownByItsPhotographsAndExtent) {
 TEST(SplatsSuite, EveryViewNeedsItsLineInTheSplit) {
   const fs::path folder = fs::path(testing::TempDir()) / "splats_suite_lines";
   fs::create_directories(folder);
-  const char* pose = "[[1,0,0,0],[0,1,0,0],[0,0,1,1],[0,0,0,1]]";
-  std::ofstream(folder / "transforms.json")
-      << "{\"fl_x\":60,\"fl_y\":60,\"cx\":16,\"cy\":16,\"w\":32,\"h\":32,\"frames\":["
-      << "{\"file_path\":\"000.png\",\"transform_matrix\":" << pose << "},"
-      << "{\"file_path\":\"001.png\",\"transform_matrix\":" << pose << "}]}";
-  for (const char* name : {"000.png", "001.png"}) write_png(folder / name, Image<Rgb8>(32, 32));
+  write_two_views(folder);
   const auto refusal = [&](const char* split) {
     std::ofstream(folder / "split.txt") << split;
     try {
@@ -88,12 +93,7 @@ TEST(SplatsSuite, EveryViewNeedsItsLineInTheSplit) {
 TEST(SplatsSuite, AHeldOutNameThatNoViewHasIsNamed) {
   const fs::path folder = fs::path(testing::TempDir()) / "splats_suite_names";
   fs::create_directories(folder);
-  const char* pose = "[[1,0,0,0],[0,1,0,0],[0,0,1,1],[0,0,0,1]]";
-  std::ofstream(folder / "transforms.json")
-      << "{\"fl_x\":60,\"fl_y\":60,\"cx\":16,\"cy\":16,\"w\":32,\"h\":32,\"frames\":["
-      << "{\"file_path\":\"000.png\",\"transform_matrix\":" << pose << "},"
-      << "{\"file_path\":\"001.png\",\"transform_matrix\":" << pose << "}]}";
-  for (const char* name : {"000.png", "001.png"}) write_png(folder / name, Image<Rgb8>(32, 32));
+  write_two_views(folder);
   std::ofstream(folder / "split.txt") << "000.png train\n001.jpg test\n";
   try {
     (void)read_split_set(folder);

@@ -76,6 +76,7 @@ TEST(PerceiveViews, SomebodysDepthMayBeNone) {
   const ViewsRun run = perceive_views(cube_capture(), config, 1, {none}, 0, "cube", {});
   EXPECT_TRUE(run.estimate.cloud.empty());
   EXPECT_GT(value_of(run.rows, "train.psnr"), 0);
+  EXPECT_GT(value_of(run.rows, "gaussians"), 0);
 }
 
 TEST(PerceiveViews, SomebodysPosesHaveCamerasOfTheFullSize) {
