@@ -154,7 +154,7 @@ ExitCode command_methods(const JobContext& context) {
        {"seeds/splats_paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
         "the paper's chain: Gaussians trained as their reference does, their centres, the paper's "
         "steps (perceive --set splats.poses=sfm, run --set pipeline.splats.poses=sfm: poses by "
-        "COLMAP)"},
+        "COLMAP; adjusted: by our adjustment of its tracks)"},
        {"views/splats", "built in",
         "perceive --pipeline views, of photographs of anything: poses of the capture or by COLMAP, "
         "Gaussians, their depth, cloud and closed mesh, PSNR of views trained on and held out"},
@@ -181,8 +181,8 @@ ExitCode command_doctor(const JobContext& context) {
        !colmap.empty()                  ? "found, " + colmap
        : find_program("colmap").empty() ? "missing"
                                         : "found, does not say its version",
-       "poses without a board (perceive --pipeline views, bench sfm; splats.poses=sfm of "
-       "splats_paper); tested with 3.8"},
+       "poses without a board (perceive --pipeline views, bench sfm; splats.poses=sfm or "
+       "adjusted of the methods splats and splats_paper); tested with 3.8"},
       {"vega", libraries.vega.empty() ? "missing" : "found", "plots of the report (libjs-vega)"},
       {"three.js", libraries.three.empty() ? "missing" : "found",
        "3D view of the report (libjs-three)"},

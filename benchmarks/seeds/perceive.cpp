@@ -80,8 +80,9 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
                              const Progress& progress, const Warn& warn) {
   const bool has_training =
       config.method == SeedsMethod::splats || config.method == SeedsMethod::splats_paper;
-  if (warn && !has_training && config.splats.poses == SplatPoses::sfm) {
-    warn("splats.poses=sfm is not used: it is of the methods splats and splats_paper");
+  if (warn && !has_training && config.splats.poses != SplatPoses::board) {
+    warn("splats.poses=" + std::string(to_string(config.splats.poses)) +
+         " is not used: it is of the methods splats and splats_paper");
   }
   return perceive_with(
       [&](const SplatWatch& watch) {

@@ -165,6 +165,8 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
         labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " + size;
     if (const int every = job.config.pipeline.splats.hold_out_every; every > 1)
       labels.case_name += ", one in " + std::to_string(every) + " held out";
+    if (const SplatPoses poses = job.config.pipeline.splats.poses; poses != SplatPoses::board)
+      labels.case_name += ", poses " + std::string(to_string(poses));
     const SeedsEstimate ours =
         perceive_seeds(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
     const SeedsEstimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
@@ -327,6 +329,13 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
        "pipeline.splats.reference_steps=30000", "pipeline.splats.hold_out_every=8"},
       {}, false, false,
       {true, {500, 1000, 2000, 5000, 7000, 10000}, {300, 600}, {500, 1000, 2000}, {1000, 3000}});
+  // The paper's chain from its first step on, and what our adjustment of the same tracks changes.
+  for (const char* poses : {"sfm", "adjusted"}) {
+    add(std::string("zhengdan958_splats_") + poses, 0,
+        {"cultivar=zhengdan958", "rig=phone_video_720p", "views=60",
+         std::string("pipeline.splats.poses=") + poses},
+        {}, false, false, {true, {}, {}, {}, {}});
+  }
   for (const std::string& cultivar : cultivars) {
     add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"},
         {120}, false, false);

@@ -134,16 +134,32 @@ Image<float> depth_of_view(const SplatModel& model, const FramePose& pose,
 
 }  // namespace
 
+std::string_view to_string(SplatPoses poses) {
+  switch (poses) {
+    case SplatPoses::sfm:
+      return "sfm";
+    case SplatPoses::adjusted:
+      return "adjusted";
+    default:
+      return "board";
+  }
+}
+
+SplatPoses splat_poses_from(const std::string& text) {
+  for (const SplatPoses poses : {SplatPoses::board, SplatPoses::sfm, SplatPoses::adjusted}) {
+    if (text == to_string(poses)) return poses;
+  }
+  throw std::invalid_argument("poses \"" + text + "\" is not one of board, sfm, adjusted");
+}
+
 Fields fields(SeedsSplatConfig& config) {
   return {
       {"poses",
-       TextField{[&config] { return config.poses == SplatPoses::sfm ? "sfm" : "board"; },
-                 [&config](const std::string& text) {
-                   if (text != "board" && text != "sfm")
-                     throw std::invalid_argument("poses \"" + text + "\" is not one of board, sfm");
-                   config.poses = text == "sfm" ? SplatPoses::sfm : SplatPoses::board;
-                 }},
-       "board: from its corners; sfm: by COLMAP without the lens, scaled by the board's squares"},
+       TextField{[&config] { return std::string(to_string(config.poses)); },
+                 [&config](const std::string& text) { config.poses = splat_poses_from(text); }},
+       "board: from its corners; sfm: by COLMAP without the lens, scaled by the board's squares, "
+       "as "
+       "the paper; adjusted: COLMAP's tracks adjusted with the reported lens and the corners"},
       {"steps", &config.steps, "splats: training steps, one view each", 1, 1e6},
       {"most_splats", &config.most_splats, "splats: Gaussians at the end", 1, 1e7},
       {"reference_steps", &config.reference_steps,
@@ -195,9 +211,10 @@ Poses training_poses(const SeedsSplatConfig& config, Poses poses) {
 }
 
 Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board,
-                   const SweepVolume& volume, std::vector<StartPoint>& points) {
+                   const SweepVolume& volume, const SfmConfig& config,
+                   std::vector<StartPoint>& points) {
   points.clear();
-  const SfmEstimate estimate = estimate_poses_sfm(capture, corners, board, paper_sfm_config());
+  const SfmEstimate estimate = estimate_poses_sfm(capture, corners, board, config);
   if (!has_poses(estimate.status) || estimate.gauge != BundleGauge::metric) {
     throw std::runtime_error("no metric model: " + std::string(to_string(estimate.status)) +
                              (estimate.reason.empty() ? "" : ", " + estimate.reason));

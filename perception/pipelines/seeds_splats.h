@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "calibration/board_detection.h"
@@ -17,9 +19,13 @@
 
 namespace cousin {
 
-/// Where the views of a splat training come from: the board's corners, or COLMAP without a word
-/// about the lens and one factor from the board's squares, as the Seeds paper has them.
-enum class SplatPoses { board, sfm };
+/// Where the views of a splat training come from: the board's corners; COLMAP without a word about
+/// the lens and one factor from the board's squares, as the Seeds paper has them; or our adjustment
+/// of its tracks with the lens that the device reports and the board's corners.
+enum class SplatPoses { board, sfm, adjusted };
+std::string_view to_string(SplatPoses poses);
+/// @throws std::invalid_argument naming the choices
+SplatPoses splat_poses_from(const std::string& text);
 
 struct SeedsSplatConfig {
   SplatPoses poses = SplatPoses::board;
@@ -81,11 +87,13 @@ struct SplatWatch {
   std::function<void(const SplatTraining& training)> end;
 };
 
-/// Poses by COLMAP for the views of a training; frames that found no place have none.
+/// Poses by structure from motion for the views of a training; frames without a place have none.
+/// @param config  the paper's or ours, see SplatPoses
 /// @param points  out: of its model, in the world, those in the volume
 /// @throws std::runtime_error if there is no metric model, saying why
 Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board,
-                   const SweepVolume& volume, std::vector<StartPoint>& points);
+                   const SweepVolume& volume, const SfmConfig& config,
+                   std::vector<StartPoint>& points);
 
 /// The photographs of a training: each is cut to what it shows of the volume, and green screen is
 /// behind the scene, where it is more than specks. Views without a pose, or that show none of it,

@@ -110,7 +110,7 @@ std::vector<Eigen::Vector3d> points_of(const ViewsPipelineConfig& config,
 }  // namespace
 
 Cloud views_cloud(const ViewsPipelineConfig& config, const Capture& capture,
-               const SeedsEstimate& so_far) {
+                  const SeedsEstimate& so_far) {
   const double span_m = median_span_m(so_far.poses, so_far.depths);
   if (!std::isfinite(span_m)) return {};
   std::vector<std::size_t> with_depth;

@@ -130,6 +130,8 @@ TEST(AppInterrupted, AKilledRunGoesOnWithTheNextScene) {
 
 TEST(AppInterrupted, AKilledBenchGoesOn) {
   const Program program;
+  if (program.run({"methods"}).out.find("not built") != std::string::npos)
+    GTEST_SKIP() << "a method that the bench needs is not built in";
   const Words bench =
       Words{"bench", "seeds", "--quick", "--out", "b"} + tiny_scene() +
       Words{"--set", "pipeline.splats.steps=40", "--set", "pipeline.splats.reference_steps=40"};

@@ -401,5 +401,13 @@ TEST(SeedsSplats, KeysOutsideTheirLimitsAreNamed) {
   EXPECT_THROW(set_field(fields(config), "poses=guess"), std::invalid_argument);
 }
 
+TEST(SeedsSplats, WhereThePosesComeFromIsNamed) {
+  SeedsSplatConfig config;
+  for (const char* poses : {"sfm", "adjusted", "board"}) {
+    set_field(fields(config), std::string("poses=") + poses);
+    EXPECT_EQ(to_string(config.poses), poses);
+  }
+}
+
 }  // namespace
 }  // namespace cousin

@@ -1,0 +1,88 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "perception/pipelines/seeds_splats.h"
+#include "sim/process/scratch_folder.h"
+#include "tests/sfm/plant_views.h"
+#include "tests/sfm/stand_in_colmap.h"
+
+namespace cousin {
+namespace {
+
+using testing::HasSubstr;
+
+/// What lies on the board, with room above it.
+const SweepVolume plant_volume{{-1, -1, -0.01}, {1, 1, 0.1}};
+
+class SeedPosesTest : public testing::Test {
+ protected:
+  ScratchFolder scratch_{"cousin-test"};
+  StandInColmap program_{scratch_.path() / "p"};
+  std::vector<StartPoint> points_;
+
+  /// A stand-in program looks at no photograph.
+  Poses found(const PlantViews& views, SfmConfig config) {
+    config.colmap.program = program_.program();
+    Capture capture;
+    for (const int id : views.frames) {
+      Frame frame{.id = id};
+      frame.sensors.push_back({.reported = views.lens, .color = Image<Rgb8>(1280, 720)});
+      capture.frames.push_back(std::move(frame));
+    }
+    return poses_by_sfm(capture, views.corners, views.board, plant_volume, config, points_);
+  }
+};
+
+/// Of the camera centres, in the board's frame and size: no similarity is taken out.
+double centres_rms_m(const Poses& poses, const PlantViews& views) {
+  double square = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_EQ(poses[i].status, PoseStatus::ok) << i;
+    square += (inverse(poses[i].camera_from_world).translation_m -
+               inverse(views.camera_from_world[i]).translation_m)
+                  .squaredNorm();
+  }
+  return std::sqrt(square / static_cast<double>(poses.size()));
+}
+
+TEST_F(SeedPosesTest, ThePapersWayAndOursAreMetricOnTheBoard) {
+  const PlantViews views = plant_views({}, 3);
+  program_.add_model(0, views);
+  Poses ours;
+  try {
+    ours = found(views, SfmConfig{});
+  } catch (const std::runtime_error& error) {
+    if (std::string(error.what()).find("not_built") == std::string::npos) throw;
+    GTEST_SKIP() << error.what();
+  }
+  ASSERT_EQ(ours.size(), views.frames.size());
+  // Half a metre away: 0.3 px of noise on 100 points, a few parts in ten thousand.
+  EXPECT_LT(centres_rms_m(ours, views), 5e-4);
+  EXPECT_GT(points_.size(), 20U);
+  EXPECT_LT(points_.size(), views.points_in_world_m.size());  // not all lie in the volume
+  for (const StartPoint& point : points_) {
+    EXPECT_GE(point.position_m.z(), plant_volume.low_m.z());
+    EXPECT_LE(point.position_m.z(), plant_volume.high_m.z());
+  }
+  const Poses as_paper = found(views, paper_sfm_config());
+  ASSERT_EQ(as_paper.size(), views.frames.size());
+  EXPECT_LT(centres_rms_m(as_paper, views), 5e-3);
+}
+
+TEST_F(SeedPosesTest, WithoutAModelOrTheBoardItSaysWhy) {
+  EXPECT_THAT(
+      [&] { found(plant_views({}, 3), paper_sfm_config()); },
+      testing::ThrowsMessage<std::runtime_error>(HasSubstr("no metric model: no_model")));
+  PlantViews views = plant_views({}, 3);
+  program_.add_model(0, views);
+  for (FrameCorners& corners : views.corners) corners.corners.clear();
+  EXPECT_THAT(
+      [&] { found(views, paper_sfm_config()); },
+      testing::ThrowsMessage<std::runtime_error>(HasSubstr("no metric model: no_scale")));
+  EXPECT_TRUE(points_.empty());
+}
+
+}  // namespace
+}  // namespace cousin
