@@ -22,9 +22,10 @@ StageTiming seconds_before(const SplatTraining& training) {
   return before;
 }
 
-void add_seconds_before(const StageTiming& before, std::vector<StageTiming>& timings) {
+void add_seconds_before(const std::string& stage, const StageTiming& before,
+                        std::vector<StageTiming>& timings) {
   for (StageTiming& timing : timings) {
-    if (timing.stage != "splats") continue;
+    if (timing.stage != stage) continue;
     timing.wall_s += before.wall_s;
     timing.cpu_s += before.cpu_s;
   }
@@ -38,12 +39,16 @@ SeedsEstimate perceive_with(
   const StepProgress steps = [&](int done, int all) {
     if (progress) progress("perceive: splats, step", done, all);
   };
-  SplatWatch watch{steps, {}, {}, {}};
-  StageTiming before;
+  SplatWatch watch;
+  watch.progress = steps;
+  StageTiming before, posed_before;
   watch.end = [&](const SplatTraining& training) { before = seconds_before(training); };
+  watch.posed = [&](const SfmEstimate& sfm) { posed_before = sfm.done_before; };
   const std::filesystem::path unfinished = estimate_dir / "splats.unfinished";
+  const std::filesystem::path unfinished_sfm = estimate_dir / "splats.unfinished.colmap";
   if (!estimate_dir.empty()) {
     watch.checkpoint = {unfinished, 500, true};
+    watch.sfm_folder = unfinished_sfm;
   }
   const SeedsStages stages = stages_of_run(watch);
   const auto& names = seeds_stage_names();
@@ -67,10 +72,14 @@ SeedsEstimate perceive_with(
     std::filesystem::remove(estimate_dir / "timings.json");
   }
   SeedsEstimate estimate = run(stages, observe);
-  add_seconds_before(before, estimate.timings);
+  add_seconds_before("splats", before, estimate.timings);
+  add_seconds_before("poses", posed_before, estimate.timings);
   if (estimate_dir.empty()) return estimate;
   write_timings(estimate_dir, estimate.timings);
-  std::filesystem::remove(unfinished);  // only now: the next run begins with the first seam
+  // Only now: the next run begins with the first seam.
+  std::filesystem::remove(unfinished);
+  std::error_code left;  // what cannot be removed costs room, not the result
+  std::filesystem::remove_all(unfinished_sfm, left);
   return estimate;
 }
 

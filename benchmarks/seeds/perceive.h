@@ -18,8 +18,9 @@ SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
 
 /// Seconds of a training in processes before this one, which its stage's own clock has not seen.
 StageTiming seconds_before(const SplatTraining& training);
-/// Adds them to the stage that trains.
-void add_seconds_before(const StageTiming& before, std::vector<StageTiming>& timings);
+/// Adds them to a stage: "splats", which trains, or "poses", for which COLMAP ran.
+void add_seconds_before(const std::string& stage, const StageTiming& before,
+                        std::vector<StageTiming>& timings);
 
 /// Runs stages and writes every seam into `estimate_dir` as soon as its stage is finished, as
 /// perceive_seeds does. @param stages_of_run  told who watches a training @param sources  stages

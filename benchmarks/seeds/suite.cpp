@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/capture_store.h"
@@ -14,6 +17,7 @@
 #include "benchmarks/seeds/trained_models.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/dataset/manifest.h"
+#include "sim/process/scratch_folder.h"
 
 namespace cousin {
 namespace {
@@ -90,8 +94,8 @@ SeedsEstimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineCon
 }
 
 /// Measures by models trained on all views of a capture. @return what our Gaussians found
-SeedsEstimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
-                          ScoreFile& file) {
+SeedsEstimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
+                                  ScoreFile& file) {
   task.at = job.trained.reference_at;
   MeasuredModel reference = measure_by_splats(task, SeedsMethod::splats_paper);
   if (!job.pooled) reference.file.specimens.clear();
@@ -106,6 +110,40 @@ SeedsEstimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Pos
   task.at = job.trained.ngp_at;
   append({.scores = measure_by_ngp(task, poses)}, file);
   return std::move(ours.estimate);
+}
+
+/// What structure from motion said, if it was that which failed.
+std::optional<SfmStatus> why_no_poses(const StageError& error) {
+  try {
+    std::rethrow_if_nested(error);
+  } catch (const NoPosesError& none) {
+    return none.status;
+  } catch (...) {  // something else: the caller has the error
+  }
+  return {};
+}
+
+/// The same by poses that COLMAP finds once for all of them, where the job has these. A row says
+/// why it found none.
+SeedsEstimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
+                          ScoreFile& file) {
+  if (job.config.pipeline.splats.poses == SplatPoses::board)
+    return measured_by_trained(job, std::move(task), poses, file);
+  std::optional<ScratchFolder> scratch;
+  if (task.unfinished.empty()) scratch.emplace("cousin-colmap");
+  task.sfm_folder = (scratch ? scratch->path() : task.unfinished) / "colmap";
+  ScoreRow row = labelled_row(task.labels);
+  try {
+    return measured_by_trained(job, std::move(task), poses, file);
+  } catch (const StageError& error) {
+    const std::optional<SfmStatus> why = why_no_poses(error);
+    if (!why) throw;
+    row.method = "splats_paper";
+    row.metric = error.what();
+    row.status = *why == SfmStatus::not_built ? ScoreStatus::not_built : ScoreStatus::not_solved;
+    file.scores.push_back(row);
+    return {};
+  }
 }
 
 /// Where a job's trainings go on from; nowhere if it has none.

@@ -135,7 +135,9 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   };
   watch.snapshots = kept.snapshots(task.at);
   watch.checkpoint = kept.checkpoint();
-  StageTiming before, steps;
+  watch.sfm_folder = task.sfm_folder;
+  StageTiming before, posed_before, steps;
+  watch.posed = [&](const SfmEstimate& sfm) { posed_before = sfm.done_before; };
   watch.end = [&](const SplatTraining& training) {
     before = seconds_of_training_alone(training);
     if (training.curve.empty()) return;
@@ -145,7 +147,8 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   MeasuredModel result;
   result.estimate =
       run_seeds(task.run->capture, config, stages_of(config, task.stage_seed, {}, 0, watch));
-  add_seconds_before(before, result.estimate.timings);
+  add_seconds_before("splats", before, result.estimate.timings);
+  add_seconds_before("poses", posed_before, result.estimate.timings);
   add_rows(task, config, result.estimate, after_steps(labels, last), true, result.file);
   if (result.estimate.splats.splats.empty()) return result;
   std::vector<int> on_the_way = task.at;
@@ -178,11 +181,14 @@ std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int step
     if (task.progress) task.progress("perceive: " + labels.method + ", step", done, all);
   };
   watch.checkpoint = kept.checkpoint();
-  StageTiming before;
+  watch.sfm_folder = task.sfm_folder;
+  StageTiming before, posed_before;
+  watch.posed = [&](const SfmEstimate& sfm) { posed_before = sfm.done_before; };
   watch.end = [&](const SplatTraining& training) { before = seconds_of_training_alone(training); };
   SeedsEstimate estimate =
       run_seeds(task.run->capture, config, stages_of(config, task.stage_seed, {}, 0, watch));
-  add_seconds_before(before, estimate.timings);
+  add_seconds_before("splats", before, estimate.timings);
+  add_seconds_before("poses", posed_before, estimate.timings);
   std::vector<ScoreRow> rows =
       splat_image_rows(task.run->capture, estimate, config, labels, task.learned, kAllViews);
   if (rows.empty()) return rows;

@@ -186,7 +186,7 @@ void add_components(std::vector<StabilityRow>& rows) {
   const ScratchFolder scratch("cousin-stability");
   write_model(scratch.path() / "0", 0, 3);
   write_model(scratch.path() / "1", 3, 12);
-  const std::vector<SfmModel> models = read_models(scratch.path(), 12);
+  const std::vector<SfmModel> models = read_models(scratch.path(), 12).models;
   rows.push_back(make_row("two components of 3 and 9 images", "models read", "", 2,
                           static_cast<double>(models.size()), false));
   rows.push_back(make_row("two components of 3 and 9 images", "images of the one taken", "", 9,

@@ -222,11 +222,9 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   const std::vector<Image<std::uint8_t>> masks = read_masks(config.masks, small);
   if (!estimate_dir.empty()) remove_earlier(estimate_dir);
   const auto findings = std::make_shared<ViewsFindings>();
-  fs::path colmap;
   ViewsRun run;
   run.estimate = perceive_with(
       [&](const SplatWatch& watch) {
-        colmap = colmap_folder(watch.checkpoint);
         SeedsStages stages =
             with_stage_sources(views_stages(config, capture, own_seed, watch, findings, masks),
                                sources, scene_index, warn);
@@ -240,8 +238,6 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
         return run_stages(small, stages, observe);
       },
       sources, scene_index, estimate_dir, progress);
-  std::error_code left;  // what cannot be removed costs room, not the result
-  if (!colmap.empty()) fs::remove_all(colmap, left);
   if (warn) warn_of_exposures(*findings, warn);
   const bool are_somebodys =
       std::any_of(sources.begin(), sources.end(),

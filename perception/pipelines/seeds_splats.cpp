@@ -212,12 +212,15 @@ Poses training_poses(const SeedsSplatConfig& config, Poses poses) {
 
 Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board,
                    const SweepVolume& volume, const SfmConfig& config,
-                   std::vector<StartPoint>& points) {
+                   std::vector<StartPoint>& points,
+                   const std::function<void(const SfmEstimate&)>& posed) {
   points.clear();
   const SfmEstimate estimate = estimate_poses_sfm(capture, corners, board, config);
+  if (posed) posed(estimate);
   if (!has_poses(estimate.status) || estimate.gauge != BundleGauge::metric) {
-    throw std::runtime_error("no metric model: " + std::string(to_string(estimate.status)) +
-                             (estimate.reason.empty() ? "" : ", " + estimate.reason));
+    throw NoPosesError(estimate.status,
+                       "no metric model: " + std::string(to_string(estimate.status)) +
+                           (estimate.reason.empty() ? "" : ", " + estimate.reason));
   }
   for (const SfmPoint& point : estimate.points) {
     if (contains(volume, point.in_world_m)) points.push_back({point.in_world_m, point.color});

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -85,15 +87,29 @@ struct SplatWatch {
   SplatCheckpoint checkpoint;  ///< none: a training that is stopped begins anew
   /// Told how it ended, before the model is taken out.
   std::function<void(const SplatTraining& training)> end;
+  /// Where COLMAP keeps what it did, so that whoever goes on there has the same poses (its models
+  /// vary from run to run); empty: nowhere.
+  std::filesystem::path sfm_folder;
+  /// Told what structure from motion found, also where that is no poses.
+  std::function<void(const SfmEstimate& estimate)> posed;
+};
+
+/// Structure from motion found no poses in metres.
+class NoPosesError : public std::runtime_error {
+ public:
+  NoPosesError(SfmStatus why, const std::string& what) : std::runtime_error(what), status(why) {}
+  SfmStatus status;  ///< ok: there is a model, and no scale
 };
 
 /// Poses by structure from motion for the views of a training; frames without a place have none.
 /// @param config  the paper's or ours, see SplatPoses
 /// @param points  out: of its model, in the world, those in the volume
-/// @throws std::runtime_error if there is no metric model, saying why
+/// @param posed   told what was found, if given
+/// @throws NoPosesError if there is no metric model, saying why
 Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoard& board,
                    const SweepVolume& volume, const SfmConfig& config,
-                   std::vector<StartPoint>& points);
+                   std::vector<StartPoint>& points,
+                   const std::function<void(const SfmEstimate&)>& posed = {});
 
 /// The photographs of a training: each is cut to what it shows of the volume, and green screen is
 /// behind the scene, where it is more than specks. Views without a pose, or that show none of it,

@@ -112,10 +112,13 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, const Sp
   // COLMAP's points, from the stage that finds the poses to the one that trains on them.
   const auto tracks = std::make_shared<std::vector<StartPoint>>();
   if (config.splats.poses != SplatPoses::board) {
-    const SfmConfig sfm = config.splats.poses == SplatPoses::sfm ? paper_sfm_config() : SfmConfig{};
-    stages.poses = [config, sfm, tracks](const Capture& capture, const SeedsEstimate& so_far) {
+    SfmConfig sfm = config.splats.poses == SplatPoses::sfm ? paper_sfm_config() : SfmConfig{};
+    sfm.colmap.folder = watch.sfm_folder.string();
+    stages.poses = [config, sfm, tracks, posed = watch.posed](const Capture& capture,
+                                                              const SeedsEstimate& so_far) {
       const SeedBoard board = board_of(capture, config);
-      return poses_by_sfm(capture, so_far.corners, board, volume_of(config, board), sfm, *tracks);
+      return poses_by_sfm(capture, so_far.corners, board, volume_of(config, board), sfm, *tracks,
+                          posed);
     };
   }
   if (config.method == SeedsMethod::splats_paper) {

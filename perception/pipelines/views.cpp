@@ -65,16 +65,15 @@ bool are_reported(const Capture& capture, ViewsPoses from) {
   return count >= 2 && 2 * count >= capture.frames.size();
 }
 
-/// @param colmap  folder that COLMAP works in; empty: one that goes
-Poses place_by_tracks(const Capture& capture, const std::filesystem::path& colmap,
-                      ViewsFindings& findings) {
+Poses place_by_tracks(const Capture& capture, const SplatWatch& watch, ViewsFindings& findings) {
   SfmConfig config;
-  config.colmap.folder = colmap;
+  config.colmap.folder = watch.sfm_folder;
   // Frames may come in any order; beyond so many, in the order of a walk around.
   constexpr std::size_t kAllPairs = 60;
   if (capture.frames.size() <= kAllPairs) config.pairs.choice = PairChoice::exhaustive;
   if (capture.board.empty() || capture.board == "none") config.scale = SfmScale::none;
   SfmEstimate estimate = estimate_poses_sfm(capture, config);
+  if (watch.posed) watch.posed(estimate);
   if (!has_poses(estimate.status))
     throw std::runtime_error("structure from motion: " + std::string(to_string(estimate.status)) +
                              (estimate.reason.empty() ? "" : ", " + estimate.reason));
@@ -91,11 +90,11 @@ Poses place_by_tracks(const Capture& capture, const std::filesystem::path& colma
   return std::move(estimate.poses);
 }
 
-Poses place(const Capture& full, ViewsPoses from, const std::filesystem::path& colmap,
+Poses place(const Capture& full, ViewsPoses from, const SplatWatch& watch,
             ViewsFindings& findings) {
   findings = {};
   Poses poses =
-      are_reported(full, from) ? reported_poses(full) : place_by_tracks(full, colmap, findings);
+      are_reported(full, from) ? reported_poses(full) : place_by_tracks(full, watch, findings);
   if (const std::size_t count = placed(poses); count < 2)
     throw std::runtime_error(std::to_string(count) + " of " + std::to_string(poses.size()) +
                              " views have a pose; at least 2 (poses=sfm finds them by COLMAP)");
@@ -378,11 +377,6 @@ bool is_held_out(const ViewsPipelineConfig& config, std::size_t place) {
   return every > 1 && place % every == 0;
 }
 
-std::filesystem::path colmap_folder(const SplatCheckpoint& checkpoint) {
-  return checkpoint.file.empty() ? std::filesystem::path()
-                                 : std::filesystem::path(checkpoint.file.string() + ".colmap");
-}
-
 SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
                          const SplatWatch& watch, std::shared_ptr<ViewsFindings> findings,
                          std::vector<Image<std::uint8_t>> masks) {
@@ -390,9 +384,8 @@ SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
   SeedsStages stages;
   // From the stage that finds the poses to the one that begins on their tracks.
   if (!findings) findings = std::make_shared<ViewsFindings>();
-  stages.poses = [config, &full, findings, colmap = colmap_folder(watch.checkpoint)](
-                     const Capture&, const SeedsEstimate&) {
-    return reduced(place(full, config.poses, colmap, *findings), full, config.largest_side_px);
+  stages.poses = [config, &full, findings, watch](const Capture&, const SeedsEstimate&) {
+    return reduced(place(full, config.poses, watch, *findings), full, config.largest_side_px);
   };
   stages.splats = [config, seed, findings, watch, masks = std::move(masks)](
                       const Capture& capture, const SeedsEstimate& so_far) {

@@ -90,9 +90,7 @@ ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
 /// Stages `poses`, `splats`, `depth`, `cloud` and `surfaces`, the others are none. They run on
 /// `reduced(full, config.largest_side_px)`, whose cameras `poses` has. The unit is the capture's
 /// own: metres where its poses or a board give them. `splats` is empty where training had nothing
-/// to learn; `surfaces` is one closed mesh, `empty` where depths agree on none. Where a checkpoint
-/// is kept, COLMAP's folder is beside it, named as `colmap_folder` says: its models vary from run
-/// to run, and a training goes on with the poses that it began with.
+/// to learn; `surfaces` is one closed mesh, `empty` where depths agree on none.
 /// @param full  outlives the stages. `poses` throws std::runtime_error where fewer than two views
 /// find a place, `splats` if training diverged or no photograph is left to train on.
 /// @param findings  out, once the stages have run
@@ -101,8 +99,5 @@ ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
 SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
                          const SplatWatch& watch = {}, std::shared_ptr<ViewsFindings> findings = {},
                          std::vector<Image<std::uint8_t>> masks = {});
-
-/// Beside a checkpoint's file; the caller removes it when the training is done.
-std::filesystem::path colmap_folder(const SplatCheckpoint& checkpoint);
 
 }  // namespace cousin

@@ -50,6 +50,8 @@ std::string_view to_string(ColmapStatus status) {
       return "timed_out";
     case ColmapStatus::no_model:
       return "no_model";
+    case ColmapStatus::no_lens:
+      return "no_lens";
   }
   throw std::invalid_argument("status " + std::to_string(static_cast<int>(status)) +
                               " does not exist");

@@ -33,21 +33,27 @@ std::string match_list(const std::vector<std::array<int, 2>>& pairs) {
   return text;
 }
 
-std::vector<SfmModel> read_models(const fs::path& sparse, int images) {
+SfmModels read_models(const fs::path& sparse, int images) {
   std::vector<std::string> names;
   for (int i = 0; i < images; ++i) names.push_back(colmap_image_name(i));
-  std::vector<SfmModel> models;
+  SfmModels found;
   constexpr int kMostModels = 1000;  // COLMAP stops at 50
   for (int i = 0; i < kMostModels; ++i) {
     const fs::path folder = sparse / std::to_string(i);
     if (!fs::exists(folder / "cameras.bin")) break;
-    models.push_back(read_model(folder, names));
+    try {
+      found.models.push_back(read_model(folder, names));
+    } catch (const ColmapLensError& error) {
+      found.bent.push_back(error.what());
+    }
   }
-  std::stable_sort(models.begin(), models.end(), [](const SfmModel& a, const SfmModel& b) {
-    if (a.images.size() != b.images.size()) return a.images.size() > b.images.size();
-    return a.points.size() > b.points.size();
-  });
-  return models;
+  std::stable_sort(found.models.begin(), found.models.end(),
+                   [](const SfmModel& a, const SfmModel& b) {
+                     if (a.images.size() != b.images.size())
+                       return a.images.size() > b.images.size();
+                     return a.points.size() > b.points.size();
+                   });
+  return found;
 }
 
 }  // namespace cousin

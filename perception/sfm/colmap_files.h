@@ -15,9 +15,13 @@ std::string colmap_image_name(int index);
 /// Lines "first second" of names, as matches_importer reads them.
 std::string match_list(const std::vector<std::array<int, 2>>& pairs);
 
-/// The models that mapping left below `sparse` (0, 1, ...), the one of most images first, of the
-/// same number that of more points. None if there is no such folder.
+/// What mapping left.
+struct SfmModels {
+  std::vector<SfmModel> models;   ///< that of most images first, of the same number of more points
+  std::vector<std::string> bent;  ///< why others are left out: their lens is none
+};
+/// The models below `sparse` (0, 1, ...). None if there is no such folder.
 /// @throws std::runtime_error for a malformed model
-std::vector<SfmModel> read_models(const std::filesystem::path& sparse, int images);
+SfmModels read_models(const std::filesystem::path& sparse, int images);
 
 }  // namespace cousin

@@ -104,6 +104,8 @@ class Steps {
     if (const std::optional<StageTiming> earlier = done_before(done)) {
       run_.resumed = true;
       run_.timings.push_back({.stage = name, .wall_s = earlier->wall_s, .cpu_s = earlier->cpu_s});
+      run_.done_before.wall_s += earlier->wall_s;
+      run_.done_before.cpu_s += earlier->cpu_s;
       return true;
     }
     fs::remove(done);
@@ -318,6 +320,13 @@ bool map_lost(const std::vector<ImagePair>& pairs, const ColmapConfig& config,
   });
 }
 
+/// Why models that mapping left are none.
+std::string bent_text(const std::vector<std::string>& bent) {
+  std::string text = "the images do not fix the lens that COLMAP calibrated";
+  for (const std::string& why : bent) text += "; " + why;
+  return text.substr(0, 1000);
+}
+
 /// Features and matches of the images; why there are none, if the database cannot be read.
 void take_database(const fs::path& folder, int images, ColmapRun& run) {
   const fs::path file = folder / "database.db";
@@ -381,22 +390,23 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
     return run;
   }
   bool is_whole = true;  // a database that a step was stopped in may be anything
-  std::vector<SfmModel> models = read_models(folder / "sparse", images);
+  SfmModels found = read_models(folder / "sparse", images);
+  std::vector<SfmModel>& models = found.models;
   if (config.match_lost && !models.empty()) {
     const std::vector<ImagePair> pairs = pairs_of_lost(images, models.front().images, input.pairs);
     if (!pairs.empty()) {
       // A second try that fails, which the reason tells, costs nothing of what the first found.
       is_whole = map_lost(pairs, config, folder, steps);
       if (is_whole) {
-        std::vector<SfmModel> again = read_models(folder / "sparse_lost", images);
+        std::vector<SfmModel> again = read_models(folder / "sparse_lost", images).models;
         if (!again.empty() && again.front().images.size() > models.front().images.size())
           models = std::move(again);
       }
     }
   }
   if (models.empty()) {
-    run.status = ColmapStatus::no_model;
-    run.reason = "COLMAP left no model";
+    run.status = found.bent.empty() ? ColmapStatus::no_model : ColmapStatus::no_lens;
+    run.reason = found.bent.empty() ? "COLMAP left no model" : bent_text(found.bent);
     take_database(folder, images, run);
     return run;
   }

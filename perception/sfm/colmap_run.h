@@ -40,7 +40,16 @@ Fields fields(ColmapConfig& config);
 void validate(const ColmapConfig& config);
 
 /// `not_built`: the program is not there. `no_model`: no two images show enough of the same.
-enum class ColmapStatus { ok, too_few_images, not_built, program_failed, timed_out, no_model };
+/// `no_lens`: of each model the lens, as COLMAP calibrated it, maps no image one to one.
+enum class ColmapStatus {
+  ok,
+  too_few_images,
+  not_built,
+  program_failed,
+  timed_out,
+  no_model,
+  no_lens
+};
 std::string_view to_string(ColmapStatus status);
 
 struct ColmapInput {
@@ -57,6 +66,7 @@ struct ColmapRun {
   std::vector<int> model_sizes;      ///< images of each, descending
   std::vector<ImageMatches> images;  ///< features and matches of each; empty: there were none
   std::vector<StageTiming> timings;  ///< of each step; also of one found done
+  StageTiming done_before;           ///< seconds of those found done, together
   bool resumed = false;              ///< some step was found done
 };
 

@@ -21,6 +21,8 @@ SfmStatus status_of(ColmapStatus status) {
       return SfmStatus::timed_out;
     case ColmapStatus::no_model:
       return SfmStatus::no_model;
+    case ColmapStatus::no_lens:
+      return SfmStatus::not_determined;
   }
   throw std::logic_error("a status of COLMAP's run is not known");
 }
@@ -111,6 +113,7 @@ SfmEstimate estimate(const Capture& capture, const Corners& corners, const SeedB
   result.images = run.images;
   result.colmap_version = run.version;
   result.model_sizes = run.model_sizes;
+  result.done_before = run.done_before;
   result.timings.insert(result.timings.begin(), run.timings.begin(), run.timings.end());
   return result;
 }

@@ -53,8 +53,9 @@ SfmConfig paper_sfm_config();
 
 /// `partly_registered`: some images found no place, the rest have poses. `no_scale`: poses are
 /// good up to a similarity, the board was not seen well enough. `not_determined`: the images do not
-/// fix the lens, whose parameters `reason` names. `contradicted`: the board, as the images show it
-/// one by one, does not stand still in the model. `not_built`: no COLMAP, or Ceres is not built in.
+/// fix the lens, whose parameters `reason` names, or COLMAP's own calibration of it is no lens.
+/// `contradicted`: the board, as the images show it one by one, does not stand still in the model.
+/// `not_built`: no COLMAP, or Ceres is not built in.
 enum class SfmStatus {
   ok,
   partly_registered,
@@ -99,6 +100,7 @@ struct SfmEstimate {
   std::vector<ImageMatches> images;          ///< features and matches of each frame; may be empty
   std::string colmap_version;
   std::vector<StageTiming> timings;
+  StageTiming done_before;  ///< of `timings`: steps of COLMAP found done in its folder, together
 };
 
 /// The first lens with the mean of all focal lengths. @throws std::out_of_range if there is none

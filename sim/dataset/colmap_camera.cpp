@@ -3,6 +3,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "sim/dataset/colmap_model.h"
+
 namespace cousin {
 namespace {
 
@@ -109,7 +111,7 @@ Camera from_colmap(const ColmapCamera& colmap, int width_px, int height_px,
   try {
     validate(camera);
   } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(where + error.what());
+    throw ColmapLensError(where + error.what());
   }
   return camera;
 }

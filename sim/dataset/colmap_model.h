@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -37,10 +38,17 @@ struct ColmapFiles {
 ColmapFiles colmap_text(const ColmapModel& model);
 ColmapFiles colmap_binary(const ColmapModel& model);
 
+/// A file of cameras that is whole, with a lens that is none (see `validate` of a Camera): COLMAP
+/// writes such where it calibrates on images that do not fix the lens.
+class ColmapLensError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// Reads SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE,
 /// SIMPLE_RADIAL_FISHEYE and RADIAL_FISHEYE. `points` is not read.
 /// @param name  of the model's folder, for errors. @throws std::runtime_error naming file, line or
-/// byte, value and limit.
+/// byte, value and limit; of a lens ColmapLensError.
 ColmapModel colmap_from_text(const ColmapFiles& files, const std::string& name);
 ColmapModel colmap_from_binary(const ColmapFiles& files, const std::string& name);
 

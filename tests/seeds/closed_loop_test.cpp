@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -368,6 +370,55 @@ TEST(ClosedLoop, ANoiseJobPhotographsTwiceAndMeasuresNothingElse) {
     ++found;
   }
   EXPECT_EQ(found, 1);
+}
+
+/// Programs of this folder alone, while it lives.
+class OnlyPath {
+ public:
+  explicit OnlyPath(const fs::path& folder) : before_(std::getenv("PATH")) {
+    setenv("PATH", folder.c_str(), 1);
+  }
+  ~OnlyPath() { setenv("PATH", before_.c_str(), 1); }
+  OnlyPath(const OnlyPath&) = delete;
+  OnlyPath& operator=(const OnlyPath&) = delete;
+
+ private:
+  std::string before_;
+};
+
+TEST(ClosedLoop, AJobWhosePosesNeedColmapSaysThatItIsNotThere) {
+  SeedsSuiteConfig config;
+  config.quick = true;
+  config.sets = {"seeds=1",
+                 "views=3",
+                 "rig.width_px=320",
+                 "rig.height_px=180",
+                 "render.irradiance_samples=16",
+                 "render.edge_samples=4",
+                 "pipeline.splats.poses=sfm"};
+  const fs::path nowhere = fresh_folder("no_programs");
+  fs::create_directories(nowhere);
+  const OnlyPath path(nowhere);
+  for (const ShardJob& job : seeds_suite_jobs(config)) {
+    if (job.name != "quick_splats_zhengdan958.json") continue;
+    std::string text;
+    try {
+      text = job.run();
+    } catch (const StageError& error) {
+      if (error.stage != "clusters") throw;
+      GTEST_SKIP() << error.what();  // PCL is off
+    }
+    const ScoreFile file = scores_from_json(text, job.name);
+    const auto row = std::find_if(file.scores.begin(), file.scores.end(), [](const ScoreRow& each) {
+      return each.method == std::string("splats_paper");
+    });
+    ASSERT_NE(row, file.scores.end());
+    EXPECT_EQ(row->status, ScoreStatus::not_built);
+    EXPECT_THAT(row->metric, HasSubstr("stage poses: no metric model: not_built"));
+    EXPECT_THAT(row->case_name, HasSubstr(", poses sfm"));
+    return;
+  }
+  FAIL() << "no such job";
 }
 
 }  // namespace

@@ -264,6 +264,19 @@ TEST_F(ColmapRunTest, AModelOfOtherImagesOrADamagedOneIsAnError) {
   EXPECT_THAT(error_text(program), HasSubstr("points3D.bin: byte 0: the file ends here"));
 }
 
+TEST_F(ColmapRunTest, AModelWhoseLensIsNoneIsLeftOutForASmallerOne) {
+  StandInColmap program(scratch_.path() / "p");
+  PlantViews bent = plant_views({.images = 9, .points = 50}, 1);
+  bent.lens.distortion = {-2, 0, 0, 0, 0};
+  program.add_model(0, bent);
+  EXPECT_EQ(run_colmap(Pictures(9).input, config(program)).status, ColmapStatus::no_lens);
+  program.add_model(1, plant_views({.images = 9, .points = 20, .lost = {6, 7, 8}}, 1));
+  fs::remove(work_ / "mapping.done");
+  const ColmapRun run = run_colmap(Pictures(9).input, config(program));
+  EXPECT_EQ(run.status, ColmapStatus::ok);
+  EXPECT_THAT(run.model_sizes, ElementsAre(6));
+}
+
 TEST_F(ColmapRunTest, WithoutTheProgramNothingRunsAndTheStatusSaysSo) {
   ColmapConfig none;
   none.program = "colmap-that-is-not-there";

@@ -11,6 +11,7 @@
 namespace cousin {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// What lies on the board, with room above it.
@@ -21,6 +22,7 @@ class SeedPosesTest : public testing::Test {
   ScratchFolder scratch_{"cousin-test"};
   StandInColmap program_{scratch_.path() / "p"};
   std::vector<StartPoint> points_;
+  SfmEstimate told_;
 
   /// A stand-in program looks at no photograph.
   Poses found(const PlantViews& views, SfmConfig config) {
@@ -31,7 +33,8 @@ class SeedPosesTest : public testing::Test {
       frame.sensors.push_back({.reported = views.lens, .color = Image<Rgb8>(1280, 720)});
       capture.frames.push_back(std::move(frame));
     }
-    return poses_by_sfm(capture, views.corners, views.board, plant_volume, config, points_);
+    return poses_by_sfm(capture, views.corners, views.board, plant_volume, config, points_,
+                        [this](const SfmEstimate& estimate) { told_ = estimate; });
   }
 };
 
@@ -72,16 +75,44 @@ TEST_F(SeedPosesTest, ThePapersWayAndOursAreMetricOnTheBoard) {
 }
 
 TEST_F(SeedPosesTest, WithoutAModelOrTheBoardItSaysWhy) {
-  EXPECT_THAT(
-      [&] { found(plant_views({}, 3), paper_sfm_config()); },
-      testing::ThrowsMessage<std::runtime_error>(HasSubstr("no metric model: no_model")));
+  EXPECT_THAT([&] { found(plant_views({}, 3), paper_sfm_config()); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("no metric model: no_model")));
   PlantViews views = plant_views({}, 3);
   program_.add_model(0, views);
   for (FrameCorners& corners : views.corners) corners.corners.clear();
-  EXPECT_THAT(
-      [&] { found(views, paper_sfm_config()); },
-      testing::ThrowsMessage<std::runtime_error>(HasSubstr("no metric model: no_scale")));
+  EXPECT_THAT([&] { found(views, paper_sfm_config()); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("no metric model: no_scale")));
   EXPECT_TRUE(points_.empty());
+}
+
+TEST_F(SeedPosesTest, WhoGoesOnInTheSameFolderHasTheSamePosesAndTheirSeconds) {
+  const PlantViews views = plant_views({}, 3);
+  program_.add_model(0, views);
+  SfmConfig config = paper_sfm_config();
+  config.colmap.folder = (scratch_.path() / "kept").string();
+  const Poses first = found(views, config);
+  EXPECT_EQ(told_.done_before.wall_s, 0);
+  program_.add_model(0, plant_views({}, 4));  // what COLMAP would find now
+  const Poses again = found(views, config);
+  EXPECT_GT(told_.done_before.wall_s, 0);
+  ASSERT_EQ(again.size(), first.size());
+  for (std::size_t i = 0; i < first.size(); ++i)
+    EXPECT_EQ(again[i].camera_from_world.translation_m, first[i].camera_from_world.translation_m);
+}
+
+TEST_F(SeedPosesTest, ACalibrationThatIsNoLensIsToldAsSuch) {
+  PlantViews views = plant_views({}, 3);
+  views.lens.distortion = {-2, 0, 0, 0, 0};  // folds at half of the picture
+  program_.add_model(0, views);
+  try {
+    found(views, paper_sfm_config());
+    FAIL();
+  } catch (const NoPosesError& error) {
+    EXPECT_EQ(error.status, SfmStatus::not_determined);
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("do not fix the lens"), HasSubstr("0/cameras.bin"),
+                                    HasSubstr("not one-to-one at pixel")));
+  }
+  EXPECT_EQ(told_.status, SfmStatus::not_determined);
 }
 
 }  // namespace
