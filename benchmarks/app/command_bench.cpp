@@ -78,7 +78,8 @@ ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& 
   if (header.machine.empty()) header.machine = machine_text();
   const auto& rows = report.scores.scores;
   const bool is_by_colmap = std::any_of(rows.begin(), rows.end(), [](const ScoreRow& row) {
-    return row.suite == "sfm" || row.suite == "splats";
+    return row.suite == "sfm" || row.suite == "splats" ||
+           row.case_name.find(", poses ") != std::string::npos;
   });
   if (is_by_colmap) header.more["colmap"] = colmap_version();
   header.more["command"] = report.command_line = context.command_line;

@@ -148,7 +148,7 @@ void add_missing_of_trained(std::vector<ScoreRow>& rows) {
           std::tuple("splats_images", "train.psnr_whole_gain_at_equal_cpu_seconds", "dB")}) {
       const bool is_there = std::any_of(rows.begin(), rows.end(), [&](const ScoreRow& other) {
         return other.suite == kSplatsSuite && other.scene == cultivar && other.method == method &&
-               other.metric == metric;
+               other.metric == metric && trained_limit(other);
       });
       if (is_there) continue;
       row.method = method;

@@ -95,7 +95,14 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
   }
   return perceive_with(
       [&](const SplatWatch& watch) {
-        return stages_of(config, seed, sources, scene_index, watch, warn);
+        SplatWatch own = watch;
+        own.posed = [&warn, told = watch.posed](const SfmEstimate& sfm) {
+          told(sfm);
+          if (warn && sfm.status != SfmStatus::ok && has_poses(sfm.status))
+            warn("structure from motion: " + std::string(to_string(sfm.status)) + ", " +
+                 sfm.reason);
+        };
+        return stages_of(config, seed, sources, scene_index, own, warn);
       },
       [&](const SeedsStages& stages, const StageObserver& observe) {
         return run_seeds(capture, config, stages, observe);

@@ -33,7 +33,8 @@ SeedsEstimate perceive_with(
 
 /// Runs the seeds pipeline on one capture with the given stages in place of ours, and writes every
 /// seam into `estimate_dir` as soon as its stage is finished (nothing if the path is empty): what
-/// is done survives a later failure, and a training of Gaussians that was stopped goes on. Seams of
+/// is done survives a later failure, and a training of Gaussians that was stopped goes on
+/// (`splats.unfinished` there, with COLMAP's folder `splats.unfinished.colmap`). Seams of
 /// an earlier method are removed there first, but for stages that are read from folders. `warn`
 /// hears of settings that the method does not use and of rows of files that are left out.
 SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,

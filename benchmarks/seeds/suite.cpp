@@ -16,8 +16,8 @@
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/trained_models.h"
 #include "benchmarks/seeds/truth_stages.h"
+#include "perception/sfm/colmap_run.h"
 #include "sim/dataset/manifest.h"
-#include "sim/process/scratch_folder.h"
 
 namespace cousin {
 namespace {
@@ -43,7 +43,8 @@ struct SuiteJob {
   bool attribution = false;
   bool shown = false;  ///< the page has pictures of it
   TrainedJob trained;
-  int noise_views = 0;  ///< photographed twice, and nothing else is done
+  bool only_trained = false;  ///< all views by trained models, and by nothing else
+  int noise_views = 0;        ///< photographed twice, and nothing else is done
 };
 
 /// Views of the Gaussians' captures that are photographed twice.
@@ -100,6 +101,7 @@ SeedsEstimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, c
   MeasuredModel reference = measure_by_splats(task, SeedsMethod::splats_paper);
   if (!job.pooled) reference.file.specimens.clear();
   append(reference.file, file);
+  if (task.pipeline.splats.poses != SplatPoses::board) task.posed_by = &reference.estimate;
   task.at = job.trained.ours_at;
   MeasuredModel ours = measure_by_splats(task, SeedsMethod::splats);
   if (!job.pooled) ours.file.specimens.clear();
@@ -123,23 +125,23 @@ std::optional<SfmStatus> why_no_poses(const StageError& error) {
   return {};
 }
 
-/// The same by poses that COLMAP finds once for all of them, where the job has these. A row says
-/// why it found none.
+/// The same by poses that COLMAP finds once for all of them, where the job has these; where it
+/// found none for these photographs a row says so. What the machine did to it is an error: another
+/// try may end well.
 SeedsEstimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
                           ScoreFile& file) {
-  if (job.config.pipeline.splats.poses == SplatPoses::board)
-    return measured_by_trained(job, std::move(task), poses, file);
-  std::optional<ScratchFolder> scratch;
-  if (task.unfinished.empty()) scratch.emplace("cousin-colmap");
-  task.sfm_folder = (scratch ? scratch->path() : task.unfinished) / "colmap";
+  const SplatPoses from = job.config.pipeline.splats.poses;
+  if (from == SplatPoses::board) return measured_by_trained(job, std::move(task), poses, file);
+  task.labels.case_name += ", poses " + std::string(to_string(from));
+  if (!task.unfinished.empty()) task.sfm_folder = task.unfinished / "colmap";
   ScoreRow row = labelled_row(task.labels);
   try {
     return measured_by_trained(job, std::move(task), poses, file);
   } catch (const StageError& error) {
     const std::optional<SfmStatus> why = why_no_poses(error);
-    if (!why) throw;
-    row.method = "splats_paper";
-    row.metric = error.what();
+    if (!why || *why == SfmStatus::program_failed || *why == SfmStatus::timed_out) throw;
+    row.method = to_string(SeedsMethod::splats_paper);
+    row.metric = "poses: " + std::string(to_string(*why));
     row.status = *why == SfmStatus::not_built ? ScoreStatus::not_built : ScoreStatus::not_solved;
     file.scores.push_back(row);
     return {};
@@ -203,8 +205,19 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
         labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " + size;
     if (const int every = job.config.pipeline.splats.hold_out_every; every > 1)
       labels.case_name += ", one in " + std::to_string(every) + " held out";
-    if (const SplatPoses poses = job.config.pipeline.splats.poses; poses != SplatPoses::board)
-      labels.case_name += ", poses " + std::string(to_string(poses));
+    if (job.only_trained) {
+      add_trained(job,
+                  {&run,
+                   job.config.pipeline,
+                   stage_seed,
+                   labels,
+                   learned,
+                   progress,
+                   {},
+                   unfinished_of(job, suite)},
+                  {}, file);
+      continue;
+    }
     const SeedsEstimate ours =
         perceive_seeds(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
     const SeedsEstimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
@@ -368,11 +381,18 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
       {}, false, false,
       {true, {500, 1000, 2000, 5000, 7000, 10000}, {300, 600}, {500, 1000, 2000}, {1000, 3000}});
   // The paper's chain from its first step on, and what our adjustment of the same tracks changes.
-  for (const char* poses : {"sfm", "adjusted"}) {
-    add(std::string("zhengdan958_splats_") + poses, 0,
-        {"cultivar=zhengdan958", "rig=phone_video_720p", "views=60",
-         std::string("pipeline.splats.poses=") + poses},
-        {}, false, false, {true, {}, {}, {}, {}});
+  for (const SplatPoses poses : {SplatPoses::sfm, SplatPoses::adjusted}) {
+    const std::vector<std::string> same = {"cultivar=zhengdan958", "rig=phone_video_720p",
+                                           "views=60"};
+    std::vector<std::string> own = same;
+    own.push_back("pipeline.splats.poses=" + std::string(to_string(poses)));
+    // A user's word about poses is of every job: these would be one of the others.
+    if (job_config(suite, same).pipeline.splats.poses != SplatPoses::board ||
+        job_config(suite, own).pipeline.splats.poses != poses)
+      continue;
+    add("zhengdan958_splats_" + std::string(to_string(poses)), 0, own, {}, false, false,
+        {true, {}, {}, {}, {}});
+    jobs.back().only_trained = true;
   }
   for (const std::string& cultivar : cultivars) {
     add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"},
@@ -397,13 +417,16 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
     network = "/" + sha256_hex_of_file(config.lpips);
   }
   std::vector<ShardJob> jobs;
+  const std::string colmap = "/colmap " + colmap_version() + (COUSIN_WITH_CERES ? " adjusted" : "");
   for (const SuiteJob& job : list_jobs(config)) {
-    std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
-                      std::to_string(job.seed) + "/" + std::to_string(job.run) +
-                      (job.attribution ? "/attribution" : "") +
-                      (job.trained.splats ? text_of(job.trained, job.config) + network : "") +
-                      (job.noise_views > 0 ? "/noise 3 " + std::to_string(job.noise_views) : "") +
-                      user_files_hash(job.config.scene) + built_in_tables();
+    std::string key =
+        std::string(COUSIN_VERSION) + resolved_toml(job.config) + std::to_string(job.seed) + "/" +
+        std::to_string(job.run) + (job.attribution ? "/attribution" : "") +
+        (job.trained.splats ? text_of(job.trained, job.config) + network : "") +
+        (job.trained.splats && job.config.pipeline.splats.poses != SplatPoses::board ? colmap
+                                                                                     : "") +
+        (job.noise_views > 0 ? "/noise 3 " + std::to_string(job.noise_views) : "") +
+        user_files_hash(job.config.scene) + built_in_tables();
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back(
         {job.name, key,

@@ -28,7 +28,9 @@ struct SeedsSuiteConfig {
 /// The Seeds experiment: for each cultivar runs of ten seeds at the paper's imaging (1920 x 1080,
 /// 60 views; 270 for one run), on the same captures the paper's measuring steps and ours; the
 /// error-against-time curves over views and image size; a run at the spread of sizes that the
-/// paper's R^2 implies; the 22 mm sphere. Each job is one capture, minutes long, and resumes.
+/// paper's R^2 implies; the 22 mm sphere; models trained on 60 views of 1280 x 720, of one cultivar
+/// also by poses of COLMAP, whose cases end with ", poses sfm" or ", poses adjusted". Each job is
+/// one capture, minutes long, and resumes.
 std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config,
                                        const Progress& progress = {});
 

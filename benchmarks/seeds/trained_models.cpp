@@ -37,6 +37,22 @@ StageTiming seconds_of_training_alone(const SplatTraining& training) {
   return change;
 }
 
+StageTiming seconds_of_poses(const SeedsEstimate& estimate) {
+  for (const StageTiming& timing : estimate.timings) {
+    if (timing.stage == "poses") return timing;
+  }
+  return {};
+}
+
+SeedsStages stages_of(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
+                      const SplatWatch& watch) {
+  SeedsStages stages = stages_of(config, task.stage_seed, {}, 0, watch);
+  if (task.posed_by != nullptr) {
+    stages.poses = [&task](const Capture&, const SeedsEstimate&) { return task.posed_by->poses; };
+  }
+  return stages;
+}
+
 /// The chain after a training that was left at this model. @param last  the training's end
 SeedsEstimate measured(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
                        const SeedsEstimate& end, const StageTiming& last, const KeptModel& way) {
@@ -136,17 +152,26 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   watch.snapshots = kept.snapshots(task.at);
   watch.checkpoint = kept.checkpoint();
   watch.sfm_folder = task.sfm_folder;
-  StageTiming before, posed_before, steps;
-  watch.posed = [&](const SfmEstimate& sfm) { posed_before = sfm.done_before; };
+  StageTiming before, steps;
+  StageTiming posed_before =
+      task.posed_by != nullptr ? seconds_of_poses(*task.posed_by) : StageTiming{};
+  MeasuredModel result;
   watch.end = [&](const SplatTraining& training) {
     before = seconds_of_training_alone(training);
     if (training.curve.empty()) return;
     steps.wall_s = training.curve.back().wall_s;
     steps.cpu_s = training.curve.back().cpu_s;
   };
-  MeasuredModel result;
-  result.estimate =
-      run_seeds(task.run->capture, config, stages_of(config, task.stage_seed, {}, 0, watch));
+  watch.posed = [&](const SfmEstimate& sfm) {
+    posed_before = sfm.done_before;
+    ScoreRow row = labelled_row(labels);
+    row.metric = "structure from motion: " + std::string(to_string(sfm.status)) + ", views placed";
+    row.unit = "1";
+    row.n = static_cast<std::int64_t>(sfm.poses.size());
+    row.value = static_cast<double>(sfm.poses.size() - sfm.lost.size());
+    result.file.scores.push_back(row);
+  };
+  result.estimate = run_seeds(task.run->capture, config, stages_of(task, config, watch));
   add_seconds_before("splats", before, result.estimate.timings);
   add_seconds_before("poses", posed_before, result.estimate.timings);
   add_rows(task, config, result.estimate, after_steps(labels, last), true, result.file);
@@ -182,13 +207,10 @@ std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int step
   };
   watch.checkpoint = kept.checkpoint();
   watch.sfm_folder = task.sfm_folder;
-  StageTiming before, posed_before;
-  watch.posed = [&](const SfmEstimate& sfm) { posed_before = sfm.done_before; };
+  StageTiming before;
   watch.end = [&](const SplatTraining& training) { before = seconds_of_training_alone(training); };
-  SeedsEstimate estimate =
-      run_seeds(task.run->capture, config, stages_of(config, task.stage_seed, {}, 0, watch));
+  SeedsEstimate estimate = run_seeds(task.run->capture, config, stages_of(task, config, watch));
   add_seconds_before("splats", before, estimate.timings);
-  add_seconds_before("poses", posed_before, estimate.timings);
   std::vector<ScoreRow> rows =
       splat_image_rows(task.run->capture, estimate, config, labels, task.learned, kAllViews);
   if (rows.empty()) return rows;

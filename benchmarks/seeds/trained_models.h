@@ -21,8 +21,9 @@ struct SeedsTrainingTask {
   std::vector<int> at;  ///< steps after which a model is measured, beside its last
   /// Trainings that were stopped go on from here, in a folder a method; empty: none do.
   std::filesystem::path unfinished;
-  /// Where COLMAP keeps what it did: each training that is given it has the same poses.
-  std::filesystem::path sfm_folder;
+  std::filesystem::path sfm_folder;  ///< where COLMAP keeps what it did; empty: nowhere
+  /// Whose poses these are, with the seconds that they took; null: the pipeline's own.
+  const SeedsEstimate* posed_by = nullptr;
 };
 
 struct MeasuredModel {

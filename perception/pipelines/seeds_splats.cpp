@@ -136,13 +136,14 @@ Image<float> depth_of_view(const SplatModel& model, const FramePose& pose,
 
 std::string_view to_string(SplatPoses poses) {
   switch (poses) {
+    case SplatPoses::board:
+      return "board";
     case SplatPoses::sfm:
       return "sfm";
     case SplatPoses::adjusted:
       return "adjusted";
-    default:
-      return "board";
   }
+  throw std::invalid_argument("poses " + std::to_string(static_cast<int>(poses)) + " do not exist");
 }
 
 SplatPoses splat_poses_from(const std::string& text) {

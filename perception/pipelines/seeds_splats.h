@@ -98,7 +98,7 @@ struct SplatWatch {
 class NoPosesError : public std::runtime_error {
  public:
   NoPosesError(SfmStatus why, const std::string& what) : std::runtime_error(what), status(why) {}
-  SfmStatus status;  ///< ok: there is a model, and no scale
+  SfmStatus status;  ///< `no_scale`: there is a model, and no size
 };
 
 /// Poses by structure from motion for the views of a training; frames without a place have none.

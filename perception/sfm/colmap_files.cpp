@@ -44,7 +44,8 @@ SfmModels read_models(const fs::path& sparse, int images) {
     try {
       found.models.push_back(read_model(folder, names));
     } catch (const ColmapLensError& error) {
-      found.bent.push_back(error.what());
+      const std::string why = error.what(), place = sparse.string() + "/";
+      found.bent.push_back(why.starts_with(place) ? "model " + why.substr(place.size()) : why);
     }
   }
   std::stable_sort(found.models.begin(), found.models.end(),

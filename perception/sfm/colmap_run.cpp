@@ -320,11 +320,13 @@ bool map_lost(const std::vector<ImagePair>& pairs, const ColmapConfig& config,
   });
 }
 
-/// Why models that mapping left are none.
+/// Why models that mapping left are left out.
 std::string bent_text(const std::vector<std::string>& bent) {
-  std::string text = "the images do not fix the lens that COLMAP calibrated";
-  for (const std::string& why : bent) text += "; " + why;
-  return text.substr(0, 1000);
+  constexpr std::size_t kMostNamed = 3;
+  std::string text = "the images do not fix the lens that COLMAP calibrated, of " +
+                     std::to_string(bent.size()) + (bent.size() == 1 ? " model" : " models");
+  for (std::size_t i = 0; i < std::min(bent.size(), kMostNamed); ++i) text += "; " + bent[i];
+  return text;
 }
 
 /// Features and matches of the images; why there are none, if the database cannot be read.
@@ -398,15 +400,18 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
       // A second try that fails, which the reason tells, costs nothing of what the first found.
       is_whole = map_lost(pairs, config, folder, steps);
       if (is_whole) {
-        std::vector<SfmModel> again = read_models(folder / "sparse_lost", images).models;
-        if (!again.empty() && again.front().images.size() > models.front().images.size())
-          models = std::move(again);
+        SfmModels again = read_models(folder / "sparse_lost", images);
+        found.bent.insert(found.bent.end(), again.bent.begin(), again.bent.end());
+        if (!again.models.empty() &&
+            again.models.front().images.size() > models.front().images.size())
+          models = std::move(again.models);
       }
     }
   }
   if (models.empty()) {
     run.status = found.bent.empty() ? ColmapStatus::no_model : ColmapStatus::no_lens;
     run.reason = found.bent.empty() ? "COLMAP left no model" : bent_text(found.bent);
+    fs::remove(folder / "mapping.done");  // another try may end well
     take_database(folder, images, run);
     return run;
   }
@@ -414,6 +419,7 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
     run.model_sizes.push_back(static_cast<int>(model.images.size()));
   run.model = std::move(models.front());
   run.status = ColmapStatus::ok;
+  if (!found.bent.empty()) run.reason += (run.reason.empty() ? "" : "; ") + bent_text(found.bent);
   if (is_whole) take_database(folder, images, run);
   return run;
 }

@@ -40,7 +40,7 @@ Fields fields(ColmapConfig& config);
 void validate(const ColmapConfig& config);
 
 /// `not_built`: the program is not there. `no_model`: no two images show enough of the same.
-/// `no_lens`: of each model the lens, as COLMAP calibrated it, maps no image one to one.
+/// `no_lens`: every model's lens, as COLMAP calibrated it, is none (it folds inside the image).
 enum class ColmapStatus {
   ok,
   too_few_images,
@@ -60,7 +60,8 @@ struct ColmapInput {
 
 struct ColmapRun {
   ColmapStatus status = ColmapStatus::not_built;
-  std::string reason;                ///< unless ok: what and why; if ok: why lost images stay lost
+  std::string
+      reason;  ///< unless ok: what and why; if ok: why lost images stay lost, models left out
   std::string version;               ///< "3.8"
   SfmModel model;                    ///< the one of most images
   std::vector<int> model_sizes;      ///< images of each, descending

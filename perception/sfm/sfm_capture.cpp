@@ -109,7 +109,8 @@ SfmEstimate estimate(const Capture& capture, const Corners& corners, const SeedB
     for (const int frame : frames)
       result.poses.push_back({.frame = frame, .status = PoseStatus::not_converged});
   }
-  result.reason += why_lost(frames, result.lost, run.images);
+  if (run.status != ColmapStatus::no_lens)
+    result.reason += why_lost(frames, result.lost, run.images);
   result.images = run.images;
   result.colmap_version = run.version;
   result.model_sizes = run.model_sizes;

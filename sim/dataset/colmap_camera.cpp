@@ -1,6 +1,8 @@
 #include "sim/dataset/colmap_camera.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
 #include "sim/dataset/colmap_model.h"
@@ -111,6 +113,9 @@ Camera from_colmap(const ColmapCamera& colmap, int width_px, int height_px,
   try {
     validate(camera);
   } catch (const std::invalid_argument& error) {
+    const bool is_finite =
+        std::all_of(p.begin(), p.end(), [](double value) { return std::isfinite(value); });
+    if (!is_finite) throw std::runtime_error(where + error.what());
     throw ColmapLensError(where + error.what());
   }
   return camera;

@@ -22,7 +22,8 @@ ColmapCamera to_colmap(const Camera& camera, const std::string& who);
 ColmapCamera colmap_model_named(const std::string& model, const std::string& where);
 ColmapCamera colmap_model_numbered(int model_id, const std::string& where);
 
-/// The camera, checked. @throws ColmapLensError starting with `where`.
+/// The camera, checked. @throws ColmapLensError starting with `where`; std::runtime_error where a
+/// parameter is not finite.
 Camera from_colmap(const ColmapCamera& colmap, int width_px, int height_px,
                    const std::string& where);
 

@@ -38,8 +38,8 @@ struct ColmapFiles {
 ColmapFiles colmap_text(const ColmapModel& model);
 ColmapFiles colmap_binary(const ColmapModel& model);
 
-/// A file of cameras that is whole, with a lens that is none (see `validate` of a Camera): COLMAP
-/// writes such where it calibrates on images that do not fix the lens.
+/// A file of cameras that is whole, its numbers finite, with a lens that is none (see `validate` of
+/// a Camera): COLMAP writes such where it calibrates on images that do not fix the lens.
 class ColmapLensError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
