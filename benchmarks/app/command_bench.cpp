@@ -24,6 +24,7 @@
 #include "benchmarks/seedlings/seedlings_suite.h"
 #include "benchmarks/seeds/cousins_suite.h"
 #include "benchmarks/seeds/result_folder.h"
+#include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/seeds_report.h"
 #include "benchmarks/seeds/suite.h"
 #include "benchmarks/seeds/trained_plots.h"
@@ -78,8 +79,7 @@ ScoreFile finish(SeedsReport report, const JobContext& context, const fs::path& 
   if (header.machine.empty()) header.machine = machine_text();
   const auto& rows = report.scores.scores;
   const bool is_by_colmap = std::any_of(rows.begin(), rows.end(), [](const ScoreRow& row) {
-    return row.suite == "sfm" || row.suite == "splats" ||
-           row.case_name.find(", poses ") != std::string::npos;
+    return row.suite == "sfm" || row.suite == "splats" || is_posed_by_tracks(row);
   });
   if (is_by_colmap) header.more["colmap"] = colmap_version();
   header.more["command"] = report.command_line = context.command_line;

@@ -76,8 +76,7 @@ std::optional<ScoreLimit> trained_limit(const ScoreRow& row) {
         row.metric.ends_with(".rmse_ratio") && is_trait(row.metric.substr(0, row.metric.find('.')));
     return is_compared && is_ratio ? std::optional(at_most(0.5, "0.5")) : std::nullopt;
   }
-  if (row.case_name.find(" 60 views 1280x720") == std::string::npos ||
-      row.case_name.find(", poses ") != std::string::npos)
+  if (row.case_name.find(" 60 views 1280x720") == std::string::npos || is_posed_by_tracks(row))
     return std::nullopt;
   if (row.method == "splats" && row.metric == "cloud_seen.accuracy_mean")
     return at_most(0.0001, "0.10 mm");
@@ -138,8 +137,7 @@ void add_missing_of_trained(std::vector<ScoreRow>& rows) {
   for (const ScoreRow& row : rows) {
     if (row.suite == kSplatsSuite && row.method == "splats_paper" &&
         row.case_name.find(" 60 views 1280x720, ") != std::string::npos &&
-        row.case_name.find("held out") == std::string::npos &&
-        row.case_name.find(", poses ") == std::string::npos)
+        row.case_name.find("held out") == std::string::npos && !is_posed_by_tracks(row))
       trained.emplace(row.scene, row);
   }
   for (auto& [cultivar, row] : trained) {

@@ -66,6 +66,11 @@ inline constexpr const char* kPaperSpread = "seeds_paper_spread";
 /// Suite and dataset of the captures on which Gaussians are trained as well, at 1280 x 720. They
 /// are pooled on their own.
 inline constexpr const char* kSplatsSuite = "seeds_splats";
+/// In a case whose views have poses by structure from motion, before which: ", poses sfm".
+inline constexpr const char* kPosesOf = ", poses ";
+inline bool is_posed_by_tracks(const ScoreRow& row) {
+  return row.case_name.find(kPosesOf) != std::string::npos;
+}
 
 /// maize, wheat, rice; other names stand for themselves.
 std::string species_of(const std::string& cultivar);

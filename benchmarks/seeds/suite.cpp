@@ -132,7 +132,7 @@ SeedsEstimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Pos
                           ScoreFile& file) {
   const SplatPoses from = job.config.pipeline.splats.poses;
   if (from == SplatPoses::board) return measured_by_trained(job, std::move(task), poses, file);
-  task.labels.case_name += ", poses " + std::string(to_string(from));
+  task.labels.case_name += kPosesOf + std::string(to_string(from));
   if (!task.unfinished.empty()) task.sfm_folder = task.unfinished / "colmap";
   ScoreRow row = labelled_row(task.labels);
   try {
@@ -205,17 +205,15 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
         labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " + size;
     if (const int every = job.config.pipeline.splats.hold_out_every; every > 1)
       labels.case_name += ", one in " + std::to_string(every) + " held out";
+    const SeedsTrainingTask training{.run = &run,
+                                     .pipeline = job.config.pipeline,
+                                     .stage_seed = stage_seed,
+                                     .labels = labels,
+                                     .learned = learned,
+                                     .progress = progress,
+                                     .unfinished = unfinished_of(job, suite)};
     if (job.only_trained) {
-      add_trained(job,
-                  {&run,
-                   job.config.pipeline,
-                   stage_seed,
-                   labels,
-                   learned,
-                   progress,
-                   {},
-                   unfinished_of(job, suite)},
-                  {}, file);
+      add_trained(job, training, {}, file);
       continue;
     }
     const SeedsEstimate ours =
@@ -234,16 +232,7 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
     const SeedsEstimate* shown = &ours;
     SeedsEstimate by_splats;
     if (all && job.trained.splats) {
-      by_splats = add_trained(job,
-                              {&run,
-                               job.config.pipeline,
-                               stage_seed,
-                               labels,
-                               learned,
-                               progress,
-                               {},
-                               unfinished_of(job, suite)},
-                              ours.poses, file);
+      by_splats = add_trained(job, training, ours.poses, file);
       shown = &by_splats;
     }
     if (all && job.shown && !suite.report.empty())

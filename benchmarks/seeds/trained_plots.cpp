@@ -4,6 +4,8 @@
 #include <map>
 #include <string>
 
+#include "benchmarks/seeds/score_seeds.h"
+
 namespace cousin {
 namespace {
 
@@ -38,7 +40,7 @@ std::vector<LinePlot> trained_plots(const std::vector<ScoreRow>& rows) {
     for (const ScoreRow& row : rows) {
       if (row.metric != kind.metric || !(row.wall_s > 0)) continue;
       // Where COLMAP's points are the start, its seconds are of poses, and there is one point each.
-      if (row.case_name.find(", poses ") != std::string::npos) continue;
+      if (is_posed_by_tracks(row)) continue;
       const std::string capture = capture_of(row.case_name);
       LinePlot& plot = of_captures[capture];
       plot.section = "PSNR over time";

@@ -9,11 +9,15 @@
 #include <stdexcept>
 
 #include "perception/splats/splat_render.h"
+#include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
 #include "sim/imaging/undistort.h"
 
 namespace cousin {
 namespace {
+
+constexpr std::array<Named<SplatPoses>, 3> kPoses = {
+    {{SplatPoses::board, "board"}, {SplatPoses::sfm, "sfm"}, {SplatPoses::adjusted, "adjusted"}}};
 
 constexpr int kLeastSide_px = 16;  ///< of a photograph's part
 
@@ -134,30 +138,11 @@ Image<float> depth_of_view(const SplatModel& model, const FramePose& pose,
 
 }  // namespace
 
-std::string_view to_string(SplatPoses poses) {
-  switch (poses) {
-    case SplatPoses::board:
-      return "board";
-    case SplatPoses::sfm:
-      return "sfm";
-    case SplatPoses::adjusted:
-      return "adjusted";
-  }
-  throw std::invalid_argument("poses " + std::to_string(static_cast<int>(poses)) + " do not exist");
-}
-
-SplatPoses splat_poses_from(const std::string& text) {
-  for (const SplatPoses poses : {SplatPoses::board, SplatPoses::sfm, SplatPoses::adjusted}) {
-    if (text == to_string(poses)) return poses;
-  }
-  throw std::invalid_argument("poses \"" + text + "\" is not one of board, sfm, adjusted");
-}
+std::string_view to_string(SplatPoses poses) { return name_in<SplatPoses>(kPoses, poses); }
 
 Fields fields(SeedsSplatConfig& config) {
   return {
-      {"poses",
-       TextField{[&config] { return std::string(to_string(config.poses)); },
-                 [&config](const std::string& text) { config.poses = splat_poses_from(text); }},
+      {"poses", choice_field<SplatPoses>("poses", kPoses, config.poses),
        "board: from its corners; sfm: by COLMAP without the lens, scaled by the board's squares, "
        "as "
        "the paper; adjusted: COLMAP's tracks adjusted with the reported lens and the corners"},

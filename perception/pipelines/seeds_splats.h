@@ -26,8 +26,6 @@ namespace cousin {
 /// of its tracks with the lens that the device reports and the board's corners.
 enum class SplatPoses { board, sfm, adjusted };
 std::string_view to_string(SplatPoses poses);
-/// @throws std::invalid_argument naming the choices
-SplatPoses splat_poses_from(const std::string& text);
 
 struct SeedsSplatConfig {
   SplatPoses poses = SplatPoses::board;

@@ -1,6 +1,7 @@
 #include "perception/pipelines/views.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -13,45 +14,20 @@
 #include "perception/ngp/ngp.h"
 #include "perception/pipelines/views_shapes.h"
 #include "perception/splats/swept_start.h"
+#include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
 
 namespace cousin {
 namespace {
 
-constexpr std::pair<ViewsMethod, std::string_view> kMethods[] = {
-    {ViewsMethod::splats, "splats"}, {ViewsMethod::splats_paper, "splats_paper"}};
-constexpr std::pair<ViewsPoses, std::string_view> kPoses[] = {
-    {ViewsPoses::best, "best"}, {ViewsPoses::reported, "reported"}, {ViewsPoses::sfm, "sfm"}};
-
-constexpr std::pair<SplatGrowth, std::string_view> kGrowths[] = {
-    {SplatGrowth::budgeted, "budgeted"},
-    {SplatGrowth::adaptive, "adaptive"},
-    {SplatGrowth::mcmc, "mcmc"},
-    {SplatGrowth::fixed, "fixed"}};
-
-/// A field of an enumeration whose values have names.
-template <class Value, std::size_t N>
-TextField named(const char* key, Value& value,
-                const std::pair<Value, std::string_view> (&names)[N]) {
-  return {
-      [&value, &names] {
-        for (const auto& [is, name] : names) {
-          if (is == value) return std::string(name);
-        }
-        return std::string();
-      },
-      [key, &value, &names](const std::string& text) {
-        std::string all;
-        for (const auto& [is, name] : names) {
-          if (name == text) {
-            value = is;
-            return;
-          }
-          all += (all.empty() ? "" : ", ") + std::string(name);
-        }
-        throw std::invalid_argument(std::string(key) + " \"" + text + "\" is not one of " + all);
-      }};
-}
+constexpr std::array<Named<ViewsMethod>, 2> kMethods = {
+    {{ViewsMethod::splats, "splats"}, {ViewsMethod::splats_paper, "splats_paper"}}};
+constexpr std::array<Named<ViewsPoses>, 3> kPoses = {
+    {{ViewsPoses::best, "best"}, {ViewsPoses::reported, "reported"}, {ViewsPoses::sfm, "sfm"}}};
+constexpr std::array<Named<SplatGrowth>, 4> kGrowths = {{{SplatGrowth::budgeted, "budgeted"},
+                                                         {SplatGrowth::adaptive, "adaptive"},
+                                                         {SplatGrowth::mcmc, "mcmc"},
+                                                         {SplatGrowth::fixed, "fixed"}}};
 
 std::size_t placed(const Poses& poses) {
   return static_cast<std::size_t>(
@@ -314,15 +290,13 @@ ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
                     exposures.vignetting);
 }
 
-std::string_view to_string(ViewsMethod method) {
-  return kMethods[static_cast<std::size_t>(method)].second;
-}
+std::string_view to_string(ViewsMethod method) { return name_in<ViewsMethod>(kMethods, method); }
 
 Fields fields(ViewsPipelineConfig& c) {
   return {
-      {"method", named("method", c.method, kMethods),
+      {"method", choice_field<ViewsMethod>("method", kMethods, c.method),
        "splats: ours; splats_paper: the reference's schedule, left after reference_steps"},
-      {"poses", named("poses", c.poses, kPoses),
+      {"poses", choice_field<ViewsPoses>("poses", kPoses, c.poses),
        "best: the capture's where at least half of its frames have them, else sfm; reported; sfm: "
        "by COLMAP and our adjustment"},
       {"largest_side_px", &c.largest_side_px,
@@ -334,7 +308,7 @@ Fields fields(ViewsPipelineConfig& c) {
        1000},
       {"steps", &c.steps, "splats: training steps, one view each", 1, 1e6},
       {"most_splats", &c.most_splats, "splats: Gaussians at the end", 1, 1e7},
-      {"growth", named("growth", c.growth, kGrowths),
+      {"growth", choice_field<SplatGrowth>("growth", kGrowths, c.growth),
        "splats: how they become that many. budgeted: those of the largest gradients part; "
        "adaptive: "
        "the reference's clone, split and prune; mcmc: relocation and noise; fixed: they do not"},

@@ -1,19 +1,14 @@
 #include <algorithm>
 #include <array>
-#include <span>
 #include <stdexcept>
 
 #include "perception/sfm/sfm_poses.h"
+#include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
 
 namespace cousin {
 namespace {
 
-template <class Choice>
-struct Named {
-  Choice value;
-  std::string_view name;
-};
 constexpr std::array<Named<SfmScale>, 3> kScales = {
     {{SfmScale::adjusted, "adjusted"}, {SfmScale::squares, "squares"}, {SfmScale::none, "none"}}};
 constexpr std::array<Named<SfmFocal>, 2> kFocals = {
@@ -31,31 +26,6 @@ constexpr std::array<Named<SfmStatus>, 11> kStatuses = {
      {SfmStatus::timed_out, "timed_out"},
      {SfmStatus::not_built, "not_built"}}};
 
-template <class Choice>
-std::string_view name_in(std::span<const Named<Choice>> names, Choice value) {
-  for (const Named<Choice>& each : names) {
-    if (each.value == value) return each.name;
-  }
-  throw std::invalid_argument("value " + std::to_string(static_cast<int>(value)) +
-                              " does not exist");
-}
-
-template <class Choice>
-TextField choice_field(std::span<const Named<Choice>> names, Choice& value) {
-  return {[names, &value] { return std::string(name_in<Choice>(names, value)); },
-          [names, &value](const std::string& text) {
-            std::string all;
-            for (const Named<Choice>& each : names) {
-              if (text == each.name) {
-                value = each.value;
-                return;
-              }
-              all += (all.empty() ? "" : ", ") + std::string(each.name);
-            }
-            throw std::invalid_argument("\"" + text + "\" is not one of " + all);
-          }};
-}
-
 }  // namespace
 
 std::string_view to_string(SfmScale scale) { return name_in<SfmScale>(kScales, scale); }
@@ -64,10 +34,10 @@ std::string_view to_string(SfmStatus status) { return name_in<SfmStatus>(kStatus
 Fields fields(SfmConfig& config) {
   return nested("pairs", fields(config.pairs)) + nested("colmap", fields(config.colmap)) +
          nested("board", fields(config.board)) +
-         Fields{{"scale", choice_field<SfmScale>(kScales, config.scale),
+         Fields{{"scale", choice_field<SfmScale>("scale", kScales, config.scale),
                  "adjusted (board in the adjustment), squares (one factor) or none"},
                 {"refine", &config.refine, "our own adjustment of poses and lens"},
-                {"focal", choice_field<SfmFocal>(kFocals, config.focal),
+                {"focal", choice_field<SfmFocal>("focal", kFocals, config.focal),
                  "shared, or per_image about the shared one"},
                 {"focal_jitter", &config.focal_jitter,
                  "relative deviation of one image's focal length about all's", 1e-9, 1},
