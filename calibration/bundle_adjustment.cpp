@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "calibration/bundle_frame.h"
@@ -281,7 +282,7 @@ CalibrationResult lens_alone(const BundleAdjustmentResult& bundle, std::size_t l
   alone.cameras = {bundle.lenses[lens]};
   const std::string prefix = "lens" + std::to_string(lens) + ".";
   for (const std::string& name : bundle.parameters) {
-    if (name.starts_with(prefix)) alone.parameters.push_back(name.substr(prefix.size()));
+    if (name.starts_with(prefix)) alone.parameters.push_back("camera0." + name.substr(prefix.size()));
   }
   const auto n = static_cast<Eigen::Index>(alone.parameters.size());
   alone.values = bundle.values.segment(from, n);
@@ -289,8 +290,19 @@ CalibrationResult lens_alone(const BundleAdjustmentResult& bundle, std::size_t l
   return alone;
 }
 
+/// Whether the lens, as it was found, folds inside its image: that is none, whatever deviations say.
+bool folds(const Camera& lens) {
+  try {
+    validate(lens);
+  } catch (const std::invalid_argument&) {
+    return true;
+  }
+  return false;
+}
+
 /// Names the free parameters of a lens and those that the images do not fix.
-void judge_lens(const BundleProblem& problem, std::size_t lens, BundleAdjustmentResult& result) {
+/// @return what is wrong with its distortion as a whole; empty: nothing
+std::string judge_lens(const BundleProblem& problem, std::size_t lens, BundleAdjustmentResult& result) {
   const Camera& like = problem.like[lens];
   const BundleAdjustmentConfig& config = problem.config;
   const std::vector<std::string> names = lens_parameter_names(problem.shapes[lens]);
@@ -313,10 +325,22 @@ void judge_lens(const BundleProblem& problem, std::size_t lens, BundleAdjustment
                                      : INFINITY;
     if (!(deviation <= limit)) result.not_determined.push_back(prefix + names[k]);
   }
-  if (bends.empty() || result.covariance.size() == 0) return;
-  const UncertaintyMap map = projection_uncertainty(lens_alone(result, lens, from), 0);
-  if (!(rms_deviation_px(map) <= config.max_deviation_share * like.width_px))
-    result.not_determined.insert(result.not_determined.end(), bends.begin(), bends.end());
+  if (bends.empty()) return {};
+  std::ostringstream why;
+  if (folds(result.lenses[lens])) {
+    why << prefix.substr(0, prefix.size() - 1) << " folds inside its image";
+  } else if (result.covariance.size() > 0) {
+    const double rms_px =
+        rms_deviation_px(projection_uncertainty(lens_alone(result, lens, from), 0));
+    const double limit_px = config.max_deviation_share * like.width_px;
+    if (rms_px <= limit_px) return {};
+    why << prefix << "projection has a deviation of " << rms_px << " px over the image (at most "
+        << limit_px << ")";
+  } else {
+    return {};
+  }
+  result.not_determined.insert(result.not_determined.end(), bends.begin(), bends.end());
+  return why.str();
 }
 
 /// @param out  points that were left out from the start
@@ -364,11 +388,16 @@ void add_covariance(const BundleProblem& problem, BundleAdjustmentResult& result
       result.pose_covariance.emplace_back(s2 * (to_world * own.poses[i] * to_world.transpose()));
     }
   }
-  for (std::size_t l = 0; l < problem.lenses.size(); ++l) judge_lens(problem, l, result);
+  std::string bent;
+  for (std::size_t l = 0; l < problem.lenses.size(); ++l) {
+    const std::string why = judge_lens(problem, l, result);
+    if (!why.empty()) bent += (bent.empty() ? "" : "; ") + why;
+  }
   if (own.solved && result.not_determined.empty()) return;
   result.status = CalibrationStatus::not_determined;
-  result.reason = own.solved ? "the images do not fix these parameters to a useful deviation"
-                             : "the normal equations are singular beyond the gauge";
+  result.reason = !bent.empty() ? bent
+                  : own.solved  ? "the images do not fix these parameters to a useful deviation"
+                                : "the normal equations are singular beyond the gauge";
 }
 
 }  // namespace

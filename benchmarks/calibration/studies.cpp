@@ -79,6 +79,12 @@ std::string key_of(const StudyGroup& group) {
   return key;
 }
 
+/// Rows of a build without Ceres say that it is not built in: one that has it makes them anew.
+std::string version_key(std::uint64_t seed) {
+  return std::string(COUSIN_VERSION) + (COUSIN_WITH_CERES ? "/ceres/" : "/") +
+         std::to_string(seed) + "/";
+}
+
 /// Positions of fruits by units as they are made, and by units that have gone off since: by the
 /// disparity that the published errors of z would take.
 std::vector<ShardJob> position_jobs(const StudiesConfig& config) {
@@ -95,9 +101,8 @@ std::vector<ShardJob> position_jobs(const StudiesConfig& config) {
     const int runs = config.quick ? 2 : config.runs;
     const std::string name =
         kind.out_of_yaw_px > 0 ? "study_positions_off.json" : "study_positions_as_made.json";
-    const std::string key = std::string(COUSIN_VERSION) + "/" + std::to_string(config.seed) + "/" +
-                            name + "/" + std::to_string(positions.points) + "/" +
-                            std::to_string(runs);
+    const std::string key = version_key(config.seed) + name + "/" +
+                            std::to_string(positions.points) + "/" + std::to_string(runs);
     jobs.push_back({name, key, [positions, runs, kind, seed = config.seed] {
                       std::vector<std::vector<FruitPosition>> all;
                       for (int run = 0; run < runs; ++run)
@@ -122,8 +127,7 @@ std::vector<ShardJob> study_jobs(const StudiesConfig& config) {
     for (const StudyGroup& group : groups) {
       std::string name =
           "study_" + group.points.front().name() + "_run" + std::to_string(run) + ".json";
-      std::string key = std::string(COUSIN_VERSION) + "/" + std::to_string(config.seed) + "/" +
-                        name + "/" + key_of(group);
+      std::string key = version_key(config.seed) + name + "/" + key_of(group);
       for (char& c : name) {
         if (c == ' ' || c == ',') c = '_';
       }

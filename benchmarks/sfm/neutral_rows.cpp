@@ -50,9 +50,7 @@ PairsRun run_pairs(const SfmSuiteConfig& suite, const Capture& capture, PairChoi
   const ColmapRun run = run_colmap(input, config.colmap);
   const auto n = static_cast<std::int64_t>(frames.size());
   if (run.status != ColmapStatus::ok) {
-    result.rows.push_back(missing_row(
-        row, run.reason,
-        run.status == ColmapStatus::not_built ? ScoreStatus::not_built : ScoreStatus::not_solved));
+    result.rows.push_back(unsolved_row(row, run.reason, sfm_status_of(run.status)));
     return result;
   }
   result.solved = true;
@@ -76,10 +74,7 @@ PairsRun run_pairs(const SfmSuiteConfig& suite, const Capture& capture, PairChoi
     ScoreRow own = row;
     own.method += refine ? ", our adjustment" : ", COLMAP's own";
     if (!has_poses(estimate.status)) {
-      result.rows.push_back(missing_row(own, estimate.reason,
-                                        estimate.status == SfmStatus::not_built
-                                            ? ScoreStatus::not_built
-                                            : ScoreStatus::not_solved));
+      result.rows.push_back(unsolved_row(own, estimate.reason, estimate.status));
       continue;
     }
     own.wall_s = estimate.timings.back().wall_s;

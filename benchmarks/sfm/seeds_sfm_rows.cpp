@@ -27,10 +27,6 @@ TrueCameras true_cameras(const SceneTruth& truth) {
   return result;
 }
 
-ScoreStatus status_of(SfmStatus status) {
-  return status == SfmStatus::not_built ? ScoreStatus::not_built : ScoreStatus::not_solved;
-}
-
 void add(std::vector<ScoreRow> more, std::vector<ScoreRow>& rows) {
   rows.insert(rows.end(), more.begin(), more.end());
 }
@@ -46,8 +42,7 @@ SfmConfig with_folder(SfmConfig config, const SfmSuiteConfig& suite, const std::
 std::vector<ScoreRow> estimate_rows(const ScoreRow& row, const SfmEstimate& estimate,
                                     const TrueCameras& truth) {
   const auto n = static_cast<std::int64_t>(estimate.poses.size());
-  if (!has_poses(estimate.status))
-    return {missing_row(row, estimate.reason, status_of(estimate.status))};
+  if (!has_poses(estimate.status)) return {unsolved_row(row, estimate.reason, estimate.status)};
   std::vector<ScoreRow> rows;
   const auto placed = static_cast<double>(estimate.poses.size() - estimate.lost.size());
   rows.push_back(numbered(row, "views placed", placed, "1", n));
@@ -133,9 +128,12 @@ std::vector<ScoreRow> lens_rows(const SfmSuiteConfig& suite, const SfmModel& mod
                           "1", found.observations));
   rows.push_back(
       numbered(row, "focal length, error over deviation", off / sigma, "1", found.observations));
-  rows.push_back(numbered(row, "projection error, RMS over the image",
-                          projection_difference(truth, found.lens).rms_px, "px",
-                          found.observations));
+  // Of `ok` the deviation over the image is within a limit: three of it are the most by chance.
+  const double limit_px =
+      3 * SelfCalibrationConfig{}.adjust.max_deviation_share * truth.width_px;
+  rows.push_back(at_most(row, "projection error, RMS over the image",
+                         projection_difference(truth, found.lens).rms_px, "px", found.observations,
+                         limit_px));
   return rows;
 }
 

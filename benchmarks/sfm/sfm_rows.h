@@ -7,6 +7,7 @@
 #include "benchmarks/metrics/scores.h"
 #include "benchmarks/seeds/run_config.h"
 #include "benchmarks/sfm/sfm_suite.h"
+#include "perception/sfm/sfm_poses.h"
 
 namespace cousin {
 
@@ -24,6 +25,10 @@ std::vector<ScoreRow> pose_rows(const ScoreRow& row, const PoseScore& score);
 
 /// A row that says why there are no numbers.
 ScoreRow missing_row(ScoreRow row, const std::string& why, ScoreStatus status);
+/// The same of an end without poses.
+/// @throws std::runtime_error where the machine is to blame (a program that failed, or was out of
+///         time): a row would be kept, another try may end well
+ScoreRow unsolved_row(ScoreRow row, const std::string& why, SfmStatus status);
 
 /// The capture of `seeds_sfm_rows`.
 SeedsRunConfig seeds_sfm_scene(const SfmSuiteConfig& config);

@@ -1,6 +1,7 @@
 #include "benchmarks/sfm/sfm_suite.h"
 
 #include <cstdio>
+#include <stdexcept>
 #include <utility>
 
 #include "benchmarks/seeds/capture_store.h"
@@ -60,11 +61,20 @@ ScoreRow missing_row(ScoreRow row, const std::string& why, ScoreStatus status) {
   return row;
 }
 
+ScoreRow unsolved_row(ScoreRow row, const std::string& why, SfmStatus status) {
+  if (status == SfmStatus::program_failed || status == SfmStatus::timed_out)
+    throw std::runtime_error(std::string(to_string(status)) + ": " + why);
+  return missing_row(
+      std::move(row), why,
+      status == SfmStatus::not_built ? ScoreStatus::not_built : ScoreStatus::not_solved);
+}
+
 std::vector<ShardJob> sfm_suite_jobs(const SfmSuiteConfig& config, const Progress& progress) {
   const std::string key = std::string(COUSIN_VERSION) + "/" + std::to_string(config.seed) + "/" +
                           (config.quick ? "quick" : "full") + "/" + std::to_string(config.threads) +
-                          "/colmap " + colmap_version(config.program) + "/" +
-                          config.neutral.string() + "/" + sha256_hex_of_folder(config.neutral);
+                          "/colmap " + colmap_version(config.program) +
+                          (COUSIN_WITH_CERES ? " adjusted/" : "/") + config.neutral.string() + "/" +
+                          sha256_hex_of_folder(config.neutral);
   const std::string ending = config.quick ? ".quick.json" : ".json";
   return {
       {"neutral" + ending, key + "/neutral", [config] { return text_of(neutral_rows(config)); }},

@@ -5,9 +5,8 @@
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
-namespace {
 
-SfmStatus status_of(ColmapStatus status) {
+SfmStatus sfm_status_of(ColmapStatus status) {
   switch (status) {
     case ColmapStatus::ok:
       return SfmStatus::ok;
@@ -26,6 +25,8 @@ SfmStatus status_of(ColmapStatus status) {
   }
   throw std::logic_error("a status of COLMAP's run is not known");
 }
+
+namespace {
 
 /// The lens that the first sensor reports, its focal lengths the mean of what frames report.
 Camera reported_lens(const Capture& capture) {
@@ -103,7 +104,7 @@ SfmEstimate estimate(const Capture& capture, const Corners& corners, const SeedB
     result = refine_sfm(run.model, frames, lens, corners, board, config);
     if (!run.reason.empty()) result.reason += (result.reason.empty() ? "" : "; ") + run.reason;
   } else {
-    result.status = status_of(run.status);
+    result.status = sfm_status_of(run.status);
     result.reason = run.reason;
     result.lost = frames;
     for (const int frame : frames)

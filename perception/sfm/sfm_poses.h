@@ -35,14 +35,17 @@ struct SfmConfig {
   double max_board_turn_rad = 0.2;
   /// `loss_px` is in pixels of a track: matches of SIFT have long tails. Of 48 views of 1756 points
   /// by COLMAP with exact poses known, 0.5 px left centres 0.13 % of the distance off, 2 px 0.18 %,
-  /// COLMAP itself 0.27 %. Priors about the lens given are as those of BoardPosesConfig.
+  /// COLMAP itself 0.27 %. Priors about the lens given are as those of BoardPosesConfig. A lens
+  /// that is left open where no track is does poses no harm: their deviations know, so more of it
+  /// is let pass than where the lens is what is sought.
   BundleAdjustmentConfig adjust = {.loss = RobustLoss::cauchy,
                                    .loss_px = 0.5,
                                    .focal_prior_share = 0.005,
                                    .centre_prior_px = 6,
                                    .distortion_prior = 0.02,
                                    .max_iterations = 300,
-                                   .tolerance = 1e-9};
+                                   .tolerance = 1e-9,
+                                   .max_deviation_share = 0.02};
 };
 Fields fields(SfmConfig& config);
 /// @throws std::invalid_argument also for `adjusted` without `refine`
@@ -70,6 +73,8 @@ enum class SfmStatus {
   not_built
 };
 std::string_view to_string(SfmStatus status);
+/// What the end of COLMAP's run alone says.
+SfmStatus sfm_status_of(ColmapStatus status);
 /// Whether there are poses.
 inline bool has_poses(SfmStatus status) {
   return status == SfmStatus::ok || status == SfmStatus::partly_registered ||

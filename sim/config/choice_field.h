@@ -30,19 +30,19 @@ std::string_view name_in(std::span<const Named<Choice>> names, Choice value) {
 /// @param names  outlive the field
 template <class Choice>
 TextField choice_field(const char* key, std::span<const Named<Choice>> names, Choice& value) {
-  return {[names, &value] { return std::string(name_in<Choice>(names, value)); },
-          [key, names, &value](const std::string& text) {
-            std::string all;
-            for (const Named<Choice>& each : names) {
-              if (text == each.name) {
-                value = each.value;
-                return;
-              }
-              all += (all.empty() ? "" : ", ") + std::string(each.name);
-            }
-            throw std::invalid_argument(std::string(key) + " \"" + text + "\" is not one of " +
-                                        all);
-          }};
+  return {
+      [names, &value] { return std::string(name_in<Choice>(names, value)); },
+      [key, names, &value](const std::string& text) {
+        std::string all;
+        for (const Named<Choice>& each : names) {
+          if (text == each.name) {
+            value = each.value;
+            return;
+          }
+          all += (all.empty() ? "" : ", ") + std::string(each.name);
+        }
+        throw std::invalid_argument(std::string(key) + " \"" + text + "\" is not one of " + all);
+      }};
 }
 
 }  // namespace cousin

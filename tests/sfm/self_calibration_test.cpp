@@ -55,9 +55,13 @@ TEST(SelfCalibration, TheTrueLensLiesWithinItsIntervals) {
                                                                    {"p1", truth.distortion[2]}}};
   constexpr int kRuns = 60;
   int within = 0, all = 0;
+  // So few tracks leave the image's corners open: the intervals are to be right all the same.
+  SelfCalibrationConfig any_deviation;
+  any_deviation.adjust.max_deviation_share = 1;
   for (int run = 0; run < kRuns; ++run) {
-    const SelfCalibration result =
-        calibrated({.images = 12, .points = 60}, static_cast<std::uint64_t>(100 + run));
+    const SelfCalibration result = self_calibrate(
+        plant_views({.images = 12, .points = 150}, static_cast<std::uint64_t>(100 + run)).model,
+        rough_lens(), any_deviation);
     ASSERT_EQ(result.status, CalibrationStatus::ok) << result.reason;
     for (const auto& [name, true_value] : expected) {
       within += std::abs(value(result, name) - true_value) < 1.96 * deviation(result, name);
