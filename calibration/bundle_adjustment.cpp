@@ -282,7 +282,8 @@ CalibrationResult lens_alone(const BundleAdjustmentResult& bundle, std::size_t l
   alone.cameras = {bundle.lenses[lens]};
   const std::string prefix = "lens" + std::to_string(lens) + ".";
   for (const std::string& name : bundle.parameters) {
-    if (name.starts_with(prefix)) alone.parameters.push_back("camera0." + name.substr(prefix.size()));
+    if (name.starts_with(prefix))
+      alone.parameters.push_back("camera0." + name.substr(prefix.size()));
   }
   const auto n = static_cast<Eigen::Index>(alone.parameters.size());
   alone.values = bundle.values.segment(from, n);
@@ -290,7 +291,8 @@ CalibrationResult lens_alone(const BundleAdjustmentResult& bundle, std::size_t l
   return alone;
 }
 
-/// Whether the lens, as it was found, folds inside its image: that is none, whatever deviations say.
+/// Whether the lens, as it was found, folds inside its image: that is none, whatever deviations
+/// say.
 bool folds(const Camera& lens) {
   try {
     validate(lens);
@@ -302,7 +304,8 @@ bool folds(const Camera& lens) {
 
 /// Names the free parameters of a lens and those that the images do not fix.
 /// @return what is wrong with its distortion as a whole; empty: nothing
-std::string judge_lens(const BundleProblem& problem, std::size_t lens, BundleAdjustmentResult& result) {
+std::string judge_lens(const BundleProblem& problem, std::size_t lens,
+                       BundleAdjustmentResult& result) {
   const Camera& like = problem.like[lens];
   const BundleAdjustmentConfig& config = problem.config;
   const std::vector<std::string> names = lens_parameter_names(problem.shapes[lens]);

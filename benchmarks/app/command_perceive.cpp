@@ -7,6 +7,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/perceive_places.h"
+#include "benchmarks/app/views_options.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/run_config.h"
@@ -70,7 +71,7 @@ void print_traits(const std::string& scene, const Traits& traits) {
 /// Where all of the views are, and nothing was found from Gaussians.
 std::string why_no_splats(const SeedsEstimate& estimate, const SeedsPipelineConfig& config) {
   const std::string count = std::to_string(estimate.splats.splats.size());
-  if (estimate.splats.splats.empty()) return "there are no Gaussians";
+  if (estimate.splats.splats.empty()) return no_gaussians_text(estimate.splats);
   if (config.method == SeedsMethod::splats_paper)
     return "of " + count + " Gaussians none has its centre in the volume and an opacity of " +
            "splats.least_opacity";

@@ -38,7 +38,8 @@ ExitCode command_perceive_views(const JobContext& context) {
     context.progress.line(name + ": " + views_summary(run, capture.frames.size()));
     if (run.estimate.splats.splats.empty()) {
       all_found = false;
-      std::fprintf(stderr, "cousin: %s: %s\n", scene.string().c_str(), kNoGaussians);
+      std::fprintf(stderr, "cousin: %s: %s\n", scene.string().c_str(),
+                   no_gaussians_text(run.estimate.splats).c_str());
     }
     append({.scores = run.rows}, all);
   }

@@ -82,7 +82,7 @@ std::vector<ScoreRow> rows_of_scene(const JobContext& context, const RunConfig& 
                      [&](const std::string& text) { context.progress.line("warning: " + text); });
   context.progress.line(scene_id(scene) + ": " + views_summary(run, capture.frames.size()));
   if (run.estimate.splats.splats.empty())
-    throw std::runtime_error(scene_id(scene) + ": " + kNoGaussians);
+    throw std::runtime_error(scene_id(scene) + ": " + no_gaussians_text(run.estimate.splats));
   ScoreRow base;
   base.suite = "run";
   base.scene = scene_id(scene);

@@ -50,6 +50,10 @@ std::vector<StageSource> views_sources(const std::vector<std::string>& stages) {
   return sources;
 }
 
+std::string no_gaussians_text(const SplatModel& none) {
+  return "no Gaussians" + (none.why_none.empty() ? "" : ": " + none.why_none);
+}
+
 std::string views_summary(const ViewsRun& run, std::size_t frames) {
   const auto posed =
       std::count_if(run.estimate.poses.begin(), run.estimate.poses.end(),

@@ -13,9 +13,8 @@ namespace cousin {
 ViewsPipelineConfig views_config(const std::filesystem::path& file, const std::string& method,
                                  const std::vector<std::string>& assignments);
 
-/// What is said of a capture that gave none.
-inline constexpr const char* kNoGaussians =
-    "no Gaussians: the photographs showed none of the start or nothing to learn";
+/// What is said of an estimate without Gaussians.
+std::string no_gaussians_text(const SplatModel& none);
 
 /// @throws std::invalid_argument naming a stage that the pipeline has not: it would be read and
 /// never used

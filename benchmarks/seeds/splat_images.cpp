@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "perception/splats/splat_render.h"
 
@@ -53,17 +54,28 @@ FidelityPlanes small(const FidelityPlanes& image) {
 struct PhotographMeans {
   Mean psnr, object, whole, whole_small, ssim, ssim_object, flip, flip_object, lpips;
 
-  void add(const FidelityPlanes& image, const ScoredPhotograph& photograph,
+  void add_whole(const FidelityPlanes& image, const SplatViewLevel& level) {
+    const FidelityPlanes& truth = level.color.channel;
+    whole.add(psnr_db(image, truth, counted_pixels(level.weight)));
+    const Image<std::uint8_t> counted_small =
+        level.weight.empty() ? Image<std::uint8_t>{} : counted_pixels(small(level.weight));
+    whole_small.add(psnr_db(small(image), small(truth), counted_small));
+  }
+
+  void add(const SeedsImageRenderer& render, const ScoredPhotograph& photograph,
            const LearnedDistance* learned) {
     const SplatViewLevel& level = photograph.view.full;
+    const Pose& pose = photograph.view.camera_from_world;
+    const FidelityPlanes image = render(level.camera, pose);
     const FidelityPlanes& truth = level.color.channel;
     const Image<std::uint8_t> counted = counted_pixels(level.weight);
-    const double part_db = psnr_db(image, truth, counted);
-    const double rest_db = -10 * std::log10(photograph.share);
-    psnr.add(part_db);
-    whole.add(part_db + rest_db);
-    const Image<std::uint8_t> counted_small = counted_pixels(small(level.weight));
-    whole_small.add(psnr_db(small(image), small(truth), counted_small) + rest_db);
+    psnr.add(psnr_db(image, truth, counted));
+    if (photograph.whole) {
+      const SplatViewLevel& all = photograph.whole->full;
+      add_whole(render(all.camera, pose), all);
+    } else {
+      add_whole(image, level);
+    }
     if (!level.behind.empty()) {
       const Image<std::uint8_t> objects = objects_of(level, counted);
       object.add(psnr_db(image, truth, objects));
@@ -99,6 +111,9 @@ struct PhotographMeans {
   }
 };
 
+/// A margin that no photograph is wide enough for.
+constexpr int kWholePhotograph_px = 10000;
+
 std::vector<SplatView> spread(const std::vector<SplatView>& views, std::size_t most) {
   const std::size_t count = std::min(views.size(), most);
   std::vector<SplatView> some;
@@ -111,20 +126,25 @@ std::vector<SplatView> spread(const std::vector<SplatView>& views, std::size_t m
 std::vector<ScoredPhotograph> scored_photographs(const Capture& capture, const Poses& poses,
                                                  const SeedsPipelineConfig& config, int margin_px,
                                                  std::size_t most_views) {
+  const auto views_with = [&](int margin) {
+    return seed_views(capture, poses, volume_of(config, board_of(capture, config)), config.green,
+                      margin);
+  };
   std::vector<SplatView> trained, held_out;
-  for (SplatView& view : seed_views(capture, poses, volume_of(config, board_of(capture, config)),
-                                    config.green, margin_px)) {
+  for (SplatView& view : views_with(margin_px))
     (is_held_out(config.splats, view.frame) ? held_out : trained).push_back(std::move(view));
+  std::map<int, SplatView> wholes;  // of parts, by frame
+  if (margin_px < kWholePhotograph_px) {
+    for (SplatView& view : views_with(kWholePhotograph_px))
+      wholes.emplace(view.frame, std::move(view));
   }
   std::vector<ScoredPhotograph> photographs;
   for (const auto* views : {&trained, &held_out}) {
     for (SplatView& view : spread(*views, most_views)) {
-      const Camera& whole =
-          capture.frames[static_cast<std::size_t>(view.frame)].sensors[0].reported;
-      const Camera& part = view.full.camera;
-      const double share = static_cast<double>(part.width_px) * part.height_px /
-                           (static_cast<double>(whole.width_px) * whole.height_px);
-      photographs.push_back({std::move(view), views == &held_out, share});
+      ScoredPhotograph photograph{std::move(view), views == &held_out, std::nullopt};
+      if (const auto whole = wholes.find(photograph.view.frame); whole != wholes.end())
+        photograph.whole = std::move(whole->second);
+      photographs.push_back(std::move(photograph));
     }
   }
   return photographs;
@@ -134,7 +154,7 @@ ScoredPhotograph made_small(const ScoredPhotograph& photograph) {
   const SplatViewLevel& level = photograph.view.full;
   ScoredPhotograph made{{photograph.view.frame, photograph.view.camera_from_world, {}},
                         photograph.held_out,
-                        photograph.share};
+                        std::nullopt};
   SplatViewLevel next;
   next.camera = level.camera;
   next.camera.width_px = level.camera.width_px / kSmallPhotograph;
@@ -155,9 +175,7 @@ std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photo
                                       const LearnedDistance* learned) {
   PhotographMeans trained, held_out;
   for (const ScoredPhotograph& photograph : photographs) {
-    const SplatView& view = photograph.view;
-    (photograph.held_out ? held_out : trained)
-        .add(render(view.full.camera, view.camera_from_world), photograph, learned);
+    (photograph.held_out ? held_out : trained).add(render, photograph, learned);
   }
   std::vector<ScoreRow> rows;
   trained.append("train.", base, rows);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "benchmarks/learned/learned_distance.h"
@@ -15,7 +16,9 @@ namespace cousin {
 struct ScoredPhotograph {
   SplatView view;         ///< its first level
   bool held_out = false;  ///< it had no part in the training
-  double share = 1;       ///< of the photograph's pixels
+  /// All of the photograph, where `view` is a part of it: a model may draw beyond what it was
+  /// trained on, and is charged for it.
+  std::optional<SplatView> whole;
 };
 
 /// Evenly spread over the views that were trained on and over those held out: at most so many of
@@ -35,9 +38,9 @@ using SeedsImageRenderer = std::function<FidelityPlanes(const Camera&, const Pos
 /// How a model's images look beside photographs, means over them, "train." and, if there are any,
 /// "held_out.", of pixels whose weight is whole: `psnr`, `ssim` and `flip` of the part;
 /// `psnr_object`, `ssim_object` and `flip_object` over what is not green, the same pixels whatever
-/// part a method trains on; `psnr_whole` over the whole photograph, as the Seeds paper
-/// has it, whose rest is black in both, so that this one, unlike those of a part, compares models
-/// trained on parts of different size; `psnr_whole_small`, the same for pixels averaged to a third
+/// part a method trains on; `psnr_whole` over the whole photograph, drawn whole, as the Seeds paper
+/// has it: this one, unlike those of a part, compares models trained on parts of different size;
+/// `psnr_whole_small`, the same for pixels averaged to a third
 /// of the size; and with a network `lpips`. @param base  labels, seconds and memory of the training
 std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photographs,
                                       const SeedsImageRenderer& render, const ScoreRow& base,

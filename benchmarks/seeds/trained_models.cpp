@@ -175,7 +175,14 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   add_seconds_before("splats", before, result.estimate.timings);
   add_seconds_before("poses", posed_before, result.estimate.timings);
   add_rows(task, config, result.estimate, after_steps(labels, last), true, result.file);
-  if (result.estimate.splats.splats.empty()) return result;
+  if (result.estimate.splats.splats.empty()) {
+    ScoreRow row = labelled_row(labels);
+    row.metric = "training: " + result.estimate.splats.why_none;
+    row.unit = "1";
+    row.status = ScoreStatus::not_solved;
+    result.file.scores.push_back(row);
+    return result;
+  }
   std::vector<int> on_the_way = task.at;
   std::erase_if(on_the_way, [last](int step) { return step >= last; });
   for (const KeptModel& way : kept.models(on_the_way)) {

@@ -129,8 +129,7 @@ std::vector<ScoreRow> lens_rows(const SfmSuiteConfig& suite, const SfmModel& mod
   rows.push_back(
       numbered(row, "focal length, error over deviation", off / sigma, "1", found.observations));
   // Of `ok` the deviation over the image is within a limit: three of it are the most by chance.
-  const double limit_px =
-      3 * SelfCalibrationConfig{}.adjust.max_deviation_share * truth.width_px;
+  const double limit_px = 3 * SelfCalibrationConfig{}.adjust.max_deviation_share * truth.width_px;
   rows.push_back(at_most(row, "projection error, RMS over the image",
                          projection_difference(truth, found.lens).rms_px, "px", found.observations,
                          limit_px));

@@ -256,6 +256,13 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   base.case_name = "photographs";
   base.method = to_string(config.method);
   base.seed = seed;
+  if (estimate.splats.splats.empty() && !estimate.splats.why_none.empty()) {
+    ScoreRow why = base;
+    why.metric = "training: " + estimate.splats.why_none;
+    why.unit = "1";
+    why.status = ScoreStatus::not_solved;
+    run.rows.push_back(why);
+  }
   if (!estimate.splats.splats.empty()) {
     look(config, small, estimate, masks, *findings, file("pictures"), base, run.rows);
     count_seen(estimate, file("splats_seen.csv"), base, run.rows);

@@ -281,8 +281,11 @@ SplatModel train_on_views(std::span<const SplatView> views, std::span<const Star
       return std::move(trained.model);
     case SplatTrainStatus::not_finite:
       throw std::runtime_error("training diverged: the loss is not a number");
-    default:
-      return {};
+    default: {
+      SplatModel none;
+      none.why_none = explained(trained.status);
+      return none;
+    }
   }
 }
 

@@ -107,7 +107,7 @@ void draw_splats(const SplatKernels& kernels, const SplatPlanes& planes, int sh_
   });
 
   make_tile_lists(frame.projected.data(), frame.depth_order.data(), planes.size(), camera.width_px,
-                  camera.height_px, frame.lists);
+                  camera.height_px, frame.lists, frame.most_pairs);
   for (Image<float>& channel : frame.color.channel) fit(channel, camera);
   fit(frame.transmittance, camera);
   frame.tile_done.resize(static_cast<std::size_t>(tile_count(frame.lists)));

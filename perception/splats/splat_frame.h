@@ -15,10 +15,11 @@ struct SplatFrame {
   std::vector<ProjectedSplat> projected;
   std::vector<std::uint32_t> depth_order;
   TileLists lists;
-  ColorPlanes color;                   ///< over the background
-  Image<float> transmittance;          ///< left at each pixel
-  Image<float> depth_m, mean_depth_m;  ///< if asked for, as in SplatImage
-  std::vector<float> depth_slope;      ///< with them, see BlendTask
+  std::size_t most_pairs = kMostPairs;  ///< of `lists`
+  ColorPlanes color;                    ///< over the background
+  Image<float> transmittance;           ///< left at each pixel
+  Image<float> depth_m, mean_depth_m;   ///< if asked for, as in SplatImage
+  std::vector<float> depth_slope;       ///< with them, see BlendTask
   std::vector<std::uint32_t> tile_done, touched;
   std::vector<SplatPartial> partials;  ///< of blend_gradients
 };
@@ -26,6 +27,7 @@ struct SplatFrame {
 enum class SplatDepths { none, with };
 
 /// Projects, sorts and composites. Bytes do not depend on the number of threads.
+/// @throws TooManyPairs
 void draw_splats(const SplatKernels& kernels, const SplatPlanes& planes, int sh_degree,
                  const SplatCamera& camera, const std::array<float, 3>& background,
                  SplatDepths depths, SplatFrame& frame);

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace cousin {
@@ -28,6 +29,8 @@ struct SplatModel {
   double low_pass_px2 = 0.3;
   Eigen::Vector3d origin_in_world_m = Eigen::Vector3d::Zero();  ///< added to every centre
   std::vector<Splat> splats;
+  /// Of a training that left no Gaussian: what kept it. No file has it.
+  std::string why_none;
   std::vector<int> views_seen;  ///< training views in which each blends; empty = not known
 };
 

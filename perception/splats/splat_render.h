@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include "perception/splats/splat_model.h"
 #include "sim/types/camera.h"
 #include "sim/types/image.h"
@@ -13,6 +16,9 @@ struct SplatRenderConfig {
   /// In place of the model's own; 0 = that one. The reference's 0.3 reaches over the edge of what
   /// is some pixels wide: for depths take a tenth.
   double low_pass_px2 = 0;
+  /// Of Gaussians with the tiles they cover, 16 bytes each: an image of more is drawn some rows of
+  /// tiles at a time.
+  std::size_t most_pairs = std::size_t{1} << 26;
 };
 
 /// Three channels of one image, each 0..1 and planar: red, green, blue.
@@ -34,7 +40,7 @@ struct SplatImage {
 
 /// Renders with the fast kernels. @param camera  pinhole
 /// @throws std::invalid_argument of another lens, sh_degree outside 0..3, a low pass
-/// that is not above 0.
+/// that is not above 0; TooManyPairs if one row of tiles has more than `most_pairs`.
 SplatImage render_splats(const SplatModel& model, const Camera& camera,
                          const Pose& camera_from_world, const SplatRenderConfig& config = {});
 

@@ -13,7 +13,6 @@ namespace cousin {
 namespace {
 
 constexpr std::uint32_t kHidden = 0xffffffffU;
-constexpr std::size_t kPairsLimit = std::size_t{1} << 26;
 constexpr std::size_t kPart = 2048;  ///< Gaussians
 constexpr std::size_t kTold = 4096;  ///< pairs of a part that the others need not know of
 constexpr std::size_t kAhead = 8;    ///< Gaussians ahead of which they are fetched from memory
@@ -104,7 +103,7 @@ void list_pairs(const ProjectedSplat& s, const TileLists& lists, TileLists::Part
 }  // namespace
 
 void make_tile_lists(const ProjectedSplat* projected, const std::uint32_t* depth_order, int count,
-                     int width_px, int height_px, TileLists& lists) {
+                     int width_px, int height_px, TileLists& lists, std::size_t most) {
   lists.tiles_across = (width_px + SplatTile::side - 1) / SplatTile::side;
   lists.tiles_down = (height_px + SplatTile::side - 1) / SplatTile::side;
   const auto tiles =
@@ -131,19 +130,18 @@ void make_tile_lists(const ProjectedSplat* projected, const std::uint32_t* depth
         told += before - told_of_part;
         told_of_part = before;
       }
-      if (told > kPairsLimit) break;
+      if (told > most) break;
       list_pairs(projected[splat], lists, part);
       lists.pair_count[splat] = static_cast<std::uint32_t>(part.pair_tile.size() - before);
     }
   });
   std::size_t pairs = 0;
   for (const TileLists::Part& part : lists.parts) pairs += part.pair_tile.size();
-  if (pairs > kPairsLimit) {
+  if (pairs > most) {
     lists.parts = {};  // gigabytes
-    throw std::runtime_error(std::to_string(lists.pair_first.size()) + " splats cover " +
-                             std::to_string(pairs) +
-                             " tiles in one view, all taken together, more than the limit of " +
-                             std::to_string(kPairsLimit));
+    throw TooManyPairs(
+        std::to_string(lists.pair_first.size()) + " splats cover " + std::to_string(pairs) +
+        " tiles in one view, all taken together, more than the limit of " + std::to_string(most));
   }
 
   // Neighbours in memory are neighbours in space: numbered in that order, their pairs are too.

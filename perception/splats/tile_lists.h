@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <vector>
 
 #include "perception/splats/splat_kernels.h"
@@ -24,11 +26,19 @@ struct TileLists {
   std::vector<std::uint32_t> keys, scratch;  ///< scratch of the sort
 };
 
+/// More pairs in one view than are listed at once: the lists, and training's partial derivatives of
+/// each pair, would take gigabytes.
+inline constexpr std::size_t kMostPairs = std::size_t{1} << 26;
+struct TooManyPairs : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// Sorts by depth (stable radix sort) and makes the lists: each pair's ellipse where alpha is 1/255
 /// meets its tile's pixels. The result does not depend on the number of threads.
 /// @param depth_order  as ProjectTask leaves it, one of each of `count` Gaussians
-/// @throws std::runtime_error if there are more than 2^26 pairs
+/// @param most  tests set less
+/// @throws TooManyPairs
 void make_tile_lists(const ProjectedSplat* projected, const std::uint32_t* depth_order, int count,
-                     int width_px, int height_px, TileLists& lists);
+                     int width_px, int height_px, TileLists& lists, std::size_t most = kMostPairs);
 
 }  // namespace cousin

@@ -102,10 +102,39 @@ std::string to_string(SplatTrainStatus status) {
       return "nothing_left";
     case SplatTrainStatus::not_finite:
       return "not_finite";
+    case SplatTrainStatus::too_many_pairs:
+      return "too_many_pairs";
     case SplatTrainStatus::stopped:
       return "stopped";
   }
   return "";
+}
+
+std::string explained(SplatTrainStatus status) {
+  const auto meaning = [status]() -> const char* {
+    switch (status) {
+      case SplatTrainStatus::ok:
+      case SplatTrainStatus::stopped:
+        return "";
+      case SplatTrainStatus::no_views:
+        return ": no photograph has a pose";
+      case SplatTrainStatus::no_start:
+        return ": nothing to start from";
+      case SplatTrainStatus::nothing_to_learn:
+        return ": no pixel of any photograph counts";
+      case SplatTrainStatus::nothing_seen:
+        return ": no view shows any Gaussian, poses or start are wrong";
+      case SplatTrainStatus::nothing_left:
+        return ": no Gaussian that was shown is left, photographs show the background alone";
+      case SplatTrainStatus::not_finite:
+        return ": the loss was not a number";
+      case SplatTrainStatus::too_many_pairs:
+        return ": Gaussians cover more tiles of one view than can be listed; ask for fewer, or for "
+               "smaller photographs";
+    }
+    return "";
+  };
+  return to_string(status) + meaning();
 }
 
 SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& start,
@@ -166,7 +195,13 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   };
   if (training.status == SplatTrainStatus::ok) judge();  // one that had ended says so again
   while (training.status == SplatTrainStatus::ok && trainer.state().step < config.steps) {
-    const SplatTrainer::Step step = trainer.step();
+    SplatTrainer::Step step;
+    try {
+      step = trainer.step();
+    } catch (const TooManyPairs&) {  // of the Gaussians as they are now, no value changed
+      training.status = SplatTrainStatus::too_many_pairs;
+      break;
+    }
     const int done = trainer.state().step;
     blind = step.shown == 0 ? blind + 1 : 0;
     if (std::isfinite(step.loss))
@@ -200,7 +235,12 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   }
   training.seconds = trainer.seconds();
   training.model = learned(trainer, config);
-  keeping([&] { training.model.views_seen = trainer.views_seen(); });
+  keeping([&] {
+    try {
+      training.model.views_seen = trainer.views_seen();
+    } catch (const TooManyPairs&) {  // of another view, or of what the last step made: not known
+    }
+  });
   training.seconds.kept = kept.wall_s;
   training.seconds.kept_cpu = kept.cpu_s;
   return training;

@@ -19,9 +19,12 @@ enum class SplatTrainStatus {
   nothing_seen,      ///< no view shows any Gaussian: poses or start are wrong
   nothing_left,      ///< none that was shown is still: photographs of the background alone
   not_finite,        ///< the loss was not a number
-  stopped            ///< `progress` said so
+  too_many_pairs,  ///< Gaussians cover more tiles of one view than can be listed, see TooManyPairs
+  stopped          ///< `progress` said so
 };
 std::string to_string(SplatTrainStatus status);
+/// The status and what it means, for people: "nothing_seen: no view shows any Gaussian, ...".
+std::string explained(SplatTrainStatus status);
 
 struct SplatTrainPoint {
   int step = 0;
@@ -42,7 +45,9 @@ struct SplatTrainSeconds {
 
 struct SplatTraining {
   SplatTrainStatus status = SplatTrainStatus::no_views;
-  SplatModel model;  ///< with `views_seen`; as far as training came where status is not ok
+  /// With `views_seen`, unless a view has too many pairs; as far as training came where status is
+  /// not ok.
+  SplatModel model;
   std::vector<SplatTrainPoint> curve;
   SplatTrainSeconds seconds;
 };

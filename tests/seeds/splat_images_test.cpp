@@ -74,6 +74,38 @@ TEST(SplatImages, PixelsOfNoWeightDoNotCount) {
   EXPECT_EQ(value_of(rows, "train.flip"), value_of(same, "train.flip"));
 }
 
+TEST(SplatImages, WhatIsOfTheObjectDoesNotSeeTheScreen) {
+  std::vector<ScoredPhotograph> photographs = {photograph(30, 30, false)};
+  SplatViewLevel& level = photographs[0].view.full;
+  level.behind = Image<float>(30, 30, 0.0F);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 15; x < 30; ++x) level.behind(x, y) = 1;
+  const auto drawn = [&](float on_object, float on_screen) {
+    return photograph_rows(
+        photographs,
+        [=](const Camera& camera, const Pose&) {
+          FidelityPlanes image;
+          for (Image<float>& channel : image) {
+            channel = Image<float>(camera.width_px, camera.height_px);
+            for (int y = 0; y < camera.height_px; ++y)
+              for (int x = 0; x < camera.width_px; ++x)
+                channel(x, y) = 0.01F * static_cast<float>(x) + (x < 15 ? on_object : on_screen);
+          }
+          return image;
+        },
+        {}, nullptr);
+  };
+  const std::vector<ScoreRow> clean = drawn(0.1F, 0), noisy_screen = drawn(0.1F, 0.4F);
+  EXPECT_NEAR(value_of(clean, "train.psnr_object"), 20, 1e-3);
+  for (const char* metric : {"train.psnr_object", "train.ssim_object", "train.flip_object"})
+    EXPECT_EQ(value_of(clean, metric), value_of(noisy_screen, metric)) << metric;
+  EXPECT_LT(value_of(noisy_screen, "train.ssim"), value_of(clean, "train.ssim"));
+  EXPECT_GT(value_of(noisy_screen, "train.flip"), value_of(clean, "train.flip"));
+  const std::vector<ScoreRow> worse = drawn(0.3F, 0);
+  EXPECT_LT(value_of(worse, "train.ssim_object"), value_of(clean, "train.ssim_object"));
+  EXPECT_GT(value_of(worse, "train.flip_object"), value_of(clean, "train.flip_object"));
+}
+
 TEST(SplatImages, ViewsHeldOutHaveRowsOfTheirOwn) {
   std::vector<ScoredPhotograph> photographs = {photograph(30, 30, false)};
   // An image that is 0.1 too bright everywhere: 20 dB.
@@ -87,15 +119,27 @@ TEST(SplatImages, ViewsHeldOutHaveRowsOfTheirOwn) {
     }
     return image;
   };
-  photographs[0].share = 0.1;
+  // Of a photograph three times as high the rest is drawn too, and charged with as much.
+  const ScoredPhotograph high = photograph(30, 90, false);
+  photographs[0].whole = high.view;
+  const auto bright_below = [&](const Camera& camera, const Pose& pose) {
+    FidelityPlanes image = render(camera, pose);
+    for (Image<float>& channel : image)
+      for (int y = 30; y < camera.height_px; ++y)
+        for (int x = 0; x < camera.width_px; ++x) channel(x, y) += 0.4F;
+    return image;
+  };
+  const double charged =
+      value_of(photograph_rows(photographs, bright_below, {}, nullptr), "train.psnr_whole");
+  EXPECT_NEAR(charged, -10 * std::log10((899 * 0.01 + 1800 * 0.25) / 2699.0), 1e-4);
   const std::vector<ScoreRow> trained = photograph_rows(photographs, render, {}, nullptr);
   EXPECT_NEAR(value_of(trained, "train.psnr"), 20, 1e-4);
-  EXPECT_NEAR(value_of(trained, "train.psnr_whole"), 30, 1e-4);
-  EXPECT_NEAR(value_of(trained, "train.psnr_whole_small"), 30, 1e-4);
+  EXPECT_NEAR(value_of(trained, "train.psnr_whole"), 20, 1e-4);
+  EXPECT_NEAR(value_of(trained, "train.psnr_whole_small"), 20, 1e-4);
   EXPECT_TRUE(std::isnan(value_of(trained, "held_out.psnr")));
   photographs.push_back(photograph(30, 30, true));
   const std::vector<ScoreRow> both = photograph_rows(photographs, render, {}, nullptr);
-  EXPECT_NEAR(value_of(both, "train.psnr_whole"), 30, 1e-4);
+  EXPECT_NEAR(value_of(both, "train.psnr_whole"), 20, 1e-4);
   EXPECT_NEAR(value_of(both, "held_out.psnr_whole"), 20, 1e-4);
 }
 

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "perception/splats/tile_lists.h"
 #include "sim/types/seams.h"
 #include "tests/splats/random_splats.h"
 
@@ -19,24 +20,6 @@ SplatModel cube_model() {
   SplatModel model;
   model.splats = random_splats(400, 8);
   return model;
-}
-
-// 650 million pairs would be 2.6 GB, and are not made before they are refused.
-TEST(SplatRender, GaussiansThatCoverTooManyTilesAreRefused) {
-  SplatModel model;
-  model.splats.resize(20000);
-  for (Splat& splat : model.splats) {
-    splat.centre_m = {3, 0, 0};
-    splat.log_scale.setConstant(3);
-    splat.opacity_logit = 4;
-  }
-  try {
-    (void)render_splats(model, pinhole(3840, 2160, 2000), look_at({0, 0, 0}, {1, 0, 0}));
-    FAIL();
-  } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("limit of 67108864"), std::string::npos)
-        << error.what();
-  }
 }
 
 double largest_difference(const ColorPlanes& a, const ColorPlanes& b) {
@@ -50,6 +33,34 @@ double largest_difference(const ColorPlanes& a, const ColorPlanes& b) {
     }
   }
   return largest;
+}
+
+TEST(SplatRender, WhatIsTooMuchAtOnceIsDrawnInRowsAndIsTheSamePicture) {
+  const SplatModel model = cube_model();
+  const Camera camera = pinhole(150, 117, 130);  // rows that end inside a tile
+  const Pose pose = view_of_cube();
+  const SplatImage whole = render_splats(model, camera, pose);
+  SplatRenderConfig few;
+  few.most_pairs = 500;
+  const SplatImage in_rows = render_splats(model, camera, pose, few);
+  // Rows count from where a part begins: pixels differ by rounding alone.
+  EXPECT_LT(largest_difference(whole.color, in_rows.color), 1e-4);
+  ASSERT_EQ(in_rows.depth_m.size(), whole.depth_m.size());
+  ASSERT_EQ(in_rows.mean_depth_m.size(), whole.mean_depth_m.size());
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < whole.alpha.size(); ++i) {
+    EXPECT_NEAR(whole.alpha.data()[i], in_rows.alpha.data()[i], 1e-4);
+    const float a = whole.depth_m.data()[i], b = in_rows.depth_m.data()[i];
+    others += std::isnan(a) != std::isnan(b) || std::abs(a - b) > 1e-3F ? 1 : 0;
+  }
+  EXPECT_LE(others, whole.alpha.size() / 500);  // at a threshold the next Gaussian is taken
+  few.most_pairs = 3;
+  try {
+    (void)render_splats(model, camera, pose, few);
+    FAIL() << "not even a row of tiles has so few";
+  } catch (const TooManyPairs& error) {
+    EXPECT_NE(std::string(error.what()).find("limit of 3"), std::string::npos) << error.what();
+  }
 }
 
 /// Pixels whose colours differ by more than 1e-4: a decision at 1/255 that rounding turns may

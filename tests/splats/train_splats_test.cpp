@@ -183,6 +183,26 @@ TEST(TrainSplats, WhatCannotBeTrainedSaysSo) {
   EXPECT_EQ(train_splats(views, start_model(9), config).status, SplatTrainStatus::nothing_to_learn);
 }
 
+// 70 million pairs: lists and derivatives would be 4 GB, and are not made before they are refused.
+TEST(TrainSplats, GaussiansThatCoverTooManyTilesAreAStatus) {
+  SplatView view;
+  view.camera_from_world = look_at({0, 0, 0}, {1, 0, 0});
+  view.full.camera = pinhole(1024, 1024, 600);
+  for (Image<float>& channel : view.full.color.channel) channel = Image<float>(1024, 1024, 0.5F);
+  SplatModel start;
+  start.splats.resize(17'000);
+  for (Splat& splat : start.splats) {
+    splat.centre_m = {3, 0, 0};
+    splat.log_scale.setConstant(3);
+  }
+  SplatTrainConfig config = quick_config(SplatGrowth::fixed);
+  config.half_until = 0;
+  const SplatTraining training = train_splats(std::vector<SplatView>{view}, start, config);
+  EXPECT_EQ(training.status, SplatTrainStatus::too_many_pairs);
+  EXPECT_EQ(training.model.splats.size(), start.splats.size());
+  EXPECT_TRUE(training.model.views_seen.empty());
+}
+
 TEST(TrainSplats, ExtremeViewsGiveFiniteModels) {
   const std::vector<SplatView> good = views_of(true_model(), 4);
   std::vector<std::vector<SplatView>> cases;
