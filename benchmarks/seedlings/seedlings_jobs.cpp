@@ -20,6 +20,7 @@ constexpr int kOurStartPoints = 5000;
 /// times as many. D2, tray 2, trained / held out: 36.2 / 25.9 dB with 120,000, 37.9 / 25.6 with
 /// these in 1.7 times the seconds.
 constexpr int kOurMostSplats = 240000;
+constexpr const char* kShapePart = "shape";
 constexpr const char* kLights[] = {"D1", "D2", "D3"};
 
 /// Numbers of a run, and of a quick one.
@@ -28,6 +29,7 @@ struct Extent {
   std::vector<int> reference, ours, ours_most = {}, ngp = {};
   FieldPlan between = {};               ///< of ours, in a job of its own; without steps: none
   std::vector<FieldPlan> further = {};  ///< of the first tray, in jobs of their own
+  std::vector<FieldPlan> shape = {};    ///< of the first tray: how near surfaces are
   std::vector<ViewSet> fewer = {};      ///< sets that the reference alone is trained on
   std::vector<int> more = {};  ///< photographs of the first tray that ours alone is trained on
 };
@@ -41,6 +43,8 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
             .reference = {250, 500, 1000},
             .ours = {250, 500},
             .ngp = {50, 100},
+            .shape = {{.method = kReference, .at = {1000}},
+                      {.method = kOurs, .at = {500}, .start_points = kOurStartPoints}},
             .fewer = {{"10 views", 10, false}, {"30 views of one side", 30, true}}};
   }
   const int usual = SplatTrainConfig().most_splats;
@@ -52,7 +56,7 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
           .reference = {500, 1000, 2000, 5000, 7000},
           .ours = {500, 1000, 2000, 5000, 7000},
           .ours_most = {usual, usual, usual, kOurMostSplats, kOurMostSplats},
-          .ngp = {500, 2000},
+          .ngp = {500, 1000, 2000, 5000, 7000},
           .between = {.method = kOurs,
                       .at = {3000},
                       .start_points = kOurStartPoints,
@@ -63,6 +67,11 @@ Extent extent_of(const SeedlingsSuiteConfig& config) {
                        .start_points = kOurStartPoints,
                        .most_splats = {kOurMostSplats, kOurMostSplats}},
                       {.method = kNgp, .at = {1000, 5000, 7000, 10000, 30000}}},
+          .shape = {{.method = kReference, .at = {7000}},
+                    {.method = kOurs,
+                     .at = {7000},
+                     .start_points = kOurStartPoints,
+                     .most_splats = {kOurMostSplats}}},
           .fewer = {{"20 views", 20, false},
                     {"10 views", 10, false},
                     {"30 views of one side", 30, true}},
@@ -89,6 +98,17 @@ void add_between(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJo
   job.part = "between";
   job.shown = false;
   jobs.push_back(job);
+}
+
+/// The same trainings once more, of which nothing but surfaces is scored.
+void add_shape(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>& jobs) {
+  job.set = {"30 views", job.sample.views, false};
+  job.shown = false;
+  job.part = kShapePart;
+  for (const FieldPlan& plan : extent.shape) {
+    job.plan = plan;
+    jobs.push_back(job);
+  }
 }
 
 /// The methods' further steps: they take longer than all else, so that each may be left out.
@@ -177,13 +197,14 @@ std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config) {
       job.plan = {kNgp, extent.ngp};
       jobs.push_back(job);
       add_between(job, extent, jobs);
+      if (i > 0) continue;
       for (const ViewSet& set : extent.fewer) {
         job.set = set;
         job.plan = {kReference, {extent.reference.back()}};
         jobs.push_back(job);
       }
-      if (i > 0) continue;
       add_more_views(job, extent, jobs);
+      add_shape(job, extent, jobs);
       add_long(job, extent, jobs);
     }
   }
@@ -198,6 +219,7 @@ std::string key_of(const SeedlingsJob& job) {
   if (job.set.one_side) key += "/" + std::to_string(kOneSideShare);
   for (const int step : job.plan.at) key += "/" + std::to_string(step);
   for (const int most : job.plan.most_splats) key += "/most" + std::to_string(most);
+  if (job.part == kShapePart) key += "/shape 1";
   key += "/scores 2";  // another word where what rows mean changes
   if (job.plan.method == kReference) {
     const SplatTrainConfig config = reference_training();
@@ -247,6 +269,10 @@ ScoreFile run_seedlings_job(const SeedlingsJob& job, std::uint64_t seed, LastCap
                    unswept_start(job.sample, points, rng)},
                   seed, unfinished);
   ScoreFile file;
+  if (job.part == kShapePart) {
+    file.scores = shape_job_rows(job, seed, field, views);
+    return file;
+  }
   file.scores = sample_rows(job, seed, field, views, whole);
   if (job.shown && field.render && !report.empty())
     write_sample_pictures(report, job, field, views);

@@ -33,8 +33,8 @@ struct SeedlingsJob {
   int noise_views = 4;
   bool shown = false;  ///< the page has pictures of it
   /// Which of the method's trainings, where other jobs have the rest: "between" those of minutes,
-  /// "long", up to an hour; empty: the first, of which the reference's says what the photographs
-  /// are like.
+  /// "long", up to an hour, "shape", of whose last model only surfaces are scored; empty: the
+  /// first, of which the reference's says what the photographs are like.
   std::string part;
 
   std::string name() const;  ///< "D1_0_20_reference": letters, digits, _

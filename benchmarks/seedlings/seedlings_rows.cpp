@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "benchmarks/metrics/distributions.h"
 #include "benchmarks/metrics/order_statistics.h"
 #include "benchmarks/seedlings/exact_surface.h"
+#include "benchmarks/seedlings/field_shape.h"
 #include "benchmarks/seedlings/surface_coverage.h"
 
 namespace cousin {
@@ -29,6 +31,12 @@ ScoreRow with_number(ScoreRow row, const std::string& metric, double value, cons
   row.value = value;
   row.unit = unit;
   row.n = n;
+  return row;
+}
+
+ScoreRow unsolved_row(const ScoreRow& base, const std::string& status) {
+  ScoreRow row = with_number(base, "training: " + status, ScoreRow::kNone, "1", 0);
+  row.status = ScoreStatus::not_solved;
   return row;
 }
 
@@ -83,6 +91,32 @@ std::string without_sample(const std::string& case_name) {
              : std::string();
 }
 
+/// Rows with numbers of samples, without those of samples that another method with the same case
+/// and metric has not been run on yet: means stand beside one another.
+std::vector<const ScoreRow*> of_samples_in_common(const std::vector<ScoreRow>& rows) {
+  using Case = std::tuple<std::string, std::string, std::string>;
+  std::map<Case, std::map<std::string, std::set<std::string>>> samples;  // by method
+  std::vector<const ScoreRow*> numbers;
+  const auto case_of = [](const ScoreRow& row) {
+    return Case(row.scene, row.metric, without_sample(row.case_name));
+  };
+  for (const ScoreRow& row : rows) {
+    if (without_sample(row.case_name).empty() || row.status != ScoreStatus::ok ||
+        !std::isfinite(row.value))
+      continue;
+    numbers.push_back(&row);
+    samples[case_of(row)][row.method].insert(row.case_name);
+  }
+  const auto is_missing = [&](const ScoreRow* row) {
+    for (const auto& [method, own] : samples[case_of(*row)]) {
+      if (!own.contains(row->case_name)) return true;
+    }
+    return false;
+  };
+  std::erase_if(numbers, is_missing);
+  return numbers;
+}
+
 WithInterval student_mean(const std::vector<double>& values) {
   WithInterval result;
   result.value = mean(values);
@@ -104,17 +138,24 @@ double column_mean(const std::vector<const ScoreRow*>& rows, double ScoreRow::*c
 
 }  // namespace
 
+std::vector<ScoreRow> shape_job_rows(const SeedlingsJob& job, std::uint64_t seed,
+                                     const TrainedField& field, const FieldViews& views) {
+  ScoreRow row = base_row(job, seed);
+  if (field.status != "ok" || field.scores.empty()) return {unsolved_row(row, field.status)};
+  const FieldScores& last = field.scores.back();
+  row.case_name += ", " + std::to_string(last.steps) + " steps";
+  row.wall_s = last.wall_s;
+  row.cpu_s = last.cpu_s;
+  return shape_rows(job.sample, seed, field.splats, views, row);
+}
+
 std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
                                   const TrainedField& field, const FieldViews& views,
                                   const SampleCapture& whole) {
   const ScoreRow base = base_row(job, seed);
   std::vector<ScoreRow> rows;
   for (const FieldScores& scores : field.scores) add_field_scores(base, scores, rows);
-  if (field.status != "ok") {
-    ScoreRow row = with_number(base, "training: " + field.status, ScoreRow::kNone, "1", 0);
-    row.status = ScoreStatus::not_solved;
-    rows.push_back(row);
-  }
+  if (field.status != "ok") rows.push_back(unsolved_row(base, field.status));
   if (job.plan.method != kReference || !job.part.empty()) return rows;
   add_coverage(base, views, rows);
   if (job.set.one_side || job.set.views != job.sample.views) return rows;
@@ -139,11 +180,12 @@ std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
 }
 
 std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows) {
+  const std::vector<const ScoreRow*> compared = of_samples_in_common(rows);
   std::vector<std::vector<const ScoreRow*>> groups;  // in the order of their first rows
   std::map<std::tuple<std::string, std::string, std::string, std::string>, std::size_t> index;
-  for (const ScoreRow& row : rows) {
+  for (const ScoreRow* const one : compared) {
+    const ScoreRow& row = *one;
     const std::string rest = without_sample(row.case_name);
-    if (rest.empty() || row.status != ScoreStatus::ok || !std::isfinite(row.value)) continue;
     const auto [at, is_new] =
         index.try_emplace({row.scene, row.method, row.metric, rest}, groups.size());
     if (is_new) groups.emplace_back();

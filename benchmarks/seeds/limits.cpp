@@ -13,6 +13,9 @@
 namespace cousin {
 namespace {
 
+/// Of `splats_images` as it is held beside the reference; longer ones are there for the curve.
+constexpr int kStepsOfImages = 3000;
+
 bool is_species(const std::string& group) {
   return group == "maize" || group == "wheat" || group == "rice";
 }
@@ -80,6 +83,10 @@ std::optional<ScoreLimit> trained_limit(const ScoreRow& row) {
     return std::nullopt;
   if (row.method == "splats" && row.metric == "cloud_seen.accuracy_mean")
     return at_most(0.0001, "0.10 mm");
+  const bool is_gap = row.metric == "psnr_whole.train_less_held_out" ||
+                      row.metric == "psnr_object.train_less_held_out";
+  if (is_gap && row.method == "splats_images" && steps_of(row.case_name) == kStepsOfImages)
+    return at_most(1.5, "1.5 dB");
   if (row.metric == "train.psnr_whole_gain_at_equal_cpu_seconds") {
     ScoreLimit limit;
     limit.low = 1;

@@ -7,6 +7,7 @@
 
 #include "benchmarks/seeds/truth_stages.h"
 #include "perception/splats/splat_ply.h"
+#include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/seam_io.h"
 #include "sim/process/program_run.h"
@@ -49,6 +50,16 @@ std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSo
 }
 
 constexpr const char* kSplatsFile = "splats.ply";  ///< the reference's layout
+
+constexpr const char* kSeenFile = "splats_seen.csv";
+
+/// In the rows' order of the model's file, where its training knows.
+void write_seen(const fs::path& dir, const SplatModel& model) {
+  if (model.views_seen.empty() || model.views_seen.size() != model.splats.size()) return;
+  std::string text = "views\n";
+  for (const int views : model.views_seen) text += std::to_string(views) + "\n";
+  write_file(dir / kSeenFile, text);
+}
 
 /// The model, having told `warn` of rows that are no Gaussian.
 SplatModel read_splats(const fs::path& dir, const Warn& warn) {
@@ -144,7 +155,10 @@ SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>&
 void remove_seam(const fs::path& dir, const std::string& stage) {
   if (stage == "corners") fs::remove(dir / "corners.json");
   if (stage == "poses") fs::remove(dir / "poses.json");
-  if (stage == "splats") fs::remove(dir / kSplatsFile);
+  if (stage == "splats") {
+    fs::remove(dir / kSplatsFile);
+    fs::remove(dir / kSeenFile);
+  }
   if (stage == "depth") {
     fs::remove(dir / "depth" / "frames.json");
     remove_numbered(dir / "depth", ".exr");
@@ -164,7 +178,10 @@ void write_seam(const fs::path& dir, const std::string& stage, const SeedsEstima
                 int scene_index) {
   if (stage == "corners") write_corners(dir, estimate.corners);
   if (stage == "poses") write_poses(dir, estimate.poses);
-  if (stage == "splats") write_splat_ply(dir / kSplatsFile, estimate.splats);
+  if (stage == "splats") {
+    write_splat_ply(dir / kSplatsFile, estimate.splats);
+    write_seen(dir, estimate.splats);
+  }
   if (stage == "depth") write_depths(dir, estimate.depths);
   if (stage == "cloud") write_cloud(dir, estimate.cloud);
   if (stage == "clusters") write_clusters(dir, estimate.clusters);

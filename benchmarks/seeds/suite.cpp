@@ -25,7 +25,8 @@ namespace {
 /// Models that are trained on all views of a capture, and the steps after which they are measured
 /// beside their ends; none of a method without steps.
 struct TrainedJob {
-  bool splats = false;  ///< the paper's way and ours
+  bool splats = false;       ///< any of these
+  bool has_surfaces = true;  ///< the paper's way and ours
   std::vector<int> reference_at, ours_at, ngp_at;
   std::vector<int> images_steps;  ///< of trainings for images, each one of its own
 };
@@ -94,18 +95,31 @@ SeedsEstimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineCon
   return estimate;
 }
 
+/// Corners and poses, and nothing after them.
+SeedsEstimate posed_alone(const Capture& capture, const SeedsPipelineConfig& config,
+                          std::uint64_t seed) {
+  const SeedsStages all = seeds_stages(config, seed);
+  SeedsStages stages;
+  stages.corners = all.corners;
+  stages.poses = all.poses;
+  return run_seeds(capture, config, stages);
+}
+
 /// Measures by models trained on all views of a capture. @return what our Gaussians found
 SeedsEstimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
                                   ScoreFile& file) {
-  task.at = job.trained.reference_at;
-  MeasuredModel reference = measure_by_splats(task, SeedsMethod::splats_paper);
-  if (!job.pooled) reference.file.specimens.clear();
-  append(reference.file, file);
-  if (task.pipeline.splats.poses != SplatPoses::board) task.posed_by = &reference.estimate;
-  task.at = job.trained.ours_at;
-  MeasuredModel ours = measure_by_splats(task, SeedsMethod::splats);
-  if (!job.pooled) ours.file.specimens.clear();
-  append(ours.file, file);
+  MeasuredModel reference, ours;
+  if (job.trained.has_surfaces) {
+    task.at = job.trained.reference_at;
+    reference = measure_by_splats(task, SeedsMethod::splats_paper);
+    if (!job.pooled) reference.file.specimens.clear();
+    append(reference.file, file);
+    if (task.pipeline.splats.poses != SplatPoses::board) task.posed_by = &reference.estimate;
+    task.at = job.trained.ours_at;
+    ours = measure_by_splats(task, SeedsMethod::splats);
+    if (!job.pooled) ours.file.specimens.clear();
+    append(ours.file, file);
+  }
   task.at = {};
   for (const int steps : job.trained.images_steps)
     append({.scores = measure_for_images(task, steps)}, file);
@@ -213,7 +227,11 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
                                      .progress = progress,
                                      .unfinished = unfinished_of(job, suite)};
     if (job.only_trained) {
-      add_trained(job, training, {}, file);
+      add_trained(job, training,
+                  job.trained.ngp_at.empty()
+                      ? Poses{}
+                      : posed_alone(capture, job.config.pipeline, stage_seed).poses,
+                  file);
       continue;
     }
     const SeedsEstimate ours =
@@ -275,7 +293,7 @@ SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::
 /// What decides the trainings of a job, beside its configuration.
 std::string text_of(const TrainedJob& job, SeedsRunConfig config) {
   if (!job.splats) return {};
-  std::string text = "/splats";
+  std::string text = job.has_surfaces ? "/splats" : "/images alone";
   for (const auto* at : {&job.reference_at, &job.ours_at, &job.ngp_at, &job.images_steps}) {
     text += "/";
     for (const int step : *at) text += " " + std::to_string(step);
@@ -337,7 +355,11 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
                                           "views=24", "pipeline.splats.reference_steps=2000",
                                           "pipeline.splats.steps=1500"};
     add("quick_splats_zhengdan958", 0, few, {}, true, false,
-        {true, {500, 1000}, {500}, {100, 250}, {500}});
+        {.splats = true,
+         .reference_at = {500, 1000},
+         .ours_at = {500},
+         .ngp_at = {100, 250},
+         .images_steps = {500}});
     add_noise("quick_noise_zhengdan958", few);
     drop_repeated(jobs);
     return jobs;
@@ -361,14 +383,35 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     const std::vector<std::string> own = {"cultivar=" + cultivar, "rig=phone_video_720p",
                                           "views=60"};
     add(cultivar + "_splats", 0, own, {}, true, false,
-        {true, {500, 1000, 2000, 5000}, {300, 600}, {500, 1000, 2000}, {1000, 3000}});
+        {.splats = true,
+         .reference_at = {500, 1000, 2000, 5000},
+         .ours_at = {300, 600},
+         .ngp_at = {500, 1000, 2000},
+         .images_steps = {1000, 3000}});
     add_noise(cultivar + "_noise", own);
   }
   add("zhengdan958_splats_30k", 0,
       {"cultivar=zhengdan958", "rig=phone_video_720p", "views=60",
        "pipeline.splats.reference_steps=30000", "pipeline.splats.hold_out_every=8"},
       {}, false, false,
-      {true, {500, 1000, 2000, 5000, 7000, 10000}, {300, 600}, {500, 1000, 2000}, {1000, 3000}});
+      {.splats = true,
+       .reference_at = {500, 1000, 2000, 5000, 7000, 10000},
+       .ours_at = {300, 600},
+       .ngp_at = {500, 1000, 2000},
+       .images_steps = {1000, 3000}});
+  // The same photographs by the methods that make images alone, as far: an hour each.
+  const std::vector<std::string> held_out = {"cultivar=zhengdan958", "rig=phone_video_720p",
+                                             "views=60", "pipeline.splats.hold_out_every=8"};
+  add("zhengdan958_images_30k", 0, held_out, {}, false, false,
+      {.splats = true,
+       .has_surfaces = false,
+       .images_steps = {500, 1000, 2000, 3000, 5000, 7000, 10000, 30000}});
+  jobs.back().only_trained = true;
+  add("zhengdan958_ngp_30k", 0, held_out, {}, false, false,
+      {.splats = true,
+       .has_surfaces = false,
+       .ngp_at = {500, 1000, 2000, 5000, 7000, 10000, 30000}});
+  jobs.back().only_trained = true;
   // The paper's chain from its first step on, and what our adjustment of the same tracks changes.
   for (const SplatPoses poses : {SplatPoses::sfm, SplatPoses::adjusted}) {
     const std::vector<std::string> same = {"cultivar=zhengdan958", "rig=phone_video_720p",
@@ -380,7 +423,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
         job_config(suite, own).pipeline.splats.poses != poses)
       continue;
     add("zhengdan958_splats_" + std::string(to_string(poses)), 0, own, {}, false, false,
-        {true, {}, {}, {}, {}});
+        {.splats = true});
     jobs.back().only_trained = true;
   }
   for (const std::string& cultivar : cultivars) {

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -103,6 +105,30 @@ void add_run_times(const std::vector<ScoreRow>& of_runs, std::span<const Specime
   }
 }
 
+/// By how much views trained on are better than those held out, of each model that has both.
+std::vector<ScoreRow> held_out_gaps(const std::vector<ScoreRow>& rows) {
+  std::map<std::tuple<std::string, std::string, std::string>, double> held_out;
+  const std::string before = "held_out.", kind = "psnr_";
+  const auto place = [](const ScoreRow& row, const std::string& metric) {
+    return std::tuple(row.scene + "/" + row.method, row.case_name, metric);
+  };
+  for (const ScoreRow& row : rows) {
+    if (row.suite == kSplatsSuite && row.metric.starts_with(before + kind))
+      held_out[place(row, row.metric.substr(before.size()))] = row.value;
+  }
+  std::vector<ScoreRow> gaps;
+  for (ScoreRow row : rows) {
+    if (row.suite != kSplatsSuite || !row.metric.starts_with("train." + kind)) continue;
+    const std::string metric = row.metric.substr(std::string("train.").size());
+    const auto other = held_out.find(place(row, metric));
+    if (other == held_out.end()) continue;
+    row.metric = metric + ".train_less_held_out";
+    row.value -= other->second;
+    gaps.push_back(std::move(row));
+  }
+  return gaps;
+}
+
 }  // namespace
 
 ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
@@ -136,6 +162,7 @@ ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
                                                 kComparedSteps,
                                                 {"train.psnr_whole", "held_out.psnr_whole"}})},
            pooled);
+    append({.scores = held_out_gaps(of_runs)}, pooled);
     append({.scores = published_seeds_rows()}, pooled);
   }
   if (!config.quick && config.sets.empty()) {

@@ -22,7 +22,7 @@ TEST(SeedlingsJobs, ThreeLightsThreeMethodsThreeSamples) {
   const std::vector<SeedlingsJob> jobs = seedlings_jobs({});
   std::set<std::string> names, keys, lights;
   std::map<std::string, std::set<int>> longest;  // of each method
-  int full = 0, between = 0;
+  int full = 0, between = 0, shapes = 0;
   for (const SeedlingsJob& job : jobs) {
     names.insert(job.name());
     keys.insert(key_of(job));
@@ -33,7 +33,8 @@ TEST(SeedlingsJobs, ThreeLightsThreeMethodsThreeSamples) {
     EXPECT_TRUE(std::is_sorted(job.plan.at.begin(), job.plan.at.end()));
     full += job.set.name == "30 views" && job.part.empty();
     between += job.part == "between" && job.plan.method == kOurs && job.set.views == 30;
-    if (job.part == "long") EXPECT_EQ(job.sample.number, 0);
+    shapes += job.part == "shape" && job.set.views == 30;
+    if (job.part == "long" || job.part == "shape") EXPECT_EQ(job.sample.number, 0);
     if (job.plan.method != kOurs || job.sample.views == 30)
       longest[job.plan.method].insert(job.plan.at.back());
   }
@@ -42,6 +43,7 @@ TEST(SeedlingsJobs, ThreeLightsThreeMethodsThreeSamples) {
   EXPECT_EQ(lights, (std::set<std::string>{"D1", "D2", "D3"}));
   EXPECT_EQ(full, 3 * 3 * 3);
   EXPECT_EQ(between, 3 * 3);
+  EXPECT_EQ(shapes, 3 * 2);
   // More photographs of the first tray under each light, for ours alone.
   const auto more = std::count_if(jobs.begin(), jobs.end(), [](const SeedlingsJob& job) {
     return job.sample.views > 30 && job.set.views == job.sample.views && job.sample.number == 0 &&
@@ -51,7 +53,7 @@ TEST(SeedlingsJobs, ThreeLightsThreeMethodsThreeSamples) {
   EXPECT_EQ(more, 2 * 3);
   EXPECT_EQ(longest[kReference], (std::set<int>{7000, 30000}));
   EXPECT_EQ(longest[kOurs], (std::set<int>{3000, 7000, 30000}));
-  EXPECT_EQ(longest[kNgp], (std::set<int>{2000, 30000}));
+  EXPECT_EQ(longest[kNgp], (std::set<int>{7000, 30000}));
 }
 
 TEST(SeedlingsJobs, TheKeyTellsWhatDecidesTheResult) {

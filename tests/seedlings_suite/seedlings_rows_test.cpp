@@ -30,6 +30,19 @@ TEST(SeedlingsRows, StepsAreTheEndOfASnapshotsCase) {
   EXPECT_EQ(steps_of(""), 0);
 }
 
+TEST(SeedlingsRows, MeansThatStandBesideOneAnotherAreOfTheSameSamples) {
+  const std::string rest = ", 30 views, 400x300, 7000 steps";
+  const std::vector<ScoreRow> rows = {
+      row_of("sample 0" + rest, kReference, 30, 1), row_of("sample 0" + rest, kOurs, 33, 1),
+      row_of("sample 1" + rest, kOurs, 39, 1),
+      row_of("sample 1, 30 views, 400x300, 2000 steps", kOurs, 38, 1)};
+  const std::vector<ScoreRow> means = mean_rows(rows);
+  ASSERT_EQ(means.size(), 3u);
+  EXPECT_DOUBLE_EQ(means[1].value, 33);  // of ours, without the sample that the reference lacks
+  EXPECT_EQ(means[1].n, 1);
+  EXPECT_DOUBLE_EQ(means[2].value, 38);  // no other method has that case
+}
+
 TEST(SeedlingsRows, MeansAreOverTheSamplesOfOneCase) {
   std::vector<ScoreRow> rows = {row_of("sample 0, 30 views, 400x300, 500 steps", kOurs, 20, 4),
                                 row_of("sample 1, 30 views, 400x300, 500 steps", kOurs, 24, 8),

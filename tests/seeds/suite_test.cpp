@@ -192,6 +192,8 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
     add("splats_paper", 7000, "train.psnr_whole", 38, 700);
     add("splats_images", 3000, "train.psnr_whole", 39.5, 200);
     add("splats_images", 9000, "train.psnr_whole", 45, 800);
+    add("splats_images", 3000, "held_out.psnr_whole", cultivar == "jimai22" ? 37.9 : 38.1, 200);
+    add("splats_images", 9000, "held_out.psnr_whole", 40, 800);
     for (const char* method : {"splats", "splats_paper"}) {
       for (int i = 0; i < 2; ++i) {
         SpecimenRow row;
@@ -232,6 +234,13 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
       row_of("aikang58", "splats_images", "train.psnr_whole_gain_at_equal_cpu_seconds");
   EXPECT_DOUBLE_EQ(gain.value, 1.5);
   EXPECT_EQ(gain.status, ScoreStatus::pass);
+  const auto gap = [&](const std::string& cultivar, const std::string& steps) {
+    return row_of(cultivar, "splats_images", "psnr_whole.train_less_held_out", steps);
+  };
+  EXPECT_NEAR(gap("suijing18", "3000 steps").value, 1.4, 1e-12);
+  EXPECT_EQ(gap("suijing18", "3000 steps").status, ScoreStatus::pass);
+  EXPECT_EQ(gap("jimai22", "3000 steps").status, ScoreStatus::fail);
+  EXPECT_EQ(gap("jimai22", "9000 steps").status, ScoreStatus::ok);
   EXPECT_EQ(row_of("pooled", "splats/splats_paper", "length.rmse_ratio", "all").status,
             ScoreStatus::pass);
   // The paper's own numbers, in SI units.

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <cmath>
 #include <cstring>
+#include <set>
 
 #include "perception/splats/reference_render.h"
 #include "perception/splats/splat_frame.h"
@@ -100,18 +102,20 @@ TEST(SplatKernels, GradientsAreTheReferences) {
       reference_gradients(splat_parameters(splats), reference_view(camera, view_of_cube()), rows);
   for (const SplatKernels* kernels : all_kernels()) {
     const Drawn d = draw(*kernels, splats, camera, view_of_cube(), gradient);
-    int off = 0;
+    std::set<int> off;
     for (int k = 0; k < SplatPlane::count; ++k) {
       const double rms = std::sqrt(expected.col(k).squaredNorm() / 300);
       EXPECT_GT(rms, 0);
       for (int i = 0; i < 300; ++i) {
-        const double value = d.gradients.at(k, i);
-        const double limit = 1e-3 * (std::abs(expected(i, k)) + rms);
-        off += std::abs(value - expected(i, k)) > limit ? 1 : 0;
+        const double difference =
+            std::abs(static_cast<double>(d.gradients.at(k, i)) - expected(i, k));
+        const double size = std::abs(expected(i, k)) + rms;
+        if (difference > 1e-3 * size) off.insert(i);
+        EXPECT_LE(difference, 0.05 * size) << kernels->name << " " << k << " " << i;
       }
     }
-    // Gaussians with a pixel at a threshold, as above: a few of 300, each with up to 59 values.
-    EXPECT_LE(off, 59 * 4) << kernels->name;
+    // Gaussians with a pixel at a threshold, as above: that pixel's share is off, no more.
+    EXPECT_LE(off.size(), 4u) << kernels->name;
   }
 }
 

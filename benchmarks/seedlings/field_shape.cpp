@@ -1,0 +1,55 @@
+#include "benchmarks/seedlings/field_shape.h"
+
+#include <string>
+#include <utility>
+
+#include "benchmarks/views/score_views.h"
+#include "perception/splats/splat_geometry.h"
+
+namespace cousin {
+namespace {
+
+/// Of a centre that counts: as of the Seeds paper's way (SeedsSplatConfig::least_opacity).
+constexpr double kLeastOpacity = 0.05;
+
+SceneTruth truth_of(const SeedlingsSample& sample, std::uint64_t seed, const FieldViews& views) {
+  SceneTruth truth;
+  truth.scene = build_scene(sample_config(sample).scene, seed, sample.number);
+  for (const SampleView* view : views.train) {
+    TrueView still;
+    still.frame = view->photograph.frame;
+    still.camera = view->photograph.full.camera;
+    still.camera_from_world = still.camera_from_world_end = view->photograph.camera_from_world;
+    truth.views.push_back(still);
+  }
+  return truth;
+}
+
+Cloud fused(const SplatModel& splats, const FieldViews& views) {
+  std::vector<SplatViewpoint> from;
+  for (const SampleView* view : views.train)
+    from.push_back({view->photograph.full.camera, view->photograph.camera_from_world});
+  return fused_splat_cloud(render_splat_depths(splats, from));
+}
+
+}  // namespace
+
+std::vector<ScoreRow> shape_rows(const SeedlingsSample& sample, std::uint64_t seed,
+                                 const SplatModel& splats, const FieldViews& views,
+                                 const ScoreRow& base) {
+  const SceneTruth truth = truth_of(sample, seed, views);
+  std::vector<ScoreRow> rows;
+  const auto add = [&](Cloud cloud, const std::string& of) {
+    ScoreRow row = base;
+    row.method += of;
+    SeedsEstimate estimate;
+    estimate.cloud = std::move(cloud);
+    for (ScoreRow& one : score_views(truth, estimate, PoseAlignment::none, true, row))
+      rows.push_back(std::move(one));
+  };
+  add(fused(splats, views), ", depths");
+  add(splat_centres(splats, kLeastOpacity), ", centres");
+  return rows;
+}
+
+}  // namespace cousin
