@@ -153,6 +153,12 @@ std::vector<ScoreRow> seeds_sfm_rows(const SfmSuiteConfig& config, const Progres
   std::vector<ScoreRow> rows = board_rows(config, run.capture, corners, truth);
   const SfmConfig ours = with_folder({}, config, "seeds_ours");
   add(estimate_rows(row, estimate_poses_sfm(run.capture, corners, SeedBoard{}, ours), truth), rows);
+  // COLMAP's files are there: it does not run again.
+  SfmConfig zooming = ours;
+  zooming.focal = SfmFocal::per_image;
+  add(estimate_rows(sfm_row(config, "seeds", "ours, a focal length an image"),
+                    estimate_poses_sfm(run.capture, corners, SeedBoard{}, zooming), truth),
+      rows);
   const SfmConfig paper = with_folder(paper_sfm_config(), config, "seeds_paper");
   add(estimate_rows(sfm_row(config, "seeds", "paper: self-calibration, one factor"),
                     estimate_poses_sfm(run.capture, corners, SeedBoard{}, paper), truth),

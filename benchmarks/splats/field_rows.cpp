@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 
 #include "benchmarks/metrics/image_fidelity.h"
 #include "benchmarks/splats/ngp_view.h"
@@ -19,16 +20,23 @@ constexpr int kFoxPoints = 20000;
 
 constexpr const char* kChairIntrinsics = "intrinsic_DSC-HX5_3648x2736_to_640x480.yaml";
 
-/// Mean over views of pixels that their photographs have.
+/// Means over views, of pixels that their photographs have.
 template <class Render>
-double mean_db(const std::vector<const SplatView*>& views, const Render& render) {
-  double sum = 0;
+ImageFidelity mean_fidelity(const std::vector<const SplatView*>& views, const Render& render) {
+  ImageFidelity mean{0, 0, 0, 0};
+  const auto n = static_cast<double>(views.size());
   for (const SplatView* view : views) {
     const SplatViewLevel& level = view->full;
-    sum += psnr_db(render(level.camera, view->camera_from_world).channel, level.color.channel,
-                   counted_pixels(level.weight));
+    const Image<std::uint8_t> counted = counted_pixels(level.weight);
+    const ImageFidelity one =
+        score_fidelity(where_counted(render(level.camera, view->camera_from_world).channel,
+                                     level.color.channel, counted),
+                       level.color.channel, counted);
+    mean.psnr_db += one.psnr_db / n;
+    mean.ssim += one.ssim / n;
+    mean.flip += one.flip / n;
   }
-  return sum / static_cast<double>(views.size());
+  return mean;
 }
 
 /// At most `count` of the views, evenly.
@@ -45,17 +53,22 @@ template <class Render>
 void add_point(std::vector<ScoreRow>& rows, ScoreRow row, const PosedSet& set, int steps,
                const StageTiming& training, const Render& render) {
   row.case_name = std::to_string(steps) + " steps";
-  row.unit = "dB";
   row.wall_s = training.wall_s;
   row.cpu_s = training.cpu_s;
-  const auto add = [&](const char* metric, const std::vector<const SplatView*>& views) {
-    row.metric = metric;
-    row.value = mean_db(views, render);
+  const auto add = [&](const std::string& kind, const std::vector<const SplatView*>& views) {
+    const ImageFidelity mean = mean_fidelity(views, render);
     row.n = static_cast<std::int64_t>(views.size());
-    rows.push_back(row);
+    for (const auto& [metric, value, unit] :
+         {std::tuple("psnr", mean.psnr_db, "dB"), std::tuple("ssim", mean.ssim, "1"),
+          std::tuple("flip", mean.flip, "1")}) {
+      row.metric = kind + metric;
+      row.value = value;
+      row.unit = unit;
+      rows.push_back(row);
+    }
   };
-  add("held_out.psnr", some_of(set.test, set.test.size()));
-  add("train.psnr", some_of(set.train, set.test.size()));
+  add("held_out.", some_of(set.test, set.test.size()));
+  add("train.", some_of(set.train, set.test.size()));
 }
 
 void splat_points(std::vector<ScoreRow>& rows, const ScoreRow& base, const PosedSet& set,

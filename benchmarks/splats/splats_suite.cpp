@@ -28,22 +28,22 @@ std::vector<ShardJob> splats_jobs(const SplatsSuiteConfig& config) {
                     [config, rows] { return to_json(ScoreFile{.scores = rows(config)}); },
                     {}};
   };
-  return {
-      job("kernels", "", [](const SplatsSuiteConfig& c) { return splat_kernel_rows(c.seed); }),
-      job("training", text_of(config.photographs),
-          [](const SplatsSuiteConfig& c) {
-            return splat_training_rows(c.photographs, c.seed, c.quick);
-          }),
-      job("choices", text_of(config.photographs),
-          [](const SplatsSuiteConfig& c) {
-            return splat_choice_rows(c.photographs, c.seed, c.quick);
-          }),
-      job("fields",
-          text_of(config.photographs) + text_of(config.fox.parent_path()) + text_of(config.chair) +
-              "/colmap " + colmap_version(),  // which places the chair's photographs
-          [](const SplatsSuiteConfig& c) {
-            return field_rows(c.photographs, c.fox, c.chair, c.seed, c.quick);
-          })};
+  return {job("kernels", "", [](const SplatsSuiteConfig& c) { return splat_kernel_rows(c.seed); }),
+          job("training", text_of(config.photographs),
+              [](const SplatsSuiteConfig& c) {
+                return splat_training_rows(c.photographs, c.seed, c.quick);
+              }),
+          job("choices", text_of(config.photographs),
+              [](const SplatsSuiteConfig& c) {
+                return splat_choice_rows(c.photographs, c.seed, c.quick);
+              }),
+          job("fields",
+              "ssim and flip/" + text_of(config.photographs) + text_of(config.fox.parent_path()) +
+                  text_of(config.chair) + "/colmap " +
+                  colmap_version(),  // which places the chair's photographs
+              [](const SplatsSuiteConfig& c) {
+                return field_rows(c.photographs, c.fox, c.chair, c.seed, c.quick);
+              })};
 }
 
 }  // namespace cousin

@@ -41,13 +41,14 @@ bool are_reported(const Capture& capture, ViewsPoses from) {
   return count >= 2 && 2 * count >= capture.frames.size();
 }
 
-Poses place_by_tracks(const Capture& capture, const SplatWatch& watch, ViewsFindings& findings) {
-  SfmConfig config;
+Poses place_by_tracks(const Capture& capture, SfmConfig config, const SplatWatch& watch,
+                      ViewsFindings& findings) {
   config.colmap.folder = watch.sfm_folder;
   // Frames may come in any order; beyond so many, in the order of a walk around.
   constexpr std::size_t kAllPairs = 60;
   if (capture.frames.size() <= kAllPairs) config.pairs.choice = PairChoice::exhaustive;
   if (capture.board.empty() || capture.board == "none") config.scale = SfmScale::none;
+  if (!config.refine && config.scale == SfmScale::adjusted) config.scale = SfmScale::squares;
   SfmEstimate estimate = estimate_poses_sfm(capture, config);
   if (watch.posed) watch.posed(estimate);
   if (!has_poses(estimate.status))
@@ -66,11 +67,12 @@ Poses place_by_tracks(const Capture& capture, const SplatWatch& watch, ViewsFind
   return std::move(estimate.poses);
 }
 
-Poses place(const Capture& full, ViewsPoses from, const SplatWatch& watch,
+Poses place(const Capture& full, const ViewsPipelineConfig& config, const SplatWatch& watch,
             ViewsFindings& findings) {
   findings = {};
-  Poses poses =
-      are_reported(full, from) ? reported_poses(full) : place_by_tracks(full, watch, findings);
+  Poses poses = are_reported(full, config.poses)
+                    ? reported_poses(full)
+                    : place_by_tracks(full, config.sfm, watch, findings);
   if (const std::size_t count = placed(poses); count < 2)
     throw std::runtime_error(std::to_string(count) + " of " + std::to_string(poses.size()) +
                              " views have a pose; at least 2 (poses=sfm finds them by COLMAP)");
@@ -293,47 +295,55 @@ ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
 std::string_view to_string(ViewsMethod method) { return name_in<ViewsMethod>(kMethods, method); }
 
 Fields fields(ViewsPipelineConfig& c) {
-  return {
-      {"method", choice_field<ViewsMethod>("method", kMethods, c.method),
-       "splats: ours; splats_paper: the reference's schedule, left after reference_steps"},
-      {"poses", choice_field<ViewsPoses>("poses", kPoses, c.poses),
-       "best: the capture's where at least half of its frames have them, else sfm; reported; sfm: "
-       "by COLMAP and our adjustment"},
-      {"largest_side_px", &c.largest_side_px,
-       "longer side that photographs are made small to after they were placed, from 16 on; 0: they "
-       "stay",
-       0, 100000},
-      {"hold_out_every", &c.hold_out_every,
-       "every so many-th view has no part in the training and scores it; 0 or 1: all have", 0,
-       1000},
-      {"steps", &c.steps, "splats: training steps, one view each", 1, 1e6},
-      {"most_splats", &c.most_splats, "splats: Gaussians at the end", 1, 1e7},
-      {"growth", choice_field<SplatGrowth>("growth", kGrowths, c.growth),
-       "splats: how they become that many. budgeted: those of the largest gradients part; "
-       "adaptive: "
-       "the reference's clone, split and prune; mcmc: relocation and noise; fixed: they do not"},
-      {"reference_steps", &c.reference_steps,
-       "splats_paper: steps of the reference's 30,000 after which training is left", 1, 30000},
-      {"masks",
-       TextField{[&c] { return c.masks; }, [&c](const std::string& text) { c.masks = text; }},
-       "folder of masks, as 000012.png: where one is 0, its photograph is neither trained on nor "
-       "scored; empty: there are none"},
-      {"sh_degree", &c.sh_degree, "of the colours over directions", 0, 3},
-      {"low_pass_px2", &c.low_pass_px2,
-       "splats: added to the variances of a Gaussian in the image; the reference has 0.3", 1e-6,
-       100},
-      {"one_exposure", &c.one_exposure,
-       "splats: exposures and vignetting are measured on swept surfaces and taken out"},
-      {"swept_points", &c.swept_points, "splats: at most so many of these surfaces begin too", 0,
-       1e6},
-      {"start_points", &c.start_points, "Gaussians at the beginning, where there are no tracks", 1,
-       1e6},
-      {"cloud_views", &c.cloud_views, "views whose depths become the cloud; 0: no cloud", 0, 1000},
-      {"voxel_px", &c.voxel_px, "of the cloud, in pixels at the median depth", 0.01, 100},
-      {"agreement_px", &c.agreement_px, "along the normal, at which depths agree; likewise", 0.01,
-       100},
-      {"mesh_cells", &c.mesh_cells,
-       "of the mesh's lattice along the cloud's longest side; 0: no mesh", 0, 390}};
+  return Fields{
+             {"method", choice_field<ViewsMethod>("method", kMethods, c.method),
+              "splats: ours; splats_paper: the reference's schedule, left after reference_steps"},
+             {"poses", choice_field<ViewsPoses>("poses", kPoses, c.poses),
+              "best: the capture's where at least half of its frames have them, else sfm; "
+              "reported; sfm: "
+              "by COLMAP and our adjustment"},
+             {"largest_side_px", &c.largest_side_px,
+              "longer side that photographs are made small to after they were placed, from 16 on; "
+              "0: they "
+              "stay",
+              0, 100000},
+             {"hold_out_every", &c.hold_out_every,
+              "every so many-th view has no part in the training and scores it; 0 or 1: all have",
+              0, 1000},
+             {"steps", &c.steps, "splats: training steps, one view each", 1, 1e6},
+             {"most_splats", &c.most_splats, "splats: Gaussians at the end", 1, 1e7},
+             {"growth", choice_field<SplatGrowth>("growth", kGrowths, c.growth),
+              "splats: how they become that many. budgeted: those of the largest gradients part; "
+              "adaptive: "
+              "the reference's clone, split and prune; mcmc: relocation and noise; fixed: they do "
+              "not"},
+             {"reference_steps", &c.reference_steps,
+              "splats_paper: steps of the reference's 30,000 after which training is left", 1,
+              30000},
+             {"masks",
+              TextField{[&c] { return c.masks; },
+                        [&c](const std::string& text) { c.masks = text; }},
+              "folder of masks, as 000012.png: where one is 0, its photograph is neither trained "
+              "on nor "
+              "scored; empty: there are none"},
+             {"sh_degree", &c.sh_degree, "of the colours over directions", 0, 3},
+             {"low_pass_px2", &c.low_pass_px2,
+              "splats: added to the variances of a Gaussian in the image; the reference has 0.3",
+              1e-6, 100},
+             {"one_exposure", &c.one_exposure,
+              "splats: exposures and vignetting are measured on swept surfaces and taken out"},
+             {"swept_points", &c.swept_points,
+              "splats: at most so many of these surfaces begin too", 0, 1e6},
+             {"start_points", &c.start_points,
+              "Gaussians at the beginning, where there are no tracks", 1, 1e6},
+             {"cloud_views", &c.cloud_views, "views whose depths become the cloud; 0: no cloud", 0,
+              1000},
+             {"voxel_px", &c.voxel_px, "of the cloud, in pixels at the median depth", 0.01, 100},
+             {"agreement_px", &c.agreement_px, "along the normal, at which depths agree; likewise",
+              0.01, 100},
+             {"mesh_cells", &c.mesh_cells,
+              "of the mesh's lattice along the cloud's longest side; 0: no mesh", 0, 390}} +
+         nested("sfm", fields_of_pipelines(c.sfm));
 }
 
 void validate(const ViewsPipelineConfig& config) {
@@ -359,7 +369,7 @@ SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
   // From the stage that finds the poses to the one that begins on their tracks.
   if (!findings) findings = std::make_shared<ViewsFindings>();
   stages.poses = [config, &full, findings, watch](const Capture&, const SeedsEstimate&) {
-    return reduced(place(full, config.poses, watch, *findings), full, config.largest_side_px);
+    return reduced(place(full, config, watch, *findings), full, config.largest_side_px);
   };
   stages.splats = [config, seed, findings, watch, masks = std::move(masks)](
                       const Capture& capture, const SeedsEstimate& so_far) {

@@ -24,6 +24,7 @@ enum class ViewsPoses { best, reported, sfm };
 struct ViewsPipelineConfig {
   ViewsMethod method = ViewsMethod::splats;
   ViewsPoses poses = ViewsPoses::best;
+  SfmConfig sfm;  ///< of poses by COLMAP; pairs, scale and folder are the pipeline's own choice
   /// Photographs are made smaller by a whole number until their longer side is at most this, after
   /// they were placed; 0: they stay.
   int largest_side_px = 1000;

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <array>
+#include <span>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include "perception/sfm/sfm_poses.h"
 #include "sim/config/choice_field.h"
@@ -50,6 +53,21 @@ Fields fields(SfmConfig& config) {
                 {"max_board_turn_rad", &config.max_board_turn_rad,
                  "images that the board turns by more are taken out", 0, 3.2}} +
          nested("adjust", fields(config.adjust));
+}
+
+Fields fields_of_pipelines(SfmConfig& config) {
+  constexpr std::string_view kOwn[] = {"focal", "focal_jitter", "refine"};
+  constexpr std::string_view kColmap[] = {"lens",         "lens_per_image", "threads",
+                                          "max_features", "match_lost",     "time_limit_s"};
+  const auto is_of = [](std::span<const std::string_view> keys, const Field& field) {
+    return std::find(keys.begin(), keys.end(), field.key) != keys.end();
+  };
+  Fields chosen, of_colmap = fields(config.colmap);
+  for (Field& field : fields(config)) {
+    if (is_of(kOwn, field)) chosen.push_back(std::move(field));
+  }
+  std::erase_if(of_colmap, [&](const Field& field) { return !is_of(kColmap, field); });
+  return chosen + nested("colmap", std::move(of_colmap));
 }
 
 void validate(const SfmConfig& config) {

@@ -48,6 +48,9 @@ struct SfmConfig {
                                    .max_deviation_share = 0.02};
 };
 Fields fields(SfmConfig& config);
+/// What a pipeline's user may change: those that hold for photographs of anything. Which program
+/// runs and where is not among them, as configurations come with datasets from elsewhere.
+Fields fields_of_pipelines(SfmConfig& config);
 /// @throws std::invalid_argument also for `adjusted` without `refine`
 void validate(const SfmConfig& config);
 

@@ -172,6 +172,22 @@ TEST(ViewsPipeline, WhatCannotBeDoneIsSaid) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("best, reported, sfm")));
 }
 
+TEST(ViewsPipeline, StructureFromMotionIsAsItIsAskedForAndNamesNoProgram) {
+  ViewsPipelineConfig config;
+  for (const char* one : {"sfm.focal=per_image", "sfm.colmap.lens=self", "sfm.colmap.threads=2"})
+    set_field(fields(config), one);
+  EXPECT_EQ(config.sfm.focal, SfmFocal::per_image);
+  EXPECT_EQ(config.sfm.colmap.lens, ColmapLens::self);
+  EXPECT_EQ(config.sfm.colmap.threads, 2);
+  EXPECT_NO_THROW(validate(config));
+  // A configuration may come from elsewhere.
+  for (const char* one : {"sfm.colmap.program=mine", "sfm.colmap.folder=/tmp"})
+    EXPECT_THROW(set_field(fields(config), one), std::invalid_argument) << one;
+  config.sfm.focal_jitter = 2;
+  EXPECT_THAT([&] { validate(config); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("sfm.focal_jitter")));
+}
+
 TEST(ViewsPipeline, TheUnitOfLengthDoesNotMatter) {
   const Capture capture = cube_capture();
   ViewsPipelineConfig config = quick();
