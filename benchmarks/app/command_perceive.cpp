@@ -138,6 +138,7 @@ int count_posed(const Poses& poses, const Corners& corners, ProgressPrinter& pro
 ExitCode command_perceive(const JobContext& context) {
   const Options& o = context.options;
   if (o.pipeline == "views") return command_perceive_views(context);
+  if (!o.lpips.empty()) throw std::invalid_argument("--lpips is of --pipeline views");
   SeedsPipelineConfig config;
   if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
   if (!o.method.empty()) set_field(fields(config), "method=" + o.method);

@@ -21,6 +21,7 @@ ExitCode command_perceive_views(const JobContext& context) {
     return ExitCode::done;
   }
   const std::vector<StageSource> sources = views_sources(o.stages);
+  const std::shared_ptr<const LearnedDistance> learned = learned_of(o);
   const PerceivePlaces places = perceive_places(o);
   const Warn warn = [&](const std::string& text) { context.progress.line("warning: " + text); };
   bool all_found = true;
@@ -34,7 +35,7 @@ ExitCode command_perceive_views(const JobContext& context) {
     write_file(estimate_dir / "config.toml", to_toml(fields(written)));
     const std::string name = scene.filename().string();
     const ViewsRun run = perceive_views(capture, config, o.seed, sources, index, name, estimate_dir,
-                                        context.progress.function(), warn);
+                                        context.progress.function(), warn, learned.get());
     context.progress.line(name + ": " + views_summary(run, capture.frames.size()));
     if (run.estimate.splats.splats.empty()) {
       all_found = false;

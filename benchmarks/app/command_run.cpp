@@ -211,6 +211,9 @@ ExitCode command_run(const JobContext& context) {
     throw std::invalid_argument("--pipeline \"" + o.pipeline + "\" is not one of: seeds, views");
   if (o.align)
     throw std::invalid_argument("--align is of --pipeline views: seeds are measured in metres");
+  if (!o.lpips.empty())
+    throw std::invalid_argument(
+        "--lpips is of --pipeline views; `cousin bench seeds` has it for the Gaussians of seeds");
   if (!o.pipeline_config.empty())
     throw std::invalid_argument(
         "--pipeline-config is of --pipeline views; of seeds --config has "

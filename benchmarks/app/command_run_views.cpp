@@ -36,6 +36,7 @@ struct RunConfig {
   SceneJob scene;
   ViewsPipelineConfig views;
   std::vector<StageSource> sources;
+  std::shared_ptr<const LearnedDistance> learned;
 };
 
 RunConfig run_config(const Options& o, const SceneEntry& entry) {
@@ -48,7 +49,8 @@ RunConfig run_config(const Options& o, const SceneEntry& entry) {
   }
   if (o.frames > 0) of_scene.push_back("views=" + std::to_string(o.frames));
   return {entry.configure(of_scene, o.config),
-          views_config(o.pipeline_config, o.method, of_pipeline), views_sources(o.stages)};
+          views_config(o.pipeline_config, o.method, of_pipeline), views_sources(o.stages),
+          learned_of(o)};
 }
 
 /// As `cousin perceive` writes it beside its estimate.
@@ -76,10 +78,11 @@ std::vector<ScoreRow> rows_of_scene(const JobContext& context, const RunConfig& 
   const Capture capture = photographs_of(built, context.progress.function());
   const StageTiming rendered = clock.finish();
   write_file(out / "estimate" / scene_id(scene) / "config.toml", pipeline_toml(config));
-  const ViewsRun run =
-      perceive_views(capture, config.views, o.seed, config.sources, scene, scene_id(scene),
-                     out / "estimate" / scene_id(scene), context.progress.function(),
-                     [&](const std::string& text) { context.progress.line("warning: " + text); });
+  const ViewsRun run = perceive_views(
+      capture, config.views, o.seed, config.sources, scene, scene_id(scene),
+      out / "estimate" / scene_id(scene), context.progress.function(),
+      [&](const std::string& text) { context.progress.line("warning: " + text); },
+      config.learned.get());
   context.progress.line(scene_id(scene) + ": " + views_summary(run, capture.frames.size()));
   if (run.estimate.splats.splats.empty())
     throw std::runtime_error(scene_id(scene) + ": " + no_gaussians_text(run.estimate.splats));
@@ -179,6 +182,7 @@ ExitCode command_run_views(const JobContext& context) {
   std::string key = COUSIN_VERSION + file.header.config_hash + std::to_string(o.seed);
   for (const std::string& stage : o.stages) key += "\n" + stage;
   if (o.align) key += "\nalign";
+  if (!o.lpips.empty()) key += "\n" + sha256_hex_of_file(o.lpips);
   if (!config.views.masks.empty()) key += "\n" + sha256_hex_of_folder(config.views.masks);
   std::vector<ShardJob> jobs;
   for (int scene = 0; scene < o.scenes; ++scene) {

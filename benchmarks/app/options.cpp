@@ -34,6 +34,9 @@ void add_stages(CLI::App& verb, Options& o) {
       ->allow_extra_args(false);
 }
 
+constexpr const char* kLpipsOfViews =
+    "--pipeline views: TorchScript network that images are scored by too: LPIPS, or any of two "
+    "images of 1 x 3 x height x width from -1 to 1";
 constexpr const char* kCalibrateHelp =
     "Calibrate cameras from images of a board, and say what the calibration is worth. Writes\n"
     "calibration.json, report.html (coverage, residuals, uncertainty, what to shoot next) and\n"
@@ -237,6 +240,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   perceive->add_option("--pipeline", o.pipeline,
                        "seeds, or views: Gaussians of photographs of anything (docs/splats.md); "
                        "needed for a real capture");
+  perceive->add_option("--lpips", o.lpips, kLpipsOfViews);
   add_stages(*perceive, o);
   add_config(*perceive, o);
   add_set(*perceive, o);
@@ -268,6 +272,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   run->add_flag("--align", o.align,
                 "--pipeline views: turn, move and scale the estimate so that camera centres come "
                 "nearest to the true ones, as poses by COLMAP need");
+  run->add_option("--lpips", o.lpips, kLpipsOfViews);
   run->add_flag("--plan", o.plan, "Print what will run, what is left out and why, and leave");
   run->add_flag("--attribution", o.attribution, "Also put truth in place of each seam in turn");
   run->add_option("--gate", o.gates,

@@ -50,6 +50,10 @@ std::vector<StageSource> views_sources(const std::vector<std::string>& stages) {
   return sources;
 }
 
+std::shared_ptr<const LearnedDistance> learned_of(const Options& o) {
+  return o.lpips.empty() ? nullptr : load_learned_distance(o.lpips);
+}
+
 std::string no_gaussians_text(const SplatModel& none) {
   return "no Gaussians" + (none.why_none.empty() ? "" : ": " + none.why_none);
 }

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "benchmarks/app/options.h"
+#include "benchmarks/learned/learned_distance.h"
 #include "benchmarks/views/perceive_views.h"
 
 namespace cousin {
@@ -12,6 +15,9 @@ namespace cousin {
 /// @throws std::invalid_argument naming the key, its value and its limits
 ViewsPipelineConfig views_config(const std::filesystem::path& file, const std::string& method,
                                  const std::vector<std::string>& assignments);
+
+/// The network of --lpips; none where it is not given.
+std::shared_ptr<const LearnedDistance> learned_of(const Options& o);
 
 /// What is said of an estimate without Gaussians.
 std::string no_gaussians_text(const SplatModel& none);

@@ -25,7 +25,8 @@ constexpr int kEnoughViews = 3;
 constexpr std::size_t kPictures = 4;
 
 struct Looks {
-  std::vector<double> psnr_db, exposed_psnr_db, ssim, flip;
+  const LearnedDistance* network = nullptr;
+  std::vector<double> psnr_db, exposed_psnr_db, ssim, flip, learned;
   /// @param plain  the image at the mean exposure
   void add(const FidelityPlanes& image, const FidelityPlanes& plain, const SplatView& view) {
     const FidelityPlanes& photograph = view.full.color.channel;
@@ -34,8 +35,9 @@ struct Looks {
     if (!counted.empty() &&
         std::all_of(counted.begin(), counted.end(), [](std::uint8_t x) { return x == 0; }))
       return;
-    const ImageFidelity scores =
-        score_fidelity(where_counted(image, photograph, counted), photograph, counted);
+    const FidelityPlanes inside = where_counted(image, photograph, counted);
+    const ImageFidelity scores = score_fidelity(inside, photograph, counted);
+    if (network) learned.push_back(network->between(inside, photograph));
     psnr_db.push_back(scores.psnr_db);
     exposed_psnr_db.push_back(
         cousin::psnr_db(best_exposed(plain, photograph, counted), photograph, counted));
@@ -61,6 +63,7 @@ void add_looks(const std::string& set, const Looks& looks, const ScoreRow& base,
   add_row(set + ".psnr_exposed", mean(looks.exposed_psnr_db), "dB", n, base, rows);
   add_row(set + ".ssim", mean(looks.ssim), "1", n, base, rows);
   add_row(set + ".flip", mean(looks.flip), "1", n, base, rows);
+  if (looks.network) add_row(set + ".lpips", mean(looks.learned), "1", n, base, rows);
 }
 
 Image<Rgb8> side_by_side(const Image<Rgb8>& left, const Image<Rgb8>& right) {
@@ -76,7 +79,8 @@ Image<Rgb8> side_by_side(const Image<Rgb8>& left, const Image<Rgb8>& right) {
 /// Scores the model by all placed views, and keeps pictures of some.
 void look(const ViewsPipelineConfig& config, const Capture& capture, const SeedsEstimate& estimate,
           const std::vector<Image<std::uint8_t>>& masks, const ViewsFindings& findings,
-          const fs::path& pictures, const ScoreRow& base, std::vector<ScoreRow>& rows) {
+          const fs::path& pictures, const LearnedDistance* learned, const ScoreRow& base,
+          std::vector<ScoreRow>& rows) {
   const std::vector<SplatView> views = splat_views(capture, estimate.poses, masks);
   const bool some_held_out = is_held_out(config, 0);
   std::vector<std::size_t> shown;  // places
@@ -86,7 +90,7 @@ void look(const ViewsPipelineConfig& config, const Capture& capture, const Seeds
   const std::size_t count = std::min(shown.size(), kPictures);
   for (std::size_t i = 0; i < count; ++i) shown[i] = shown[i * shown.size() / count];
   shown.resize(count);
-  Looks train, held_out;
+  Looks train{learned}, held_out{learned};
   for (std::size_t i = 0; i < views.size(); ++i) {
     const SplatView& view = views[i];
     const ColorPlanes drawn =
@@ -223,7 +227,8 @@ void remove_earlier(const fs::path& estimate_dir) {
 ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& config,
                         std::uint64_t seed, const std::vector<StageSource>& sources,
                         int scene_index, const std::string& name, const fs::path& estimate_dir,
-                        const Progress& progress, const Warn& warn) {
+                        const Progress& progress, const Warn& warn,
+                        const LearnedDistance* learned) {
   const Capture small = reduced(capture, config.largest_side_px);
   const std::uint64_t own_seed = Rng(seed).fork(static_cast<std::uint64_t>(scene_index))();
   const auto file = [&](const char* of) {
@@ -274,7 +279,7 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
     run.rows.push_back(why);
   }
   if (!estimate.splats.splats.empty()) {
-    look(config, small, estimate, masks, *findings, file("pictures"), base, run.rows);
+    look(config, small, estimate, masks, *findings, file("pictures"), learned, base, run.rows);
     count_seen(estimate, file("splats_seen.csv"), base, run.rows);
     if (!estimate_dir.empty()) write_exposures(file("exposures.csv"), small, *findings);
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/learned/learned_distance.h"
 #include "benchmarks/metrics/scores.h"
 #include "benchmarks/seeds/perceive.h"
 #include "perception/pipelines/views.h"
@@ -26,10 +27,11 @@ struct ViewsRun {
 /// see each Gaussian, in the order of splats.ply), exposures.csv where exposures were measured, and
 /// pictures/ of at most four views: photograph and model with its exposure, those held out where
 /// there are any. @param name  of the scene in the rows
+/// @param learned  network that whole images are scored by too, rows "train." and "held_out.lpips"
 ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& config,
                         std::uint64_t seed, const std::vector<StageSource>& sources,
                         int scene_index, const std::string& name,
                         const std::filesystem::path& estimate_dir, const Progress& progress = {},
-                        const Warn& warn = {});
+                        const Warn& warn = {}, const LearnedDistance* learned = nullptr);
 
 }  // namespace cousin

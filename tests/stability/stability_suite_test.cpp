@@ -23,10 +23,10 @@ TEST(StabilitySuite, EveryCaseHoldsItsLimit) {
   }
   // Those that are always built in.
   std::map<std::string, int> least = {{"geometry", 20},           {"lenses and light", 10},
-                                            {"depths and fusion", 25},  {"rays", 50},
-                                            {"rays at bad meshes", 50}, {"light at its limits", 20},
-                                            {"watertight seeds", 6},    {"splats", 14},
-                                            {"training of splats", 35}, {"radiance fields", 28}};
+                                      {"depths and fusion", 25},  {"rays", 50},
+                                      {"rays at bad meshes", 50}, {"light at its limits", 20},
+                                      {"watertight seeds", 6},    {"splats", 14},
+                                      {"training of splats", 35}, {"radiance fields", 28}};
 #ifndef COUSIN_NO_CERES
   least.insert({{"structure from motion", 18}, {"bundles", 20}, {"calibration", 15}});
 #endif

@@ -53,6 +53,23 @@ TEST(PerceiveViews, WritesSeamsScoresAndPictures) {
   EXPECT_GT(value_of(run.rows, "mesh.area"), 1);
 }
 
+TEST(PerceiveViews, ANetworkScoresImagesToo) {
+  struct Brightness : LearnedDistance {  // difference of two sums
+    double between(const FidelityPlanes& image, const FidelityPlanes& photograph) const override {
+      double sum = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t i = 0; i < image[c].size(); ++i)
+          sum += static_cast<double>(image[c].data()[i] - photograph[c].data()[i]);
+      }
+      return std::abs(sum);
+    }
+  } network;
+  const ViewsRun run =
+      perceive_views(cube_capture(), quick(), 1, {}, 0, "cube", {}, {}, {}, &network);
+  EXPECT_GT(value_of(run.rows, "train.lpips"), 0);
+  EXPECT_GT(value_of(run.rows, "held_out.lpips"), 0);
+}
+
 TEST(PerceiveViews, AForeignModelIsScoredLikeOurs) {
   const ScratchFolder scratch("cousin-views");
   SplatModel truth = cube_of_splats();
