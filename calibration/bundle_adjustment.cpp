@@ -291,15 +291,15 @@ CalibrationResult lens_alone(const BundleAdjustmentResult& bundle, std::size_t l
   return alone;
 }
 
-/// Whether the lens, as it was found, folds inside its image: that is none, whatever deviations
-/// say.
-bool folds(const Camera& lens) {
+/// What keeps a lens, as it was found, from being one, whatever deviations say: that it folds
+/// inside its image. Empty: nothing.
+std::string complaint_about_lens(const Camera& lens) {
   try {
     validate(lens);
-  } catch (const std::invalid_argument&) {
-    return true;
+  } catch (const std::invalid_argument& error) {
+    return error.what();
   }
-  return false;
+  return {};
 }
 
 /// Names the free parameters of a lens and those that the images do not fix.
@@ -330,8 +330,9 @@ std::string judge_lens(const BundleProblem& problem, std::size_t lens,
   }
   if (bends.empty()) return {};
   std::ostringstream why;
-  if (folds(result.lenses[lens])) {
-    why << prefix.substr(0, prefix.size() - 1) << " folds inside its image";
+  if (const std::string none = complaint_about_lens(result.lenses[lens]); !none.empty()) {
+    result.folds = true;
+    why << prefix << none;
   } else if (result.covariance.size() > 0) {
     const double rms_px =
         rms_deviation_px(projection_uncertainty(lens_alone(result, lens, from), 0));

@@ -74,6 +74,7 @@ struct BundleAdjustmentResult {
   CalibrationStatus status = CalibrationStatus::not_converged;
   std::string reason;                       ///< unless ok: what and why
   std::vector<std::string> not_determined;  ///< "lens0.k1" and the like
+  bool folds = false;  ///< a lens folds inside its image, so that it is none: `not_determined`
   BundleGauge gauge = BundleGauge::similarity;
   std::vector<Camera> lenses;
   std::vector<Pose> camera_from_world;

@@ -81,7 +81,7 @@ std::string key_of(const StudyGroup& group) {
 
 /// Rows of a build without Ceres say that it is not built in: one that has it makes them anew.
 std::string version_key(std::uint64_t seed) {
-  return std::string(COUSIN_VERSION) + (COUSIN_WITH_CERES ? "/ceres/" : "/") +
+  return std::string(COUSIN_VERSION) + (COUSIN_WITH_CERES ? "/ceres/" : "/without ceres/") +
          std::to_string(seed) + "/";
 }
 

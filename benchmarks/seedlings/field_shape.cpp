@@ -5,6 +5,7 @@
 
 #include "benchmarks/views/score_views.h"
 #include "perception/splats/splat_geometry.h"
+#include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
@@ -39,16 +40,24 @@ std::vector<ScoreRow> shape_rows(const SeedlingsSample& sample, std::uint64_t se
                                  const ScoreRow& base) {
   const SceneTruth truth = truth_of(sample, seed, views);
   std::vector<ScoreRow> rows;
-  const auto add = [&](Cloud cloud, const std::string& of) {
+  const auto add = [&](const auto& cloud_of, const std::string& of) {
     ScoreRow row = base;
     row.method += of;
     SeedsEstimate estimate;
-    estimate.cloud = std::move(cloud);
+    StageTiming training;
+    training.stage = "splats";
+    training.wall_s = base.wall_s;
+    training.cpu_s = base.cpu_s;
+    const StageClock clock("cloud");
+    estimate.cloud = cloud_of();
+    estimate.timings = {training, clock.finish()};
+    row.wall_s += estimate.timings.back().wall_s;
+    row.cpu_s += estimate.timings.back().cpu_s;
     for (ScoreRow& one : score_views(truth, estimate, PoseAlignment::none, true, row))
       rows.push_back(std::move(one));
   };
-  add(fused(splats, views), ", depths");
-  add(splat_centres(splats, kLeastOpacity), ", centres");
+  add([&] { return fused(splats, views); }, ", depths");
+  add([&] { return splat_centres(splats, kLeastOpacity); }, ", centres");
   return rows;
 }
 

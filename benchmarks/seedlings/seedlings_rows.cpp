@@ -91,8 +91,9 @@ std::string without_sample(const std::string& case_name) {
              : std::string();
 }
 
-/// Rows with numbers of samples, without those of samples that another method with the same case
-/// and metric has not been run on yet: means stand beside one another.
+/// Rows with numbers of samples, one of each case, method and metric (two jobs may score the same
+/// steps), without those of samples for which another method has no number of that case and metric:
+/// means stand beside one another.
 std::vector<const ScoreRow*> of_samples_in_common(const std::vector<ScoreRow>& rows) {
   using Case = std::tuple<std::string, std::string, std::string>;
   std::map<Case, std::map<std::string, std::set<std::string>>> samples;  // by method
@@ -104,8 +105,7 @@ std::vector<const ScoreRow*> of_samples_in_common(const std::vector<ScoreRow>& r
     if (without_sample(row.case_name).empty() || row.status != ScoreStatus::ok ||
         !std::isfinite(row.value))
       continue;
-    numbers.push_back(&row);
-    samples[case_of(row)][row.method].insert(row.case_name);
+    if (samples[case_of(row)][row.method].insert(row.case_name).second) numbers.push_back(&row);
   }
   const auto is_missing = [&](const ScoreRow* row) {
     for (const auto& [method, own] : samples[case_of(*row)]) {

@@ -28,7 +28,7 @@ std::vector<ScoreRow> shape_job_rows(const SeedlingsJob& job, std::uint64_t seed
 
 /// Means over the samples of rows whose cases differ in "sample N" alone ("mean, 30 views, 400x300,
 /// 7000 steps"), with Student's 95 % interval where there are two samples; n = samples. Samples
-/// that not every method of the case has been run on are left out. Seconds are means.
+/// for which not every method of the case has a number are left out. Seconds are means.
 std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows);
 
 /// Ours less the reference, PSNR in dB: the reference at its last but at most `steps` steps, ours

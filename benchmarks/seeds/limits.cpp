@@ -13,7 +13,7 @@
 namespace cousin {
 namespace {
 
-/// Of `splats_images` as it is held beside the reference; longer ones are there for the curve.
+/// Of `splats_images` as it is by default; others are there for the curve and for equal seconds.
 constexpr int kStepsOfImages = 3000;
 
 bool is_species(const std::string& group) {

@@ -20,6 +20,14 @@
 
 namespace cousin {
 
+ScoreRow untrained_row(ScoreRow base, const SplatModel& none) {
+  base.metric = "training: " + none.why_none;
+  base.unit = "1";
+  base.value = ScoreRow::kNone;
+  base.status = ScoreStatus::not_solved;
+  return base;
+}
+
 ScoreRow labelled_row(const SeedsScoreLabels& labels) {
   ScoreRow row;
   row.suite = labels.suite;

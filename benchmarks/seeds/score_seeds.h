@@ -23,6 +23,8 @@ struct SeedsScoreLabels {
 
 /// A row with these labels and no metric yet.
 ScoreRow labelled_row(const SeedsScoreLabels& labels);
+/// Why a training left no Gaussian (SplatModel::why_none), not_solved.
+ScoreRow untrained_row(ScoreRow base, const SplatModel& none);
 
 struct SeedsScores {
   std::vector<ScoreRow> rows;

@@ -51,14 +51,16 @@ std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSo
 
 constexpr const char* kSplatsFile = "splats.ply";  ///< the reference's layout
 
-constexpr const char* kSeenFile = "splats_seen.csv";
+constexpr const char* kBlendedFile = "splats_blended.csv";
 
-/// In the rows' order of the model's file, where its training knows.
-void write_seen(const fs::path& dir, const SplatModel& model) {
+/// How many of the views trained on each Gaussian gives colour to, in the order of the model's
+/// file. No file where that is not known.
+void write_blended(const fs::path& dir, const SplatModel& model) {
+  fs::remove(dir / kBlendedFile);  // of another model
   if (model.views_seen.empty() || model.views_seen.size() != model.splats.size()) return;
   std::string text = "views\n";
   for (const int views : model.views_seen) text += std::to_string(views) + "\n";
-  write_file(dir / kSeenFile, text);
+  write_file(dir / kBlendedFile, text);
 }
 
 /// The model, having told `warn` of rows that are no Gaussian.
@@ -157,7 +159,7 @@ void remove_seam(const fs::path& dir, const std::string& stage) {
   if (stage == "poses") fs::remove(dir / "poses.json");
   if (stage == "splats") {
     fs::remove(dir / kSplatsFile);
-    fs::remove(dir / kSeenFile);
+    fs::remove(dir / kBlendedFile);
   }
   if (stage == "depth") {
     fs::remove(dir / "depth" / "frames.json");
@@ -180,7 +182,7 @@ void write_seam(const fs::path& dir, const std::string& stage, const SeedsEstima
   if (stage == "poses") write_poses(dir, estimate.poses);
   if (stage == "splats") {
     write_splat_ply(dir / kSplatsFile, estimate.splats);
-    write_seen(dir, estimate.splats);
+    write_blended(dir, estimate.splats);
   }
   if (stage == "depth") write_depths(dir, estimate.depths);
   if (stage == "cloud") write_cloud(dir, estimate.cloud);

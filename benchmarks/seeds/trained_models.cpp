@@ -176,11 +176,7 @@ MeasuredModel measure_by_splats(const SeedsTrainingTask& task, SeedsMethod metho
   add_seconds_before("poses", posed_before, result.estimate.timings);
   add_rows(task, config, result.estimate, after_steps(labels, last), true, result.file);
   if (result.estimate.splats.splats.empty()) {
-    ScoreRow row = labelled_row(labels);
-    row.metric = "training: " + result.estimate.splats.why_none;
-    row.unit = "1";
-    row.status = ScoreStatus::not_solved;
-    result.file.scores.push_back(row);
+    result.file.scores.push_back(untrained_row(labelled_row(labels), result.estimate.splats));
     return result;
   }
   std::vector<int> on_the_way = task.at;
@@ -220,7 +216,7 @@ std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int step
   add_seconds_before("splats", before, estimate.timings);
   std::vector<ScoreRow> rows =
       splat_image_rows(task.run->capture, estimate, config, labels, task.learned, kAllViews);
-  if (rows.empty()) return rows;
+  if (rows.empty()) return {untrained_row(labelled_row(labels), estimate.splats)};
   ScoreRow seconds = rows.back();
   seconds.metric = "seconds.splats";
   seconds.value = seconds.wall_s;

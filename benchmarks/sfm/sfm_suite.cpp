@@ -73,8 +73,8 @@ std::vector<ShardJob> sfm_suite_jobs(const SfmSuiteConfig& config, const Progres
   const std::string key = std::string(COUSIN_VERSION) + "/" + std::to_string(config.seed) + "/" +
                           (config.quick ? "quick" : "full") + "/" + std::to_string(config.threads) +
                           "/colmap " + colmap_version(config.program) +
-                          (COUSIN_WITH_CERES ? " adjusted/" : "/") + config.neutral.string() + "/" +
-                          sha256_hex_of_folder(config.neutral);
+                          (COUSIN_WITH_CERES ? " adjusted, lens judged/" : " without adjustment/") +
+                          config.neutral.string() + "/" + sha256_hex_of_folder(config.neutral);
   const std::string ending = config.quick ? ".quick.json" : ".json";
   return {
       {"neutral" + ending, key + "/neutral", [config] { return text_of(neutral_rows(config)); }},

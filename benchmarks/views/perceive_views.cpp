@@ -111,24 +111,10 @@ void look(const ViewsPipelineConfig& config, const Capture& capture, const Seeds
   add_looks("held_out", held_out, base, rows);
 }
 
-void add_enough_row(const std::vector<int>& seen, const ScoreRow& base,
-                    std::vector<ScoreRow>& rows) {
-  if (seen.empty()) return;
-  const auto enough =
-      std::count_if(seen.begin(), seen.end(), [](int views) { return views >= kEnoughViews; });
-  const auto n = static_cast<std::int64_t>(seen.size());
-  add_row("gaussians.seen_by_" + std::to_string(kEnoughViews),
-          static_cast<double>(enough) / static_cast<double>(n), "1", n, base, rows);
-}
-
 void count_seen(const SeedsEstimate& estimate, const fs::path& file, const ScoreRow& base,
                 std::vector<ScoreRow>& rows) {
   const auto n = static_cast<std::int64_t>(estimate.splats.splats.size());
   add_row("gaussians", static_cast<double>(n), "1", 1, base, rows);
-  if (!estimate.splats.views_seen.empty()) {  // the training's word; its file is with the model
-    add_enough_row(estimate.splats.views_seen, base, rows);
-    return;
-  }
   if (estimate.depths.empty()) return;  // somebody's stage gave none: who sees what is not known
   SplatDepthImages depths;
   depths.poses = estimate.poses;
@@ -139,7 +125,11 @@ void count_seen(const SeedsEstimate& estimate, const fs::path& file, const Score
     depths.depths.erase(depths.depths.begin() + static_cast<std::ptrdiff_t>(v));
   }
   const std::vector<int> seen = views_that_see(estimate.splats, depths);
-  add_enough_row(seen, base, rows);
+  const auto enough =
+      std::count_if(seen.begin(), seen.end(), [](int views) { return views >= kEnoughViews; });
+  if (n > 0)
+    add_row("gaussians.seen_by_" + std::to_string(kEnoughViews),
+            static_cast<double>(enough) / static_cast<double>(n), "1", n, base, rows);
   if (file.empty()) return;
   std::string text = "views\n";
   for (const int views : seen) text += std::to_string(views) + "\n";
@@ -271,13 +261,8 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   base.case_name = "photographs";
   base.method = to_string(config.method);
   base.seed = seed;
-  if (estimate.splats.splats.empty() && !estimate.splats.why_none.empty()) {
-    ScoreRow why = base;
-    why.metric = "training: " + estimate.splats.why_none;
-    why.unit = "1";
-    why.status = ScoreStatus::not_solved;
-    run.rows.push_back(why);
-  }
+  if (estimate.splats.splats.empty() && !estimate.splats.why_none.empty())
+    run.rows.push_back(untrained_row(base, estimate.splats));
   if (!estimate.splats.splats.empty()) {
     look(config, small, estimate, masks, *findings, file("pictures"), learned, base, run.rows);
     count_seen(estimate, file("splats_seen.csv"), base, run.rows);

@@ -107,6 +107,16 @@ SfmConfig without_lens_prior(SfmConfig config) {
   return config;
 }
 
+/// Sightings in the middle of the images alone may bend the lens back on itself in the corners. It
+/// is then adjusted once more with what bends it most as it was.
+BundleAdjustmentResult adjust_unfolded(const BundleAdjustmentInput& input,
+                                       BundleAdjustmentConfig config) {
+  BundleAdjustmentResult result = adjust_bundle(input, config);
+  if (!result.folds) return result;
+  for (const char* name : {"k2", "k3", "k4", "k5", "k6"}) config.fixed.emplace_back(name);
+  return adjust_bundle(input, config);
+}
+
 /// The model's own adjustment: sightings count as a pixel each, which is right up to a factor. What
 /// is known of the lens has a deviation of its own, so that with it the sightings are weighed by
 /// what they turned out to scatter, and all is adjusted once more.
@@ -115,7 +125,7 @@ SfmBundle adjust_tracks(const SfmModel& model, const std::optional<Camera>& lens
   SfmBundle bundle;
   bundle.images = model.images;
   bundle.input = track_bundle(model, lens, 1);
-  bundle.result = adjust_bundle(bundle.input, config.adjust);
+  bundle.result = adjust_unfolded(bundle.input, config.adjust);
   if (!has_lens_prior(config)) return bundle;
   // What one focal length for all leaves of the images' own is no scatter of sightings.
   const int passes = config.focal == SfmFocal::per_image ? 2 : 1;
@@ -124,7 +134,7 @@ SfmBundle adjust_tracks(const SfmModel& model, const std::optional<Camera>& lens
         std::max(bundle.sighting_px * bundle.result.sigma_px, kLeastSigma_px) / bundle.sighting_px;
     bundle.sighting_px *= factor;
     for (BundleObservation& seen : bundle.input.observations) seen.sigma_px *= factor;
-    bundle.result = adjust_bundle(bundle.input, weighed(config, bundle.sighting_px));
+    bundle.result = adjust_unfolded(bundle.input, weighed(config, bundle.sighting_px));
   }
   return bundle;
 }

@@ -29,7 +29,7 @@ struct SplatModel {
   double low_pass_px2 = 0.3;
   Eigen::Vector3d origin_in_world_m = Eigen::Vector3d::Zero();  ///< added to every centre
   std::vector<Splat> splats;
-  /// Of a training that left no Gaussian: what kept it. No file has it.
+  /// Of a training that gave no model: why. No file has it.
   std::string why_none;
   std::vector<int> views_seen;  ///< training views in which each blends; empty = not known
 };

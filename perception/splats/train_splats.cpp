@@ -198,7 +198,7 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     SplatTrainer::Step step;
     try {
       step = trainer.step();
-    } catch (const TooManyPairs&) {  // of the Gaussians as they are now, no value changed
+    } catch (const TooManyPairs&) {  // of what growth made, if it was due
       training.status = SplatTrainStatus::too_many_pairs;
       break;
     }

@@ -46,7 +46,7 @@ struct SplatTrainSeconds {
 struct SplatTraining {
   SplatTrainStatus status = SplatTrainStatus::no_views;
   /// With `views_seen`, unless a view has too many pairs; as far as training came where status is
-  /// not ok.
+  /// not ok, with `too_many_pairs` after the growth that went too far.
   SplatModel model;
   std::vector<SplatTrainPoint> curve;
   SplatTrainSeconds seconds;

@@ -34,6 +34,7 @@ TEST(SeedlingsRows, MeansThatStandBesideOneAnotherAreOfTheSameSamples) {
   const std::string rest = ", 30 views, 400x300, 7000 steps";
   const std::vector<ScoreRow> rows = {
       row_of("sample 0" + rest, kReference, 30, 1), row_of("sample 0" + rest, kOurs, 33, 1),
+      row_of("sample 0" + rest, kOurs, 33, 9),  // another job's, of the same training
       row_of("sample 1" + rest, kOurs, 39, 1),
       row_of("sample 1, 30 views, 400x300, 2000 steps", kOurs, 38, 1)};
   const std::vector<ScoreRow> means = mean_rows(rows);

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "perception/splats/tile_lists.h"
+#include "perception/splats/splat_frame.h"
 #include "sim/types/seams.h"
 #include "tests/splats/random_splats.h"
 
@@ -42,6 +42,12 @@ TEST(SplatRender, WhatIsTooMuchAtOnceIsDrawnInRowsAndIsTheSamePicture) {
   const SplatImage whole = render_splats(model, camera, pose);
   SplatRenderConfig few;
   few.most_pairs = 1500;
+  SplatFrame frame;
+  frame.most_pairs = few.most_pairs;
+  EXPECT_THROW(draw_splats(best_splat_kernels(), to_planes(model.splats), model.sh_degree,
+                           splat_camera(camera, pose, model.origin_in_world_m, 0.01), {},
+                           SplatDepths::none, frame),
+               TooManyPairs);
   const SplatImage in_rows = render_splats(model, camera, pose, few);
   // Rows count from where a part begins: pixels differ by rounding alone.
   EXPECT_LT(largest_difference(whole.color, in_rows.color), 1e-4);
@@ -51,6 +57,8 @@ TEST(SplatRender, WhatIsTooMuchAtOnceIsDrawnInRowsAndIsTheSamePicture) {
   for (std::size_t i = 0; i < whole.alpha.size(); ++i) {
     EXPECT_NEAR(whole.alpha.data()[i], in_rows.alpha.data()[i], 1e-4);
     const float a = whole.depth_m.data()[i], b = in_rows.depth_m.data()[i];
+    const float c = whole.mean_depth_m.data()[i], d = in_rows.mean_depth_m.data()[i];
+    others += std::isnan(c) != std::isnan(d) || std::abs(c - d) > 1e-3F ? 1 : 0;
     others += std::isnan(a) != std::isnan(b) || std::abs(a - b) > 1e-3F ? 1 : 0;
   }
   EXPECT_LE(others, whole.alpha.size() / 500);  // at a threshold the next Gaussian is taken
