@@ -28,7 +28,7 @@ TEST(StabilitySuite, EveryCaseHoldsItsLimit) {
                                       {"watertight seeds", 6},    {"splats", 14},
                                       {"training of splats", 35}, {"radiance fields", 28}};
 #ifndef COUSIN_NO_CERES
-  least.insert({{"structure from motion", 18}, {"bundles", 20}, {"calibration", 15}});
+  least.insert({{"structure from motion", 15}, {"bundles", 15}, {"calibration", 12}});
 #endif
   for (const auto& [module, cases] : least) EXPECT_GE(passed[module], cases) << module;
 }
