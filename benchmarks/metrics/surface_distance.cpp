@@ -46,11 +46,15 @@ double triangle_distance2(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
 /// point of it that is nearest: summed over all nearest triangles this has the sign of the side
 /// [Baerentzen and Aanaes, "Signed distance computation using the angle weighted pseudonormal",
 /// TVCG 2005].
-double weighted_height(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                       const Eigen::Vector3d& c) {
+struct WeightedSide {
+  double height = 0;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, times the same angle
+};
+WeightedSide weighted_side(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                           const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const Eigen::Vector3d normal = (b - a).cross(c - a);
   const double size = normal.norm();
-  if (!(size > 0)) return 0;
+  if (!(size > 0)) return {};
   const double height = normal.dot(p - a) / size;
   const std::array<Eigen::Vector3d, 3> corner = {a, b, c};
   double nearest2 = std::numeric_limits<double>::infinity();
@@ -72,7 +76,8 @@ double weighted_height(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const
             : t >= 1 ? angle_between(from - to, third - to)
                      : std::numbers::pi;
   }
-  return height * (inside ? 2 * std::numbers::pi : angle);
+  const double weight = inside ? 2 * std::numbers::pi : angle;
+  return {height * weight, normal * (weight / size)};
 }
 
 }  // namespace
@@ -172,11 +177,14 @@ DistanceTree::Nearest DistanceTree::nearest(const Eigen::Vector3d& point_m) cons
             a == b ? (point_m - vertices_[a]).squaredNorm()
                    : triangle_distance2(point_m, vertices_[a], vertices_[b], vertices_[c]);
         if (distance2 > best.distance2 * kTie) continue;
-        const double facing =
-            a == b ? 0 : weighted_height(point_m, vertices_[a], vertices_[b], vertices_[c]);
+        WeightedSide side;
+        if (a != b) side = weighted_side(point_m, vertices_[a], vertices_[b], vertices_[c]);
         // Triangles that share the nearest edge or corner are all at its distance.
-        const bool tie = distance2 * kTie >= best.distance2;
-        best = {std::min(distance2, best.distance2), facing + (tie ? best.facing : 0)};
+        if (distance2 * kTie >= best.distance2) {
+          side.height += best.facing;
+          side.normal += best.normal;
+        }
+        best = {std::min(distance2, best.distance2), side.height, side.normal};
       }
       continue;
     }
@@ -196,6 +204,12 @@ double DistanceTree::distance_m(const Eigen::Vector3d& point_m) const {
 double DistanceTree::signed_distance_m(const Eigen::Vector3d& point_m) const {
   const Nearest found = nearest(point_m);
   return std::copysign(std::sqrt(found.distance2), found.facing);
+}
+
+Eigen::Vector3d DistanceTree::normal_at(const Eigen::Vector3d& point_m) const {
+  const Eigen::Vector3d normal = nearest(point_m).normal;
+  const double length = normal.norm();
+  return length > 0 ? Eigen::Vector3d(normal / length) : Eigen::Vector3d::Zero();
 }
 
 std::vector<Eigen::Vector3d> sample_surface(const Mesh& mesh, int count, Rng rng) {
@@ -303,6 +317,26 @@ CloudScore score_mesh(const Mesh& measured, std::span<const Eigen::Vector3d> mea
   return score_of(signed_distances(measured_samples_m, surface_tree),
                   distances(surface_samples_m, DistanceTree(measured)), surface_samples_m.size(),
                   tolerances_m);
+}
+
+NormalScore score_normals(std::span<const Eigen::Vector3d> points_m,
+                          std::span<const Eigen::Vector3d> normals, const Mesh& surface) {
+  if (points_m.size() != normals.size())
+    throw std::invalid_argument("score_normals: " + std::to_string(normals.size()) +
+                                " normals for " + std::to_string(points_m.size()) + " points");
+  const DistanceTree tree(surface);
+  std::vector<double> angles_rad(points_m.size(), std::numeric_limits<double>::quiet_NaN());
+  tbb::parallel_for(std::size_t{0}, points_m.size(), [&](std::size_t i) {
+    if (!points_m[i].allFinite())
+      throw std::invalid_argument("score_normals: a point is not finite");
+    if (!(normals[i].squaredNorm() > 0)) return;
+    const Eigen::Vector3d true_normal = tree.normal_at(points_m[i]);
+    if (true_normal.isZero()) return;
+    angles_rad[i] = std::atan2(normals[i].cross(true_normal).norm(), normals[i].dot(true_normal));
+  });
+  std::erase_if(angles_rad, [](double angle) { return !std::isfinite(angle); });
+  return {static_cast<std::int64_t>(angles_rad.size()), static_cast<std::int64_t>(points_m.size()),
+          quantile(angles_rad, 0.5), rms(angles_rad), quantile(angles_rad, 0.95)};
 }
 
 }  // namespace cousin

@@ -26,6 +26,9 @@ class DistanceTree {
   /// an edge or a corner, their normals are weighted by angle; points and flat triangles have no
   /// sides: positive.
   double signed_distance_m(const Eigen::Vector3d& point_m) const;
+  /// Unit normal of the nearest triangle, outward of a closed mesh with outward triangles; where
+  /// several are nearest, their mean weighted by angle. Zero for points and flat triangles.
+  Eigen::Vector3d normal_at(const Eigen::Vector3d& point_m) const;
   /// Whether a triangle lies across the way from one point to another, between them. Edges belong
   /// to their triangles, so that no way leads between two of them; ways along a triangle's plane
   /// are free.
@@ -41,7 +44,8 @@ class DistanceTree {
   };
   struct Nearest {
     double distance2 = 0;
-    double facing = 0;  ///< its sign is that of the side
+    double facing = 0;                                 ///< its sign is that of the side
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< times the angle
   };
   Nearest nearest(const Eigen::Vector3d& point) const;
   void build();
@@ -95,5 +99,18 @@ CloudScore score_cloud(std::span<const Eigen::Vector3d> cloud_m, const Mesh& sur
 CloudScore score_mesh(const Mesh& measured, std::span<const Eigen::Vector3d> measured_samples_m,
                       const Mesh& surface, std::span<const Eigen::Vector3d> surface_samples_m,
                       std::span<const double> tolerances_m);
+
+/// Angles between measured normals and the true surface's nearest to where they were measured, from
+/// 0 to pi: a normal that points inward is pi off.
+struct NormalScore {
+  std::int64_t measured = 0;                        ///< normals that are not zero
+  std::int64_t points = 0;                          ///< with and without
+  double median_rad = 0, rms_rad = 0, p95_rad = 0;  ///< NaN if none is measured
+};
+/// @param normals  of any length but zero, which is unknown
+/// @throws std::invalid_argument if the surface is empty, the lengths differ or a point is not
+/// finite.
+NormalScore score_normals(std::span<const Eigen::Vector3d> points_m,
+                          std::span<const Eigen::Vector3d> normals, const Mesh& surface);
 
 }  // namespace cousin

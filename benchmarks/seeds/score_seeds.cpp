@@ -58,10 +58,11 @@ void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
   if (true_meshes.empty()) return;
   const Mesh surface = merged(true_meshes);
   const std::vector<Eigen::Vector3d> samples = sample_surface(surface, kSurfaceSamples, Rng(1));
-  std::vector<Eigen::Vector3d> cloud;
+  std::vector<Eigen::Vector3d> cloud, normals;
   for (std::size_t i = 0; i < estimate.clusters.cloud.size(); ++i) {
-    if (estimate.clusters.instance[i] >= 0)
-      cloud.push_back(estimate.clusters.cloud[i].position_m.cast<double>());
+    if (estimate.clusters.instance[i] < 0) continue;
+    cloud.push_back(estimate.clusters.cloud[i].position_m.cast<double>());
+    normals.push_back(estimate.clusters.cloud[i].normal.cast<double>());
   }
   std::vector<Mesh> measured;
   for (const Surface& s : estimate.surfaces) {
@@ -78,6 +79,11 @@ void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
     if (seen_count > 0)
       add_cloud_rows("cloud_seen", n, score_visible_cloud(cloud, surface, seen, kTolerances_m),
                      base, rows);
+    const NormalScore turned = score_normals(cloud, normals, surface);
+    if (turned.measured > 0) {
+      add(rows, base, "cloud.normal_median", turned.median_rad, "rad", turned.measured);
+      add(rows, base, "cloud.normal_p95", turned.p95_rad, "rad", turned.measured);
+    }
   }
   if (!measured.empty()) {
     const Mesh all = merged(measured);

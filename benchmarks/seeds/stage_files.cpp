@@ -165,6 +165,7 @@ void remove_seam(const fs::path& dir, const std::string& stage) {
     fs::remove(dir / "depth" / "frames.json");
     remove_numbered(dir / "depth", ".exr");
     remove_numbered(dir / "depth_sigma", ".exr");
+    remove_numbered(dir / "depth_normal", ".exr");
   }
   if (stage == "cloud") fs::remove(dir / "cloud.ply");
   if (stage == "clusters") fs::remove(dir / "clusters.ply");

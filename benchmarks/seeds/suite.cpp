@@ -124,12 +124,10 @@ SeedsEstimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, c
   for (const int steps : job.trained.images_steps)
     append({.scores = measure_for_images(task, steps)}, file);
   task.at = job.trained.ngp_at;
-  if (!task.at.empty() && poses.empty()) {
-    const Poses own = posed_alone(task.run->capture, task.pipeline, task.stage_seed).poses;
-    append({.scores = measure_by_ngp(task, own)}, file);
-  } else {
-    append({.scores = measure_by_ngp(task, poses)}, file);
-  }
+  const bool lacks_poses = !task.at.empty() && poses.empty();
+  const Poses own =
+      lacks_poses ? posed_alone(task.run->capture, task.pipeline, task.stage_seed).poses : Poses{};
+  append({.scores = measure_by_ngp(task, lacks_poses ? own : poses)}, file);
   return std::move(ours.estimate);
 }
 
@@ -349,15 +347,15 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   if (suite.quick) {
     for (const char* cultivar : {"zhengdan958", "jimai22", "suijing18"}) {
       add(std::string("quick_") + cultivar, 0,
-          {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=30"}, {10, 20}, true,
+          {std::string("cultivar=") + cultivar, "rig=phone_video_720p", "views=20"}, {10}, true,
           suite.attribution);
     }
     const std::vector<std::string> few = {"cultivar=zhengdan958", "rig=phone_video_720p",
-                                          "views=24", "pipeline.splats.reference_steps=2000",
-                                          "pipeline.splats.steps=1500"};
+                                          "views=20", "pipeline.splats.reference_steps=1000",
+                                          "pipeline.splats.steps=1000"};
     add("quick_splats_zhengdan958", 0, few, {}, true, false,
         {.splats = true,
-         .reference_at = {500, 1000},
+         .reference_at = {500},
          .ours_at = {500},
          .ngp_at = {100, 250},
          .images_steps = {500}});

@@ -94,6 +94,7 @@ std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth,
   view.camera_from_world = pose.camera_from_world;
   const Pose world_from_camera = inverse(pose.camera_from_world);
   view.centre_m = world_from_camera.translation_m.cast<float>();
+  const Eigen::Matrix3f to_world = world_from_camera.rotation.toRotationMatrix().cast<float>();
   const int w = box->x1 - box->x0, h = box->y1 - box->y0;
   const Eigen::Vector3f none = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
   view.point_m = Image<Eigen::Vector3f>(w, h, none);
@@ -115,6 +116,10 @@ std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth,
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       if (!view.valid(x, y)) continue;
+      if (!depth.normal.empty() && !depth.normal(view.x0 + x, view.y0 + y).isZero()) {
+        view.normal(x, y) = to_world * depth.normal(view.x0 + x, view.y0 + y).normalized();
+        continue;
+      }
       const float pixel_m =
           depth.depth_m(view.x0 + x, view.y0 + y) / static_cast<float>(pose.camera.fx_px);
       view.normal(x, y) = window_normal(view, x, y, 6 * pixel_m);
@@ -252,10 +257,13 @@ void check_sizes(const Capture& capture, const Poses& poses, const Depths& depth
     const Image<float>& sigma = depths[i].sigma_m;
     const bool sigma_fits =
         sigma.empty() || (sigma.width() == depth.width() && sigma.height() == depth.height());
-    if (!has_color || !sigma_fits) {
+    const Image<Eigen::Vector3f>& normal = depths[i].normal;
+    const bool normal_fits =
+        normal.empty() || (normal.width() == depth.width() && normal.height() == depth.height());
+    if (!has_color || !sigma_fits || !normal_fits) {
       throw std::invalid_argument("fusion: the depth image of frame " +
                                   std::to_string(depths[i].frame) +
-                                  " differs in size from its colour or sigma image");
+                                  " differs in size from its colour, sigma or normal image");
     }
   }
 }

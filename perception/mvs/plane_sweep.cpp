@@ -43,15 +43,30 @@ std::vector<int> evenly_spread(int count, int wanted) {
   return chosen;
 }
 
+/// Of the plane 1/Z = inverse_depth + slope_x (x - x_p) + slope_y (y - y_p), which is n . X = 1:
+/// the camera is on the side that n points away from.
+Eigen::Vector3f normal_of(const ReferenceDepth& depth, const MvsView& view, int x, int y) {
+  const float slope_x = depth.slope_x(x, y), slope_y = depth.slope_y(x, y);
+  const Eigen::Vector3f n(
+      slope_x, slope_y,
+      depth.inverse_depth(x, y) - slope_x * view.ray_x(x, y) - slope_y * view.ray_y(x, y));
+  const float length = n.norm();
+  if (!(length > 0) || !std::isfinite(length)) return Eigen::Vector3f::Zero();
+  return n / -length;
+}
+
 /// Depth on the whole original image from the rectangle that was reconstructed.
 FrameDepth whole_image(int width, int height, const MvsView& view, const Image<float>& depth_m,
-                       const Image<float>& sigma_m, int frame) {
+                       const ReferenceDepth& depth, bool has_normals, int frame) {
   FrameDepth result{frame, Image<float>(width, height, kNone), Image<float>(width, height, kNone)};
+  if (has_normals) result.normal = Image<Eigen::Vector3f>(width, height, Eigen::Vector3f::Zero());
   for (int y = 0; y < view.rect.height; ++y) {
     for (int x = 0; x < view.rect.width; ++x) {
       if (!std::isfinite(depth_m(x, y))) continue;
       result.depth_m(view.rect.x0 + x, view.rect.y0 + y) = depth_m(x, y);
-      result.sigma_m(view.rect.x0 + x, view.rect.y0 + y) = sigma_m(x, y);
+      result.sigma_m(view.rect.x0 + x, view.rect.y0 + y) = depth.sigma_m(x, y);
+      if (has_normals)
+        result.normal(view.rect.x0 + x, view.rect.y0 + y) = normal_of(depth, view, x, y);
     }
   }
   return result;
@@ -70,6 +85,7 @@ Fields fields(MvsConfig& c) {
       {"consistent_views", &c.consistent_views, "other views whose depth agrees", 0, 10},
       {"consistency_px", &c.consistency_px, "agreement in the image", 0.05, 10},
       {"consistency_depth", &c.consistency_depth, "agreement in depth, relative", 1e-5, 0.1},
+      {"normals", &c.normals, "also normals of the surfaces, 12 bytes a pixel of each reference"},
       {"max_references", &c.max_references, "views with depth, evenly spread; 0 = all", 0, 100000}};
 }
 
@@ -133,8 +149,8 @@ Depths estimate_depths(const Capture& capture, const Poses& poses, const SweepVo
     const MvsView& view = views[static_cast<std::size_t>(references[i])];
     const auto frame = static_cast<std::size_t>(view.index);
     const Image<Rgb8>& image = capture.frames[frame].sensors[0].color;
-    result[frame] = whole_image(image.width(), image.height(), view, kept_m[i], depths[i].sigma_m,
-                                capture.frames[frame].id);
+    result[frame] = whole_image(image.width(), image.height(), view, kept_m[i], depths[i],
+                                config.normals, capture.frames[frame].id);
   });
   return result;
 }

@@ -22,6 +22,7 @@ struct MvsConfig {
   int consistent_views = 2;  ///< other views whose depth agrees
   double consistency_px = 1.0;
   double consistency_depth = 0.001;  ///< relative; also the largest standard deviation that is kept
+  bool normals = false;     ///< also those of the surfaces, 12 bytes a pixel of each reference
   int max_references = 20;  ///< 0 = every posed view; else evenly spread: a surface is seen by many
 };
 Fields fields(MvsConfig& config);
@@ -31,7 +32,8 @@ void validate(const MvsConfig& config);
 /// evaluated through the lens, on undistorted copies made once), sub-pixel refined, filtered by
 /// consistency across views. TBB; vectorised; the same bytes on any number of threads. Views
 /// without a pose or with too few neighbours get an empty image. depth images are on the *original*
-/// (distorted) pixel grid of each frame.
+/// (distorted) pixel grid of each frame. With `normals` a pixel with depth has the normal of the
+/// slanted plane whose window matched best there.
 Depths estimate_depths(const Capture& capture, const Poses& poses, const SweepVolume& volume,
                        const MvsConfig& config = {});
 

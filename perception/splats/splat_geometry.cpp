@@ -2,8 +2,10 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -11,6 +13,8 @@ namespace cousin {
 namespace {
 
 constexpr double kFirstHarmonic = 0.28209479177387814;  ///< Y of degree 0: 1 / sqrt(4 pi)
+/// Share of the centres' extent that positions as float may be off by.
+constexpr double kMostRounded = 1e-3;
 
 /// 8-bit code of a colour of 0..1; values beyond are clamped, NaN is 0.
 std::uint8_t code_of(double value) {
@@ -60,8 +64,10 @@ Cloud splat_centres(const SplatModel& model, double least_opacity) {
                                 " is not in 0..1");
   }
   Cloud cloud;
+  Eigen::AlignedBox3d box;
   for (const Splat& splat : model.splats) {
     if (!(opacity_of(splat) >= least_opacity)) continue;
+    box.extend(splat.centre_m.cast<double>());
     CloudPoint point;
     point.position_m = (model.origin_in_world_m + splat.centre_m.cast<double>()).cast<float>();
     const auto code = [&](std::size_t c) {
@@ -69,6 +75,14 @@ Cloud splat_centres(const SplatModel& model, double least_opacity) {
     };
     point.color = {code(0), code(1), code(2)};
     cloud.push_back(point);
+  }
+  const double far_m = model.origin_in_world_m.cwiseAbs().maxCoeff();
+  const double off_m = 0.5 * std::numeric_limits<float>::epsilon() * far_m;
+  if (cloud.size() > 1 && off_m > kMostRounded * box.diagonal().norm()) {
+    throw std::invalid_argument("splat_centres: the model's origin is " + std::to_string(far_m) +
+                                " m away, its centres " + std::to_string(box.diagonal().norm()) +
+                                " m apart: positions as float would be off by " +
+                                std::to_string(off_m) + " m");
   }
   return cloud;
 }

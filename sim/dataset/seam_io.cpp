@@ -1,5 +1,5 @@
 // JSON seams: schemas in seam_json.cpp and seam_masks.cpp. Besides:
-// depth/000000.exr, depth_sigma/000000.exr: metres, NaN = none
+// depth/000000.exr, depth_sigma/000000.exr: metres, NaN = none; depth_normal/000000.exr
 // depth/frames.json
 //   {"frames": [0, 1, ...]}: all frames in order, also those without a depth image. Another program
 //   may leave it out; then the frames are those with an image.
@@ -12,11 +12,14 @@
 #include "sim/dataset/seam_io.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <string>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/exr_vectors.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/seam_json.h"
@@ -62,20 +65,44 @@ std::vector<int> frames_with_depth(const fs::path& dir) {
   return frames;
 }
 
+template <typename T>
+void check_size(const fs::path& file, const Image<T>& image, const Image<float>& depth_m) {
+  if (image.width() == depth_m.width() && image.height() == depth_m.height()) return;
+  throw std::runtime_error(file.string() + ": the image is " + std::to_string(image.width()) +
+                           " x " + std::to_string(image.height()) +
+                           " pixels; its depth image has " + std::to_string(depth_m.width()) +
+                           " x " + std::to_string(depth_m.height()));
+}
+
+/// Vectors are zero or of unit length.
+void check_units(const fs::path& file, const Image<Eigen::Vector3f>& image) {
+  constexpr float kMostOff = 1e-3F;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const float length = image(x, y).norm();
+      if (length == 0 || std::abs(length - 1) <= kMostOff) continue;  // NaN is neither
+      throw std::runtime_error(file.string() + ": the normal at (" + std::to_string(x) + ", " +
+                               std::to_string(y) + ") has length " + std::to_string(length) +
+                               ", not 1, nor 0 for none");
+    }
+  }
+}
+
 FrameDepth read_frame_depth(const fs::path& dir, int frame) {
   FrameDepth depth{.frame = frame};
   const std::string name = six_digits(frame) + ".exr";
   if (!fs::exists(dir / "depth" / name)) return depth;
   depth.depth_m = read_exr(resolve_inside(dir, "depth/" + name));
-  if (!fs::exists(dir / "depth_sigma" / name)) return depth;
-  const fs::path file = resolve_inside(dir, "depth_sigma/" + name);
-  depth.sigma_m = read_exr(file);
-  if (depth.sigma_m.width() != depth.depth_m.width() ||
-      depth.sigma_m.height() != depth.depth_m.height()) {
-    throw std::runtime_error(
-        file.string() + ": the image is " + std::to_string(depth.sigma_m.width()) + " x " +
-        std::to_string(depth.sigma_m.height()) + " pixels; its depth image has " +
-        std::to_string(depth.depth_m.width()) + " x " + std::to_string(depth.depth_m.height()));
+  if (fs::exists(dir / "depth_sigma" / name)) {
+    const fs::path file = resolve_inside(dir, "depth_sigma/" + name);
+    depth.sigma_m = read_exr(file);
+    check_size(file, depth.sigma_m, depth.depth_m);
+  }
+  if (fs::exists(dir / "depth_normal" / name)) {
+    const fs::path file = resolve_inside(dir, "depth_normal/" + name);
+    depth.normal = read_exr_vectors(file);
+    check_size(file, depth.normal, depth.depth_m);
+    check_units(file, depth.normal);
   }
   return depth;
 }
@@ -163,9 +190,14 @@ void write_depths(const fs::path& dir, const Depths& depths) {
   for_each_frame(depths.size(), [&](std::size_t i) {
     const std::string name = six_digits(depths[i].frame) + ".exr";
     if (!depths[i].depth_m.empty()) write_exr(dir / "depth" / name, depths[i].depth_m);
-    if (depths[i].sigma_m.empty()) return;
-    fs::create_directories(dir / "depth_sigma");
-    write_exr(dir / "depth_sigma" / name, depths[i].sigma_m);
+    if (!depths[i].sigma_m.empty()) {
+      fs::create_directories(dir / "depth_sigma");
+      write_exr(dir / "depth_sigma" / name, depths[i].sigma_m);
+    }
+    if (!depths[i].normal.empty()) {
+      fs::create_directories(dir / "depth_normal");
+      write_exr_vectors(dir / "depth_normal" / name, depths[i].normal);
+    }
   });
   Json root = Json::object();
   root["frames"] = frames;

@@ -14,7 +14,7 @@ Corners read_corners(const std::filesystem::path& dir);
 void write_poses(const std::filesystem::path& dir, const Poses& poses);  // poses.json
 Poses read_poses(const std::filesystem::path& dir);
 void write_depths(const std::filesystem::path& dir,
-                  const Depths& depths);  // depth/000000.exr, depth_sigma/
+                  const Depths& depths);  // depth/000000.exr, depth_sigma/, depth_normal/
 Depths read_depths(const std::filesystem::path& dir);
 void write_cloud(const std::filesystem::path& dir, const Cloud& cloud);  // cloud.ply
 Cloud read_cloud(const std::filesystem::path& dir);

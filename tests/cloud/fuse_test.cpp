@@ -77,20 +77,51 @@ TEST(Fuse, NormalsPointOutOfTheSurface) {
   for (const CloudPoint& p :
        fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {})) {
     if (p.position_m.z() < 0.005F) continue;
-    const Eigen::Vector3d o = p.position_m.cast<double>() - kSeed.centre_in_world_m();
-    const double c = std::cos(kSeed.yaw_rad), s = std::sin(kSeed.yaw_rad);
-    const Eigen::Vector3d q = Eigen::Vector3d(c * o.x() + s * o.y(), -s * o.x() + c * o.y(), o.z())
-                                  .cwiseQuotient(kSeed.radii_m.cwiseAbs2());
-    const Eigen::Vector3d n =
-        Eigen::Vector3d(c * q.x() - s * q.y(), s * q.x() + c * q.y(), q.z()).normalized();
     EXPECT_NEAR(p.normal.norm(), 1, 1e-4);
-    cosines.push_back(n.dot(p.normal.cast<double>()));
+    cosines.push_back(
+        outward_normal(kSeed, p.position_m.cast<double>()).dot(p.normal.cast<double>()));
   }
   std::nth_element(cosines.begin(),
                    cosines.begin() + static_cast<std::ptrdiff_t>(cosines.size() / 2),
                    cosines.end());
   EXPECT_GT(cosines[cosines.size() / 2],
             0.985);  // 0.1 mm over windows of 1.5 mm: ten degrees at the median
+}
+
+TEST(Fuse, NormalsOfTheDepthsAreTakenWhereThereAreAny) {
+  NoisyViews noisy = noisy_views();
+  const Cloud without = fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {});
+  for (std::size_t i = 0; i < noisy.depths.size(); ++i) {
+    FrameDepth& depth = noisy.depths[i];
+    const Pose& pose = noisy.views.poses[i].camera_from_world;
+    depth.normal = Image<Eigen::Vector3f>(160, 120, Eigen::Vector3f::Zero());
+    for (int y = 0; y < 120; ++y) {
+      for (int x = 0; x < 160; ++x) {
+        if (noisy.views.object[i](x, y) != 0) continue;
+        const Eigen::Vector3d ray = *unproject(noisy.views.poses[i].camera, Eigen::Vector2d(x, y));
+        const Eigen::Vector3d in_world_m =
+            inverse(pose) * (ray * (noisy.views.depth_m[i](x, y) / ray.z())).eval();
+        depth.normal(x, y) = (pose.rotation * outward_normal(kSeed, in_world_m)).cast<float>();
+      }
+    }
+  }
+  const auto worst_on_top = [](const Cloud& cloud) {
+    double worst = 1;
+    for (const CloudPoint& p : cloud) {
+      if (p.position_m.z() < 0.007F) continue;
+      worst = std::min(
+          worst, outward_normal(kSeed, p.position_m.cast<double>()).dot(p.normal.cast<double>()));
+    }
+    return worst;
+  };
+  const Cloud cloud = fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {});
+  ASSERT_GT(cloud.size(), 300U);
+  EXPECT_LT(worst_on_top(without), 0.995);
+  EXPECT_GT(worst_on_top(cloud), 0.995);
+
+  noisy.depths[2].normal = Image<Eigen::Vector3f>(160, 119, Eigen::Vector3f::Zero());
+  EXPECT_THROW(fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}),
+               std::invalid_argument);
 }
 
 TEST(Fuse, GreenIsLeftOut) {

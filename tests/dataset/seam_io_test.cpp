@@ -73,6 +73,36 @@ TEST(SeamIo, PosesComeBackBitByBit) {
   EXPECT_EQ(read[1].camera, Camera{});
 }
 
+TEST(SeamIo, NormalsOfDepthsComeBackAndAreOfUnitLengthOrNone) {
+  const TemporaryFolder folder;
+  Depths depths(2);
+  depths[0] = {.frame = 0,
+               .depth_m = Image<float>(3, 2, 0.5F),
+               .sigma_m = {},
+               .normal = Image<Eigen::Vector3f>(3, 2, Eigen::Vector3f(0, 0.6F, -0.8F))};
+  depths[0].normal(1, 1).setZero();
+  depths[1] = {.frame = 1, .depth_m = Image<float>(3, 2, 0.5F), .sigma_m = {}};
+  write_depths(folder.path(), depths);
+  const Depths read = read_depths(folder.path());
+  ASSERT_EQ(read[0].normal.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(read[0].normal.data()[i], depths[0].normal.data()[i]);
+  EXPECT_TRUE(read[1].normal.empty());
+
+  const auto error_with = [&](const Image<Eigen::Vector3f>& normal) {
+    depths[1].normal = normal;
+    write_depths(folder.path(), depths);
+    return error_of([&] { read_depths(folder.path()); });
+  };
+  EXPECT_THAT(error_with(Image<Eigen::Vector3f>(2, 2, Eigen::Vector3f::Zero())),
+              AllOf(HasSubstr("depth_normal"), HasSubstr("000001.exr"), HasSubstr("2 x 2")));
+  Image<Eigen::Vector3f> long_one(3, 2, Eigen::Vector3f::Zero());
+  long_one(2, 1) = {0, 0, -2};
+  EXPECT_THAT(error_with(long_one), AllOf(HasSubstr("000001.exr"), HasSubstr("(2, 1)")));
+  long_one(2, 1) = {0, kNaN, -1};
+  EXPECT_THAT(error_with(long_one), HasSubstr("(2, 1)"));
+}
+
 TEST(SeamIo, DepthsComeBackWithUnusedFrames) {
   const TemporaryFolder folder;
   Depths depths(3);

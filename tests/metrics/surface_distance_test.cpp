@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 namespace cousin {
@@ -55,6 +56,35 @@ TEST(DistanceTree, AgreesWithTryingEveryTriangle) {
     EXPECT_EQ(tree.distance_m(p), best);
     EXPECT_EQ(points.distance_m(p), nearest);
   }
+}
+
+TEST(DistanceTree, TheNormalIsOfTheNearestTriangles) {
+  const DistanceTree tree(cube());
+  EXPECT_NEAR((tree.normal_at({0.3, 0.4, 2}) - Eigen::Vector3d(0, 0, 1)).norm(), 0, 1e-12);
+  EXPECT_NEAR((tree.normal_at({0.3, 0.4, 0.9}) - Eigen::Vector3d(0, 0, 1)).norm(), 0, 1e-12);
+  EXPECT_NEAR((tree.normal_at({0.5, -1, -1}) - Eigen::Vector3d(0, -1, -1).normalized()).norm(), 0,
+              1e-12);
+  EXPECT_NEAR((tree.normal_at({2, 2, 2}) - Eigen::Vector3d(1, 1, 1).normalized()).norm(), 0, 1e-12);
+  EXPECT_TRUE(DistanceTree(cube().vertices_m).normal_at({2, 2, 2}).isZero());
+}
+
+TEST(ScoreNormals, AreAnglesToTheSurfaceBelowThem) {
+  const std::vector<Eigen::Vector3d> points = {
+      {0.5, 0.5, 1.1}, {0.5, 0.5, 1}, {0.2, 0.3, 0.95}, {1.2, 0.5, 0.5}, {0.5, 0.5, -1}};
+  const std::vector<Eigen::Vector3d> normals = {{0, std::sin(0.1), std::cos(0.1)},
+                                                {0, 0, 5},
+                                                {std::sin(0.3), 0, std::cos(0.3)},
+                                                {0, 0, 0},
+                                                {0, 0, 1}};
+  const NormalScore score = score_normals(points, normals, cube());
+  EXPECT_EQ(score.measured, 4);
+  EXPECT_EQ(score.points, 5);
+  EXPECT_NEAR(score.median_rad, 0.2, 1e-9);
+  constexpr double kPi = std::numbers::pi;  // the last one points inward
+  EXPECT_NEAR(score.rms_rad, std::sqrt((0.01 + 0.09 + kPi * kPi) / 4), 1e-9);
+  EXPECT_THROW(score_normals(points, std::span(normals).first(4), cube()), std::invalid_argument);
+  EXPECT_THROW(score_normals(points, normals, Mesh{}), std::invalid_argument);
+  EXPECT_TRUE(std::isnan(score_normals({}, {}, cube()).median_rad));
 }
 
 TEST(DistanceTree, KeepsItsPrecisionFarFromTheOrigin) {

@@ -15,10 +15,12 @@
 namespace cousin {
 namespace {
 
+SyntheticSeed maize_sized() { return {0.001, -0.002, {0.007, 0.006, 0.004}, 0.4}; }
+
 /// One maize-sized ellipsoid, eight views around the vertical, in small pictures at 0.4 mm a pixel.
 SyntheticViews few_views(LensModel lens, int views = 8) {
   SyntheticScene scene;
-  scene.seeds.push_back({0.001, -0.002, {0.007, 0.006, 0.004}, 0.4});
+  scene.seeds.push_back(maize_sized());
   scene.board.plate_m = 0.030;
   scene.board.squares = 4;
   scene.board.has_markers = false;
@@ -91,6 +93,42 @@ INSTANTIATE_TEST_SUITE_P(EveryLens, PlaneSweepOfLens,
                          testing::Values(LensModel::pinhole, LensModel::opencv5, LensModel::opencv8,
                                          LensModel::opencv12, LensModel::kannala_brandt4),
                          [](const auto& param) { return std::string(to_string(param.param)); });
+
+TEST(PlaneSweep, NormalsAreOfTheSurfaceAndWhereDepthsAre) {
+  const SyntheticViews views = few_views(LensModel::opencv5);
+  MvsConfig config = small_config();
+  const Depths without = estimate_depths(views.capture, views.poses, small_volume(), config);
+  config.normals = true;
+  const Depths depths = estimate_depths(views.capture, views.poses, small_volume(), config);
+  std::vector<double> turned_rad;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    EXPECT_TRUE(without[i].normal.empty());
+    ASSERT_EQ(depths[i].normal.size(), depths[i].depth_m.size());
+    const Pose& pose = views.poses[i].camera_from_world;
+    for (int y = 0; y < depths[i].depth_m.height(); ++y) {
+      for (int x = 0; x < depths[i].depth_m.width(); ++x) {
+        const Eigen::Vector3d normal = depths[i].normal(x, y).cast<double>();
+        const double z_m = depths[i].depth_m(x, y);
+        ASSERT_EQ(std::isfinite(z_m), !normal.isZero());
+        if (!std::isfinite(z_m)) continue;
+        EXPECT_NEAR(normal.norm(), 1, 1e-5);
+        const Eigen::Vector3d ray = *unproject(views.poses[i].camera, Eigen::Vector2d(x, y));
+        EXPECT_LT(normal.dot(ray), 0);
+        const int object = views.object[i](x, y);
+        if (object < -1) continue;
+        const Eigen::Vector3d in_world_m = inverse(pose) * (ray * (z_m / ray.z())).eval();
+        const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+        const Eigen::Vector3d truth =
+            pose.rotation * (object < 0 ? up : outward_normal(maize_sized(), in_world_m));
+        turned_rad.push_back(std::acos(std::clamp(truth.dot(normal), -1.0, 1.0)));
+      }
+    }
+  }
+  ASSERT_GT(turned_rad.size(), 10000U);
+  std::sort(turned_rad.begin(), turned_rad.end());
+  EXPECT_LT(turned_rad[turned_rad.size() / 2], 0.15);
+  EXPECT_LT(turned_rad[turned_rad.size() * 9 / 10], 0.6);
+}
 
 TEST(PlaneSweep, SameBytesOnAnyNumberOfThreads) {
   const SyntheticViews views = few_views(LensModel::opencv5, 5);

@@ -87,6 +87,13 @@ std::uint8_t srgb_code(double linear, double noise_codes, Rng& rng) {
 
 }  // namespace
 
+Eigen::Vector3d outward_normal(const SyntheticSeed& seed, const Eigen::Vector3d& in_world_m) {
+  const Eigen::Matrix3d turned =
+      Eigen::AngleAxisd(seed.yaw_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Vector3d own = turned.transpose() * (in_world_m - seed.centre_in_world_m());
+  return turned * own.cwiseQuotient(seed.radii_m.cwiseAbs2()).normalized();
+}
+
 SyntheticHit trace(const SyntheticScene& scene, const Eigen::Vector3d& origin,
                    const Eigen::Vector3d& direction) {
   SyntheticHit best;

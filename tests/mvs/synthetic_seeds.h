@@ -18,6 +18,9 @@ struct SyntheticSeed {
   Eigen::Vector3d centre_in_world_m() const { return {x_m, y_m, radii_m.z()}; }
 };
 
+/// Unit, of the ellipsoid that is as large as the point needs it to be.
+Eigen::Vector3d outward_normal(const SyntheticSeed& seed, const Eigen::Vector3d& in_world_m);
+
 struct SyntheticScene {
   std::vector<SyntheticSeed> seeds;
   SeedBoard board;

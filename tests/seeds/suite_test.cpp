@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
+#include <utility>
 
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
@@ -254,6 +257,37 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
   // Without trained models nothing is said of any.
   const ScoreFile others = pool_seeds_suite({finished("suijing18", 0, 2e-4, 3e-4)}, {});
   EXPECT_EQ(std::count_if(others.scores.begin(), others.scores.end(), published), 0);
+}
+
+TEST(SeedsSuite, AGapThatIsMissingWhereViewsWereHeldOutIsAFailure) {
+  ScoreFile file;
+  ScoreRow row;
+  row.suite = kSplatsSuite;
+  row.scene = "zhengdan958";
+  row.method = "splats_images";
+  for (const int steps : {1000, 3000}) {
+    row.case_name = "zhengdan958 run 0 60 views 1280x720, one in 8 held out, " +
+                    std::to_string(steps) + " steps";
+    for (const auto& [metric, value] :
+         {std::pair("train.psnr_whole", 42.0), std::pair("held_out.psnr_whole", 41.0),
+          std::pair("train.psnr_object", 41.0)}) {
+      row.metric = metric;
+      row.value = value;
+      file.scores.push_back(row);
+    }
+  }
+  ShardResult result;
+  result.name = "all.json";
+  result.text = to_json(file);
+  std::map<std::string, ScoreStatus> gaps;
+  for (const ScoreRow& pooled : pool_seeds_suite({result}, {}).scores) {
+    if (pooled.metric.ends_with(".train_less_held_out"))
+      gaps[pooled.metric.substr(0, pooled.metric.find('.')) +
+           pooled.case_name.substr(pooled.case_name.rfind(','))] = pooled.status;
+  }
+  EXPECT_THAT(gaps, testing::ElementsAre(std::pair("psnr_object, 3000 steps", ScoreStatus::fail),
+                                         std::pair("psnr_whole, 1000 steps", ScoreStatus::ok),
+                                         std::pair("psnr_whole, 3000 steps", ScoreStatus::pass)));
 }
 
 TEST(SeedsSuite, ItsConfigurationNamesEveryJob) {

@@ -150,6 +150,11 @@ TEST(SplatGeometry, CentresAreThePapersCloud) {
   EXPECT_EQ(splat_centres(model, 0).size(), 100u);
   EXPECT_EQ(splat_centres(model, 1).size(), 0u);
   EXPECT_THROW(splat_centres(model, 1.5), std::invalid_argument);
+  model.origin_in_world_m = {0, 1000, 0};  // floats there are 0.06 mm apart
+  EXPECT_EQ(splat_centres(model).size(), 99u);
+  model.origin_in_world_m = {0, 1e6, 0};
+  EXPECT_THROW(splat_centres(model), std::invalid_argument);
+  EXPECT_EQ(splat_centres(model, 1).size(), 0u);
 }
 
 TEST(SplatGeometry, SplatsOnABallGiveItsCloudMeshAndWhoSeesThem) {
