@@ -42,14 +42,14 @@ double triangle_distance2(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
   return std::min(edges, height * height / area2);
 }
 
-/// Height of a point over a triangle's plane, times the angle that the triangle takes up about the
-/// point of it that is nearest: summed over all nearest triangles this has the sign of the side
-/// [Baerentzen and Aanaes, "Signed distance computation using the angle weighted pseudonormal",
-/// TVCG 2005].
 struct WeightedSide {
-  double height = 0;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, times the same angle
+  double height = 0;  ///< over the triangle's plane
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
+/// A point's height over a triangle's plane and the unit normal there, both times the angle that
+/// the triangle takes up about the point of it that is nearest: summed over all nearest triangles
+/// the height has the sign of the side [Baerentzen and Aanaes, "Signed distance computation using
+/// the angle weighted pseudonormal", TVCG 2005].
 WeightedSide weighted_side(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                            const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const Eigen::Vector3d normal = (b - a).cross(c - a);
@@ -327,8 +327,8 @@ NormalScore score_normals(std::span<const Eigen::Vector3d> points_m,
   const DistanceTree tree(surface);
   std::vector<double> angles_rad(points_m.size(), std::numeric_limits<double>::quiet_NaN());
   tbb::parallel_for(std::size_t{0}, points_m.size(), [&](std::size_t i) {
-    if (!points_m[i].allFinite())
-      throw std::invalid_argument("score_normals: a point is not finite");
+    if (!points_m[i].allFinite() || !normals[i].allFinite())
+      throw std::invalid_argument("score_normals: a point or normal is not finite");
     if (!(normals[i].squaredNorm() > 0)) return;
     const Eigen::Vector3d true_normal = tree.normal_at(points_m[i]);
     if (true_normal.isZero()) return;
@@ -336,7 +336,7 @@ NormalScore score_normals(std::span<const Eigen::Vector3d> points_m,
   });
   std::erase_if(angles_rad, [](double angle) { return !std::isfinite(angle); });
   return {static_cast<std::int64_t>(angles_rad.size()), static_cast<std::int64_t>(points_m.size()),
-          quantile(angles_rad, 0.5), rms(angles_rad), quantile(angles_rad, 0.95)};
+          quantile(angles_rad, 0.5), quantile(angles_rad, 0.95)};
 }
 
 }  // namespace cousin

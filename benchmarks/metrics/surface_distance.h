@@ -103,13 +103,13 @@ CloudScore score_mesh(const Mesh& measured, std::span<const Eigen::Vector3d> mea
 /// Angles between measured normals and the true surface's nearest to where they were measured, from
 /// 0 to pi: a normal that points inward is pi off.
 struct NormalScore {
-  std::int64_t measured = 0;                        ///< normals that are not zero
-  std::int64_t points = 0;                          ///< with and without
-  double median_rad = 0, rms_rad = 0, p95_rad = 0;  ///< NaN if none is measured
+  std::int64_t measured = 0;           ///< normals that are not zero
+  std::int64_t points = 0;             ///< with and without
+  double median_rad = 0, p95_rad = 0;  ///< NaN if none is measured
 };
 /// @param normals  of any length but zero, which is unknown
-/// @throws std::invalid_argument if the surface is empty, the lengths differ or a point is not
-/// finite.
+/// @throws std::invalid_argument if the surface is empty, the lengths differ or a point or a
+/// normal is not finite.
 NormalScore score_normals(std::span<const Eigen::Vector3d> points_m,
                           std::span<const Eigen::Vector3d> normals, const Mesh& surface);
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <set>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -140,17 +142,22 @@ void add_missing(std::vector<ScoreRow>& rows, ScoreRow base, const std::string& 
 /// Rows without a value where models for images were trained with views held out and one of the
 /// gaps that have a limit is not there.
 void add_missing_gaps(std::vector<ScoreRow>& rows) {
-  std::map<std::string, ScoreRow> trained;  // a row of each such model
+  std::map<std::string, ScoreRow> trained;  // a row of each set of photographs
   std::set<std::string> there;
   for (const ScoreRow& row : rows) {
     if (row.suite != kSplatsSuite || row.method != "splats_images") continue;
-    if (row.metric.ends_with(".train_less_held_out")) there.insert(row.case_name + row.metric);
-    if (row.case_name.find(" held out") != std::string::npos) trained.emplace(row.case_name, row);
+    const std::string model = row.scene + "/" + row.case_name;
+    if (row.metric.ends_with(".train_less_held_out")) there.insert(model + row.metric);
+    if (row.case_name.find(" held out") == std::string::npos) continue;
+    ScoreRow held = row;
+    held.case_name = row.case_name.substr(0, row.case_name.rfind(", ")) + ", " +
+                     std::to_string(kStepsOfImages) + " steps";
+    trained.emplace(held.scene + "/" + held.case_name, std::move(held));
   }
-  for (const auto& [name, row] : trained) {
+  for (const auto& [model, row] : trained) {
     for (const char* metric :
          {"psnr_whole.train_less_held_out", "psnr_object.train_less_held_out"}) {
-      if (!there.contains(name + metric)) add_missing(rows, row, metric, "dB");
+      if (!there.contains(model + metric)) add_missing(rows, row, metric, "dB");
     }
   }
 }

@@ -51,7 +51,8 @@ void add(std::vector<ScoreRow>& rows, const ScoreRow& row, const std::string& me
 }
 
 /// Cloud and meshes against all of the true surface, undersides too (`cloud`, `mesh`), and against
-/// what two views at least could see of it, posed or not (`cloud_seen`, `mesh_seen`).
+/// what two views at least could see of it, posed or not (`cloud_seen`, `mesh_seen`); of clouds
+/// that have normals the share with one and their angles to the surface's (`cloud.normal...`).
 void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
                   const SeedsEstimate& estimate, const ScoreRow& base,
                   std::vector<ScoreRow>& rows) {
@@ -79,10 +80,11 @@ void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
     if (seen_count > 0)
       add_cloud_rows("cloud_seen", n, score_visible_cloud(cloud, surface, seen, kTolerances_m),
                      base, rows);
-    const NormalScore turned = score_normals(cloud, normals, surface);
-    if (turned.measured > 0) {
-      add(rows, base, "cloud.normal_median", turned.median_rad, "rad", turned.measured);
-      add(rows, base, "cloud.normal_p95", turned.p95_rad, "rad", turned.measured);
+    const NormalScore by_normals = score_normals(cloud, normals, surface);
+    if (const std::int64_t count = by_normals.measured; count > 0) {
+      add(rows, base, "cloud.normals", static_cast<double>(count) / static_cast<double>(n), "1", n);
+      add(rows, base, "cloud.normal_median", by_normals.median_rad, "rad", count);
+      add(rows, base, "cloud.normal_p95", by_normals.p95_rad, "rad", count);
     }
   }
   if (!measured.empty()) {

@@ -125,9 +125,9 @@ SeedsEstimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, c
     append({.scores = measure_for_images(task, steps)}, file);
   task.at = job.trained.ngp_at;
   const bool lacks_poses = !task.at.empty() && poses.empty();
-  const Poses own =
-      lacks_poses ? posed_alone(task.run->capture, task.pipeline, task.stage_seed).poses : Poses{};
-  append({.scores = measure_by_ngp(task, lacks_poses ? own : poses)}, file);
+  const Poses used =
+      lacks_poses ? posed_alone(task.run->capture, task.pipeline, task.stage_seed).poses : poses;
+  append({.scores = measure_by_ngp(task, used)}, file);
   return std::move(ours.estimate);
 }
 
@@ -292,7 +292,8 @@ SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::
 /// What decides the trainings of a job, beside its configuration.
 std::string text_of(const TrainedJob& job, SeedsRunConfig config) {
   if (!job.splats) return {};
-  std::string text = job.has_surfaces ? "/splats, drawn whole" : "/images alone, drawn whole";
+  std::string text = job.has_surfaces ? "/splats without strays, drawn whole"
+                                      : "/images alone without strays, drawn whole";
   for (const auto* at : {&job.reference_at, &job.ours_at, &job.ngp_at, &job.images_steps}) {
     text += "/";
     for (const int step : *at) text += " " + std::to_string(step);

@@ -59,7 +59,10 @@ SeedsEstimate measured(const SeedsTrainingTask& task, const SeedsPipelineConfig&
   SeedsStages stages = stages_of(config, task.stage_seed, {}, 0);
   stages.corners = nullptr;
   stages.poses = [&end](const Capture&, const SeedsEstimate&) { return end.poses; };
-  stages.splats = [&way](const Capture&, const SeedsEstimate&) { return way.model; };
+  stages.splats = [&](const Capture& capture, const SeedsEstimate&) {
+    if (config.method != SeedsMethod::splats) return way.model;
+    return without_strays(way.model, volume_of(config, board_of(capture, config)));
+  };
   SeedsEstimate estimate = run_seeds(task.run->capture, config, stages);
   std::vector<StageTiming> timings;
   for (StageTiming timing : end.timings) {

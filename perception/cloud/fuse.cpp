@@ -116,9 +116,13 @@ std::optional<DepthView> prepare(const FramePose& pose, const FrameDepth& depth,
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       if (!view.valid(x, y)) continue;
-      if (!depth.normal.empty() && !depth.normal(view.x0 + x, view.y0 + y).isZero()) {
-        view.normal(x, y) = to_world * depth.normal(view.x0 + x, view.y0 + y).normalized();
-        continue;
+      if (!depth.normal.empty()) {
+        const Eigen::Vector3f own = to_world * depth.normal(view.x0 + x, view.y0 + y);
+        const bool faces_camera = own.dot(view.centre_m - view.point_m(x, y)) > 0;
+        if (faces_camera && own.allFinite()) {
+          view.normal(x, y) = own.normalized();
+          continue;
+        }
       }
       const float pixel_m =
           depth.depth_m(view.x0 + x, view.y0 + y) / static_cast<float>(pose.camera.fx_px);
@@ -143,7 +147,7 @@ Sight sight(const DepthView& view, const Eigen::Vector3f& point_m, const Eigen::
   const int x = static_cast<int>(std::lround(pixel->x())) - view.x0;
   const int y = static_cast<int>(std::lround(pixel->y())) - view.y0;
   if (!view.valid(x, y)) return {};
-  if (view.normal(x, y).dot(normal) < 0.6F) return {};  // unknown, or another side of an edge
+  if (!(view.normal(x, y).dot(normal) >= 0.6F)) return {};  // unknown, or another side of an edge
   const Eigen::Vector3f offset = view.point_m(x, y) - point_m;
   const float along = normal.dot(offset);
   if (std::abs(along) > agreement_m || (offset - along * normal).norm() > 2 * agreement_m + 0.002F)

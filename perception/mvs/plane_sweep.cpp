@@ -56,17 +56,21 @@ Eigen::Vector3f normal_of(const ReferenceDepth& depth, const MvsView& view, int 
 }
 
 /// Depth on the whole original image from the rectangle that was reconstructed.
-FrameDepth whole_image(int width, int height, const MvsView& view, const Image<float>& depth_m,
-                       const ReferenceDepth& depth, bool has_normals, int frame) {
-  FrameDepth result{frame, Image<float>(width, height, kNone), Image<float>(width, height, kNone)};
-  if (has_normals) result.normal = Image<Eigen::Vector3f>(width, height, Eigen::Vector3f::Zero());
+/// @param kept_m  of `found` what is consistent; NaN = none
+FrameDepth whole_image(const Image<Rgb8>& photograph, const MvsView& view,
+                       const ReferenceDepth& found, const Image<float>& kept_m,
+                       const MvsConfig& config) {
+  const int width = photograph.width(), height = photograph.height();
+  FrameDepth result{0, Image<float>(width, height, kNone), Image<float>(width, height, kNone)};
+  if (config.normals)
+    result.normal = Image<Eigen::Vector3f>(width, height, Eigen::Vector3f::Zero());
   for (int y = 0; y < view.rect.height; ++y) {
     for (int x = 0; x < view.rect.width; ++x) {
-      if (!std::isfinite(depth_m(x, y))) continue;
-      result.depth_m(view.rect.x0 + x, view.rect.y0 + y) = depth_m(x, y);
-      result.sigma_m(view.rect.x0 + x, view.rect.y0 + y) = depth.sigma_m(x, y);
-      if (has_normals)
-        result.normal(view.rect.x0 + x, view.rect.y0 + y) = normal_of(depth, view, x, y);
+      if (!std::isfinite(kept_m(x, y))) continue;
+      const int at_x = view.rect.x0 + x, at_y = view.rect.y0 + y;
+      result.depth_m(at_x, at_y) = kept_m(x, y);
+      result.sigma_m(at_x, at_y) = found.sigma_m(x, y);
+      if (config.normals) result.normal(at_x, at_y) = normal_of(found, view, x, y);
     }
   }
   return result;
@@ -149,8 +153,8 @@ Depths estimate_depths(const Capture& capture, const Poses& poses, const SweepVo
     const MvsView& view = views[static_cast<std::size_t>(references[i])];
     const auto frame = static_cast<std::size_t>(view.index);
     const Image<Rgb8>& image = capture.frames[frame].sensors[0].color;
-    result[frame] = whole_image(image.width(), image.height(), view, kept_m[i], depths[i],
-                                config.normals, capture.frames[frame].id);
+    result[frame] = whole_image(image, view, depths[i], kept_m[i], config);
+    result[frame].frame = capture.frames[frame].id;
   });
   return result;
 }

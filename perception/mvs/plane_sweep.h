@@ -33,7 +33,7 @@ void validate(const MvsConfig& config);
 /// consistency across views. TBB; vectorised; the same bytes on any number of threads. Views
 /// without a pose or with too few neighbours get an empty image. depth images are on the *original*
 /// (distorted) pixel grid of each frame. With `normals` a pixel with depth has the normal of the
-/// slanted plane whose window matched best there.
+/// surface's tangent plane as refinement left it, in the camera and towards it; zero = none.
 Depths estimate_depths(const Capture& capture, const Poses& poses, const SweepVolume& volume,
                        const MvsConfig& config = {});
 

@@ -19,6 +19,8 @@ namespace {
 constexpr std::array<Named<SplatPoses>, 3> kPoses = {
     {{SplatPoses::board, "board"}, {SplatPoses::sfm, "sfm"}, {SplatPoses::adjusted, "adjusted"}}};
 
+/// Beyond the volume, of its longest side.
+constexpr double kStrayShare = 0.2;
 constexpr int kLeastSide_px = 16;  ///< of a photograph's part
 
 /// Columns and rows of an image, last ones included.
@@ -287,6 +289,26 @@ SplatModel train_on_views(std::span<const SplatView> views, std::span<const Star
       return none;
     }
   }
+}
+
+SplatModel without_strays(SplatModel model, const SweepVolume& volume) {
+  const double reach_m = kStrayShare * (volume.high_m - volume.low_m).maxCoeff();
+  const bool has_views = model.views_seen.size() == model.splats.size();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < model.splats.size(); ++i) {
+    const Eigen::Vector3d at_m = model.origin_in_world_m + model.splats[i].centre_m.cast<double>();
+    const Eigen::Vector3d beyond_m = (volume.low_m - at_m).cwiseMax(at_m - volume.high_m);
+    if (!at_m.allFinite() || beyond_m.maxCoeff() > reach_m) continue;
+    model.splats[kept] = model.splats[i];
+    if (has_views) model.views_seen[kept] = model.views_seen[i];
+    ++kept;
+  }
+  if (kept == 0 && !model.splats.empty())
+    model.why_none =
+        to_string(SplatTrainStatus::nothing_left) + ": every Gaussian has left the volume";
+  model.splats.resize(kept);
+  if (has_views) model.views_seen.resize(kept);
+  return model;
 }
 
 Depths depths_of_splats(const SplatModel& model, const Poses& poses, const SweepVolume& volume,

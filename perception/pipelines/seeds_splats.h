@@ -134,6 +134,12 @@ SplatModel train_on_views(std::span<const SplatView> views, std::span<const Star
                           const SplatStartConfig& start, const SplatTrainConfig& training,
                           int stop_after, const SplatWatch& watch = {});
 
+/// The model without the Gaussians that have left the volume by more than a fifth of its longest
+/// side: what parts of photographs show of the volume does not hold them, and in whole ones they
+/// would hang in the air. Nearer ones stay: corners of the parts show the board out there.
+/// Where none is left `why_none` says so.
+SplatModel without_strays(SplatModel model, const SweepVolume& volume);
+
 /// Depth of a model on the pixels of the photographs themselves, lens and all: along the axis, NaN
 /// where a ray is never half blocked or ends outside the volume. Views without a pose have none.
 /// @param low_pass_px2  as in SplatRenderConfig

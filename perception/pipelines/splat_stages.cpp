@@ -95,9 +95,11 @@ SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed
   std::vector<StartPoint> start =
       start_on_surfaces(found.clusters, found.cloud, found.surfaces, splats, rng);
   fill_start(volume, splats.start_points, rng, start);
-  return train_on_views(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px),
-                        start, {.opacity = splats.start_opacity, .flatness = splats.flatness},
-                        training, training.steps, watch);
+  return without_strays(
+      train_on_views(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px),
+                     start, {.opacity = splats.start_opacity, .flatness = splats.flatness},
+                     training, training.steps, watch),
+      volume);
 }
 
 SeedsEstimate seen_in_training(const SeedsPipelineConfig& config, SeedsEstimate so_far) {

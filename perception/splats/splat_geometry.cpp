@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -76,13 +77,16 @@ Cloud splat_centres(const SplatModel& model, double least_opacity) {
     point.color = {code(0), code(1), code(2)};
     cloud.push_back(point);
   }
+  if (!model.origin_in_world_m.allFinite())
+    throw std::invalid_argument("splat_centres: the model's origin is not finite");
   const double far_m = model.origin_in_world_m.cwiseAbs().maxCoeff();
   const double off_m = 0.5 * std::numeric_limits<float>::epsilon() * far_m;
-  if (cloud.size() > 1 && off_m > kMostRounded * box.diagonal().norm()) {
-    throw std::invalid_argument("splat_centres: the model's origin is " + std::to_string(far_m) +
-                                " m away, its centres " + std::to_string(box.diagonal().norm()) +
-                                " m apart: positions as float would be off by " +
-                                std::to_string(off_m) + " m");
+  const double extent_m = box.isEmpty() ? 0 : box.diagonal().norm();
+  if (extent_m > 0 && off_m > kMostRounded * extent_m) {
+    std::ostringstream text;
+    text << "splat_centres: the model's origin is " << far_m << " m away, its centres are "
+         << extent_m << " m apart: positions as float would be off by " << off_m << " m";
+    throw std::invalid_argument(text.str());
   }
   return cloud;
 }

@@ -18,9 +18,9 @@ struct SplatViewpoint {
 
 /// The centres of the Gaussians whose opacity is at least `least_opacity`, in the model's order:
 /// the cloud of the Seeds paper. Colour is the one that does not depend on direction; normals and
-/// sigmas are unknown. @throws std::invalid_argument if least_opacity is not in 0..1, or if the
-/// model's origin is so far away that positions as float would be off by more than a thousandth of
-/// the centres' extent.
+/// sigmas are unknown. @throws std::invalid_argument if least_opacity is not in 0..1, if the
+/// origin is not finite, or so far away that positions as float would be off by more than a
+/// thousandth of what these centres extend over.
 Cloud splat_centres(const SplatModel& model, double least_opacity = 0.5);
 
 /// Depth images of a model, as the stages after it take them: `poses` and `depths` are one for each

@@ -1,5 +1,6 @@
 // JSON seams: schemas in seam_json.cpp and seam_masks.cpp. Besides:
-// depth/000000.exr, depth_sigma/000000.exr: metres, NaN = none; depth_normal/000000.exr
+// depth/000000.exr, depth_sigma/000000.exr: metres, NaN = none; depth_normal/000000.exr: X, Y, Z,
+// unit, in the camera, towards it, 0 = none
 // depth/frames.json
 //   {"frames": [0, 1, ...]}: all frames in order, also those without a depth image. Another program
 //   may leave it out; then the frames are those with an image.
@@ -189,15 +190,20 @@ void write_depths(const fs::path& dir, const Depths& depths) {
   fs::create_directories(dir / "depth");
   for_each_frame(depths.size(), [&](std::size_t i) {
     const std::string name = six_digits(depths[i].frame) + ".exr";
-    if (!depths[i].depth_m.empty()) write_exr(dir / "depth" / name, depths[i].depth_m);
-    if (!depths[i].sigma_m.empty()) {
-      fs::create_directories(dir / "depth_sigma");
-      write_exr(dir / "depth_sigma" / name, depths[i].sigma_m);
-    }
-    if (!depths[i].normal.empty()) {
-      fs::create_directories(dir / "depth_normal");
-      write_exr_vectors(dir / "depth_normal" / name, depths[i].normal);
-    }
+    const auto write = [&](const char* folder, const auto& image, const auto& to_file) {
+      if (image.empty()) {  // what another run left would be taken for this one's
+        fs::remove(dir / folder / name);
+        return;
+      }
+      fs::create_directories(dir / folder);
+      to_file(dir / folder / name, image);
+    };
+    const auto values = [](const fs::path& file, const Image<float>& image) {
+      write_exr(file, image);
+    };
+    write("depth", depths[i].depth_m, values);
+    write("depth_sigma", depths[i].sigma_m, values);
+    write("depth_normal", depths[i].normal, write_exr_vectors);
   });
   Json root = Json::object();
   root["frames"] = frames;

@@ -119,6 +119,18 @@ TEST(Fuse, NormalsOfTheDepthsAreTakenWhereThereAreAny) {
   EXPECT_LT(worst_on_top(without), 0.995);
   EXPECT_GT(worst_on_top(cloud), 0.995);
 
+  // What does not face the camera or is no number is not taken.
+  for (FrameDepth& depth : noisy.depths) {
+    for (Eigen::Vector3f& normal : depth.normal)
+      normal = normal.x() > 0 ? Eigen::Vector3f(-normal) : Eigen::Vector3f::Constant(NAN);
+  }
+  const Cloud wrong = fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {});
+  ASSERT_EQ(wrong.size(), without.size());
+  for (std::size_t i = 0; i < wrong.size(); ++i) {
+    ASSERT_EQ(wrong[i].position_m, without[i].position_m);
+    ASSERT_EQ(wrong[i].normal, without[i].normal);
+  }
+
   noisy.depths[2].normal = Image<Eigen::Vector3f>(160, 119, Eigen::Vector3f::Zero());
   EXPECT_THROW(fuse_depths(noisy.views.capture, noisy.views.poses, noisy.depths, {}),
                std::invalid_argument);

@@ -101,6 +101,13 @@ TEST(SeamIo, NormalsOfDepthsComeBackAndAreOfUnitLengthOrNone) {
   EXPECT_THAT(error_with(long_one), AllOf(HasSubstr("000001.exr"), HasSubstr("(2, 1)")));
   long_one(2, 1) = {0, kNaN, -1};
   EXPECT_THAT(error_with(long_one), HasSubstr("(2, 1)"));
+
+  // Nothing of an earlier run in the same folder is taken for this one's.
+  for (FrameDepth& depth : depths) depth.normal = {};
+  depths[1].depth_m = {};
+  write_depths(folder.path(), depths);
+  EXPECT_TRUE(read_depths(folder.path())[0].normal.empty());
+  EXPECT_TRUE(read_depths(folder.path())[1].depth_m.empty());
 }
 
 TEST(SeamIo, DepthsComeBackWithUnusedFrames) {

@@ -8,6 +8,9 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
+
+#include "sim/types/seams.h"
 
 namespace cousin {
 namespace {
@@ -80,8 +83,11 @@ TEST(ScoreNormals, AreAnglesToTheSurfaceBelowThem) {
   EXPECT_EQ(score.measured, 4);
   EXPECT_EQ(score.points, 5);
   EXPECT_NEAR(score.median_rad, 0.2, 1e-9);
-  constexpr double kPi = std::numbers::pi;  // the last one points inward
-  EXPECT_NEAR(score.rms_rad, std::sqrt((0.01 + 0.09 + kPi * kPi) / 4), 1e-9);
+  EXPECT_NEAR(score.p95_rad, 0.3 + 0.85 * (std::numbers::pi - 0.3), 1e-9);  // the last is inward
+  for (const auto& [where, way] :
+       {std::pair(Eigen::Vector3d(0, 0, kNaN), Eigen::Vector3d(0, 0, 1)),
+        std::pair(Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, kNaN, 1))})
+    EXPECT_THROW(score_normals({&where, 1}, {&way, 1}, cube()), std::invalid_argument);
   EXPECT_THROW(score_normals(points, std::span(normals).first(4), cube()), std::invalid_argument);
   EXPECT_THROW(score_normals(points, normals, Mesh{}), std::invalid_argument);
   EXPECT_TRUE(std::isnan(score_normals({}, {}, cube()).median_rad));

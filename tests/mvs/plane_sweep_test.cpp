@@ -100,10 +100,18 @@ TEST(PlaneSweep, NormalsAreOfTheSurfaceAndWhereDepthsAre) {
   const Depths without = estimate_depths(views.capture, views.poses, small_volume(), config);
   config.normals = true;
   const Depths depths = estimate_depths(views.capture, views.poses, small_volume(), config);
-  std::vector<double> turned_rad;
+  std::vector<double> board_rad, seed_rad, untilted_rad;  // the last if all normals stood upright
+  const auto angle_rad = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+  };
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   for (std::size_t i = 0; i < depths.size(); ++i) {
     EXPECT_TRUE(without[i].normal.empty());
     ASSERT_EQ(depths[i].normal.size(), depths[i].depth_m.size());
+    ASSERT_EQ(without[i].depth_m.size(), depths[i].depth_m.size());
+    EXPECT_EQ(std::memcmp(without[i].depth_m.data(), depths[i].depth_m.data(),
+                          4 * depths[i].depth_m.size()),
+              0);
     const Pose& pose = views.poses[i].camera_from_world;
     for (int y = 0; y < depths[i].depth_m.height(); ++y) {
       for (int x = 0; x < depths[i].depth_m.width(); ++x) {
@@ -117,24 +125,36 @@ TEST(PlaneSweep, NormalsAreOfTheSurfaceAndWhereDepthsAre) {
         const int object = views.object[i](x, y);
         if (object < -1) continue;
         const Eigen::Vector3d in_world_m = inverse(pose) * (ray * (z_m / ray.z())).eval();
-        const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-        const Eigen::Vector3d truth =
-            pose.rotation * (object < 0 ? up : outward_normal(maize_sized(), in_world_m));
-        turned_rad.push_back(std::acos(std::clamp(truth.dot(normal), -1.0, 1.0)));
+        const Eigen::Vector3d in_world = pose.rotation.conjugate() * normal;
+        if (object < 0) {
+          board_rad.push_back(angle_rad(in_world, up));
+          continue;
+        }
+        const Eigen::Vector3d truth = outward_normal(maize_sized(), in_world_m);
+        seed_rad.push_back(angle_rad(in_world, truth));
+        untilted_rad.push_back(angle_rad(up, truth));
       }
     }
   }
-  ASSERT_GT(turned_rad.size(), 10000U);
-  std::sort(turned_rad.begin(), turned_rad.end());
-  EXPECT_LT(turned_rad[turned_rad.size() / 2], 0.15);
-  EXPECT_LT(turned_rad[turned_rad.size() * 9 / 10], 0.6);
+  const auto quantile = [](std::vector<double>& values, double share) {
+    std::sort(values.begin(), values.end());
+    return values.at(static_cast<std::size_t>(share * static_cast<double>(values.size() - 1)));
+  };
+  ASSERT_GT(board_rad.size(), 1000U);
+  ASSERT_GT(seed_rad.size(), 1000U);
+  // A tenth of a pixel across a window of seven is 0.13 mm over 2.8 mm: .05 rad.
+  EXPECT_LT(quantile(board_rad, 0.5), 0.15);
+  EXPECT_LT(quantile(seed_rad, 0.5), 0.6 * quantile(untilted_rad, 0.5));
+  EXPECT_LT(quantile(seed_rad, 0.9), 0.75 * quantile(untilted_rad, 0.9));
 }
 
 TEST(PlaneSweep, SameBytesOnAnyNumberOfThreads) {
   const SyntheticViews views = few_views(LensModel::opencv5, 5);
+  MvsConfig config = small_config();
+  config.normals = true;
   const auto run = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return estimate_depths(views.capture, views.poses, small_volume(), small_config());
+    return estimate_depths(views.capture, views.poses, small_volume(), config);
   };
   const Depths one = run(1);
   for (const std::size_t threads : {2U, 7U}) {
@@ -147,6 +167,9 @@ TEST(PlaneSweep, SameBytesOnAnyNumberOfThreads) {
       EXPECT_EQ(
           std::memcmp(one[i].sigma_m.data(), other[i].sigma_m.data(), 4 * one[i].sigma_m.size()),
           0);
+      ASSERT_EQ(one[i].normal.size(), one[i].depth_m.size());
+      EXPECT_EQ(
+          std::memcmp(one[i].normal.data(), other[i].normal.data(), 12 * one[i].normal.size()), 0);
     }
   }
 }

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   const SweepVolume volume = {{-0.016, -0.016, -0.002}, {0.016, 0.016, 0.012}};
   MvsConfig config;
   config.min_angle_rad = 0.05;
+  config.normals = true;
   std::ofstream out(argv[1], std::ios::binary);
   std::size_t found = 0;
   for (const FrameDepth& frame : estimate_depths(views.capture, views.poses, volume, config)) {
@@ -30,6 +31,8 @@ int main(int argc, char** argv) {
       out.write(reinterpret_cast<const char*>(image->data()),
                 static_cast<std::streamsize>(image->size() * sizeof(float)));
     }
+    out.write(reinterpret_cast<const char*>(frame.normal.data()),
+              static_cast<std::streamsize>(frame.normal.size() * sizeof(Eigen::Vector3f)));
   }
   if (found < 1000 || !out.flush()) {
     std::fprintf(stderr, "sweep_bytes: %zu values, or %s cannot be written\n", found, argv[1]);

@@ -59,6 +59,32 @@ Capture capture_of(const Poses& poses, Rgb8 color) {
   return capture;
 }
 
+TEST(SeedsSplats, StraysAreTakenOutAndTheBoardAroundTheVolumeStays) {
+  SplatModel model;
+  model.origin_in_world_m = {0, 0, 0.01};
+  const SweepVolume box{{-0.05, -0.05, 0}, {0.05, 0.05, 0.02}};  // a fifth of it is 20 mm
+  for (const Eigen::Vector3f& at_m :
+       {Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(0.069F, 0, 0), Eigen::Vector3f(0.071F, 0, 0),
+        Eigen::Vector3f(0, -0.071F, 0), Eigen::Vector3f(0, 0, -0.029F),
+        Eigen::Vector3f(0, 0, -0.031F), Eigen::Vector3f(0, NAN, 0)}) {
+    Splat splat;
+    splat.centre_m = at_m;
+    model.splats.push_back(splat);
+    model.views_seen.push_back(static_cast<int>(model.views_seen.size()));
+  }
+  const SplatModel kept = without_strays(model, box);
+  EXPECT_EQ(kept.views_seen, (std::vector<int>{0, 1, 4}));
+  ASSERT_EQ(kept.splats.size(), 3U);
+  EXPECT_EQ(kept.splats[2].centre_m, model.splats[4].centre_m);
+  EXPECT_EQ(kept.why_none, "");
+  model.origin_in_world_m.x() = 1;
+  EXPECT_TRUE(without_strays(model, box).splats.empty());
+  EXPECT_NE(without_strays(model, box).why_none, "");
+  model.views_seen.clear();
+  model.origin_in_world_m.x() = 0;
+  EXPECT_EQ(without_strays(model, box).splats.size(), 3U);
+}
+
 TEST(SeedsSplats, DepthLiesOnThePhotographsOwnPixels) {
   const FramePose pose = slanted(4, 0.3);
   const Depths depths =

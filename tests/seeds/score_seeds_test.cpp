@@ -228,6 +228,7 @@ TEST(ScoreSeeds, CloudsAreScoredAgainstWhatCouldBeSeenToo) {
       const Eigen::Vector3d on_top(half_x_m * (k % 50 - 24.5) / 25, 0.003 * (k / 50 - 24.5) / 25,
                                    half_z_m);
       point.position_m = (at_m + on_top).cast<float>();
+      point.normal = Eigen::Vector3f(0, k < 1500 ? 0 : 1, 1).normalized();  // 45 degrees off
       estimate.clusters.cloud.push_back(point);
       estimate.clusters.instance.push_back(0);
     }
@@ -240,6 +241,9 @@ TEST(ScoreSeeds, CloudsAreScoredAgainstWhatCouldBeSeenToo) {
     return std::nan("");
   };
   EXPECT_LT(value("cloud_seen.accuracy_mean"), 1e-6);
+  EXPECT_LT(value("cloud.normal_median"), 1e-6);
+  EXPECT_NEAR(value("cloud.normal_p95"), 0.25 * std::numbers::pi, 1e-5);
+  EXPECT_EQ(value("cloud.normals"), 1);
   EXPECT_GT(value("surface.seen"), 0.25);  // tops, and the sides that look at the middle
   EXPECT_LT(value("surface.seen"), 0.6);
   EXPECT_LT(value("cloud.recall_500um"), 0.5);

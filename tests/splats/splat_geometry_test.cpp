@@ -155,6 +155,10 @@ TEST(SplatGeometry, CentresAreThePapersCloud) {
   model.origin_in_world_m = {0, 1e6, 0};
   EXPECT_THROW(splat_centres(model), std::invalid_argument);
   EXPECT_EQ(splat_centres(model, 1).size(), 0u);
+  model.splats = {model.splats[0], model.splats[0]};  // nothing apart that could fall together
+  EXPECT_EQ(splat_centres(model).size(), 2u);
+  model.origin_in_world_m.x() = std::nan("");
+  EXPECT_THROW(splat_centres(model), std::invalid_argument);
 }
 
 TEST(SplatGeometry, SplatsOnABallGiveItsCloudMeshAndWhoSeesThem) {
