@@ -20,11 +20,11 @@
 #include <string>
 
 #include "sim/dataset/atomic_file.h"
-#include "sim/dataset/exr_vectors.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/seam_json.h"
 #include "sim/geometry/mesh_io.h"
+#include "sim/imaging/exr_vectors.h"
 #include "sim/imaging/image_io.h"
 
 namespace cousin {

@@ -55,12 +55,12 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_json.h"
 #include "sim/dataset/environment_io.h"
-#include "sim/dataset/exr_vectors.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/truth_json.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/exr_color.h"
+#include "sim/imaging/exr_vectors.h"
 #include "sim/imaging/image_io.h"
 #include "sim/truth/specimens.h"
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -29,6 +30,7 @@ std::vector<Image<float>> decode_exr_channels(std::span<const std::uint8_t> byte
                                               const std::vector<std::string>& channels);
 std::vector<std::uint8_t> encode_exr(const Image<float>& image);
 std::vector<std::uint8_t> encode_exr(const Image<Rgbf>& image);
+std::vector<std::uint8_t> encode_exr(const Image<Eigen::Vector3f>& image);
 
 /// @throws std::invalid_argument if there are no pixels, or more than a reader accepts.
 void check_encodable(int width, int height);

@@ -158,4 +158,11 @@ std::vector<std::uint8_t> encode_exr(const Image<Rgbf>& image) {
                 {{"R", &first->r}, {"G", &first->g}, {"B", &first->b}});
 }
 
+std::vector<std::uint8_t> encode_exr(const Image<Eigen::Vector3f>& image) {
+  if (image.empty()) check_encodable(image.width(), image.height());
+  const float* first = image.data()->data();
+  return encode(image.width(), image.height(), sizeof(Eigen::Vector3f),
+                {{"X", first}, {"Y", first + 1}, {"Z", first + 2}});
+}
+
 }  // namespace cousin::imaging

@@ -5,6 +5,7 @@
 
 #include "sim/imaging/codecs.h"
 #include "sim/imaging/exr_color.h"
+#include "sim/imaging/exr_vectors.h"
 #include "sim/imaging/file_bytes.h"
 
 namespace cousin {
@@ -40,6 +41,19 @@ Image<std::uint16_t> read_png16(const std::filesystem::path& file) {
 
 void write_exr_color(const std::filesystem::path& file, const Image<Rgbf>& image) {
   imaging::replace_file(file, imaging::encode_exr(image));
+}
+
+void write_exr_vectors(const std::filesystem::path& file, const Image<Eigen::Vector3f>& image) {
+  imaging::replace_file(file, imaging::encode_exr(image));
+}
+
+Image<Eigen::Vector3f> read_exr_vectors(const std::filesystem::path& file) {
+  const std::vector<Image<float>> channels = read_exr_channels(file, {"X", "Y", "Z"});
+  Image<Eigen::Vector3f> image(channels[0].width(), channels[0].height());
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    image.data()[i] = {channels[0].data()[i], channels[1].data()[i], channels[2].data()[i]};
+  }
+  return image;
 }
 
 Image<float> read_exr(const std::filesystem::path& file) {

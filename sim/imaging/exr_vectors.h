@@ -7,11 +7,10 @@
 
 namespace cousin {
 
-/// Private to sim/dataset: three-channel OpenEXR ("X", "Y", "Z", 32-bit float, ZIP); bits survive,
-/// NaN too.
+/// Channels X, Y, Z of 32-bit float, ZIP: bits survive, NaN too.
+/// @throws as the writers of image_io.h.
 void write_exr_vectors(const std::filesystem::path& file, const Image<Eigen::Vector3f>& image);
-/// @throws std::runtime_error naming the file: missing, truncated, other channels, above 65535 a
-/// side or 2^28 pixels.
+/// Half floats are widened. @throws as read_exr_channels (image_io.h).
 Image<Eigen::Vector3f> read_exr_vectors(const std::filesystem::path& file);
 
 }  // namespace cousin
