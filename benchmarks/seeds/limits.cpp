@@ -139,6 +139,8 @@ void add_missing(std::vector<ScoreRow>& rows, ScoreRow base, const std::string& 
   if (seeds_limit(base)) rows.push_back(std::move(base));
 }
 
+namespace {
+
 /// Rows without a value where models for images were trained with views held out and one of the
 /// gaps that have a limit is not there.
 void add_missing_gaps(std::vector<ScoreRow>& rows) {
@@ -186,6 +188,8 @@ void add_missing_of_trained(std::vector<ScoreRow>& rows) {
     }
   }
 }
+
+}  // namespace
 
 void hold_trained_to_limits(std::vector<ScoreRow>& rows) {
   add_missing_of_trained(rows);

@@ -82,7 +82,9 @@ void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
                      base, rows);
     const NormalScore by_normals = score_normals(cloud, normals, surface);
     if (const std::int64_t count = by_normals.measured; count > 0) {
-      add(rows, base, "cloud.normals", static_cast<double>(count) / static_cast<double>(n), "1", n);
+      add(rows, base, "cloud.normals",
+          static_cast<double>(count) / static_cast<double>(by_normals.points), "1",
+          by_normals.points);
       add(rows, base, "cloud.normal_median", by_normals.median_rad, "rad", count);
       add(rows, base, "cloud.normal_p95", by_normals.p95_rad, "rad", count);
     }

@@ -77,7 +77,7 @@ void check_size(const fs::path& file, const Image<T>& image, const Image<float>&
 
 /// Vectors are zero or of unit length.
 void check_units(const fs::path& file, const Image<Eigen::Vector3f>& image) {
-  constexpr float kMostOff = 1e-3F;
+  constexpr float kMostOff = 1e-3F;  // twice what half floats round by
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
       const float length = image(x, y).norm();
@@ -198,11 +198,8 @@ void write_depths(const fs::path& dir, const Depths& depths) {
       fs::create_directories(dir / folder);
       to_file(dir / folder / name, image);
     };
-    const auto values = [](const fs::path& file, const Image<float>& image) {
-      write_exr(file, image);
-    };
-    write("depth", depths[i].depth_m, values);
-    write("depth_sigma", depths[i].sigma_m, values);
+    write("depth", depths[i].depth_m, write_exr);
+    write("depth_sigma", depths[i].sigma_m, write_exr);
     write("depth_normal", depths[i].normal, write_exr_vectors);
   });
   Json root = Json::object();

@@ -66,7 +66,7 @@ struct FrameDepth {
   Image<float> depth_m;  ///< along the optical axis; NaN = none; empty if the frame was not used
   Image<float> sigma_m;  ///< same size, or empty if unknown
   /// Of the surface: unit, in the camera, towards it; zero = none. Same size, or empty if unknown.
-  Image<Eigen::Vector3f> normal = {};
+  Image<Eigen::Vector3f> normal;
 };
 using Depths = std::vector<FrameDepth>;
 

@@ -10,8 +10,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/types/seams.h"
-
 namespace cousin {
 namespace {
 
@@ -84,6 +82,7 @@ TEST(ScoreNormals, AreAnglesToTheSurfaceBelowThem) {
   EXPECT_EQ(score.points, 5);
   EXPECT_NEAR(score.median_rad, 0.2, 1e-9);
   EXPECT_NEAR(score.p95_rad, 0.3 + 0.85 * (std::numbers::pi - 0.3), 1e-9);  // the last is inward
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   for (const auto& [where, way] :
        {std::pair(Eigen::Vector3d(0, 0, kNaN), Eigen::Vector3d(0, 0, 1)),
         std::pair(Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, kNaN, 1))})

@@ -142,7 +142,8 @@ TEST(PlaneSweep, NormalsAreOfTheSurfaceAndWhereDepthsAre) {
   };
   ASSERT_GT(board_rad.size(), 1000U);
   ASSERT_GT(seed_rad.size(), 1000U);
-  // A tenth of a pixel across a window of seven is 0.13 mm over 2.8 mm: .05 rad.
+  // Found: .13 on the board, where a lone edge leaves slopes open, .09 and .25 on the seed, where
+  // normals that all stand upright are .45 and .89 off.
   EXPECT_LT(quantile(board_rad, 0.5), 0.15);
   EXPECT_LT(quantile(seed_rad, 0.5), 0.6 * quantile(untilted_rad, 0.5));
   EXPECT_LT(quantile(seed_rad, 0.9), 0.75 * quantile(untilted_rad, 0.9));
