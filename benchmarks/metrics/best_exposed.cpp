@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "sim/imaging/color.h"
@@ -63,14 +64,16 @@ double best_log_factor(const std::vector<Pair>& pairs) {
 
 FidelityPlanes best_exposed(const FidelityPlanes& image, const FidelityPlanes& photograph,
                             const Image<std::uint8_t>& mask) {
-  const auto shown = static_cast<std::size_t>(
-      std::count_if(mask.data(), mask.data() + mask.size(), [](auto m) { return m != 0; }));
+  const auto counts = [&](std::size_t i) { return mask.empty() || mask.data()[i] != 0; };
+  const std::size_t pixels = photograph[0].size();
+  std::size_t shown = 0;
+  for (std::size_t i = 0; i < pixels; ++i) shown += counts(i) ? 1 : 0;
   const std::size_t every = std::max<std::size_t>(1, shown / kSearched);
   std::vector<Pair> pairs;
   for (std::size_t c = 0; c < 3; ++c) {
     std::size_t count = 0;
-    for (std::size_t i = 0; i < mask.size(); ++i) {
-      if (mask.data()[i] == 0 || count++ % every != 0) continue;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      if (!counts(i) || count++ % every != 0) continue;
       const float value = std::clamp(image[c].data()[i], 0.0F, 1.0F);
       pairs.push_back({linear_from_srgb(value), photograph[c].data()[i]});
     }

@@ -146,6 +146,26 @@ void add_limits(Page& page, const std::vector<Headline>& limits) {
   page.html += "</tbody></table></div>\n";
 }
 
+void add_tables(Page& page, const std::vector<ReportTable>& tables) {
+  if (tables.empty()) return;
+  open_section(page, "tables", "Tables");
+  for (const ReportTable& table : tables) {
+    page.html += "<h3>" + html_escaped(table.title) + "</h3>\n";
+    if (!table.caption.empty())
+      page.html += "<p class=\"caption\">" + html_escaped(table.caption) + "</p>\n";
+    page.html += "<div class=\"scroll whole\"><table><thead><tr>";
+    for (const std::string& column : table.columns)
+      page.html += "<th>" + html_escaped(column) + "</th>";
+    page.html += "</tr></thead><tbody>\n";
+    for (const auto& line : table.lines) {
+      page.html += "<tr>";
+      for (const std::string& cell : line) page.html += text_cell(cell);
+      page.html += "</tr>\n";
+    }
+    page.html += "</tbody></table></div>\n";
+  }
+}
+
 void add_images(Page& page, const std::vector<ReportImage>& images) {
   if (images.empty()) return;
   open_section(page, "images", "Images");
@@ -258,6 +278,14 @@ void validate(const ReportInput& input) {
                                   " s; it must be positive");
     }
   }
+  for (const ReportTable& table : input.tables) {
+    for (const auto& line : table.lines) {
+      if (line.size() == table.columns.size()) continue;
+      throw std::invalid_argument("report: table \"" + table.title + "\": a line has " +
+                                  std::to_string(line.size()) + " cells, not " +
+                                  std::to_string(table.columns.size()));
+    }
+  }
   for (const Distribution& distribution : input.distributions) {
     for (const DistributionGroup& group : distribution.groups) {
       if (std::all_of(group.values.begin(), group.values.end(),
@@ -350,6 +378,7 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   for (const std::string& note : notes)
     page.html += "<p class=\"note\">" + html_escaped(note) + "</p>\n";
   add_limits(page, input.limits);
+  add_tables(page, input.tables);
   add_images(page, input.images);
   add_shapes(page, input.shapes, config.max_points);
   add_plots(page, "traits", "Measured against true", scatter_plots(input.plotted), false);

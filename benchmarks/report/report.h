@@ -113,6 +113,16 @@ struct Distribution {
   std::vector<DistributionGroup> groups;
 };
 
+/// A table as people read it, of numbers that are rows of the scores too.
+struct ReportTable {
+  std::string title;
+  std::string caption;  ///< a line below the title
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> lines;  ///< a cell a column; an empty one: not measured
+};
+/// The same for a terminal, columns aligned.
+std::string table_text(const ReportTable& table);
+
 struct ReportInput {
   std::string title;
   std::string summary;                ///< a paragraph of plain text
@@ -122,6 +132,7 @@ struct ReportInput {
   std::vector<SpecimenRow> plotted;  ///< of the specimens, those among measured and true
   std::vector<Headline> headlines;   ///< many of them are folded below the plots
   std::vector<Headline> limits;      ///< all that is held against a limit: a line a label
+  std::vector<ReportTable> tables;
   std::vector<ReportImage> images;
   std::vector<ReportShape> shapes;
   std::vector<Distribution> distributions;
@@ -146,8 +157,8 @@ struct ReportConfig {
 ///
 /// For tests the page's root element carries data-ready="true" when all is drawn and data-errors,
 /// the number of errors; each plot data-plot-ok, each shape data-view-ok ("webgl" or "canvas").
-/// @throws std::invalid_argument if an index or a size in a shape does not fit, or a time is not
-/// positive.
+/// @throws std::invalid_argument if an index or a size in a shape does not fit, a time is not
+/// positive, or a table's line has not a cell a column.
 std::string make_report(const ReportInput& input, const ReportConfig& config = {});
 
 /// Which points no other one beats: none is at most as slow and at most as wrong, and better in

@@ -293,6 +293,7 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   input.curves = curves_of(report.scores.scores);
   input.curves.insert(input.curves.end(), report.curves.begin(), report.curves.end());
   input.lines = report.lines;
+  input.tables = report.tables;
   input.attributions = attributions_of(report.scores.scores);
   for (const ScoreRow& row : report.scores.scores) {
     const bool of_one_run = row.metric.starts_with("seconds.") &&

@@ -27,6 +27,7 @@ struct SeedsReport {
   // Beside those of the seeds' own rows; made of rows, never kept.
   std::vector<ErrorTimeCurve> curves;
   std::vector<LinePlot> lines;
+  std::vector<ReportTable> tables;
 };
 
 /// One self-contained HTML file, written whole or not at all.

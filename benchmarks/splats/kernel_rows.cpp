@@ -76,7 +76,8 @@ std::int64_t blended_pairs(const SplatFrame& frame) {
       for (std::uint32_t e = lists.tile_begin[tile]; e < lists.tile_begin[tile + 1]; ++e) {
         const ProjectedSplat& s = frame.projected[lists.tile_splat[e]];
         const float dx = static_cast<float>(x) - s.x_px, dy = static_cast<float>(y) - s.y_px;
-        const float log2 = s.log2_opacity + dx * (s.a * dx + s.b * dy) + s.c * dy * dy;
+        const float t = dx - s.tilt * dy;
+        const float log2 = s.log2_opacity + s.across * t * t + s.down * dy * dy;
         if (log2 < SplatLimits::smallest_log2_alpha) continue;
         left *= 1 - std::min(SplatLimits::largest_alpha, std::exp2(log2));
         if (left < SplatLimits::least_transmittance) break;

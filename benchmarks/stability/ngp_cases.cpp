@@ -57,7 +57,7 @@ void add_learned(const std::string& name, const std::vector<NgpView>& views, dou
   rows.push_back(make_row(name, "numbers not finite", "", 0,
                           not_finite(training.model.table) + not_finite(training.model.weights)));
   rows.push_back(make_row(name, "PSNR of the first photograph", "dB", least_db,
-                          std::min(100.0, psnr_of(training.model, views.front())), false));
+                          lesser(100.0, psnr_of(training.model, views.front())), false));
 }
 
 void add_refused(const std::string& name, const std::vector<NgpView>& views, NgpStatus expected,

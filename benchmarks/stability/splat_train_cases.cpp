@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "benchmarks/metrics/image_fidelity.h"
 #include "benchmarks/stability/splat_cube.h"
@@ -133,7 +134,7 @@ Trained train_by_all(const std::vector<SplatView>& views, const SplatModel& star
     const SplatViewLevel& level = views.front().full;
     all.not_finite += not_finite(
         render_splats(training.model, level.camera, views.front().camera_from_world).color);
-    all.least_psnr_db = std::min(all.least_psnr_db, psnr_of(training.model, views.front()));
+    all.least_psnr_db = lesser(all.least_psnr_db, psnr_of(training.model, views.front()));
   }
   return all;
 }
@@ -251,22 +252,37 @@ void start_cases(std::vector<StabilityRow>& rows) {
 
 constexpr std::size_t kColumns = 14;  // of a row of degree 0
 
-/// Writes a PLY of degree 0 whose rows are `row(i)`.
+/// Writes a PLY of the reference's 62 columns, or of the 14 that a degree of 0 needs, whose rows
+/// are `row(i)`; the other columns are 0.
 template <class Row>
-void write_rows(const fs::path& file, std::size_t count, const Row& row) {
+void write_rows(const fs::path& file, std::size_t count, const Row& row, bool whole = false) {
+  std::vector<std::string> names = {"x", "y", "z"};
+  if (whole) names.insert(names.end(), {"nx", "ny", "nz"});
+  names.insert(names.end(), {"f_dc_0", "f_dc_1", "f_dc_2"});
+  for (int i = 0; whole && i < 45; ++i) names.push_back("f_rest_" + std::to_string(i));
+  const std::size_t jump = names.size() - 6;  // between the sixth column of a row and the next
+  for (const char* name :
+       {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
+    names.emplace_back(name);
   std::ofstream out(file, std::ios::binary);
   out << "ply\nformat binary_little_endian 1.0\nelement vertex " << count << "\n";
-  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0",
-                           "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
-    out << "property float " << name << "\n";
+  for (const std::string& name : names) out << "property float " << name << "\n";
   out << "end_header\n";
   constexpr std::size_t kChunk = 100'000;
-  std::vector<std::array<float, kColumns>> rows;
+  std::vector<float> rows;
   for (std::size_t begin = 0; begin < count; begin += kChunk) {
     rows.clear();
-    for (std::size_t i = begin; i < std::min(count, begin + kChunk); ++i) rows.push_back(row(i));
+    for (std::size_t i = begin; i < std::min(count, begin + kChunk); ++i) {
+      const std::array<float, kColumns> values = row(i);
+      std::vector<float> columns(names.size(), 0.0F);
+      std::copy_n(values.begin(), 3, columns.begin());
+      std::copy_n(values.begin() + 3, 3, columns.begin() + (whole ? 6 : 3));
+      std::copy_n(values.begin() + 6, kColumns - 6,
+                  columns.begin() + static_cast<std::ptrdiff_t>(6 + jump));
+      rows.insert(rows.end(), columns.begin(), columns.end());
+    }
     out.write(reinterpret_cast<const char*>(rows.data()),
-              static_cast<std::streamsize>(rows.size() * sizeof rows[0]));
+              static_cast<std::streamsize>(rows.size() * sizeof(float)));
   }
 }
 
@@ -310,7 +326,7 @@ void file_cases(bool quick, std::vector<StabilityRow>& rows) {
   rows.push_back(make_row(damaged, "refused where that is asked for", "", 1, refuses, false));
 
   const std::size_t most = quick ? 200'000 : SplatPlyConfig().most_splats;
-  write_rows(file, most, good);
+  write_rows(file, most, good, true);
   const std::string longest = "PLY of " + std::to_string(most) + " Gaussians";
   {
     SplatFile whole = read_splat_ply(file);

@@ -21,6 +21,9 @@ struct StabilityRow {
 /// The larger of two numbers, and NaN once there was one, which std::max drops.
 inline double worse(double a, double b) { return std::isnan(b) || b > a ? b : a; }
 
+/// The smaller, likewise.
+inline double lesser(double a, double b) { return std::isnan(b) || b < a ? b : a; }
+
 /// A row with `pass` worked out.
 inline StabilityRow make_row(std::string case_name, std::string quantity, std::string unit,
                              double limit, double value, bool upper = true) {

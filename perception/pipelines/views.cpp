@@ -97,15 +97,27 @@ std::optional<SweepVolume> looked_at(const std::vector<SplatView>& views) {
   return SweepVolume{volume.centre_in_world_m - half, volume.centre_in_world_m + half};
 }
 
+std::vector<StartPoint> somebodys_points(const ViewsPipelineConfig& config,
+                                         const ViewsFindings& findings) {
+  if (findings.by_tracks)
+    throw std::runtime_error("start = " + config.start +
+                             ": its frame is that of the capture's poses, and these are COLMAP's "
+                             "(poses=reported takes the capture's)");
+  std::vector<StartPoint> points = read_start_points(config.start).points;
+  if (points.empty()) throw std::runtime_error("start = " + config.start + ": holds no point");
+  return points;
+}
+
 std::vector<StartPoint> start_points(const ViewsPipelineConfig& config,
                                      const std::optional<SweepVolume>& volume,
-                                     const std::vector<StartPoint>& tracks, std::uint64_t seed) {
+                                     const ViewsFindings& findings, std::uint64_t seed) {
   constexpr std::size_t kLeastTracks = 100;
-  if (tracks.size() >= kLeastTracks) return tracks;
+  if (!config.start.empty()) return somebodys_points(config, findings);
+  if (findings.tracks.size() >= kLeastTracks) return findings.tracks;
   if (!volume)
     throw std::runtime_error(
         "the cameras look at no common point, about which Gaussians could "
-        "begin; poses=sfm begins at its points");
+        "begin; poses=sfm begins at its points, start=FILE at somebody's");
   return random_start_points(volume->low_m, volume->high_m, config.start_points,
                              Rng(seed).fork("splat_start"));
 }
@@ -253,12 +265,13 @@ SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, cons
       config.method == ViewsMethod::splats_paper ? config.reference_steps : training.steps;
   const std::optional<SweepVolume> volume = looked_at(views);
   if (volume) require_near_origin(config, views, *volume);
-  std::vector<StartPoint> start = start_points(config, volume, findings.tracks, seed);
+  std::vector<StartPoint> start = start_points(config, volume, findings, seed);
+  const bool is_random = config.start.empty() && findings.tracks.empty();
   if (config.method == ViewsMethod::splats && (config.one_exposure || config.swept_points > 0)) {
     if (config.one_exposure) findings.exposures.log_gain.assign(views.size(), kNaN);
     const std::size_t before = start.size();
     if (volume) take_out_exposures(config, *volume, views, start, findings);
-    if (start.size() - before >= kLeastSwept && findings.tracks.empty()) {
+    if (start.size() - before >= kLeastSwept && is_random) {
       for (std::size_t i = 0; i < before; ++i) start[i].opacity = kAirOpacity;
       training.rates.centre_first *= kSweptRate;
     }
@@ -334,6 +347,12 @@ Fields fields(ViewsPipelineConfig& c) {
               "splats: exposures and vignetting are measured on swept surfaces and taken out"},
              {"swept_points", &c.swept_points,
               "splats: at most so many of these surfaces begin too", 0, 1e6},
+             {"start",
+              TextField{[&c] { return c.start; },
+                        [&c](const std::string& text) { c.start = text; }},
+              "file of points that Gaussians begin at, in the frame of the capture's poses: PLY, "
+              "or "
+              "COLMAP's points3D.txt or points3D.bin; empty: tracks, else start_points"},
              {"start_points", &c.start_points,
               "Gaussians at the beginning, where there are no tracks", 1, 1e6},
              {"cloud_views", &c.cloud_views, "views whose depths become the cloud; 0: no cloud", 0,

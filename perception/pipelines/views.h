@@ -50,6 +50,9 @@ struct ViewsPipelineConfig {
   /// Photographs are swept at 64 to 128 pixels, and at up to 512 until surfaces are found; where
   /// they are, random points begin at an opacity of 0.02 and centres a quarter as fast.
   int swept_points = 5000;
+  /// File of points that Gaussians begin at (read_start_points), in the frame of the capture's own
+  /// poses, as those of the model that these were imported from; empty: see start_points.
+  std::string start;
   /// Where no tracks are, Gaussians begin at so many places drawn evenly over a cube of twice the
   /// cameras' median distance about the point that they look at.
   int start_points = 20000;

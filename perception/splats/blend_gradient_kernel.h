@@ -42,7 +42,7 @@ inline void blend_gradient_tile(const BlendGradientTask& task, int tile) {
     const ProjectedSplat& s = blend.projected[blend.tile_splat[entry]];
     const L tile_dx = L::load(TileLayout::lane_x) + L(static_cast<float>(place.x0) - s.x_px);
     const L tile_dy = L::load(TileLayout::lane_y) + L(static_cast<float>(place.y0) - s.y_px);
-    const L a(s.a), b(s.b), c(s.c), log2_opacity(s.log2_opacity);
+    const L across(s.across), tilt(s.tilt), down(s.down), log2_opacity(s.log2_opacity);
     const L red(s.color[0]), green(s.color[1]), blue(s.color[2]);
     const L zero(0);
     L sums[8] = {zero, zero, zero, zero, zero, zero, zero, zero};
@@ -51,8 +51,8 @@ inline void blend_gradient_tile(const BlendGradientTask& task, int tile) {
       const int block = __builtin_ctz(todo);
       const L dx = tile_dx + L(static_cast<float>(block % 4 * 4));
       const L dy = tile_dy + L(static_cast<float>(block / 4 * 2));
-      L log2;
-      const L alpha = block_alpha(dx, dy, a, b, c, log2_opacity, log2);
+      L from_middle, log2;
+      const L alpha = block_alpha(dx, dy, across, tilt, down, log2_opacity, from_middle, log2);
       float* t = transmittance + 8 * block;
       const L before = L::load(t);
       const L after = multiply_subtract(alpha, before, before);
@@ -73,13 +73,13 @@ inline void blend_gradient_tile(const BlendGradientTask& task, int tile) {
       // Alpha that is held at its limit has no gradient, nor has one that is not taken.
       const auto free = takes & less(log2, L(-0.014499569695115089));
       const L g = zero_unless(free, own - left * (alpha / (L(1) - alpha)));
-      const L gdx = g * dx;
+      const L gt = g * from_middle;
       const L gdy = g * dy;
       sums[0] = sums[0] + g;
-      sums[1] = sums[1] + gdx;
+      sums[1] = sums[1] + gt;
       sums[2] = sums[2] + gdy;
-      sums[3] = multiply_add(gdx, dx, sums[3]);
-      sums[4] = multiply_add(gdx, dy, sums[4]);
+      sums[3] = multiply_add(gt, from_middle, sums[3]);
+      sums[4] = multiply_add(gt, dy, sums[4]);
       sums[5] = multiply_add(gdy, dy, sums[5]);
       sums[6] = sums[6] + weight;
     }

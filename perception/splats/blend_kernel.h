@@ -16,22 +16,20 @@ struct TileLayout {
 /// (x, y) is the tile's first pixel minus the Gaussian's centre.
 template <class L>
 inline std::uint32_t blocks_touched(const ProjectedSplat& s, float x, float y) {
-  // Of each pixel row: roots in dx of a dx^2 + b dy dx + (c dy^2 + room) = 0.
-  const L a(s.a), b(s.b), c(s.c), room(s.log2_opacity - SplatLimits::smallest_log2_alpha);
-  const L half_inverse = L(0.5) / a;
+  // Of each pixel row: where across t^2 + (down dy^2 + room) = 0.
+  const L tilt(s.tilt), down(s.down), room(s.log2_opacity - SplatLimits::smallest_log2_alpha);
+  const L reach = L(-1) / L(s.across);
   const L pad(0.05F + 1e-5F * s.half_width_px);
   L low[2], high[2];
   typename L::Mask any[2];
   for (int odd = 0; odd < 2; ++odd) {
     const L dy = L::load(TileLayout::even_row) + L(y + static_cast<float>(odd));
-    const L bdy = b * dy;
-    const L rest = multiply_add(c * dy, dy, room);
-    const L inside = bdy * bdy - L(4) * a * rest;
-    any[odd] = at_least(inside, L(0));
-    const L root = square_root(larger(inside, L(0)));
-    // a < 0: adding the root gives the left end.
-    low[odd] = (root - bdy) * half_inverse - pad;
-    high[odd] = -(root + bdy) * half_inverse + pad;
+    const L middle = tilt * dy;
+    const L rest = multiply_add(down * dy, dy, room);
+    any[odd] = at_least(rest, L(0));
+    const L half = square_root(larger(rest, L(0)) * reach) + pad;
+    low[odd] = middle - half;
+    high[odd] = middle + half;
     low[odd] = where(any[odd], low[odd], L(1e9));
     high[odd] = where(any[odd], high[odd], L(-1e9));
   }
@@ -109,12 +107,13 @@ constexpr std::uint32_t kAhead = 8;
 /// than four times the centre's depth.
 constexpr float kLeastNearness = 0.25F;
 
-/// Alpha of one Gaussian in one block, 0 below 1/255. `log2` receives the logarithm of what alpha
-/// is before it is limited.
+/// Alpha of one Gaussian in one block, 0 below 1/255. `t` receives dx from the middle of its row,
+/// `log2` the logarithm of what alpha is before it is limited.
 template <class L>
-inline L block_alpha(const L& dx, const L& dy, const L& a, const L& b, const L& c,
-                     const L& log2_opacity, L& log2) {
-  log2 = multiply_add(dx, multiply_add(a, dx, b * dy), multiply_add(c * dy, dy, log2_opacity));
+inline L block_alpha(const L& dx, const L& dy, const L& across, const L& tilt, const L& down,
+                     const L& log2_opacity, L& t, L& log2) {
+  t = multiply_subtract(tilt, dy, dx);
+  log2 = multiply_add(across * t, t, multiply_add(down * dy, dy, log2_opacity));
   const L alpha = smaller(exp2_blending(log2), L(SplatLimits::largest_alpha));
   return zero_unless(at_least(log2, L(SplatLimits::smallest_log2_alpha)), alpha);
 }
@@ -147,14 +146,14 @@ inline void blend_tile_as(const BlendTask& task, int tile) {
       const ProjectedSplat& s = task.projected[task.tile_splat[entry]];
       const L tile_dx = L::load(TileLayout::lane_x) + L(static_cast<float>(place.x0) - s.x_px);
       const L tile_dy = L::load(TileLayout::lane_y) + L(static_cast<float>(place.y0) - s.y_px);
-      const L a(s.a), b(s.b), c(s.c), log2_opacity(s.log2_opacity);
+      const L across(s.across), tilt(s.tilt), down(s.down), log2_opacity(s.log2_opacity);
       const L red(s.color[0]), green(s.color[1]), blue(s.color[2]);
       for (; todo != 0; todo &= todo - 1) {
         const int block = __builtin_ctz(todo);
-        L log2;
+        L from_middle, log2;
         const L dx = tile_dx + L(static_cast<float>(block % 4 * 4));
         const L dy = tile_dy + L(static_cast<float>(block / 4 * 2));
-        const L alpha = block_alpha(dx, dy, a, b, c, log2_opacity, log2);
+        const L alpha = block_alpha(dx, dy, across, tilt, down, log2_opacity, from_middle, log2);
         float* t = transmittance + 8 * block;
         const L before = L::load(t);
         const L after = multiply_subtract(alpha, before, before);

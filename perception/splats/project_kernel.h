@@ -16,8 +16,10 @@ struct ProjectedLanes {
   L turn[3][3];    ///< its matrix
   L scale[3];
   L m[2][3];                 ///< p turn diag(scale)
-  L conic[3], determinant;   ///< of the image covariance: xx, xy, yy
-  L variance[2];             ///< of the image, xx and yy
+  L determinant;             ///< of the image covariance
+  L variance[2];             ///< of it, xx and yy
+  L tilt;                    ///< xy / yy: of a row of the image, the middle's dx over dy
+  L across, down;            ///< 1 / variance of dx about that middle, and of dy
   L direction[3], distance;  ///< unit, from the camera's centre
 };
 
@@ -102,10 +104,9 @@ inline ProjectedLanes<L> project_lanes(const SplatPlanes& planes, const SplatCam
   }
   r.variance[0] = xx + low;
   r.variance[1] = yy + low;
-  const L inverse = L(1) / r.determinant;
-  r.conic[0] = r.variance[1] * inverse;
-  r.conic[1] = -xy * inverse;
-  r.conic[2] = r.variance[0] * inverse;
+  r.down = L(1) / r.variance[1];
+  r.tilt = xy * r.down;
+  r.across = r.variance[1] / r.determinant;
 
   L distance2 = L(0);
   for (int a = 0; a < 3; ++a) {
@@ -171,9 +172,9 @@ inline void project_range(const ProjectTask& task, int first, int last) {
     constexpr double log2_e = 1.4426950408889634;
     const L values[12] = {x,
                           y,
-                          L(-0.5 * log2_e) * r.conic[0],
-                          L(-log2_e) * r.conic[1],
-                          L(-0.5 * log2_e) * r.conic[2],
+                          L(-0.5 * log2_e) * r.across,
+                          r.tilt,
+                          L(-0.5 * log2_e) * r.down,
                           log2_opacity,
                           color[0],
                           color[1],

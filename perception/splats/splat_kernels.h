@@ -20,10 +20,12 @@ struct SplatLimits {
 };
 
 /// A Gaussian in one image: log2 of its alpha at (x + dx, y + dy) is
-/// log2_opacity + a dx^2 + b dx dy + c dy^2.
+/// log2_opacity + across t^2 + down dy^2, where t = dx - tilt dy: the middle of its row dy is at
+/// tilt dy. Both squares' factors are negative, so no rounding lets alpha exceed the opacity; of
+/// the plain form a dx^2 + b dx dy + c dy^2 a needle whose centre is 1e4 px off leaves no digit.
 struct ProjectedSplat {
   float x_px, y_px;
-  float a, b, c;
+  float across, tilt, down;
   float log2_opacity;
   float color[3];
   float depth_m;
@@ -31,9 +33,9 @@ struct ProjectedSplat {
 };
 
 /// Sums over the pixels of one tile of what one Gaussian does to the loss, where g is alpha times
-/// d loss / d alpha, (dx, dy) goes from its centre to the pixel, w is its weight.
+/// d loss / d alpha, (dx, dy) goes from its centre to the pixel, t as above, w is its weight.
 struct SplatPartial {
-  float g, g_dx, g_dy, g_dx2, g_dx_dy, g_dy2;
+  float g, g_t, g_dy, g_t2, g_t_dy, g_dy2;
   float weight, reserved;
   float color[3];  ///< w times d loss / d colour
   float padding;
@@ -88,7 +90,7 @@ struct UpdateTask {
   const ProjectedSplat* projected = nullptr;
   const SplatPartial* partials = nullptr;
   const std::uint32_t* pair_first = nullptr;  ///< of each Gaussian
-  const std::uint32_t* pair_count = nullptr;  ///< 0: left as it is
+  const std::uint32_t* pair_count = nullptr;  ///< 0: left as it is, but for pulls
 
   SplatPlanes* gradients = nullptr;  ///< if given they are written, and nothing else is done
   SplatPlanes* first_moment = nullptr;
@@ -96,8 +98,8 @@ struct UpdateTask {
   AdamRate centre, log_scale, rotation, opacity, dc, rest;
   bool with_rest = true;  ///< else the coefficients beyond dc stay as they are
   float beta1 = 0.9F, beta2 = 0.999F, epsilon = 1e-15F;
-  float opacity_pull = 0;         ///< added to d loss / d opacity (not its logit)
-  float scale_pull = 0;           ///< added to d loss / d scale in metres
+  float opacity_pull = 0;  ///< added to d loss / d opacity (not its logit), of all, seen or not
+  float scale_pull = 0;    ///< added to d loss / d scale in metres, of all
   float* gradient_sum = nullptr;  ///< += |d loss / d centre in the image|, of width and height 2
   bool by_tile = false;  ///< the sum takes magnitudes tile by tile: pulls apart do not cancel
   float* gradient_count = nullptr;  ///< += 1

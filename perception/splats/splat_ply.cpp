@@ -218,14 +218,15 @@ std::string header_text(const SplatModel& model, int rest) {
                 "comment origin_m %.17g %.17g %.17g\ncomment low_pass_px2 %.17g\n",
                 model.origin_in_world_m.x(), model.origin_in_world_m.y(),
                 model.origin_in_world_m.z(), model.low_pass_px2);
-  std::string text = "ply\nformat binary_little_endian 1.0\n" + std::string(comments.data()) +
-                     "element vertex " + std::to_string(model.splats.size()) + "\n";
+  std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                     std::to_string(model.splats.size()) + "\n";
   const auto property = [&](const std::string& name) { text += "property float " + name + "\n"; };
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"})
     property(name);
   for (int i = 0; i < rest; ++i) property("f_rest_" + std::to_string(i));
   for (std::size_t i = 6; i < kNames.size(); ++i) property(std::string(kNames[i]));
-  return text + "end_header\n";
+  // Comments last: the reference's viewer takes the third line for the number of Gaussians.
+  return text + std::string(comments.data()) + "end_header\n";
 }
 
 }  // namespace

@@ -70,9 +70,10 @@ struct SplatTrainConfig {
   double largest_size = 0.1;     ///< share of the extent; `adaptive` prunes larger ones once
                                  ///< opacities have been reset
   double reset_every = 0;        ///< opacity reset, share of the steps; 0 = never
-  /// `mcmc`: times the centre's rate, of covariances in extents. The paper's 5e5 is of covariances
-  /// in the scene's unit; this is as much on the neutral set, whose extent is 2.6.
-  double noise = 1.3e6;
+  /// `mcmc`: times the centre's rate, of covariances in extents. The published 5e5 is times a rate
+  /// that the extent is in, of covariances in the scene's unit: 5e5 extents squared, and this is as
+  /// much on the neutral set, whose extent is 2.60.
+  double noise = 3.4e6;
   double opacity_pull = 0.01;  ///< `mcmc`: weight of the mean opacity in the loss
   double scale_pull = 0.01;    ///< `mcmc`: weight of the mean scale, in extents, in the loss
 };

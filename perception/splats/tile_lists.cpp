@@ -62,13 +62,12 @@ bool strip_extent(const ProjectedSplat& s, float dy0, float dy1, float& low, flo
   const float height = s.half_height_px;
   if (dy0 > height || dy1 < -height) return false;
   // The ends in x lie at these heights; where those are outside the strip, at its nearer border.
-  const float slope = -s.b / (2 * s.c) * s.half_width_px;
+  const float slope = s.tilt * height / s.half_width_px * height;
   const auto end = [&](float dy_of_end, float sign) {
     if (dy_of_end >= dy0 && dy_of_end <= dy1) return sign * s.half_width_px;
     const float dy = std::clamp(std::clamp(dy_of_end, dy0, dy1), -height, height);
-    const float b = s.b * dy;
-    const float inside = std::max(0.0F, b * b - 4 * s.a * (s.c * dy * dy + room));
-    return (-b - sign * std::sqrt(inside)) / (2 * s.a);
+    const float rest = std::max(0.0F, s.down * dy * dy + room);
+    return s.tilt * dy + sign * std::sqrt(rest / -s.across);
   };
   high = end(slope, 1);
   low = end(-slope, -1);

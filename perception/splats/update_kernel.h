@@ -8,10 +8,10 @@ namespace cousin {
 /// tiles.
 template <class L>
 struct ImageGradients {
-  L g, dx, dy, dx2, dx_dy, dy2;  ///< as in SplatPartial
-  L color[3];                    ///< 0 where the colour is cut at 0
-  L moved_x, moved_y;            ///< sums over tiles of |d loss / d centre|, pixels
-  typename L::Mask seen;         ///< has at least one pair
+  L g, t, dy, t2, t_dy, dy2;  ///< as in SplatPartial
+  L color[3];                 ///< 0 where the colour is cut at 0
+  L moved_x, moved_y;         ///< sums over tiles of |d loss / d centre|, pixels
+  typename L::Mask seen;      ///< has at least one pair
 };
 
 template <class L>
@@ -19,7 +19,7 @@ inline ImageGradients<L> sum_partials(const UpdateTask& task, int first) {
   alignas(32) float sums[12][8] = {};
   alignas(32) float count[8];
   alignas(32) float moved[2][8] = {};
-  constexpr float to_conic = 0.6931471805599453F;  // a and c are -1/2 log2(e) times the conic's
+  constexpr float to_inverse = -1.3862943611198906F;  // across is -1/2 log2(e) / variance
   for (int i = 0; i < 8; ++i) {
     const int n = first + i;
     const bool real = n < task.planes->size();
@@ -29,11 +29,12 @@ inline ImageGradients<L> sum_partials(const UpdateTask& task, int first) {
     const auto* from = reinterpret_cast<const float*>(task.partials + task.pair_first[n]);
     float total[12] = {};
     const ProjectedSplat& s = task.projected[n];
-    const float qxx = -2 * to_conic * s.a, qxy = -to_conic * s.b, qyy = -2 * to_conic * s.c;
+    const float across = to_inverse * s.across, down = to_inverse * s.down;
     for (std::uint32_t p = 0; p < pairs; ++p, from += 12) {
       for (int k = 0; k < 12; ++k) total[k] += from[k];
-      moved[0][i] += __builtin_fabsf(qxx * from[1] + qxy * from[2]);
-      moved[1][i] += __builtin_fabsf(qxy * from[1] + qyy * from[2]);
+      const float x = across * from[1];
+      moved[0][i] += __builtin_fabsf(x);
+      moved[1][i] += __builtin_fabsf(down * from[2] - s.tilt * x);
     }
     for (int k = 0; k < 3; ++k) {
       if (!(s.color[k] > 0)) total[8 + k] = 0;
@@ -42,10 +43,10 @@ inline ImageGradients<L> sum_partials(const UpdateTask& task, int first) {
   }
   ImageGradients<L> r;
   r.g = L::load(sums[0]);
-  r.dx = L::load(sums[1]);
+  r.t = L::load(sums[1]);
   r.dy = L::load(sums[2]);
-  r.dx2 = L::load(sums[3]);
-  r.dx_dy = L::load(sums[4]);
+  r.t2 = L::load(sums[3]);
+  r.t_dy = L::load(sums[4]);
   r.dy2 = L::load(sums[5]);
   for (int k = 0; k < 3; ++k) r.color[k] = L::load(sums[8 + k]);
   r.moved_x = L::load(moved[0]);
@@ -64,7 +65,8 @@ struct GradientSink {
   }
 };
 
-/// One step of Adam [Kingma & Ba, ICLR 2015] for the Gaussians that the image shows.
+/// One step of Adam [Kingma & Ba, ICLR 2015] for the Gaussians of the mask: those that the image
+/// shows.
 template <class L>
 struct AdamSink {
   const UpdateTask& task;
@@ -97,18 +99,16 @@ inline void splat_gradients(const UpdateTask& task, int first, const ImageGradie
   const ProjectedLanes<L> r = project_lanes<L>(planes, camera, first);
   const L two(2);
 
-  // Centre in the image: d log alpha / d x = qxx dx + qxy dy.
-  const L grad_x = multiply_add(r.conic[0], image.dx, r.conic[1] * image.dy);
-  const L grad_y = multiply_add(r.conic[1], image.dx, r.conic[2] * image.dy);
+  // Centre in the image. With Q the inverse covariance, e = Q (dx, dy) is
+  // (across t, down dy - tilt across t), and d log alpha / d centre = e.
+  const L grad_x = r.across * image.t;
+  const L grad_y = multiply_subtract(r.tilt, grad_x, r.down * image.dy);
 
-  // Covariance: d loss / d Sigma = Q S Q / 2, so d loss / d M = Q S Q M.
-  const L qs00 = multiply_add(r.conic[0], image.dx2, r.conic[1] * image.dx_dy);
-  const L qs01 = multiply_add(r.conic[0], image.dx_dy, r.conic[1] * image.dy2);
-  const L qs10 = multiply_add(r.conic[1], image.dx2, r.conic[2] * image.dx_dy);
-  const L qs11 = multiply_add(r.conic[1], image.dx_dy, r.conic[2] * image.dy2);
-  const L h00 = multiply_add(qs00, r.conic[0], qs01 * r.conic[1]);
-  const L h01 = multiply_add(qs00, r.conic[1], qs01 * r.conic[2]);
-  const L h11 = multiply_add(qs10, r.conic[1], qs11 * r.conic[2]);
+  // Covariance: d loss / d Sigma is half of H, the sum of g e e^T, so d loss / d M = H M.
+  const L h00 = r.across * r.across * image.t2;
+  const L mixed = r.across * r.down * image.t_dy;
+  const L h01 = multiply_subtract(r.tilt, h00, mixed);
+  const L h11 = multiply_subtract(r.tilt, h01 + mixed, r.down * r.down * image.dy2);
   L grad_m[2][3];
   for (int k = 0; k < 3; ++k) {
     grad_m[0][k] = multiply_add(h00, r.m[0][k], h01 * r.m[1][k]);
@@ -216,6 +216,22 @@ inline void splat_gradients(const UpdateTask& task, int first, const ImageGradie
   }
 }
 
+/// What pulls at opacities and scales does to Gaussians that the image does not show: a pull that
+/// held at the others alone would leave these as they are, for growth to copy.
+template <class L>
+inline void pull_unseen(const UpdateTask& task, int first, typename L::Mask seen) {
+  alignas(32) float unseen[8];
+  where(seen, L(0), L(1)).store(unseen);
+  for (int i = 0; i < 8; ++i) unseen[i] = first + i < task.planes->size() ? unseen[i] : 0;
+  const AdamSink<L> sink{task, first, less(L(0), L::load(unseen))};
+  for (int k = 0; k < 3; ++k) {
+    const L scale = exponential(L::load(task.planes->lanes(SplatPlane::log_scale + k, first)));
+    sink(SplatPlane::log_scale + k, task.log_scale, L(task.scale_pull) * scale);
+  }
+  const L opacity = sigmoid_of(L::load(task.planes->lanes(SplatPlane::opacity, first)));
+  sink(SplatPlane::opacity, task.opacity, L(task.opacity_pull) * opacity * (L(1) - opacity));
+}
+
 template <class L>
 inline void update_range(const UpdateTask& task, int first, int last) {
   for (int n = first; n < last; n += 8) {
@@ -230,9 +246,11 @@ inline void update_range(const UpdateTask& task, int first, int last) {
         const L g = L::load(to);
         zero_unless(image.seen & less(magnitude(g), L(1e18)), g).store(to);
       }
-    } else if (some != 0) {
-      splat_gradients<L>(task, n, image, AdamSink<L>{task, n, image.seen});
+      continue;
     }
+    if (some != 0) splat_gradients<L>(task, n, image, AdamSink<L>{task, n, image.seen});
+    if (some != 0xff && (task.opacity_pull > 0 || task.scale_pull > 0))
+      pull_unseen<L>(task, n, image.seen);
   }
 }
 

@@ -31,6 +31,8 @@ TEST(BestExposed, AFactorOfLightIsTakenOut) {
     const FidelityPlanes image = shades(1), photograph = shades(factor);
     const FidelityPlanes exposed = best_exposed(image, photograph, all);
     EXPECT_GT(psnr_db(exposed, photograph, all), 80) << factor;
+    // No mask says the same as one that leaves all: a pinhole's photograph has none.
+    EXPECT_EQ(best_exposed(image, photograph, {})[1], exposed[1]) << factor;
   }
 }
 

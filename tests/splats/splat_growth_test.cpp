@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "perception/splats/splat_growth_kinds.h"
 #include "perception/splats/splat_render.h"
 #include "tests/splats/random_splats.h"
 
@@ -73,6 +74,39 @@ TEST(SplatGrowth, AdaptiveClonesTheSmallSplitsTheLargeAndPrunesTheFaint) {
   EXPECT_EQ(small, 2);
   EXPECT_EQ(parts, 2);
   EXPECT_EQ(state.gradient_count[0], 0);
+}
+
+// The dead move onto the living, drawn by opacity; those that share a place share its opacity.
+TEST(SplatGrowth, McmcMovesTheDeadOntoTheLiving) {
+  SplatTrainState state = state_of(40);
+  const auto at = [&](int i) {
+    return Eigen::Vector3f(state.values.at(0, i), state.values.at(1, i), state.values.at(2, i));
+  };
+  for (int i = 0; i < 40; ++i) state.values.at(SplatPlane::opacity, i) = i < 20 ? 0 : -9;
+  for (int i = 0; i < 5; ++i) state.values.at(SplatPlane::opacity, i) = 3;
+  std::vector<Eigen::Vector3f> living;
+  for (int i = 0; i < 20; ++i) living.push_back(at(i));
+  SplatTrainConfig config;
+  config.growth = SplatGrowth::mcmc;
+  config.most_splats = 1000;
+  grow_splats(state, config, 1, 0.5, Rng(1));
+  ASSERT_EQ(state.values.size(), 42);  // 5 % more
+  int of_strong = 0;
+  for (std::size_t l = 0; l < living.size(); ++l) {
+    double left = 1;
+    int copies = 0;
+    for (int i = 0; i < 42; ++i) {
+      if (at(i) != living[l]) continue;
+      left *= 1 - splat_opacity(state.values, i);
+      ++copies;
+    }
+    EXPECT_GE(copies, 1);
+    EXPECT_NEAR(1 - left, l < 5 ? 0.9526 : 0.5, 2e-3) << l;
+    of_strong += l < 5 ? copies - 1 : 0;
+  }
+  // 22 places are drawn, each with 5 * .95 / (5 * .95 + 15 * .5) = .39: eight or nine of them.
+  EXPECT_GE(of_strong, 3);
+  EXPECT_LE(of_strong, 15);
 }
 
 // In memory neighbours in space are side by side: the first would be one corner of the scene.

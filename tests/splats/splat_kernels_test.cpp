@@ -119,6 +119,53 @@ TEST(SplatKernels, GradientsAreTheReferences) {
   }
 }
 
+// A thin Gaussian whose centre is up to 25,000 pixels off the image and that points at it: of the
+// squares of such offsets no digit is left over for the pixels that it crosses.
+Splat needle(double angle, float depth_m, float thickness_m) {
+  Splat s;
+  s.centre_m = {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), depth_m};
+  s.log_scale = {std::log(0.5F), std::log(thickness_m), std::log(thickness_m)};
+  s.rotation_wxyz = {static_cast<float>(std::cos(angle / 2)), 0, 0,
+                     static_cast<float>(std::sin(angle / 2))};
+  s.opacity_logit = 2;
+  s.sh_dc = {1, 1, 1};
+  return s;
+}
+
+TEST(SplatKernels, NeedlesFarBesideTheImageAreTheReferences) {
+  const int width = 160, height = 90;
+  const Camera camera = pinhole(width, height, 500);
+  for (const SplatKernels* kernels : all_kernels()) {
+    int seen = 0;
+    for (const float depth_m : {0.02F, 0.1F, 0.3F}) {
+      for (const float thickness_m : {1e-3F, 1e-5F}) {
+        for (int i = 0; i < 40; ++i) {
+          const std::vector<Splat> splats = {needle(0.157 * i, depth_m, thickness_m)};
+          ReferenceView view = reference_view(camera, Pose{});
+          view.near_m = 0.01;
+          view.low_pass_px2 = 0.03;
+          const ReferenceImage expected = render_reference(splat_parameters(splats), view);
+          SplatCamera eye = splat_camera(camera, Pose{}, {0, 0, 0}, 0.01);
+          eye.low_pass_px2 = 0.03F;
+          SplatFrame frame;
+          draw_splats(*kernels, to_planes(splats), 3, eye, kBackground, SplatDepths::none, frame);
+          double worst = 0;
+          for (int n = 0; n < width * height; ++n) {
+            const double left = frame.transmittance.data()[n];
+            worst = std::max(worst, std::abs(left - expected.transmittance[n]));
+            ASSERT_LE(left, 1) << kernels->name << ", needle " << i << ", pixel " << n;
+          }
+          seen += expected.transmittance.minCoeff() < 0.9 ? 1 : 0;
+          // The centre and the turn are floats: up to 0.005 px of the needle's 0.17.
+          EXPECT_LT(worst, 0.05) << kernels->name << ", needle " << i << " at " << depth_m << ", "
+                                 << thickness_m;
+        }
+      }
+    }
+    EXPECT_GT(seen, 40) << kernels->name;
+  }
+}
+
 TEST(SplatKernels, PairsAreNumberedAsGaussiansLieInMemory) {
   const std::vector<Splat> splats = random_splats(3000, 5, 0.05);
   const ColorPlanes gradient = random_gradient(200, 150);

@@ -102,8 +102,13 @@ TEST(SplatPly, TheLayoutIsTheReferences) {
   const std::string bytes = read_file(scratch_file());
   std::string names;
   std::istringstream header(bytes);
+  int number = 0;
   for (std::string line; std::getline(header, line) && line != "end_header";) {
     if (line.starts_with("property float ")) names += line.substr(15) + " ";
+    // The reference's viewer reads the first three lines by their place, then the properties.
+    ++number;
+    if (number == 3) EXPECT_EQ(line, "element vertex 1");
+    if (number > 3 && number <= 3 + 62) EXPECT_TRUE(line.starts_with("property float ")) << line;
   }
   std::string expected = "x y z nx ny nz f_dc_0 f_dc_1 f_dc_2 ";
   for (int i = 0; i < 45; ++i) expected += "f_rest_" + std::to_string(i) + " ";

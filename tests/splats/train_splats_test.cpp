@@ -69,6 +69,27 @@ TEST(TrainSplats, GrowthReachesItsBudget) {
   }
 }
 
+// Nothing in any photograph speaks for them: only the pulls can make them faint, and where those
+// held at what a view shows alone, a third of what was born was born out of sight.
+TEST(TrainSplats, ByMcmcWhatNoViewSeesDies) {
+  const std::vector<SplatView> views = views_of(true_model(), 9);
+  SplatModel start = start_model(150);
+  for (Splat s : start_model(150).splats) {
+    s.centre_m.z() += 8;  // above all cameras
+    start.splats.push_back(s);
+  }
+  SplatTrainConfig config = quick_config(SplatGrowth::mcmc);
+  config.steps = 400;
+  config.most_splats = 500;
+  config.grow_until = 0.9;
+  config.noise = 0;  // else faint ones stray there from where they were seen
+  const SplatTraining training = train_splats(views, start, config);
+  int unseen = 0;
+  for (const Splat& s : training.model.splats) unseen += s.centre_m.z() > 5 ? 1 : 0;
+  EXPECT_GT(training.model.splats.size(), 400u);
+  EXPECT_EQ(unseen, 0);
+}
+
 TEST(TrainSplats, SnapshotsChangeNoByteAndTheirSecondsDoNotCount) {
   const std::vector<SplatView> views = views_of(true_model(), 5);
   constexpr double kPause_s = 0.2;

@@ -49,6 +49,8 @@ TEST(PerceiveViews, WritesSeamsScoresAndPictures) {
   EXPECT_GT(value_of(run.rows, "train.psnr"), 22);
   EXPECT_GT(value_of(run.rows, "held_out.psnr"), 12.5);
   EXPECT_LT(value_of(run.rows, "held_out.psnr"), value_of(run.rows, "train.psnr"));
+  EXPECT_GT(value_of(run.rows, "train.psnr_exposed"), value_of(run.rows, "train.psnr"));
+  EXPECT_GT(value_of(run.rows, "held_out.psnr_exposed"), value_of(run.rows, "held_out.psnr"));
   EXPECT_GT(value_of(run.rows, "gaussians.seen_by_3"), 0.2);
   EXPECT_GT(value_of(run.rows, "mesh.area"), 1);
 }

@@ -4,12 +4,15 @@
 #include <tbb/task_arena.h>
 
 #include <map>
+#include <sstream>
 
 #include "benchmarks/metrics/image_fidelity.h"
 #include "perception/pipelines/views.h"
 #include "perception/splats/splat_render.h"
+#include "sim/dataset/atomic_file.h"
 #include "sim/geometry/measure.h"
 #include "sim/imaging/color.h"
+#include "sim/process/scratch_folder.h"
 #include "tests/splats/exposed_plane.h"
 #include "tests/views/cube_capture.h"
 
@@ -245,6 +248,34 @@ TEST(ViewsPipeline, GrowthIsAsItIsAskedFor) {
   EXPECT_EQ(count["budgeted"], 700U);
   EXPECT_GT(count["mcmc"], 620U);  // by a twentieth each time
   EXPECT_LE(count["mcmc"], 700U);
+}
+
+TEST(ViewsPipeline, SomebodysPointsAreTheStart) {
+  const ScratchFolder scratch("cousin-start");
+  const std::filesystem::path file = scratch.path() / "points3D.txt";
+  std::string text;
+  for (const Splat& s : cube_of_splats().splats) {
+    std::ostringstream line;
+    line << "1 " << s.centre_m.x() << ' ' << s.centre_m.y() << ' ' << s.centre_m.z()
+         << " 10 20 30 0.5\n";
+    text += line.str();
+  }
+  write_file(file, text);
+  ViewsPipelineConfig config = quick();
+  config.start = file.string();
+  config.steps = 1;
+  config.growth = SplatGrowth::fixed;
+  config.swept_points = 0;
+  config.one_exposure = false;
+  config.mesh_cells = config.cloud_views = 0;
+  const Capture capture = cube_capture();
+  EXPECT_EQ(run(capture, config).splats.splats.size(), cube_of_splats().splats.size());
+  write_file(file, "# Points\n");
+  EXPECT_THAT([&] { run(capture, config); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("holds no point")));
+  config.start = (scratch.path() / "absent.ply").string();
+  EXPECT_THAT([&] { run(capture, config); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("absent.ply")));
 }
 
 TEST(ViewsPipeline, AMeshNeedsNoCloud) {
