@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -23,6 +24,7 @@
 #include "benchmarks/seedlings/seedlings_page.h"
 #include "benchmarks/seedlings/seedlings_suite.h"
 #include "benchmarks/seeds/cousins_suite.h"
+#include "benchmarks/seeds/paper_tables.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/seeds_report.h"
@@ -44,7 +46,15 @@ namespace {
 /// Folder of trainings that were stopped, below a suite's.
 constexpr const char* kUnfinished = "unfinished";
 
-/// Plots that suites make of their rows: on the page at once, and again from the tables alone.
+/// Tables of the papers that suites fill.
+std::vector<ReportTable> papers_tables(const std::vector<ScoreRow>& rows) {
+  std::vector<ReportTable> tables = seeds_paper_tables(rows);
+  for (ReportTable& table : seedlings_tables(rows)) tables.push_back(std::move(table));
+  return tables;
+}
+
+/// Plots and tables that suites make of their rows: on the page at once, and again from the tables
+/// alone.
 void add_plots(SeedsReport& report) {
   report.curves = renderers_curves(report.scores.scores);
   report.lines = sensors_plots(report.scores.scores);
@@ -61,6 +71,7 @@ void add_plots(SeedsReport& report) {
     report.lines.push_back(std::move(plot));
   for (ErrorTimeCurve& curve : seedlings_curves(report.scores.scores))
     report.curves.push_back(std::move(curve));
+  report.tables = papers_tables(report.scores.scores);
 }
 
 /// Keeps pictures for the page and notes which it shows.
@@ -419,11 +430,25 @@ void check_takes(const Suite& suite, const Options& o) {
 
 void print_rows(const ScoreFile& file) {
   for (const ScoreRow& row : file.scores) {
-    std::printf("%-9s %-44s %-38s %14.6g %-6s", std::string(to_string(row.status)).c_str(),
-                row.case_name.c_str(), row.metric.c_str(), row.value, row.unit.c_str());
+    std::printf("%-9s %-12s %-44s %-13s %-38s %14.6g %-6s",
+                std::string(to_string(row.status)).c_str(), row.scene.c_str(),
+                row.case_name.c_str(), row.method.c_str(), row.metric.c_str(), row.value,
+                row.unit.c_str());
     if (row.ci_low == row.ci_low) std::printf(" [%.6g, %.6g]", row.ci_low, row.ci_high);
     std::printf("\n");
   }
+}
+
+/// The papers' tables, and every number that was held against a limit or is not there.
+void print_tables(const ScoreFile& file) {
+  for (const ReportTable& table : papers_tables(file.scores))
+    std::printf("\n%s", table_text(table).c_str());
+  ScoreFile held;
+  std::copy_if(file.scores.begin(), file.scores.end(), std::back_inserter(held.scores),
+               [](const ScoreRow& row) { return row.status != ScoreStatus::ok; });
+  if (held.scores.empty()) return;
+  std::printf("\nHeld against limits, and what was not measured\n");
+  print_rows(held);
 }
 
 }  // namespace
@@ -470,6 +495,9 @@ ExitCode command_bench(const JobContext& context) {
       if (list && suite == wanted.back()) std::printf("]\n");
     } else if (std::string_view(suite->name) == "seeds") {
       std::printf("%s", summary_table(file.scores).c_str());
+      print_tables(file);
+    } else if (std::string_view(suite->name) == "seedlings") {
+      print_tables(file);
     } else {
       print_rows(file);
     }

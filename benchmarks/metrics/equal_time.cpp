@@ -23,9 +23,17 @@ constexpr SecondsKind kSecondsKinds[] = {{"seconds", &ScoreRow::wall_s},
 /// training of its own, so there is nothing between two of them.
 const ScoreRow* finished_by(const std::vector<const ScoreRow*>& sweep, double ScoreRow::*column,
                             double seconds) {
+  if (sweep.empty()) return nullptr;
   const auto after = std::find_if(sweep.begin(), sweep.end(),
                                   [&](const ScoreRow* row) { return row->*column > seconds; });
   return after == sweep.begin() ? nullptr : *(after - 1);
+}
+
+/// Whether the two are known to be of different machines.
+bool is_elsewhere(const ScoreRow& a, const ScoreRow& b, const TrainingMachines& machines) {
+  const auto first = machines.find(training_of(a)), second = machines.find(training_of(b));
+  return first != machines.end() && second != machines.end() && !first->second.empty() &&
+         !second->second.empty() && first->second != second->second;
 }
 
 /// Snapshots of the same photographs and metric, by their seconds.
@@ -34,6 +42,10 @@ struct Sweeps {
 };
 
 }  // namespace
+
+std::string training_of(const ScoreRow& row) {
+  return row.scene + "\n" + row.method + "\n" + row.case_name;
+}
 
 int steps_of(const std::string& case_name) {
   if (!case_name.ends_with(" steps")) return 0;
@@ -76,10 +88,14 @@ std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows,
       if (std::any_of(sweeps.reference.begin(), sweeps.reference.end(), has_none) ||
           std::any_of(sweeps.ours.begin(), sweeps.ours.end(), has_none))
         continue;
-      std::sort(sweeps.ours.begin(), sweeps.ours.end(), by_seconds);
       const ScoreRow& last =
           **std::max_element(sweeps.reference.begin(), sweeps.reference.end(), by_seconds);
-      const ScoreRow* ours = finished_by(sweeps.ours, kind.column, last.*kind.column);
+      std::vector<const ScoreRow*> comparable;
+      for (const ScoreRow* row : sweeps.ours) {
+        if (!is_elsewhere(*row, last, question.machines)) comparable.push_back(row);
+      }
+      std::sort(comparable.begin(), comparable.end(), by_seconds);
+      const ScoreRow* ours = finished_by(comparable, kind.column, last.*kind.column);
       if (ours == nullptr || ours->n != last.n) continue;
       ScoreRow row = last;
       row.metric += std::string("_gain_at_equal_") + kind.name;

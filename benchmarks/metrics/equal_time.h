@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,11 +11,17 @@ namespace cousin {
 /// Steps that a case's name ends with, as in "sample 0, 30 views, 7000 steps"; 0 without.
 int steps_of(const std::string& case_name);
 
+/// What a training's rows have in common: scene, method and case.
+std::string training_of(const ScoreRow& row);
+/// Machines that trainings ran on, by training_of; empty or absent: not known.
+using TrainingMachines = std::map<std::string, std::string>;
+
 /// Whose trainings are held beside whose.
 struct EqualTimeQuestion {
   std::string reference, ours;  ///< methods
   int reference_steps = 7000;   ///< the reference's last model of at most so many
   std::vector<std::string> metrics;
+  TrainingMachines machines = {};  ///< seconds of two that are known to differ do not compare
 };
 /// Of each scene, case and metric: that of ours, the last training that took no longer than the
 /// reference's, less the reference's, as METRIC_gain_at_equal_seconds and

@@ -120,7 +120,9 @@ struct ReportTable {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> lines;  ///< a cell a column; an empty one: not measured
 };
-/// The same for a terminal, columns aligned.
+/// A cell of a number times `factor`; empty where there is no row or no number.
+std::string table_cell(const ScoreRow* row, double factor, int decimals);
+/// The table for a terminal, columns aligned.
 std::string table_text(const ReportTable& table);
 
 struct ReportInput {

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -10,11 +12,13 @@ namespace {
 
 /// Characters of a text in UTF-8.
 std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  }));
 }
 
-std::string line_text(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths) {
+std::string line_text(const std::vector<std::string>& cells,
+                      const std::vector<std::size_t>& widths) {
   std::string text;
   for (std::size_t i = 0; i < cells.size() && i < widths.size(); ++i) {
     if (i > 0) text += "  ";
@@ -25,6 +29,13 @@ std::string line_text(const std::vector<std::string>& cells, const std::vector<s
 }
 
 }  // namespace
+
+std::string table_cell(const ScoreRow* row, double factor, int decimals) {
+  if (row == nullptr || !std::isfinite(row->value)) return {};
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, factor * row->value);
+  return text;
+}
 
 std::string table_text(const ReportTable& table) {
   std::vector<std::size_t> widths;

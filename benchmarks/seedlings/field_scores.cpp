@@ -31,7 +31,8 @@ class PooledPsnr {
 };
 
 struct ViewSums {
-  std::vector<double> psnr_db, ssim, flip, seedlings_db, exposed_db, learned;
+  std::vector<double> psnr_db, ssim, flip, exposed_db, learned;
+  std::vector<double> seedlings_db, seedlings_ssim, seedlings_flip;
 
   void add(const FidelityPlanes& image, const SampleView& view, const LearnedDistance* network) {
     const FidelityPlanes& photograph = view.photograph.full.color.channel;
@@ -42,9 +43,13 @@ struct ViewSums {
     flip.push_back(whole.flip);
     exposed_db.push_back(
         cousin::psnr_db(best_exposed(image, photograph, view.shown), photograph, view.shown));
-    const double plants_db = cousin::psnr_db(image, photograph, view.seedlings);
     if (network) learned.push_back(network->between(inside, photograph));
-    if (!std::isnan(plants_db)) seedlings_db.push_back(plants_db);  // some views show none
+    const ImageFidelity plants = score_fidelity(where_counted(image, photograph, view.seedlings),
+                                                photograph, view.seedlings);
+    if (plants.pixels == 0) return;  // some views show none
+    seedlings_db.push_back(plants.psnr_db);
+    seedlings_ssim.push_back(plants.ssim);
+    seedlings_flip.push_back(plants.flip);
   }
   ViewScores scores() const {
     return {static_cast<std::int64_t>(psnr_db.size()),
@@ -52,6 +57,8 @@ struct ViewSums {
             mean(ssim),
             mean(flip),
             mean(seedlings_db),
+            mean(seedlings_ssim),
+            mean(seedlings_flip),
             mean(exposed_db),
             mean(learned),
             static_cast<std::int64_t>(seedlings_db.size())};

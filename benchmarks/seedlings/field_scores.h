@@ -20,7 +20,8 @@ using FieldRenderer = std::function<FidelityPlanes(const SplatView&)>;
 struct ViewScores {
   std::int64_t views = 0;
   double psnr_db = kNaN, ssim = kNaN, flip = kNaN;  ///< over what the photograph shows
-  double psnr_seedlings_db = kNaN;                  ///< over the plants alone, of views with any
+  /// Over the plants alone, of views with any.
+  double psnr_seedlings_db = kNaN, ssim_seedlings = kNaN, flip_seedlings = kNaN;
   double psnr_exposed_db = kNaN;  ///< after the factor on light that fits each photograph best
   double learned = kNaN;          ///< by a network of the user's, if there is one
   std::int64_t views_of_seedlings = 0;

@@ -130,11 +130,17 @@ void measure_noise(const Photographer& photographer, int views, SampleCapture& c
     const SampleView& first = *trained[i * trained.size() / count];
     const TrueView view = photographer.view(first.photograph.frame);
     const SplatView again = pinhole_photograph(photographer.take(view, "again"), view);
-    capture.noise_psnr_db +=
-        psnr_db(again.full.color.channel, first.photograph.full.color.channel, first.shown);
+    const FidelityPlanes& photograph = first.photograph.full.color.channel;
+    capture.noise_psnr_db += psnr_db(again.full.color.channel, photograph, first.shown);
     ++capture.noise_views;
+    const double plants_db = psnr_db(again.full.color.channel, photograph, first.seedlings);
+    if (std::isnan(plants_db)) continue;  // it shows none
+    capture.noise_seedlings_db += plants_db;
+    ++capture.noise_views_of_seedlings;
   }
   if (capture.noise_views > 0) capture.noise_psnr_db /= capture.noise_views;
+  if (capture.noise_views_of_seedlings > 0)
+    capture.noise_seedlings_db /= capture.noise_views_of_seedlings;
 }
 
 std::vector<StartPoint> points_over_bench(const SeedlingsSample& sample, int points,

@@ -54,6 +54,8 @@ struct SampleCapture {
   /// same camera, whose paths and noise were drawn anew.
   double noise_psnr_db = 0;
   int noise_views = 0;
+  double noise_seedlings_db = 0;  ///< over plants alone, of these views with any
+  int noise_views_of_seedlings = 0;
   double wall_s = 0;  ///< of all
 };
 

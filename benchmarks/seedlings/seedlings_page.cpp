@@ -200,6 +200,115 @@ std::vector<LinePlot> seedlings_plots(const std::vector<ScoreRow>& rows) {
   return plots;
 }
 
+namespace {
+
+/// A number with its interval, as "37.2 [35.9, 38.5]".
+std::string cell_of(const ScoreRow* row, int decimals) {
+  std::string text = table_cell(row, 1, decimals);
+  if (text.empty() || !std::isfinite(row->ci_low) || !std::isfinite(row->ci_high)) return text;
+  ScoreRow low = *row, high = *row;
+  low.value = row->ci_low;
+  high.value = row->ci_high;
+  return text + " [" + table_cell(&low, 1, decimals) + ", " + table_cell(&high, 1, decimals) + "]";
+}
+
+const ScoreRow* row_of(const std::vector<ScoreRow>& rows, const ScoreRow& of,
+                       const std::string& metric) {
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& row) {
+    return row.suite == of.suite && row.scene == of.scene && row.case_name == of.case_name &&
+           row.method == of.method && row.metric == metric;
+  });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+std::string seconds_cell(double seconds) {
+  ScoreRow row;
+  row.value = seconds;
+  return table_cell(&row, 1, 0);
+}
+
+std::vector<std::string> line_of(const std::vector<ScoreRow>& rows, const ScoreRow& row,
+                                 bool is_published) {
+  const auto cell = [&](const char* metric, int decimals) {
+    return cell_of(row_of(rows, row, metric), decimals);
+  };
+  const int steps = steps_of(row.case_name);
+  return {row.method,
+          steps > 0 ? std::to_string(steps) : "",
+          std::to_string(row.n),
+          cell(is_published ? "psnr" : "train.psnr", 1),
+          cell("held_out.psnr", 1),
+          cell("held_out.psnr_exposed", 1),
+          cell("held_out.psnr_seedlings", 1),
+          cell("held_out.ssim", 3),
+          cell("held_out.flip", 3),
+          table_cell(row_of(rows, row, "gaussians"), 1, 0),
+          std::isfinite(row.wall_s) ? seconds_cell(row.wall_s) : "",
+          std::isfinite(row.cpu_s) ? seconds_cell(row.cpu_s) : ""};
+}
+
+ReportTable table_of_light(const std::vector<ScoreRow>& rows, const std::string& light) {
+  ReportTable table{
+      "Seedlings, " + light + ": three methods, PSNR in dB",
+      "Means over samples, with 95 % intervals where there are several (n). Published: of 12 other "
+      "trays, and taken to be of views trained on.",
+      {"method", "steps", "n", "trained on", "held out", "held out, best exposure",
+       "held out, plants", "SSIM, held out", "FLIP, held out", "Gaussians", "wall s", "CPU s"},
+      {}};
+  for (const char* method : {kPublishedGaussians, kReference, kOurs, kPublishedNgp, kNgp}) {
+    const bool is_published = std::string_view(method).starts_with("published");
+    std::vector<const ScoreRow*> of_method;
+    for (const ScoreRow& row : rows) {
+      const bool is_line = is_published
+                               ? row.metric == "psnr" && row.case_name.starts_with("mean, ")
+                               : row.metric == "train.psnr" && row.case_name.starts_with(kAll);
+      if (row.suite == kSeedlingsSuite && row.scene == light && row.method == method && is_line)
+        of_method.push_back(&row);
+    }
+    std::sort(of_method.begin(), of_method.end(), [](const ScoreRow* a, const ScoreRow* b) {
+      return steps_of(a->case_name) < steps_of(b->case_name);
+    });
+    for (const ScoreRow* row : of_method) table.lines.push_back(line_of(rows, *row, is_published));
+  }
+  return table;
+}
+
+ReportTable coverage_table(const std::vector<ScoreRow>& rows) {
+  const int steps = common_steps(rows);
+  ReportTable table{"Seedlings: what missing views do",
+                    "The reference's schedule after " + std::to_string(steps) +
+                        " steps, one tray; covered: the true surface is seen by at least " +
+                        std::to_string(kEnoughViews) + " of the views trained on.",
+                    {"light", "trained on", "held-out pixels covered %", "PSNR trained on",
+                     "held out", "of these covered", "not covered"},
+                    {}};
+  for (const ScoreRow& covered : rows) {
+    if (covered.suite != kSeedlingsSuite || !covered.case_name.starts_with("sample 0, ") ||
+        covered.metric != "coverage.seen_by_" + std::to_string(kEnoughViews))
+      continue;
+    ScoreRow of = covered;
+    of.method = kReference;
+    of.case_name += ", " + std::to_string(steps) + " steps";
+    const auto cell = [&](const char* metric) {
+      return table_cell(row_of(rows, of, metric), 1, 1);
+    };
+    table.lines.push_back({covered.scene, set_of(covered.case_name), table_cell(&covered, 100, 1),
+                           cell("train.psnr"), cell("held_out.psnr"), cell("held_out.psnr_covered"),
+                           cell("held_out.psnr_uncovered")});
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<ReportTable> seedlings_tables(const std::vector<ScoreRow>& rows) {
+  std::vector<ReportTable> tables;
+  for (const std::string& light : lights_of(rows)) tables.push_back(table_of_light(rows, light));
+  if (!tables.empty()) tables.push_back(coverage_table(rows));
+  std::erase_if(tables, [](const ReportTable& table) { return table.lines.empty(); });
+  return tables;
+}
+
 std::vector<ErrorTimeCurve> seedlings_curves(const std::vector<ScoreRow>& rows) {
   std::vector<ErrorTimeCurve> curves;
   for (const std::string& light : lights_of(rows)) {

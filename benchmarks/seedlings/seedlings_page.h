@@ -12,6 +12,10 @@ namespace cousin {
 /// of photographs; PSNR beside the published mean.
 std::vector<LinePlot> seedlings_plots(const std::vector<ScoreRow>& rows);
 
+/// Tables 2 to 4 of the Seedlings paper, one a light: what it published beside each method after
+/// each of its steps on all photographs, means over samples; and what fewer views do.
+std::vector<ReportTable> seedlings_tables(const std::vector<ScoreRow>& rows);
+
 /// Held-out error over wall time by light, with its Pareto front: the RMS difference of a colour
 /// channel that the mean PSNR stands for, 10^(-PSNR / 20).
 std::vector<ErrorTimeCurve> seedlings_curves(const std::vector<ScoreRow>& rows);

@@ -51,6 +51,10 @@ void add_view_scores(const ScoreRow& row, const std::string& set, const ViewScor
     rows.push_back(with_number(row, set + ".lpips", scores.learned, "1", scores.views));
   rows.push_back(with_number(row, set + ".psnr_seedlings", scores.psnr_seedlings_db, "dB",
                              scores.views_of_seedlings));
+  rows.push_back(with_number(row, set + ".ssim_seedlings", scores.ssim_seedlings, "1",
+                             scores.views_of_seedlings));
+  rows.push_back(with_number(row, set + ".flip_seedlings", scores.flip_seedlings, "1",
+                             scores.views_of_seedlings));
 }
 
 void add_field_scores(ScoreRow row, const FieldScores& scores, std::vector<ScoreRow>& rows) {
@@ -163,6 +167,9 @@ std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
   of_capture.method = "photographs";
   rows.push_back(
       with_number(of_capture, "noise_floor.psnr", whole.noise_psnr_db, "dB", whole.noise_views));
+  if (whole.noise_views_of_seedlings > 0)
+    rows.push_back(with_number(of_capture, "noise_floor.psnr_seedlings", whole.noise_seedlings_db,
+                               "dB", whole.noise_views_of_seedlings));
   rows.push_back(with_number(of_capture, "sample.day", job.sample.day, "d", 1));
   const ExactSurface surface = exact_surface(views);
   of_capture.method = "exact surface, mean colour";
@@ -205,7 +212,8 @@ std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows) {
   return means;
 }
 
-std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int steps) {
+std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int steps,
+                                      const TrainingMachines& machines) {
   std::vector<ScoreRow> of_samples;
   for (const ScoreRow& row : rows) {
     if (!without_sample(row.case_name).empty()) of_samples.push_back(row);
@@ -214,7 +222,8 @@ std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int ste
       of_samples, {kReference,
                    kOurs,
                    steps,
-                   {"train.psnr", "held_out.psnr", "train.psnr_exposed", "held_out.psnr_exposed"}});
+                   {"train.psnr", "held_out.psnr", "train.psnr_exposed", "held_out.psnr_exposed"},
+                   machines});
 }
 
 }  // namespace cousin

@@ -13,11 +13,11 @@ namespace cousin {
 inline constexpr const char* kSeedlingsSuite = "seedlings";
 
 /// Rows of one job. After each of its steps ("CASE, 7000 steps"): train.psnr, .psnr_exposed,
-/// .ssim, .flip, .psnr_seedlings, the same of held_out, gaussians; held_out.psnr_pooled,
-/// .psnr_covered and .psnr_uncovered, which pool the squares of all views where the others are
-/// means of the views' PSNR. The reference's say of their photographs how much of the held-out
-/// pixels' surface is seen by 1 and by kEnoughViews of them (coverage.seen_by_3); on the full set
-/// also noise_floor.psnr.
+/// .ssim, .flip, .psnr_seedlings, .ssim_seedlings, .flip_seedlings, the same of held_out,
+/// gaussians; held_out.psnr_pooled, .psnr_covered and .psnr_uncovered, which pool the squares of
+/// all views where the others are means of the views' PSNR. The reference's say of their
+/// photographs how much of the held-out pixels' surface is seen by 1 and by kEnoughViews of them
+/// (coverage.seen_by_3); on the full set also noise_floor.psnr and .psnr_seedlings.
 std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
                                   const TrainedField& field, const FieldViews& views,
                                   const SampleCapture& whole);
@@ -33,7 +33,8 @@ std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows);
 
 /// Ours less the reference, PSNR in dB: the reference at its last but at most `steps` steps, ours
 /// after the last of its trainings that takes no more seconds of wall time; and the same of CPU
-/// time. Two rows a sample and metric, none where none of ours ends by then.
-std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int steps);
+/// time. Two rows a sample and metric, none where none of ours ends by then on the same machine.
+std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int steps,
+                                      const TrainingMachines& machines = {});
 
 }  // namespace cousin

@@ -89,7 +89,7 @@ std::vector<ScoreRow> published_seeds_rows() {
     ScoreRow row = base_row("pooled", line.method, line.steps);
     row.wall_s = line.seconds;
     rows.push_back(measured_row(row, "seconds.reconstruction", line.seconds, "s", 1));
-    rows.push_back(measured_row(row, "cloud.points", line.points, "1", 1));
+    rows.push_back(measured_row(row, "reconstruction.points", line.points, "1", 1));
   }
   constexpr const char* kTraits[] = {"length", "width", "height"};
   for (const Lengths& line : kLengths) {

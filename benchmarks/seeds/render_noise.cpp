@@ -4,9 +4,11 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/metrics/image_fidelity.h"
+#include "perception/splats/splat_views.h"
 
 namespace cousin {
 
@@ -43,6 +45,27 @@ RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneC
   return noise;
 }
 
+namespace {
+
+/// A photograph as models are scored by it: without its lens, and black where `screen` is not zero.
+SplatViewLevel straight(const TrueView& view, Image<Rgb8> photograph,
+                        const Image<std::uint8_t>& screen) {
+  for (std::size_t i = 0; i < screen.size(); ++i) {
+    if (screen.data()[i] != 0) photograph.data()[i] = {};
+  }
+  Capture capture;
+  Frame frame;
+  frame.sensors.push_back({.reported = view.camera, .color = std::move(photograph)});
+  capture.frames.push_back(std::move(frame));
+  FramePose pose;
+  pose.status = PoseStatus::ok;
+  pose.camera = view.camera;
+  pose.camera_from_world = view.camera_from_world;
+  return std::move(splat_views(capture, {pose}, {}, {}, {screen}).front().full);
+}
+
+}  // namespace
+
 NoiseFloor measure_noise_floor(const SeedsSimulation& simulation, const GreenConfig& green,
                                int views) {
   const int all = static_cast<int>(simulation.views().size());
@@ -54,16 +77,25 @@ NoiseFloor measure_noise_floor(const SeedsSimulation& simulation, const GreenCon
     const auto photograph = [&](std::uint64_t repeat) {
       return simulation.take(i * all / views, {.color = true}, repeat).frame.sensors.front().color;
     };
-    const Image<Rgb8> first = photograph(0);
-    const FidelityPlanes once = fidelity_planes(first), again = fidelity_planes(photograph(1));
-    const Image<std::uint8_t> kept = without_specks(remove_green(first, green));
-    const auto objects = std::count_if(kept.begin(), kept.end(), [](auto x) { return x != 0; });
-    const double object_db = psnr_db(again, once, kept);
-    floor.psnr_db += psnr_db(again, once) / views;
-    floor.psnr_object_db += object_db / views;
-    floor.psnr_whole_db += (object_db - 10 * std::log10(static_cast<double>(objects) /
-                                                        static_cast<double>(kept.size()))) /
-                           views;
+    const TrueView& view = simulation.views()[static_cast<std::size_t>(i * all / views)];
+    const Image<Rgb8> first = photograph(0), second = photograph(1);
+    const Image<std::uint8_t> nothing(first.width(), first.height());
+    Image<std::uint8_t> screen = without_specks(remove_green(first, green));
+    for (std::uint8_t& x : screen) x = x != 0 ? 0 : 255;
+    const SplatViewLevel whole = straight(view, first, nothing);
+    const SplatViewLevel once = straight(view, first, screen),
+                         again = straight(view, second, screen);
+    const Image<std::uint8_t> counted = counted_pixels(once.weight);
+    Image<std::uint8_t> objects(once.behind.width(), once.behind.height());
+    for (std::size_t p = 0; p < objects.size(); ++p) {
+      const bool counts = counted.empty() || counted.data()[p] != 0;
+      objects.data()[p] = counts && once.behind.data()[p] < 0.5F ? 255 : 0;
+    }
+    floor.psnr_db += psnr_db(straight(view, second, nothing).color.channel, whole.color.channel,
+                             counted_pixels(whole.weight)) /
+                     views;
+    floor.psnr_object_db += psnr_db(again.color.channel, once.color.channel, objects) / views;
+    floor.psnr_whole_db += psnr_db(again.color.channel, once.color.channel, counted) / views;
   }
   return floor;
 }

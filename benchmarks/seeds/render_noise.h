@@ -18,8 +18,9 @@ struct RenderNoise {
 RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor,
                                  int frame);
 
-/// PSNR between two captures of the same views that differ in their noise alone, means over views
-/// evenly spread: what a model without noise has is 3.0 dB above.
+/// PSNR between two captures of the same views that differ in their noise alone, both without their
+/// lens, as models are scored (interpolation takes 1 to 2 dB of a pixel's noise away): means over
+/// views evenly spread. What a model without noise has is 3.0 dB above.
 struct NoiseFloor {
   double psnr_db = 0;         ///< of whole photographs
   double psnr_object_db = 0;  ///< over what is not green in the first

@@ -50,12 +50,14 @@ void add(std::vector<ScoreRow>& rows, const ScoreRow& row, const std::string& me
   rows.push_back(measured_row(row, metric, value, unit, n));
 }
 
-/// Cloud and meshes against all of the true surface, undersides too (`cloud`, `mesh`), and against
+/// How many points there are in all, the board's too; those of seeds,
+/// and meshes, against all of the true surface, undersides too (`cloud`, `mesh`), and against
 /// what two views at least could see of it, posed or not (`cloud_seen`, `mesh_seen`); of clouds
 /// that have normals the share with one and their angles to the surface's (`cloud.normal...`).
 void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
                   const SeedsEstimate& estimate, const ScoreRow& base,
                   std::vector<ScoreRow>& rows) {
+  add(rows, base, "reconstruction.points", static_cast<double>(estimate.cloud.size()), "1", 1);
   if (true_meshes.empty()) return;
   const Mesh surface = merged(true_meshes);
   const std::vector<Eigen::Vector3d> samples = sample_surface(surface, kSurfaceSamples, Rng(1));

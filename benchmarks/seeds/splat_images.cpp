@@ -9,6 +9,10 @@
 namespace cousin {
 namespace {
 
+bool has_pixels(const Image<std::uint8_t>& mask) {
+  return std::any_of(mask.begin(), mask.end(), [](std::uint8_t x) { return x != 0; });
+}
+
 /// Not zero where the photograph shows more of the scene than of what is behind it.
 Image<std::uint8_t> objects_of(const SplatViewLevel& level, const Image<std::uint8_t>& counted) {
   Image<std::uint8_t> mask(level.behind.width(), level.behind.height());
@@ -19,12 +23,13 @@ Image<std::uint8_t> objects_of(const SplatViewLevel& level, const Image<std::uin
   return mask;
 }
 
-/// Mean of what is finite; NaN if nothing is.
+/// Mean of scores that are over at least one pixel. One that is not a number then is the image's
+/// fault, and stays; an infinite PSNR, of equal images, is left out.
 struct Mean {
   double sum = 0;
   std::int64_t count = 0;
-  void add(double value) {
-    if (!std::isfinite(value)) return;
+  void add(double value, bool has_pixels = true) {
+    if (!has_pixels || std::isinf(value)) return;
     sum += value;
     ++count;
   }
@@ -52,14 +57,34 @@ FidelityPlanes small(const FidelityPlanes& image) {
 
 /// What photographs say of a model, over one kind of them.
 struct PhotographMeans {
-  Mean psnr, object, whole, whole_small, ssim, ssim_object, flip, flip_object, lpips;
+  Mean psnr, object, whole, whole_small, ssim, ssim_object, ssim_whole, flip, flip_object,
+      flip_whole;
+  Mean lpips, lpips_whole;
 
-  void add_whole(const FidelityPlanes& image, const SplatViewLevel& level) {
+  struct Looks {
+    double psnr, ssim, flip, lpips;
+    bool has_pixels;
+  };
+  static Looks looks_of(const FidelityPlanes& image, const SplatViewLevel& level,
+                        const LearnedDistance* learned) {
     const FidelityPlanes& truth = level.color.channel;
-    whole.add(psnr_db(image, truth, counted_pixels(level.weight)));
+    const Image<std::uint8_t> counted = counted_pixels(level.weight);
+    const FidelityPlanes inside = where_counted(image, truth, counted);
+    return {psnr_db(image, truth, counted), cousin::ssim(inside, truth, counted),
+            cousin::flip(inside, truth, counted), learned ? learned->between(inside, truth) : kNaN,
+            counted.empty() || cousin::has_pixels(counted)};
+  }
+
+  void add_whole(const FidelityPlanes& image, const Looks& looks, const SplatViewLevel& level,
+                 const LearnedDistance* learned) {
+    const FidelityPlanes& truth = level.color.channel;
+    whole.add(looks.psnr, looks.has_pixels);
+    ssim_whole.add(looks.ssim, looks.has_pixels);
+    flip_whole.add(looks.flip, looks.has_pixels);
+    lpips_whole.add(looks.lpips, learned != nullptr);
     const Image<std::uint8_t> counted_small =
         level.weight.empty() ? Image<std::uint8_t>{} : counted_pixels(small(level.weight));
-    whole_small.add(psnr_db(small(image), small(truth), counted_small));
+    whole_small.add(psnr_db(small(image), small(truth), counted_small), looks.has_pixels);
   }
 
   void add(const SeedsImageRenderer& render, const ScoredPhotograph& photograph,
@@ -69,24 +94,26 @@ struct PhotographMeans {
     const FidelityPlanes image = render(level.camera, pose);
     const FidelityPlanes& truth = level.color.channel;
     const Image<std::uint8_t> counted = counted_pixels(level.weight);
-    psnr.add(psnr_db(image, truth, counted));
+    const Looks part = looks_of(image, level, learned);
+    psnr.add(part.psnr, part.has_pixels);
+    ssim.add(part.ssim, part.has_pixels);
+    flip.add(part.flip, part.has_pixels);
+    lpips.add(part.lpips, learned != nullptr);
     if (photograph.whole) {
       const SplatViewLevel& all = photograph.whole->full;
-      add_whole(render(all.camera, pose), all);
+      const FidelityPlanes drawn = render(all.camera, pose);
+      add_whole(drawn, looks_of(drawn, all, learned), all, learned);
     } else {
-      add_whole(image, level);
+      add_whole(image, part, level, learned);
     }
     if (!level.behind.empty()) {
       const Image<std::uint8_t> objects = objects_of(level, counted);
-      object.add(psnr_db(image, truth, objects));
+      const bool has_object = has_pixels(objects);
+      object.add(psnr_db(image, truth, objects), has_object);
       const FidelityPlanes of_objects = where_counted(image, truth, objects);
-      ssim_object.add(cousin::ssim(of_objects, truth, objects));
-      flip_object.add(cousin::flip(of_objects, truth, objects));
+      ssim_object.add(cousin::ssim(of_objects, truth, objects), has_object);
+      flip_object.add(cousin::flip(of_objects, truth, objects), has_object);
     }
-    const FidelityPlanes inside = where_counted(image, truth, counted);
-    ssim.add(cousin::ssim(inside, truth, counted));
-    flip.add(cousin::flip(inside, truth, counted));
-    if (learned) lpips.add(learned->between(inside, truth));
   }
 
   void append(const std::string& prefix, const ScoreRow& base, std::vector<ScoreRow>& rows) const {
@@ -103,6 +130,9 @@ struct PhotographMeans {
     add("psnr_object", object, "dB");
     add("psnr_whole", whole, "dB");
     add("psnr_whole_small", whole_small, "dB");
+    add("ssim_whole", ssim_whole, "1");
+    add("flip_whole", flip_whole, "1");
+    add("lpips_whole", lpips_whole, "1");
     add("ssim", ssim, "1");
     add("ssim_object", ssim_object, "1");
     add("flip", flip, "1");

@@ -38,10 +38,12 @@ using SeedsImageRenderer = std::function<FidelityPlanes(const Camera&, const Pos
 /// How a model's images look beside photographs, means over them, "train." and, if there are any,
 /// "held_out.", of pixels whose weight is whole: `psnr`, `ssim` and `flip` of the part;
 /// `psnr_object`, `ssim_object` and `flip_object` over what is not green, the same pixels whatever
-/// part a method trains on; `psnr_whole` over the whole photograph, drawn whole, as the Seeds paper
-/// has it: this one, unlike those of a part, compares models trained on parts of different size;
+/// part a method trains on; `psnr_whole`, `ssim_whole` and `flip_whole` over the whole photograph,
+/// drawn whole, as the Seeds paper has them: these, unlike those of a part, compare models trained
+/// on parts of different size;
 /// `psnr_whole_small`, the same for pixels averaged to a third
-/// of the size; and with a network `lpips`. @param base  labels, seconds and memory of the training
+/// of the size; and with a network `lpips` and `lpips_whole`. A score that is not a number, of an
+/// image that has none, makes its mean NaN. @param base  labels, seconds and memory of the training
 std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photographs,
                                       const SeedsImageRenderer& render, const ScoreRow& base,
                                       const LearnedDistance* learned);

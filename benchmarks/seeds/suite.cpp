@@ -456,7 +456,7 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
         (job.trained.splats ? text_of(job.trained, job.config) + network : "") +
         (job.trained.splats && job.config.pipeline.splats.poses != SplatPoses::board ? colmap
                                                                                      : "") +
-        (job.noise_views > 0 ? "/noise 3 " + std::to_string(job.noise_views) : "") +
+        (job.noise_views > 0 ? "/noise 4 " + std::to_string(job.noise_views) : "") +
         user_files_hash(job.config.scene) + built_in_tables();
     for (const int views : job.view_counts) key += "/" + std::to_string(views);
     jobs.push_back(

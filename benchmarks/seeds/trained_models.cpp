@@ -259,9 +259,7 @@ std::vector<ScoreRow> measure_by_ngp(const SeedsTrainingTask& task, const Poses&
     };
     for (ScoreRow& row : photograph_rows(some, render, base, task.learned)) {
       // Its photographs are small already; a third of that is nobody's size.
-      if (row.metric.ends_with("psnr_whole_small")) continue;
-      rows.push_back(row);
-      if (!row.metric.ends_with("psnr_whole")) continue;
+      if (row.metric.ends_with("_small")) continue;
       row.metric += "_small";
       rows.push_back(row);
     }

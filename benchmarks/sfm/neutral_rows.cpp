@@ -114,7 +114,7 @@ std::vector<ScoreRow> neutral_rows(const SfmSuiteConfig& config) {
                          ordered.matching_cpu_s / all.matching_cpu_s, "1", n, 1.0 / 3));
   rows.push_back(numbered(row, "seconds of matching over all pairs'",
                           ordered.matching_wall_s / all.matching_wall_s, "1", n));
-  rows.push_back(at_most(row, "views lost", all.placed - ordered.placed, "1", n, 0));
+  rows.push_back(at_most(row, "views lost", static_cast<double>(n) - ordered.placed, "1", n, 0));
   return rows;
 }
 

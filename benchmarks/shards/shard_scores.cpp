@@ -30,4 +30,14 @@ ScoreFile scores_of_shards(const std::vector<ShardResult>& results, const std::s
   return all;
 }
 
+TrainingMachines machines_of_shards(const std::vector<ShardResult>& results) {
+  TrainingMachines machines;
+  for (const ShardResult& result : results) {
+    if (result.text.empty()) continue;
+    const ScoreFile part = scores_from_json(result.text, result.name);
+    for (const ScoreRow& row : part.scores) machines[training_of(row)] = part.header.machine;
+  }
+  return machines;
+}
+
 }  // namespace cousin

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/metrics/equal_time.h"
 #include "benchmarks/metrics/scores.h"
 #include "benchmarks/shards/shard.h"
 
@@ -16,5 +17,8 @@ namespace cousin {
 /// @throws std::runtime_error naming a job whose text is not scores.json
 ScoreFile scores_of_shards(const std::vector<ShardResult>& results, const std::string& suite,
                            std::uint64_t seed);
+
+/// The machine that each training's rows were made on, as far as jobs say it.
+TrainingMachines machines_of_shards(const std::vector<ShardResult>& results);
 
 }  // namespace cousin

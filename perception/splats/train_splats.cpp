@@ -150,11 +150,12 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   check_views(views);
   SavedTraining saved = begin_or_go_on(views, start, config, checkpoint);
   training.curve = std::move(saved.curve);
-  training.status =
-      saved.state.values.size() == 0
-          ? saved.state.step == 0 ? SplatTrainStatus::no_start : SplatTrainStatus::nothing_left
-      : any_weight(views) ? SplatTrainStatus::ok
-                          : SplatTrainStatus::nothing_to_learn;
+  training.status = saved.state.values.size() == 0
+                        ? saved.state.step == 0            ? SplatTrainStatus::no_start
+                          : saved.blind < saved.state.step ? SplatTrainStatus::nothing_left
+                                                           : SplatTrainStatus::nothing_seen
+                    : any_weight(views) ? SplatTrainStatus::ok
+                                        : SplatTrainStatus::nothing_to_learn;
   if (training.status != SplatTrainStatus::ok) return training;
   if (snapshots.begin && saved.state.step == 0) snapshots.begin();
 
@@ -187,11 +188,8 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
     const bool was_shown = blind < done;
     const bool gives_up =
         blind >= patience(views.size()) || (!was_shown && done == config.steps && done >= all);
-    if (trainer.state().values.size() == 0 || (gives_up && was_shown)) {
-      training.status = SplatTrainStatus::nothing_left;
-    } else if (gives_up) {
-      training.status = SplatTrainStatus::nothing_seen;
-    }
+    if (trainer.state().values.size() == 0 || gives_up)
+      training.status = was_shown ? SplatTrainStatus::nothing_left : SplatTrainStatus::nothing_seen;
   };
   if (training.status == SplatTrainStatus::ok) judge();  // one that had ended says so again
   while (training.status == SplatTrainStatus::ok && trainer.state().step < config.steps) {

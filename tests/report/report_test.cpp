@@ -113,6 +113,26 @@ TEST(Report, LimitsAreATableOfGroupsWithTheCountOfThoseKept) {
   EXPECT_EQ(html.find(line, first + 1), std::string::npos);
 }
 
+TEST(Report, TablesAreOnThePageAndInTheTerminal) {
+  ScoreRow row;
+  row.value = 0.000304;
+  ReportInput input;
+  input.tables = {
+      {"Sizes",
+       "of <50> seeds",
+       {"way", "RMSE mm", "n"},
+       {{"3DGS", table_cell(&row, 1000, 3), "50"}, {"µ", table_cell(nullptr, 1, 1), ""}}}};
+  const std::string html = make_report(input);
+  EXPECT_NE(html.find("<td>0.304</td><td>50</td>"), std::string::npos);
+  EXPECT_NE(html.find("of &lt;50&gt; seeds"), std::string::npos);
+  EXPECT_EQ(table_text(input.tables[0]),
+            "Sizes\nof <50> seeds\nway   RMSE mm  n\n3DGS  0.304    50\nµ              \n");
+  row.value = ScoreRow::kNone;
+  EXPECT_EQ(table_cell(&row, 1000, 3), "");
+  input.tables[0].lines[1].pop_back();
+  EXPECT_THROW(make_report(input), std::invalid_argument);
+}
+
 TEST(Report, IsTheSameBytesEachTime) {
   EXPECT_TRUE(make_report(example_report()) == make_report(example_report()));
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "benchmarks/seedlings/field_training.h"
 #include "benchmarks/seedlings/published_psnr.h"
@@ -50,6 +51,26 @@ const LinePlot& plot_named(const std::vector<LinePlot>& plots, const std::string
       std::find_if(plots.begin(), plots.end(), [&](const LinePlot& p) { return p.title == title; });
   if (plot == plots.end()) throw std::runtime_error("no plot " + title);
   return *plot;
+}
+
+TEST(SeedlingsPage, TablesHoldEachMethodBesideWhatWasPublished) {
+  const std::vector<ReportTable> tables = seedlings_tables(some_rows());
+  ASSERT_GE(tables.size(), 2u);
+  EXPECT_EQ(tables[0].title, "Seedlings, D1: three methods, PSNR in dB");
+  std::map<std::string, std::vector<std::string>> lines;
+  for (const auto& line : tables[0].lines) lines[line[0] + " " + line[1]] = line;
+  const std::vector<std::string>& reference = lines.at(std::string(kReference) + " 7000");
+  EXPECT_EQ(reference[3], "28.0");
+  EXPECT_EQ(reference[4], "24.0");
+  EXPECT_EQ(reference[10], "100");
+  EXPECT_EQ(lines.at("published: 3DGS 7000")[3].substr(0, 5), "25.0 ");
+  EXPECT_EQ(lines.at("published: 3DGS 7000")[2], "12");
+  EXPECT_FALSE(lines.contains(std::string(kOurs) + " 500"));  // it has no views trained on
+  const ReportTable& covered = tables.back();
+  ASSERT_EQ(covered.lines.size(), 2u);
+  EXPECT_EQ(covered.lines[1][1], "10 views");
+  EXPECT_EQ(covered.lines[1][2], "30.0");
+  EXPECT_EQ(covered.lines[1][4], "15.0");
 }
 
 TEST(SeedlingsPage, PsnrIsDrawnOverTheSecondsOfEachMethod) {

@@ -91,6 +91,11 @@ TEST(SeedlingsRows, OursIsItsLastTrainingThatTookNoLonger) {
   EXPECT_TRUE(equal_time_rows({rows[1], rows[5]}, 7000).empty());
   EXPECT_TRUE(equal_time_rows({rows[3], rows[4]}, 7000).empty());
   EXPECT_TRUE(equal_time_rows({rows[2], rows[4]}, 7000).empty());
+  // Of another machine than the reference's a training's seconds say nothing beside it.
+  const TrainingMachines machines = {{training_of(rows[1]), "slow"},
+                                     {training_of(rows[3]), "slow"},
+                                     {training_of(rows[4]), "fast"}};
+  EXPECT_NEAR(equal_time_rows(rows, 7000, machines).at(0).value, -1, 1e-12);
 }
 
 TEST(SeedlingsRows, ATrainingThatFailedSaysWhy) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace cousin {
 namespace {
 
@@ -132,11 +134,24 @@ TEST(SplatImages, ViewsHeldOutHaveRowsOfTheirOwn) {
   const double charged =
       value_of(photograph_rows(photographs, bright_below, {}, nullptr), "train.psnr_whole");
   EXPECT_NEAR(charged, -10 * std::log10((899 * 0.01 + 1800 * 0.25) / 2699.0), 1e-4);
+  const std::vector<ScoreRow> beyond = photograph_rows(photographs, bright_below, {}, nullptr);
+  EXPECT_LT(value_of(beyond, "train.ssim_whole"), value_of(beyond, "train.ssim") - 0.01);
+  EXPECT_GT(value_of(beyond, "train.flip_whole"), value_of(beyond, "train.flip") + 0.01);
   const std::vector<ScoreRow> trained = photograph_rows(photographs, render, {}, nullptr);
   EXPECT_NEAR(value_of(trained, "train.psnr"), 20, 1e-4);
   EXPECT_NEAR(value_of(trained, "train.psnr_whole"), 20, 1e-4);
   EXPECT_NEAR(value_of(trained, "train.psnr_whole_small"), 20, 1e-4);
   EXPECT_TRUE(std::isnan(value_of(trained, "held_out.psnr")));
+  // An image with a pixel that is no number has no score, and is not left out of the mean either.
+  std::vector<ScoredPhotograph> two = {photograph(30, 30, false), photograph(30, 30, false)};
+  int drawn = 0;
+  const auto holed = [&](const Camera& camera, const Pose& pose) {
+    FidelityPlanes image = render(camera, pose);
+    if (drawn++ == 0) image[0](3, 3) = std::numeric_limits<float>::quiet_NaN();
+    return image;
+  };
+  const std::vector<ScoreRow> nothing = photograph_rows(two, holed, {}, nullptr);
+  EXPECT_TRUE(std::isnan(value_of(nothing, "train.psnr")));
   photographs.push_back(photograph(30, 30, true));
   const std::vector<ScoreRow> both = photograph_rows(photographs, render, {}, nullptr);
   EXPECT_NEAR(value_of(both, "train.psnr_whole"), 20, 1e-4);
