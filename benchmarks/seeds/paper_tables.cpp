@@ -87,7 +87,8 @@ std::string seconds_cell(double seconds) {
 ReportTable reconstructions(const std::vector<ScoreRow>& rows) {
   ReportTable table{
       "Seeds, table 1: times and points, Zhengdan 958",
-      "Published: 270 photographs of 1920 x 1080 on an RTX 4060 Ti. Ours: 60 of 1280 x 720 on a CPU; "
+      "Published: 270 photographs of 1920 x 1080 on an RTX 4060 Ti. Ours: 60 of 1280 x 720 on a "
+      "CPU; "
       "seconds of poses are in them, and points are of all that was reconstructed.",
       {"method", "steps", "wall s", "CPU s", "points", "of them on seeds", "Gaussians", "peak MB"},
       {}};
@@ -98,10 +99,9 @@ ReportTable reconstructions(const std::vector<ScoreRow>& rows) {
              other.metric == "reconstruction.points";
     });
     const int steps = steps_of(row.case_name);
-    table.lines.push_back({row.method, steps > 0 ? std::to_string(steps) : "",
-                           table_cell(&row, 1, 0), "",
-                           table_cell(points == rows.end() ? nullptr : &*points, 1, 0), "", "",
-                           ""});
+    table.lines.push_back(
+        {row.method, steps > 0 ? std::to_string(steps) : "", table_cell(&row, 1, 0), "",
+         table_cell(points == rows.end() ? nullptr : &*points, 1, 0), "", "", ""});
   }
   for (const Method& method : kTraitMethods) {
     if (std::string_view(method.name).starts_with("published")) continue;
@@ -160,19 +160,18 @@ ReportTable traits(const std::vector<ScoreRow>& rows, const std::string& title,
 }
 
 ReportTable image_quality(const std::vector<ScoreRow>& rows) {
-  ReportTable table{
-      "Seeds, table 3: image quality of the models, views trained on",
-      "Whole photographs, green screen black; \"not green\" is board and grains alone. Published: of "
-      "270 photographs of 1920 x 1080 after 30,000 steps.",
-      {"cultivar", "method", "steps", "SSIM", "PSNR dB", "LPIPS", "FLIP", "PSNR not green dB",
-       "photographs"},
-      {}};
+  ReportTable table{"Seeds, table 3: image quality of the models, views trained on",
+                    "Whole photographs, green screen black; \"not green\" is board and grains "
+                    "alone. Published: of "
+                    "270 photographs of 1920 x 1080 after 30,000 steps.",
+                    {"cultivar", "method", "steps", "SSIM", "PSNR dB", "LPIPS", "FLIP",
+                     "PSNR not green dB", "photographs"},
+                    {}};
   for (const std::string& cultivar : cultivar_names()) {
     if (const ScoreRow* psnr = pooled_row(rows, cultivar, kPublished, "psnr")) {
       table.lines.push_back(
           {cultivar, kPublished, "30000",
-           table_cell(pooled_row(rows, cultivar, kPublished, "ssim"), 1, 4),
-           table_cell(psnr, 1, 2),
+           table_cell(pooled_row(rows, cultivar, kPublished, "ssim"), 1, 4), table_cell(psnr, 1, 2),
            table_cell(pooled_row(rows, cultivar, kPublished, "lpips"), 1, 4), "", "", ""});
     }
     for (const Method& method : {Method{"splats_paper", "3DGS, the paper's way"},
@@ -197,8 +196,8 @@ ReportTable image_quality(const std::vector<ScoreRow>& rows) {
     const auto of_object = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& row) {
       return row.scene == cultivar && row.metric == "noise_floor.psnr_object";
     });
-    table.lines.push_back({cultivar, "two captures from one place", "", "", table_cell(&*noise, 1, 2),
-                           "", "",
+    table.lines.push_back({cultivar, "two captures from one place", "", "",
+                           table_cell(&*noise, 1, 2), "", "",
                            table_cell(of_object == rows.end() ? nullptr : &*of_object, 1, 2),
                            std::to_string(noise->n)});
   }
@@ -210,7 +209,8 @@ ReportTable three_methods(const std::vector<ScoreRow>& rows) {
   ReportTable table{
       "Seeds, table 5: PSNR of the three methods, views trained on, dB",
       "Of Instant-NGP ours is trained on and scored at 426 x 240 (published: full size); \"small\" "
-      "columns compare all there. 30,000 steps are of one cultivar, with one view in eight held out.",
+      "columns compare all there. 30,000 steps are of one cultivar, with one view in eight held "
+      "out.",
       {"cultivar", "published 3DGS 7000", "3DGS 7000", "published 3DGS 30000", "3DGS 30000",
        "ours for images 3000", "published NGP", "NGP 2000, small", "3DGS 7000, small",
        "ours 3000, small"},
@@ -230,13 +230,12 @@ ReportTable three_methods(const std::vector<ScoreRow>& rows) {
     if (published(kPublished, 7000) == nullptr) continue;
     constexpr const char* kWhole = "train.psnr_whole";
     constexpr const char* kSmall = "train.psnr_whole_small";
-    table.lines.push_back({cultivar, table_cell(published(kPublished, 7000), 1, 2),
-                           own("splats_paper", kWhole, 7000),
-                           table_cell(published(kPublished, 30000), 1, 2),
-                           own("splats_paper", kWhole, 30000), own("splats_images", kWhole, 3000),
-                           table_cell(published("published: Instant-NGP", 0), 1, 2),
-                           own("instant-ngp", kSmall, 2000), own("splats_paper", kSmall, 7000),
-                           own("splats_images", kSmall, 3000)});
+    table.lines.push_back(
+        {cultivar, table_cell(published(kPublished, 7000), 1, 2), own("splats_paper", kWhole, 7000),
+         table_cell(published(kPublished, 30000), 1, 2), own("splats_paper", kWhole, 30000),
+         own("splats_images", kWhole, 3000),
+         table_cell(published("published: Instant-NGP", 0), 1, 2), own("instant-ngp", kSmall, 2000),
+         own("splats_paper", kSmall, 7000), own("splats_images", kSmall, 3000)});
   }
   return table;
 }
@@ -246,7 +245,8 @@ ReportTable paired_tests(const std::vector<ScoreRow>& rows) {
       "Seeds, paired tests of length",
       "Mean absolute error of the first less that of the second, on seeds that both measure; "
       "published is of Zhengdan 958 (n = 50).",
-      {"first / second", "seeds of", "n", "difference mm", "t", "p", "relative difference %", "t", "p"},
+      {"first / second", "seeds of", "n", "difference mm", "t", "p", "relative difference %", "t",
+       "p"},
       {}};
   const auto add = [&](const std::string& method, const std::string& scene,
                        const std::string& case_name, const char* absolute, const char* relative) {
@@ -269,7 +269,8 @@ ReportTable paired_tests(const std::vector<ScoreRow>& rows) {
   };
   add("published: 3DGS/SfM-MVS", kPaperCultivar, "", "length.absolute_difference",
       "length.relative_difference");
-  for (const char* method : {"splats_paper/paper", "splats/splats_paper", "ours/paper", "ours/splats"}) {
+  for (const char* method :
+       {"splats_paper/paper", "splats/splats_paper", "ours/paper", "ours/splats"}) {
     for (const char* group : {kPaperCultivar, "all"})
       add(method, "pooled", group, "length.absolute_difference", "length.relative_difference");
   }
@@ -283,12 +284,9 @@ std::vector<ReportTable> seeds_paper_tables(const std::vector<ScoreRow>& rows) {
   std::vector<std::string> others = cultivar_names();
   std::erase(others, kPaperCultivar);
   std::vector<ReportTable> tables = {
-      reconstructions(rows),
-      traits(rows, "Seeds, table 2: sizes, Zhengdan 958", {kPaperCultivar}),
-      image_quality(rows),
-      traits(rows, "Seeds, table 4: sizes, other cultivars", others),
-      three_methods(rows),
-      paired_tests(rows)};
+      reconstructions(rows), traits(rows, "Seeds, table 2: sizes, Zhengdan 958", {kPaperCultivar}),
+      image_quality(rows),   traits(rows, "Seeds, table 4: sizes, other cultivars", others),
+      three_methods(rows),   paired_tests(rows)};
   std::erase_if(tables, [](const ReportTable& table) { return table.lines.empty(); });
   return tables;
 }

@@ -96,11 +96,14 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
   return perceive_with(
       [&](const SplatWatch& watch) {
         SplatWatch own = watch;
+        if (warn) own.left_early = warn;
         own.posed = [&warn, told = watch.posed](const SfmEstimate& sfm) {
           told(sfm);
           if (warn && sfm.status != SfmStatus::ok && has_poses(sfm.status))
             warn("structure from motion: " + std::string(to_string(sfm.status)) + ", " +
                  sfm.reason);
+          if (warn && !sfm.colmap_version.empty() && !sfm.colmap_version.starts_with("3.8"))
+            warn("structure from motion: COLMAP " + sfm.colmap_version + ", tested with 3.8");
         };
         return stages_of(config, seed, sources, scene_index, own, warn);
       },

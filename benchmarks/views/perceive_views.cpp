@@ -230,8 +230,10 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
   ViewsRun run;
   run.estimate = perceive_with(
       [&](const SplatWatch& watch) {
+        SplatWatch own = watch;
+        if (warn) own.left_early = warn;
         SeedsStages stages =
-            with_stage_sources(views_stages(config, capture, own_seed, watch, findings, masks),
+            with_stage_sources(views_stages(config, capture, own_seed, own, findings, masks),
                                sources, scene_index, warn);
         stages.poses = [poses = std::move(stages.poses), &capture, side = config.largest_side_px](
                            const Capture& photographs, const SeedsEstimate& so_far) {

@@ -25,7 +25,8 @@ Fields fields(NgpConfig& c) {
 }
 
 void validate(const NgpConfig& config) {
-  const auto refuse = [](const std::string& key, const std::string& value, const char* limit) {
+  const auto refuse = [](const std::string& key, const std::string& value,
+                         const std::string& limit) {
     throw std::invalid_argument("ngp." + key + " = " + value + ": " + limit);
   };
   NgpConfig copy = config;
@@ -38,7 +39,8 @@ void validate(const NgpConfig& config) {
     else
       continue;
     if (!(value >= field.min && value <= field.max))
-      refuse(field.key, std::to_string(value), "is outside its limits (see --keys)");
+      refuse(field.key, std::to_string(value),
+             "is not in " + std::to_string(field.min) + ".." + std::to_string(field.max));
   }
   if (config.grid.finest < config.grid.coarsest)
     refuse("grid.finest", std::to_string(config.grid.finest), "must not be below grid.coarsest");

@@ -88,10 +88,11 @@ Camera camera_of(const Camera& camera, const Window& window) {
   return part;
 }
 
+constexpr float kSameSurface = 0.01F;  ///< relative difference of depths
+
 /// Depth between the four pixels around a place: their mixture on one surface, the nearest one's at
 /// an edge; NaN outside.
 float depth_at(const Image<float>& depth_m, const Eigen::Vector2d& pixel_px) {
-  constexpr float kSameSurface = 0.01F;  ///< relative difference
   const int x = static_cast<int>(std::floor(pixel_px.x()));
   const int y = static_cast<int>(std::floor(pixel_px.y()));
   if (!depth_m.contains(x, y) || !depth_m.contains(x + 1, y + 1)) return NAN;
@@ -136,6 +137,38 @@ Image<float> depth_of_view(const SplatModel& model, const FramePose& pose,
     }
   });
   return depth_m;
+}
+
+/// Of each pixel whose four neighbours show the same surface: across the lines between them, unit,
+/// in the camera and towards it; else zero.
+Image<Eigen::Vector3f> normals_of(const Image<float>& depth_m, const Camera& camera) {
+  const Lens lens(camera);
+  const int width = depth_m.width(), height = depth_m.height();
+  Image<Eigen::Vector3f> point_m(width, height, Eigen::Vector3f::Constant(NAN));
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      if (!std::isfinite(depth_m(x, y))) continue;
+      if (const auto ray = lens.unproject({x, y}); ray && ray->z() > 0)
+        point_m(x, y) = (static_cast<double>(depth_m(x, y)) / ray->z() * *ray).cast<float>();
+    }
+  });
+  Image<Eigen::Vector3f> normal(width, height, Eigen::Vector3f::Zero());
+  tbb::parallel_for(1, std::max(1, height - 1), [&](int y) {
+    for (int x = 1; x + 1 < width; ++x) {
+      const float here_m = depth_m(x, y);
+      const std::array<Eigen::Vector3f, 4> around = {point_m(x - 1, y), point_m(x + 1, y),
+                                                     point_m(x, y - 1), point_m(x, y + 1)};
+      const bool is_surface = std::all_of(around.begin(), around.end(), [&](const auto& p) {
+        return std::abs(p.z() - here_m) <= kSameSurface * here_m;  // not of NaN
+      });
+      if (!is_surface) continue;
+      const Eigen::Vector3f across =
+          Eigen::Vector3f(around[1] - around[0]).cross(Eigen::Vector3f(around[3] - around[2]));
+      if (!(across.norm() > 0)) continue;
+      normal(x, y) = (across.dot(point_m(x, y)) > 0 ? -1 : 1) * across.normalized();
+    }
+  });
+  return normal;
 }
 
 }  // namespace
@@ -283,6 +316,14 @@ SplatModel train_on_views(std::span<const SplatView> views, std::span<const Star
       return std::move(trained.model);
     case SplatTrainStatus::not_finite:
       throw std::runtime_error("training diverged: the loss is not a number");
+    case SplatTrainStatus::too_many_pairs:
+      if (watch.left_early && !trained.curve.empty()) {
+        watch.left_early("training was left after step " +
+                         std::to_string(trained.curve.back().step) + " of " +
+                         std::to_string(stop_after) + ": " + explained(trained.status));
+        return std::move(trained.model);
+      }
+      [[fallthrough]];
     default: {
       SplatModel none;
       none.why_none = explained(trained.status);
@@ -312,12 +353,14 @@ SplatModel without_strays(SplatModel model, const SweepVolume& volume) {
 }
 
 Depths depths_of_splats(const SplatModel& model, const Poses& poses, const SweepVolume& volume,
-                        double low_pass_px2) {
+                        double low_pass_px2, bool with_normals) {
   Depths depths;
   for (const FramePose& pose : poses) {
     FrameDepth depth{pose.frame, {}, {}};
-    if (pose.status == PoseStatus::ok && !model.splats.empty())
+    if (pose.status == PoseStatus::ok && !model.splats.empty()) {
       depth.depth_m = depth_of_view(model, pose, volume, low_pass_px2);
+      if (with_normals) depth.normal = normals_of(depth.depth_m, pose.camera);
+    }
     depths.push_back(std::move(depth));
   }
   return depths;

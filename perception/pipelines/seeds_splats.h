@@ -90,6 +90,9 @@ struct SplatWatch {
   std::filesystem::path sfm_folder;
   /// Told what structure from motion found, also where that is no poses.
   std::function<void(const SfmEstimate& estimate)> posed;
+  /// Told why a training was left before its end, whose model is taken all the same. Without it
+  /// there is none then.
+  std::function<void(const std::string& why)> left_early;
 };
 
 /// Structure from motion found no poses in metres.
@@ -143,7 +146,9 @@ SplatModel without_strays(SplatModel model, const SweepVolume& volume);
 /// Depth of a model on the pixels of the photographs themselves, lens and all: along the axis, NaN
 /// where a ray is never half blocked or ends outside the volume. Views without a pose have none.
 /// @param low_pass_px2  as in SplatRenderConfig
+/// @param with_normals  normals too, of pixels whose four neighbours show the same surface, by the
+/// lines between these
 Depths depths_of_splats(const SplatModel& model, const Poses& poses, const SweepVolume& volume,
-                        double low_pass_px2);
+                        double low_pass_px2, bool with_normals = false);
 
 }  // namespace cousin

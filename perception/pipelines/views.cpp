@@ -355,6 +355,7 @@ Fields fields(ViewsPipelineConfig& c) {
               "COLMAP's points3D.txt or points3D.bin; empty: tracks, else start_points"},
              {"start_points", &c.start_points,
               "Gaussians at the beginning, where there are no tracks", 1, 1e6},
+             {"normals", &c.normals, "depth images have normals too (depth_normal/)"},
              {"cloud_views", &c.cloud_views, "views whose depths become the cloud; 0: no cloud", 0,
               1000},
              {"voxel_px", &c.voxel_px, "of the cloud, in pixels at the median depth", 0.01, 100},
@@ -394,8 +395,9 @@ SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full,
                       const Capture& capture, const SeedsEstimate& so_far) {
     return train(config, capture, so_far.poses, masks, *findings, seed, watch);
   };
-  stages.depth = [](const Capture&, const SeedsEstimate& so_far) {
-    return depths_of_splats(so_far.splats, so_far.poses, everywhere(), so_far.splats.low_pass_px2);
+  stages.depth = [normals = config.normals](const Capture&, const SeedsEstimate& so_far) {
+    return depths_of_splats(so_far.splats, so_far.poses, everywhere(), so_far.splats.low_pass_px2,
+                            normals);
   };
   if (config.cloud_views > 0) {
     stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {

@@ -56,6 +56,7 @@ struct ViewsPipelineConfig {
   /// Where no tracks are, Gaussians begin at so many places drawn evenly over a cube of twice the
   /// cameras' median distance about the point that they look at.
   int start_points = 20000;
+  bool normals = false;  ///< depth images have normals too
   /// Evenly spread, whose depths become the cloud; 0: there is no cloud. One is refused, before the
   /// training, where cameras are 2^21 of its voxels from the origin.
   int cloud_views = 24;

@@ -118,10 +118,6 @@ Cloud fused_splat_cloud(const SplatDepthImages& depths, const FuseConfig& config
   return fuse_depths(depths.capture, depths.poses, depths.depths, nothing_is_green, config);
 }
 
-Mesh fused_splat_mesh(const SplatDepthImages& depths, const DepthMeshConfig& config) {
-  return mesh_of_depths(depths.poses, depths.depths, config);
-}
-
 std::vector<int> views_that_see(const SplatModel& model, const SplatDepthImages& depths,
                                 double slack) {
   if (!(slack >= 0) || !std::isfinite(slack)) {

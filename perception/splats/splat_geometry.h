@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "perception/cloud/fuse.h"
-#include "perception/splats/depth_mesh.h"
 #include "perception/splats/splat_render.h"
 #include "sim/types/seams.h"
 
@@ -37,9 +36,6 @@ SplatDepthImages render_splat_depths(const SplatModel& model, std::span<const Sp
 /// The depths of all views as one cloud with normals, colours and sigmas: points that other views
 /// agree with (see fuse_depths; no colour is left out).
 Cloud fused_splat_cloud(const SplatDepthImages& depths, const FuseConfig& config = {});
-
-/// The depths of all views as one closed mesh.
-Mesh fused_splat_mesh(const SplatDepthImages& depths, const DepthMeshConfig& config = {});
 
 /// For each Gaussian the number of views that see it: its centre lies in the image and no deeper
 /// than the rendered depth there plus `slack` of its largest standard deviations, or its ray is

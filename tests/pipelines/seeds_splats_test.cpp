@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "perception/pipelines/seeds.h"
 #include "perception/splats/splat_render.h"
@@ -109,6 +111,26 @@ TEST(SeedsSplats, DepthLiesOnThePhotographsOwnPixels) {
   }
   EXPECT_EQ(compared, 121);
   EXPECT_TRUE(std::isnan(depths[0].depth_m(2, 2)));
+  EXPECT_TRUE(depths[0].normal.empty());
+}
+
+TEST(SeedsSplats, NormalsAreThoseOfTheSlantedPlate) {
+  const FramePose pose = slanted(4, 0.3);
+  const FrameDepth depth =
+      depths_of_splats(plate(0.01), {pose}, volume, SeedsSplatConfig{}.low_pass_px2, true).at(0);
+  ASSERT_EQ(depth.normal.width(), depth.depth_m.width());
+  const Eigen::Vector3d up = pose.camera_from_world.rotation * Eigen::Vector3d::UnitZ();
+  std::vector<double> off_rad;
+  for (std::size_t i = 0; i < depth.normal.size(); ++i) {
+    const Eigen::Vector3f& normal = depth.normal.data()[i];
+    if (normal.isZero()) continue;
+    EXPECT_NEAR(normal.norm(), 1, 1e-4);
+    EXPECT_TRUE(std::isfinite(depth.depth_m.data()[i]));
+    off_rad.push_back(std::acos(std::min(1.0, normal.cast<double>().dot(up))));
+  }
+  ASSERT_GT(off_rad.size(), 1000U);
+  std::nth_element(off_rad.begin(), off_rad.begin() + off_rad.size() / 2, off_rad.end());
+  EXPECT_LT(off_rad[off_rad.size() / 2], 0.1);  // one pixel of depth is rough
 }
 
 TEST(SeedsSplats, DepthOutsideTheVolumeAndOfViewsWithoutAPoseIsLeftOut) {

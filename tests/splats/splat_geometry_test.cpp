@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "perception/splats/depth_mesh.h"
 #include "sim/geometry/measure.h"
 #include "tests/splats/sphere_splats.h"
 
@@ -183,7 +184,7 @@ TEST(SplatGeometry, SplatsOnABallGiveItsCloudMeshAndWhoSeesThem) {
   EXPECT_LT(off_m[off_m.size() * 95 / 100], 2 * sphere.scale_m);
   EXPECT_GT(facing, 0.95);
 
-  const Mesh mesh = fused_splat_mesh(depths, around(sphere));
+  const Mesh mesh = mesh_of_depths(depths.poses, depths.depths, around(sphere));
   EXPECT_TRUE(check_watertight(mesh).ok);
   const double volume = 4.0 / 3 * kPi * std::pow(sphere.radius_m, 3);
   EXPECT_NEAR(mass_properties(mesh).volume_m3, volume, 0.05 * volume);
@@ -216,7 +217,8 @@ TEST(SplatGeometry, AnyNumberOfThreadsGivesTheSameBytes) {
     tbb::task_arena arena(threads);
     return arena.execute([&] {
       const SplatDepthImages depths = render_splat_depths(model, from);
-      return std::pair(fused_splat_mesh(depths, around(sphere)), views_that_see(model, depths));
+      return std::pair(mesh_of_depths(depths.poses, depths.depths, around(sphere)),
+                       views_that_see(model, depths));
     });
   };
   const auto one = with_threads(1);
@@ -231,7 +233,7 @@ TEST(SplatGeometry, AnEmptyModelIsSeenByNoneAndHasNoMesh) {
   const SplatDepthImages depths = render_splat_depths(SplatModel{}, sphere.viewpoints(3));
   EXPECT_TRUE(views_that_see(SplatModel{}, depths).empty());
   EXPECT_TRUE(fused_splat_cloud(depths).empty());
-  EXPECT_TRUE(fused_splat_mesh(depths, around(sphere)).triangles.empty());
+  EXPECT_TRUE(mesh_of_depths(depths.poses, depths.depths, around(sphere)).triangles.empty());
   EXPECT_THROW(views_that_see(SplatModel{}, depths, -1), std::invalid_argument);
 }
 
