@@ -210,7 +210,10 @@ void SplatTrainer::update(double progress) {
   task.dc = rate(decay * rates.dc, state_.step + 1);
   task.rest = rate(decay * rates.rest, std::max(1, state_.rest_updates));
   task.with_rest = with_rest;
-  if (config_.growth == SplatGrowth::mcmc) {
+  // Where a view shows nothing, nothing is pulled or moved: else Gaussians that no view shows, as
+  // before wrong poses, would fade or stray before cameras, and be taken for a start.
+  const bool moves = config_.growth == SplatGrowth::mcmc && !frame_.lists.front_to_back.empty();
+  if (moves) {
     const double count = std::max(1, state_.values.size());
     task.opacity_pull = static_cast<float>(config_.opacity_pull / count);
     task.scale_pull = static_cast<float>(config_.scale_pull / (3 * count * state_.extent_m));
@@ -221,7 +224,7 @@ void SplatTrainer::update(double progress) {
   tbb::parallel_for(Range(0, state_.values.padded() / 8, 64), [&](const Range& range) {
     kernels_.update(task, 8 * range.begin(), 8 * range.end());
   });
-  if (config_.growth == SplatGrowth::mcmc && config_.noise > 0) {
+  if (moves && config_.noise > 0) {
     // Covariances in extents, so that a unit of length changes nothing.
     const double centre_share = centre / state_.extent_m;
     add_centre_noise(state_.values, config_.noise * centre_share / state_.extent_m,
