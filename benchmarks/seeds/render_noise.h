@@ -19,7 +19,7 @@ RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneC
                                  int frame);
 
 /// PSNR between two captures of the same views that differ in their noise alone, both without their
-/// lens, as models are scored (interpolation takes 1 to 2 dB of a pixel's noise away): means over
+/// lens, as models are scored (which changes these by 0.1 dB at most): means over
 /// views evenly spread. What a model without noise has is 3.0 dB above.
 struct NoiseFloor {
   double psnr_db = 0;         ///< of whole photographs
