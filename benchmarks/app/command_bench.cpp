@@ -4,12 +4,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 #include <thread>
 
+#include "benchmarks/app/bench_output.h"
 #include "benchmarks/app/commands.h"
 #include "benchmarks/calibration/calibration_suite.h"
 #include "benchmarks/calibration/studies.h"
@@ -24,7 +24,6 @@
 #include "benchmarks/seedlings/seedlings_page.h"
 #include "benchmarks/seedlings/seedlings_suite.h"
 #include "benchmarks/seeds/cousins_suite.h"
-#include "benchmarks/seeds/paper_tables.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/seeds/seeds_report.h"
@@ -45,13 +44,6 @@ namespace {
 
 /// Folder of trainings that were stopped, below a suite's.
 constexpr const char* kUnfinished = "unfinished";
-
-/// Tables of the papers that suites fill.
-std::vector<ReportTable> papers_tables(const std::vector<ScoreRow>& rows) {
-  std::vector<ReportTable> tables = seeds_paper_tables(rows);
-  for (ReportTable& table : seedlings_tables(rows)) tables.push_back(std::move(table));
-  return tables;
-}
 
 /// Plots and tables that suites make of their rows: on the page at once, and again from the tables
 /// alone.
@@ -428,29 +420,6 @@ void check_takes(const Suite& suite, const Options& o) {
   }
 }
 
-void print_rows(const ScoreFile& file) {
-  for (const ScoreRow& row : file.scores) {
-    std::printf("%-9s %-12s %-44s %-13s %-38s %14.6g %-6s",
-                std::string(to_string(row.status)).c_str(), row.scene.c_str(),
-                row.case_name.c_str(), row.method.c_str(), row.metric.c_str(), row.value,
-                row.unit.c_str());
-    if (row.ci_low == row.ci_low) std::printf(" [%.6g, %.6g]", row.ci_low, row.ci_high);
-    std::printf("\n");
-  }
-}
-
-/// The papers' tables, and every number that was held against a limit or is not there.
-void print_tables(const ScoreFile& file) {
-  for (const ReportTable& table : papers_tables(file.scores))
-    std::printf("\n%s", table_text(table).c_str());
-  ScoreFile held;
-  std::copy_if(file.scores.begin(), file.scores.end(), std::back_inserter(held.scores),
-               [](const ScoreRow& row) { return row.status != ScoreStatus::ok; });
-  if (held.scores.empty()) return;
-  std::printf("\nHeld against limits, and what was not measured\n");
-  print_rows(held);
-}
-
 }  // namespace
 
 ExitCode command_bench(const JobContext& context) {
@@ -495,11 +464,11 @@ ExitCode command_bench(const JobContext& context) {
       if (list && suite == wanted.back()) std::printf("]\n");
     } else if (std::string_view(suite->name) == "seeds") {
       std::printf("%s", summary_table(file.scores).c_str());
-      print_tables(file);
+      print_papers_tables(file.scores);
     } else if (std::string_view(suite->name) == "seedlings") {
-      print_tables(file);
+      print_papers_tables(file.scores);
     } else {
-      print_rows(file);
+      print_scores(file.scores);
     }
     failed = failed || std::any_of(file.scores.begin(), file.scores.end(), [](const ScoreRow& row) {
                return row.status == ScoreStatus::fail || row.status == ScoreStatus::error;

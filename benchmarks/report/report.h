@@ -121,6 +121,7 @@ struct ReportTable {
   std::vector<std::vector<std::string>> lines;  ///< a cell a column; an empty one: not measured
 };
 /// A cell of a number times `factor`; empty where there is no row or no number.
+std::string table_cell(double value, double factor, int decimals);
 std::string table_cell(const ScoreRow* row, double factor, int decimals);
 /// The table for a terminal, columns aligned.
 std::string table_text(const ReportTable& table);

@@ -30,11 +30,15 @@ std::string line_text(const std::vector<std::string>& cells,
 
 }  // namespace
 
-std::string table_cell(const ScoreRow* row, double factor, int decimals) {
-  if (row == nullptr || !std::isfinite(row->value)) return {};
+std::string table_cell(double value, double factor, int decimals) {
+  if (!std::isfinite(value)) return {};
   char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, factor * row->value);
+  std::snprintf(text, sizeof text, "%.*f", decimals, factor * value);
   return text;
+}
+
+std::string table_cell(const ScoreRow* row, double factor, int decimals) {
+  return row == nullptr ? std::string() : table_cell(row->value, factor, decimals);
 }
 
 std::string table_text(const ReportTable& table) {

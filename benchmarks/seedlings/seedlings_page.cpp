@@ -206,10 +206,8 @@ namespace {
 std::string cell_of(const ScoreRow* row, int decimals) {
   std::string text = table_cell(row, 1, decimals);
   if (text.empty() || !std::isfinite(row->ci_low) || !std::isfinite(row->ci_high)) return text;
-  ScoreRow low = *row, high = *row;
-  low.value = row->ci_low;
-  high.value = row->ci_high;
-  return text + " [" + table_cell(&low, 1, decimals) + ", " + table_cell(&high, 1, decimals) + "]";
+  return text + " [" + table_cell(row->ci_low, 1, decimals) + ", " +
+         table_cell(row->ci_high, 1, decimals) + "]";
 }
 
 const ScoreRow* row_of(const std::vector<ScoreRow>& rows, const ScoreRow& of,
@@ -219,12 +217,6 @@ const ScoreRow* row_of(const std::vector<ScoreRow>& rows, const ScoreRow& of,
            row.method == of.method && row.metric == metric;
   });
   return found == rows.end() ? nullptr : &*found;
-}
-
-std::string seconds_cell(double seconds) {
-  ScoreRow row;
-  row.value = seconds;
-  return table_cell(&row, 1, 0);
 }
 
 std::vector<std::string> line_of(const std::vector<ScoreRow>& rows, const ScoreRow& row,
@@ -243,8 +235,8 @@ std::vector<std::string> line_of(const std::vector<ScoreRow>& rows, const ScoreR
           cell("held_out.ssim", 3),
           cell("held_out.flip", 3),
           table_cell(row_of(rows, row, "gaussians"), 1, 0),
-          std::isfinite(row.wall_s) ? seconds_cell(row.wall_s) : "",
-          std::isfinite(row.cpu_s) ? seconds_cell(row.cpu_s) : ""};
+          table_cell(row.wall_s, 1, 0),
+          table_cell(row.cpu_s, 1, 0)};
 }
 
 ReportTable table_of_light(const std::vector<ScoreRow>& rows, const std::string& light) {

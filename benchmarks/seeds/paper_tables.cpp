@@ -77,12 +77,6 @@ int last_steps(const std::vector<ScoreRow>& rows, const std::string& cultivar,
   return steps.empty() ? 0 : steps.back();
 }
 
-std::string seconds_cell(double seconds) {
-  ScoreRow row;
-  row.value = seconds;
-  return table_cell(&row, 1, 0);
-}
-
 /// Seconds, points and Gaussians of a reconstruction.
 ReportTable reconstructions(const std::vector<ScoreRow>& rows) {
   ReportTable table{
@@ -115,9 +109,9 @@ ReportTable reconstructions(const std::vector<ScoreRow>& rows) {
           model_row(rows, kPaperCultivar, method.name, "seconds.perceive", step);
       if (seconds == nullptr) continue;
       table.lines.push_back({method.title, step > 0 ? std::to_string(step) : "",
-                             seconds_cell(seconds->wall_s), seconds_cell(seconds->cpu_s),
+                             table_cell(seconds->wall_s, 1, 0), table_cell(seconds->cpu_s, 1, 0),
                              cell("reconstruction.points"), cell("cloud.points"), cell("gaussians"),
-                             seconds_cell(seconds->peak_rss_mb)});
+                             table_cell(seconds->peak_rss_mb, 1, 0)});
     }
   }
   return table;

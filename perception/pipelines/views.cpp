@@ -350,8 +350,7 @@ Fields fields(ViewsPipelineConfig& c) {
              {"start",
               TextField{[&c] { return c.start; },
                         [&c](const std::string& text) { c.start = text; }},
-              "file of points that Gaussians begin at, in the frame of the capture's poses: PLY, "
-              "or "
+              "file of points that Gaussians begin at, in the frame of the capture's poses: a PLY, "
               "COLMAP's points3D.txt or points3D.bin; empty: tracks, else start_points"},
              {"start_points", &c.start_points,
               "Gaussians at the beginning, where there are no tracks", 1, 1e6},

@@ -1,0 +1,41 @@
+#include "benchmarks/app/bench_output.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "benchmarks/seedlings/seedlings_page.h"
+#include "benchmarks/seeds/paper_tables.h"
+
+namespace cousin {
+
+std::vector<ReportTable> papers_tables(const std::vector<ScoreRow>& rows) {
+  std::vector<ReportTable> tables = seeds_paper_tables(rows);
+  for (ReportTable& table : seedlings_tables(rows)) tables.push_back(std::move(table));
+  return tables;
+}
+
+void print_scores(const std::vector<ScoreRow>& rows) {
+  for (const ScoreRow& row : rows) {
+    std::printf("%-9s %-12s %-44s %-13s %-38s %14.6g %-6s",
+                std::string(to_string(row.status)).c_str(), row.scene.c_str(),
+                row.case_name.c_str(), row.method.c_str(), row.metric.c_str(), row.value,
+                row.unit.c_str());
+    if (row.ci_low == row.ci_low) std::printf(" [%.6g, %.6g]", row.ci_low, row.ci_high);
+    std::printf("\n");
+  }
+}
+
+void print_papers_tables(const std::vector<ScoreRow>& rows) {
+  for (const ReportTable& table : papers_tables(rows)) std::printf("\n%s", table_text(table).c_str());
+  std::vector<ScoreRow> held;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(held),
+               [](const ScoreRow& row) { return row.status != ScoreStatus::ok; });
+  if (held.empty()) return;
+  std::printf("\nHeld against limits, and what was not measured\n");
+  print_scores(held);
+}
+
+}  // namespace cousin
