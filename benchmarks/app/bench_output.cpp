@@ -29,7 +29,8 @@ void print_scores(const std::vector<ScoreRow>& rows) {
 }
 
 void print_papers_tables(const std::vector<ScoreRow>& rows) {
-  for (const ReportTable& table : papers_tables(rows)) std::printf("\n%s", table_text(table).c_str());
+  for (const ReportTable& table : papers_tables(rows))
+    std::printf("\n%s", table_text(table).c_str());
   std::vector<ScoreRow> held;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(held),
                [](const ScoreRow& row) { return row.status != ScoreStatus::ok; });

@@ -83,9 +83,11 @@ std::optional<ScoreLimit> trained_limit(const ScoreRow& row) {
   }
   if (row.case_name.find(" 60 views 1280x720") == std::string::npos || is_posed_by_tracks(row))
     return std::nullopt;
-  if (row.method == "splats" && row.metric == "cloud_seen.accuracy_mean")
-    return at_most(0.0001, "0.10 mm");
-  if (row.method == "splats" && row.metric == "specimens.found") {
+  // With some views held out ours goes on past its steps, for the curve.
+  const bool is_of_surfaces =
+      row.method == "splats" && row.case_name.find(" held out") == std::string::npos;
+  if (is_of_surfaces && row.metric == "cloud_seen.accuracy_mean") return at_most(0.0001, "0.10 mm");
+  if (is_of_surfaces && row.metric == "specimens.found") {
     ScoreLimit limit;  // of one grain a cloud is easily good
     limit.low = 9;
     limit.text = "at least nine of ten";

@@ -288,6 +288,43 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
   EXPECT_EQ(std::count_if(others.scores.begin(), others.scores.end(), published), 0);
 }
 
+TEST(SeedsSuite, PosesByColmapHaveATableAndNoLineInThePapers) {
+  std::vector<ScoreRow> rows;
+  const auto add = [&](const char* photographs, const char* metric, double value) {
+    ScoreRow row;
+    row.suite = kSplatsSuite;
+    row.scene = "zhengdan958";
+    row.case_name = std::string("zhengdan958 run 0 ") + photographs + ", 7000 steps";
+    row.method = "splats_paper";
+    row.metric = metric;
+    row.value = value;
+    row.wall_s = 300;
+    rows.push_back(row);
+  };
+  const auto sizes = [&] {
+    for (const ReportTable& table : seeds_paper_tables(rows)) {
+      if (table.title.starts_with("Seeds, sizes by photographs")) return table.lines;
+    }
+    return std::vector<std::vector<std::string>>();
+  };
+  add("60 views 1280x720", "curve.length.rmse", 8e-4);
+  add("60 views 1280x720", "train.psnr_whole", 38);
+  EXPECT_TRUE(sizes().empty());  // all of the board
+  add("270 views 1920x1080, poses sfm", "curve.length.rmse", 3e-4);
+  add("270 views 1920x1080, poses sfm", "camera.centre_rms", 2e-3);
+  add("270 views 1920x1080, poses sfm", "seconds.perceive", 300);
+  ASSERT_EQ(sizes().size(), 2U);
+  EXPECT_EQ(sizes()[0][0], "60 views 1280x720");
+  EXPECT_EQ(sizes()[0][1], "board");
+  EXPECT_EQ(sizes()[0][12], "38.00");
+  EXPECT_EQ(sizes()[1][0], "270 views 1920x1080");
+  EXPECT_EQ(sizes()[1][1], "sfm");
+  EXPECT_EQ(sizes()[1][3], "2.00");
+  EXPECT_EQ(sizes()[1][8], "0.300");
+  for (const ReportTable& table : seeds_paper_tables(rows))
+    EXPECT_FALSE(table.title.starts_with("Seeds, table 1"));
+}
+
 TEST(SeedsSuite, AGapThatIsMissingWhereViewsWereHeldOutIsAFailure) {
   ScoreFile file;
   ScoreRow row;
