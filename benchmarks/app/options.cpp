@@ -58,9 +58,7 @@ constexpr const char* kCalibrateHelp =
     "See docs/calibration.md.";
 
 void add_calibrate(CLI::App& verb, Options& o) {
-  verb.add_option("FOLDER", o.arguments, "Dataset, or folder of photographs")
-      ->expected(1, 1)
-      ->required();
+  verb.add_option("FOLDER", o.arguments, "Dataset, or folder of photographs")->expected(0, 1);
   verb.add_option("--board", o.board, "The board, as above; a dataset's own if not given");
   verb.add_option("--model", o.model, "Lens model; default opencv5");
   verb.add_option("--solver", o.solver, "ceres (default where built in), opencv or mrcal");
@@ -236,7 +234,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
 
   CLI::App* perceive =
       verb("perceive", "Run a pipeline on a simulated or real dataset; reads no truth");
-  takes(perceive, "DATASET", "Dataset folder", 1, 1);
+  takes(perceive, "DATASET", "Dataset folder", 0, 1);
   perceive->add_option("--pipeline", o.pipeline,
                        "seeds, or views: Gaussians of photographs of anything (docs/splats.md); "
                        "needed for a real capture");
@@ -283,7 +281,8 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   add_config(*run, o);
   add_set(*run, o);
 
-  add_calibrate(*verb("calibrate", kCalibrateHelp), o);
+  CLI::App* calibrate = verb("calibrate", kCalibrateHelp);
+  add_calibrate(*calibrate, o);
 
   CLI::App* fit = verb(
       "fit-sensor",
@@ -318,9 +317,11 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
                   "Smaller samples: each suite ends within ten minutes, same columns");
   bench->add_flag("--attribution", o.attribution, "Put truth in place of each seam in turn");
   bench
-      ->add_option("--runs", o.runs,
-                   "Of each point: seeds and calibration, 5 unless given. Runs that were finished "
-                   "in the same --out are taken as they are")
+      ->add_option(
+          "--runs", o.runs,
+          "Of each point: seeds and calibration, 5 unless given; trays a light of seedlings, "
+          "3 unless given. Runs that were finished in the same --out are taken as they "
+          "are")
       ->check(CLI::Range(1, 1000));
   bench->add_option("--shard", o.shard, "i/n: only part i (from 0) of n of the suite's jobs");
   bench->add_option("--lpips", o.lpips,
@@ -360,6 +361,11 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
 
   try {
     app.parse(argc, argv);
+    // What keys these have does not depend on what they are given.
+    for (const auto& [sub, name] :
+         {std::pair(perceive, "DATASET"), std::pair(calibrate, "FOLDER")}) {
+      if (sub->parsed() && o.arguments.empty() && !o.keys) throw CLI::RequiredError(name);
+    }
   } catch (const CLI::ParseError& error) {
     result.leave = true;
     if (error.get_exit_code() == 0) {  // --help and --version

@@ -58,6 +58,9 @@ constexpr ImageQuality kImageQuality[] = {
     {"suijing18", .9664, 36.75, .048, 36.75, 33.9, 32.954},
     {"xiangyaxiangzhan", .9691, 37.31, .047, 37.31, 34.13, 33.586}};
 
+// In its text, of a sphere of 22 mm.
+constexpr double kSphereArea_percent = 1.67, kSphereVolume_percent = 1.14;
+
 /// In its text, of Zhengdan 958: means over specimens, 3DGS less SfM-MVS. Both are of length: the
 /// percentages are table 2's, and 0.2223 mm is 1.91 % of a grain of 11.6 mm. An "RMSE" of one
 /// specimen's one length is its absolute error.
@@ -115,6 +118,9 @@ std::vector<ScoreRow> published_seeds_rows() {
     rows.push_back(
         measured_row(base_row(line.cultivar, kRadianceField, 0), "psnr", line.ngp_db, "dB", 1));
   }
+  const ScoreRow sphere = base_row(kSphere, kGaussians, 0);
+  rows.push_back(measured_row(sphere, "area.mape", kPercent * kSphereArea_percent, "1", 1));
+  rows.push_back(measured_row(sphere, "volume.mape", kPercent * kSphereVolume_percent, "1", 1));
   for (const PairedTest& test : kPairedTests) {
     const std::string metric = test.metric;
     ScoreRow both = base_row("zhengdan958", kGaussians, 0);

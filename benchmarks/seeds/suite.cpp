@@ -386,10 +386,12 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
         {.splats = true,
          .reference_at = {500, 1000, 2000, 5000},
          .ours_at = {300, 600},
-         .ngp_at = {500, 1000, 2000},
+         .ngp_at = {500, 1000, 2000, 5000, 7000},
          .images_steps = {1000, 3000}});
     add_noise(cultivar + "_noise", own);
   }
+  add("sphere_splats", 0, {"sphere=true", "rig=phone_video_720p", "views=60"}, {}, true, false,
+      {.splats = true});
   add("zhengdan958_splats_30k", 0,
       {"cultivar=zhengdan958", "rig=phone_video_720p", "views=60",
        "pipeline.splats.reference_steps=30000", "pipeline.splats.steps=30000",

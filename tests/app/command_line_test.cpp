@@ -68,6 +68,8 @@ TEST(AppCommandLine, MistakesNameWhatIsWrong) {
   EXPECT_THAT(refusal({}), HasSubstr("--help"));
   EXPECT_THAT(refusal({"grow"}), HasSubstr("unknown verb \"grow\""));
   EXPECT_THAT(refusal({"run"}), HasSubstr("SCENE is required"));
+  EXPECT_THAT(refusal({"perceive"}), HasSubstr("DATASET is required"));
+  EXPECT_THAT(refusal({"calibrate"}), HasSubstr("FOLDER is required"));
   EXPECT_THAT(refusal({"score", "dataset"}), HasSubstr("ESTIMATE_DIR"));
   EXPECT_THAT(refusal({"import", "folder"}), HasSubstr("--format is required"));
   EXPECT_THAT(refusal({"run", "seeds", "--threads", "99999"}),
