@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -119,6 +120,52 @@ TEST(PlacedPhotographs, TheChairIsPlacedAndHeldOut) {
   EXPECT_EQ(placed.set.test.size(), 3u);
   EXPECT_EQ(placed.set.train.size(), 18u);
   EXPECT_GT(placed.set.start.splats.size(), 1000u);
+}
+
+/// A ring of ten cameras 3 m about the origin that look at it, 00.png to 09.png of 64 x 32.
+void write_ring(const fs::path& folder) {
+  fs::create_directories(folder);
+  std::ofstream list(folder / "transforms.json");
+  list << "{\"fl_x\":60,\"fl_y\":60,\"cx\":32,\"cy\":16,\"w\":64,\"h\":32,\"frames\":[";
+  for (int i = 0; i < 10; ++i) {
+    const double c = std::cos(0.2 * M_PI * i), s = std::sin(0.2 * M_PI * i);
+    const std::string name = "0" + std::to_string(i) + ".png";
+    // Columns: to the right, up, to the back, centre.
+    list << (i > 0 ? "," : "") << "{\"file_path\":\"" << name << "\",\"transform_matrix\":[[" << -s
+         << ",0," << c << "," << 3 * c << "],[" << c << ",0," << s << "," << 3 * s
+         << "],[0,1,0,0],[0,0,0,1]]}";
+    write_png(folder / name, Image<Rgb8>(64, 32, Rgb8{static_cast<std::uint8_t>(20 * i), 100, 50}));
+  }
+  list << "]}";
+}
+
+TEST(EveryEighth, ItsViewsAreHeldOutAndTheStartIsWhatCamerasLookAt) {
+  const fs::path folder = fs::path(testing::TempDir()) / "splats_suite_eighth";
+  write_ring(folder);
+  const PosedSet set = read_every_eighth(folder / "transforms.json", 32, 200, 1);
+  ASSERT_EQ(set.test.size(), 2U);
+  ASSERT_EQ(set.train.size(), 8U);
+  EXPECT_EQ(set.test[0].frame, 0);
+  EXPECT_EQ(set.test[1].frame, 8);
+  for (const SplatView& view : set.train) EXPECT_NE(view.frame % 8, 0);
+  EXPECT_EQ(set.test[0].full.camera.width_px, 32);
+  ASSERT_EQ(set.start.splats.size(), 200U);
+  int near = 0;
+  for (const Splat& splat : set.start.splats)
+    near += (set.start.origin_in_world_m + splat.centre_m.cast<double>()).norm() < 12;
+  EXPECT_EQ(near, 200);
+  EXPECT_NE(read_every_eighth(folder / "transforms.json", 32, 200, 2).start.splats[0].centre_m,
+            set.start.splats[0].centre_m);
+  fs::remove_all(folder);
+}
+
+TEST(EveryEighth, TheFoxIsPosedAndHeldOut) {
+  const fs::path fox = real_data() / "multiview" / "instantngp_fox" / "transforms.json";
+  if (!fs::exists(fox)) GTEST_SKIP() << "no real data at " << fox;
+  const PosedSet set = read_every_eighth(fox, 100, 500, 1);
+  EXPECT_EQ(set.test.size(), 7U);
+  EXPECT_EQ(set.train.size(), 43U);
+  EXPECT_EQ(set.start.splats.size(), 500U);
 }
 
 TEST(SplatsPage, HeldOutPsnrBecomesItsErrorOverSeconds) {
