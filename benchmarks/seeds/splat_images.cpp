@@ -158,7 +158,7 @@ std::vector<ScoredPhotograph> scored_photographs(const Capture& capture, const P
                                                  std::size_t most_views) {
   const auto views_with = [&](int margin) {
     return seed_views(capture, poses, volume_of(config, board_of(capture, config)), config.green,
-                      margin);
+                      margin, config.splats.most_pixels);
   };
   std::vector<SplatView> trained, held_out;
   for (SplatView& view : views_with(margin_px))

@@ -432,7 +432,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   // As many photographs, pixels and steps as the paper has: two hours and more.
   add_posed("zhengdan958_270views_splats", SplatPoses::sfm,
             {"cultivar=zhengdan958", "rig=phone_video_1080p", "views=270",
-             "pipeline.splats.reference_steps=30000"},
+             "pipeline.splats.reference_steps=30000", "pipeline.splats.most_pixels=6e8"},
             {.splats = true, .reference_at = {5000, 7000, 10000}});
   for (const std::string& cultivar : cultivars) {
     add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"},

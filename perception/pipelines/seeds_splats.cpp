@@ -211,7 +211,9 @@ Fields fields(SeedsSplatConfig& config) {
        "splats_paper: the same; less needs less memory", 0, 100000},
       {"hold_out_every", &config.hold_out_every,
        "every so many-th view has no part in the training and only scores it; 0 or 1: all have", 0,
-       1000}};
+       1000},
+      {"most_pixels", &config.most_pixels,
+       "of all photographs of a training together: 12 to 20 bytes each", 1, 1e10}};
 }
 
 void validate(const SeedsSplatConfig& config) {
@@ -251,7 +253,7 @@ Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoa
 
 std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
                                   const SweepVolume& volume, const GreenConfig& green,
-                                  int margin_px) {
+                                  int margin_px, double most_pixels) {
   Capture cut;
   cut.rig = capture.rig;
   Poses cut_poses;
@@ -281,7 +283,8 @@ std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
     cut.frames.push_back(std::move(next));
     cut_poses.push_back(pose);
   }
-  std::vector<SplatView> views = splat_views(cut, cut_poses, {}, {}, screens);
+  std::vector<SplatView> views =
+      splat_views(cut, cut_poses, {}, {.most_pixels = most_pixels}, screens);
   for (SplatView& view : views) {  // back to the frames of the capture
     const int id = cut.frames[static_cast<std::size_t>(view.frame)].id;
     const auto own = std::find_if(capture.frames.begin(), capture.frames.end(),

@@ -66,6 +66,8 @@ struct SeedsSplatConfig {
   /// all have. Poses come from all views, with those of COLMAP the points of the start too, and
   /// what is measured afterwards reads all.
   int hold_out_every = 0;
+  /// Of all photographs of a training together: 12 to 20 bytes each are kept.
+  double most_pixels = SplatViewsConfig{}.most_pixels;
 };
 Fields fields(SeedsSplatConfig& config);
 void validate(const SeedsSplatConfig& config);
@@ -118,7 +120,8 @@ Poses poses_by_sfm(const Capture& capture, const Corners& corners, const SeedBoa
 /// @throws as splat_views
 std::vector<SplatView> seed_views(const Capture& capture, const Poses& poses,
                                   const SweepVolume& volume, const GreenConfig& green,
-                                  int margin_px);
+                                  int margin_px,
+                                  double most_pixels = SplatViewsConfig{}.most_pixels);
 
 /// Where Gaussians begin, at most `start_points` of them: `raised_share` on closed surfaces, drawn
 /// evenly over their area with their normals; the others on the cloud, where it shows the board,

@@ -78,9 +78,9 @@ SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t see
   std::vector<StartPoint> start = start_as_paper(config, seed, capture, so_far, tracks);
   if (start.empty())
     fill_start(volume, splats.reference_points, Rng(seed).fork("splat_start"), start);
-  return train_on_views(
-      seed_views(capture, so_far.poses, volume, config.green, splats.reference_margin_px), start,
-      {}, training, splats.reference_steps, watch);
+  return train_on_views(seed_views(capture, so_far.poses, volume, config.green,
+                                   splats.reference_margin_px, splats.most_pixels),
+                        start, {}, training, splats.reference_steps, watch);
 }
 
 SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed,
@@ -96,7 +96,8 @@ SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed
       start_on_surfaces(found.clusters, found.cloud, found.surfaces, splats, rng);
   fill_start(volume, splats.start_points, rng, start);
   return without_strays(
-      train_on_views(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px),
+      train_on_views(seed_views(capture, so_far.poses, volume, config.green, splats.margin_px,
+                                splats.most_pixels),
                      start, {.opacity = splats.start_opacity, .flatness = splats.flatness},
                      training, training.steps, watch),
       volume);

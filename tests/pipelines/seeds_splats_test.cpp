@@ -188,6 +188,19 @@ TEST(SeedsSplats, NothingToLearnGivesNoGaussians) {
                std::invalid_argument);
 }
 
+TEST(SeedsSplats, PhotographsBeyondMemoryAreRefusedUntilMoreIsAllowed) {
+  const Capture capture = capture_of({slanted(0, 0), slanted(1, 1)}, kGreen);
+  const Poses poses = {slanted(0, 0), slanted(1, 1)};
+  const double all = 2.0 * slanted(0, 0).camera.width_px * slanted(0, 0).camera.height_px;
+  EXPECT_EQ(seed_views(capture, poses, volume, {}, 10000, all).size(), 2U);
+  try {
+    (void)seed_views(capture, poses, volume, {}, 10000, all - 1);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("most_pixels"));
+  }
+}
+
 /// A closed box of 4 mm on the board.
 Mesh box_mesh() {
   Mesh mesh;
