@@ -66,7 +66,7 @@ struct SeedsSplatConfig {
   /// all have. Poses come from all views, with those of COLMAP the points of the start too, and
   /// what is measured afterwards reads all.
   int hold_out_every = 0;
-  /// Of all photographs of a training together: 12 to 20 bytes each are kept.
+  /// Of all photographs of a training together; 12 to 20 bytes each are kept.
   double most_pixels = SplatViewsConfig{}.most_pixels;
 };
 Fields fields(SeedsSplatConfig& config);
