@@ -18,7 +18,8 @@ namespace cousin {
 namespace {
 
 constexpr std::size_t kAllViews = std::numeric_limits<std::size_t>::max();
-constexpr std::size_t kViewsOnTheWay = 10;  ///< of each kind, that a model is scored by
+/// Of each kind, that a model is scored by: on the way, and at its end.
+constexpr std::size_t kViewsOnTheWay = 10, kViewsAtTheEnd = 60;
 
 // Chosen on views trained on of 60 of maize (seed 1, 1280 x 720).
 constexpr int kSplatsForImages = 100000;
@@ -91,7 +92,7 @@ void add_rows(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
   append({.scores = std::move(scores.rows)}, file);
   if (is_end) append({.specimens = std::move(scores.specimens)}, file);
   append({.scores = splat_image_rows(task.run->capture, estimate, config, labels, task.learned,
-                                     is_end ? kAllViews : kViewsOnTheWay)},
+                                     is_end ? kViewsAtTheEnd : kViewsOnTheWay)},
          file);
 }
 
