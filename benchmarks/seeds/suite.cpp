@@ -390,8 +390,10 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
         {.splats = true,
          .reference_at = {500, 1000, 2000, 5000},
          .ours_at = {300, 600},
-         .ngp_at = {500, 1000, 2000, 5000, 7000},
          .images_steps = {1000, 3000}});
+    add(cultivar + "_ngp", 0, own, {}, false, false,
+        {.splats = true, .has_surfaces = false, .ngp_at = {500, 1000, 2000, 5000, 7000}});
+    jobs.back().only_trained = true;
     add_noise(cultivar + "_noise", own);
   }
   add("sphere_splats", 0, {"sphere=true", "rig=phone_video_720p", "views=60"}, {}, true, false,

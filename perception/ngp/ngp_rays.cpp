@@ -37,6 +37,26 @@ MarchConfig march_config(const NgpConfig& config) {
 
 NetworkShape network_shape(const NgpConfig& config) { return {kFeatures * config.grid.levels}; }
 
+void EncodedPoints::resize(const NetworkShape& shape, std::size_t count) {
+  const std::size_t columns = (count + kBatchStep - 1) / kBatchStep * kBatchStep;
+  for (auto* values : {&x, &y, &z}) values->assign(columns, 0);
+  features.resize(static_cast<std::size_t>(shape.encoded) * columns);
+}
+
+void EncodedPoints::set(const NgpModel& model, std::size_t i, const Eigen::Vector3f& inner) {
+  const auto scale = static_cast<float>(0.5 / model.volume.reach());
+  x[i] = inner.x() * scale + 0.5F;
+  y[i] = inner.y() * scale + 0.5F;
+  z[i] = inner.z() * scale + 0.5F;
+}
+
+void EncodedPoints::encode_level(const NgpModel& model, const std::vector<GridLevel>& levels,
+                                 std::size_t level) {
+  float* first = features.data() + kFeatures * level * x.size();
+  ngp::encode_level(levels[level], model.table.data(), x.data(), y.data(), z.data(), columns(),
+                    first, first + x.size());
+}
+
 void RayBundle::clear() {
   samples.clear();
   begin.assign(1, 0);
@@ -55,22 +75,22 @@ void RayBundle::add(const NgpModel& model, const MarchConfig& config, const Eige
   add(of_ray);
 }
 
-void RayBundle::run(const NgpModel& model, const std::vector<GridLevel>& levels,
-                    const DenseKernels<float>& kernels,
-                    std::span<const std::array<float, kHarmonics>> directions) {
-  const NetworkShape shape = network_shape(model.config);
-  batch.resize(shape, static_cast<int>(samples.size()));
-  const auto n = static_cast<std::size_t>(batch.samples);
-  for (auto* values : {&x, &y, &z, &length}) values->assign(n, 0);
-  const auto scale = static_cast<float>(0.5 / model.volume.reach());
+void RayBundle::place(const NgpModel& model) {
+  points.resize(network_shape(model.config), samples.size());
+  length.assign(points.x.size(), 0);
   for (std::size_t s = 0; s < samples.size(); ++s) {
-    x[s] = samples[s].at.x() * scale + 0.5F;
-    y[s] = samples[s].at.y() * scale + 0.5F;
-    z[s] = samples[s].at.z() * scale + 0.5F;
+    points.set(model, s, samples[s].at);
     length[s] = samples[s].length;
   }
-  encode(levels, model.table.data(), x.data(), y.data(), z.data(), batch.samples,
-         batch.encoded.data(), batch.samples);
+}
+
+void RayBundle::pass(const NgpModel& model, const DenseKernels<float>& kernels,
+                     std::span<const std::array<float, kHarmonics>> directions,
+                     FieldBatch<float>& batch) {
+  const NetworkShape shape = network_shape(model.config);
+  batch.resize(shape, points.columns());
+  std::swap(batch.encoded, points.features);
+  const std::size_t n = points.x.size();
   for (std::size_t k = 0; k < kHarmonics; ++k) {
     float* row = batch.described.data() + (kGeometry + k) * n;
     std::fill(row + samples.size(), row + n, 0.0F);
@@ -80,7 +100,16 @@ void RayBundle::run(const NgpModel& model, const std::vector<GridLevel>& levels,
   field_forward(shape, kernels, model.weights.data(), batch);
 }
 
-RaySamples<float> RayBundle::ray(std::size_t r) const {
+void RayBundle::run(const NgpModel& model, const std::vector<GridLevel>& levels,
+                    const DenseKernels<float>& kernels,
+                    std::span<const std::array<float, kHarmonics>> directions,
+                    FieldBatch<float>& batch) {
+  place(model);
+  for (std::size_t l = 0; l < levels.size(); ++l) points.encode_level(model, levels, l);
+  pass(model, kernels, directions, batch);
+}
+
+RaySamples<float> RayBundle::ray(const FieldBatch<float>& batch, std::size_t r) const {
   RaySamples<float> out;
   out.count = begin[r + 1] - begin[r];
   out.log_density = batch.described.data() + begin[r];
@@ -92,19 +121,13 @@ RaySamples<float> RayBundle::ray(std::size_t r) const {
 
 void densities(const NgpModel& model, const std::vector<GridLevel>& levels,
                const DenseKernels<float>& kernels, std::span<const Eigen::Vector3f> at,
-               RayBundle& scratch, std::span<float> out) {
+               DensityScratch& scratch, std::span<float> out) {
   const NetworkShape shape = network_shape(model.config);
-  scratch.batch.resize(shape, static_cast<int>(at.size()));
-  const auto n = static_cast<std::size_t>(scratch.batch.samples);
-  for (auto* values : {&scratch.x, &scratch.y, &scratch.z}) values->assign(n, 0);
-  const auto scale = static_cast<float>(0.5 / model.volume.reach());
-  for (std::size_t s = 0; s < at.size(); ++s) {
-    scratch.x[s] = at[s].x() * scale + 0.5F;
-    scratch.y[s] = at[s].y() * scale + 0.5F;
-    scratch.z[s] = at[s].z() * scale + 0.5F;
-  }
-  encode(levels, model.table.data(), scratch.x.data(), scratch.y.data(), scratch.z.data(),
-         scratch.batch.samples, scratch.batch.encoded.data(), scratch.batch.samples);
+  scratch.points.resize(shape, at.size());
+  for (std::size_t s = 0; s < at.size(); ++s) scratch.points.set(model, s, at[s]);
+  for (std::size_t l = 0; l < levels.size(); ++l) scratch.points.encode_level(model, levels, l);
+  scratch.batch.resize(shape, scratch.points.columns());
+  std::swap(scratch.batch.encoded, scratch.points.features);
   field_density(shape, kernels, model.weights.data(), scratch.batch);
   for (std::size_t s = 0; s < at.size(); ++s) out[s] = density_of(scratch.batch.described[s]);
 }

@@ -32,6 +32,7 @@ struct PixelRay {
 /// Scratch of one thread.
 struct RowScratch {
   RayBundle bundle;
+  FieldBatch<float> batch;
   std::vector<PixelRay> rays;
   std::vector<PixelRay*> together;  ///< rays of the bundle
   std::vector<std::array<float, kHarmonics>> basis;
@@ -55,10 +56,10 @@ bool shade_round(const NgpModel& model, const std::vector<GridLevel>& levels,
     scratch.basis.push_back(ray.basis);
   }
   if (scratch.together.empty()) return false;
-  scratch.bundle.run(model, levels, kernels, scratch.basis);
+  scratch.bundle.run(model, levels, kernels, scratch.basis, scratch.batch);
   for (std::size_t r = 0; r < scratch.together.size(); ++r) {
     PixelRay& ray = *scratch.together[r];
-    const RaySamples<float> samples = scratch.bundle.ray(r);
+    const RaySamples<float> samples = scratch.bundle.ray(scratch.batch, r);
     const RaySample* places = ray.samples.data() + ray.seen;
     composite_on(samples, ray.color,
                  [&](int i, float weight) { ray.distance_sum += weight * places[i].distance; });

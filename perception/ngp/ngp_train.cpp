@@ -30,18 +30,23 @@ constexpr float kThin = 0.01F;    ///< optical thickness of a step that counts a
 // is left out.
 constexpr float kBeta1 = 0.9F, kBeta2 = 0.99F, kEpsilon = 1e-15F, kDecay = 1e-6F;
 
+/// Rays that pass the networks together, and what they should show.
+struct TrainingBundle {
+  RayBundle rays;  ///< in the end `points` has the loss's derivatives in place of the features
+  std::vector<std::array<float, kHarmonics>> basis;
+  std::vector<std::array<float, 3>> wanted;
+};
+
 /// What one group of rays gives in one step.
 struct Group {
-  RayBundle bundle;
-  FieldBatch<float> gradient;
+  std::vector<TrainingBundle> bundles;  ///< the first `used`
+  std::size_t used = 0;
+  FieldBatch<float> batch, gradient;
   std::vector<float> d_log_density, d_weights;
-  /// Points and derivatives of their encodings: for each bundle its count, then rows x, y, z and
-  /// the features.
-  std::vector<float> points;
-  std::vector<int> counts;
-  std::vector<std::array<float, kHarmonics>> basis;
   double loss = 0;
   std::int64_t samples = 0, drawn = 0;  ///< rays with a pixel that counts
+
+  std::span<TrainingBundle> all() { return std::span(bundles).first(used); }
 };
 
 class Trainer {
@@ -83,8 +88,12 @@ class Trainer {
     const int rays_of_group = std::max(1, state_.rays / kGroups);
     const Rng step_rng = rng_.fork("step").fork(static_cast<std::uint64_t>(iteration));
     tbb::parallel_for(0, kGroups, [&](int g) {
-      run_group(groups_[static_cast<std::size_t>(g)], rays_of_group,
-                step_rng.fork(static_cast<std::uint64_t>(g)));
+      march_group(groups_[static_cast<std::size_t>(g)], rays_of_group,
+                  step_rng.fork(static_cast<std::uint64_t>(g)));
+    });
+    encode_groups();
+    tbb::parallel_for(0, kGroups, [&](int g) {
+      learn_group(groups_[static_cast<std::size_t>(g)], rays_of_group);
     });
     double loss = 0;
     std::int64_t samples = 0, drawn = 0;
@@ -173,7 +182,7 @@ class Trainer {
     const std::size_t cells = grid.thickness.size();
     const auto shortest = static_cast<float>(march_.shortest);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells, 2048), [&](const auto& range) {
-      RayBundle scratch;
+      DensityScratch scratch;
       std::vector<Eigen::Vector3f> at;
       std::vector<std::size_t> which;
       for (std::size_t cell = range.begin(); cell < range.end(); ++cell) {
@@ -224,17 +233,15 @@ class Trainer {
     return false;
   }
 
-  void run_group(Group& group, int rays, Rng rng) {
-    group.d_weights.assign(shape_.size(), 0);
-    group.points.clear();
-    group.counts.clear();
-    group.loss = 0;
-    group.samples = group.drawn = 0;
-    std::vector<std::array<float, 3>> wanted;
+  void march_group(Group& group, int rays, Rng rng) {
+    group.used = 0;
+    group.drawn = 0;
     for (int first = 0; first < rays; first += kBundle) {
-      group.bundle.clear();
-      group.basis.clear();
-      wanted.clear();
+      if (group.used == group.bundles.size()) group.bundles.emplace_back();
+      TrainingBundle& bundle = group.bundles[group.used];
+      bundle.rays.clear();
+      bundle.basis.clear();
+      bundle.wanted.clear();
       for (int r = first; r < std::min(first + kBundle, rays); ++r) {
         std::size_t view = 0;
         int x = 0, y = 0;
@@ -244,49 +251,64 @@ class Trainer {
         const Eigen::Vector3f& direction = (*directions_[view])(x, y);
         if (direction.squaredNorm() == 0) continue;
         const Eigen::Vector3f ray = turns_[view] * direction;
-        group.bundle.add(model_, march_, origins_[view], ray, jitter);
-        group.basis.push_back(harmonics(ray));
+        bundle.rays.add(model_, march_, origins_[view], ray, jitter);
+        bundle.basis.push_back(harmonics(ray));
         const Rgb8 color = views_[view].color(x, y);
-        wanted.push_back({static_cast<float>(color.r) / 255, static_cast<float>(color.g) / 255,
-                          static_cast<float>(color.b) / 255});
+        bundle.wanted.push_back({static_cast<float>(color.r) / 255,
+                                 static_cast<float>(color.g) / 255,
+                                 static_cast<float>(color.b) / 255});
       }
-      if (wanted.empty()) continue;
-      group.drawn += static_cast<std::int64_t>(wanted.size());
-      learn(group, wanted, rays);
+      if (bundle.wanted.empty()) continue;
+      bundle.rays.place(model_);
+      group.drawn += static_cast<std::int64_t>(bundle.wanted.size());
+      ++group.used;
     }
   }
 
-  void learn(Group& group, const std::vector<std::array<float, 3>>& wanted, int rays) {
-    RayBundle& bundle = group.bundle;
-    bundle.run(model_, levels_, kernels_, group.basis);
+  /// Level after level, for all samples of the step: one level's table fits a core's own cache, all
+  /// of them do not.
+  void encode_groups() {
+    const std::size_t groups = groups_.size();
+    tbb::parallel_for(std::size_t{0}, levels_.size() * groups, [&](std::size_t task) {
+      for (TrainingBundle& bundle : groups_[task % groups].all())
+        bundle.rays.points.encode_level(model_, levels_, task / groups);
+    });
+  }
+
+  void learn_group(Group& group, int rays) {
+    group.d_weights.assign(shape_.size(), 0);
+    group.loss = 0;
+    group.samples = 0;
+    for (TrainingBundle& bundle : group.all()) learn(group, bundle, rays);
+  }
+
+  void learn(Group& group, TrainingBundle& bundle, int rays) {
+    bundle.rays.pass(model_, kernels_, bundle.basis, group.batch);
     FieldBatch<float>& gradient = group.gradient;
-    gradient.resize(shape_, static_cast<int>(bundle.samples.size()));
-    const int n = gradient.samples;
+    gradient.resize(shape_, group.batch.samples);
     std::fill(gradient.color.begin(), gradient.color.end(), 0.0F);
-    group.d_log_density.assign(static_cast<std::size_t>(n), 0);
+    group.d_log_density.assign(static_cast<std::size_t>(gradient.samples), 0);
     const auto scale = static_cast<float>(1.0 / (3.0 * rays * kGroups));
-    for (std::size_t r = 0; r < wanted.size(); ++r) {
-      const RaySamples<float> samples = bundle.ray(r);
+    for (std::size_t r = 0; r < bundle.wanted.size(); ++r) {
+      const RaySamples<float> samples = bundle.rays.ray(group.batch, r);
       const RayColor<float> color = composite(samples, background_);
       std::array<float, 3> d_color;
       for (std::size_t c = 0; c < 3; ++c) {
-        const float off = color.color[c] - wanted[r][c];
+        const float off = color.color[c] - bundle.wanted[r][c];
         const auto limit = static_cast<float>(kHuber);
         const float size = std::abs(off);
         group.loss += size <= limit ? 0.5 * off * off / limit : size - 0.5 * limit;
         d_color[c] = scale * std::clamp(off / limit, -1.0F, 1.0F);
       }
-      composite_backward(samples, color, d_color, group.d_log_density.data() + bundle.begin[r],
-                         gradient.color.data() + bundle.begin[r]);
+      const int begin = bundle.rays.begin[r];
+      composite_backward(samples, color, d_color, group.d_log_density.data() + begin,
+                         gradient.color.data() + begin);
     }
-    if (n == 0) return;
-    field_backward(shape_, kernels_, model_.weights.data(), bundle.batch,
-                   group.d_log_density.data(), gradient, group.d_weights.data());
-    group.samples += static_cast<std::int64_t>(bundle.samples.size());
-    group.counts.push_back(n);
-    for (const auto* row : {&bundle.x, &bundle.y, &bundle.z})
-      group.points.insert(group.points.end(), row->begin(), row->end());
-    group.points.insert(group.points.end(), gradient.encoded.begin(), gradient.encoded.end());
+    if (gradient.samples == 0) return;
+    field_backward(shape_, kernels_, model_.weights.data(), group.batch, group.d_log_density.data(),
+                   gradient, group.d_weights.data());
+    group.samples += static_cast<std::int64_t>(bundle.rays.samples.size());
+    std::swap(gradient.encoded, bundle.rays.points.features);
   }
 
   static void adapt(float& value, float& m, float& v, float gradient, float rate, float fix1,
@@ -311,14 +333,12 @@ class Trainer {
     // A level's table belongs to one task: its sums keep their order.
     tbb::parallel_for(std::size_t{0}, levels_.size(), [&](std::size_t l) {
       const GridLevel& level = levels_[l];
-      for (const Group& group : groups_) {
-        const float* at = group.points.data();
-        for (const int n : group.counts) {
-          const auto stride = static_cast<std::size_t>(n);
-          const float* d = at + (3 + 2 * l) * stride;
-          add_derivatives(level, at, at + stride, at + 2 * stride, n, d, d + stride,
-                          d_table_.data());
-          at += (3 + 2 * levels_.size()) * stride;
+      for (Group& group : groups_) {
+        for (const TrainingBundle& bundle : group.all()) {
+          const EncodedPoints& points = bundle.rays.points;
+          const float* d = points.features.data() + kFeatures * l * points.x.size();
+          add_derivatives(level, points.x.data(), points.y.data(), points.z.data(),
+                          points.columns(), d, d + points.x.size(), d_table_.data());
         }
       }
       // Entries that no sample touched stay, as the reference's do.

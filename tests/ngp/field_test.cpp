@@ -124,23 +124,66 @@ TEST(Composite, SamplesBehindSomethingOpaqueAreNotUsed) {
   EXPECT_EQ(composite(samples, {0, 0, 0}).used, 1);
 }
 
-TEST(HashGrid, EncodingIsContinuousAndItsWeightsSumToOne) {
+TEST(HashGrid, CornersAreThoseOfTheCubeAboutAPointAndWeightsSumToOne) {
   const std::vector<GridLevel> levels = grid_levels({6, 10, 4, 256});
+  const std::vector<float> x = {0.0F, 0.124F, 0.5F, 0.9999F, 1.0F, -3.0F, 7.0F, std::nanf("")};
+  const std::vector<float> y(8, 0.7F), z(8, 0.3F);
   for (const GridLevel& level : levels) {
-    for (const float x : {0.0F, 0.124F, 0.5F, 0.9999F, 1.0F}) {
-      const GridCorners corners = grid_corners(level, x, 1 - x, 0.3F);
-      float sum = 0;
-      for (std::size_t k = 0; k < 8; ++k) {
-        sum += corners.weight[k];
-        EXPECT_LT(corners.entry[k], level.entries);
+    for (const int count : {8, 5}) {
+      CornerBlock block;
+      find_corners(level, x.data(), y.data(), z.data(), count, block);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+        const auto cell = [&](float at) {
+          const double inside = at > 0 ? std::min(1.0, static_cast<double>(at)) : 0;
+          return static_cast<std::uint32_t>(inside * level.resolution + 0.5);
+        };
+        float sum = 0;
+        for (unsigned k = 0; k < 8; ++k) {
+          const std::uint32_t cx = cell(x[i]) + (k & 1U), cy = cell(y[i]) + (k >> 1U & 1U),
+                              cz = cell(z[i]) + (k >> 2U);
+          const std::uint32_t entry =
+              level.hashed ? (cx ^ (cy * 2654435761U) ^ (cz * 805459861U)) & (level.entries - 1)
+                           : cx + level.side * (cy + level.side * cz);
+          EXPECT_EQ(block.entry[k][i], entry) << level.resolution << " " << x[i] << " " << k;
+          EXPECT_LT(block.entry[k][i], level.entries);
+          EXPECT_GE(block.weight[k][i], 0);
+          sum += block.weight[k][i];
+        }
+        EXPECT_NEAR(sum, 1, 1e-6);
       }
-      EXPECT_NEAR(sum, 1, 1e-6);
     }
   }
   EXPECT_FALSE(levels.front().hashed);
   EXPECT_TRUE(levels.back().hashed);
   EXPECT_EQ(levels.front().resolution, 4);
   EXPECT_EQ(levels.back().resolution, 256);
+}
+
+TEST(HashGrid, ALinearFieldIsEncodedAsItIsForAnyNumberOfPoints) {
+  GridLevel level = grid_levels({1, 17, 16, 16}).front();
+  ASSERT_FALSE(level.hashed);
+  std::vector<float> table(std::size_t{kFeatures} * level.entries);
+  for (std::uint32_t entry = 0; entry < level.entries; ++entry) {
+    const std::uint32_t cx = entry % level.side, cy = entry / level.side % level.side,
+                        cz = entry / level.side / level.side;
+    table[2 * entry] = static_cast<float>(cx) + 10 * static_cast<float>(cy);
+    table[2 * entry + 1] = static_cast<float>(cz);
+  }
+  Rng draw(3);
+  for (const int count : {0, 1, 7, 8, 9, 16, 21}) {
+    std::vector<float> x, y, z, first(static_cast<std::size_t>(count) + 1, -1), second = first;
+    for (int i = 0; i < count; ++i) {
+      for (auto* row : {&x, &y, &z}) row->push_back(static_cast<float>(uniform(draw)));
+    }
+    encode_level(level, table.data(), x.data(), y.data(), z.data(), count, first.data(),
+                 second.data());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      EXPECT_NEAR(first[i], 16 * (x[i] + 10 * y[i]) + 5.5F, 1e-3);
+      EXPECT_NEAR(second[i], 16 * z[i] + 0.5F, 1e-4);
+    }
+    EXPECT_EQ(first.back(), -1) << "wrote beyond its points";
+    EXPECT_EQ(second.back(), -1);
+  }
 }
 
 }  // namespace

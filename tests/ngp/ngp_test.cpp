@@ -58,6 +58,7 @@ TEST(Ngp, ARayThatEndsEarlyHasTheColourOfTheWhole) {
   const Image<Eigen::Vector3f> directions = ngp::pixel_directions(view.camera);
   const auto levels = ngp::grid_levels(model.config.grid);
   ngp::RayBundle bundle;
+  ngp::FieldBatch<float> batch;
   int opaque = 0, longest = 0;
   for (int y = 0; y < image.color.height(); ++y) {
     for (int x = 0; x < image.color.width(); ++x) {
@@ -65,8 +66,8 @@ TEST(Ngp, ARayThatEndsEarlyHasTheColourOfTheWhole) {
       const Eigen::Vector3f direction = turn * directions(x, y);
       bundle.add(model, ngp::march_config(config), origin, direction, 0.5F);
       const auto basis = {ngp::harmonics(direction)};
-      bundle.run(model, levels, ngp::dense_kernels(), basis);
-      const ngp::RaySamples<float> samples = bundle.ray(0);
+      bundle.run(model, levels, ngp::dense_kernels(), basis, batch);
+      const ngp::RaySamples<float> samples = bundle.ray(batch, 0);
       const ngp::RayColor<float> whole = ngp::composite(samples, {0.1F, 0.6F, 0.2F});
       const Rgb8 pixel = image.color(x, y);
       const std::array<int, 3> drawn = {pixel.r, pixel.g, pixel.b};

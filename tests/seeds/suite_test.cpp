@@ -176,6 +176,16 @@ TEST(SeedsSuite, CapturesForGaussiansAreNotTakenForThoseOfTheCurves) {
   EXPECT_EQ(found, 2);
 }
 
+TEST(SeedsSuite, EachCultivarHasGaussiansRadianceFieldAndNoiseOnceEach) {
+  std::map<std::string, int> found;
+  for (const ShardJob& job : seeds_suite_jobs(SeedsSuiteConfig{})) ++found[job.name];
+  for (const std::string& cultivar : cultivar_names()) {
+    for (const char* kind : {"_splats.json", "_ngp.json", "_noise.json"})
+      EXPECT_EQ(found[cultivar + kind], 1) << cultivar << kind;
+  }
+  for (const auto& [name, count] : found) EXPECT_EQ(count, 1) << name;
+}
+
 TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
   ScoreFile file;
   for (const std::string& cultivar : cultivar_names()) {
