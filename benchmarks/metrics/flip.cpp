@@ -22,6 +22,18 @@ constexpr double kLargeTo = 0.95;        ///< p_t: what that share maps to
 constexpr double kFeaturePower = 0.5;    ///< q_f, section 4.2
 constexpr double kFeatureWidth = 0.082;  ///< w, degrees
 
+/// Calls use(index) for each pixel, on all threads.
+template <class Plane, class Use>
+void each_pixel(const Plane& plane, const Use& use) {
+  const auto width = static_cast<std::size_t>(plane.width());
+  tbb::parallel_for(0, plane.height(), [&](int y) {
+    for (std::size_t i = static_cast<std::size_t>(y) * width, end = i + width; i < end; ++i) use(i);
+  });
+}
+
+/// Of numbers that are far from a double's limits.
+double length(double x, double y) { return std::sqrt(x * x + y * y); }
+
 /// Three planes of doubles.
 struct Planes3 {
   std::array<Image<double>, 3> plane;
@@ -79,7 +91,7 @@ Eigen::Vector3d hunt_lab(const Eigen::Vector3d& rgb) {
 
 /// City-block distance in lightness, Euclidean in chroma.
 double hyab(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::abs(a.x() - b.x()) + std::hypot(a.y() - b.y(), a.z() - b.z());
+  return std::abs(a.x() - b.x()) + length(a.y() - b.y(), a.z() - b.z());
 }
 
 /// Differences to 0..1, small ones stretched.
@@ -93,13 +105,10 @@ double redistributed(double power) {
 
 Planes3 opponent_of(const FidelityPlanes& image) {
   Planes3 result(image[0].width(), image[0].height());
-  tbb::parallel_for(0, image[0].height(), [&](int y) {
-    const auto width = static_cast<std::size_t>(image[0].width());
-    for (std::size_t i = static_cast<std::size_t>(y) * width, end = i + width; i < end; ++i) {
-      result.set(i, opponent_from_linear({linear_from_code(image[0].data()[i]),
-                                          linear_from_code(image[1].data()[i]),
-                                          linear_from_code(image[2].data()[i])}));
-    }
+  each_pixel(image[0], [&](std::size_t i) {
+    result.set(i, opponent_from_linear({linear_from_code(image[0].data()[i]),
+                                        linear_from_code(image[1].data()[i]),
+                                        linear_from_code(image[2].data()[i])}));
   });
   return result;
 }
@@ -128,8 +137,9 @@ Image<double> seen(const Image<double>& plane, const Sensitivity& s, double pixe
   const FilterTaps second = gaussian_taps(sigma(s.b2), radius);
   const Image<double> other = filtered(plane, second, second, FilterBorder::replicate);
   const double share = sum(s.a1, s.b1) / (sum(s.a1, s.b1) + sum(s.a2, s.b2));
-  for (std::size_t i = 0; i < result.size(); ++i)
+  each_pixel(result, [&](std::size_t i) {
     result.data()[i] = share * result.data()[i] + (1 - share) * other.data()[i];
+  });
   return result;
 }
 
@@ -138,13 +148,10 @@ Planes3 perceived(const Planes3& opponent, double pixels_per_degree) {
   Planes3 result(opponent.plane[0].width(), opponent.plane[0].height());
   for (std::size_t c = 0; c < 3; ++c)
     result.plane[c] = seen(opponent.plane[c], kSensitivities[c], pixels_per_degree);
-  tbb::parallel_for(0, opponent.plane[0].height(), [&](int y) {
-    const auto width = static_cast<std::size_t>(opponent.plane[0].width());
-    for (std::size_t i = static_cast<std::size_t>(y) * width, end = i + width; i < end; ++i) {
-      Eigen::Vector3d rgb = linear_from_opponent(result.at(i));
-      rgb = rgb.unaryExpr([](double v) { return v < 0 ? 0.0 : v > 1 ? 1.0 : v; });
-      result.set(i, hunt_lab(rgb));
-    }
+  each_pixel(result.plane[0], [&](std::size_t i) {
+    Eigen::Vector3d rgb = linear_from_opponent(result.at(i));
+    rgb = rgb.unaryExpr([](double v) { return v < 0 ? 0.0 : v > 1 ? 1.0 : v; });
+    result.set(i, hunt_lab(rgb));
   });
   return result;
 }
@@ -153,11 +160,11 @@ Planes3 perceived(const Planes3& opponent, double pixels_per_degree) {
 Image<double> feature_strength(const Image<double>& opponent_y, const FilterTaps& derivative,
                                const FilterTaps& smooth) {
   Image<double> lightness(opponent_y.width(), opponent_y.height());
-  for (std::size_t i = 0; i < lightness.size(); ++i)
-    lightness.data()[i] = (opponent_y.data()[i] + 16) / 116;
+  each_pixel(lightness,
+             [&](std::size_t i) { lightness.data()[i] = (opponent_y.data()[i] + 16) / 116; });
   Image<double> x = filtered(lightness, derivative, smooth, FilterBorder::replicate);
   const Image<double> y = filtered(lightness, smooth, derivative, FilterBorder::replicate);
-  for (std::size_t i = 0; i < x.size(); ++i) x.data()[i] = std::hypot(x.data()[i], y.data()[i]);
+  each_pixel(x, [&](std::size_t i) { x.data()[i] = length(x.data()[i], y.data()[i]); });
   return x;
 }
 
@@ -209,16 +216,13 @@ Image<float> flip_map(const FidelityPlanes& image, const FidelityPlanes& photogr
   const Image<double> edge_b = feature_strength(b.plane[0], taps.edge, taps.smooth);
   const Image<double> point_a = feature_strength(a.plane[0], taps.point, taps.smooth);
   const Image<double> point_b = feature_strength(b.plane[0], taps.point, taps.smooth);
-  tbb::parallel_for(0, result.height(), [&](int y) {
-    const auto width = static_cast<std::size_t>(result.width());
-    for (std::size_t i = static_cast<std::size_t>(y) * width, end = i + width; i < end; ++i) {
-      const double color = redistributed(std::pow(hyab(seen_a.at(i), seen_b.at(i)), kColorPower));
-      const double feature = std::pow(std::max(std::abs(edge_a.data()[i] - edge_b.data()[i]),
-                                               std::abs(point_a.data()[i] - point_b.data()[i])) /
-                                          std::numbers::sqrt2,
-                                      kFeaturePower);
-      result.data()[i] = static_cast<float>(std::pow(color, 1 - feature));
-    }
+  each_pixel(result, [&](std::size_t i) {
+    const double color = redistributed(std::pow(hyab(seen_a.at(i), seen_b.at(i)), kColorPower));
+    const double feature = std::pow(std::max(std::abs(edge_a.data()[i] - edge_b.data()[i]),
+                                             std::abs(point_a.data()[i] - point_b.data()[i])) /
+                                        std::numbers::sqrt2,
+                                    kFeaturePower);
+    result.data()[i] = static_cast<float>(std::pow(color, 1 - feature));
   });
   return result;
 }
