@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "benchmarks/metrics/equal_time.h"
@@ -173,10 +174,22 @@ ReportTable sizes_by_poses(const std::vector<ScoreRow>& rows) {
        "PSNR not green dB"},
       {}};
   if (std::none_of(rows.begin(), rows.end(), is_posed_by_tracks)) return table;
-  for (const ScoreRow& length : rows) {
-    if (!is_trained(length) || length.scene != kPaperCultivar || is_held_out(length) ||
-        length.metric != "curve.length.rmse" || steps_of(length.case_name) == 0)
-      continue;
+  std::vector<const ScoreRow*> lengths;
+  for (const ScoreRow& row : rows) {
+    if (is_trained(row) && row.scene == kPaperCultivar && !is_held_out(row) &&
+        row.metric == "curve.length.rmse" && steps_of(row.case_name) > 0)
+      lengths.push_back(&row);
+  }
+  const auto place = [](const ScoreRow* row) {
+    const std::string capture = part_of_case(row->case_name, " run ");
+    // Shorter numbers are smaller ones.
+    return std::tuple(capture.size(), capture, part_of_case(row->case_name, kPosesOf), row->method,
+                      steps_of(row->case_name));
+  };
+  std::stable_sort(lengths.begin(), lengths.end(),
+                   [&](const ScoreRow* a, const ScoreRow* b) { return place(a) < place(b); });
+  for (const ScoreRow* const of : lengths) {
+    const ScoreRow& length = *of;
     const auto row = [&](const char* metric) -> const ScoreRow* {
       const auto found = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& other) {
         return is_trained(other) && other.scene == length.scene && other.method == length.method &&

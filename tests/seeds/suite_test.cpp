@@ -300,11 +300,13 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
 
 TEST(SeedsSuite, PosesByColmapHaveATableAndNoLineInThePapers) {
   std::vector<ScoreRow> rows;
-  const auto add = [&](const char* photographs, const char* metric, double value) {
+  const auto add = [&](const char* photographs, const char* metric, double value,
+                       int steps = 7000) {
     ScoreRow row;
     row.suite = kSplatsSuite;
     row.scene = "zhengdan958";
-    row.case_name = std::string("zhengdan958 run 0 ") + photographs + ", 7000 steps";
+    row.case_name =
+        std::string("zhengdan958 run 0 ") + photographs + ", " + std::to_string(steps) + " steps";
     row.method = "splats_paper";
     row.metric = metric;
     row.value = value;
@@ -331,6 +333,13 @@ TEST(SeedsSuite, PosesByColmapHaveATableAndNoLineInThePapers) {
   EXPECT_EQ(sizes()[1][1], "sfm");
   EXPECT_EQ(sizes()[1][3], "2.00");
   EXPECT_EQ(sizes()[1][8], "0.300");
+  add("270 views 1920x1080, poses sfm", "curve.length.rmse", 4e-4, 30000);
+  add("270 views 1920x1080, poses sfm", "curve.length.rmse", 5e-4, 5000);
+  ASSERT_EQ(sizes().size(), 4U);
+  EXPECT_EQ(sizes()[0][0], "60 views 1280x720");
+  EXPECT_EQ(sizes()[1][5], "5000");  // in the order of steps, as a training passes them
+  EXPECT_EQ(sizes()[2][5], "7000");
+  EXPECT_EQ(sizes()[3][5], "30000");
   for (const ReportTable& table : seeds_paper_tables(rows))
     EXPECT_FALSE(table.title.starts_with("Seeds, table 1"));
 }
