@@ -34,6 +34,44 @@ TEST(SplatsSuite, PhotographsThatAreAbsentGiveARowThatIsNotSolved) {
   EXPECT_NE(rows[0].metric.find("/no/such/folder"), std::string::npos);
 }
 
+TEST(SplatsSuite, ATrainingHasRowsOfViewsHeldOutSecondsAndMemory) {
+  const fs::path folder = fs::path(testing::TempDir()) / "splats_suite_training";
+  fs::create_directories(folder);
+  write_two_views(folder);
+  Image<Rgb8> grey(32, 32);
+  for (Rgb8& pixel : grey) pixel = {120, 130, 140};
+  for (const char* name : {"000.png", "001.png"}) write_png(folder / name, grey);
+  std::ofstream(folder / "points.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+         "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+         "end_header\n-.2 -.2 0 120 130 140\n.2 -.2 0 120 130 140\n-.2 .2 0 120 130 140\n"
+         ".2 .2 0 120 130 140\n";
+  std::ofstream(folder / "split.txt") << "000.png train\n001.png test\n";
+  const std::vector<ScoreRow> rows = splat_training_rows(folder, 1, true);
+  fs::remove_all(folder);
+  const auto find = [&](const std::string& start) -> const ScoreRow* {
+    for (const ScoreRow& row : rows) {
+      if (row.metric.starts_with(start)) return &row;
+    }
+    return nullptr;
+  };
+  for (const ScoreRow& row : rows) EXPECT_EQ(row.case_name, "short");
+  const ScoreRow* psnr = find("held_out.psnr (at least 30.85 dB)");
+  ASSERT_NE(psnr, nullptr);
+  EXPECT_EQ(psnr->n, 1);
+  EXPECT_EQ(psnr->status, psnr->value >= 30.85 ? ScoreStatus::pass : ScoreStatus::fail);
+  EXPECT_GT(psnr->value, 20);  // the view held out is the one trained on
+  const ScoreRow* seconds = find("seconds.wall (at most 40 s)");
+  ASSERT_NE(seconds, nullptr);
+  EXPECT_GT(seconds->value, 0);
+  EXPECT_EQ(seconds->value, psnr->wall_s);
+  ASSERT_NE(find("steps"), nullptr);
+  EXPECT_EQ(find("steps")->value, 2000);
+  ASSERT_NE(find("gaussians"), nullptr);
+  EXPECT_GT(find("gaussians")->value, 3);
+  EXPECT_NE(find("memory.above_start (at most 150 MB)"), nullptr);
+}
+
 TEST(SplatsSuite, AWordThatIsNeitherTrainNorTestIsNamed) {
   const fs::path folder = fs::path(testing::TempDir()) / "splats_suite_split";
   fs::create_directories(folder);
