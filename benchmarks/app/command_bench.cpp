@@ -164,7 +164,7 @@ void show_scenes(const std::vector<ShardResult>& results, const fs::path& folder
   for (const ReportScene& scene : report.scenes) names += (names.empty() ? "" : " ") + scene.name;
 }
 
-ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
+SeedsSuiteConfig seeds_config(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
   SeedsSuiteConfig config;
   config.seed = o.seed;
@@ -176,8 +176,16 @@ ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   config.lpips = o.lpips;
   config.report = report_scenes_folder(out);
   config.unfinished = out / kUnfinished;
-  const auto results =
-      run_jobs(context, out, seeds_suite_jobs(config, context.progress.function()));
+  return config;
+}
+
+std::vector<ShardJob> seeds_jobs(const JobContext& context, const fs::path& out) {
+  return seeds_suite_jobs(seeds_config(context, out), context.progress.function());
+}
+
+ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
+  const SeedsSuiteConfig config = seeds_config(context, out);
+  const auto results = run_jobs(context, out, seeds_jobs(context, out));
   SeedsReport report =
       titled("Cousin: bench seeds", kMeasuredAgainstTruth, pool_seeds_suite(results, config));
   note_missing(context, results, report);
@@ -204,9 +212,13 @@ ScoreFile bench_render(const JobContext& context, const fs::path& out) {
   return finish(std::move(report), context, out);
 }
 
+std::vector<ShardJob> sensors_jobs(const JobContext& context, const fs::path&) {
+  return sensors_suite_jobs(context.options.seed, context.options.quick);
+}
+
 ScoreFile bench_sensors(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  const auto results = run_jobs(context, out, sensors_suite_jobs(o.seed, o.quick));
+  const auto results = run_jobs(context, out, sensors_jobs(context, out));
   SeedsReport report =
       titled("Cousin: bench sensors",
              "Every sensor model against theory or the published figure. Verified against theory "
@@ -238,14 +250,21 @@ ScoreFile bench_renderers(const JobContext& context, const fs::path& out) {
   return finish(std::move(report), context, out);
 }
 
-ScoreFile bench_cousins(const JobContext& context, const fs::path& out) {
-  const Options& o = context.options;
+CousinsSuiteConfig cousins_config(const Options& o) {
   CousinsSuiteConfig config;
   config.seed = o.seed;
   config.quick = o.quick;
   config.sets = o.sets;
-  const auto results =
-      run_jobs(context, out, cousins_suite_jobs(config, context.progress.function()));
+  return config;
+}
+
+std::vector<ShardJob> cousins_jobs(const JobContext& context, const fs::path&) {
+  return cousins_suite_jobs(cousins_config(context.options), context.progress.function());
+}
+
+ScoreFile bench_cousins(const JobContext& context, const fs::path& out) {
+  const CousinsSuiteConfig config = cousins_config(context.options);
+  const auto results = run_jobs(context, out, cousins_jobs(context, out));
   SeedsReport report =
       titled("Cousin: bench cousins",
              "The seeds' errors on scenes that differ from the reference along one axis at a time: "
@@ -291,7 +310,7 @@ ScoreFile bench_plants(const JobContext& context, const fs::path& out) {
       context, out);
 }
 
-ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
+std::vector<ShardJob> splats_suite_jobs(const JobContext& context, const fs::path&) {
   const Options& o = context.options;
   SplatsSuiteConfig config;
   config.photographs =
@@ -300,31 +319,44 @@ ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
   config.chair = fs::path(COUSIN_REAL_DATA) / "multiview/boofcv_chair";
   config.seed = o.seed;
   config.quick = o.quick;
-  const auto results = run_jobs(context, out, splats_jobs(config));
+  return splats_jobs(config);
+}
+
+ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
+  const auto results = run_jobs(context, out, splats_suite_jobs(context, out));
   SeedsReport report =
       titled("Cousin: bench splats",
              "Gaussian splatting on a CPU: core time of each blended pair, wall time of a training "
              "step, and held-out PSNR against wall time on photographs that are not Cousin's.",
-             scores_of_shards(results, "splats", o.seed));
+             scores_of_shards(results, "splats", context.options.seed));
   note_missing(context, results, report);
   return finish(std::move(report), context, out);
 }
 
-ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
-  const Options& o = context.options;
+StudiesConfig studies_config(const Options& o) {
   StudiesConfig config;
   config.seed = o.seed;
   config.quick = o.quick;
   if (o.runs > 0) config.runs = o.runs;
+  return config;
+}
+
+std::vector<ShardJob> calibration_jobs(const JobContext& context, const fs::path&) {
+  const Options& o = context.options;
   const std::string verified = o.quick ? "verified.quick.json" : "verified.json";
-  std::vector<ShardJob> jobs = study_jobs(config);
+  std::vector<ShardJob> jobs = study_jobs(studies_config(o));
   jobs.insert(
       jobs.begin(),
       {verified, std::string(COUSIN_VERSION) + "/" + std::to_string(o.seed) + "/" + verified,
        [&] { return to_json(calibration_suite(o.seed, o.quick, context.progress.function())); }});
-  const auto results = run_jobs(context, out, jobs);
+  return jobs;
+}
+
+ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
+  const Options& o = context.options;
+  const auto results = run_jobs(context, out, calibration_jobs(context, out));
   ScoreFile scores = scores_of_shards(results, "calibration", o.seed);
-  std::vector<ScoreRow> studies = study_rows(scores.scores, config);
+  std::vector<ScoreRow> studies = study_rows(scores.scores, studies_config(o));
   scores.scores.insert(scores.scores.end(), studies.begin(), studies.end());
   SeedsReport report =
       titled("Cousin: bench calibration",
@@ -337,24 +369,28 @@ ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
   return finish(std::move(report), context, out);
 }
 
-ScoreFile bench_sfm(const JobContext& context, const fs::path& out) {
+std::vector<ShardJob> sfm_jobs(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
   SfmSuiteConfig config;
   config.seed = o.seed;
   config.quick = o.quick;
   config.folder = fs::absolute(out / "colmap");
   config.neutral = fs::path(COUSIN_REAL_DATA) / ".." / "data" / "splat_neutral";
-  const auto results = run_jobs(context, out, sfm_suite_jobs(config, context.progress.function()));
+  return sfm_suite_jobs(config, context.progress.function());
+}
+
+ScoreFile bench_sfm(const JobContext& context, const fs::path& out) {
+  const auto results = run_jobs(context, out, sfm_jobs(context, out));
   SeedsReport report =
       titled("Cousin: bench sfm",
              "Poses by COLMAP 3.8 before and after our adjustment, against exact ones. COLMAP's "
              "results vary with its threads, whose number is fixed here, and with its build.",
-             scores_of_shards(results, "sfm", o.seed));
+             scores_of_shards(results, "sfm", context.options.seed));
   note_missing(context, results, report);
   return finish(std::move(report), context, out);
 }
 
-ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
+SeedlingsSuiteConfig seedlings_config(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
   SeedlingsSuiteConfig config;
   config.seed = o.seed;
@@ -363,7 +399,16 @@ ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
   config.lpips = o.lpips;
   config.report = report_scenes_folder(out);
   config.unfinished = out / kUnfinished;
-  const auto results = run_jobs(context, out, seedlings_suite_jobs(config));
+  return config;
+}
+
+std::vector<ShardJob> seedlings_jobs(const JobContext& context, const fs::path& out) {
+  return seedlings_suite_jobs(seedlings_config(context, out));
+}
+
+ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
+  const SeedlingsSuiteConfig config = seedlings_config(context, out);
+  const auto results = run_jobs(context, out, seedlings_jobs(context, out));
   SeedsReport report = titled(
       "Cousin: bench seedlings",
       "Trays of watermelon seedlings under three lights, reconstructed from hand-held "
@@ -381,26 +426,56 @@ ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
-  std::array<std::string_view, 8> takes;  ///< the options that it reads, of those not all do
+  std::array<std::string_view, 9> takes;  ///< the options that it reads, of those not all do
+  std::vector<ShardJob> (*jobs)(const JobContext&, const fs::path&) = nullptr;
 };
 constexpr std::array<Suite, 14> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
-     {"sensors", bench_sensors, {"--quick", "--shard", "--only"}},
+     {"sensors", bench_sensors, {"--quick", "--shard", "--only", "--list"}, sensors_jobs},
      {"seeds",
       bench_seeds,
-      {"--quick", "--set", "--captures", "--shard", "--only", "--attribution", "--runs",
-       "--lpips"}},
-     {"seedlings", bench_seedlings, {"--quick", "--shard", "--only", "--runs", "--lpips"}},
-     {"cousins", bench_cousins, {"--quick", "--set", "--shard", "--only"}},
+      {"--quick", "--set", "--captures", "--shard", "--only", "--list", "--attribution", "--runs",
+       "--lpips"},
+      seeds_jobs},
+     {"seedlings",
+      bench_seedlings,
+      {"--quick", "--shard", "--only", "--list", "--runs", "--lpips"},
+      seedlings_jobs},
+     {"cousins", bench_cousins, {"--quick", "--set", "--shard", "--only", "--list"}, cousins_jobs},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
-     {"splats", bench_splats, {"--quick", "--shard", "--only"}},
-     {"calibration", bench_calibration, {"--quick", "--shard", "--only", "--runs"}},
-     {"sfm", bench_sfm, {"--quick", "--shard", "--only"}},
+     {"splats", bench_splats, {"--quick", "--shard", "--only", "--list"}, splats_suite_jobs},
+     {"calibration",
+      bench_calibration,
+      {"--quick", "--shard", "--only", "--list", "--runs"},
+      calibration_jobs},
+     {"sfm", bench_sfm, {"--quick", "--shard", "--only", "--list"}, sfm_jobs},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
+
+/// The jobs that a suite would run, one a line, with what --out holds of them.
+void print_jobs(const JobContext& context, const std::vector<const Suite*>& suites,
+                const fs::path& folder) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Suite* suite : suites) {
+    if (suite->jobs == nullptr) continue;
+    const fs::path out = folder / suite->name;
+    const std::vector<ShardJob> jobs = jobs_named(suite->jobs(context, out), context.options.only);
+    const auto [first, end] =
+        shard_range(parse_shard(context.options.shard), static_cast<int>(jobs.size()));
+    for (int i = first; i < end; ++i) {
+      const ShardJob& job = jobs[static_cast<std::size_t>(i)];
+      const bool is_begun = !job.unfinished.empty() && fs::exists(job.unfinished);
+      const char* state = is_finished(out / "shards", job) ? "finished" : is_begun ? "begun" : "";
+      list.push_back({{"suite", suite->name}, {"job", job.name}, {"state", state}});
+      if (!context.options.json)
+        std::printf("%s %s%s%s\n", suite->name, job.name.c_str(), *state != 0 ? " " : "", state);
+    }
+  }
+  if (context.options.json) std::printf("%s\n", list.dump(2).c_str());
+}
 
 /// @throws std::invalid_argument naming an option that is given and that the suite does not read.
 void check_takes(const Suite& suite, const Options& o) {
@@ -409,6 +484,7 @@ void check_takes(const Suite& suite, const Options& o) {
                                                      {"--captures", !o.captures.empty()},
                                                      {"--shard", !o.shard.empty()},
                                                      {"--only", !o.only.empty()},
+                                                     {"--list", o.list},
                                                      {"--lpips", !o.lpips.empty()},
                                                      {"--runs", o.runs > 0},
                                                      {"--attribution", o.attribution}};
@@ -451,6 +527,10 @@ ExitCode command_bench(const JobContext& context) {
   }
   parse_shard(o.shard);
   const fs::path folder = o.out.empty() ? fs::path("out") / "bench" : fs::path(o.out);
+  if (o.list) {
+    print_jobs(context, wanted, folder);
+    return ExitCode::done;
+  }
   for (const Suite* suite : wanted) require_writable(folder / suite->name);
   if (!o.captures.empty()) require_writable(o.captures);
   bool failed = false;

@@ -25,6 +25,7 @@ struct Options {
   std::string shard;     ///< "i/n"
   std::string lpips;     ///< TorchScript file; empty = images are not scored by a network
   std::string only;      ///< part of the names of the jobs that `bench` runs; empty = all
+  bool list = false;     ///< print these jobs in place of running them
   std::string truth;     ///< images that `render` writes: list of names, all or none; "" = default
   std::string streams;   ///< images of the rig that `render` writes; "" = all that it has
   std::string captures;  ///< where `bench seeds` keeps what it renders; empty = nowhere

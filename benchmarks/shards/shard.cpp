@@ -73,9 +73,13 @@ std::vector<ShardJob> jobs_named(std::vector<ShardJob> jobs, const std::string& 
   if (jobs.empty() && count > 0) {
     throw std::invalid_argument("no job's name holds \"" + parts + "\"; there are " +
                                 std::to_string(count) + ": " + some +
-                                (count > kNamed ? ", ..." : ""));
+                                (count > kNamed ? ", ... (--list prints them all)" : ""));
   }
   return jobs;
+}
+
+bool is_finished(const fs::path& folder, const ShardJob& job) {
+  return stored_result(folder / job.name, sha256_hex(job.key)).has_value();
 }
 
 bool is_missing(const ShardResult& result) { return result.text.empty() && result.error.empty(); }

@@ -43,6 +43,9 @@ bool is_missing(const ShardResult& result);
 /// std::invalid_argument if there is none, naming some that there are.
 std::vector<ShardJob> jobs_named(std::vector<ShardJob> jobs, const std::string& parts);
 
+/// Whether `folder` holds the job's result, made with its key.
+bool is_finished(const std::filesystem::path& folder, const ShardJob& job);
+
 /// Runs the jobs of `shard` that `folder` holds no result for, in order, and writes each result at
 /// once, under its final name only when whole: a run that was stopped goes on where it was. Jobs of
 /// other shards are read if they are there when this shard's are done. A job that throws is

@@ -84,6 +84,9 @@ TEST(AppCommandLine, MistakesNameWhatIsWrong) {
   EXPECT_THAT(refusal({"bench", "seeds", "--shard", "3/3"}), HasSubstr("--shard \"3/3\""));
   EXPECT_THAT(refusal({"bench", "stability", "--captures", "c"}), HasSubstr("takes no --captures"));
   EXPECT_THAT(refusal({"bench", "stability", "--shard", "0/2"}), HasSubstr("takes no --shard"));
+  EXPECT_THAT(refusal({"bench", "stability", "--list"}), HasSubstr("takes no --list"));
+  EXPECT_THAT(refusal({"bench", "seeds", "--list", "--only", "sorghum"}),
+              AllOf(HasSubstr("no job's name holds \"sorghum\""), HasSubstr("--list")));
   EXPECT_THAT(refusal({"bench", "render", "--attribution"}), HasSubstr("takes no --attribution"));
   EXPECT_THAT(refusal({"bench", "seeds", "program", "--quick"}),
               HasSubstr("suite \"program\" takes no --quick"));

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <sstream>
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/seam_io.h"
@@ -141,10 +142,18 @@ TEST(AppInterrupted, AKilledBenchGoesOn) {
   const Times finished = times(shards);
   EXPECT_GE(finished.size(), 1U);
   EXPECT_FALSE(fs::exists(program.path("b/seeds/scores.csv")));
+  const auto listed = [&] {
+    std::istringstream lines(program.run(bench + Words{"--list"}).out);
+    std::size_t all = 0, done = 0;
+    for (std::string line; std::getline(lines, line); ++all) done += line.ends_with(" finished");
+    return std::pair(all, done);
+  };
+  EXPECT_EQ(listed(), std::pair(std::size_t{5}, finished.size()));
   const Outcome rest = program.run(bench);
   EXPECT_EQ(rest.code, 0) << rest.err;
   expect_untouched(finished);
   EXPECT_EQ(times(shards).size(), 5U);
+  EXPECT_EQ(listed(), std::pair(std::size_t{5}, std::size_t{5}));
   EXPECT_THAT(rest.err, Not(HasSubstr(finished.begin()->first.filename().string())));
   EXPECT_GT(fs::file_size(program.path("b/seeds/scores.csv")), 0U);
 }
