@@ -25,11 +25,13 @@ namespace {
 /// Models that are trained on all views of a capture, and the steps after which they are measured
 /// beside their ends; none of a method without steps.
 struct TrainedJob {
-  bool splats = false;       ///< any of these
-  bool has_surfaces = true;  ///< the paper's way and ours
-  bool has_ours = true;      ///< of these
+  bool splats = false;    ///< any of these
+  bool reference = true;  ///< the paper's way
+  bool ours = true;       ///< ours for surfaces
   std::vector<int> reference_at, ours_at, ngp_at;
-  std::vector<int> images_steps;  ///< of trainings for images, each one of its own
+  /// Of trainings of ours for surfaces and for images, each one of its own: they are on small
+  /// photographs first, so that one on its way is not one that ends there.
+  std::vector<int> ours_steps, images_steps;
 };
 
 /// One capture and what is measured on it.
@@ -110,20 +112,28 @@ SeedsEstimate posed_alone(const Capture& capture, const SeedsPipelineConfig& con
 SeedsEstimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
                                   ScoreFile& file) {
   MeasuredModel reference, ours;
-  if (job.trained.has_surfaces) {
+  if (job.trained.reference) {
     task.at = job.trained.reference_at;
     reference = measure_by_splats(task, SeedsMethod::splats_paper);
     if (!job.pooled) reference.file.specimens.clear();
     append(reference.file, file);
     if (task.pipeline.splats.poses != SplatPoses::board) task.posed_by = &reference.estimate;
   }
-  if (job.trained.has_surfaces && job.trained.has_ours) {
+  if (job.trained.ours) {
     task.at = job.trained.ours_at;
     ours = measure_by_splats(task, SeedsMethod::splats);
     if (!job.pooled) ours.file.specimens.clear();
     append(ours.file, file);
   }
   task.at = {};
+  for (const int steps : job.trained.ours_steps) {
+    SeedsTrainingTask own = task;
+    own.pipeline.splats.steps = steps;
+    if (!own.unfinished.empty()) own.unfinished /= "splats" + std::to_string(steps);
+    MeasuredModel model = measure_by_splats(own, SeedsMethod::splats);
+    model.file.specimens.clear();
+    append(model.file, file);
+  }
   for (const int steps : job.trained.images_steps)
     append({.scores = measure_for_images(task, steps)}, file);
   task.at = job.trained.ngp_at;
@@ -295,13 +305,14 @@ SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::
 /// What decides the trainings of a job, beside its configuration.
 std::string text_of(const TrainedJob& job, SeedsRunConfig config) {
   if (!job.splats) return {};
-  std::string text = job.has_surfaces ? "/splats without strays, drawn whole"
-                                      : "/images alone without strays, drawn whole";
-  if (!job.has_ours) text += ", the paper's alone";
+  std::string text = job.reference || job.ours ? "/splats without strays, drawn whole"
+                                               : "/images alone without strays, drawn whole";
+  if (job.reference && !job.ours) text += ", the paper's alone";
   for (const auto* at : {&job.reference_at, &job.ours_at, &job.ngp_at, &job.images_steps}) {
     text += "/";
     for (const int step : *at) text += " " + std::to_string(step);
   }
+  for (const int steps : job.ours_steps) text += ", ours " + std::to_string(steps);
   const SeedsPipelineConfig pipeline = config.pipeline;
   for (const int steps : job.images_steps) {
     config.pipeline = pipeline_for_images(pipeline, steps);
@@ -368,6 +379,14 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
     drop_repeated(jobs);
     return jobs;
   }
+  // Trainings that need neither the reference's nor ours for surfaces before them.
+  const auto add_alone = [&](const std::string& name, const std::vector<std::string>& sets,
+                             TrainedJob trained) {
+    trained.splats = true;
+    trained.reference = trained.ours = false;
+    add(name, 0, sets, {}, false, false, trained);
+    jobs.back().only_trained = true;
+  };
   const std::vector<std::string> cultivars = cultivar_names();
   for (int run = 0; run < suite.runs; ++run) {
     for (const std::string& cultivar : cultivars) {
@@ -391,34 +410,24 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
          .reference_at = {500, 1000, 2000, 5000},
          .ours_at = {300, 600},
          .images_steps = {1000, 3000}});
-    add(cultivar + "_ngp", 0, own, {}, false, false,
-        {.splats = true, .has_surfaces = false, .ngp_at = {500, 1000, 2000, 5000, 7000}});
-    jobs.back().only_trained = true;
+    add_alone(cultivar + "_ngp", own, {.ngp_at = {500, 1000, 2000, 5000, 7000}});
     add_noise(cultivar + "_noise", own);
   }
   add("sphere_splats", 0, {"sphere=true", "rig=phone_video_720p", "views=60"}, {}, true, false,
       {.splats = true});
-  add("zhengdan958_splats_30k", 0,
-      {"cultivar=zhengdan958", "rig=phone_video_720p", "views=60",
-       "pipeline.splats.reference_steps=30000", "pipeline.splats.steps=30000",
-       "pipeline.splats.hold_out_every=8"},
-      {}, false, false,
-      {.splats = true,
-       .reference_at = {500, 1000, 2000, 5000, 7000, 10000},
-       .ours_at = {500, 1000, 2000, 5000, 7000, 10000}});
-  // The same photographs by the methods that make images alone, as far: an hour each.
   const std::vector<std::string> held_out = {"cultivar=zhengdan958", "rig=phone_video_720p",
                                              "views=60", "pipeline.splats.hold_out_every=8"};
-  add("zhengdan958_images_30k", 0, held_out, {}, false, false,
-      {.splats = true,
-       .has_surfaces = false,
-       .images_steps = {500, 1000, 2000, 3000, 5000, 7000, 10000, 30000}});
-  jobs.back().only_trained = true;
-  add("zhengdan958_ngp_30k", 0, held_out, {}, false, false,
-      {.splats = true,
-       .has_surfaces = false,
-       .ngp_at = {500, 1000, 2000, 5000, 7000, 10000, 30000}});
-  jobs.back().only_trained = true;
+  std::vector<std::string> as_long = held_out;
+  as_long.emplace_back("pipeline.splats.reference_steps=30000");
+  add("zhengdan958_splats_30k", 0, as_long, {}, false, false,
+      {.splats = true, .ours = false, .reference_at = {500, 1000, 2000, 5000, 7000, 10000}});
+  // The same photographs by the others, as far: half an hour to an hour each.
+  add_alone("zhengdan958_surfaces_30k", held_out,
+            {.ours_steps = {500, 1000, 2000, 5000, 7000, 10000, 30000}});
+  add_alone("zhengdan958_images_30k", held_out,
+            {.images_steps = {500, 1000, 2000, 3000, 5000, 7000, 10000, 30000}});
+  add_alone("zhengdan958_ngp_30k", held_out,
+            {.ngp_at = {500, 1000, 2000, 5000, 7000, 10000, 30000}});
   // The paper's chain from its first step on, and what our adjustment of the same tracks changes.
   const std::vector<std::string> small = {"cultivar=zhengdan958", "rig=phone_video_720p",
                                           "views=60"};
@@ -440,7 +449,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
   add_posed("zhengdan958_270views_splats", SplatPoses::sfm,
             {"cultivar=zhengdan958", "rig=phone_video_1080p", "views=270",
              "pipeline.splats.reference_steps=30000", "pipeline.splats.most_pixels=6e8"},
-            {.splats = true, .has_ours = false, .reference_at = {5000, 7000, 10000}});
+            {.splats = true, .ours = false, .reference_at = {5000, 7000, 10000}});
   for (const std::string& cultivar : cultivars) {
     add(cultivar + "_270views", 0, {"cultivar=" + cultivar, "rig=phone_video_1080p", "views=270"},
         {120}, false, false);

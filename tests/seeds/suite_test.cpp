@@ -183,6 +183,8 @@ TEST(SeedsSuite, EachCultivarHasGaussiansRadianceFieldAndNoiseOnceEach) {
     for (const char* kind : {"_splats.json", "_ngp.json", "_noise.json"})
       EXPECT_EQ(found[cultivar + kind], 1) << cultivar << kind;
   }
+  for (const char* method : {"splats", "surfaces", "images", "ngp"})  // as far, on one run
+    EXPECT_EQ(found["zhengdan958_" + std::string(method) + "_30k.json"], 1) << method;
   for (const auto& [name, count] : found) EXPECT_EQ(count, 1) << name;
 }
 
