@@ -1,6 +1,7 @@
 #include "benchmarks/seeds/paper_tables.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -78,6 +79,14 @@ int last_steps(const std::vector<ScoreRow>& rows, const std::string& cultivar,
   return steps.empty() ? 0 : steps.back();
 }
 
+/// Appends what a table says of one cultivar, the published lines only beside lines of our own.
+/// @param published  which of `lines` are published
+void add_beside_own(std::vector<std::vector<std::string>> lines, std::size_t published,
+                    ReportTable& table) {
+  if (lines.size() == published) return;
+  std::move(lines.begin(), lines.end(), std::back_inserter(table.lines));
+}
+
 /// Seconds, points and Gaussians of a reconstruction.
 ReportTable reconstructions(const std::vector<ScoreRow>& rows) {
   ReportTable table{
@@ -133,6 +142,8 @@ ReportTable traits(const std::vector<ScoreRow>& rows, const std::string& title,
     if (!by_size) table.columns.push_back(name + " RMSE mm");
   }
   for (const std::string& cultivar : cultivars) {
+    std::vector<std::vector<std::string>> lines;
+    std::size_t published = 0;
     for (const Method& method : kTraitMethods) {
       const ScoreRow* first = pooled_row(rows, cultivar, method.name, "length.rmse");
       if (first == nullptr) continue;
@@ -148,8 +159,10 @@ ReportTable traits(const std::vector<ScoreRow>& rows, const std::string& title,
         line.push_back(cell(".mape", 100, 2));
         if (!by_size) line.push_back(cell(".rmse", 1000, 3));
       }
-      table.lines.push_back(std::move(line));
+      lines.push_back(std::move(line));
+      published += std::string_view(method.name).starts_with("published");
     }
+    add_beside_own(std::move(lines), published, table);
   }
   return table;
 }
@@ -223,12 +236,14 @@ ReportTable image_quality(const std::vector<ScoreRow>& rows) {
                      "PSNR not green dB", "photographs"},
                     {}};
   for (const std::string& cultivar : cultivar_names()) {
+    std::vector<std::vector<std::string>> lines;
     if (const ScoreRow* psnr = pooled_row(rows, cultivar, kPublished, "psnr")) {
-      table.lines.push_back(
+      lines.push_back(
           {cultivar, kPublished, "30000",
            table_cell(pooled_row(rows, cultivar, kPublished, "ssim"), 1, 4), table_cell(psnr, 1, 2),
            table_cell(pooled_row(rows, cultivar, kPublished, "lpips"), 1, 4), "", "", ""});
     }
+    const std::size_t published = lines.size();
     for (const Method& method : {Method{"splats_paper", "3DGS, the paper's way"},
                                  Method{"splats_images", "3DGS, ours for images"},
                                  Method{"splats", "3DGS, ours for surfaces"}}) {
@@ -238,23 +253,24 @@ ReportTable image_quality(const std::vector<ScoreRow>& rows) {
       };
       const ScoreRow* psnr = row("train.psnr_whole");
       if (psnr == nullptr) continue;
-      table.lines.push_back({cultivar, method.title, std::to_string(steps),
-                             table_cell(row("train.ssim_whole"), 1, 4), table_cell(psnr, 1, 2),
-                             table_cell(row("train.lpips_whole"), 1, 4),
-                             table_cell(row("train.flip_whole"), 1, 4),
-                             table_cell(row("train.psnr_object"), 1, 2), std::to_string(psnr->n)});
+      lines.push_back({cultivar, method.title, std::to_string(steps),
+                       table_cell(row("train.ssim_whole"), 1, 4), table_cell(psnr, 1, 2),
+                       table_cell(row("train.lpips_whole"), 1, 4),
+                       table_cell(row("train.flip_whole"), 1, 4),
+                       table_cell(row("train.psnr_object"), 1, 2), std::to_string(psnr->n)});
     }
     const auto noise = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& row) {
       return row.scene == cultivar && row.metric == "noise_floor.psnr_whole";
     });
-    if (noise == rows.end()) continue;
-    const auto of_object = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& row) {
-      return row.scene == cultivar && row.metric == "noise_floor.psnr_object";
-    });
-    table.lines.push_back({cultivar, "two captures from one place", "", "",
-                           table_cell(&*noise, 1, 2), "", "",
-                           table_cell(of_object == rows.end() ? nullptr : &*of_object, 1, 2),
-                           std::to_string(noise->n)});
+    if (noise != rows.end()) {
+      const auto of_object = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& row) {
+        return row.scene == cultivar && row.metric == "noise_floor.psnr_object";
+      });
+      lines.push_back({cultivar, "two captures from one place", "", "", table_cell(&*noise, 1, 2),
+                       "", "", table_cell(of_object == rows.end() ? nullptr : &*of_object, 1, 2),
+                       std::to_string(noise->n)});
+    }
+    add_beside_own(std::move(lines), published, table);
   }
   return table;
 }
@@ -265,15 +281,16 @@ ReportTable sphere(const std::vector<ScoreRow>& rows) {
                     "Error of area and volume. Published: of 270 photographs of 1920 x 1080.",
                     {"method", "area %", "volume %"},
                     {}};
-  bool has_own = false;
+  std::vector<std::vector<std::string>> lines;
+  std::size_t published = 0;
   for (const Method& method : kTraitMethods) {
     const ScoreRow* area = pooled_row(rows, kSphere, method.name, "area.mape");
     const ScoreRow* volume = pooled_row(rows, kSphere, method.name, "volume.mape");
     if (area == nullptr && volume == nullptr) continue;
-    has_own = has_own || !std::string_view(method.name).starts_with("published");
-    table.lines.push_back({method.title, table_cell(area, 100, 2), table_cell(volume, 100, 2)});
+    published += std::string_view(method.name).starts_with("published");
+    lines.push_back({method.title, table_cell(area, 100, 2), table_cell(volume, 100, 2)});
   }
-  if (!has_own) table.lines.clear();
+  add_beside_own(std::move(lines), published, table);
   return table;
 }
 
@@ -297,19 +314,27 @@ ReportTable three_methods(const std::vector<ScoreRow>& rows) {
       }
       return nullptr;
     };
+    bool has_own = false;
     const auto own = [&](const char* method, const char* metric, int steps) {
-      return table_cell(model_row(rows, cultivar, method, metric, steps), 1, 2);
+      const ScoreRow* row = model_row(rows, cultivar, method, metric, steps);
+      has_own = has_own || row != nullptr;
+      return table_cell(row, 1, 2);
     };
     if (published(kPublished, 7000) == nullptr) continue;
     constexpr const char* kWhole = "train.psnr_whole";
     constexpr const char* kSmall = "train.psnr_whole_small";
-    table.lines.push_back({cultivar, table_cell(published(kPublished, 7000), 1, 2),
-                           own("splats_paper", kWhole, 7000),
-                           table_cell(published(kPublished, 30000), 1, 2),
-                           own("splats_paper", kWhole, 30000), own("splats_images", kWhole, 3000),
-                           table_cell(published("published: Instant-NGP", 0), 1, 2),
-                           own("instant-ngp", kSmall, 2000), own("instant-ngp", kSmall, 7000),
-                           own("splats_paper", kSmall, 7000), own("splats_images", kSmall, 3000)});
+    std::vector<std::string> line = {cultivar,
+                                     table_cell(published(kPublished, 7000), 1, 2),
+                                     own("splats_paper", kWhole, 7000),
+                                     table_cell(published(kPublished, 30000), 1, 2),
+                                     own("splats_paper", kWhole, 30000),
+                                     own("splats_images", kWhole, 3000),
+                                     table_cell(published("published: Instant-NGP", 0), 1, 2),
+                                     own("instant-ngp", kSmall, 2000),
+                                     own("instant-ngp", kSmall, 7000),
+                                     own("splats_paper", kSmall, 7000),
+                                     own("splats_images", kSmall, 3000)};
+    if (has_own) table.lines.push_back(std::move(line));
   }
   return table;
 }

@@ -300,6 +300,33 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
   EXPECT_EQ(std::count_if(others.scores.begin(), others.scores.end(), published), 0);
 }
 
+TEST(SeedsSuite, PublishedLinesAreShownOnlyBesideLinesOfOurOwn) {
+  ShardResult result;
+  result.name = "jimai22_ngp.json";
+  ScoreFile file;
+  ScoreRow row;
+  row.suite = kSplatsSuite;
+  row.scene = "jimai22";
+  row.case_name = "jimai22 run 0 60 views 1280x720, 7000 steps";
+  row.method = "instant-ngp";
+  row.metric = "train.psnr_whole_small";
+  row.value = 53;
+  file.scores.push_back(row);
+  result.text = to_json(file);
+  const ScoreFile pooled = pool_seeds_suite({result}, {});
+  bool has_field = false;
+  for (const ReportTable& table : seeds_paper_tables(pooled.scores)) {
+    has_field = has_field || table.title.starts_with("Seeds, table 5");
+    EXPECT_FALSE(table.title.starts_with("Seeds, table 4")) << "no sizes were measured";
+    if (!table.title.starts_with("Seeds, table 3") && !table.title.starts_with("Seeds, table 5"))
+      continue;
+    ASSERT_EQ(table.lines.size(), 1U) << table.title;
+    EXPECT_EQ(table.lines[0][0], "jimai22");
+    EXPECT_EQ(table.lines[0][8], "53.00");
+  }
+  EXPECT_TRUE(has_field);
+}
+
 TEST(SeedsSuite, PosesByColmapHaveATableAndNoLineInThePapers) {
   std::vector<ScoreRow> rows;
   const auto add = [&](const char* photographs, const char* metric, double value,
