@@ -114,7 +114,17 @@ void ngp_points(std::vector<ScoreRow>& rows, const ScoreRow& base, const PosedSe
               });
   };
   const NgpTraining training = train_ngp(views, config, {steps, take});
-  if (training.status == NgpStatus::ok) return;
+  if (training.status == NgpStatus::ok) {
+    row.case_name = std::to_string(config.iterations) + " steps";
+    row.metric = "seconds.cpu a sample";
+    row.n = training.samples;
+    row.wall_s = training.curve.back().wall_s;
+    row.cpu_s = training.curve.back().cpu_s;
+    row.value = row.cpu_s / static_cast<double>(training.samples);
+    row.unit = "s/sample";
+    rows.push_back(row);
+    return;
+  }
   row.metric = "training: " + std::string(to_string(training.status)) + ", " + training.reason;
   row.status = ScoreStatus::not_solved;
   rows.push_back(row);

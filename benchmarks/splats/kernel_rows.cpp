@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <string>
 
+#include "benchmarks/splats/core_time.h"
 #include "perception/splats/splat_frame.h"
 #include "perception/splats/splat_trainer.h"
 #include "sim/types/rng.h"
@@ -14,7 +14,7 @@
 namespace cousin {
 namespace {
 
-constexpr int kSplats = 26000, kWidth = 400, kHeight = 300, kRepeats = 9, kSteps = 40;
+constexpr int kSplats = 26000, kWidth = 400, kHeight = 300, kSteps = 40;
 constexpr double kForwardLimit_s = 3e-9, kBackwardLimit_s = 6e-9, kStepLimit_s = 0.03;
 constexpr std::array<float, 3> kBlack{};
 
@@ -44,24 +44,6 @@ Camera camera_400() {
   camera.cx_px = 199.5;
   camera.cy_px = 149.5;
   return camera;
-}
-
-double core_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-/// Least core time of a call, of several: what the machine does beside it only adds.
-template <class F>
-double best_core_seconds(F call) {
-  double best = 1e9;
-  for (int i = 0; i < kRepeats; ++i) {
-    const double before = core_seconds();
-    call();
-    best = std::min(best, core_seconds() - before);
-  }
-  return best;
 }
 
 /// Pixels times Gaussians whose alpha is at least 1/255 and that a pixel takes.

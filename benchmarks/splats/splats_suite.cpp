@@ -2,6 +2,7 @@
 
 #include "benchmarks/splats/field_rows.h"
 #include "benchmarks/splats/kernel_rows.h"
+#include "benchmarks/splats/ngp_kernel_rows.h"
 #include "benchmarks/splats/training_rows.h"
 #include "perception/sfm/colmap_run.h"
 #include "perception/splats/splat_train_config.h"
@@ -28,7 +29,13 @@ std::vector<ShardJob> splats_jobs(const SplatsSuiteConfig& config) {
                     [config, rows] { return to_json(ScoreFile{.scores = rows(config)}); },
                     {}};
   };
-  return {job("kernels", "", [](const SplatsSuiteConfig& c) { return splat_kernel_rows(c.seed); }),
+  const auto kernels = [](const SplatsSuiteConfig& c) {
+    std::vector<ScoreRow> rows = splat_kernel_rows(c.seed);
+    const std::vector<ScoreRow> of_field = ngp_kernel_rows(c.seed);
+    rows.insert(rows.end(), of_field.begin(), of_field.end());
+    return rows;
+  };
+  return {job("kernels", "with the radiance field's", kernels),
           job("training", text_of(config.photographs),
               [](const SplatsSuiteConfig& c) {
                 return splat_training_rows(c.photographs, c.seed, c.quick);
@@ -38,8 +45,8 @@ std::vector<ShardJob> splats_jobs(const SplatsSuiteConfig& config) {
                 return splat_choice_rows(c.photographs, c.seed, c.quick);
               }),
           job("fields",
-              "ssim and flip/" + text_of(config.photographs) + text_of(config.fox.parent_path()) +
-                  text_of(config.chair) + "/colmap " +
+              "ssim and flip, seconds a sample/" + text_of(config.photographs) +
+                  text_of(config.fox.parent_path()) + text_of(config.chair) + "/colmap " +
                   colmap_version(),  // which places the chair's photographs
               [](const SplatsSuiteConfig& c) {
                 return field_rows(c.photographs, c.fox, c.chair, c.seed, c.quick);

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
+#include "benchmarks/splats/ngp_kernel_rows.h"
 #include "benchmarks/splats/posed_set.h"
 #include "benchmarks/splats/splats_page.h"
 #include "benchmarks/splats/training_rows.h"
@@ -32,6 +34,19 @@ TEST(SplatsSuite, PhotographsThatAreAbsentGiveARowThatIsNotSolved) {
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].status, ScoreStatus::not_solved);
   EXPECT_NE(rows[0].metric.find("/no/such/folder"), std::string::npos);
+}
+
+TEST(SplatsSuite, EachPartOfARadianceFieldHasItsTimeASample) {
+  std::set<std::string> found;
+  for (const ScoreRow& row : ngp_kernel_rows(1)) {
+    EXPECT_TRUE(found.insert(row.method + " " + row.metric).second);
+    EXPECT_GT(row.value, 0);
+    EXPECT_EQ(row.n, 65536);
+  }
+  for (const char* part :
+       {"hash grid seconds.encode", "hash grid seconds.derivatives",
+        "networks, portable seconds.forward", "networks, portable seconds.backward"})
+    EXPECT_TRUE(found.contains(part)) << part;
 }
 
 TEST(SplatsSuite, ATrainingHasRowsOfViewsHeldOutSecondsAndMemory) {
