@@ -179,13 +179,13 @@ SeedsSuiteConfig seeds_config(const JobContext& context, const fs::path& out) {
   return config;
 }
 
-std::vector<ShardJob> seeds_jobs(const JobContext& context, const fs::path& out) {
+std::vector<ShardJob> list_seeds(const JobContext& context, const fs::path& out) {
   return seeds_suite_jobs(seeds_config(context, out), context.progress.function());
 }
 
 ScoreFile bench_seeds(const JobContext& context, const fs::path& out) {
   const SeedsSuiteConfig config = seeds_config(context, out);
-  const auto results = run_jobs(context, out, seeds_jobs(context, out));
+  const auto results = run_jobs(context, out, list_seeds(context, out));
   SeedsReport report =
       titled("Cousin: bench seeds", kMeasuredAgainstTruth, pool_seeds_suite(results, config));
   note_missing(context, results, report);
@@ -212,13 +212,13 @@ ScoreFile bench_render(const JobContext& context, const fs::path& out) {
   return finish(std::move(report), context, out);
 }
 
-std::vector<ShardJob> sensors_jobs(const JobContext& context, const fs::path&) {
+std::vector<ShardJob> list_sensors(const JobContext& context, const fs::path&) {
   return sensors_suite_jobs(context.options.seed, context.options.quick);
 }
 
 ScoreFile bench_sensors(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  const auto results = run_jobs(context, out, sensors_jobs(context, out));
+  const auto results = run_jobs(context, out, list_sensors(context, out));
   SeedsReport report =
       titled("Cousin: bench sensors",
              "Every sensor model against theory or the published figure. Verified against theory "
@@ -258,13 +258,13 @@ CousinsSuiteConfig cousins_config(const Options& o) {
   return config;
 }
 
-std::vector<ShardJob> cousins_jobs(const JobContext& context, const fs::path&) {
+std::vector<ShardJob> list_cousins(const JobContext& context, const fs::path&) {
   return cousins_suite_jobs(cousins_config(context.options), context.progress.function());
 }
 
 ScoreFile bench_cousins(const JobContext& context, const fs::path& out) {
   const CousinsSuiteConfig config = cousins_config(context.options);
-  const auto results = run_jobs(context, out, cousins_jobs(context, out));
+  const auto results = run_jobs(context, out, list_cousins(context, out));
   SeedsReport report =
       titled("Cousin: bench cousins",
              "The seeds' errors on scenes that differ from the reference along one axis at a time: "
@@ -310,7 +310,7 @@ ScoreFile bench_plants(const JobContext& context, const fs::path& out) {
       context, out);
 }
 
-std::vector<ShardJob> splats_suite_jobs(const JobContext& context, const fs::path&) {
+std::vector<ShardJob> list_splats(const JobContext& context, const fs::path&) {
   const Options& o = context.options;
   SplatsSuiteConfig config;
   config.photographs =
@@ -323,7 +323,7 @@ std::vector<ShardJob> splats_suite_jobs(const JobContext& context, const fs::pat
 }
 
 ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
-  const auto results = run_jobs(context, out, splats_suite_jobs(context, out));
+  const auto results = run_jobs(context, out, list_splats(context, out));
   SeedsReport report =
       titled("Cousin: bench splats",
              "Gaussian splatting on a CPU: core time of each blended pair, wall time of a training "
@@ -341,7 +341,7 @@ StudiesConfig studies_config(const Options& o) {
   return config;
 }
 
-std::vector<ShardJob> calibration_jobs(const JobContext& context, const fs::path&) {
+std::vector<ShardJob> list_calibration(const JobContext& context, const fs::path&) {
   const Options& o = context.options;
   const std::string verified = o.quick ? "verified.quick.json" : "verified.json";
   std::vector<ShardJob> jobs = study_jobs(studies_config(o));
@@ -354,7 +354,7 @@ std::vector<ShardJob> calibration_jobs(const JobContext& context, const fs::path
 
 ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
-  const auto results = run_jobs(context, out, calibration_jobs(context, out));
+  const auto results = run_jobs(context, out, list_calibration(context, out));
   ScoreFile scores = scores_of_shards(results, "calibration", o.seed);
   std::vector<ScoreRow> studies = study_rows(scores.scores, studies_config(o));
   scores.scores.insert(scores.scores.end(), studies.begin(), studies.end());
@@ -369,7 +369,7 @@ ScoreFile bench_calibration(const JobContext& context, const fs::path& out) {
   return finish(std::move(report), context, out);
 }
 
-std::vector<ShardJob> sfm_jobs(const JobContext& context, const fs::path& out) {
+std::vector<ShardJob> list_sfm(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
   SfmSuiteConfig config;
   config.seed = o.seed;
@@ -380,7 +380,7 @@ std::vector<ShardJob> sfm_jobs(const JobContext& context, const fs::path& out) {
 }
 
 ScoreFile bench_sfm(const JobContext& context, const fs::path& out) {
-  const auto results = run_jobs(context, out, sfm_jobs(context, out));
+  const auto results = run_jobs(context, out, list_sfm(context, out));
   SeedsReport report =
       titled("Cousin: bench sfm",
              "Poses by COLMAP 3.8 before and after our adjustment, against exact ones. COLMAP's "
@@ -402,13 +402,13 @@ SeedlingsSuiteConfig seedlings_config(const JobContext& context, const fs::path&
   return config;
 }
 
-std::vector<ShardJob> seedlings_jobs(const JobContext& context, const fs::path& out) {
+std::vector<ShardJob> list_seedlings(const JobContext& context, const fs::path& out) {
   return seedlings_suite_jobs(seedlings_config(context, out));
 }
 
 ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
   const SeedlingsSuiteConfig config = seedlings_config(context, out);
-  const auto results = run_jobs(context, out, seedlings_jobs(context, out));
+  const auto results = run_jobs(context, out, list_seedlings(context, out));
   SeedsReport report = titled(
       "Cousin: bench seedlings",
       "Trays of watermelon seedlings under three lights, reconstructed from hand-held "
@@ -426,39 +426,40 @@ ScoreFile bench_seedlings(const JobContext& context, const fs::path& out) {
 struct Suite {
   const char* name;
   ScoreFile (*run)(const JobContext&, const fs::path&);
-  std::array<std::string_view, 9> takes;  ///< the options that it reads, of those not all do
+  std::array<std::string_view, 8> takes;  ///< the options that it reads, of those not all do
+  /// What it runs in jobs; null: it does not, and has no --list.
   std::vector<ShardJob> (*jobs)(const JobContext&, const fs::path&) = nullptr;
 };
 constexpr std::array<Suite, 14> kSuites = {
     {{"stability", bench_stability, {"--quick"}},
      {"render", bench_render, {"--quick", "--set"}},
      {"renderers", bench_renderers, {"--quick"}},
-     {"sensors", bench_sensors, {"--quick", "--shard", "--only", "--list"}, sensors_jobs},
+     {"sensors", bench_sensors, {"--quick", "--shard", "--only"}, list_sensors},
      {"seeds",
       bench_seeds,
-      {"--quick", "--set", "--captures", "--shard", "--only", "--list", "--attribution", "--runs",
-       "--lpips"},
-      seeds_jobs},
+      {"--quick", "--set", "--captures", "--shard", "--only", "--attribution", "--runs", "--lpips"},
+      list_seeds},
      {"seedlings",
       bench_seedlings,
-      {"--quick", "--shard", "--only", "--list", "--runs", "--lpips"},
-      seedlings_jobs},
-     {"cousins", bench_cousins, {"--quick", "--set", "--shard", "--only", "--list"}, cousins_jobs},
+      {"--quick", "--shard", "--only", "--runs", "--lpips"},
+      list_seedlings},
+     {"cousins", bench_cousins, {"--quick", "--set", "--shard", "--only"}, list_cousins},
      {"scenes", bench_scenes, {"--quick"}},
      {"plants", bench_plants, {"--quick"}},
-     {"splats", bench_splats, {"--quick", "--shard", "--only", "--list"}, splats_suite_jobs},
+     {"splats", bench_splats, {"--quick", "--shard", "--only"}, list_splats},
      {"calibration",
       bench_calibration,
-      {"--quick", "--shard", "--only", "--list", "--runs"},
-      calibration_jobs},
-     {"sfm", bench_sfm, {"--quick", "--shard", "--only", "--list"}, sfm_jobs},
+      {"--quick", "--shard", "--only", "--runs"},
+      list_calibration},
+     {"sfm", bench_sfm, {"--quick", "--shard", "--only"}, list_sfm},
      {"real", bench_real, {"--quick"}},
      {"program", bench_program, {}}}};
 
-/// The jobs that a suite would run, one a line, with what --out holds of them.
+/// The jobs that suites would run, one a line, with what --out holds of them.
 void print_jobs(const JobContext& context, const std::vector<const Suite*>& suites,
                 const fs::path& folder) {
   nlohmann::json list = nlohmann::json::array();
+  std::string lines;
   for (const Suite* suite : suites) {
     if (suite->jobs == nullptr) continue;
     const fs::path out = folder / suite->name;
@@ -468,13 +469,15 @@ void print_jobs(const JobContext& context, const std::vector<const Suite*>& suit
     for (int i = first; i < end; ++i) {
       const ShardJob& job = jobs[static_cast<std::size_t>(i)];
       const bool is_begun = !job.unfinished.empty() && fs::exists(job.unfinished);
-      const char* state = is_finished(out / "shards", job) ? "finished" : is_begun ? "begun" : "";
+      const std::string state = is_finished(out / "shards", job) ? "finished"
+                                : is_begun                       ? "begun"
+                                                                 : "";
       list.push_back({{"suite", suite->name}, {"job", job.name}, {"state", state}});
-      if (!context.options.json)
-        std::printf("%s %s%s%s\n", suite->name, job.name.c_str(), *state != 0 ? " " : "", state);
+      lines +=
+          std::string(suite->name) + " " + job.name + (state.empty() ? "" : " ") + state + "\n";
     }
   }
-  if (context.options.json) std::printf("%s\n", list.dump(2).c_str());
+  std::printf("%s", context.options.json ? (list.dump(2) + "\n").c_str() : lines.c_str());
 }
 
 /// @throws std::invalid_argument naming an option that is given and that the suite does not read.
@@ -489,8 +492,10 @@ void check_takes(const Suite& suite, const Options& o) {
                                                      {"--runs", o.runs > 0},
                                                      {"--attribution", o.attribution}};
   for (const auto& [option, is_given] : given) {
-    if (!is_given || std::find(suite.takes.begin(), suite.takes.end(), option) != suite.takes.end())
-      continue;
+    const bool is_taken = option == "--list" ? suite.jobs != nullptr
+                                             : std::find(suite.takes.begin(), suite.takes.end(),
+                                                         option) != suite.takes.end();
+    if (!is_given || is_taken) continue;
     throw std::invalid_argument("suite \"" + std::string(suite.name) + "\" takes no " +
                                 std::string(option));
   }

@@ -332,8 +332,8 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       "Only jobs whose names hold this text, or one of several, as \"_ours,_ngp\": the page is of "
       "them alone");
   bench->add_flag("--list", o.list,
-                  "Print the jobs that --only and --shard leave, with what --out holds of each "
-                  "(finished, begun), and leave");
+                  "Print the jobs that --only and --shard choose, with what --out holds of each "
+                  "(finished, begun), and run none");
   bench->add_option(
       "--captures", o.captures,
       "Folder that keeps what `seeds` renders (15 GB in full): a later run with another "

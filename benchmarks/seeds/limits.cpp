@@ -84,7 +84,7 @@ std::optional<ScoreLimit> trained_limit(const ScoreRow& row) {
   if (row.case_name.find(" 60 views 1280x720") == std::string::npos || is_posed_by_tracks(row) ||
       row.scene == kSphere)
     return std::nullopt;
-  // With some views held out ours goes on past its steps, for the curve.
+  // With some views held out ours is trained for other numbers of steps too, for the curve.
   const bool is_of_surfaces =
       row.method == "splats" && row.case_name.find(" held out") == std::string::npos;
   if (is_of_surfaces && row.metric == "cloud_seen.accuracy_mean") return at_most(0.0001, "0.10 mm");

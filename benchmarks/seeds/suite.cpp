@@ -308,6 +308,7 @@ std::string text_of(const TrainedJob& job, SeedsRunConfig config) {
   std::string text = job.reference || job.ours ? "/splats without strays, drawn whole"
                                                : "/images alone without strays, drawn whole";
   if (job.reference && !job.ours) text += ", the paper's alone";
+  if (job.ours && !job.reference) text += ", ours alone";
   for (const auto* at : {&job.reference_at, &job.ours_at, &job.ngp_at, &job.images_steps}) {
     text += "/";
     for (const int step : *at) text += " " + std::to_string(step);
@@ -374,6 +375,7 @@ std::vector<SuiteJob> list_jobs(const SeedsSuiteConfig& suite) {
          .reference_at = {500},
          .ours_at = {500},
          .ngp_at = {100, 250},
+         .ours_steps = {250},
          .images_steps = {500}});
     add_noise("quick_noise_zhengdan958", few);
     drop_repeated(jobs);

@@ -11,6 +11,7 @@ namespace cousin {
 /// forward and backward, for each instruction set there is, and of its corners in the hash grid,
 /// read and written. Beside it the rows "seconds.cpu a sample" of whole trainings (`field_rows`):
 /// what is more there is marching, compositing, Adam and looks for matter.
-std::vector<ScoreRow> ngp_kernel_rows(std::uint64_t seed);
+/// @param samples  a multiple of 256
+std::vector<ScoreRow> ngp_kernel_rows(std::uint64_t seed, int samples = 65536);
 
 }  // namespace cousin

@@ -19,10 +19,11 @@ struct SplatsSuiteConfig {
   bool quick = false;  ///< without the long training, the fox and the chair
 };
 
-/// Gaussian splatting in three jobs: `kernels`, core time of each blended pair and wall time of a
-/// training step; `training`, held-out PSNR against wall time on a set of posed photographs;
-/// `fields`, the same beside Instant-NGP there, on the fox and on the chair. Limits are in the
-/// metrics' names; those of time hold on two quiet cores.
+/// Gaussian splatting in four jobs: `kernels`, core time of each blended pair, wall time of a
+/// training step and core time of a radiance field's sample; `training`, held-out PSNR against wall
+/// time on a set of posed photographs; `choices`, the same without one technique each; `fields`,
+/// beside Instant-NGP there, on the fox and on the chair. Limits are in the metrics' names; those
+/// of time hold on two quiet cores.
 std::vector<ShardJob> splats_jobs(const SplatsSuiteConfig& config);
 
 }  // namespace cousin

@@ -1,5 +1,7 @@
 #include "perception/ngp/hash_grid.h"
 
+#include <cmath>
+
 namespace cousin::ngp {
 
 std::vector<GridLevel> grid_levels(const HashGridConfig& config) {

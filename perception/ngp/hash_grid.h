@@ -1,8 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -134,16 +132,6 @@ void encode_level(const GridLevel& level, const T* table, const float* x, const 
     first[s] = sum[0];
     second[s] = sum[1];
   });
-}
-
-/// Features of `count` points of the unit cube: row 2 * level + f of `out` (rows `stride` apart).
-template <class T>
-void encode(const std::vector<GridLevel>& levels, const T* table, const float* x, const float* y,
-            const float* z, int count, T* out, int stride) {
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    T* first = out + 2 * l * static_cast<std::size_t>(stride);
-    encode_level(levels[l], table, x, y, z, count, first, first + stride);
-  }
 }
 
 /// Adds the derivatives by one level's numbers, given those by its two features.

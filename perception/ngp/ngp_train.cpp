@@ -18,7 +18,7 @@ namespace {
 
 using namespace ngp;
 
-constexpr int kGroups = 16;       ///< of rays, summed apart: the most threads of a step
+constexpr int kGroups = 16;       ///< of rays, summed apart: the most threads that march and learn
 constexpr int kBundle = 16;       ///< rays that pass the networks together
 constexpr double kHuber = 0.1;    ///< where the loss turns from square to straight
 constexpr int kWarmUp = 256;      ///< steps in which every cell's density is looked at
@@ -39,7 +39,8 @@ struct TrainingBundle {
 
 /// What one group of rays gives in one step.
 struct Group {
-  std::vector<TrainingBundle> bundles;  ///< the first `used`
+  std::vector<TrainingBundle>
+      bundles;  ///< the first `used` are of this step, the others keep their memory
   std::size_t used = 0;
   FieldBatch<float> batch, gradient;
   std::vector<float> d_log_density, d_weights;

@@ -27,26 +27,31 @@ FidelityPlanes noisy(int width, int height, std::uint64_t seed) {
 }
 
 TEST(SeparableFilter, IsTheSumOverTapsWithEitherBorder) {
-  Image<double> image(7, 5);
   Rng rng(1);
-  for (double& value : image) value = uniform(rng);
   const FilterTaps x = {1, 2, 3, 4, 5}, y = {-1, 0, 7};
-  for (const FilterBorder border : {FilterBorder::zero, FilterBorder::replicate}) {
-    const Image<double> result = filtered(image, x, y, border);
-    for (int v = 0; v < 5; ++v) {
-      for (int u = 0; u < 7; ++u) {
-        double sum = 0;
-        for (int j = -1; j <= 1; ++j) {
-          for (int i = -2; i <= 2; ++i) {
-            if (border == FilterBorder::zero && !image.contains(u + i, v + j)) continue;
-            sum += x[static_cast<std::size_t>(i + 2)] * y[static_cast<std::size_t>(j + 1)] *
-                   image(std::clamp(u + i, 0, 6), std::clamp(v + j, 0, 4));
+  // Sums of 16 pixels are kept together: two such groups and what is left, none, and less than
+  // taps.
+  for (const auto& [width, height] : {std::pair(37, 5), {7, 5}, {2, 1}}) {
+    Image<double> image(width, height);
+    for (double& value : image) value = uniform(rng);
+    for (const FilterBorder border : {FilterBorder::zero, FilterBorder::replicate}) {
+      const Image<double> result = filtered(image, x, y, border);
+      for (int v = 0; v < height; ++v) {
+        for (int u = 0; u < width; ++u) {
+          double sum = 0;
+          for (int j = -1; j <= 1; ++j) {
+            for (int i = -2; i <= 2; ++i) {
+              if (border == FilterBorder::zero && !image.contains(u + i, v + j)) continue;
+              sum += x[static_cast<std::size_t>(i + 2)] * y[static_cast<std::size_t>(j + 1)] *
+                     image(std::clamp(u + i, 0, width - 1), std::clamp(v + j, 0, height - 1));
+            }
           }
+          EXPECT_NEAR(result(u, v), sum, 1e-12);
         }
-        EXPECT_NEAR(result(u, v), sum, 1e-12);
       }
     }
   }
+  EXPECT_TRUE(filtered(Image<double>(), x, y, FilterBorder::zero).empty());
 }
 
 TEST(ImageFidelity, EqualImagesScoreBest) {

@@ -47,8 +47,11 @@ struct Field {
     return {count, batch.described.data(), batch.color.data(), batch.samples, length.data()};
   }
   double loss() {
-    encode(levels, table.data(), x.data(), y.data(), z.data(), batch.samples, batch.encoded.data(),
-           batch.samples);
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      double* row = batch.encoded.data() + 2 * l * static_cast<std::size_t>(batch.samples);
+      encode_level(levels[l], table.data(), x.data(), y.data(), z.data(), batch.samples, row,
+                   row + batch.samples);
+    }
     field_forward(shape, kernels, weights.data(), batch);
     const RayColor<double> color = composite(ray(), background);
     double sum = 0;
