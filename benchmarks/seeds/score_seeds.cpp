@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -43,6 +44,20 @@ namespace {
 constexpr std::array<double, 3> kTolerances_m = {0.0001, 0.0002, 0.0005};
 /// Half a seed: nearer than two seeds lie that are apart. In a heap the next may be nearer.
 constexpr double kMatchGate_m = 0.004;
+/// The same of larger specimens: half of the thickest one's least size, as who measures what views
+/// from above show has its centroid that far up.
+double match_gate_m(const std::vector<const Instance*>& specimens) {
+  double gate_m = kMatchGate_m;
+  for (const Instance* specimen : specimens) {
+    double least_m = std::numeric_limits<double>::infinity();
+    for (const TrueTrait& trait : specimen->traits) {
+      if (trait.name == "length" || trait.name == "width" || trait.name == "height")
+        least_m = std::min(least_m, trait.value);
+    }
+    if (std::isfinite(least_m)) gate_m = std::max(gate_m, 0.5 * least_m);
+  }
+  return gate_m;
+}
 constexpr int kSurfaceSamples = 20000;
 
 void add(std::vector<ScoreRow>& rows, const ScoreRow& row, const std::string& metric, double value,
@@ -245,7 +260,7 @@ SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& as_perceived
     true_centroids.push_back(mass_properties(meshes.back()).centroid_m);
   }
   const SpecimenMatching matching =
-      match_specimens(centroids_of(estimate.traits), true_centroids, kMatchGate_m);
+      match_specimens(centroids_of(estimate.traits), true_centroids, match_gate_m(objects));
   std::vector<const SpecimenTraits*> measured(objects.size(), nullptr);
   for (const SpecimenMatch& match : matching.matches) {
     measured[static_cast<std::size_t>(match.truth)] =

@@ -126,6 +126,19 @@ TEST(ScoreSeeds, AMissedSeedIsNotSolvedAndAStrangerIsSpurious) {
   EXPECT_NEAR(row_of(rows, "zhengdan958", "length.solved").value, 2.0 / 3, 1e-12);
 }
 
+TEST(ScoreSeeds, ALargeSpecimenIsFoundByItsUpperSurfaceAlone) {
+  SceneTruth truth = three_boxes();
+  truth.scene.instances.resize(1);
+  SeedsEstimate estimate = estimate_of(truth, 0, 1e-5);
+  estimate.traits[0].centroid_in_world_m.z() += 0.0055;  // the centroid of a half sphere of 22 mm
+  EXPECT_EQ(row_of(score_run(truth, estimate, {}).rows, "run", "specimens.found").value, 0);
+  for (TrueTrait& trait : truth.scene.instances[0].traits) {
+    if (trait.unit == "m") trait.value = 0.022;
+  }
+  EXPECT_EQ(row_of(score_run(truth, estimate, {}).rows, "run", "specimens.found").value, 1);
+  EXPECT_EQ(row_of(score_run(truth, estimate, {}).rows, "run", "specimens.spurious").value, 0);
+}
+
 TEST(ScoreSeeds, WhatAnEstimateCouldNotMeasureIsUnsolvedWhereverItStands) {
   const SceneTruth truth = three_boxes();
   SeedsEstimate estimate = estimate_of(truth, 0, 1e-5);
