@@ -31,7 +31,7 @@ void each_pixel(const Plane& plane, const Use& use) {
   });
 }
 
-/// std::hypot without its care for overflow, which costs more than all else of a pixel's sum.
+/// std::hypot without its care for overflow, which took a twelfth of a map's time.
 double length(double x, double y) { return std::sqrt(x * x + y * y); }
 
 /// Three planes of doubles.
