@@ -52,7 +52,7 @@ SpecimenTraits not_solved(const Surface& surface, std::string reason) {
   return result;
 }
 
-SpecimenTraits paper_traits(const Surface& surface, double alpha_m) {
+SpecimenTraits paper_traits(const Surface& surface, double alpha_of_length) {
   if (surface.points_m.size() < 4) {
     return not_solved(surface,
                       std::to_string(surface.points_m.size()) + " points; at least 4 needed");
@@ -63,6 +63,8 @@ SpecimenTraits paper_traits(const Surface& surface, double alpha_m) {
     centroid += (p - surface.points_m.front()) / static_cast<double>(surface.points_m.size());
   }
   const OrientedBox box = pca_box(surface.points_m);
+  const double alpha_m = alpha_of_length * box.size_m.x();
+  if (!(alpha_m > 0)) return not_solved(surface, "all points are one");
   const AlphaShape shape = alpha_shape(surface.points_m, alpha_m);
   if (shape.tetrahedra == 0) return not_solved(surface, "the alpha shape is empty");
   SpecimenTraits result;
@@ -175,7 +177,8 @@ SpecimenTraits mesh_traits(const Surface& surface, double pixel_m, const MeshTra
 }  // namespace
 
 Fields fields(PaperTraitConfig& c) {
-  return {{"alpha_m", &c.alpha_m, "largest circumscribed radius of a kept tetrahedron", 1e-6, 1}};
+  return {{"alpha_of_length", &c.alpha_of_length,
+           "largest circumscribed radius of a kept tetrahedron over the box's length", 1e-3, 1e6}};
 }
 
 void validate(const PaperTraitConfig& config) {
@@ -187,7 +190,7 @@ Traits traits_as_paper(const Surfaces& surfaces, const PaperTraitConfig& config)
   validate(config);
   Traits traits(surfaces.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i)
-    traits[i] = paper_traits(surfaces[i], config.alpha_m);
+    traits[i] = paper_traits(surfaces[i], config.alpha_of_length);
   return traits;
 }
 

@@ -5,9 +5,12 @@
 
 namespace cousin {
 
-/// The paper's measures of a cluster: PCA box, alpha shape.
+/// The paper's measures of a cluster: PCA box, alpha shape. It does not say how large alpha is. A
+/// cloud of a surface is empty inside, and the tetrahedra that span it have spheres as large as
+/// what is measured: with a smaller alpha only a thin shell has a volume, and what no view sees
+/// (undersides) stays open. So alpha goes with the cluster's size: as long as it.
 struct PaperTraitConfig {
-  double alpha_m = 0.0015;
+  double alpha_of_length = 1;  ///< alpha over the box's length
 };
 Fields fields(PaperTraitConfig& config);
 void validate(const PaperTraitConfig& config);

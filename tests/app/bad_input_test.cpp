@@ -223,7 +223,7 @@ TEST_F(AppBadInput, ThePapersStepsMeasureACloudOfFiles) {
   for (int i = 0; i < 480 * 480; ++i) {
     const float x = 0.000125F * static_cast<float>(i % 480 - 240);
     const float y = 0.000125F * static_cast<float>(i / 480 - 240);
-    // A half ball small enough that the alpha shape's balls of 1.5 mm fill it.
+    // A half ball.
     const float rest = 0.00145F * 0.00145F - x * x - y * y;
     cloud.push_back({{x, y, rest > 0 ? std::sqrt(rest) : 0.0F}, {0, 0, 1}});
   }

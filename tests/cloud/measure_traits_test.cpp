@@ -66,6 +66,42 @@ TEST(PaperTraits, OfABlockOfPointsAreItsSizes) {
   EXPECT_LT((traits.centroid_in_world_m - Eigen::Vector3d(0.01, 0.02, 0.03)).norm(), 1e-9);
 }
 
+// What stereo and Gaussians deliver: points on what cameras saw, none inside, none underneath. Its
+// volume is the ball's, less the cap that no view sees, for a grain and for the paper's sphere of
+// 22 mm alike.
+TEST(PaperTraits, OfAnOpenShellAreThoseOfTheSolid) {
+  for (const double radius_m : {0.002, 0.011}) {
+    Surface surface;
+    surface.status = SurfaceStatus::ok;
+    Rng rng(11);
+    while (surface.points_m.size() < 3000) {
+      const Eigen::Vector3d p = Eigen::Vector3d(normal(rng), normal(rng), normal(rng)).normalized();
+      if (p.z() > -0.6) surface.points_m.push_back(radius_m * (1 + 0.003 * normal(rng)) * p);
+    }
+    const SpecimenTraits traits = traits_as_paper({surface}).front();
+    ASSERT_EQ(traits.status, TraitStatus::ok) << traits.reason;
+    const double cap = 0.4, radius3 = std::pow(radius_m, 3);  // its height in radii
+    const double pi = std::numbers::pi;
+    const double volume_m3 = pi * radius3 * (4.0 / 3 - cap * cap * (3 - cap) / 3);
+    EXPECT_NEAR(value_of(traits, "volume") / volume_m3, 1, 0.015) << radius_m;
+    const double area_m2 = pi * radius_m * radius_m * (4 - 2 * cap + (2 * cap - cap * cap));
+    EXPECT_NEAR(value_of(traits, "area") / area_m2, 1, 0.015) << radius_m;
+  }
+}
+
+// Creases and dents are what a small alpha shows, if points fill the inside.
+TEST(PaperTraits, AlphaIsAShareOfTheLength) {
+  Surface surface;
+  surface.points_m = block_points(kSize, 20);  // 0.5, 0.3 and 0.2 mm apart: spheres of 0.31 mm
+  PaperTraitConfig config;
+  config.alpha_of_length = 0.03;
+  EXPECT_EQ(traits_as_paper({surface}, config).front().status, TraitStatus::not_solved);
+  config.alpha_of_length = 0.033;
+  const SpecimenTraits traits = traits_as_paper({surface}, config).front();
+  ASSERT_EQ(traits.status, TraitStatus::ok) << traits.reason;
+  EXPECT_NEAR(value_of(traits, "volume"), 2.4e-7, 1e-9);
+}
+
 TEST(PaperTraits, DegenerateClustersAreNotSolvedAndSayWhy) {
   Surfaces surfaces(4);
   for (int i = 0; i < 4; ++i) surfaces[static_cast<std::size_t>(i)].instance = i;
