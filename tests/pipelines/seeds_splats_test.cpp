@@ -324,6 +324,38 @@ SplatModel trained_on(const std::vector<SplatView>& views, bool any_background) 
       training, training.steps);
 }
 
+// Seven small photographs, and one that 17,000 wide Gaussians fill: 70 million pairs. The training
+// ends at that one; what it had learned is handed over to whoever asks to be told, else there is
+// none.
+TEST(SeedsSplats, ATrainingLeftEarlyTellsAndKeepsItsModel) {
+  std::vector<SplatView> views(8);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const int size_px = i + 1 < views.size() ? 16 : 1024;
+    const double middle_px = 0.5 * (size_px - 1);
+    views[i].full.camera = {LensModel::pinhole, size_px,   size_px,   0.6 * size_px,
+                            0.6 * size_px,      middle_px, middle_px, {}};
+    for (Image<float>& channel : views[i].full.color.channel)
+      channel = Image<float>(size_px, size_px, 0.5F);
+  }
+  const std::vector<StartPoint> from(17'000, StartPoint{{0, 0, 3}});  // in one place
+  SplatStartConfig wide;
+  wide.alone_m = 20;
+  SplatTrainConfig training;
+  training.steps = 8;
+  training.report_every = 1;
+  training.growth = SplatGrowth::fixed;
+  training.quarter_until = training.half_until = 0;
+  std::string why;
+  SplatWatch watch;
+  watch.left_early = [&](const std::string& reason) { why = reason; };
+  const SplatModel kept = train_on_views(views, from, wide, training, 8, watch);
+  EXPECT_EQ(kept.splats.size(), from.size());
+  EXPECT_THAT(why, testing::HasSubstr("of 8: "));
+  const SplatModel none = train_on_views(views, from, wide, training, 8);
+  EXPECT_TRUE(none.splats.empty());
+  EXPECT_FALSE(none.why_none.empty());
+}
+
 TEST(SeedsSplats, TrainedGaussiansShowThePhotographs) {
   const ChequeredPlate made = chequered_plate({-1, -1, 0});
   const std::vector<SplatView> views = seed_views(made.capture, made.poses, volume, {}, 4);
