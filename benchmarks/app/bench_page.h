@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "benchmarks/app/commands.h"
+#include "benchmarks/seeds/seeds_report.h"
+#include "benchmarks/shards/shard_scores.h"
+
+namespace cousin {
+
+/// Of the page of `bench real`, whose pictures only that command makes.
+inline constexpr const char* kRealTitle = "Cousin: bench real";
+
+/// Plots and tables that suites make of their rows: on the page at once, and again from the tables
+/// alone.
+void add_plots(SeedsReport& report);
+
+SeedsReport titled(const char* title, const char* summary, ScoreFile scores);
+/// Keeps pictures for the page and notes which it shows.
+void keep_scene(SeedsReport& report, const ReportScene& scene, const std::filesystem::path& out);
+/// The pictures of the jobs on this page: a --quick run and a full one share the folder.
+void show_scenes(const std::vector<ShardResult>& results, const std::filesystem::path& folder,
+                 SeedsReport& report);
+/// Says on the terminal and on the page how many jobs have no result yet, if any.
+void note_missing(const JobContext& context, const std::vector<ShardResult>& results,
+                  SeedsReport& report);
+/// Heads the tables, writes them and the page.
+ScoreFile finish(SeedsReport report, const JobContext& context, const std::filesystem::path& out);
+
+}  // namespace cousin
