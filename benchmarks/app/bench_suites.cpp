@@ -74,6 +74,16 @@ std::vector<ShardResult> run_jobs(const JobContext& context, const fs::path& out
   return results;
 }
 
+/// A suite whose rows are those of its jobs and no more.
+ScoreFile bench_jobs(const JobContext& context, const fs::path& out, const char* suite,
+                     const std::vector<ShardJob>& jobs, const char* summary) {
+  const auto results = run_jobs(context, out, jobs);
+  SeedsReport report = titled((std::string("Cousin: bench ") + suite).c_str(), summary,
+                              scores_of_shards(results, suite, context.options.seed));
+  note_missing(context, results, report);
+  return finish(std::move(report), context, out);
+}
+
 SeedsSuiteConfig seeds_config(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
   SeedsSuiteConfig config;
@@ -233,14 +243,10 @@ std::vector<ShardJob> list_splats(const JobContext& context, const fs::path&) {
 }
 
 ScoreFile bench_splats(const JobContext& context, const fs::path& out) {
-  const auto results = run_jobs(context, out, list_splats(context, out));
-  SeedsReport report =
-      titled("Cousin: bench splats",
-             "Gaussian splatting on a CPU: core time of each blended pair, wall time of a training "
-             "step, and held-out PSNR against wall time on photographs that are not Cousin's.",
-             scores_of_shards(results, "splats", context.options.seed));
-  note_missing(context, results, report);
-  return finish(std::move(report), context, out);
+  return bench_jobs(
+      context, out, "splats", list_splats(context, out),
+      "Gaussian splatting on a CPU: core time of each blended pair, wall time of a training "
+      "step, and held-out PSNR against wall time on photographs that are not Cousin's.");
 }
 
 StudiesConfig studies_config(const Options& o) {
@@ -290,14 +296,10 @@ std::vector<ShardJob> list_sfm(const JobContext& context, const fs::path& out) {
 }
 
 ScoreFile bench_sfm(const JobContext& context, const fs::path& out) {
-  const auto results = run_jobs(context, out, list_sfm(context, out));
-  SeedsReport report =
-      titled("Cousin: bench sfm",
-             "Poses by COLMAP 3.8 before and after our adjustment, against exact ones. COLMAP's "
-             "results vary with its threads, whose number is fixed here, and with its build.",
-             scores_of_shards(results, "sfm", context.options.seed));
-  note_missing(context, results, report);
-  return finish(std::move(report), context, out);
+  return bench_jobs(
+      context, out, "sfm", list_sfm(context, out),
+      "Poses by COLMAP 3.8 before and after our adjustment, against exact ones. COLMAP's "
+      "results vary with its threads, whose number is fixed here, and with its build.");
 }
 
 SeedlingsSuiteConfig seedlings_config(const JobContext& context, const fs::path& out) {

@@ -80,6 +80,9 @@ TEST(PaperTraits, OfAnOpenShellAreThoseOfTheSolid) {
     }
     const SpecimenTraits traits = traits_as_paper({surface}).front();
     ASSERT_EQ(traits.status, TraitStatus::ok) << traits.reason;
+    // The hull of points that scatter by 0.3 % of the radius lies outwards by up to two of it,
+    // which is 1.2 % of the area and 1.8 % of the volume; chords of 3000 points take some of it
+    // back.
     const double cap = 0.4, radius3 = std::pow(radius_m, 3);  // its height in radii
     const double pi = std::numbers::pi;
     const double volume_m3 = pi * radius3 * (4.0 / 3 - cap * cap * (3 - cap) / 3);

@@ -9,57 +9,13 @@
 
 #include "perception/pipelines/seeds.h"
 #include "perception/splats/splat_render.h"
+#include "tests/pipelines/plate_capture.h"
 
 namespace cousin {
 namespace {
 
 using testing::Contains;
 using testing::Not;
-
-const SweepVolume volume{{-0.05, -0.05, -0.002}, {0.05, 0.05, 0.026}};
-constexpr Rgb8 kGreen{40, 200, 60};
-
-/// A camera that looks down at the board's middle from a slant, with a lens that bends.
-FramePose slanted(int frame, double turn_rad) {
-  FramePose pose;
-  pose.frame = frame;
-  pose.status = PoseStatus::ok;
-  pose.camera = {LensModel::opencv5,          320, 240, 400, 400, 159.5, 119.5,
-                 {-0.1, 0.02, 1e-3, -1e-3, 0}};
-  const Eigen::Quaterniond down(Eigen::AngleAxisd(M_PI - 0.4, Eigen::Vector3d::UnitX()) *
-                                Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()));
-  pose.camera_from_world = {down, {0, 0, 0.3}};
-  return pose;
-}
-
-/// A plate of flat, dense Gaussians at z = height, and no colour beside grey.
-SplatModel plate(double height_m) {
-  SplatModel model;
-  model.sh_degree = 0;
-  for (double x = -0.03; x <= 0.03; x += 0.0005) {
-    for (double y = -0.03; y <= 0.03; y += 0.0005) {
-      Splat splat;
-      splat.centre_m = Eigen::Vector3d(x, y, height_m).cast<float>();
-      splat.log_scale = {std::log(0.0004F), std::log(0.0004F), std::log(1e-5F)};
-      splat.opacity_logit = 4;
-      model.splats.push_back(splat);
-    }
-  }
-  return model;
-}
-
-Capture capture_of(const Poses& poses, Rgb8 color) {
-  Capture capture;
-  capture.rig.push_back({.camera = poses.front().camera});
-  for (const FramePose& pose : poses) {
-    Frame frame{.id = pose.frame};
-    frame.sensors.push_back(
-        {.reported = pose.camera,
-         .color = Image<Rgb8>(pose.camera.width_px, pose.camera.height_px, color)});
-    capture.frames.push_back(std::move(frame));
-  }
-  return capture;
-}
 
 TEST(SeedsSplats, StraysAreTakenOutAndTheBoardAroundTheVolumeStays) {
   SplatModel model;
@@ -90,7 +46,7 @@ TEST(SeedsSplats, StraysAreTakenOutAndTheBoardAroundTheVolumeStays) {
 TEST(SeedsSplats, DepthLiesOnThePhotographsOwnPixels) {
   const FramePose pose = slanted(4, 0.3);
   const Depths depths =
-      depths_of_splats(plate(0.01), {pose}, volume, SeedsSplatConfig{}.low_pass_px2);
+      depths_of_splats(plate(0.01), {pose}, kPlateVolume, SeedsSplatConfig{}.low_pass_px2);
   ASSERT_EQ(depths.size(), 1U);
   EXPECT_EQ(depths[0].frame, 4);
   ASSERT_EQ(depths[0].depth_m.width(), 320);
@@ -117,7 +73,8 @@ TEST(SeedsSplats, DepthLiesOnThePhotographsOwnPixels) {
 TEST(SeedsSplats, NormalsAreThoseOfTheSlantedPlate) {
   const FramePose pose = slanted(4, 0.3);
   const FrameDepth depth =
-      depths_of_splats(plate(0.01), {pose}, volume, SeedsSplatConfig{}.low_pass_px2, true).at(0);
+      depths_of_splats(plate(0.01), {pose}, kPlateVolume, SeedsSplatConfig{}.low_pass_px2, true)
+          .at(0);
   ASSERT_EQ(depth.normal.width(), depth.depth_m.width());
   const Eigen::Vector3d up = pose.camera_from_world.rotation * Eigen::Vector3d::UnitZ();
   std::vector<double> off_rad;
@@ -136,8 +93,8 @@ TEST(SeedsSplats, NormalsAreThoseOfTheSlantedPlate) {
 TEST(SeedsSplats, DepthOutsideTheVolumeAndOfViewsWithoutAPoseIsLeftOut) {
   FramePose lost = slanted(1, 0);
   lost.status = PoseStatus::no_board;
-  const Depths depths =
-      depths_of_splats(plate(0.04), {slanted(0, 0), lost}, volume, SeedsSplatConfig{}.low_pass_px2);
+  const Depths depths = depths_of_splats(plate(0.04), {slanted(0, 0), lost}, kPlateVolume,
+                                         SeedsSplatConfig{}.low_pass_px2);
   for (const float depth_m : depths.at(0).depth_m) EXPECT_TRUE(std::isnan(depth_m));
   EXPECT_TRUE(depths.at(1).depth_m.empty());
 }
@@ -151,7 +108,7 @@ TEST(SeedsSplats, ViewsAreCutToTheVolumeAndGreenIsBlack) {
       *Lens(poses[1].camera).project(poses[1].camera_from_world * Eigen::Vector3d::Zero());
   capture.frames[1].sensors[0].color(static_cast<int>(std::lround(middle.x())),
                                      static_cast<int>(std::lround(middle.y()))) = {250, 250, 250};
-  const auto views = seed_views(capture, poses, volume, {}, 8);
+  const auto views = seed_views(capture, poses, kPlateVolume, {}, 8);
   ASSERT_EQ(views.size(), 1U);
   EXPECT_EQ(views[0].frame, 1);
   const SplatViewLevel& level = views[0].full;
@@ -181,10 +138,10 @@ TEST(SeedsSplats, NothingToLearnGivesNoGaussians) {
   EXPECT_TRUE(train_on_views({}, std::vector<StartPoint>(9), {}, {}, 100).splats.empty());
   FramePose away = slanted(0, 0);
   away.camera_from_world.translation_m = {0, 0, -0.3};  // looks away from the board
-  EXPECT_TRUE(seed_views(capture_of({away}, kGreen), {away}, volume, {}, 8).empty());
+  EXPECT_TRUE(seed_views(capture_of({away}, kGreen), {away}, kPlateVolume, {}, 8).empty());
   FramePose larger = slanted(0, 0);
   larger.camera.width_px *= 2;
-  EXPECT_THROW(seed_views(capture_of({slanted(0, 0)}, kGreen), {larger}, volume, {}, 8),
+  EXPECT_THROW(seed_views(capture_of({slanted(0, 0)}, kGreen), {larger}, kPlateVolume, {}, 8),
                std::invalid_argument);
 }
 
@@ -192,9 +149,9 @@ TEST(SeedsSplats, PhotographsBeyondMemoryAreRefusedUntilMoreIsAllowed) {
   const Capture capture = capture_of({slanted(0, 0), slanted(1, 1)}, kGreen);
   const Poses poses = {slanted(0, 0), slanted(1, 1)};
   const double all = 2.0 * slanted(0, 0).camera.width_px * slanted(0, 0).camera.height_px;
-  EXPECT_EQ(seed_views(capture, poses, volume, {}, 10000, all).size(), 2U);
+  EXPECT_EQ(seed_views(capture, poses, kPlateVolume, {}, 10000, all).size(), 2U);
   try {
-    (void)seed_views(capture, poses, volume, {}, 10000, all - 1);
+    (void)seed_views(capture, poses, kPlateVolume, {}, 10000, all - 1);
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("most_pixels"));
@@ -268,205 +225,12 @@ TEST(SeedsSplats, GaussiansBeginOnClosedSurfacesAndElseOnTheCloud) {
 
 TEST(SeedsSplats, TooFewPointsAreFilledUpInTheVolume) {
   std::vector<StartPoint> start(10);
-  fill_start(volume, 20, Rng(1), start);
+  fill_start(kPlateVolume, 20, Rng(1), start);
   EXPECT_EQ(start.size(), 10U);  // half is enough
-  fill_start(volume, 50, Rng(1), start);
+  fill_start(kPlateVolume, 50, Rng(1), start);
   ASSERT_EQ(start.size(), 50U);
   for (const StartPoint& point : start)
     EXPECT_LE(point.position_m.cwiseAbs().maxCoeff(), 0.05 + 1e-9);
-}
-
-/// A chequered plate photographed from eight sides, before a green screen.
-struct ChequeredPlate {
-  Poses poses;
-  Capture capture;
-};
-ChequeredPlate chequered_plate(const std::array<float, 3>& dark) {
-  SplatModel truth = plate(0.01);
-  for (Splat& splat : truth.splats) {
-    const auto cell = [](float at_m) { return static_cast<int>(std::floor(at_m / 0.004F)); };
-    const bool white = ((cell(splat.centre_m.x()) + cell(splat.centre_m.y())) & 1) != 0;
-    splat.sh_dc = white ? std::array<float, 3>{1.5F, 1.5F, 1.5F} : dark;
-  }
-  ChequeredPlate result;
-  for (int i = 0; i < 8; ++i) {
-    FramePose pose = slanted(i, i * M_PI / 4);
-    pose.camera.model = LensModel::pinhole;
-    pose.camera.distortion = {};
-    result.poses.push_back(pose);
-  }
-  result.capture = capture_of(result.poses, {});
-  const std::array<float, 3> green = {kGreen.r / 255.0F, kGreen.g / 255.0F, kGreen.b / 255.0F};
-  for (std::size_t i = 0; i < result.poses.size(); ++i) {
-    const FramePose& pose = result.poses[i];
-    const ColorPlanes image =
-        render_splats(truth, pose.camera, pose.camera_from_world, {.background = green}).color;
-    for (std::size_t p = 0; p < image.channel[0].size(); ++p) {
-      const auto code = [&](std::size_t c) {
-        return static_cast<std::uint8_t>(
-            std::lround(255 * std::clamp(image.channel[c].data()[p], 0.0F, 1.0F)));
-      };
-      result.capture.frames[i].sensors[0].color.data()[p] = {code(0), code(1), code(2)};
-    }
-  }
-  return result;
-}
-
-SplatModel trained_on(const std::vector<SplatView>& views, bool any_background) {
-  SplatTrainConfig training;
-  training.steps = 400;
-  training.most_splats = 6000;
-  training.any_background = any_background;
-  training.rates.centre_first = SeedsSplatConfig{}.centre_rate;
-  training.rates.centre_last = 0.01 * training.rates.centre_first;
-  return train_on_views(
-      views, random_start_points({-0.03, -0.03, 0.0097}, {0.03, 0.03, 0.0103}, 4000, Rng(3)), {},
-      training, training.steps);
-}
-
-// Seven small photographs, and one that 17,000 wide Gaussians fill: 70 million pairs. The training
-// ends at that one; what it had learned is handed over to whoever asks to be told, else there is
-// none.
-TEST(SeedsSplats, ATrainingLeftEarlyTellsAndKeepsItsModel) {
-  std::vector<SplatView> views(8);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const int size_px = i + 1 < views.size() ? 16 : 1024;
-    const double middle_px = 0.5 * (size_px - 1);
-    views[i].full.camera = {LensModel::pinhole, size_px,   size_px,   0.6 * size_px,
-                            0.6 * size_px,      middle_px, middle_px, {}};
-    for (Image<float>& channel : views[i].full.color.channel)
-      channel = Image<float>(size_px, size_px, 0.5F);
-  }
-  const std::vector<StartPoint> from(17'000, StartPoint{{0, 0, 3}});  // in one place
-  SplatStartConfig wide;
-  wide.alone_m = 20;
-  SplatTrainConfig training;
-  training.steps = 8;
-  training.report_every = 1;
-  training.growth = SplatGrowth::fixed;
-  training.quarter_until = training.half_until = 0;
-  std::string why;
-  SplatWatch watch;
-  watch.left_early = [&](const std::string& reason) { why = reason; };
-  const SplatModel kept = train_on_views(views, from, wide, training, 8, watch);
-  EXPECT_EQ(kept.splats.size(), from.size());
-  EXPECT_THAT(why, testing::HasSubstr("of 8: "));
-  const SplatModel none = train_on_views(views, from, wide, training, 8);
-  EXPECT_TRUE(none.splats.empty());
-  EXPECT_FALSE(none.why_none.empty());
-}
-
-TEST(SeedsSplats, TrainedGaussiansShowThePhotographs) {
-  const ChequeredPlate made = chequered_plate({-1, -1, 0});
-  const std::vector<SplatView> views = seed_views(made.capture, made.poses, volume, {}, 4);
-  const SplatModel model = trained_on(views, false);
-  ASSERT_FALSE(model.splats.empty());
-  double off = 0;
-  std::size_t values = 0;
-  for (const SplatView& view : views) {
-    const SplatViewLevel& level = view.full;
-    const ColorPlanes image = render_splats(model, level.camera, view.camera_from_world).color;
-    for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t p = 0; p < image.channel[c].size(); ++p, ++values) {
-        const double d = image.channel[c].data()[p] - level.color.channel[c].data()[p];
-        off += d * d;
-      }
-    }
-  }
-  EXPECT_GT(-10 * std::log10(off / static_cast<double>(values)), 28) << "dB";
-}
-
-/// Mean opacity of a model where the photographs show dark parts of the scene.
-double dark_opacity(const SplatModel& model, const std::vector<SplatView>& views) {
-  double sum = 0, count = 0;
-  for (const SplatView& view : views) {
-    const SplatViewLevel& level = view.full;
-    const Image<float> alpha = render_splats(model, level.camera, view.camera_from_world).alpha;
-    for (std::size_t i = 0; i < alpha.size(); ++i) {
-      const bool is_dark = level.behind.data()[i] == 0 && level.color.channel[1].data()[i] < 0.1F;
-      if (!is_dark) continue;
-      sum += alpha.data()[i];
-      ++count;
-    }
-  }
-  return sum / count;
-}
-
-TEST(SeedsSplats, WhatIsBlackIsOpaqueBeforeAnyBackground) {
-  const ChequeredPlate made = chequered_plate({-1.7F, -1.7F, -1.7F});
-  const std::vector<SplatView> views = seed_views(made.capture, made.poses, volume, {}, 4);
-  EXPECT_GT(dark_opacity(trained_on(views, true), views), 0.93);
-  // Before black alone nothing asks for it.
-  EXPECT_LT(dark_opacity(trained_on(views, false), views), 0.85);
-}
-
-TEST(SeedsSplats, OneViewInSoManyIsHeldOut) {
-  SeedsSplatConfig config;
-  const Poses poses = {slanted(0, 0), slanted(1, 1), slanted(2, 2), slanted(3, 3), slanted(4, 4)};
-  for (const int none : {0, 1}) {
-    config.hold_out_every = none;
-    for (const FramePose& pose : training_poses(config, poses))
-      EXPECT_EQ(pose.status, PoseStatus::ok) << none;
-  }
-  config.hold_out_every = 3;
-  const Poses kept = training_poses(config, poses);
-  for (const int frame : {0, 1, 2, 3, 4}) {
-    const bool held_out = frame == 1 || frame == 4;
-    EXPECT_EQ(is_held_out(config, frame), held_out) << frame;
-    EXPECT_EQ(kept[static_cast<std::size_t>(frame)].status == PoseStatus::ok, !held_out) << frame;
-  }
-}
-
-TEST(SeedsSplats, WhatIsHeldOutChangesNothing) {
-  ChequeredPlate made = chequered_plate({-1, -1, 0});
-  SeedsPipelineConfig config;
-  config.method = SeedsMethod::splats_paper;
-  config.splats.hold_out_every = 3;
-  config.splats.reference_steps = 20;
-  config.splats.reference_points = 500;
-  SeedsEstimate so_far;
-  so_far.poses = made.poses;
-  std::vector<int> taken;
-  const auto model_of = [&] {
-    const SplatSnapshots snapshots{{10}, [&](const SplatTrainPoint& point, const SplatModel&) {
-                                     taken.push_back(point.step);
-                                   }};
-    return seeds_stages(config, 1, {{}, snapshots}).splats(made.capture, so_far);
-  };
-  const auto bytes_of = [](const SplatModel& model) {
-    std::vector<float> numbers;
-    for (const Splat& splat : model.splats) {
-      for (const float x : splat.centre_m) numbers.push_back(x);
-      for (const float x : splat.sh_dc) numbers.push_back(x);
-      numbers.push_back(splat.opacity_logit);
-    }
-    return numbers;
-  };
-  const std::vector<float> before = bytes_of(model_of());
-  ASSERT_FALSE(before.empty());
-  for (Rgb8& pixel : made.capture.frames[1].sensors[0].color) pixel = {255, 0, 255};
-  EXPECT_EQ(bytes_of(model_of()), before);
-  for (Rgb8& pixel : made.capture.frames[0].sensors[0].color) pixel = {255, 0, 255};
-  EXPECT_NE(bytes_of(model_of()), before);
-  EXPECT_EQ(taken, (std::vector<int>{10, 10, 10}));
-}
-
-TEST(SeedsSplats, TheReferenceIsLeftAfterTheStepsThatAreAskedFor) {
-  const ChequeredPlate made = chequered_plate({-1, -1, 0});
-  SeedsPipelineConfig config;
-  config.method = SeedsMethod::splats_paper;
-  config.splats.reference_steps = 17;
-  config.splats.reference_points = 100;
-  SeedsEstimate so_far;
-  so_far.poses = made.poses;
-  SplatWatch watch;
-  int last = 0;
-  watch.progress = [&](int step, int of) {
-    EXPECT_EQ(of, 17);
-    last = step;
-  };
-  seeds_stages(config, 1, watch).splats(made.capture, so_far);
-  EXPECT_EQ(last, 17);
 }
 
 TEST(SeedsSplats, EachMethodReadsWhatItNeeds) {
