@@ -53,8 +53,7 @@ PosedSet read_split_set(const fs::path& folder) {
   PosedSet set;
   const std::map<std::string, bool> split = read_split(folder / "split.txt");
   const fs::path transforms = folder / "transforms.json";
-  const NerfstudioFile list =
-      parse_nerfstudio(read_file(transforms, std::size_t{1} << 26), transforms.string());
+  const NerfstudioFile list = read_nerfstudio(transforms);
   const Capture capture = import_nerfstudio(transforms);
   if (!capture.warnings.empty()) throw std::runtime_error(capture.warnings.front());
   std::map<std::string, int> views_of_name;

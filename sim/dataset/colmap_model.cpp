@@ -1,7 +1,9 @@
 // COLMAP's sparse model [colmap.github.io/format.html]; world to camera, x right, y down, z
 // forward.
 //   cameras.txt   CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]
-//   images.txt    IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of its points
+//   images.txt    IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of its points: triples
+//                 X Y POINT3D_ID (-1: none). Programs that write no points write an empty line, or
+//                 no line at all: each line is looked at
 //   points3D.txt  not read, written empty
 //   cameras.bin   u64 count; each i32 id, i32 model, u64 width, u64 height, f64 parameters
 //   images.bin    u64 count; each i32 id, f64 q[4] t[3], i32 camera, name and a zero byte, u64
@@ -18,7 +20,9 @@
 
 #include "sim/dataset/byte_reader.h"
 #include "sim/dataset/colmap_camera.h"
+#include "sim/dataset/import_images.h"
 #include "sim/dataset/text_fields.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -28,6 +32,7 @@ static_assert(std::endian::native == std::endian::little, "COLMAP's files are li
 constexpr int kMaxId = 2147483647;
 constexpr long long kMaxSide_px = 65535;
 constexpr std::size_t kMaxNameChars = 4096;
+constexpr double kMostNormError = 1e-2;  ///< of a quaternion; COLMAP normalises, and so do we
 
 std::string camera_name(int id) { return "camera " + std::to_string(id); }
 
@@ -37,10 +42,15 @@ Pose pose_of(const std::array<double, 7>& numbers, const std::string& where) {
     if (!std::isfinite(number))
       throw std::runtime_error(where + "a number of the pose is not finite");
   }
+  for (std::size_t i = 4; i < numbers.size(); ++i) {
+    if (std::abs(numbers[i]) > kMostCoordinate)
+      throw std::runtime_error(where + "the place " + exact_text(numbers[i]) +
+                               " is outside [-1e9, 1e9]");
+  }
   Pose pose{Eigen::Quaterniond(numbers[0], numbers[1], numbers[2], numbers[3]),
             Eigen::Vector3d(numbers[4], numbers[5], numbers[6])};
   const double norm = pose.rotation.norm();
-  if (!(std::abs(norm - 1) < 1e-2)) {
+  if (!(std::abs(norm - 1) < kMostNormError)) {
     throw std::runtime_error(where + "the quaternion's norm " + exact_text(norm) +
                              " is not 1 to within 0.01");
   }
@@ -67,6 +77,7 @@ void add_image(ColmapModel& model, int id, ColmapImage image, const std::string&
   if (image.name.empty() || image.name.size() > kMaxNameChars)
     throw std::runtime_error(where + "the name has " + std::to_string(image.name.size()) +
                              " characters; the limit is 1 to 4096");
+  require_utf8(image.name, where.substr(0, where.size() - 2));
   if (!model.images.emplace(id, std::move(image)).second)
     throw std::runtime_error(where + "image " + std::to_string(id) + " occurs twice");
 }
@@ -144,6 +155,49 @@ void read_image(const TextLine& line, const std::string& where, ColmapModel& mod
   add_image(model, static_cast<int>(line.integer(0, 0, kMaxId)), std::move(image), where);
 }
 
+/// Nothing, or triples of which the third is a point's number; -1 is none, which old programs wrote
+/// as 2^64 - 1.
+bool is_points(const TextLine& line) {
+  if (line.size() % 3 != 0) return false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (!(i % 3 == 2 ? line.is_integer(i) : line.is_number(i))) return false;
+  }
+  return true;
+}
+
+/// A turn of unit length, and a camera that there is: points are not mistaken for that.
+bool is_image(const TextLine& line, const ColmapModel& model) {
+  if (line.size() < 10 || !line.is_integer(0) || !line.is_integer(8)) return false;
+  for (std::size_t i = 1; i < 8; ++i) {
+    if (!line.is_number(i)) return false;
+  }
+  const Eigen::Vector4d q(line.number(1), line.number(2), line.number(3), line.number(4));
+  const double camera = line.number(8);
+  return std::abs(q.norm() - 1) < kMostNormError && camera >= 0 && camera <= kMaxId &&
+         model.cameras.contains(static_cast<int>(camera));
+}
+
+/// Passes over the line of an image's points, which need not be there.
+void skip_points(TextLines& lines, const ColmapModel& model) {
+  while (!lines.at_end()) {
+    TextLines ahead = lines;
+    const TextLine line = ahead.next();
+    const bool is_comment = line.size() > 0 && line.text(0).starts_with('#');
+    if (!is_comment) {
+      const bool points = is_points(line), image = is_image(line, model);
+      if (points && image)
+        line.fail("may be an image or the points of the one before; put a line between them");
+      if (!points && !image)
+        line.fail(
+            "is neither the points of the image before it, X Y POINT3D_ID for each, nor an "
+            "image");
+      if (image) return;
+    }
+    lines = ahead;
+    if (!is_comment) return;
+  }
+}
+
 }  // namespace
 
 ColmapFiles colmap_text(const ColmapModel& model) {
@@ -193,13 +247,13 @@ ColmapModel colmap_from_text(const ColmapFiles& files, const std::string& name) 
   ColmapModel model;
   const std::string cameras = name + "/cameras.txt", images = name + "/images.txt";
   for (const TextLine& line : records(files.cameras, cameras))
-    read_camera(line, cameras + ": camera " + line.text(0).substr(0, 20) + ": ", model);
+    read_camera(line, line.where() + "camera " + cut_utf8(line.text(0), 20) + ": ", model);
   TextLines lines(files.images, images);
   while (!lines.at_end()) {
     const TextLine line = lines.next();
     if (line.size() == 0 || line.text(0).starts_with('#')) continue;
-    read_image(line, images + ": image " + line.text(0).substr(0, 20) + ": ", model);
-    if (!lines.at_end()) lines.next();  // its points, often none
+    read_image(line, line.where() + "image " + cut_utf8(line.text(0), 20) + ": ", model);
+    skip_points(lines, model);
   }
   return model;
 }

@@ -1,34 +1,62 @@
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/camera_files.h"
 #include "sim/dataset/capture_json.h"
+#include "sim/dataset/exif_focal.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/import.h"
 #include "sim/dataset/import_images.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> images_in(const fs::path& folder) {
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// Endings of pictures that are not read.
+constexpr std::array<std::string_view, 15> kOtherEndings = {
+    ".heic", ".heif", ".avif", ".webp", ".tif", ".tiff", ".bmp", ".gif",
+    ".jxl",  ".dng",  ".cr2",  ".cr3",  ".nef", ".arw",  ".raf"};
+
+/// Sorted by name. What looks like a picture of a format that is not read is added to `warnings`.
+std::vector<fs::path> images_in(const fs::path& folder, std::vector<std::string>& warnings) {
   if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + ": not a folder");
   std::vector<fs::path> images;
+  std::vector<std::string> others;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    std::string extension = entry.path().extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (extension != ".png" && extension != ".jpg" && extension != ".jpeg") continue;
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.')) continue;  // what systems put beside pictures
+    const std::string ending = lower(entry.path().extension().string());
+    if (std::find(kOtherEndings.begin(), kOtherEndings.end(), ending) != kOtherEndings.end())
+      others.push_back(name);
+    if (ending != ".png" && ending != ".jpg" && ending != ".jpeg") continue;
+    require_utf8(name, folder.string());
     images.push_back(resolve_inside(folder, entry.path().filename()));
   }
+  std::string not_read;
+  if (!others.empty()) {
+    std::sort(others.begin(), others.end());
+    not_read = std::to_string(others.size()) + " pictures are not read, as " +
+               readable_utf8(others.front()) + ": only PNG and JPEG are";
+  }
   if (images.empty())
-    throw std::runtime_error(folder.string() + ": no .png, .jpg or .jpeg in this folder");
+    throw std::runtime_error(folder.string() + ": no .png, .jpg or .jpeg in this folder" +
+                             (not_read.empty() ? "" : "; " + not_read));
+  if (!not_read.empty()) warnings.push_back(folder.string() + ": " + not_read);
   std::sort(images.begin(), images.end());
   return images;
 }
@@ -36,8 +64,8 @@ std::vector<fs::path> images_in(const fs::path& folder) {
 /// "fx,fy,cx,cy[,k1,k2,p1,p2,k3]" without a size.
 Camera camera_from_text(const std::string& text) {
   const auto fail = [&](const std::string& what) {
-    throw std::runtime_error("intrinsics \"" + text.substr(0, 200) + "\": " + what +
-                             "; give a YAML file, a rig.json or fx,fy,cx,cy[,k1,k2,p1,p2,k3]");
+    throw std::invalid_argument("intrinsics \"" + cut_utf8(text, 200) + "\": " + what +
+                                "; give a YAML file, a rig.json or fx,fy,cx,cy[,k1,k2,p1,p2,k3]");
   };
   std::vector<double> values;
   const char* at = text.data();
@@ -86,14 +114,58 @@ Camera camera_from_intrinsics(const std::string& intrinsics, int width_px, int h
   try {
     validate(camera);
   } catch (const std::invalid_argument& error) {
-    throw std::runtime_error("intrinsics \"" + intrinsics + "\": " + error.what());
+    throw std::invalid_argument("intrinsics \"" + intrinsics + "\": " + error.what());
   }
   return camera;
 }
 
-Capture import_folder(const fs::path& folder, const std::string& intrinsics) {
-  const std::vector<fs::path> images = images_in(folder);
+Camera camera_of_focal(double focal_px, int width_px, int height_px) {
+  return {.width_px = width_px,
+          .height_px = height_px,
+          .fx_px = focal_px,
+          .fy_px = focal_px,
+          .cx_px = 0.5 * (width_px - 1),
+          .cy_px = 0.5 * (height_px - 1)};
+}
+
+namespace {
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+/// The lens of photographs without a calibration, said in a warning.
+Camera lens_without_calibration(const fs::path& folder, const std::vector<fs::path>& images,
+                                const LensOfPhotographs& solve, Capture& capture) {
+  const Image<Rgb8>& first = capture.frames.front().sensors.front().color;
+  AssumedLens lens;
+  if (const auto focal = exif_focal(images, first.width(), first.height())) {
+    lens.camera = camera_of_focal(focal->focal_px, first.width(), first.height());
+    lens.focal_sigma_px = focal->sigma_px;
+    lens.from = "from " + focal->from + "; no distortion, centre of the image assumed";
+  } else if (solve) {
+    lens = solve(capture);
+  } else {
+    throw std::runtime_error(folder.string() +
+                             ": the lens is not known: no photograph has a focal length in EXIF; "
+                             "give --intrinsics");
+  }
+  validate(lens.camera);
+  capture.warnings.push_back(
+      folder.string() + ": without --intrinsics the focal length is " + rounded(lens.camera.fx_px) +
+      " px, standard deviation " + rounded(lens.focal_sigma_px) + " px (" +
+      rounded(100 * lens.focal_sigma_px / lens.camera.fx_px) + " %), " + lens.from);
+  return lens.camera;
+}
+
+}  // namespace
+
+Capture import_folder(const fs::path& folder, const std::string& intrinsics,
+                      const LensOfPhotographs& solve) {
   Capture capture;
+  const std::vector<fs::path> images = images_in(folder, capture.warnings);
   capture.frames.resize(images.size());
   for_each_frame(images.size(), [&](std::size_t i) {
     Frame& frame = capture.frames[i];
@@ -104,13 +176,23 @@ Capture import_folder(const fs::path& folder, const std::string& intrinsics) {
   });
 
   const Image<Rgb8>& first = capture.frames.front().sensors.front().color;
-  const Camera camera = camera_from_intrinsics(intrinsics, first.width(), first.height());
-  for (Frame& frame : capture.frames) {
-    SensorFrame& sensor = frame.sensors.front();
-    sensor.reported = camera;
-    check_image_size(images[static_cast<std::size_t>(frame.id)], frame.id, sensor.color.width(),
-                     sensor.color.height(), camera);
+  const auto check_sizes = [&](const Camera& camera) {
+    for (const Frame& frame : capture.frames) {
+      const Image<Rgb8>& color = frame.sensors.front().color;
+      check_image_size(images[static_cast<std::size_t>(frame.id)], frame.id, color.width(),
+                       color.height(), camera);
+    }
+  };
+  Camera camera{.width_px = first.width(), .height_px = first.height()};
+  if (intrinsics.empty()) {
+    check_sizes(camera);
+    camera = lens_without_calibration(folder, images, solve, capture);
+  } else {
+    camera = camera_from_intrinsics(intrinsics, first.width(), first.height());
+    check_sizes(camera);
   }
+  for (Frame& frame : capture.frames) frame.sensors.front().reported = camera;
+  warn_of_orientation(images, capture);
   capture.rig.push_back({.camera = camera});
   return capture;
 }

@@ -1,18 +1,39 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "sim/types/capture.h"
 
 namespace cousin {
 
-/// Private to sim/dataset: the colour image of each frame's first sensor, of the size of its
-/// camera. @throws std::runtime_error naming file, frame and both sizes.
+/// Private to sim/dataset: what the readers of other programs' captures share.
+
+/// Largest coordinate of a camera's place, in the file's unit. A number beyond it is damage.
+inline constexpr double kMostCoordinate = 1e9;
+
+/// @throws std::runtime_error "WHERE: the name "caf\xe9.png" is not UTF-8" if it is not.
+void require_utf8(const std::string& name, const std::string& where);
+
+/// The file that a list names, below `folder`; nothing where it is absent. Names of Windows have
+/// "\" in place of "/". A name without an ending that is no file itself is that of a .png, .jpg or
+/// .jpeg. @throws std::runtime_error naming the path if it leads out of the folder or is no file,
+/// and all files that it may mean if there are several.
+std::optional<std::filesystem::path> find_listed_image(const std::filesystem::path& folder,
+                                                       const std::string& listed);
+
+/// The colour image of each frame's first sensor, of the size of its camera. Adds a warning where
+/// images have an alpha channel, which is not used, or an EXIF orientation, which is not applied.
+/// @throws std::runtime_error naming file, frame and both sizes.
 void read_frame_colors(Capture& capture, const std::vector<std::filesystem::path>& images);
 
 /// @throws std::runtime_error naming file, frame and both sizes unless they are equal.
 void check_image_size(const std::filesystem::path& file, int frame, int width_px, int height_px,
                       const Camera& camera);
+
+/// A warning for the files that say that a viewer turns them: their pixels stay as stored.
+void warn_of_orientation(const std::vector<std::filesystem::path>& images, Capture& capture);
 
 }  // namespace cousin

@@ -26,6 +26,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/import.h"
+#include "sim/dataset/import_images.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/imaging/image_io.h"
 
@@ -41,8 +42,9 @@ struct CabinCamera {
   double angle_factor = 1;     ///< true over nominal turntable angle
 };
 
-CabinCamera read_cabin_camera(const fs::path& file) {
-  const JsonDocument document = JsonDocument::read(file);
+CabinCamera read_cabin_camera(const fs::path& plant_dir, const fs::path& relative) {
+  resolve_inside(plant_dir, relative);
+  const JsonDocument document = JsonDocument::read(plant_dir / relative);
   const JsonNode root = document.root();
   root.expect_keys({"angle_factor", "cam_focal_length_x", "cam_focal_length_y", "cam_height_image",
                     "cam_origin_axis", "cam_pos_x", "cam_pos_y", "cam_pos_z", "cam_rot_x",
@@ -63,15 +65,17 @@ CabinCamera read_cabin_camera(const fs::path& file) {
     root["cam_focal_length_x"].fail(std::string("with the image size: ") + error.what());
   }
   cabin.angle_factor = root["angle_factor"].number(0.5, 2);
-  cabin.position_m = 1e-3 * Eigen::Vector3d(root["cam_pos_x"].number(), root["cam_pos_y"].number(),
-                                            root["cam_pos_z"].number());
+  const auto place_m = [&](const char* key) {
+    return 1e-3 * root[key].number(-kMostCoordinate, kMostCoordinate);
+  };
+  cabin.position_m = {place_m("cam_pos_x"), place_m("cam_pos_y"), place_m("cam_pos_z")};
   const Eigen::Matrix3d origin = root["cam_origin_axis"].matrix<4, 4>().topLeftCorner<3, 3>();
   if (!(origin * origin.transpose()).isApprox(Eigen::Matrix3d::Identity(), 1e-6) ||
       origin.determinant() < 0) {
     root["cam_origin_axis"].fail("is not a rotation");
   }
   const auto turn = [&](const char* key, const Eigen::Vector3d& axis) {
-    return Eigen::AngleAxisd(root[key].number(), axis).toRotationMatrix();
+    return Eigen::AngleAxisd(root[key].number(-1e3, 1e3), axis).toRotationMatrix();
   };
   cabin.axes = origin * turn("cam_rot_x", Eigen::Vector3d::UnitX()) *
                turn("cam_rot_y", Eigen::Vector3d::UnitY()) *
@@ -102,7 +106,8 @@ struct View {
 };
 
 /// ANGLE.png of a folder by angle.
-std::vector<View> views_in(const fs::path& folder) {
+std::vector<View> views_in(const fs::path& plant_dir, const fs::path& relative) {
+  const fs::path folder = plant_dir / relative;
   if (!fs::is_directory(folder))
     throw std::runtime_error(folder.string() + ": the folder is missing");
   std::vector<View> views;
@@ -114,7 +119,8 @@ std::vector<View> views_in(const fs::path& folder) {
       throw std::runtime_error(entry.path().string() +
                                ": the name is not an angle in whole degrees");
     }
-    views.push_back({std::stoi(stem), resolve_inside(folder, entry.path().filename())});
+    views.push_back(
+        {std::stoi(stem), resolve_inside(plant_dir, relative / entry.path().filename())});
   }
   std::sort(views.begin(), views.end(),
             [](const View& a, const View& b) { return a.angle_deg < b.angle_deg; });
@@ -128,8 +134,8 @@ Capture import_phenomenal(const fs::path& plant_dir) {
   capture.board = "none";
   std::vector<fs::path> images;
   const auto add = [&](const char* calibration, const char* folder) {
-    const CabinCamera cabin = read_cabin_camera(plant_dir / "calibration" / calibration);
-    for (const View& view : views_in(plant_dir / "bin" / folder)) {
+    const CabinCamera cabin = read_cabin_camera(plant_dir, fs::path("calibration") / calibration);
+    for (const View& view : views_in(plant_dir, fs::path("bin") / folder)) {
       const int id = static_cast<int>(capture.frames.size());
       Frame frame{.id = id,
                   .time_s = static_cast<double>(id),

@@ -1,9 +1,12 @@
 // A sequence of the TUM RGB-D benchmark [Sturm et al., IROS 2012]
 //   rgb.txt, depth.txt   time file
 //   groundtruth.txt      time tx ty tz qx qy qz qw, camera to world
-// Depth is 16-bit PNG, 5000 = 1 m, 0 = none, in the colour image's pixels.
+// Depth is 16-bit PNG, 5000 = 1 m, 0 = none, in the colour image's pixels. Other units come by the
+// caller, or by a comment of depth.txt such as "# 5000 = 1 m". Times are seconds, or nanoseconds
+// since 1970, as robots write them.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -20,9 +23,16 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr double kDepthUnit_m = 1 / 5000.0;
+/// Seconds since 1970 are known to 0.24 microseconds by a double, so that no time is compared
+/// exactly.
+constexpr double kRounding_s = 1e-6;
 constexpr double kMostApart_s = 0.02;  ///< as the benchmark's associate.py
 constexpr double kMostGap_s = 0.1;     ///< between poses, which come at 100 Hz
+/// A pose so near to a picture is its own: a hand moves by less than a millimetre in that time.
+constexpr double kSameTime_s = 1e-3;
 constexpr std::size_t kMaxFrames = 1'000'000;
+constexpr double kLeastNanoseconds = 1e17;  ///< since 1970: the year 1973
+constexpr double kMostSeconds = 1e11;       ///< since 1970: the year 5138
 
 template <class Record>
 void check_times(const std::vector<Record>& records, const std::string& name) {
@@ -45,53 +55,147 @@ auto first_from(const std::vector<Record>& records, double time_s) {
                           [](const Record& record, double t) { return record.time_s < t; });
 }
 
-std::optional<TumFile> nearest(const std::vector<TumFile>& files, double time_s) {
-  const auto after = first_from(files, time_s);
-  std::optional<TumFile> best;
-  const auto consider = [&](const TumFile& file) {
-    const double apart_s = std::abs(file.time_s - time_s);
-    if (apart_s > kMostApart_s) return;
-    if (!best || apart_s < std::abs(best->time_s - time_s)) best = file;
+/// The record nearest in time; the end of `records` if there is none within `most_apart_s`.
+template <class Record>
+auto nearest(const std::vector<Record>& records, double time_s, double most_apart_s) {
+  const auto after = first_from(records, time_s);
+  auto best = records.end();
+  const auto consider = [&](auto record) {
+    const double apart_s = std::abs(record->time_s - time_s);
+    if (apart_s > most_apart_s + kRounding_s) return;
+    if (best == records.end() || apart_s < std::abs(best->time_s - time_s)) best = record;
   };
-  if (after != files.begin()) consider(*std::prev(after));
-  if (after != files.end()) consider(*after);
+  if (after != records.begin()) consider(std::prev(after));
+  if (after != records.end()) consider(after);
   return best;
 }
 
 std::optional<Pose> world_from_camera_at(const std::vector<TumPose>& poses, double time_s) {
   const auto after = first_from(poses, time_s);
-  if (after == poses.end()) return std::nullopt;
-  if (after->time_s == time_s) return after->world_from_camera;
-  if (after == poses.begin()) return std::nullopt;
-  const TumPose& before = *std::prev(after);
-  if (after->time_s - before.time_s > kMostGap_s) return std::nullopt;
-  // `interpolate` moves the origin of b on a line: of the camera, in the world.
-  return interpolate(before.world_from_camera, after->world_from_camera,
-                     (time_s - before.time_s) / (after->time_s - before.time_s));
+  const bool is_between = after != poses.begin() && after != poses.end();
+  if (is_between && after->time_s - std::prev(after)->time_s <= kMostGap_s + kRounding_s) {
+    const TumPose& before = *std::prev(after);
+    // `interpolate` moves the origin of b on a line: of the camera, in the world.
+    if (after->time_s == time_s) return after->world_from_camera;
+    return interpolate(before.world_from_camera, after->world_from_camera,
+                       (time_s - before.time_s) / (after->time_s - before.time_s));
+  }
+  const auto near = nearest(poses, time_s, kSameTime_s);
+  if (near == poses.end()) return std::nullopt;
+  return near->world_from_camera;
 }
 
 std::string list_if_there(const fs::path& folder, const char* name) {
   return fs::exists(folder / name) ? read_file(resolve_inside(folder, name)) : std::string();
 }
 
-void read_depth(const fs::path& folder, const std::vector<std::optional<TumFile>>& files,
-                Capture& capture) {
+/// Of a comment such as "# time file, 5000 = 1 m": metres a unit.
+std::optional<double> unit_in_comments(std::string_view text, const std::string& name) {
+  TextLines lines(text, name);
+  while (!lines.at_end()) {
+    const TextLine line = lines.next();
+    if (line.size() == 0 || !line.text(0).starts_with('#')) continue;
+    for (std::size_t i = 1; i + 3 < line.size(); ++i) {
+      if (!line.is_number(i) || line.text(i + 1) != "=" || line.text(i + 2) != "1" ||
+          line.text(i + 3) != "m")
+        continue;
+      const double units = line.number(i);
+      if (!(units >= 1 && units <= 1e6)) line.fail("a metre of that many units is not in [1, 1e6]");
+      return 1 / units;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Median of all depth that there is, in units; nothing if there is none.
+std::optional<double> median_units(const Capture& capture) {
+  std::vector<std::uint64_t> counts(65536);
+  std::uint64_t all = 0;
+  for (const Frame& frame : capture.frames) {
+    for (const std::uint16_t value : frame.sensors.front().depth) {
+      if (value == 0) continue;
+      ++counts[value];
+      ++all;
+    }
+  }
+  if (all == 0) return std::nullopt;
+  std::uint64_t below = 0;
+  std::size_t value = 0;
+  while (2 * (below += counts[value]) < all) ++value;
+  return static_cast<double>(value);
+}
+
+/// Where nothing says the unit: the benchmark's, unless the depth is then none that its cameras
+/// measure. @throws std::runtime_error naming the option and what usual units make of the depth.
+void check_default_unit(const Capture& capture, const std::string& name) {
+  constexpr double kLeast_m = 0.4, kMost_m = 10;
+  const std::optional<double> units = median_units(capture);
+  if (!units) return;
+  const double metres = *units * kDepthUnit_m;
+  if (metres >= kLeast_m && metres <= kMost_m) return;
+  std::string text = name + ": the median depth is " + exact_text(*units) +
+                     " units; with TUM's 5000 units a metre that is " + exact_text(metres) +
+                     " m, outside [0.4, 10] m. Give --depth-unit, metres a unit: 0.0002 (TUM)";
+  struct Unit {
+    double metres;
+    const char* text;
+    const char* whose;
+  };
+  constexpr std::array<Unit, 2> kUsual = {
+      {{0.001, "0.001", "millimetres, RealSense and Kinect"}, {0.0001, "0.0001", "0.1 mm"}}};
+  for (const Unit& unit : kUsual) {
+    text += std::string(", ") + unit.text + " (" + unit.whose + ": " +
+            exact_text(*units * unit.metres) + " m)";
+  }
+  throw std::runtime_error(text);
+}
+
+void read_depth(const fs::path& folder, const std::string& name,
+                const std::vector<std::optional<TumFile>>& files, double unit_m, Capture& capture) {
+  std::vector<char> is_absent(files.size());
   for_each_frame(capture.frames.size(), [&](std::size_t i) {
     if (!files[i]) return;
     SensorFrame& sensor = capture.frames[i].sensors.front();
-    const fs::path file = resolve_inside(folder, files[i]->file);
-    sensor.depth = read_png16(file);
-    check_image_size(file, capture.frames[i].id, sensor.depth.width(), sensor.depth.height(),
+    const std::optional<fs::path> file = find_listed_image(folder, files[i]->file);
+    is_absent[i] = !file;
+    if (!file) return;
+    sensor.depth = read_png16(*file);
+    check_image_size(*file, capture.frames[i].id, sensor.depth.width(), sensor.depth.height(),
                      sensor.reported);
-    sensor.depth_unit_m = kDepthUnit_m;
+    sensor.depth_unit_m = unit_m;
   });
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (is_absent[i])
+      capture.warnings.push_back(name + ": " + files[i]->file + " is skipped: it is absent");
+  }
+}
+
+/// Seconds, of a list's first word.
+double seconds_of(const TextLine& line) {
+  const double time = line.number(0);
+  if (std::abs(time) < kMostSeconds) return time;
+  if (time >= kLeastNanoseconds && time < 1e19) return 1e-9 * time;
+  line.fail("the time " + exact_text(time) +
+            " is neither in seconds, below 1e11, nor in nanoseconds since 1970, from 1e17 on");
+}
+
+std::string lens_of(const fs::path& folder, const std::string& intrinsics) {
+  if (!intrinsics.empty()) return intrinsics;
+  if (!fs::exists(folder / "camera.yaml"))
+    throw std::runtime_error(folder.string() +
+                             ": TUM's files hold no lens, and there is no camera.yaml: give "
+                             "--intrinsics, a YAML file or fx,fy,cx,cy[,k1,k2,p1,p2,k3]");
+  return resolve_inside(folder, "camera.yaml").string();
 }
 
 }  // namespace
 
 std::vector<TumFile> tum_files(std::string_view text, const std::string& name) {
   std::vector<TumFile> files;
-  for (const TextLine& line : records(text, name)) files.push_back({line.number(0), line.rest(1)});
+  for (const TextLine& line : records(text, name)) {
+    files.push_back({seconds_of(line), line.rest(1)});
+    require_utf8(files.back().file, line.where().substr(0, line.where().size() - 2));
+  }
   check_times(files, name);
   return files;
 }
@@ -101,8 +205,10 @@ std::vector<TumPose> tum_poses(std::string_view text, const std::string& name) {
   for (const TextLine& line : records(text, name)) {
     if (line.size() != 8) line.fail("has " + std::to_string(line.size()) + " words, not 8");
     TumPose& pose = poses.emplace_back();
-    pose.time_s = line.number(0);
-    pose.world_from_camera.translation_m = {line.number(1), line.number(2), line.number(3)};
+    pose.time_s = seconds_of(line);
+    for (int k = 0; k < 3; ++k)
+      pose.world_from_camera.translation_m[k] =
+          line.number_within(static_cast<std::size_t>(1 + k), kMostCoordinate);
     Eigen::Quaterniond& q = pose.world_from_camera.rotation;
     q = {line.number(7), line.number(4), line.number(5), line.number(6)};
     const double norm = q.norm();
@@ -114,39 +220,38 @@ std::vector<TumPose> tum_poses(std::string_view text, const std::string& name) {
   return poses;
 }
 
-Capture import_tum(const fs::path& folder, const std::string& intrinsics) {
+Capture import_tum(const fs::path& folder, const std::string& intrinsics,
+                   std::optional<double> depth_unit_m) {
   if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + ": not a folder");
   const auto name = [&](const char* file) { return (folder / file).string(); };
   const std::vector<TumFile> colors =
       tum_files(read_file(resolve_inside(folder, "rgb.txt")), name("rgb.txt"));
-  const std::vector<TumFile> depths =
-      tum_files(list_if_there(folder, "depth.txt"), name("depth.txt"));
+  const std::string depth_text = list_if_there(folder, "depth.txt");
+  const std::vector<TumFile> depths = tum_files(depth_text, name("depth.txt"));
   const std::vector<TumPose> poses =
       tum_poses(list_if_there(folder, "groundtruth.txt"), name("groundtruth.txt"));
   if (colors.empty()) throw std::runtime_error(name("rgb.txt") + ": lists no image");
-  std::string lens = intrinsics;
-  if (lens.empty()) {
-    lens = name("camera.yaml");
-    if (!fs::exists(lens))
-      throw std::runtime_error(folder.string() +
-                               ": TUM's files hold no lens, and there is no camera.yaml: give "
-                               "--intrinsics, a YAML file or fx,fy,cx,cy[,k1,k2,p1,p2,k3]");
-  }
-  const Image<Rgb8> first = read_color(resolve_inside(folder, colors.front().file));
-  const Camera camera = camera_from_intrinsics(lens, first.width(), first.height());
+  const std::string lens = lens_of(folder, intrinsics);
 
   Capture capture;
   std::vector<fs::path> images;
   std::vector<std::optional<TumFile>> depth_of;
   for (std::size_t i = 0; i < colors.size(); ++i) {
+    const std::optional<fs::path> image = find_listed_image(folder, colors[i].file);
+    if (!image) {
+      capture.warnings.push_back(name("rgb.txt") + ": " + colors[i].file +
+                                 " is skipped: it is absent");
+      continue;
+    }
+    images.push_back(*image);
     Frame& frame = capture.frames.emplace_back();
     frame.id = static_cast<int>(i);
     frame.time_s = colors[i].time_s;
-    frame.sensors.push_back({.reported = camera});
+    frame.sensors.emplace_back();
     const std::optional<Pose> world_from_camera = world_from_camera_at(poses, frame.time_s);
     if (world_from_camera) frame.rig_from_world = inverse(*world_from_camera);
-    images.push_back(resolve_inside(folder, colors[i].file));
-    depth_of.push_back(nearest(depths, frame.time_s));
+    const auto depth = nearest(depths, frame.time_s, kMostApart_s);
+    depth_of.push_back(depth == depths.end() ? std::nullopt : std::optional(*depth));
     const auto lacks = [&](const std::string& what) {
       capture.warnings.push_back(name("rgb.txt") + ": " + colors[i].file + " has no " + what);
     };
@@ -154,9 +259,19 @@ Capture import_tum(const fs::path& folder, const std::string& intrinsics) {
       lacks("pose: groundtruth.txt has none around its time, 0.1 s apart at most");
     if (!depths.empty() && !depth_of.back()) lacks("depth image within 0.02 s");
   }
+  if (images.empty())
+    throw std::runtime_error(name("rgb.txt") +
+                             ": none of the listed images is there; the first is " +
+                             (folder / colors.front().file).string());
+  const ImageSize first = read_image_size(images.front());
+  const Camera camera = camera_from_intrinsics(lens, first.width_px, first.height_px);
+  for (Frame& frame : capture.frames) frame.sensors.front().reported = camera;
   capture.rig.push_back({.camera = camera});
   read_frame_colors(capture, images);
-  read_depth(folder, depth_of, capture);
+  const std::optional<double> said =
+      depth_unit_m ? depth_unit_m : unit_in_comments(depth_text, name("depth.txt"));
+  read_depth(folder, name("depth.txt"), depth_of, said.value_or(kDepthUnit_m), capture);
+  if (!said) check_default_unit(capture, name("depth.txt"));
   return capture;
 }
 

@@ -48,6 +48,9 @@ class JsonNode {
   std::string text(std::size_t max_chars = 4096) const;
   bool is_null() const { return value_->is_null(); }
   bool is_object() const { return value_->is_object(); }
+  bool is_array() const { return value_->is_array(); }
+  bool is_number() const { return value_->is_number(); }
+  bool is_false() const { return value_->is_boolean() && !value_->get<bool>(); }
   /// Array of finite numbers.
   std::vector<double> numbers(std::size_t min_count, std::size_t max_count) const;
   template <int N>

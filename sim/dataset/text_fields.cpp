@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 namespace cousin {
@@ -16,6 +17,15 @@ std::string shown(std::string_view word) {
     if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
   }
   return "\"" + text + "\"";
+}
+
+std::optional<double> finite_number(std::string_view word) {
+  const char* const end = word.data() + word.size();
+  double value = 0;
+  const auto [stop, error] =
+      std::from_chars(word.data() + (word.starts_with('+') ? 1 : 0), end, value);
+  if (error != std::errc{} || stop != end || !std::isfinite(value)) return std::nullopt;
+  return value;
 }
 
 }  // namespace
@@ -45,9 +55,9 @@ TextLine::TextLine(std::string_view text, const std::string& name, int number)
   }
 }
 
-void TextLine::fail(const std::string& what) const {
-  throw std::runtime_error(*name_ + ": line " + std::to_string(number_) + ": " + what);
-}
+void TextLine::fail(const std::string& what) const { throw std::runtime_error(where() + what); }
+
+std::string TextLine::where() const { return *name_ + ": line " + std::to_string(number_) + ": "; }
 
 std::string TextLine::text(std::size_t word) const {
   if (word >= words_.size()) {
@@ -66,12 +76,29 @@ std::string TextLine::rest(std::size_t word) const {
 
 double TextLine::number(std::size_t word) const {
   const std::string given = text(word);
-  const char* const end = given.data() + given.size();
-  double value = 0;
-  const auto [stop, error] =
-      std::from_chars(given.data() + (given.starts_with('+') ? 1 : 0), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value))
+  const std::optional<double> value = finite_number(given);
+  if (!value)
     fail("word " + std::to_string(word + 1) + " = " + shown(given) + " is not a finite number");
+  return *value;
+}
+
+bool TextLine::is_number(std::size_t word) const {
+  return word < words_.size() && finite_number(words_[word]).has_value();
+}
+
+bool TextLine::is_integer(std::size_t word) const {
+  if (word >= words_.size()) return false;
+  std::string_view digits = words_[word];
+  if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
+  return !digits.empty() && digits.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+double TextLine::number_within(std::size_t word, double most) const {
+  const double value = number(word);
+  if (!(std::abs(value) <= most)) {
+    fail("word " + std::to_string(word + 1) + " = " + shown(text(word)) + " is outside [-" +
+         exact_text(most) + ", " + exact_text(most) + "]");
+  }
   return value;
 }
 

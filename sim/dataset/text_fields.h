@@ -23,9 +23,13 @@ class TextLine {
   std::string text(std::size_t word) const;  ///< a missing word is an error
   /// From that word to the end of the line, blanks inside kept.
   std::string rest(std::size_t word) const;
-  double number(std::size_t word) const;  ///< finite
+  double number(std::size_t word) const;                      ///< finite
+  double number_within(std::size_t word, double most) const;  ///< of at most that size
+  bool is_number(std::size_t word) const;                     ///< there, and finite
+  bool is_integer(std::size_t word) const;  ///< there, with a sign or without, of any size
   long long integer(std::size_t word, long long min, long long max) const;
   [[noreturn]] void fail(const std::string& what) const;
+  std::string where() const;  ///< "NAME: line 3: "
 
  private:
   std::string_view text_;

@@ -183,6 +183,88 @@ TEST(ImportColmap, TakesAWorkspaceAndStaysInside) {
               HasSubstr("no cameras.bin or cameras.txt"));
 }
 
+// ---- lines of images.txt ------------------------------------------------------------------------
+
+const std::string kPinhole = "1 PINHOLE 64 48 80 81 32 24\n";
+std::string image_line(int id) {
+  return std::to_string(id) + " 1 0 0 0 0." + std::to_string(id) + " 0 2 1 " + std::to_string(id) +
+         ".png\n";
+}
+ColmapModel model_of_images(const std::string& images) {
+  return colmap_from_text({kPinhole, images, ""}, "m");
+}
+
+TEST(ColmapText, ImagesWithoutPointsNeedNoEmptyLine) {
+  const std::string points = "10.5 20.5 -1 11 12.25 18446744073709551615 3 4 77\n";
+  // The points begin with what could be an image's number, turn and camera, but for its length.
+  const std::string like_image = "100 20.5 -1 300 40 7 5 6 1 7 8 9\n";
+  const std::string i1 = image_line(1), i2 = image_line(2), i3 = image_line(3), i4 = image_line(4);
+  for (const std::string& images :
+       {i1 + i2 + i3 + i4, i1 + "\n" + i2 + "\n" + i3 + "\n" + i4 + "\n",
+        i1 + points + i2 + i3 + points + i4, i1 + "# a comment\n" + points + i2 + "\n" + i3 + i4,
+        i1 + like_image + i2 + "\r\n" + i3 + "\n\n\n" + i4}) {
+    EXPECT_EQ(model_of_images(images).images.size(), 4U) << images;
+  }
+}
+
+TEST(ColmapText, ALineThatIsNeitherIsNamed) {
+  const auto error = [](const std::string& images) {
+    return error_of([&] { model_of_images(images); });
+  };
+  EXPECT_THAT(error(image_line(1) + "10.5 20.5\n" + image_line(2)),
+              HasSubstr("images.txt: line 2"));
+  EXPECT_THAT(error(image_line(1) + "10.5 20.5 x\n"), HasSubstr("line 2"));
+  EXPECT_THAT(error(image_line(1) + "\n" + "2 1 0 0 0 0 0 2 1\n"), HasSubstr("line 3"));
+  // An image of another camera, where its points should be.
+  EXPECT_THAT(error(image_line(1) + "2 1 0 0 0 0 0 2 9 b.png\n"), HasSubstr("line 2"));
+}
+
+TEST(ColmapText, NamesKeepTheirBlanks) {
+  const ColmapModel model = model_of_images("1 1 0 0 0 0 0 2 1 my plant  7.png\n\n");
+  EXPECT_EQ(model.images.at(1).name, "my plant  7.png");
+}
+
+TEST(ColmapText, NumbersBeyondAllMeasureAreDamage) {
+  EXPECT_THAT(error_of([&] { model_of_images("1 1 0 0 0 1e308 0 2 1 a.png\n"); }),
+              AllOf(HasSubstr("images.txt: line 1"), HasSubstr("1e9")));
+  EXPECT_THAT(error_of([&] {
+                colmap_from_text({"1 PINHOLE 64 48 1e308 81 32 24\n", "", ""}, "m");
+              }),
+              AllOf(HasSubstr("cameras.txt: line 1"), HasSubstr("fx_px")));
+}
+
+TEST(ColmapText, NamesThatAreNotUtf8AreRefusedWithTheirLine) {
+  EXPECT_THAT(error_of([&] { model_of_images("\n1 1 0 0 0 0 0 2 1 caf\xe9.png\n"); }),
+              AllOf(HasSubstr("images.txt: line 2"), HasSubstr("caf\\xe9.png")));
+}
+
+TEST(ImportColmap, TheLargestModelIsTakenAndTheOthersAreNamed) {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& model, const std::string& images) {
+    write_file(folder.path() / "sparse" / model / "cameras.txt", kPinhole);
+    write_file(folder.path() / "sparse" / model / "images.txt", images);
+  };
+  write("0", image_line(1));
+  fs::create_directories(folder.path() / "images");
+  for (const char* name : {"1.png", "2.png", "3.png"})
+    write_png(folder.path() / "images" / name, Image<Rgb8>(64, 48));
+  EXPECT_THAT(import_colmap(folder.path()).warnings, testing::IsEmpty());
+  write("1", image_line(2) + image_line(3));
+  const Capture capture = import_colmap(folder.path());
+  EXPECT_EQ(capture.frames.size(), 2U);
+  EXPECT_THAT(capture.warnings, testing::ElementsAre(AllOf(HasSubstr("sparse/1 with 2 images"),
+                                                           HasSubstr("sparse/0 with 1 images"))));
+}
+
+TEST(ImportColmap, NoLinkLeadsOut) {
+  const TemporaryFolder folder, secret;
+  write_file(folder.path() / "sparse/0/cameras.txt", kPinhole);
+  write_file(folder.path() / "sparse/0/images.txt", image_line(1));
+  write_png(secret.path() / "1.png", Image<Rgb8>(64, 48));
+  fs::create_directory_symlink(secret.path(), folder.path() / "images");
+  EXPECT_THAT(error_of([&] { import_colmap(folder.path()); }), HasSubstr("symbolic link"));
+}
+
 /// COLMAP's own reader and writer.
 TEST(Colmap, ItsProgramReadsOurBinaryAndWritesWhatWeMeant) {
   if (std::system("command -v colmap > /dev/null 2>&1") != 0)

@@ -346,10 +346,19 @@ TEST(ImportFolder, WrongInputIsNamed) {
   };
   EXPECT_THAT(error("30,31,9.5,5.5"), HasSubstr("no .png, .jpg or .jpeg"));
   write_two_images(folder.path());
-  EXPECT_THAT(error("30,31,9.5"), HasSubstr("3 numbers"));
-  EXPECT_THAT(error("30,31,9.5,nan"), HasSubstr("number 4"));
-  EXPECT_THAT(error("absent.yaml"), HasSubstr("no such file"));
-  EXPECT_THAT(error("0,31,9.5,5.5"), HasSubstr("fx_px"));
+  const auto usage_error = [&](const std::string& intrinsics) -> std::string {
+    try {
+      import_folder(folder.path(), intrinsics);
+    } catch (const std::invalid_argument& wrong) {
+      return wrong.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(usage_error("30,31,9.5"), HasSubstr("3 numbers"));
+  EXPECT_THAT(usage_error("30,31,9.5,nan"), HasSubstr("number 4"));
+  EXPECT_THAT(usage_error("absent.yaml"), HasSubstr("no such file"));
+  EXPECT_THAT(usage_error("0,31,9.5,5.5"), HasSubstr("fx_px"));
+  EXPECT_THAT(usage_error("1e308,31,9.5,5.5"), HasSubstr("fx_px"));
   write_png(folder.path() / "c.png", Image<Rgb8>(12, 20));
   EXPECT_THAT(error("30,31,9.5,5.5"),
               AllOf(HasSubstr("c.png"), HasSubstr("frame 2"), HasSubstr("12 x 20")));

@@ -143,7 +143,7 @@ Image<std::uint16_t> tum_depth(const ExportDepth& depth) {
 
 /// Lists and pictures of one scene.
 struct TumLists {
-  std::string rgb = "# time file\n", depth = "# time file\n",
+  std::string rgb = "# time file\n", depth = "# time file; 5000 = 1 m\n",
               poses = "# time tx ty tz qx qy qz qw: camera to world\n";
   bool has_depth = false, has_pose = false;
 };
