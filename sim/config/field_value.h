@@ -22,7 +22,7 @@ void assign(const Field& field, const FieldValue& value);
 /// The field whose key is `key`, or nullptr.
 const Field* find(const Fields& fields, std::string_view key);
 
-/// "unknown key 'x'; did you mean 'y'?"
+/// "unknown key 'x'; the nearest key is 'y'", or what there is where no key has nearly that name.
 std::string unknown_key_message(const Fields& fields, std::string_view key);
 
 /// Shortest decimal text that reads back to the same double.

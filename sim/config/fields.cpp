@@ -6,11 +6,11 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "sim/config/field_value.h"
+#include "sim/config/nearest_word.h"
 
 namespace cousin {
 namespace {
@@ -73,6 +73,17 @@ std::string in_limits(const Field& field) {
   return "in " + limits(field);
 }
 
+/// A hint where a decimal is written with a comma, as in "0,5".
+std::string point_for_comma(const FieldValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  if (text == nullptr || std::count(text->begin(), text->end(), ',') != 1 ||
+      text->find_first_not_of("+-0123456789,") != std::string::npos)
+    return {};
+  std::string with_point = *text;
+  with_point[with_point.find(',')] = '.';
+  return "; decimals take a point: " + with_point;
+}
+
 double number(const Field& field, const FieldValue& value) {
   double result = 0;
   if (const auto* real = std::get_if<double>(&value)) {
@@ -80,7 +91,7 @@ double number(const Field& field, const FieldValue& value) {
   } else if (const auto* integer = std::get_if<std::int64_t>(&value)) {
     result = static_cast<double>(*integer);
   } else {
-    refuse(field, value, "a number");
+    refuse(field, value, "a number" + point_for_comma(value));
   }
   if (!within(field, result)) refuse(field, value, in_limits(field));
   return result;
@@ -114,22 +125,53 @@ std::uint64_t natural(const Field& field, const FieldValue& value) {
   return result;
 }
 
-/// Edits (insert, drop, replace) between two texts [Levenshtein 1966].
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
+std::string_view leaf(std::string_view key) { return key.substr(key.rfind('.') + 1); }
+
+/// "mvs" of "mvs.planes"; "" of a key that stands alone.
+std::string_view section(std::string_view key) {
+  const auto dot = key.rfind('.');
+  return dot == std::string_view::npos ? std::string_view{} : key.substr(0, dot);
 }
 
-std::string_view leaf(std::string_view key) { return key.substr(key.rfind('.') + 1); }
+constexpr std::size_t kNotMeant = std::numeric_limits<std::size_t>::max();
+
+/// Edits between what was typed and a key that it may stand for: of the same section, of one whose
+/// name or beginning was left out, or of one that is misspelt as a whole. kNotMeant for others.
+std::size_t edits_to(std::string_view given, std::string_view key) {
+  const std::string_view given_section = section(given), key_section = section(key);
+  const std::string inside = std::string(given_section) + ".";
+  const bool left_out =
+      key_section != given_section && (given_section.empty() || key_section.starts_with(inside) ||
+                                       key_section.ends_with("." + std::string(given_section)));
+  if (key_section == given_section || left_out) {
+    if (!may_mean(leaf(given), leaf(key))) return kNotMeant;
+    return edit_distance(leaf(given), leaf(key)) + (left_out ? 1 : 0);
+  }
+  return may_mean(given_section, key_section) && may_mean(given, key) ? edit_distance(given, key)
+                                                                      : kNotMeant;
+}
+
+/// Where no key is near: what the section has, or that there is no such section.
+std::string what_there_is(const Fields& fields, std::string_view key) {
+  constexpr int kListed = 12;
+  const std::string_view given = section(key);
+  const auto is_inside = [&](const Field& field) {
+    return section(field.key) == given || field.key.starts_with(std::string(given) + ".");
+  };
+  const auto inside = std::count_if(fields.begin(), fields.end(), is_inside);
+  if (inside == 0) {
+    const Field* alone = find(fields, leaf(key));
+    return "there is no section '" + std::string(given) + "'" +
+           (alone != nullptr ? "; '" + alone->key + "' stands alone" : "");
+  }
+  if (given.empty()) return "no key has a name like it";
+  if (inside > kListed) return "no key of '" + std::string(given) + "' has a name like it";
+  std::string keys;
+  for (const Field& field : fields) {
+    if (is_inside(field)) keys += (keys.empty() ? "" : ", ") + field.key;
+  }
+  return "there are " + keys;
+}
 
 }  // namespace
 
@@ -186,21 +228,20 @@ const Field* find(const Fields& fields, std::string_view key) {
 
 std::string unknown_key_message(const Fields& fields, std::string_view key) {
   const Field* nearest = nullptr;
-  std::size_t best = std::numeric_limits<std::size_t>::max();
+  std::size_t best = kNotMeant;
   const std::string_view given =
       key.substr(0, 200);  // the distance is quadratic, and keys are short
   for (const Field& field : fields) {
-    // A forgotten prefix ("planes" for "mvs.planes") costs one edit, whatever its length.
-    const std::size_t distance =
-        std::min(edit_distance(given, field.key), 1 + edit_distance(leaf(given), leaf(field.key)));
+    const std::size_t distance = edits_to(given, field.key);
     if (distance < best) {
       best = distance;
       nearest = &field;
     }
   }
-  std::string message = "unknown key '" + std::string(given) + "'";
-  return nearest ? message + "; the nearest key is '" + nearest->key + "'"
-                 : message + "; there are no keys";
+  const std::string message = "unknown key '" + std::string(given) + "'; ";
+  if (fields.empty()) return message + "there are no keys";
+  return message + (nearest != nullptr ? "the nearest key is '" + nearest->key + "'"
+                                       : what_there_is(fields, given));
 }
 
 std::string shortest(double value) {

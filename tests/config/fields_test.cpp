@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/config/nearest_word.h"
+
 namespace cousin {
 namespace {
 
@@ -152,6 +154,33 @@ TEST(Fields, AnUnknownKeyNamesTheNearest) {
   EXPECT_THAT(error_of("[mvs]\nplane = 1"),
               AllOf(HasSubstr("a.toml:2: unknown key 'mvs.plane'"), HasSubstr("'mvs.planes'")));
   EXPECT_THAT(set_error_of("planes=3"), HasSubstr("nearest key is 'mvs.planes'"));
+  EXPECT_THAT(set_error_of("msv.planes=3"), HasSubstr("nearest key is 'mvs.planes'"));
+  EXPECT_THAT(set_error_of("fsat=true"), HasSubstr("nearest key is 'fast'"));
+}
+
+TEST(Fields, AnUnknownKeyNamesNoneThatNobodyCouldHaveMeant) {
+  EXPECT_THAT(set_error_of("pipeline.method=ours"),
+              testing::EndsWith("unknown key 'pipeline.method'; there is no section 'pipeline'"));
+  EXPECT_THAT(set_error_of("scene.colour=red"),
+              HasSubstr("there is no section 'scene'; 'colour' stands alone"));
+  EXPECT_THAT(set_error_of("mvs.colour=red"), HasSubstr("there are mvs.planes, mvs.smoothness"));
+  EXPECT_THAT(set_error_of("temperature=3"), HasSubstr("no key has a name like it"));
+  for (const char* far : {"day=1", "x=1", "mvs.x=1", "distance=1", "=1"})
+    EXPECT_THAT(set_error_of(far), testing::Not(HasSubstr("nearest"))) << far;
+}
+
+TEST(Fields, ADecimalCommaIsNamed) {
+  EXPECT_THAT(set_error_of("length_m=0,5"),
+              HasSubstr("length_m = \"0,5\": must be a number; decimals take a point: 0.5"));
+}
+
+TEST(NearestWord, NeighboursThatChangePlacesAreOneEdit) {
+  EXPECT_EQ(edit_distance("sedes", "seeds"), 1U);
+  EXPECT_EQ(edit_distance("", "abc"), 3U);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
+  EXPECT_TRUE(may_mean("rnu", "run"));
+  EXPECT_FALSE(may_mean("method", "bend"));
+  EXPECT_FALSE(may_mean("x", "z"));
 }
 
 TEST(Fields, MissingKeysAreNamedWhereAllAreNeeded) {
