@@ -10,6 +10,7 @@
 #include "benchmarks/app/bench_page.h"
 #include "benchmarks/app/bench_suites.h"
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/result_output.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 
@@ -129,7 +130,6 @@ ExitCode command_bench(const JobContext& context) {
 ExitCode command_report(const JobContext& context) {
   const fs::path folder = context.options.arguments.at(0);
   SeedsReport report = read_report_folder(folder);
-  add_plots(report);
   if (context.options.out.empty() && report.title == kRealTitle) {
     throw std::invalid_argument(folder.string() +
                                 ": the page of `bench real` shows pictures that only that command "
@@ -137,9 +137,14 @@ ExitCode command_report(const JobContext& context) {
   }
   const fs::path file = context.options.out.empty() ? folder / "report.html"
                                                     : fs::path(context.options.out) / "report.html";
-  write_report(file, report);
+  try {
+    add_plots(report);
+    write_report(file, report);
+  } catch (const std::invalid_argument& error) {  // of what scores.json holds
+    throw std::runtime_error((folder / "scores.json").string() + ": " + error.what());
+  }
   if (context.options.json) {
-    std::printf("%s\n", nlohmann::json{{"report", file.string()}}.dump(2).c_str());
+    print_json({{"report", file.string()}});
   }
   context.progress.line("report: " + file.string());
   return ExitCode::done;

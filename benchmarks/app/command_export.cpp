@@ -1,10 +1,10 @@
 // export: a dataset as other programs read it.
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/result_output.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "sim/dataset/capture_io.h"
@@ -99,7 +99,7 @@ ExitCode export_scenes(const JobContext& context, const fs::path& out) {
     files.push_back(file.string());
     context.progress.line(file.string());
   }
-  if (o.json) std::printf("%s\n", nlohmann::json{{"files", files}}.dump(2).c_str());
+  if (o.json) print_json({{"files", files}});
   return ExitCode::done;
 }
 
@@ -116,12 +116,10 @@ ExitCode export_view(const JobContext& context, const ExportFormat& format, cons
                                                COUSIN_VERSION, context.progress.function());
   for (const std::string& warning : summary.warnings) context.progress.line("warning: " + warning);
   if (o.json) {
-    std::printf("%s\n", nlohmann::json{{"folder", out.string()},
-                                       {"scenes", summary.scenes},
-                                       {"pictures", summary.pictures},
-                                       {"warnings", summary.warnings}}
-                            .dump(2)
-                            .c_str());
+    print_json({{"folder", out.string()},
+                {"scenes", summary.scenes},
+                {"pictures", summary.pictures},
+                {"warnings", summary.warnings}});
   }
   context.progress.line(format.name + ": " + out.string() + ", " + std::to_string(summary.scenes) +
                         " scenes, " + std::to_string(summary.pictures) + " pictures");

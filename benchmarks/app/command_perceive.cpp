@@ -7,6 +7,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/perceive_places.h"
+#include "benchmarks/app/result_output.h"
 #include "benchmarks/app/views_options.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/perceive.h"
@@ -183,7 +184,7 @@ ExitCode command_perceive(const JobContext& context) {
       print_traits(name, estimate.traits);
     }
   }
-  if (o.json) std::printf("%s\n", rows.dump(2).c_str());
+  if (o.json) print_json(rows);
   context.progress.line("estimates: " + out.string());
   for (const std::string& text : nothing_found) std::fprintf(stderr, "cousin: %s\n", text.c_str());
   return nothing_found.empty() ? ExitCode::done : ExitCode::bad_input;

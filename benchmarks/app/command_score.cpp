@@ -4,6 +4,7 @@
 #include <string>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/perceive_places.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
@@ -31,7 +32,7 @@ bool is_whole_scene(const fs::path& estimate_dir) {
 }
 
 /// The seams that scores are of.
-SeedsEstimate read_estimate(const fs::path& dir) {
+SeedsEstimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
   SeedsEstimate estimate;
   const bool is_whole = is_whole_scene(dir);
   if (!is_whole) estimate.traits = read_traits(dir);
@@ -39,7 +40,13 @@ SeedsEstimate read_estimate(const fs::path& dir) {
   if (fs::exists(dir / "poses.json")) estimate.poses = read_poses(dir);
   if (fs::exists(dir / "clusters.ply")) estimate.clusters = read_clusters(dir);
   if (fs::exists(dir / "surfaces.json")) estimate.surfaces = read_surfaces(dir);
-  if (fs::exists(dir / "masks.json")) estimate.silhouettes = read_silhouettes(dir);
+  if (fs::exists(dir / "masks.json")) {
+    MaskImages images;
+    images.scene = scene_index_of(dir);
+    for (const TrueView& view : truth.views)
+      images.size_px[view.frame] = {view.camera.width_px, view.camera.height_px};
+    estimate.silhouettes = read_silhouettes(dir, images);
+  }
   if (fs::exists(dir / "timings.json")) estimate.timings = read_timings(dir);
   return estimate;
 }
@@ -52,7 +59,7 @@ void check_alignment(const Options& o, const fs::path& estimate_dir) {
 
 ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path& estimate_dir,
                       const SeedsScoreLabels& labels, ProgressPrinter& progress) {
-  const SeedsEstimate estimate = read_estimate(estimate_dir);
+  const SeedsEstimate estimate = read_estimate(estimate_dir, truth);
   ScoreFile file;
   const bool is_whole = is_whole_scene(estimate_dir);
   if (is_whole)

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/seeds/stage_files.h"
 #include "perception/pipelines/seeds.h"
 #include "sim/types/stage_clock.h"
 
@@ -75,7 +76,8 @@ extern "C" __attribute__((visibility("default"))) int cousin_run_job(const cousi
   try {
     return cousin::run_job(*options, argc, argv);
   } catch (const cousin::StageError& error) {
-    return cousin::fail(ExitCode::internal, error.what());
+    const bool is_input = cousin::is_fault_of_input(error, options->stages);
+    return cousin::fail(is_input ? ExitCode::bad_input : ExitCode::internal, error.what());
   } catch (const std::invalid_argument& error) {
     return cousin::fail(ExitCode::usage, error.what());
   } catch (const std::runtime_error& error) {

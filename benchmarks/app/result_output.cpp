@@ -6,8 +6,21 @@
 
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
+namespace {
+
+nlohmann::json readable(const nlohmann::json& value) {
+  if (value.is_string()) return readable_utf8(value.get_ref<const std::string&>());
+  nlohmann::json result = value;
+  if (value.is_structured()) {
+    for (auto& element : result) element = readable(element);
+  }
+  return result;
+}
+
+}  // namespace
 
 ExitCode check_gates(const Options& options, const std::vector<ScoreRow>& rows) {
   bool all_hold = true;
@@ -39,6 +52,10 @@ void print_result(const Options& options, const ScoreFile& file) {
   }
 }
 
+void print_json(const nlohmann::json& value) {
+  std::printf("%s\n", readable(value).dump(2).c_str());
+}
+
 void print_plan(const Options& options, const std::vector<PlanEntry>& plan) {
   if (!options.json) {
     std::printf("%s", describe(plan).c_str());
@@ -47,7 +64,7 @@ void print_plan(const Options& options, const std::vector<PlanEntry>& plan) {
   nlohmann::json rows = nlohmann::json::array();
   for (const PlanEntry& entry : plan)
     rows.push_back({{"pass", entry.pass}, {"runs", entry.runs}, {"why", entry.why}});
-  std::printf("%s\n", rows.dump(2).c_str());
+  print_json(rows);
 }
 
 }  // namespace cousin

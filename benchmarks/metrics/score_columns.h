@@ -1,7 +1,11 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -18,6 +22,17 @@ struct Column {
                ScoreStatus Row::*>
       member;
 };
+
+/// Only a score and its interval may be infinite: no ruler gives an infinite length, no clock an
+/// infinite time. @throws std::invalid_argument saying what the number must be.
+template <class Row, class Value>
+void check_number(const Column<Row>& column, const Value& value) {
+  if constexpr (std::is_same_v<Value, double>) {
+    const std::string_view name = column.name;
+    if (!std::isinf(value) || name == "value" || name == "ci_low" || name == "ci_high") return;
+    throw std::invalid_argument("expected a finite number or none");
+  }
+}
 
 const std::vector<Column<ScoreRow>>& score_columns();
 const std::vector<Column<SpecimenRow>>& specimen_columns();

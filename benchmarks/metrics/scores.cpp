@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "benchmarks/metrics/score_columns.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -32,7 +33,7 @@ ScoreStatus score_status_from_string(std::string_view text) {
   for (const auto& [value, name] : kStatusNames) {
     if (name == text) return value;
   }
-  throw std::invalid_argument("status \"" + std::string(text.substr(0, 64)) +
+  throw std::invalid_argument("status \"" + cut_utf8(text, 64) +
                               "\" is not one of ok, pass, fail, not_solved, not_built, error");
 }
 

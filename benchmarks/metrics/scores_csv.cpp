@@ -4,6 +4,7 @@
 
 #include "benchmarks/metrics/score_columns.h"
 #include "benchmarks/metrics/scores.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -58,7 +59,7 @@ Number number_of(const std::string& cell) {
   Number value{};
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc{} || end != cell.data() + cell.size()) {
-    throw std::invalid_argument(std::string("\"") + cell.substr(0, 64) +
+    throw std::invalid_argument(std::string("\"") + cut_utf8(cell, 64) +
                                 "\" is not a number that fits");
   }
   return value;
@@ -159,7 +160,7 @@ std::vector<Row> read(std::string_view text, std::string_view name,
     }
   }
   if (header.size() > columns.size())
-    parser.fail("column \"" + header[columns.size()].substr(0, 64) + "\" is unknown");
+    parser.fail("column \"" + cut_utf8(header[columns.size()], 64) + "\" is unknown");
 
   std::vector<Row> rows;
   while (!parser.at_end()) {
@@ -171,7 +172,12 @@ std::vector<Row> read(std::string_view text, std::string_view name,
     Row row;
     for (std::size_t i = 0; i < columns.size(); ++i) {
       try {
-        std::visit([&](auto member) { read_cell(cells[i], row.*member); }, columns[i].member);
+        std::visit(
+            [&](auto member) {
+              read_cell(cells[i], row.*member);
+              check_number(columns[i], row.*member);
+            },
+            columns[i].member);
       } catch (const std::invalid_argument& error) {
         parser.fail(std::string("column \"") + columns[i].name + "\": " + error.what());
       }

@@ -6,6 +6,7 @@
 
 #include "benchmarks/metrics/score_columns.h"
 #include "benchmarks/metrics/scores.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -28,8 +29,12 @@ void expect(bool good, const char* what) {
   if (!good) throw std::invalid_argument(std::string("expected ") + what);
 }
 void read_value(const Json& json, std::string& value) {
+  constexpr std::size_t kMostBytes = 64 * 1024;  // as a cell of scores.csv
   expect(json.is_string(), "a text");
-  value = json.get<std::string>();
+  const auto& text = json.get_ref<const std::string&>();
+  expect(text.size() <= kMostBytes, "a text of at most 64 KiB");
+  expect(text.find('\0') == std::string::npos, "a text without NUL bytes");
+  value = text;
 }
 void read_value(const Json& json, std::int64_t& value) {
   expect(json.is_number_integer() &&
@@ -86,7 +91,7 @@ void reject_unknown(const Json& object, std::size_t known, const auto& is_known,
   if (object.size() == known) return;
   for (const auto& item : object.items()) {
     if (!is_known(item.key()))
-      fail(name, where, std::string("\"") + item.key().substr(0, 64) + "\" is unknown");
+      fail(name, where, std::string("\"") + cut_utf8(item.key(), 64) + "\" is unknown");
   }
 }
 
@@ -102,7 +107,12 @@ std::vector<Row> rows_from_json(const Json& root, const char* key,
     for (const auto& column : columns) {
       const Json& value = member(object, column.name, name, where);
       try {
-        std::visit([&](auto field) { read_value(value, row.*field); }, column.member);
+        std::visit(
+            [&](auto field) {
+              read_value(value, row.*field);
+              check_number(column, row.*field);
+            },
+            column.member);
       } catch (const std::invalid_argument& error) {
         fail(name, where + "." + column.name, error.what());
       }
@@ -165,7 +175,7 @@ ScoreFile scores_from_json(std::string_view text, std::string_view name) {
   if (!more.is_object()) fail(name, "header.more", "expected an object");
   for (const auto& item : more.items()) {
     if (!item.value().is_string())
-      fail(name, "header.more", std::string("\"") + item.key().substr(0, 64) + "\" is not a text");
+      fail(name, "header.more", std::string("\"") + cut_utf8(item.key(), 64) + "\" is not a text");
     file.header.more[item.key()] = item.value().get<std::string>();
   }
   reject_unknown(

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -27,7 +28,11 @@ void write_result_tables(const fs::path& folder, const ScoreFile& file) {
 
 ScoreFile read_result_tables(const fs::path& folder) {
   const fs::path file = folder / "scores.json";
-  return scores_from_json(read_file(file), file.string());
+  // What JSON of the least words takes a byte.
+  constexpr std::uint64_t kMemoryPerByte = 32;
+  const std::string text = read_file(file);
+  check_memory(file, bytes_times(text.size(), kMemoryPerByte), "its JSON");
+  return scores_from_json(text, file.string());
 }
 
 std::string machine_text() {

@@ -180,6 +180,11 @@ void append_specimen_rows(const Instance& object, const SpecimenTraits* measured
     if (measured && measured->status == TraitStatus::ok) {
       for (const Trait& m : measured->traits) {
         if (m.name != trait.name) continue;
+        if (m.unit != trait.unit) {
+          throw std::invalid_argument("traits.json: specimen " +
+                                      std::to_string(measured->instance) + ": " + m.name +
+                                      " is in " + m.unit + ", and the true one in " + trait.unit);
+        }
         row.measured = m.value;
         row.sigma = m.sigma;
         row.status = ScoreStatus::ok;

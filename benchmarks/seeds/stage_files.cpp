@@ -1,6 +1,9 @@
 #include "benchmarks/seeds/stage_files.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <exception>
+#include <memory>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
@@ -23,30 +26,59 @@ void call_program(const fs::path& program, const fs::path& input, const fs::path
   if (!succeeded(outcome)) throw std::runtime_error(outcome.reason);
 }
 
-/// A stage that reads its seam with `read` from files, or from what a program makes of the capture
-/// and earlier seams.
-template <class Read, class Value = std::invoke_result_t<Read, const fs::path&>>
+/// The input of a stage's program could not be written: a full disk, not the program's fault.
+class StageInputError : public std::runtime_error {
+ public:
+  using runtime_error::runtime_error;
+};
+
+/// A scratch folder with input/, the capture and the seams before a stage, and an empty output/.
+std::unique_ptr<ScratchFolder> stage_folder(const std::string& stage, const Capture& capture,
+                                            const SeedsEstimate& so_far, int scene_index) {
+  try {
+    auto folder = std::make_unique<ScratchFolder>("cousin-stage");
+    const fs::path input = folder->path() / "input";
+    write_capture(input, capture);
+    for (const std::string& earlier : seeds_stage_names()) {
+      if (earlier == stage) break;
+      write_seam(input, earlier, so_far, scene_index);
+    }
+    fs::create_directories(folder->path() / "output");
+    return folder;
+  } catch (const std::runtime_error& error) {
+    throw StageInputError("the input of its program could not be written: " +
+                          std::string(error.what()));
+  }
+}
+
+/// A stage that reads its seam with `read(folder, capture)` from files, or from what a program
+/// makes of the capture and earlier seams.
+template <class Read, class Value = std::invoke_result_t<Read, const fs::path&, const Capture&>>
 std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSource& source,
                                                                    int scene_index, Read read) {
   if (source.kind == StageSource::Kind::directory) {
-    return [source, scene_index, read](const Capture&, const SeedsEstimate&) {
+    return [source, scene_index, read](const Capture& capture, const SeedsEstimate&) {
       const fs::path below = source.path / scene_id(scene_index);
-      return read(fs::is_directory(below) ? below : source.path);
+      return read(fs::is_directory(below) ? below : source.path, capture);
     };
   }
   return [source, scene_index, read](const Capture& capture, const SeedsEstimate& so_far) {
-    const ScratchFolder folder("cousin-stage");
-    const fs::path input = folder.path() / "input";
-    const fs::path output = folder.path() / "output";
-    fs::create_directories(output);
-    write_capture(input, capture);
-    for (const std::string& stage : seeds_stage_names()) {
-      if (stage == source.stage) break;
-      write_seam(input, stage, so_far, scene_index);
-    }
-    call_program(source.path, input, output);
-    return read(output);
+    const auto folder = stage_folder(source.stage, capture, so_far, scene_index);
+    const fs::path output = folder->path() / "output";
+    call_program(source.path, folder->path() / "input", output);
+    return read(output, capture);
   };
+}
+
+/// Images that masks may be of: the first sensor's.
+MaskImages images_of(const Capture& capture, int scene_index) {
+  MaskImages images;
+  images.scene = scene_index;
+  for (const Frame& frame : capture.frames) {
+    const Camera& camera = frame.sensors.front().reported;
+    images.size_px[frame.id] = {camera.width_px, camera.height_px};
+  }
+  return images;
 }
 
 constexpr const char* kSplatsFile = "splats.ply";  ///< the reference's layout
@@ -137,19 +169,43 @@ StageSource parse_stage_source(const std::string& text) {
   return source;
 }
 
+bool is_fault_of_input(const StageError& error, const std::vector<std::string>& stages) {
+  const std::string name = error.stage + "=";
+  const auto given = std::find_if(stages.rbegin(), stages.rend(),
+                                  [&](const std::string& text) { return text.starts_with(name); });
+  if (given == stages.rend()) return false;
+  if (given->starts_with(name + "dir:")) return true;
+  try {
+    std::rethrow_if_nested(error);
+  } catch (const StageInputError&) {
+    return true;
+  } catch (const std::exception&) {
+  }
+  return false;
+}
+
 SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources,
                                int scene_index, const Warn& warn) {
-  const auto splats = [warn](const fs::path& dir) { return read_splats(dir, warn); };
+  const auto splats = [warn](const fs::path& dir, const Capture&) {
+    return read_splats(dir, warn);
+  };
+  const auto masks = [scene_index](const fs::path& dir, const Capture& capture) {
+    return read_silhouettes(dir, images_of(capture, scene_index));
+  };
   for (const StageSource& source : sources) {
-    if (source.stage == "corners") base.corners = sourced(source, scene_index, read_corners);
-    if (source.stage == "poses") base.poses = sourced(source, scene_index, read_poses);
+    const auto files = [&](auto read) {
+      return sourced(source, scene_index,
+                     [read](const fs::path& dir, const Capture&) { return read(dir); });
+    };
+    if (source.stage == "corners") base.corners = files(read_corners);
+    if (source.stage == "poses") base.poses = files(read_poses);
     if (source.stage == "splats") base.splats = sourced(source, scene_index, splats);
-    if (source.stage == "depth") base.depth = sourced(source, scene_index, read_depths);
-    if (source.stage == "cloud") base.cloud = sourced(source, scene_index, read_cloud);
-    if (source.stage == "clusters") base.clusters = sourced(source, scene_index, read_clusters);
-    if (source.stage == "masks") base.masks = sourced(source, scene_index, read_silhouettes);
-    if (source.stage == "surfaces") base.surfaces = sourced(source, scene_index, read_surfaces);
-    if (source.stage == "traits") base.traits = sourced(source, scene_index, read_traits);
+    if (source.stage == "depth") base.depth = files(read_depths);
+    if (source.stage == "cloud") base.cloud = files(read_cloud);
+    if (source.stage == "clusters") base.clusters = files(read_clusters);
+    if (source.stage == "masks") base.masks = sourced(source, scene_index, masks);
+    if (source.stage == "surfaces") base.surfaces = files(read_surfaces);
+    if (source.stage == "traits") base.traits = files(read_traits);
   }
   return base;
 }

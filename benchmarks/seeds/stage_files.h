@@ -25,10 +25,16 @@ std::string to_text(const StageSource& source);  ///< "exec:./mine"
 /// Hears a sentence for the user about input that is used in part or not at all.
 using Warn = std::function<void(const std::string&)>;
 
+/// Whether a stage failed for what a user gave or for the disk, and not inside a program: its files
+/// are a folder's (`dir:`), or the input of its program could not be written.
+/// @param stages  as on the command line; of two for one stage the last counts.
+bool is_fault_of_input(const StageError& error, const std::vector<std::string>& stages);
+
 /// `base` with each named stage read from files or made by a program. `dir:PATH` reads the seam's
 /// file of PATH/SCENE_ID or PATH. `exec:PROGRAM` is called as PROGRAM INPUT_DIR OUTPUT_DIR;
 /// INPUT_DIR holds the capture and the earlier seams, never truth. Missing or malformed files and a
-/// non-zero exit throw std::runtime_error. `warn` hears what a file held that is not used.
+/// non-zero exit throw std::runtime_error. Masks must be of the scene's images. `warn` hears what a
+/// file held that is not used.
 SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources,
                                int scene_index, const Warn& warn = {});
 

@@ -23,13 +23,21 @@ int parse_whole(std::string_view text, const std::string& all) {
   return value;
 }
 
-/// A result file: the key's hash on its first line, then the text.
+/// The first line of a result file: what the result is of, and what it is. A file that was cut off,
+/// wherever that was, has another text than its line says.
+std::string first_line(const std::string& key_hash, std::string_view text) {
+  return key_hash + " " + sha256_hex(text);
+}
+
+/// The text of a whole result of that key.
 std::optional<std::string> stored_result(const fs::path& file, const std::string& key_hash) {
   if (!fs::exists(file)) return std::nullopt;
-  const std::string text = read_file(file);
-  const std::size_t line_end = text.find('\n');
-  if (line_end == std::string::npos || text.substr(0, line_end) != key_hash) return std::nullopt;
-  return text.substr(line_end + 1);
+  const std::string bytes = read_file(file);
+  const std::size_t line_end = bytes.find('\n');
+  if (line_end == std::string::npos || !bytes.starts_with(key_hash)) return std::nullopt;
+  std::string text = bytes.substr(line_end + 1);
+  if (bytes.substr(0, line_end) != first_line(key_hash, text)) return std::nullopt;
+  return text;
 }
 
 }  // namespace
@@ -103,7 +111,7 @@ std::vector<ShardResult> run_shards(
       if (progress) progress(job.name, i - first, end - first);
       try {
         result.text = job.run();
-        write_file(file, key_hash + "\n" + result.text);
+        write_file(file, first_line(key_hash, result.text) + "\n" + result.text);
         std::error_code left;  // what cannot be removed costs room, not the result
         if (!job.unfinished.empty()) fs::remove_all(job.unfinished, left);
       } catch (const std::exception& error) {

@@ -4,7 +4,9 @@
 #include <stdexcept>
 
 #include "sim/dataset/text_fields.h"
+#include "sim/dataset/yaml_text.h"
 #include "sim/dataset/yaml_values.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -37,13 +39,19 @@ std::string opencv_matrix(const std::string& key, int rows, int columns,
                           const std::vector<double>& values) {
   return key + ": !!opencv-matrix\n   rows: " + std::to_string(rows) +
          "\n   cols: " + std::to_string(columns) + "\n   dt: d\n   data: [ " +
-         exact_text(values, ", ") + " ]\n";
+         yaml_numbers(values) + " ]\n";
 }
 
 std::string ros_matrix(const std::string& key, int rows, int columns,
                        const std::vector<double>& values) {
   return key + ":\n  rows: " + std::to_string(rows) + "\n  cols: " + std::to_string(columns) +
-         "\n  data: [" + exact_text(values, ", ") + "]\n";
+         "\n  data: [" + yaml_numbers(values) + "]\n";
+}
+
+/// "/rgb/image_raw"; quoted where the camera's name needs it.
+std::string topic_of(const std::string& name) {
+  const std::string topic = "/" + name + "/image_raw";
+  return yaml_name("a" + name) == "a" + name ? topic : yaml_quoted(topic);
 }
 
 std::string kalibr_camera(const CalibratedCamera& c) {
@@ -60,11 +68,11 @@ std::string kalibr_camera(const CalibratedCamera& c) {
   } else if (lens.model != LensModel::pinhole) {
     refuse(c, "Kalibr");
   }
-  return "  camera_model: pinhole\n  distortion_coeffs: [" + exact_text(values, ", ") +
+  return "  camera_model: pinhole\n  distortion_coeffs: [" + yaml_numbers(values) +
          "]\n  distortion_model: " + model + "\n  intrinsics: [" +
-         exact_text({lens.fx_px, lens.fy_px, lens.cx_px, lens.cy_px}, ", ") + "]\n  resolution: [" +
+         yaml_numbers({lens.fx_px, lens.fy_px, lens.cx_px, lens.cy_px}) + "]\n  resolution: [" +
          std::to_string(lens.width_px) + ", " + std::to_string(lens.height_px) +
-         "]\n  rostopic: /" + c.name + "/image_raw\n";
+         "]\n  rostopic: " + topic_of(c.name) + "\n";
 }
 
 Pose pose_in(const YamlValues& yaml, const std::string& key) {
@@ -83,7 +91,7 @@ Pose pose_in(const YamlValues& yaml, const std::string& key) {
 
 Camera kalibr_lens(const YamlValues& yaml, const std::string& key) {
   if (yaml.text(key + "camera_model") != "pinhole")
-    yaml.fail(key + "camera_model = " + yaml.text(key + "camera_model").substr(0, 60) +
+    yaml.fail(key + "camera_model = " + cut_utf8(yaml.text(key + "camera_model"), 60) +
               " is not pinhole, the only one that is read");
   const std::vector<double> k = yaml.numbers(key + "intrinsics");
   const std::vector<double> size = yaml.numbers(key + "resolution");
@@ -101,7 +109,7 @@ Camera kalibr_lens(const YamlValues& yaml, const std::string& key) {
   camera.cy_px = k[3];
   const std::string model = yaml.text(key + "distortion_model");
   if (model != "radtan" && model != "equidistant" && model != "none")
-    yaml.fail(key + "distortion_model = " + model.substr(0, 60) +
+    yaml.fail(key + "distortion_model = " + cut_utf8(model, 60) +
               " is not one of radtan, equidistant, none");
   if (values.size() != (model == "none" ? 0U : 4U))
     yaml.fail(key + "distortion_coeffs has " + std::to_string(values.size()) + " numbers; " +
@@ -123,8 +131,8 @@ std::string opencv_yaml(const CalibratedCamera& c, const CalibratedCamera& first
   const Camera& lens = c.camera;
   if (lens.model == LensModel::splined_stereographic) refuse(c, "OpenCV");
   const Pose camera_from_first = c.camera_from_reference * inverse(first.camera_from_reference);
-  std::string text = "%YAML:1.0\n---\ncamera_name: \"" + c.name +
-                     "\"\nimage_width: " + std::to_string(lens.width_px) +
+  std::string text = "%YAML 1.0\n---\ncamera_name: " + yaml_quoted(c.name) +
+                     "\nimage_width: " + std::to_string(lens.width_px) +
                      "\nimage_height: " + std::to_string(lens.height_px) + "\n";
   text += opencv_matrix("camera_matrix", 3, 3, row_major(camera_matrix(lens)));
   std::vector<double> values = coefficients(lens);
@@ -132,7 +140,7 @@ std::string opencv_yaml(const CalibratedCamera& c, const CalibratedCamera& first
   if (values.empty()) values.resize(5);
   if (lens.model == LensModel::kannala_brandt4) text += "distortion_model: fisheye\n";
   text += opencv_matrix("distortion_coefficients", 1, static_cast<int>(values.size()), values);
-  text += "# X_camera = R X_" + first.name + " + T, metres\n";
+  text += "# X_camera = R X_" + terminal_text(first.name) + " + T, metres\n";
   text += opencv_matrix("R", 3, 3, row_major(camera_from_first.rotation.toRotationMatrix()));
   text += opencv_matrix("T", 3, 1, row_major(camera_from_first.translation_m));
   return text;
@@ -154,7 +162,8 @@ std::string ros_camera_info(const CalibratedCamera& c) {
   Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
   projection.leftCols<3>() = camera_matrix(lens);
   return "image_width: " + std::to_string(lens.width_px) +
-         "\nimage_height: " + std::to_string(lens.height_px) + "\ncamera_name: " + c.name + "\n" +
+         "\nimage_height: " + std::to_string(lens.height_px) +
+         "\ncamera_name: " + yaml_name(c.name) + "\n" +
          ros_matrix("camera_matrix", 3, 3, row_major(camera_matrix(lens))) +
          "distortion_model: " + model + "\n" +
          ros_matrix("distortion_coefficients", 1, static_cast<int>(values.size()), values) +
@@ -173,7 +182,7 @@ std::string kalibr_camchain(const std::vector<CalibratedCamera>& cameras) {
     text += "  T_cn_cnm1:\n";
     for (std::size_t row = 0; row < 4; ++row) {
       const auto begin = m.begin() + static_cast<std::ptrdiff_t>(4 * row);
-      text += "  - [" + exact_text(std::vector<double>(begin, begin + 4), ", ") + "]\n";
+      text += "  - [" + yaml_numbers(std::vector<double>(begin, begin + 4)) + "]\n";
     }
   }
   return text;

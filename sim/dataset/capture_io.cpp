@@ -116,6 +116,11 @@ void read_frame_images(const fs::path& scene_dir, const std::vector<SensorReport
     }
     const bool is_foreign_depth =
         kinds[s].depth_if_there && fs::exists(scene_dir / relative(ImageKind::depth));
+    if (is_foreign_depth && !kinds[s].depth_has_scale) {
+      throw std::runtime_error(
+          frame_context(scene_dir / "scene_camera.json", frame.id) +
+          ": there is a depth image and no \"depth_scale\", millimetres a unit of it");
+    }
     if (kinds[s].depth || is_foreign_depth) {
       sensor.depth = read_image(scene_dir, relative(ImageKind::depth), camera, frame.id,
                                 [](const fs::path& f) { return read_png16(f); });

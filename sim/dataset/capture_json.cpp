@@ -125,11 +125,12 @@ void read_bop_frame(const JsonNode& node, const std::string& context, const Capt
   } catch (const std::invalid_argument& error) {
     node["cam_K"].fail("(" + context + "): " + error.what());
   }
+  kinds.front() = {.color = true, .depth_if_there = true};
+  kinds.front().depth_has_scale = node.has("depth_scale");
   if (node.has("depth_scale")) sensor.depth_unit_m = 1e-3 * node["depth_scale"].number(1e-9, 1e6);
   if (const std::optional<Pose> pose = read_bop_pose(node)) {
     frame.rig_from_world = inverse(capture.rig.front().sensor_from_rig) * *pose;
   }
-  kinds.front() = {.color = true, .depth_if_there = true};
 }
 
 void read_own_frame(const JsonNode& node, const std::string& context, const Capture& capture,
@@ -158,6 +159,15 @@ void read_own_frame(const JsonNode& node, const std::string& context, const Capt
   Camera bop = first;
   read_camera_matrix(node["cam_K"], context, bop);
   if (bop != first) node["cam_K"].fail("differs from cousin/sensors/0/camera (" + context + ")");
+  if (node.has("depth_scale")) {
+    const std::size_t depth = depth_sensor(capture.rig), scaled = depth < count ? depth : 0;
+    const double unit_m = frame.sensors[scaled].depth_unit_m;
+    const double excess_m = 1e-3 * node["depth_scale"].number(1e-9, 1e6) - unit_m;
+    if (std::abs(excess_m) > 1e-9 * unit_m) {
+      node["depth_scale"].fail("is not 1000 times cousin/sensors/" + std::to_string(scaled) +
+                               "/depth_unit_m (" + context + ")");
+    }
+  }
   const std::optional<Pose> pose = read_bop_pose(node);
   if (pose.has_value() != frame.rig_from_world.has_value()) {
     node.fail("has only one of cam_R_w2c and cousin/rig_from_world (" + context + ")");
@@ -324,7 +334,9 @@ std::vector<std::vector<ImageKinds>> frames_from_json(std::string_view text,
     frame.sensors.resize(capture.rig.size());
     std::vector<ImageKinds> kinds(capture.rig.size());
     const std::string context = "frame " + std::to_string(frame.id);
-    node.expect_keys({"cam_K"}, {"depth_scale", "cam_R_w2c", "cam_t_w2c", "cousin"});
+    // The last ones say of some BOP datasets how an image was made, not what it shows.
+    node.expect_keys({"cam_K"}, {"depth_scale", "cam_R_w2c", "cam_t_w2c", "cousin", "view_level",
+                                 "elev", "azimuth", "mode"});
     if (node.has("cousin")) {
       read_own_frame(node, context, capture, frame, kinds);
     } else {

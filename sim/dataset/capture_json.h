@@ -18,7 +18,8 @@ struct ImageKinds {
   bool grey = false;
   bool raw = false;
   bool depth = false;
-  bool depth_if_there = false;  ///< another program's files, which do not list their images
+  bool depth_if_there = false;   ///< another program's files, which do not list their images
+  bool depth_has_scale = false;  ///< such files say what a unit of depth is
 };
 
 /// Place of the sensor named kDepthSensor; the rig's size if it has none.

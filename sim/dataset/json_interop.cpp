@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/types/memory_limit.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -27,22 +30,33 @@ bool is_scalar_array(const Json& value) {
          std::none_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); });
 }
 
+void require_utf8(const std::string& text, const std::string& pointer) {
+  if (is_utf8(text)) return;
+  throw std::runtime_error("JSON " + readable_utf8(pointer) + ": \"" +
+                           readable_utf8(cut_utf8(text, 200)) + "\" is not UTF-8 text");
+}
+
+bool is_printable(const Json& value) {
+  if (value.is_number_float()) return std::isfinite(value.get<double>());
+  return !value.is_string() || is_utf8(value.get_ref<const std::string&>());
+}
+
+[[noreturn]] void refuse_value(const Json& value, const std::string& pointer) {
+  if (value.is_string()) require_utf8(value.get_ref<const std::string&>(), pointer);
+  throw std::invalid_argument("JSON " + pointer + ": " + std::to_string(value.get<double>()) +
+                              " is not finite");
+}
+
 void print_line(const Json& value, const std::string& pointer, std::string& out) {
-  if (value.is_number_float() && !std::isfinite(value.get<double>())) {
-    throw std::invalid_argument("JSON " + pointer + ": " + std::to_string(value.get<double>()) +
-                                " is not finite");
-  }
   if (!value.is_array()) {
+    if (!is_printable(value)) refuse_value(value, pointer);
     out += value.dump();
     return;
   }
   out += '[';
   for (std::size_t i = 0; i < value.size(); ++i) {
     if (i > 0) out += ", ";
-    if (value[i].is_number_float() && !std::isfinite(value[i].get<double>())) {
-      throw std::invalid_argument("JSON " + pointer + "/" + std::to_string(i) + ": " +
-                                  std::to_string(value[i].get<double>()) + " is not finite");
-    }
+    if (!is_printable(value[i])) refuse_value(value[i], pointer + "/" + std::to_string(i));
     out += value[i].dump();
   }
   out += ']';
@@ -65,7 +79,10 @@ void print(const Json& value, int indent, const std::string& pointer, std::strin
     out += first ? "\n" : ",\n";
     first = false;
     out += margin;
-    if (value.is_object()) out += Json(item.key()).dump() + ": ";
+    if (value.is_object()) {
+      require_utf8(item.key(), pointer);
+      out += Json(item.key()).dump() + ": ";
+    }
     print(*item, indent + 1,
           pointer + "/" + (value.is_object() ? item.key() : std::to_string(index)), out);
   }
@@ -201,9 +218,71 @@ std::vector<double> JsonNode::numbers(std::size_t min_count, std::size_t max_cou
 
 // ---- documents ----------------------------------------------------------------------------------
 
+namespace {
+
+using Event = nlohmann::json::parse_event_t;
+
+/// The first key that stands twice in one object.
+std::string repeated_key(std::string_view text) {
+  std::vector<std::set<std::string>> open;
+  std::string repeated;
+  const nlohmann::json::parser_callback_t note = [&](int, Event event, nlohmann::json& parsed) {
+    if (event == Event::object_start) open.emplace_back();
+    if (event == Event::object_end) open.pop_back();
+    if (event == Event::key && !open.back().insert(parsed.get<std::string>()).second &&
+        repeated.empty())
+      repeated = parsed.get<std::string>();
+    return true;
+  };
+  return nlohmann::json::parse(text, note).is_discarded() ? "" : repeated;
+}
+
+/// Parses and counts: what is made of the text fits into memory, no key stands twice.
+nlohmann::json parse_counted(std::string_view text, const std::string& name) {
+  // What the library takes: a value in an array that grew by doubling, a list, a key in a tree.
+  constexpr std::uint64_t kValueBytes = 32, kListBytes = 80, kKeyBytes = 96;
+  std::uint64_t bytes = 0;
+  std::vector<std::size_t> keys;  // of each object that is open
+  bool is_repeated = false;
+  const nlohmann::json::parser_callback_t count = [&](int, Event event, nlohmann::json& parsed) {
+    switch (event) {
+      case Event::object_start:
+        keys.push_back(0);
+        bytes += kListBytes;
+        break;
+      case Event::array_start:
+        bytes += kListBytes;
+        break;
+      case Event::key:
+        ++keys.back();
+        bytes += kKeyBytes + parsed.get_ref<const std::string&>().size();
+        break;
+      case Event::value:
+        bytes += kValueBytes;
+        if (parsed.is_string()) bytes += parsed.get_ref<const std::string&>().size();
+        break;
+      case Event::object_end:
+        is_repeated = is_repeated || parsed.size() != keys.back();
+        keys.pop_back();
+        break;
+      case Event::array_end:
+        break;
+    }
+    check_memory(name, bytes, "its JSON");
+    return true;
+  };
+  nlohmann::json value = nlohmann::json::parse(text, count);
+  if (is_repeated)
+    throw std::runtime_error(name + ": the key \"" + cut_utf8(repeated_key(text), 60) +
+                             "\" stands twice in one object");
+  return value;
+}
+
+}  // namespace
+
 JsonDocument::JsonDocument(std::string_view text, std::string name) : name_(std::move(name)) {
   try {
-    value_ = nlohmann::json::parse(text);
+    value_ = parse_counted(text, name_);
   } catch (const nlohmann::json::exception& error) {
     throw std::runtime_error(name_ + ": not JSON: " + error.what());
   }

@@ -88,7 +88,8 @@ class JsonNode {
 /// Owns a parsed document; nodes refer into it.
 class JsonDocument {
  public:
-  /// @throws std::runtime_error naming `name` and the byte where the text stops being JSON.
+  /// @throws std::runtime_error naming `name` and the byte where the text stops being JSON, a key
+  /// that stands twice in one object, or the memory that the text asks for.
   JsonDocument(std::string_view text, std::string name);
   static JsonDocument read(const std::filesystem::path& file);
   JsonNode root() const { return {value_, name_, ""}; }
@@ -99,7 +100,8 @@ class JsonDocument {
 };
 
 /// Text that reads back equal, a key a line, arrays of numbers on one line.
-/// @throws std::invalid_argument naming the pointer of a number that is not finite.
+/// @throws std::invalid_argument naming the pointer of a number that is not finite;
+/// std::runtime_error naming that of a text or key that is not UTF-8.
 std::string to_text(const Json& value);
 
 /// null for NaN, which JSON does not have.

@@ -15,6 +15,7 @@
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -43,6 +44,11 @@ std::vector<std::string> list_files(const fs::path& dataset) {
 }
 
 Manifest with_hashes(const fs::path& dataset, Manifest header, std::vector<std::string> paths) {
+  for (const std::string& path : paths) {
+    if (is_utf8(path)) continue;
+    throw std::runtime_error(dataset.string() + ": the file name \"" + readable_utf8(path) +
+                             "\" is not UTF-8, which a manifest is; rename it");
+  }
   std::sort(paths.begin(), paths.end());
   paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
   header.files.resize(paths.size());

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/camera_files.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -23,9 +24,9 @@ class PythonDictionary {
     ++at_;
     while (!next_is('}')) {
       const std::string key = quoted();
-      if (!next_is(':')) fail("the key \"" + key.substr(0, 60) + "\" has no \":\"");
+      if (!next_is(':')) fail("the key \"" + cut_utf8(key, 60) + "\" has no \":\"");
       ++at_;
-      if (!values_.emplace(key, value()).second) fail(key.substr(0, 60) + " occurs twice");
+      if (!values_.emplace(key, value()).second) fail(cut_utf8(key, 60) + " occurs twice");
       if (next_is(',')) ++at_;
     }
   }
@@ -135,7 +136,7 @@ int named_number(const PythonDictionary& file, const std::string& model, const s
     const auto [end, error] = std::from_chars(begin, model.data() + model.size(), value);
     if (error == std::errc{} && value >= 1 && value <= 1024) return value;
   }
-  file.fail("lensmodel = " + model.substr(0, 100) + ": " + key + " is not in [1, 1024]");
+  file.fail("lensmodel = " + cut_utf8(model, 100) + ": " + key + " is not in [1, 1024]");
 }
 
 void set_lens(const PythonDictionary& file, const std::vector<double>& values, Camera& camera) {
@@ -157,7 +158,7 @@ void set_lens(const PythonDictionary& file, const std::vector<double>& values, C
     camera.spline.delta_u = values;
     return;
   } else {
-    file.fail("lensmodel = " + model.substr(0, 100) +
+    file.fail("lensmodel = " + cut_utf8(model, 100) +
               " is not one of LENSMODEL_PINHOLE, LENSMODEL_OPENCV4, LENSMODEL_OPENCV5, "
               "LENSMODEL_OPENCV8, LENSMODEL_OPENCV12, LENSMODEL_SPLINED_STEREOGRAPHIC_...");
   }

@@ -9,23 +9,31 @@
 //                  "points": "meshes/000000_points.ply" or null,
 //                  "samples": "meshes/000000_samples.ply" or null, "sample_count": 0}]}
 //   points: vertices only; samples: the vertices of all samples, one sample after the other.
+// PLY files are in metres: one whose comment names another unit is refused.
 
 #include "sim/dataset/seam_io.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/seam_json.h"
 #include "sim/geometry/mesh_io.h"
+#include "sim/geometry/ply_rows.h"
+#include "sim/imaging/exr_size.h"
 #include "sim/imaging/exr_vectors.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/memory_limit.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -75,6 +83,22 @@ void check_size(const fs::path& file, const Image<T>& image, const Image<float>&
                            " x " + std::to_string(depth_m.height()));
 }
 
+/// What the depth images take in memory, from their headers.
+void check_depth_memory(const fs::path& dir, const std::vector<int>& frames) {
+  std::uint64_t bytes = 0;
+  for (const int frame : frames) {
+    const std::string name = six_digits(frame) + ".exr";
+    for (const auto& [folder, pixel_bytes] : {std::pair("depth", sizeof(float)),
+                                              {"depth_sigma", sizeof(float)},
+                                              {"depth_normal", sizeof(Eigen::Vector3f)}}) {
+      if (!fs::exists(dir / folder / name)) continue;
+      const std::uint64_t pixels = exr_pixels(resolve_inside(dir, fs::path(folder) / name));
+      bytes = bytes_plus(bytes, bytes_times(pixels, pixel_bytes));
+    }
+    check_memory(dir / "depth" / name, bytes, "the depth images up to this one");
+  }
+}
+
 /// Vectors are zero or of unit length.
 void check_units(const fs::path& file, const Image<Eigen::Vector3f>& image) {
   constexpr float kMostOff = 1e-3F;  // twice what half floats round by
@@ -122,24 +146,109 @@ std::vector<Eigen::Vector3d> concatenate(const Surface& surface) {
   return all;
 }
 
-Surface read_surface(const fs::path& dir, const JsonNode& node) {
-  node.expect_keys({"instance", "status", "mesh"}, {"points", "samples", "sample_count"});
-  const auto read_part = [&](const char* key) -> Mesh {
+/// Words of a comment that say another unit than metres: "units mm", "unit: inch".
+bool names_other_unit(const std::string& comment) {
+  std::string low;
+  for (const char c : comment) {
+    if (c >= 'A' && c <= 'Z')
+      low += static_cast<char>(c + 32);
+    else
+      low += c == ':' || c == '=' ? ' ' : c;
+  }
+  std::istringstream words(low);
+  std::string word, unit;
+  while (words >> word) {
+    if (word != "unit" && word != "units") continue;
+    words >> unit;
+    return unit != "" && unit != "m" && unit != "meter" && unit != "meters" && unit != "metre" &&
+           unit != "metres";
+  }
+  return false;
+}
+
+/// The header of a PLY file of a seam. @throws if a comment names another unit than metres.
+geometry::PlyHeader metre_ply_header(const fs::path& file) {
+  constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16;
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes(kMostHeaderBytes, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  geometry::PlyHeader header = geometry::parse_ply_header(bytes, file.string());
+  for (const std::string& comment : header.comments) {
+    if (!names_other_unit(comment)) continue;
+    throw std::runtime_error(file.string() + ": the comment \"" +
+                             readable_utf8(cut_utf8(comment, 100)) +
+                             "\" names a unit other than metres, which this file must be in");
+  }
+  return header;
+}
+
+std::uint64_t size_of_file(const fs::path& file) {
+  std::error_code none;
+  const std::uintmax_t size = fs::file_size(file, none);
+  if (none) throw std::runtime_error(file.string() + ": cannot read: " + none.message());
+  return size;
+}
+
+/// What reading a PLY file takes at most, by the rows that its header announces; a count that the
+/// file is too short for is refused by the reader.
+std::uint64_t ply_memory(const geometry::PlyHeader& header, std::uint64_t file_bytes) {
+  constexpr std::uint64_t kRowBytes = 64, kNumberBytes = 8, kListBytes = 64, kItemBytes = 8;
+  std::uint64_t bytes = bytes_times(file_bytes, kItemBytes);
+  for (const geometry::PlyElementHeader& element : header.elements) {
+    std::uint64_t row = kRowBytes;
+    for (const geometry::PlyProperty& property : element.properties)
+      row += property.is_list ? kListBytes : kNumberBytes;
+    bytes = bytes_plus(bytes, bytes_times(std::min<std::uint64_t>(element.count, file_bytes), row));
+  }
+  return bytes;
+}
+
+std::uint64_t memory_of(const Mesh& mesh) {
+  return mesh.vertices_m.size() * sizeof(mesh.vertices_m[0]) +
+         mesh.triangles.size() * sizeof(mesh.triangles[0]);
+}
+
+/// Meshes that the entries of surfaces.json name, read while they fit into memory together.
+class SurfaceMeshes {
+ public:
+  explicit SurfaceMeshes(const fs::path& dir) : dir_(dir) {}
+  /// An absent or null key is empty.
+  Mesh read(const JsonNode& node, const char* key) {
     if (!node.has(key) || node[key].is_null()) return {};
-    return read_mesh(resolve_inside(dir, node[key].text()));
-  };
+    constexpr std::uint64_t kMemoryPerByte = 16;  ///< of files of words, which are shorter
+    const fs::path file = resolve_inside(dir_, node[key].text());
+    const std::uint64_t size = size_of_file(file);
+    const std::uint64_t while_read = file.extension() == ".ply"
+                                         ? ply_memory(metre_ply_header(file), size)
+                                         : bytes_times(size, kMemoryPerByte);
+    check_memory(node.file(), bytes_plus(kept_bytes_, while_read),
+                 "the meshes and points up to " + file.string());
+    Mesh mesh = read_mesh(file);
+    kept_bytes_ = bytes_plus(kept_bytes_, memory_of(mesh));
+    return mesh;
+  }
+
+ private:
+  const fs::path& dir_;
+  std::uint64_t kept_bytes_ = 0;
+};
+
+Surface read_surface(const JsonNode& node, SurfaceMeshes& meshes) {
+  node.expect_keys({"instance", "status", "mesh"}, {"points", "samples", "sample_count"});
   Surface surface;
   surface.instance = static_cast<int>(node["instance"].integer(0, 999'999));
   surface.status = node["status"].choice({SurfaceStatus::ok, SurfaceStatus::too_few_views,
                                           SurfaceStatus::empty, SurfaceStatus::not_converged,
                                           SurfaceStatus::touching, SurfaceStatus::not_watertight});
-  surface.mesh = read_part("mesh");
-  surface.points_m = read_part("points").vertices_m;
-  const std::vector<Eigen::Vector3d> samples = read_part("samples").vertices_m;
+  surface.mesh = meshes.read(node, "mesh");
+  surface.points_m = meshes.read(node, "points").vertices_m;
+  const std::vector<Eigen::Vector3d> samples = meshes.read(node, "samples").vertices_m;
   const auto count = node.has("sample_count")
                          ? static_cast<std::size_t>(node["sample_count"].integer(0, 1'000'000))
                          : 0;
-  if (count == 0 ? !samples.empty() : samples.size() % count != 0) {
+  // Empty samples would take memory for nothing: a count needs vertices.
+  if (count == 0 ? !samples.empty() : samples.empty() || samples.size() % count != 0) {
     node.fail("has " + std::to_string(samples.size()) +
               " sample vertices, which sample_count does not divide");
   }
@@ -149,6 +258,23 @@ Surface read_surface(const fs::path& dir, const JsonNode& node) {
                                    begin + static_cast<std::ptrdiff_t>(samples.size() / count));
   }
   return surface;
+}
+
+/// The header of a cloud that fits into memory.
+geometry::PlyHeader check_cloud(const fs::path& file) {
+  const std::uint64_t size = size_of_file(file);
+  geometry::PlyHeader header = metre_ply_header(file);
+  check_memory(file, ply_memory(header, size), "the points");
+  return header;
+}
+
+bool has_vertex_property(const geometry::PlyHeader& header, const std::string& name) {
+  for (const geometry::PlyElementHeader& element : header.elements) {
+    for (const geometry::PlyProperty& property : element.properties) {
+      if (element.name == "vertex" && property.name == name) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -168,8 +294,10 @@ Poses read_poses(const fs::path& dir) { return read_json(dir, "poses.json", pose
 void write_silhouettes(const fs::path& dir, const Silhouettes& silhouettes, int scene_index) {
   write_file(dir / "masks.json", silhouettes_to_json(silhouettes, scene_index));
 }
-Silhouettes read_silhouettes(const fs::path& dir) {
-  return read_json(dir, "masks.json", silhouettes_from_json);
+Silhouettes read_silhouettes(const fs::path& dir, const MaskImages& images) {
+  return read_json(dir, "masks.json", [&](std::string_view text, const std::string& name) {
+    return silhouettes_from_json(text, name, images);
+  });
 }
 
 void write_traits(const fs::path& dir, const Traits& traits) {
@@ -209,6 +337,7 @@ void write_depths(const fs::path& dir, const Depths& depths) {
 
 Depths read_depths(const fs::path& dir) {
   const std::vector<int> frames = frames_with_depth(dir);
+  check_depth_memory(dir, frames);
   Depths depths(frames.size());
   for_each_frame(frames.size(),
                  [&](std::size_t i) { depths[i] = read_frame_depth(dir, frames[i]); });
@@ -220,7 +349,9 @@ void write_cloud(const fs::path& dir, const Cloud& cloud) {
   write_ply(dir / "cloud.ply", cloud);
 }
 Cloud read_cloud(const fs::path& dir) {
-  return read_cloud_ply(resolve_inside(dir, "cloud.ply")).cloud;
+  const fs::path file = resolve_inside(dir, "cloud.ply");
+  check_cloud(file);
+  return read_cloud_ply(file).cloud;
 }
 
 void write_clusters(const fs::path& dir, const Clusters& clusters) {
@@ -228,7 +359,14 @@ void write_clusters(const fs::path& dir, const Clusters& clusters) {
   write_ply(dir / "clusters.ply", clusters);
 }
 Clusters read_clusters(const fs::path& dir) {
-  return read_cloud_ply(resolve_inside(dir, "clusters.ply"));
+  const fs::path file = resolve_inside(dir, "clusters.ply");
+  const geometry::PlyHeader header = check_cloud(file);
+  if (!has_vertex_property(header, "instance")) {
+    throw std::runtime_error(file.string() +
+                             ": vertices have no property \"instance\", which says whose a point "
+                             "is; -1 = nobody's");
+  }
+  return read_cloud_ply(file);
 }
 
 void write_surfaces(const fs::path& dir, const Surfaces& surfaces) {
@@ -263,8 +401,9 @@ Surfaces read_surfaces(const fs::path& dir) {
   root.expect_keys({"surfaces"});
   Surfaces surfaces;
   std::set<int> seen;
+  SurfaceMeshes meshes(dir);
   for (const JsonNode& node : root["surfaces"].elements(1'000'000)) {
-    surfaces.push_back(read_surface(dir, node));
+    surfaces.push_back(read_surface(node, meshes));
     if (!seen.insert(surfaces.back().instance).second)
       node["instance"].fail("is an instance that occurs twice");
   }

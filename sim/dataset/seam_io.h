@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
+#include <map>
 #include <vector>
 
 #include "sim/types/seams.h"
@@ -24,7 +26,13 @@ Clusters read_clusters(const std::filesystem::path& dir);
 /// and per-point "cousin" arrays (normal, sigma, on_object) that other programs may leave out.
 void write_silhouettes(const std::filesystem::path& dir, const Silhouettes& silhouettes,
                        int scene_index);
-Silhouettes read_silhouettes(const std::filesystem::path& dir);
+/// What masks may be of.
+struct MaskImages {
+  int scene = -1;                          ///< -1: any
+  std::map<int, Eigen::Vector2i> size_px;  ///< width and height of each frame; empty: not known
+};
+/// Polygons and run lengths. @throws std::runtime_error also where a mask is not of `images`.
+Silhouettes read_silhouettes(const std::filesystem::path& dir, const MaskImages& images = {});
 void write_surfaces(const std::filesystem::path& dir,
                     const Surfaces& surfaces);  // meshes/000000.ply, surfaces.json
 Surfaces read_surfaces(const std::filesystem::path& dir);

@@ -13,6 +13,7 @@
 //                   "centroid_in_world_m": [3] or null,
 //                   "traits": [{"name": "length", "unit": "m", "value": number or null,
 //                               "sigma": number or null}]}]}
+//   Values of any unit that units.h knows are converted to its SI unit, others are refused.
 // timings.json
 //   {"stages": [{"stage": "poses", "wall_s", "cpu_s", "peak_rss_mb",
 //                "peak_above_start_mb"}]}, the last may be absent or null
@@ -20,9 +21,11 @@
 #include "sim/dataset/seam_json.h"
 
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 #include "sim/dataset/json_interop.h"
+#include "sim/dataset/units.h"
 
 namespace cousin {
 namespace {
@@ -106,6 +109,29 @@ FramePose read_frame_pose(const JsonNode& node, std::set<int>& seen) {
   return pose;
 }
 
+SiUnit read_unit(const JsonNode& node) {
+  const std::string unit = node.text(16);
+  try {
+    return si_unit(unit);
+  } catch (const std::invalid_argument& error) {
+    node.fail(error.what());
+  }
+}
+
+/// A trait in SI: of a file in millimetres, value and sigma are converted.
+Trait read_trait(const JsonNode& entry) {
+  entry.expect_keys({"name", "unit", "value"}, {"sigma"});
+  const SiUnit unit = read_unit(entry["unit"]);
+  Trait trait{.name = entry["name"].text(64),
+              .unit = std::string(unit.si_unit),
+              .value = entry["value"].number_or_nan()};
+  if (entry.has("sigma")) trait.sigma = entry["sigma"].number_or_nan();
+  if (trait.sigma < 0) entry["sigma"].fail("is negative");
+  trait.value *= unit.factor;
+  trait.sigma *= unit.factor;
+  return trait;
+}
+
 SpecimenTraits read_specimen(const JsonNode& node) {
   node.expect_keys({"instance", "status", "traits"}, {"reason", "centroid_in_world_m"});
   SpecimenTraits specimen;
@@ -117,13 +143,8 @@ SpecimenTraits read_specimen(const JsonNode& node) {
   }
   std::set<std::string> names;
   for (const JsonNode& entry : node["traits"].elements(kMaxTraits)) {
-    entry.expect_keys({"name", "unit", "value"}, {"sigma"});
-    Trait trait{.name = entry["name"].text(64),
-                .unit = entry["unit"].text(16),
-                .value = entry["value"].number_or_nan()};
+    Trait trait = read_trait(entry);
     if (!names.insert(trait.name).second) entry["name"].fail("is a trait that occurs twice");
-    if (entry.has("sigma")) trait.sigma = entry["sigma"].number_or_nan();
-    if (trait.sigma < 0) entry["sigma"].fail("is negative");
     specimen.traits.push_back(std::move(trait));
   }
   return specimen;

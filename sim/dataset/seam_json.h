@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "sim/dataset/seam_io.h"
 #include "sim/types/seams.h"
 
 namespace cousin {
@@ -20,6 +21,7 @@ Traits traits_from_json(std::string_view text, const std::string& name);
 std::string timings_to_json(const std::vector<StageTiming>& timings);
 std::vector<StageTiming> timings_from_json(std::string_view text, const std::string& name);
 std::string silhouettes_to_json(const Silhouettes& silhouettes, int scene_index);
-Silhouettes silhouettes_from_json(std::string_view text, const std::string& name);
+Silhouettes silhouettes_from_json(std::string_view text, const std::string& name,
+                                  const MaskImages& images = {});
 
 }  // namespace cousin

@@ -3,16 +3,25 @@
 //     "segmentation": [[x0, y0, x1, y1, ...]],
 //     "cousin": {"normal": [nx0, ny0, ...], "sigma_px": [...], "on_object": [true, ...],
 //                "pixel_px": [x0, y0, ...]}}]
-// The segmentation is one closed polygon, or none; COCO counts pixels from the image's corner.
-// Each key of "cousin" may be absent: normals are then those of the polygon, sigma is 0.1 px, and
-// all points are on the object. "pixel_px" (from pixel centres) is written only where the half
-// pixel to COCO's origin would round a float. id, bbox, area and iscrowd are accepted, not used.
+// The segmentation is [] (nothing), one closed polygon, several polygons, or run lengths
+//     {"size": [height, width], "counts": "compressed text" or [runs of 0 and 1 in turn]}
+// COCO counts pixels from the image's corner. One polygon is kept as it is. Several, and run
+// lengths, are a mask of whole pixels, the polygons' as pycocotools fills them (all together, each
+// by the even-odd rule): its outline runs through the middles of its pixels' edges with a sigma of
+// 1 / sqrt(12) px, and where the image's border cuts it, it is not on the object.
+// "cousin" comes beside one polygon alone. Each key of it may be absent: normals are then those of
+// the polygon, sigma is 0.1 px, and all points are on the object. "pixel_px" (from pixel centres)
+// is written only where the half pixel to COCO's origin would round a float.
+// Keys of COCO that say nothing of an outline are on a list (check_entry_keys); iscrowd and
+// "sensor" may be 0 alone. Any other key is an error.
 
 #include <cmath>
 #include <stdexcept>
 
 #include "sim/dataset/json_interop.h"
+#include "sim/dataset/mask_codes.h"
 #include "sim/dataset/seam_json.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin {
 namespace {
@@ -21,6 +30,7 @@ constexpr std::int64_t kFramesPerScene = 1'000'000;
 constexpr std::size_t kMaxMasks = 10'000'000;
 constexpr std::size_t kMaxPoints = 1'000'000;  ///< of one outline
 constexpr double kMaxPixel = 1e6;
+constexpr float kPixelSigma_px = 0.288675F;  ///< of a border that was rounded to whole pixels
 
 Json floats(const std::vector<OutlinePoint>& outline, const Eigen::Vector2f OutlinePoint::*member,
             double add) {
@@ -93,26 +103,188 @@ void read_outline_details(const JsonNode& node, std::vector<OutlinePoint>& outli
   }
 }
 
-Silhouette read_silhouette(const JsonNode& node, std::int64_t& scene) {
-  node.expect_keys({"image_id", "instance_id", "segmentation"},
-                   {"category_id", "score", "cousin", "id", "bbox", "area", "iscrowd"});
+// ---- masks of whole pixels ----------------------------------------------------------------------
+
+/// The middles of a ring's pixel edges, with the normals of its neighbourhood.
+std::vector<OutlinePoint> points_of(const PixelRing& ring, const Eigen::Vector2i& image_px) {
+  constexpr std::ptrdiff_t kReach = 3;  ///< edges to each side that a normal is of
+  std::vector<OutlinePoint> points;
+  std::vector<Eigen::Vector2f> normals;
+  for (std::size_t i = 0; i < ring.line.size(); ++i) {
+    const Eigen::Vector2i &a = ring.line[i], &b = ring.line[(i + 1) % ring.line.size()];
+    const Eigen::Vector2i step = (b - a).cwiseSign();
+    const bool at_border =
+        step.x() == 0 ? a.x() == 0 || a.x() == image_px.x() : a.y() == 0 || a.y() == image_px.y();
+    for (Eigen::Vector2i corner = a; corner != b; corner += step) {
+      OutlinePoint point;
+      point.pixel_px = corner.cast<float>() + 0.5F * step.cast<float>() -
+                       Eigen::Vector2f(0.5F, 0.5F);  // COCO's origin is the image's corner
+      point.sigma_px = kPixelSigma_px;
+      point.on_object = !at_border;
+      points.push_back(point);
+      normals.emplace_back(static_cast<float>(step.y()), static_cast<float>(-step.x()));
+    }
+  }
+  const auto count = static_cast<std::ptrdiff_t>(points.size());
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+    for (std::ptrdiff_t k = -kReach; k <= kReach; ++k)
+      sum += normals[static_cast<std::size_t>(((i + k) % count + count) % count)];
+    const auto place = static_cast<std::size_t>(i);
+    points[place].normal = sum.norm() > 0.1F ? sum.normalized() : normals[place];
+  }
+  return points;
+}
+
+/// All rings as one closed line: from the first point to each further ring and back. Points that
+/// are there for this alone are not on the object.
+std::vector<OutlinePoint> outline_of(const PlacedMask& placed, const Eigen::Vector2i& image_px) {
+  std::vector<OutlinePoint> outline;
+  const auto add_joint = [&](OutlinePoint point) {
+    point.on_object = false;
+    outline.push_back(point);
+  };
+  for (const PixelRing& ring : rings_of(placed.mask, placed.x, placed.y)) {
+    const std::vector<OutlinePoint> points = points_of(ring, image_px);
+    const bool is_first = outline.empty();
+    outline.insert(outline.end(), points.begin(), points.end());
+    add_joint(points.front());
+    if (!is_first) add_joint(outline.front());
+  }
+  return outline;
+}
+
+/// What a mask's codes hold; errors of theirs become the node's.
+template <class Decode>
+PlacedMask decoded(const JsonNode& node, const Decode& decode) {
+  try {
+    return decode();
+  } catch (const std::invalid_argument& error) {
+    node.fail(error.what());
+  }
+}
+
+PlacedMask read_runs(const JsonNode& node, Eigen::Vector2i& image_px) {
+  node.expect_keys({"size", "counts"});
+  const JsonNode size = node["size"], counts = node["counts"];
+  if (size.size(2) != 2) size.fail("is not [height, width]");
+  const Eigen::Vector2i own_px(static_cast<int>(size[1].integer(1, 65535)),
+                               static_cast<int>(size[std::size_t{0}].integer(1, 65535)));
+  if (image_px.x() > 0 && own_px != image_px) {
+    size.fail("[" + std::to_string(own_px.y()) + ", " + std::to_string(own_px.x()) +
+              "] is not the image's [height, width] = [" + std::to_string(image_px.y()) + ", " +
+              std::to_string(image_px.x()) + "]");
+  }
+  image_px = own_px;
+  std::vector<std::int64_t> runs;
+  if (counts.is_array()) {
+    for (const JsonNode& run : counts.elements(std::size_t{1} << 26))
+      runs.push_back(run.integer(0, std::int64_t{65535} * 65535));
+  } else {
+    const std::string text = counts.text(std::size_t{1} << 28);
+    decoded(counts, [&] {
+      runs = runs_of_coco(text);
+      return PlacedMask{};
+    });
+  }
+  return decoded(counts, [&] { return mask_of_runs(runs, own_px.x(), own_px.y()); });
+}
+
+std::vector<Eigen::Vector2d> read_polygon(const JsonNode& node) {
+  const std::vector<double> values = node.numbers(6, 2 * kMaxPoints);
+  if (values.size() % 2 != 0) node.fail("does not have an even number of coordinates");
+  std::vector<Eigen::Vector2d> polygon;
+  for (std::size_t i = 0; i < values.size(); i += 2) {
+    if (std::abs(values[i]) > kMaxPixel) node[i].fail("is outside [-1e6, 1e6]");
+    if (std::abs(values[i + 1]) > kMaxPixel) node[i + 1].fail("is outside [-1e6, 1e6]");
+    polygon.emplace_back(values[i], values[i + 1]);
+  }
+  return polygon;
+}
+
+/// Several polygons are one mask. Without a word on the image it ends where they end.
+PlacedMask read_polygons(const JsonNode& node, const Eigen::Vector2i& image_px) {
+  std::vector<std::vector<Eigen::Vector2d>> polygons;
+  Eigen::Vector2d high(1, 1);
+  for (const JsonNode& part : node.elements(kMaxPoints)) {
+    polygons.push_back(read_polygon(part));
+    for (const Eigen::Vector2d& point : polygons.back()) high = high.cwiseMax(point);
+  }
+  const Eigen::Vector2i size =
+      image_px.x() > 0 ? image_px
+                       : Eigen::Vector2i(high.array().ceil().min(65535).matrix().cast<int>());
+  return decoded(node, [&] { return mask_of_polygons(polygons, size.x(), size.y()); });
+}
+
+void read_one_polygon(const JsonNode& node, bool is_ours, std::vector<OutlinePoint>& outline) {
+  const std::size_t coordinates = node.size(2 * kMaxPoints);
+  if (coordinates % 2 != 0) node.fail("does not have an even number of coordinates");
+  if (coordinates < 6 && !is_ours) node.fail("has fewer than 3 points");
+  outline.resize(coordinates / 2);
+  read_vectors(node, -0.5, &OutlinePoint::pixel_px, outline);
+}
+
+/// Fills the outline from any of COCO's codes.
+void read_segmentation(const JsonNode& node, const Eigen::Vector2i& image_px, Silhouette& result) {
+  const JsonNode segmentation = node["segmentation"];
+  const bool is_ours = node.has("cousin");
+  const bool is_runs = segmentation.is_object();
+  const std::size_t polygons = is_runs ? 0 : segmentation.size(kMaxPoints);
+  if (is_ours && (is_runs || polygons > 1))
+    node["cousin"].fail("comes beside a segmentation that is not one polygon");
+  if (polygons == 1) {
+    read_one_polygon(segmentation[std::size_t{0}], is_ours, result.outline);
+    if (is_ours) read_outline_details(node["cousin"], result.outline);
+    if (!is_ours || !node["cousin"].has("normal")) set_polygon_normals(result.outline);
+    return;
+  }
+  if (is_ours) read_outline_details(node["cousin"], result.outline);
+  Eigen::Vector2i size = image_px;
+  const PlacedMask mask =
+      is_runs ? read_runs(segmentation, size) : read_polygons(segmentation, image_px);
+  if (mask.mask.empty()) return;
+  result.outline = outline_of(mask, size);
+  if (result.outline.size() > kMaxPoints) {
+    segmentation.fail("has an outline of " + std::to_string(result.outline.size()) +
+                      " points; the limit is " + std::to_string(kMaxPoints));
+  }
+}
+
+// ---- entries ------------------------------------------------------------------------------------
+
+void check_entry_keys(const JsonNode& node) {
+  node.expect_keys(
+      {"image_id", "instance_id", "segmentation"},
+      {"cousin", "iscrowd", "sensor", "category_id", "score", "id", "bbox", "area", "keypoints",
+       "num_keypoints", "visible_fraction", "instance_name", "attributes", "ignore"});
+  if (node.has("iscrowd") && node["iscrowd"].integer(0, 1) != 0)
+    node["iscrowd"].fail("marks a crowd; an outline is of one object");
+  if (node.has("sensor")) node["sensor"].integer(0, 0);
+}
+
+Silhouette read_silhouette(const JsonNode& node, const MaskImages& images, std::int64_t& scene) {
+  check_entry_keys(node);
   Silhouette silhouette;
   const std::int64_t image = node["image_id"].integer(0, kFramesPerScene * kFramesPerScene - 1);
-  if (scene >= 0 && image / kFramesPerScene != scene)
+  const std::int64_t own_scene = image / kFramesPerScene;
+  if (scene >= 0 && own_scene != scene)
     node["image_id"].fail("is of another scene than the first entry");
-  scene = image / kFramesPerScene;
+  if (images.scene >= 0 && own_scene != images.scene) {
+    node["image_id"].fail("is of scene " + std::to_string(own_scene) + ", not of scene " +
+                          std::to_string(images.scene) + "; image_id is 1000000 scene + frame");
+  }
+  scene = own_scene;
   silhouette.frame = static_cast<int>(image % kFramesPerScene);
   silhouette.instance = static_cast<int>(node["instance_id"].integer(0, 1'000'000'000));
-  const JsonNode segmentation = node["segmentation"];
-  if (segmentation.size(1) == 1) {
-    const JsonNode polygon = segmentation[std::size_t{0}];
-    const std::size_t coordinates = polygon.size(2 * kMaxPoints);
-    if (coordinates % 2 != 0) polygon.fail("does not have an even number of coordinates");
-    silhouette.outline.resize(coordinates / 2);
-    read_vectors(polygon, -0.5, &OutlinePoint::pixel_px, silhouette.outline);
+  Eigen::Vector2i image_px(0, 0);
+  if (!images.size_px.empty()) {
+    const auto known = images.size_px.find(silhouette.frame);
+    if (known == images.size_px.end())
+      node["image_id"].fail("is of frame " + std::to_string(silhouette.frame) +
+                            ", which the capture does not have");
+    image_px = known->second;
   }
-  if (node.has("cousin")) read_outline_details(node["cousin"], silhouette.outline);
-  if (!node.has("cousin") || !node["cousin"].has("normal")) set_polygon_normals(silhouette.outline);
+  read_segmentation(node, image_px, silhouette);
   return silhouette;
 }
 
@@ -151,12 +323,22 @@ std::string silhouettes_to_json(const Silhouettes& silhouettes, int scene_index)
   return to_text(root);
 }
 
-Silhouettes silhouettes_from_json(std::string_view text, const std::string& name) {
+Silhouettes silhouettes_from_json(std::string_view text, const std::string& name,
+                                  const MaskImages& images) {
   const JsonDocument document(text, name);
+  const JsonNode root = document.root();
+  if (root.is_object() && root.has("annotations")) {
+    root.fail(
+        "is a file of COCO annotations; masks are COCO results, the list \"annotations\" "
+        "alone");
+  }
   Silhouettes silhouettes;
   std::int64_t scene = -1;
-  for (const JsonNode& node : document.root().elements(kMaxMasks)) {
-    silhouettes.push_back(read_silhouette(node, scene));
+  std::uint64_t points = 0;
+  for (const JsonNode& node : root.elements(kMaxMasks)) {
+    silhouettes.push_back(read_silhouette(node, images, scene));
+    points += silhouettes.back().outline.size();
+    check_memory(name, points * sizeof(OutlinePoint), "the outlines of the masks");
   }
   return silhouettes;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/types/utf8.h"
+
 namespace cousin {
 namespace {
 
@@ -47,7 +49,7 @@ std::vector<double> YamlValues::numbers(const std::string& key) const {
     const char* begin = item.data() + (item.starts_with('+') ? 1 : 0);
     const auto [end, error] = std::from_chars(begin, item.data() + item.size(), value);
     if (error != std::errc{} || end != item.data() + item.size() || !std::isfinite(value)) {
-      fail(key + " = " + item.substr(0, 60) + " is not a finite number");
+      fail(key + " = " + cut_utf8(item, 60) + " is not a finite number");
     }
     result.push_back(value);
   }

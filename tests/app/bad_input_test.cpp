@@ -270,15 +270,65 @@ TEST_F(AppBadInput, AForeignSeamNamesFileAndKey) {
   write_file(program_.path("seams/traits.json"),
              R"({"specimens": [{"instance": "0", "status": "ok", "traits": []}]})");
   const Outcome wrong = perceive(seam_stages({"traits"}));
-  EXPECT_EQ(wrong.code, 4);
+  EXPECT_EQ(wrong.code, 3);
   EXPECT_THAT(wrong.err,
               AllOf(HasSubstr("cousin: stage traits: "), HasSubstr("seams/traits.json: "),
                     HasSubstr("/specimens/0/instance")));
   EXPECT_EQ(read_poses(program_.path("est/000000")).size(), 3U);  // earlier seams are kept
   const Outcome absent = perceive(seam_stages({"poses"}));
-  EXPECT_EQ(absent.code, 4);
+  EXPECT_EQ(absent.code, 3);
   EXPECT_THAT(absent.err, AllOf(HasSubstr("cousin: stage poses: "),
                                 HasSubstr("seams/poses.json: cannot read")));
+  // Whole, but not of this capture.
+  write_poses(program_.path("seams"), {});
+  const Outcome few = perceive(seam_stages({"poses"}));
+  EXPECT_EQ(few.code, 3);
+  EXPECT_THAT(few.err, HasSubstr("stage poses: 0 frames; the capture has 3"));
+}
+
+TEST_F(AppBadInput, AProgramThatFailsOrWritesABadFileIsAnErrorInside) {
+  const fs::path stage = program_.path("stage.sh");
+  const auto outcome = [&](const std::string& script) {
+    write_file(stage, "#!/bin/sh\n" + script + "\n");
+    fs::permissions(stage, fs::perms::owner_all);
+    return perceive({"--stage", "traits=exec:" + stage.string()});
+  };
+  for (const char* script : {"exit 2", "true", "echo '{' > \"$2\"/traits.json"}) {
+    const Outcome failed = outcome(script);
+    EXPECT_EQ(failed.code, 4) << script;
+    EXPECT_THAT(failed.err, HasSubstr("cousin: stage traits: "));
+  }
+}
+
+TEST_F(AppBadInput, AFolderForTemporaryFilesThatIsNotThereIsNamed) {
+  const fs::path stage = program_.path("stage.sh");
+  write_file(stage, "#!/bin/sh\nexit 0\n");
+  fs::permissions(stage, fs::perms::owner_all);
+  const Outcome outcome =
+      program_.run({"perceive", "data", "--out", "est", "--stage", "traits=exec:" + stage.string()},
+                   [] { return setenv("TMPDIR", "/proc/none", 1) == 0; });
+  EXPECT_EQ(outcome.code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("stage traits: the input of its program could not be"),
+                                 HasSubstr("/proc/none")));
+}
+
+TEST_F(AppBadInput, RunLengthMasksOfAUsersStageAreRead) {
+  write_seams({});
+  const Words stages = seam_stages({"corners", "poses", "depth", "cloud", "clusters", "masks"});
+  // A block of 4 x 4 pixels in each 64 x 48 image: counts "..." as COCO writes them, or a list.
+  write_file(program_.path("seams/masks.json"),
+             R"([{"image_id": 0, "category_id": 1, "score": 0.9, "instance_id": 0,
+                  "segmentation": {"size": [48, 64], "counts": [970, 4, 44, 4, 44, 4, 44, 4, 1954]}}])");
+  const Outcome read = perceive(stages);
+  EXPECT_EQ(read.code, 0) << read.err;
+  EXPECT_EQ(read_silhouettes(program_.path("est/000000")).at(0).outline.size(), 17U);
+  write_file(
+      program_.path("seams/masks.json"),
+      R"([{"image_id": 0, "instance_id": 0, "segmentation": {"size": [24, 32], "counts": [768]}}])");
+  const Outcome resized = perceive(stages);
+  EXPECT_EQ(resized.code, 3);
+  EXPECT_THAT(resized.err, AllOf(HasSubstr("stage masks: "), HasSubstr("masks.json"),
+                                 HasSubstr("is not the image's [height, width] = [48, 64]")));
 }
 
 TEST_F(AppBadInput, WhatAStagesProgramPrintsIsNotAmongTheResults) {

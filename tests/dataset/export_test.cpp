@@ -83,6 +83,7 @@ TEST_F(Export, CocoHasBoxesMasksKeypointsAndVisibleFractions) {
   EXPECT_EQ(summary.pictures, 2);
   EXPECT_THAT(summary.warnings, testing::ElementsAre(HasSubstr("val and test are empty")));
   const json coco = json_in("out/annotations/train.json");
+  EXPECT_TRUE(coco["info"].is_object());  // pycocotools 2.0.9 reads no file without
   ASSERT_EQ(coco["images"].size(), 2U);
   EXPECT_EQ(coco["images"][1]["id"], 1);
   EXPECT_EQ(coco["images"][1]["file_name"], "000000_000001.png");
@@ -128,7 +129,7 @@ TEST_F(Export, YoloHasATaskEachFromTheImagesCorner) {
                        std::string("1 0.3875 0.6166666666666667 0.275 0.7666666666666667\n"));
   EXPECT_THAT(
       read_file(path("out/data.yaml")),
-      AllOf(HasSubstr("train: images/train\n"), testing::Not(HasSubstr("val:")),
+      AllOf(HasSubstr("train: images/train\n"), HasSubstr("\nval: images/train  # there are no"),
             testing::Not(HasSubstr("path:")), HasSubstr("0: \"apple\""), HasSubstr("1: \"zea\"")));
   make("yolo", {.task = YoloTask::pose}, "pose");
   const std::string pose = read_file(path("pose/labels/train/000000_000000.txt"));
@@ -162,6 +163,48 @@ TEST_F(Export, SplitsAreByScene) {
     sides.insert(folders.begin(), folders.end());
   }
   EXPECT_EQ(sides.size(), 3U);
+}
+
+/// Readers insist on train and val.
+TEST_F(Export, YoloAlwaysNamesFoldersForTrainAndVal) {
+  const auto yaml = [&](int scenes, const std::array<double, 3>& split, const std::string& out) {
+    write({.scenes = scenes});
+    const ExportSummary summary = make("yolo", {.split = split}, out);
+    return std::pair(read_file(path(out + "/data.yaml")), summary.warnings);
+  };
+  const auto [two, said_of_two] = yaml(2, {0.8, 0.1, 0.1}, "two");
+  EXPECT_THAT(two, AllOf(HasSubstr("train: images/train\n"), HasSubstr("\nval: images/val\n"),
+                         testing::Not(HasSubstr("test:"))));
+  EXPECT_THAT(said_of_two, testing::ElementsAre(HasSubstr("test is empty")));
+  EXPECT_TRUE(fs::is_directory(path("two/images/val")));
+  const auto [one, said_of_one] = yaml(1, {0.8, 0.1, 0.1}, "one");
+  EXPECT_THAT(one, HasSubstr("\nval: images/train  # there are no pictures for val alone\n"));
+  EXPECT_THAT(said_of_one, testing::ElementsAre(HasSubstr("val and test are empty"),
+                                                HasSubstr("data.yaml names images/train for val")));
+  const auto [no_val, said] = yaml(2, {0.5, 0, 0.5}, "no_val");
+  EXPECT_THAT(no_val, HasSubstr("\nval: images/test  #"));
+  EXPECT_THAT(said, testing::ElementsAre(HasSubstr("data.yaml names images/test for val")));
+}
+
+/// The types that bop_toolkit's load_ply knows are float, double, int and uchar.
+TEST_F(Export, BopModelsHaveTheTypesThatItsToolkitReads) {
+  write({});
+  make("bop", {});
+  const std::string ply = read_file(path("out/models/obj_000001.ply"));
+  const std::string header = ply.substr(0, ply.find("end_header"));
+  EXPECT_THAT(header, AllOf(HasSubstr("property list uchar int vertex_indices"),
+                            testing::Not(HasSubstr("uint"))));
+  EXPECT_EQ(read_mesh(path("out/models/obj_000001.ply")).triangles.size(), 4U);
+}
+
+TEST_F(Export, TumRefusesPicturesOfOneTime) {
+  write({});
+  for (const char* file : {"data/000000/scene_camera.json"}) {
+    json cameras = json_in(file);
+    cameras["1"]["cousin"]["time_s"] = cameras["0"]["cousin"]["time_s"];
+    write_file(path(file), cameras.dump());
+  }
+  EXPECT_THAT(refusal("tum"), AllOf(HasSubstr("frame 1"), HasSubstr("the time of frame 0")));
 }
 
 TEST_F(Export, LabelsThatWereNotRenderedAreNamed) {

@@ -4,7 +4,9 @@
 #include <stdexcept>
 
 #include "sim/dataset/capture_json.h"
+#include "sim/dataset/json_interop.h"
 #include "sim/dataset/seam_json.h"
+#include "sim/types/memory_limit.h"
 #include "tests/dataset/sample_capture.h"
 #include "tests/dataset/temporary_folder.h"
 
@@ -63,6 +65,20 @@ TEST(HostileJson, EveryTruncationIsAnError) {
     EXPECT_THAT(rig_error(rig.substr(0, n)), HasSubstr("rig.json: not JSON"));
   for (std::size_t n = 0; n + 2 < frames.size(); n += 101)
     EXPECT_THAT(frames_error(frames.substr(0, n)), HasSubstr("not JSON"));
+}
+
+TEST(HostileJson, AKeyThatStandsTwiceInAnObjectIsNamed) {
+  const std::string twice = replaced(poses_text(), "\"frame\": 3,", "\"frame\": 3, \"frame\": 4,");
+  EXPECT_THAT(poses_error(twice), HasSubstr("poses.json: the key \"frame\" stands twice"));
+}
+
+TEST(HostileJson, TextThatAsksForMoreMemoryThanTheLimitIsRefusedWhileItIsRead) {
+  std::string deep = "{\"frames\": [";
+  for (int i = 0; i < 100'000; ++i) deep += "[],";
+  set_memory_limit(1'000'000);
+  EXPECT_THAT(poses_error(deep + "0]}"), AllOf(HasSubstr("poses.json: its JSON would take"),
+                                               HasSubstr("the limit is 1000000 bytes")));
+  set_memory_limit(0);
 }
 
 TEST(HostileJson, PosesNameKeyValueAndLimit) {
@@ -214,13 +230,14 @@ TEST(HostileJson, MasksNameWhatIsWrong) {
   };
   EXPECT_EQ(error(mask(R"("segmentation": [[0, 0, 4, 0, 4, 4]])")), "");
   EXPECT_THAT(error(mask(R"("segmentation": {"counts": "abc", "size": [4, 4]})")),
-              HasSubstr("/0/segmentation = an object is not an array"));
+              HasSubstr("/0/segmentation/counts = \"abc\""));
   EXPECT_THAT(error(mask(R"("segmentation": [[0, 0, 4]])")), HasSubstr("even number"));
   EXPECT_THAT(error(mask(R"("segmentation": [[0, 0, 4, 0, 1e9, 4]])")),
               HasSubstr("/0/segmentation/0/4"));
   EXPECT_THAT(error(mask(R"("segmentation": [[0, 0, 4, 0, null, 4]])")),
               HasSubstr("/0/segmentation/0/4 = null is not a finite number"));
-  EXPECT_THAT(error(mask(R"("segmentation": [[0, 0], [1, 1]])")), HasSubstr("longer than 1"));
+  EXPECT_THAT(error(mask(R"("segmentation": [[0, 0], [1, 1]])")),
+              HasSubstr("/0/segmentation/0 = an array of 2 does not have 6 to"));
   EXPECT_THAT(error(mask(R"("segmentation": [[0, 0, 4, 0, 4, 4]], "cousin": {"normal": [1, 0]})")),
               HasSubstr("/0/cousin/normal"));
   EXPECT_THAT(
@@ -236,6 +253,82 @@ TEST(HostileJson, MasksNameWhatIsWrong) {
                   R"([{"image_id": 1, "instance_id": 0, "segmentation": []}, 
              {"image_id": 1000001, "instance_id": 0, "segmentation": []}])"),
               HasSubstr("/1/image_id = 1000001 is of another scene"));
+}
+
+std::string trait_in(const std::string& unit, const std::string& value = "12.5") {
+  return R"({"specimens": [{"instance": 0, "status": "ok", "traits": [{"name": "length", "unit": ")" +
+         unit + R"(", "value": )" + value + R"(, "sigma": 0.5}]}]})";
+}
+
+TEST(SeamUnits, TraitsOfAKnownUnitAreConverted) {
+  struct Case {
+    const char* unit;
+    const char* si;
+    double factor;
+  };
+  for (const Case& c :
+       {Case{"m", "m", 1}, Case{"mm", "m", 1e-3}, Case{"cm", "m", 1e-2}, Case{"µm", "m", 1e-6},
+        Case{"m2", "m2", 1}, Case{"mm2", "m2", 1e-6}, Case{"cm^2", "m2", 1e-4},
+        Case{"mm²", "m2", 1e-6}, Case{"m3", "m3", 1}, Case{"mm3", "m3", 1e-9},
+        Case{"cm³", "m3", 1e-6}, Case{"ml", "m3", 1e-6}, Case{"l", "m3", 1e-3},
+        Case{"deg", "rad", 0.017453292519943295}, Case{"%", "1", 1e-2}, Case{"g", "kg", 1e-3}}) {
+    const Traits traits = traits_from_json(trait_in(c.unit), "traits.json");
+    EXPECT_EQ(traits[0].traits[0].unit, c.si) << c.unit;
+    EXPECT_DOUBLE_EQ(traits[0].traits[0].value, 12.5 * c.factor) << c.unit;
+    EXPECT_DOUBLE_EQ(traits[0].traits[0].sigma, 0.5 * c.factor) << c.unit;
+  }
+}
+
+TEST(SeamUnits, AnUnknownUnitIsRefused) {
+  for (const char* unit : {"furlong", "mm4", "", "M", "mm 2", "m-1"}) {
+    EXPECT_THAT(error_of([&] { traits_from_json(trait_in(unit), "traits.json"); }),
+                AllOf(HasSubstr("traits.json: /specimens/0/traits/0/unit = \"" + std::string(unit)),
+                      HasSubstr("is not a unit that is read: m, dm, cm, mm")))
+        << unit;
+  }
+}
+
+TEST(SeamUnits, KeysThatNameAUnitOrAFrameAreRefusedInEverySeam) {
+  const auto frames = [](const std::string& more) { return R"({"frames": [])" + more + "}"; };
+  for (const char* key : {R"(, "unit": "mm")", R"(, "convention": "opengl")"}) {
+    EXPECT_THAT(poses_error(frames(key)), HasSubstr("has the unknown key"));
+    EXPECT_THAT(error_of([&] { corners_from_json(frames(key), "corners.json"); }),
+                HasSubstr("has the unknown key"));
+  }
+  EXPECT_THAT(poses_error(replaced(poses_text(), "\"translation_m\"",
+                                   "\"unit\": \"mm\", \"translation_m\"")),
+              HasSubstr("unknown key \"unit\""));
+}
+
+TEST(SceneCamera, KeysOfBopThatSayNothingOfAnImageAreAccepted) {
+  Capture capture = sample_capture();
+  capture.rig.resize(1);
+  const auto error = [&](const std::string& more) {
+    return error_of([&] {
+      frames_from_json(R"({"0": {"cam_K": [50, 0, 9, 0, 50, 9, 0, 0, 1])" + more + "}}",
+                       "scene_camera.json", capture);
+    });
+  };
+  EXPECT_EQ(error(R"(, "depth_scale": 0.1, "view_level": 1, "elev": 3, "mode": 0)"), "");
+  EXPECT_THAT(error(R"(, "cam_model": {"k1": 1})"), HasSubstr("unknown key \"cam_model\""));
+}
+
+TEST(SceneCamera, ADepthScaleThatDiffersFromOurOwnUnitIsAnError) {
+  const std::string good = camera_text(sample_capture());
+  const std::size_t at = good.find("\"depth_scale\": ");
+  ASSERT_NE(at, std::string::npos);
+  std::string edited = good;
+  edited.replace(at, edited.find(',', at) - at, "\"depth_scale\": 0.125");
+  EXPECT_THAT(frames_error(edited), AllOf(HasSubstr("/depth_scale = 0.125 is not 1000 times"),
+                                          HasSubstr("depth_unit_m")));
+}
+
+TEST(HostileJson, NamesThatAreNotUtf8AreRefusedBeforeAnythingIsWritten) {
+  Capture capture = sample_capture();
+  capture.warnings = {"Gr\xfcn.jpg is absent"};
+  EXPECT_THAT(error_of([&] { rig_to_json(capture); }),
+              AllOf(HasSubstr("/warnings/0"), HasSubstr("Gr\\xfcn.jpg"), HasSubstr("not UTF-8")));
+  EXPECT_THAT(error_of([] { to_text(Json{{"\xff", 1}}); }), HasSubstr("\\xff"));
 }
 
 TEST(HostileJson, TraitsAndCornersNameWhatIsWrong) {

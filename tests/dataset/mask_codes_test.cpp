@@ -1,4 +1,4 @@
-#include "sim/dataset/export/mask_codes.h"
+#include "sim/dataset/mask_codes.h"
 
 #include <gtest/gtest.h>
 
@@ -94,6 +94,56 @@ TEST(MaskCodes, RunLengthsAndOutlinesGiveBackTheVeryPixels) {
       EXPECT_EQ(filled({joined(outlines)}, p.width, p.height), whole);
     }
   }
+}
+
+TEST(MaskCodes, RunLengthsAreReadBackToTheVeryPixels) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const Image<std::uint8_t> whole = random_mask(17, 11, 0.5, Rng(seed));
+    const PlacedMask read =
+        mask_of_runs(runs_of_coco(coco_run_lengths(whole, 0, 0, 17, 11)), 17, 11);
+    EXPECT_EQ(placed(read.mask, read.x, read.y, 17, 11), whole);
+  }
+}
+
+/// Pixels of a filled polygon as rows of text.
+std::vector<std::string> drawn(const std::vector<std::vector<Eigen::Vector2d>>& polygons, int width,
+                               int height) {
+  const PlacedMask mask = mask_of_polygons(polygons, width, height);
+  std::vector<std::string> rows(static_cast<std::size_t>(height),
+                                std::string(static_cast<std::size_t>(width), '.'));
+  for (int y = 0; y < mask.mask.height(); ++y) {
+    for (int x = 0; x < mask.mask.width(); ++x) {
+      if (mask.mask(x, y) != 0)
+        rows[static_cast<std::size_t>(y + mask.y)][static_cast<std::size_t>(x + mask.x)] = '#';
+    }
+  }
+  return rows;
+}
+
+TEST(MaskCodes, PolygonsAreFilledByTheEvenOddRuleAndTogether) {
+  using Rows = std::vector<std::string>;
+  // Whole pixels are covered to the very border.
+  EXPECT_EQ(drawn({{{1, 1}, {4, 1}, {4, 3}, {1, 3}}}, 6, 4),
+            (Rows{"......", ".###..", ".###..", "......"}));
+  // A line that goes round twice leaves its middle empty; a second polygon fills it.
+  const std::vector<Eigen::Vector2d> frame = {{0, 0}, {6, 0}, {6, 6}, {0, 6}, {0, 0},
+                                              {2, 2}, {4, 2}, {4, 4}, {2, 4}, {2, 2}};
+  EXPECT_EQ(drawn({frame}, 6, 6),
+            (Rows{"######", "######", "##..##", "##..##", "######", "######"}));
+  EXPECT_EQ(drawn({frame, {{2, 2}, {4, 2}, {4, 4}, {2, 4}}}, 6, 6), Rows(6, "######"));
+  // What lies outside the image is cut off.
+  EXPECT_EQ(drawn({{{-5, -5}, {2, -5}, {2, 9}, {-5, 9}}}, 4, 3), Rows(3, "##.."));
+  EXPECT_EQ(drawn({{{8, 8}, {9, 8}, {9, 9}}}, 4, 3), Rows(3, "...."));
+}
+
+TEST(MaskCodes, TextThatIsNoRunLengthsIsRefused) {
+  for (const char* text : {"p", "4 4", "o", "oooooooooooooo", "/"})
+    EXPECT_THROW(runs_of_coco(text), std::invalid_argument) << text;
+  EXPECT_THROW(mask_of_runs({1, 2}, 2, 2), std::invalid_argument);
+  EXPECT_THROW(mask_of_runs({1, 4}, 2, 2), std::invalid_argument);
+  EXPECT_THROW(mask_of_runs({4}, 0, 4), std::invalid_argument);
+  EXPECT_THROW(mask_of_runs({0, std::int64_t{30000} * 30000}, 30000, 30000), std::invalid_argument);
+  EXPECT_THROW(mask_of_polygons({{{0, 0}, {2e6, 0}, {0, 1}}}, 4, 4), std::invalid_argument);
 }
 
 TEST(MaskCodes, RunLengthsAreCocosOwnText) {

@@ -8,7 +8,9 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/seam_json.h"
+#include "sim/geometry/mesh_io.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/memory_limit.h"
 #include "tests/dataset/sample_capture.h"
 #include "tests/dataset/temporary_folder.h"
 
@@ -260,6 +262,70 @@ TEST(SeamIo, SurfacesComeBackBitByBit) {
   write_file(folder.path() / "surfaces.json",
              R"({"surfaces": [{"instance": 0, "status": "ok", "mesh": "../../etc/passwd"}]})");
   EXPECT_THAT(error_of([&] { read_surfaces(folder.path()); }), HasSubstr("\"..\""));
+}
+
+TEST(SeamIo, ACountOfEmptySamplesIsRefused) {
+  const TemporaryFolder folder;
+  std::string text = R"({"surfaces": [)";
+  for (int i = 0; i < 1000; ++i) {
+    text += std::string(i > 0 ? "," : "") + R"({"instance": )" + std::to_string(i) +
+            R"(, "status": "ok", "mesh": null, "sample_count": 1000000})";
+  }
+  write_file(folder.path() / "surfaces.json", text + "]}");
+  EXPECT_THAT(error_of([&] { read_surfaces(folder.path()); }),
+              AllOf(HasSubstr("surfaces.json: /surfaces/0"), HasSubstr("0 sample vertices")));
+}
+
+TEST(SeamIo, OneMeshThatIsListedOftenIsBoundedByTheMemoryLimit) {
+  const TemporaryFolder folder;
+  Mesh mesh;
+  mesh.vertices_m.assign(10'000, Eigen::Vector3d(1, 2, 3));
+  write_ply(folder.path() / "meshes/000000.ply", mesh);
+  std::string text = R"({"surfaces": [)";
+  for (int i = 0; i < 100; ++i) {
+    text += std::string(i > 0 ? "," : "") + R"({"instance": )" + std::to_string(i) +
+            R"(, "status": "ok", "mesh": "meshes/000000.ply"})";
+  }
+  write_file(folder.path() / "surfaces.json", text + "]}");
+  EXPECT_EQ(read_surfaces(folder.path()).size(), 100U);
+  set_memory_limit(10'000'000);
+  EXPECT_THAT(
+      error_of([&] { read_surfaces(folder.path()); }),
+      AllOf(HasSubstr("surfaces.json"), HasSubstr("bytes"), HasSubstr("the limit is 10000000")));
+  set_memory_limit(0);
+}
+
+TEST(SeamIo, DepthImagesAreBoundedByTheMemoryLimitBeforeTheyAreRead) {
+  const TemporaryFolder folder;
+  Depths depths(3);
+  for (int i = 0; i < 3; ++i)
+    depths[static_cast<std::size_t>(i)] = {.frame = i, .depth_m = Image<float>(1000, 1000, 1.0F)};
+  write_depths(folder.path(), depths);
+  set_memory_limit(9'000'000);
+  EXPECT_THAT(error_of([&] { read_depths(folder.path()); }),
+              AllOf(HasSubstr("000002.exr"), HasSubstr("12000000 bytes")));
+  set_memory_limit(0);
+  EXPECT_EQ(read_depths(folder.path()).size(), 3U);
+}
+
+TEST(SeamIo, AnotherUnitInAPlyAndClustersWithoutInstancesAreRefused) {
+  const TemporaryFolder folder;
+  const auto ply = [](const std::string& comment, const std::string& property) {
+    return "ply\nformat ascii 1.0\n" + comment +
+           "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n" + property +
+           "end_header\n1 2 3" + (property.empty() ? "" : " 0") + "\n";
+  };
+  const std::string instance = "property int instance\n";
+  write_file(folder.path() / "cloud.ply", ply("comment units: mm\n", ""));
+  write_file(folder.path() / "clusters.ply", ply("comment made by mine\n", instance));
+  EXPECT_THAT(error_of([&] { read_cloud(folder.path()); }),
+              AllOf(HasSubstr("cloud.ply"), HasSubstr("units: mm"), HasSubstr("metres")));
+  EXPECT_EQ(read_clusters(folder.path()).count, 1);
+  write_file(folder.path() / "cloud.ply", ply("comment unit m\n", ""));
+  write_file(folder.path() / "clusters.ply", ply("", "property int label\n"));
+  EXPECT_EQ(read_cloud(folder.path()).size(), 1U);
+  EXPECT_THAT(error_of([&] { read_clusters(folder.path()); }),
+              AllOf(HasSubstr("clusters.ply"), HasSubstr("no property \"instance\"")));
 }
 
 TEST(SeamIo, TraitsAndTimingsComeBackBitByBit) {

@@ -57,6 +57,17 @@ TEST(Splits, OneGroupIsForTrainingAndTheRestIsSaid) {
   for (const Split split : kSplits) EXPECT_EQ(count_of(three, split), 1);
 }
 
+TEST(Splits, OfTwoScenesOneIsForWhatTheReadersNeed) {
+  for (const Split needed : {Split::val, Split::test}) {
+    const std::vector<Split> splits = splits_of(scenes(2), {0.8, 0.1, 0.1}, needed);
+    EXPECT_EQ(count_of(splits, Split::train), 1);
+    EXPECT_EQ(count_of(splits, needed), 1);
+    EXPECT_EQ(splits, splits_of(scenes(2), {0.8, 0.1, 0.1}, needed));
+  }
+  EXPECT_EQ(splits_of(scenes(9), {0.8, 0.1, 0.1}, Split::val),
+            splits_of(scenes(9), {0.8, 0.1, 0.1}, Split::test));
+}
+
 TEST(Splits, WrongSharesAreRefused) {
   EXPECT_EQ(split_from_string("0.5,0.25,0.25"), (std::array<double, 3>{0.5, 0.25, 0.25}));
   for (const char* text :

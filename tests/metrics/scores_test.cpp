@@ -182,6 +182,29 @@ TEST(ScoreRows, CarryTheirCaseAndInterval) {
   EXPECT_EQ(rows[1].unit, "1");
 }
 
+TEST(ScoresJson, NumbersThatNoRulerGivesAreRefused) {
+  const std::string good = to_json(example());
+  const auto error = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    return error_of([&] { scores_from_json(text, "scores.json"); });
+  };
+  EXPECT_EQ(error("\"value\": 0.30000000000000004", "\"value\": \"inf\""), "no error");
+  EXPECT_THAT(error("\"value\": 0.30000000000000004", "\"value\": \"much\""),
+              HasSubstr("scores.json: scores[0].value: expected a number or null"));
+  EXPECT_THAT(error("\"value\": 0.30000000000000004", "\"value\": NaN"), HasSubstr("not JSON"));
+  EXPECT_THAT(error("\"value\": 0.30000000000000004", "\"value\": 1e999"), HasSubstr("not JSON"));
+  EXPECT_THAT(error("\"true\": 0.0123", "\"true\": \"-inf\""),
+              HasSubstr("specimens[0].true: expected a finite number"));
+  EXPECT_THAT(error("\"wall_s\": null", "\"wall_s\": \"inf\""),
+              HasSubstr("scores[0].wall_s: expected a finite number"));
+  EXPECT_THAT(error("\"length.rmse\"", "\"" + std::string(70'000, 'x') + "\""),
+              HasSubstr("scores[0].metric: expected a text of at most 64 KiB"));
+  EXPECT_THAT(error("\"length.rmse\"", "\"a\\u0000b\""), HasSubstr("NUL"));
+}
+
 TEST(TraitPairs, TakeSolvedRowsOnly) {
   std::vector<SpecimenRow> rows(3);
   for (SpecimenRow& row : rows) {

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "sim/dataset/atomic_file.h"
+
 namespace cousin {
 namespace {
 
@@ -159,6 +161,25 @@ TEST_F(ShardFolder, AResultThatCannotBeWrittenIsReturnedAndReported) {
   EXPECT_EQ(results[1].text, "result 1");
   EXPECT_NE(results[1].error.find("below: cannot make the folder"), std::string::npos);
   EXPECT_TRUE(results[1].failure);
+}
+
+TEST_F(ShardFolder, APartThatWasCutOffAnywhereIsMadeAgain) {
+  int runs = 0;
+  const std::vector<ShardJob> jobs = {{"part.json", "key", [&] {
+                                         ++runs;
+                                         return std::string("{\"rows\": []}\n");
+                                       }}};
+  ASSERT_EQ(run_shards(folder_, jobs, {})[0].text, "{\"rows\": []}\n");
+  const std::string whole = read_file(folder_ / "part.json");
+  EXPECT_TRUE(is_finished(folder_, jobs[0]));
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    write_file(folder_ / "part.json", whole.substr(0, length));
+    EXPECT_FALSE(is_finished(folder_, jobs[0])) << length;
+  }
+  write_file(folder_ / "part.json", whole.substr(0, whole.find('\n') + 1));  // the key's line alone
+  EXPECT_EQ(run_shards(folder_, jobs, {})[0].text, "{\"rows\": []}\n");
+  EXPECT_EQ(runs, 2);
+  EXPECT_EQ(read_file(folder_ / "part.json"), whole);
 }
 
 }  // namespace

@@ -6,7 +6,9 @@
 // row. depth/ is the sensor's own, brought to the picture's pixels; where there is none, that of
 // truth/depth in steps of 0.1 mm.
 
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <stdexcept>
 
@@ -29,6 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Interpolation = UndistortConfig::Interpolation;
+static_assert(std::endian::native == std::endian::little, "PLY files are written in memory order");
 
 /// Objects of the whole dataset.
 struct BopObjects {
@@ -48,6 +51,30 @@ std::vector<fs::path> mesh_files_of(const ExportScene& scene, const Instance& sp
   return files;
 }
 
+template <class Number>
+void put(std::string& bytes, Number value) {
+  char raw[sizeof(Number)];
+  std::memcpy(raw, &value, sizeof value);
+  bytes.append(raw, sizeof raw);
+}
+
+/// Binary PLY as bop_toolkit reads it: its types are float, double, int and uchar alone.
+std::string bop_ply(const Mesh& mesh) {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                      std::to_string(mesh.vertices_m.size()) +
+                      "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+                      std::to_string(mesh.triangles.size()) +
+                      "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Eigen::Vector3d& vertex : mesh.vertices_m) {
+    for (int k = 0; k < 3; ++k) put(bytes, vertex[k]);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    put(bytes, std::uint8_t{3});
+    for (const std::uint32_t v : triangle) put(bytes, static_cast<std::int32_t>(v));
+  }
+  return bytes;
+}
+
 /// Writes a model in millimetres and says its size. Organs lie as they do at rest.
 Json write_model(const std::vector<fs::path>& from, const fs::path& to) {
   Mesh mesh = read_mesh(from.front());
@@ -59,7 +86,7 @@ Json write_model(const std::vector<fs::path>& from, const fs::path& to) {
       mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   for (Eigen::Vector3d& vertex : mesh.vertices_m) vertex *= 1000;
-  write_ply(to, mesh);
+  write_once(to, bop_ply(mesh));
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : mesh.vertices_m) box.extend(vertex);
   const Eigen::Vector3d low = box.min(), size = box.sizes();
@@ -262,7 +289,7 @@ void export_bop(ExportJob& job) {
   job.options.true_cameras = true;
   require_pinhole(job);
   const BopObjects objects = write_objects(job);
-  const std::vector<Split> splits = splits_of(job.scenes, job.options.split);
+  const std::vector<Split> splits = splits_of(job.scenes, job.options.split, Split::test);
   if (const std::string empty = empty_splits(splits, job.options.split); !empty.empty())
     job.warnings.push_back(empty);
   Json targets = Json::array(), first_camera;

@@ -11,9 +11,9 @@
 #include "sim/dataset/export/export_pictures.h"
 #include "sim/dataset/export/for_each_picture.h"
 #include "sim/dataset/export/labels.h"
-#include "sim/dataset/export/mask_codes.h"
 #include "sim/dataset/export/splits.h"
 #include "sim/dataset/json_interop.h"
+#include "sim/dataset/mask_codes.h"
 
 namespace cousin {
 namespace {
@@ -99,7 +99,7 @@ struct CocoPicture {
 void export_coco(ExportJob& job) {
   const std::vector<Category> categories = categories_of(job.scenes);
   for (const ExportScene& scene : job.scenes) require_labels(scene, false);
-  const std::vector<Split> splits = splits_of(job.scenes, job.options.split);
+  const std::vector<Split> splits = splits_of(job.scenes, job.options.split, Split::val);
   if (const std::string empty = empty_splits(splits, job.options.split); !empty.empty())
     job.warnings.push_back(empty);
   std::array<Json, 3> images = {Json::array(), Json::array(), Json::array()};
@@ -137,7 +137,9 @@ void export_coco(ExportJob& job) {
     const auto side = static_cast<std::size_t>(split);
     if (images[side].empty()) continue;
     write_once(job.out / "annotations" / (std::string(to_string(split)) + ".json"),
-               to_text(Json{{"images", images[side]},
+               to_text(Json{{"info", {{"description", "exported by cousin"}}},  // pycocotools asks
+                            {"licenses", Json::array()},
+                            {"images", images[side]},
                             {"annotations", annotations[side]},
                             {"categories", json_of(categories)}}));
   }

@@ -5,6 +5,7 @@
 //               camera.yaml (TUM's own files hold no lens)
 
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "sim/dataset/camera_files.h"
@@ -143,6 +144,7 @@ Image<std::uint16_t> tum_depth(const ExportDepth& depth) {
 
 /// Lists and pictures of one scene.
 struct TumLists {
+  std::map<double, int> frame_at;  ///< by time
   std::string rgb = "# time file\n", depth = "# time file; 5000 = 1 m\n",
               poses = "# time tx ty tz qx qy qz qw: camera to world\n";
   bool has_depth = false, has_pose = false;
@@ -153,6 +155,13 @@ void add_to_lists(const ExportJob& job, const ExportScene& scene, const ExportPi
   const std::string stem = six_digits(scene.capture.frames[picture.frame].id);
   const ExportCamera camera = camera_of(scene, picture, job.options.true_cameras);
   const std::string time = exact_text(camera.time_s);
+  const int frame = scene.capture.frames[picture.frame].id;
+  const auto [known, is_new] = lists.frame_at.emplace(camera.time_s, frame);
+  if (!is_new) {
+    throw std::invalid_argument(who(scene, picture) + " has the time of frame " +
+                                std::to_string(known->second) + ", " + time +
+                                " s, and TUM tells pictures apart by their times");
+  }
   write_picture(picture, camera.camera, handed, folder / "rgb" / stem, job.options);
   lists.rgb += time + " rgb/" + stem + picture_ending(picture, job.options) + "\n";
   const ExportDepth depth = depth_of(scene, picture, handed, job.options);

@@ -1,5 +1,5 @@
 // Ultralytics' YOLO [docs.ultralytics.com/datasets]
-//   OUT/data.yaml
+//   OUT/data.yaml                          always names train and val: readers insist on both
 //   OUT/images/train/000000_000003.png     scene and frame
 //   OUT/labels/train/000000_000003.txt     a line an object, shares of width and height from the
 //                                          image's corner:
@@ -14,10 +14,10 @@
 #include "sim/dataset/export/export_pictures.h"
 #include "sim/dataset/export/for_each_picture.h"
 #include "sim/dataset/export/labels.h"
-#include "sim/dataset/export/mask_codes.h"
 #include "sim/dataset/export/splits.h"
-#include "sim/dataset/json_interop.h"
+#include "sim/dataset/mask_codes.h"
 #include "sim/dataset/text_fields.h"
+#include "sim/dataset/yaml_text.h"
 
 namespace cousin {
 namespace {
@@ -93,22 +93,38 @@ std::string label_text(const std::vector<LabelledObject>& objects, const Camera&
   return text;
 }
 
+/// Where a split's pictures are: its own folder, or for validation, which readers insist on, the
+/// best there is beside it.
+std::string folder_of(Split split, const std::vector<Split>& splits) {
+  const auto is_there = [&](Split s) {
+    return std::find(splits.begin(), splits.end(), s) != splits.end();
+  };
+  if (is_there(split)) return "images/" + std::string(to_string(split));
+  if (split == Split::test) return "";
+  return folder_of(split == Split::train || !is_there(Split::test) ? splits.front() : Split::test,
+                   splits);
+}
+
 std::string data_yaml(const std::vector<Split>& splits, YoloTask task, const YoloNames& names) {
   std::string text = "# paths are from this file's folder\n";
   for (const Split split : kSplits) {
-    if (std::find(splits.begin(), splits.end(), split) == splits.end()) continue;
-    text += std::string(to_string(split)) + ": images/" + std::string(to_string(split)) + "\n";
+    const std::string name(to_string(split)), folder = folder_of(split, splits);
+    if (folder.empty()) continue;
+    text += name + ": " + folder;
+    text += folder.ends_with(name) ? "\n" : "  # there are no pictures for " + name + " alone\n";
   }
   text += "names:\n";
   for (const Category& category : names.categories)
-    text += "  " + std::to_string(category.id - 1) + ": " + Json(category.name).dump() + "\n";
+    text += "  " + std::to_string(category.id - 1) + ": " + yaml_quoted(category.name) + "\n";
   if (task != YoloTask::pose) return text;
-  std::string same;
-  for (std::size_t i = 0; i < names.keypoints.size(); ++i)
+  std::string same, quoted;
+  for (std::size_t i = 0; i < names.keypoints.size(); ++i) {
     same += (i > 0 ? ", " : "") + std::to_string(i);
+    quoted += (i > 0 ? "," : "") + yaml_quoted(names.keypoints[i]);
+  }
   text += "kpt_shape: [" + std::to_string(names.keypoints.size()) + ", 3]\n";
   text += "flip_idx: [" + same + "]  # a mirrored plant keeps its keypoints' names\n";
-  return text + "kpt_names: " + Json(names.keypoints).dump() + "\n";
+  return text + "kpt_names: [" + quoted + "]\n";
 }
 
 }  // namespace
@@ -123,9 +139,14 @@ void export_yolo(ExportJob& job) {
         "--task pose: the dataset's specimens have no keypoints; detect and segment need none");
   }
   for (const ExportScene& scene : job.scenes) require_labels(scene, task == YoloTask::pose);
-  const std::vector<Split> splits = splits_of(job.scenes, job.options.split);
+  const std::vector<Split> splits = splits_of(job.scenes, job.options.split, Split::val);
   if (const std::string empty = empty_splits(splits, job.options.split); !empty.empty())
     job.warnings.push_back(empty);
+  if (const std::string val = folder_of(Split::val, splits); !val.ends_with("val")) {
+    job.warnings.push_back("data.yaml names " + val +
+                           " for val, which readers insist on: what is measured on it says nothing "
+                           "of other plants");
+  }
   int done = 0;
   for (std::size_t s = 0; s < job.scenes.size(); ++s) {
     const ExportScene& scene = job.scenes[s];

@@ -36,7 +36,7 @@ std::string_view to_string(Split split) {
 }
 
 std::vector<Split> splits_of(const std::vector<ExportScene>& scenes,
-                             const std::array<double, 3>& shares) {
+                             const std::array<double, 3>& shares, Split needed) {
   const std::vector<std::size_t> group = groups_of(scenes);
   std::map<std::string, std::size_t> order;  // hash, first scene
   std::map<std::size_t, std::size_t> pictures;
@@ -51,10 +51,12 @@ std::vector<Split> splits_of(const std::vector<ExportScene>& scenes,
   std::array<double, 3> room = {0, shares[1] * static_cast<double>(all),
                                 shares[2] * static_cast<double>(all)};
   std::size_t left = order.size();
+  std::array<Split, 2> held_out = {Split::test, Split::val};
+  if (left == 2 && needed == Split::val) std::swap(held_out[0], held_out[1]);
   for (const auto& [hash, first] : order) {
     const auto size = static_cast<double>(pictures[first]);
     Split chosen = Split::train;
-    for (const Split split : {Split::test, Split::val}) {
+    for (const Split split : held_out) {
       // A group goes where at least half of it has room; the last one is for training.
       double& here = room[static_cast<std::size_t>(split)];
       const bool is_first =

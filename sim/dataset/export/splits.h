@@ -18,8 +18,9 @@ std::string_view to_string(Split split);
 /// that no plant and no view of it is in two. Groups are taken in an order that depends on their
 /// scenes' numbers alone (by SHA-256), first into test, then into val, until each has its share of
 /// the pictures to within a group; the rest is train, which is never empty.
+/// @param needed  val or test: what gets the second group where there are only two.
 std::vector<Split> splits_of(const std::vector<ExportScene>& scenes,
-                             const std::array<double, 3>& shares);
+                             const std::array<double, 3>& shares, Split needed = Split::test);
 
 /// What to say where a side that should have pictures has none: "val and test are empty: ...";
 /// empty = nothing.
