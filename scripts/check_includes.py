@@ -16,7 +16,7 @@ import sys
 MAY_INCLUDE = {
     "sim/types": [],
     "sim/config": ["sim/types"],
-    "sim/process": [],
+    "sim/process": ["sim/types"],
     "sim/truth": ["sim/types"],
     "sim/imaging": ["sim/types"],
     "sim/geometry": ["sim/types"],

@@ -7,7 +7,7 @@
 #include "benchmarks/calibrate/calibration_pictures.h"
 #include "benchmarks/calibrate/device_output.h"
 #include "benchmarks/metrics/distributions.h"
-#include "benchmarks/report/html.h"
+#include "benchmarks/report/shown_numbers.h"
 #include "benchmarks/report/report.h"
 #include "sim/config/fields.h"
 #include "sim/dataset/atomic_file.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "benchmarks/report/html.h"
+#include "benchmarks/report/shown_numbers.h"
 
 namespace cousin {
 namespace {

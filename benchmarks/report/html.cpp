@@ -1,38 +1,134 @@
 #include "benchmarks/report/html.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cmath>
-#include <cstdio>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+
+#include "sim/types/utf8.h"
 
 namespace cousin {
+namespace {
 
-std::string html_escaped(std::string_view text) {
+/// Whether the text goes on with this word at `at`, letters large or small.
+bool goes_on(std::string_view text, std::size_t at, std::string_view word) {
+  return text.size() - at >= word.size() &&
+         std::equal(
+             word.begin(), word.end(), text.begin() + static_cast<std::ptrdiff_t>(at),
+             [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
+}
+
+/// With a backslash behind every < that would end the element of this name or open a comment:
+/// "<\/script" and "<\!--" mean the same inside strings and regular expressions.
+std::string inside_element(std::string_view text, std::string_view end_tag) {
   std::string result;
   result.reserve(text.size());
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        result += c;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    result += text[i];
+    if (text[i] == '<' && (goes_on(text, i + 1, end_tag) || goes_on(text, i + 1, "!--")))
+      result += '\\';
+  }
+  return result;
+}
+
+/// What a character is written as in HTML; empty: as it is.
+std::string_view escaped(char c) {
+  switch (c) {
+    case '&':
+      return "&amp;";
+    case '<':
+      return "&lt;";
+    case '>':
+      return "&gt;";
+    case '"':
+      return "&quot;";
+    case '\'':
+      return "&#39;";
+    default:
+      return {};
+  }
+}
+
+/// Control characters that are no white space; browsers drop or change them.
+bool is_control(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  return (byte < 0x20 && c != '\n' && c != '\t' && c != '\r') || byte == 0x7f;
+}
+
+}  // namespace
+
+Html& Html::operator+=(Markup markup) {
+  text_ += markup.text;
+  return *this;
+}
+
+Html& Html::operator+=(const Html& other) {
+  text_ += other.text_;
+  return *this;
+}
+
+Html operator+(Html a, const Html& b) { return a += b; }
+Html operator+(Html a, Markup b) { return a += b; }
+Html operator+(Markup a, const Html& b) { return Html(a) += b; }
+
+Html html_text(std::string_view text) {
+  static constexpr std::string_view kDigits = "0123456789abcdef";
+  Html result;
+  result.text_.reserve(text.size());
+  for (const char c : readable_utf8(text)) {
+    const std::string_view as = escaped(c);
+    if (!as.empty())
+      result.text_ += as;
+    else if (is_control(c))
+      result.text_ += {'\\', 'x', kDigits[static_cast<unsigned char>(c) >> 4],
+                       kDigits[static_cast<unsigned char>(c) & 15U]};
+    else
+      result.text_ += c;
+  }
+  return result;
+}
+
+Html html_base64(std::span<const std::uint8_t> bytes) {
+  Html result;
+  result.text_ = base64(bytes);
+  return result;
+}
+
+Html html_base64(std::string_view bytes) {
+  return html_base64(std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()));
+}
+
+Html html_json(const nlohmann::ordered_json& json) {
+  const std::string text =
+      json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  Html result;
+  result.text_.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '<') {
+      result.text_ += "\\u003c";
+    } else if (text.compare(i, 3, "\xe2\x80\xa8") == 0) {
+      result.text_ += "\\u2028";
+      i += 2;
+    } else if (text.compare(i, 3, "\xe2\x80\xa9") == 0) {
+      result.text_ += "\\u2029";
+      i += 2;
+    } else {
+      result.text_ += text[i];
     }
   }
   return result;
+}
+
+Html html_script(std::string_view program) {
+  Html result("<script>\n");
+  result.text_ += inside_element(program, "/script");
+  return result += "</script>\n";
+}
+
+Html html_style(std::string_view sheet) {
+  Html result("<style>\n");
+  result.text_ += inside_element(sheet, "/style");
+  return result += "</style>\n";
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {
@@ -53,71 +149,6 @@ std::string base64(std::span<const std::uint8_t> bytes) {
 
 std::string base64(std::string_view text) {
   return base64(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
-}
-
-std::string inside_script(std::string_view script) {
-  static constexpr std::string_view kEnd = "/script";
-  static constexpr std::string_view kComment = "!--";
-  const auto follows = [&](std::size_t at, std::string_view word) {
-    return script.size() - at >= word.size() &&
-           std::equal(
-               word.begin(), word.end(), script.begin() + static_cast<std::ptrdiff_t>(at),
-               [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
-  };
-  std::string result;
-  result.reserve(script.size());
-  for (std::size_t i = 0; i < script.size(); ++i) {
-    result += script[i];
-    // "<\/script" and "<\!--" mean the same inside JavaScript strings and regular expressions.
-    if (script[i] == '<' && (follows(i + 1, kEnd) || follows(i + 1, kComment))) result += '\\';
-  }
-  return result;
-}
-
-ShownUnit shown_unit(std::string_view unit, std::string_view metric) {
-  if (unit == "m") return {"mm", 1e3};
-  if (unit == "m2") return {"mm²", 1e6};
-  if (unit == "m3") return {"mm³", 1e9};
-  if (unit == "kg") return {"g", 1e3};
-  if (unit == "rad") return {"°", 57.29577951308232};
-  if (unit == "%") return {"%", 100};
-  if (unit == "1") {
-    for (const std::string_view ratio : {"mape", "coverage_68", "coverage_95", "share"}) {
-      if (metric.ends_with(ratio)) return {"%", 100};
-    }
-    return {"", 1};
-  }
-  return {std::string(unit), 1};
-}
-
-std::string shown_number(double value) {
-  if (std::isnan(value)) return "–";
-  std::array<char, 64> buffer{};
-  const double size = std::abs(value);
-  if (size != 0 && std::isfinite(value) && size >= 1e-4 && size < 1e7) {
-    const int digits = std::max(0, 2 - static_cast<int>(std::floor(std::log10(size))));
-    std::snprintf(buffer.data(), buffer.size(), "%.*f", digits, value);
-  } else {
-    std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
-  }
-  return buffer.data();
-}
-
-std::string shown_precisely(double value) {
-  const double size = std::abs(value);
-  if (!(size >= 10 && size < 1e4) || size == std::floor(size)) return shown_number(value);
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%.2f", value);
-  return buffer.data();
-}
-
-std::string shown_interval(const WithInterval& value, double factor) {
-  std::string text = shown_number(factor * value.value);
-  if (std::isfinite(value.low) && std::isfinite(value.high)) {
-    text +=
-        " [" + shown_number(factor * value.low) + ", " + shown_number(factor * value.high) + "]";
-  }
-  return text;
 }
 
 }  // namespace cousin

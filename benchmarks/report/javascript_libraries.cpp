@@ -6,8 +6,6 @@
 #include <optional>
 #include <string_view>
 
-#include "benchmarks/report/html.h"
-
 namespace cousin {
 namespace {
 
@@ -70,7 +68,7 @@ JavascriptLibraries load_javascript_libraries(const std::filesystem::path& folde
       break;
     }
     vega += "define(\"" + std::string(module) + "\", function (exports, module, require) {\n" +
-            inside_script(*text) + "\n});\n";
+            *text + "\n});\n";
   }
   if (!vega.empty()) libraries.vega = vega + std::string(kVegaTail);
 
@@ -82,7 +80,7 @@ JavascriptLibraries load_javascript_libraries(const std::filesystem::path& folde
       three.clear();
       break;
     }
-    three += inside_script(*text) + "\n";
+    three += *text + "\n";
   }
   libraries.three = three;
   return libraries;

@@ -5,8 +5,7 @@
 
 namespace cousin {
 
-/// JavaScript to inline, each part ready to stand in a <script> element; empty where a file is
-/// missing.
+/// JavaScript to inline; empty where a file is missing.
 struct JavascriptLibraries {
   std::string vega;     ///< defines the global `vega` with parse and View
   std::string three;    ///< defines the global `THREE` with OrbitControls

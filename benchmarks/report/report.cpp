@@ -11,6 +11,7 @@
 #include "benchmarks/report/plots.h"
 #include "benchmarks/report/report_assets.h"
 #include "benchmarks/report/shape_json.h"
+#include "benchmarks/report/shown_numbers.h"
 
 namespace cousin {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 /// The page as it grows. Plots and shapes get numbers; their data stands beside them in script
 /// elements.
 struct Page {
-  std::string html;
+  Html html;
   std::vector<std::pair<std::string, std::string>> sections;  ///< id, title: the page's navigation
   int plots = 0;
   int shapes = 0;
@@ -26,31 +27,20 @@ struct Page {
 
 void open_section(Page& page, const std::string& id, const std::string& title) {
   page.sections.emplace_back(id, title);
-  page.html += "<h2 id=\"" + id + "\">" + html_escaped(title) + "</h2>\n";
+  page.html += "<h2 id=\"" + html_text(id) + "\">" + html_text(title) + "</h2>\n";
 }
 
-/// JSON that may stand in a script element.
-std::string json_text(const nlohmann::ordered_json& json) {
-  std::string text;
-  for (const char c : json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) {
-    if (c == '<')
-      text += "\\u003c";
-    else
-      text += c;
-  }
-  return text;
-}
-
-std::string data_script(const std::string& id, const nlohmann::ordered_json& json) {
-  return "<script type=\"application/json\" id=\"" + id + "\">" + json_text(json) + "</script>\n";
+Html data_script(const std::string& id, const nlohmann::ordered_json& json) {
+  return "<script type=\"application/json\" id=\"" + html_text(id) + "\">" + html_json(json) +
+         "</script>\n";
 }
 
 void add_plot(Page& page, const Plot& plot) {
   const std::string id = "plot-" + std::to_string(page.plots++);
-  page.html += "<section><h3>" + html_escaped(plot.title) +
-               "</h3><div class=\"plot\" data-spec=\"" + id + "\"></div>";
+  page.html += "<section><h3>" + html_text(plot.title) + "</h3><div class=\"plot\" data-spec=\"" +
+               html_text(id) + "\"></div>";
   for (const std::string& line : plot.caption)
-    page.html += "<p class=\"caption\">" + html_escaped(line) + "</p>";
+    page.html += "<p class=\"caption\">" + html_text(line) + "</p>";
   page.html += "</section>\n" + data_script(id, plot.spec);
 }
 
@@ -58,15 +48,16 @@ void add_plots(Page& page, const std::string& id, const std::string& title,
                const std::vector<Plot>& plots, bool wide) {
   if (plots.empty()) return;
   open_section(page, id, title);
-  page.html += wide ? "<div class=\"plots wide\">\n" : "<div class=\"plots\">\n";
+  page.html += wide ? Markup("<div class=\"plots wide\">\n") : Markup("<div class=\"plots\">\n");
   for (const Plot& plot : plots) add_plot(page, plot);
   page.html += "</div>\n";
 }
 
-std::string number_cell(const std::string& text) {
-  return "<td class=\"number\">" + text + "</td>";
+Html number_cell(std::string_view text) {
+  return "<td class=\"number\">" + html_text(text) + "</td>";
 }
-std::string text_cell(std::string_view text) { return "<td>" + html_escaped(text) + "</td>"; }
+Html status_class(ScoreStatus status) { return html_text(to_string(status)); }
+Html text_cell(std::string_view text) { return "<td>" + html_text(text) + "</td>"; }
 
 /// More than these would push the plots off the screen: only those that failed come first.
 constexpr std::size_t kOpenTiles = 12;
@@ -80,18 +71,20 @@ void add_headlines(Page& page, const std::vector<Headline>& headlines) {
   page.html += "<div class=\"tiles\">\n";
   for (const Headline& h : headlines) {
     const ShownUnit unit = shown_unit(h.unit, h.label);
-    const std::string status(to_string(h.status));
-    page.html += "<div class=\"tile " + status + "\"><div class=\"muted\">" +
-                 html_escaped(h.label) + "</div><div class=\"value\">" +
-                 shown_precisely(unit.factor * h.value.value) + " <small>" + unit.name;
+    const Html status = status_class(h.status);
+    page.html += "<div class=\"tile " + status + "\"><div class=\"muted\">" + html_text(h.label) +
+                 "</div><div class=\"value\">" +
+                 html_text(shown_precisely(unit.factor * h.value.value)) + " <small>" +
+                 html_text(unit.name);
     if (std::isfinite(h.value.low) && std::isfinite(h.value.high)) {
-      page.html += " [" + shown_precisely(unit.factor * h.value.low) + ", " +
-                   shown_precisely(unit.factor * h.value.high) + "]";
+      page.html += html_text(" [" + shown_precisely(unit.factor * h.value.low) + ", " +
+                             shown_precisely(unit.factor * h.value.high) + "]");
     }
     page.html += "</small></div>";
     if (!h.limit.empty() || h.status != ScoreStatus::ok) {
-      page.html += "<div class=\"muted\">" + html_escaped(h.limit) + " <span class=\"status " +
-                   status + "\">" + (h.status == ScoreStatus::ok ? "" : status) + "</span></div>";
+      page.html += "<div class=\"muted\">" + html_text(h.limit) + " <span class=\"status " +
+                   status + "\">" + (h.status == ScoreStatus::ok ? Html() : status) +
+                   "</span></div>";
     }
     page.html += "</div>\n";
   }
@@ -99,8 +92,8 @@ void add_headlines(Page& page, const std::vector<Headline>& headlines) {
 }
 
 void add_folded_headlines(Page& page, const std::vector<Headline>& headlines) {
-  page.html += "<details class=\"numbers\"><summary>All " + std::to_string(headlines.size()) +
-               " numbers as cards</summary>\n";
+  page.html += "<details class=\"numbers\"><summary>All " +
+               html_text(std::to_string(headlines.size())) + " numbers as cards</summary>\n";
   add_headlines(page, headlines);
   page.html += "</details>\n";
 }
@@ -119,11 +112,11 @@ void add_limits(Page& page, const std::vector<Headline>& limits) {
     passed += h.status == ScoreStatus::pass ? 1 : 0;
   }
   open_section(page, "limits", "Held against limits");
-  page.html += "<p>" + std::to_string(passed) + " of " + std::to_string(limits.size()) +
+  page.html += "<p>" + html_text(std::to_string(passed) + " of " + std::to_string(limits.size())) +
                " numbers keep their limit.</p>\n<div class=\"scroll whole\"><table "
                "id=\"limit-table\"><thead><tr><th></th>";
   for (const std::string& group : groups)
-    page.html += "<th class=\"number\">" + html_escaped(group) + "</th>";
+    page.html += "<th class=\"number\">" + html_text(group) + "</th>";
   page.html += "</tr></thead><tbody>\n";
   for (const std::string& label : labels) {
     page.html += "<tr>" + text_cell(label);
@@ -136,9 +129,10 @@ void add_limits(Page& page, const std::vector<Headline>& limits) {
         continue;
       }
       const ShownUnit unit = shown_unit(h->unit, h->label);
-      const std::string status(to_string(h->status));
-      page.html += "<td class=\"number\">" + shown_number(unit.factor * h->value.value) + " " +
-                   unit.name + "<br><span class=\"muted\">" + html_escaped(h->limit) +
+      const Html status = status_class(h->status);
+      page.html += "<td class=\"number\">" +
+                   html_text(shown_number(unit.factor * h->value.value) + " " + unit.name) +
+                   "<br><span class=\"muted\">" + html_text(h->limit) +
                    "</span> <span class=\"status " + status + "\">" + status + "</span></td>";
     }
     page.html += "</tr>\n";
@@ -150,12 +144,12 @@ void add_tables(Page& page, const std::vector<ReportTable>& tables) {
   if (tables.empty()) return;
   open_section(page, "tables", "Tables");
   for (const ReportTable& table : tables) {
-    page.html += "<h3>" + html_escaped(table.title) + "</h3>\n";
+    page.html += "<h3>" + html_text(table.title) + "</h3>\n";
     if (!table.caption.empty())
-      page.html += "<p class=\"caption\">" + html_escaped(table.caption) + "</p>\n";
+      page.html += "<p class=\"caption\">" + html_text(table.caption) + "</p>\n";
     page.html += "<div class=\"scroll whole\"><table><thead><tr>";
     for (const std::string& column : table.columns)
-      page.html += "<th>" + html_escaped(column) + "</th>";
+      page.html += "<th>" + html_text(column) + "</th>";
     page.html += "</tr></thead><tbody>\n";
     for (const auto& line : table.lines) {
       page.html += "<tr>";
@@ -172,10 +166,10 @@ void add_images(Page& page, const std::vector<ReportImage>& images) {
   page.html += "<div class=\"images\">\n";
   for (const ReportImage& image : images) {
     const bool is_jpeg = image.png.size() > 2 && image.png[0] == 0xff && image.png[1] == 0xd8;
-    page.html += "<figure><img alt=\"" + html_escaped(image.name) + "\" src=\"data:image/" +
-                 (is_jpeg ? "jpeg" : "png") + ";base64," + base64(image.png) +
-                 "\"><figcaption><b>" + html_escaped(image.name) + "</b> " +
-                 html_escaped(image.caption) + "</figcaption></figure>\n";
+    page.html += "<figure><img alt=\"" + html_text(image.name) + "\" src=\"data:image/" +
+                 (is_jpeg ? Markup("jpeg") : Markup("png")) + ";base64," + html_base64(image.png) +
+                 "\"><figcaption><b>" + html_text(image.name) + "</b> " + html_text(image.caption) +
+                 "</figcaption></figure>\n";
   }
   page.html += "</div>\n";
 }
@@ -192,9 +186,10 @@ void add_shapes(Page& page, const std::vector<ReportShape>& shapes, int max_poin
     const ReportShape shape = thinned(given, max_points);
     const std::string id = "shape-" + std::to_string(page.shapes++);
     page.html +=
-        "<section><h3>" + html_escaped(shape.name) + "</h3><div class=\"shape\" data-shape=\"" +
-        id + "\"><div class=\"hint\">drag to turn, wheel to zoom</div></div><p class=\"caption\">" +
-        html_escaped(shape.caption) + "</p></section>\n" + data_script(id, shape_json(shape));
+        "<section><h3>" + html_text(shape.name) + "</h3><div class=\"shape\" data-shape=\"" +
+        html_text(id) +
+        "\"><div class=\"hint\">drag to turn, wheel to zoom</div></div><p class=\"caption\">" +
+        html_text(shape.caption) + "</p></section>\n" + data_script(id, shape_json(shape));
   }
   page.html += "</div>\n";
 }
@@ -214,7 +209,7 @@ void add_score_table(Page& page, const std::vector<ScoreRow>& rows) {
   for (const ScoreRow& row : rows) {
     const ShownUnit unit = shown_unit(row.unit, row.metric);
     const bool has_interval = std::isfinite(row.ci_low) && std::isfinite(row.ci_high);
-    const std::string status(to_string(row.status));
+    const Html status = status_class(row.status);
     page.html += "<tr>" + text_cell(row.suite) + text_cell(row.scene) + text_cell(row.case_name) +
                  text_cell(row.method) + text_cell(row.metric) +
                  number_cell(shown_number(unit.factor * row.value)) +
@@ -229,16 +224,16 @@ void add_score_table(Page& page, const std::vector<ScoreRow>& rows) {
   page.html += "</tbody></table></div>\n";
 }
 
-std::string download(const std::string& file, const std::string& type, const std::string& text) {
-  return "<a download=\"" + file + "\" href=\"data:" + type + ";base64," + base64(text) + "\">" +
-         file + "</a>";
+Html download(Markup file, Markup type, std::string_view bytes) {
+  return "<a download=\"" + Html(file) + "\" href=\"data:" + type + ";base64," +
+         html_base64(bytes) + "\">" + file + "</a>";
 }
 
 void add_sources(Page& page, const ReportInput& input) {
   open_section(page, "sources", "How this was made");
   if (!input.commands.empty()) {
     page.html += "<pre>";
-    for (const std::string& command : input.commands) page.html += html_escaped(command) + "\n";
+    for (const std::string& command : input.commands) page.html += html_text(command) + "\n";
     page.html += "</pre>\n";
   }
   const ScoreHeader& header = input.scores.header;
@@ -250,22 +245,22 @@ void add_sources(Page& page, const ReportInput& input) {
   page.html += "<dl>";
   for (const auto& [name, text] : facts) {
     if (!text.empty())
-      page.html += "<dt>" + html_escaped(name) + "</dt><dd>" + html_escaped(text) + "</dd>";
+      page.html += "<dt>" + html_text(name) + "</dt><dd>" + html_text(text) + "</dd>";
   }
   page.html +=
       "</dl>\n<p>Data: " + download("scores.csv", "text/csv", to_csv(input.scores.scores)) + " · " +
       download("specimens.csv", "text/csv", to_csv(input.scores.specimens)) + " · " +
       download("scores.json", "application/json", to_json(input.scores)) + "</p>\n";
   if (!input.config_toml.empty()) {
-    page.html += "<details><summary>Configuration</summary><pre>" +
-                 html_escaped(input.config_toml) + "</pre></details>\n";
+    page.html += "<details><summary>Configuration</summary><pre>" + html_text(input.config_toml) +
+                 "</pre></details>\n";
   }
 }
 
-std::string navigation(const Page& page) {
-  std::string html = "<nav>";
+Html navigation(const Page& page) {
+  Html html("<nav>");
   for (const auto& [id, title] : page.sections)
-    html += "<a href=\"#" + id + "\">" + html_escaped(title) + "</a>";
+    html += "<a href=\"#" + html_text(id) + "\">" + html_text(title) + "</a>";
   return html + "</nav>";
 }
 
@@ -376,7 +371,7 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
         libraries.missing);
   }
   for (const std::string& note : notes)
-    page.html += "<p class=\"note\">" + html_escaped(note) + "</p>\n";
+    page.html += "<p class=\"note\">" + html_text(note) + "</p>\n";
   add_limits(page, input.limits);
   add_tables(page, input.tables);
   add_images(page, input.images);
@@ -405,21 +400,22 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   add_score_table(page, input.scores.scores);
   add_sources(page, input);
 
-  std::string html =
+  Html html(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-      html_escaped(input.title) + "</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n" +
-      std::string(kReportCss) + "</style>\n<script>\n" + std::string(kErrorsJs) +
-      "</script>\n</head>\n<body>\n<main>\n<header class=\"page\"><div><h1>" +
-      html_escaped(input.title) + "</h1>";
-  if (!input.summary.empty()) html += "<p>" + html_escaped(input.summary) + "</p>";
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>");
+  html += html_text(input.title) + "</title>\n<link rel=\"icon\" href=\"data:,\">\n" +
+          html_style(kReportCss) + html_script(kErrorsJs) +
+          "</head>\n<body>\n<main>\n<header class=\"page\"><div><h1>" + html_text(input.title) +
+          "</h1>";
+  if (!input.summary.empty()) html += "<p>" + html_text(input.summary) + "</p>";
   html += navigation(page) + "</div><button id=\"theme\">Dark</button></header>\n" + page.html +
           "</main>\n";
   for (const std::string& script : {libraries.vega, libraries.three, std::string(kView3dJs),
                                     std::string(kSplats3dJs), std::string(kReportJs)}) {
-    if (!script.empty()) html += "<script>\n" + script + "\n</script>\n";
+    if (!script.empty()) html += html_script(script + "\n");
   }
-  return html + "</body>\n</html>\n";
+  html += "</body>\n</html>\n";
+  return html.str();
 }
 
 }  // namespace cousin

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "benchmarks/report/html.h"
+#include "benchmarks/report/shown_numbers.h"
 #include "benchmarks/report/plots.h"
 #include "benchmarks/report/vega_parts.h"
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "benchmarks/report/report.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -41,7 +42,11 @@ std::string table_cell(const ScoreRow* row, double factor, int decimals) {
   return row == nullptr ? std::string() : table_cell(row->value, factor, decimals);
 }
 
-std::string table_text(const ReportTable& table) {
+std::string table_text(const ReportTable& given) {
+  ReportTable table = given;
+  for (auto& line : table.lines) {
+    for (std::string& cell : line) cell = terminal_text(cell);
+  }
   std::vector<std::size_t> widths;
   for (const std::string& column : table.columns) widths.push_back(width_of(column));
   for (const auto& line : table.lines) {

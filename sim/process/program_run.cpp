@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,7 +16,10 @@
 #include <stdexcept>
 #include <thread>
 
-extern char** environ;
+#include "sim/process/interruption.h"
+#include "sim/process/keeper.h"
+#include "sim/process/spawn.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -25,73 +27,33 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Owns what posix_spawn is told to do with the files.
-class FileActions {
- public:
-  FileActions() { check(posix_spawn_file_actions_init(&actions_)); }
-  ~FileActions() { posix_spawn_file_actions_destroy(&actions_); }
-  FileActions(const FileActions&) = delete;
-  FileActions& operator=(const FileActions&) = delete;
-  void open(int descriptor, const char* file, int flags) {
-    check(posix_spawn_file_actions_addopen(&actions_, descriptor, file, flags, 0644));
-  }
-  void copy(int from, int to) { check(posix_spawn_file_actions_adddup2(&actions_, from, to)); }
-  const posix_spawn_file_actions_t* get() const { return &actions_; }
-
- private:
-  static void check(int error) {
-    if (error != 0) throw std::runtime_error("posix_spawn: " + std::string(std::strerror(error)));
-  }
-  posix_spawn_file_actions_t actions_{};
-};
-
-/// Our environment with some variables set.
-std::vector<std::string> environment_with(
-    const std::vector<std::pair<std::string, std::string>>& set) {
-  std::vector<std::string> result;
-  for (char** entry = environ; *entry != nullptr; ++entry) {
-    const std::string text = *entry;
-    const bool is_set = std::any_of(set.begin(), set.end(), [&](const auto& variable) {
-      return text.starts_with(variable.first + "=");
-    });
-    if (!is_set) result.push_back(text);
-  }
-  for (const auto& [name, value] : set) result.push_back(name + "=" + value);
-  return result;
-}
-
-std::vector<char*> pointers(std::vector<std::string>& words) {
-  std::vector<char*> result;
-  for (std::string& word : words) result.push_back(word.data());
-  result.push_back(nullptr);
-  return result;
-}
-
-/// Ends the program and takes its status, so that nothing of it is left.
-void kill_and_wait(pid_t child, int& status, rusage& usage) {
-  kill(child, SIGKILL);
-  while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
-  }
-}
-
-/// @returns false if the limit was reached and the program was killed.
-bool wait_for(pid_t child, double time_limit_s, const std::string& name, int& status,
-              rusage& usage) {
+/// Waits until the program has ended or its time is over, and leaves its status to be taken.
+/// @returns false if the limit was reached.
+bool wait_for(pid_t child, double time_limit_s, const std::string& name) {
   const Clock::time_point start = Clock::now();
   auto pause = std::chrono::microseconds(200);
   while (true) {
-    const pid_t ended = wait4(child, &status, time_limit_s > 0 ? WNOHANG : 0, &usage);
-    if (ended == child) return true;
-    if (ended < 0 && errno != EINTR)
+    siginfo_t info{};
+    const int options = WEXITED | WNOWAIT | (time_limit_s > 0 ? WNOHANG : 0);
+    if (waitid(P_PID, static_cast<id_t>(child), &info, options) != 0) {
+      if (errno == EINTR) continue;
       throw std::runtime_error("waiting for \"" + name + "\": " + std::strerror(errno));
-    if (ended < 0) continue;
-    if (std::chrono::duration<double>(Clock::now() - start).count() > time_limit_s) {
-      kill_and_wait(child, status, usage);
-      return false;
     }
+    if (info.si_pid == child) return true;
+    if (std::chrono::duration<double>(Clock::now() - start).count() > time_limit_s) return false;
     std::this_thread::sleep_for(pause);
     pause = std::min(2 * pause, std::chrono::microseconds(20000));
   }
+}
+
+/// Ends what is left of the program's group and takes the program's status. The group's number is
+/// nobody else's until then.
+void end_group(pid_t child, int& status, rusage& usage) {
+  interruption::forget_group(child, [&] {
+    kill(-child, SIGKILL);
+    while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+    }
+  });
 }
 
 double seconds(const timeval& time) {
@@ -109,30 +71,35 @@ void make_log(const fs::path& log) {
 ProgramOutcome run_program(const ProgramCall& call) {
   if (call.words.empty()) throw std::invalid_argument("run_program: no program is named");
   const std::string& name = call.words.front();
-  FileActions actions;
-  actions.open(STDIN_FILENO, "/dev/null", O_RDONLY);
+  SpawnFiles files;
+  files.open(STDIN_FILENO, "/dev/null", O_RDONLY);
   if (call.log.empty()) {
-    actions.copy(STDERR_FILENO, STDOUT_FILENO);
+    files.copy(STDERR_FILENO, STDOUT_FILENO);
   } else {
     make_log(call.log);
-    actions.open(STDOUT_FILENO, call.log.c_str(), O_WRONLY | O_APPEND);
-    actions.copy(STDOUT_FILENO, STDERR_FILENO);
+    files.open(STDOUT_FILENO, call.log.c_str(), O_WRONLY | O_APPEND);
+    files.copy(STDOUT_FILENO, STDERR_FILENO);
   }
-  std::vector<std::string> words = call.words;
-  std::vector<std::string> variables = environment_with(call.environment);
-  const std::vector<char*> arguments = pointers(words), environment = pointers(variables);
   const Clock::time_point start = Clock::now();
   ProgramOutcome outcome;
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, name.c_str(), actions.get(), nullptr, arguments.data(),
-                                 environment.data());
+  pid_t child = -1;
+  int error = 0;
+  interruption::note_group([&] {
+    error = spawn(call.words, call.environment, files, child);
+    return error == 0 ? child : -1;
+  });
   if (error != 0) {
     outcome.reason = "cannot start \"" + name + "\": " + std::strerror(error);
     return outcome;
   }
   int status = 0;
   rusage usage{};
-  const bool in_time = wait_for(child, call.time_limit_s, name, status, usage);
+  bool in_time = false;
+  {
+    const Keeper keeper("kill -s KILL -- -$1", std::to_string(child));
+    in_time = wait_for(child, call.time_limit_s, name);
+    end_group(child, status, usage);
+  }
   outcome.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
   outcome.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   if (!in_time) {
@@ -182,7 +149,7 @@ std::string last_lines(const fs::path& file, int count) {
   std::string text;
   const auto wanted = static_cast<std::size_t>(std::max(0, count));
   for (std::size_t i = lines.size() > wanted ? lines.size() - wanted : 0; i < lines.size(); ++i)
-    text += "\n  " + lines[i].substr(0, 300);
+    text += "\n  " + cut_utf8(lines[i], 300);
   return text;
 }
 

@@ -14,7 +14,7 @@ struct ProgramCall {
   /// Takes what it prints on stdout and stderr, of earlier content nothing is left; empty: it goes
   /// to our stderr, as our stdout is for results.
   std::filesystem::path log;
-  double time_limit_s = 0;  ///< it is killed then, though not what it started; 0 = none
+  double time_limit_s = 0;  ///< it is killed then, with all that it started; 0 = none
 };
 
 /// `not_started`: there is no such program, or it may not be executed.
@@ -31,7 +31,8 @@ inline bool succeeded(const ProgramOutcome& outcome) {
   return outcome.end == ProgramEnd::exited && outcome.code == 0;
 }
 
-/// Runs the program to its end, its stdin empty.
+/// Runs the program to its end, its stdin empty. What it has started and left running is ended with
+/// it, and all of them end with this process, however that ends.
 /// @throws std::invalid_argument if there are no words; std::runtime_error if the log cannot be
 /// made or the system does not let it wait.
 ProgramOutcome run_program(const ProgramCall& call);
@@ -40,7 +41,7 @@ ProgramOutcome run_program(const ProgramCall& call);
 /// a shell would. Empty if it is not there or may not be executed.
 std::filesystem::path find_program(const std::string& name);
 
-/// The last `count` lines that are not empty, each of at most 300 characters, after a newline and
+/// The last `count` lines that are not empty, each of at most 300 bytes, after a newline and
 /// two blanks; of a file however long. "" if it cannot be read.
 std::string last_lines(const std::filesystem::path& file, int count = 4);
 

@@ -3,13 +3,39 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
+
+#include "benchmarks/report/shown_numbers.h"
 
 namespace cousin {
 namespace {
 
 TEST(Html, EscapesWhatWouldBecomeMarkup) {
-  EXPECT_EQ(html_escaped("<a href=\"x\">&'"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
+  EXPECT_EQ(html_text("<a href=\"x\">&'").str(), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
+}
+
+TEST(Html, ShowsWhatIsNoTextAndKeepsWhatIs) {
+  EXPECT_EQ(html_text("Gr\xfcn\x1b[2J\r\n\t苺").str(), "Gr\\xfcn\\x1b[2J\r\n\t苺");
+}
+
+TEST(Html, GrowsByMarkupOfTheSourceAndByEscapedTextOnly) {
+  static_assert(!std::is_constructible_v<Html, std::string>);
+  static_assert(!std::is_constructible_v<Html, std::string_view>);
+  static_assert(!std::is_constructible_v<Markup, std::string>);
+  Html cell = "<td>" + html_text("a < b");
+  cell += "</td>";
+  EXPECT_EQ(cell.str(), "<td>a &lt; b</td>");
+}
+
+TEST(Html, JsonEndsNoScriptElement) {
+  const nlohmann::ordered_json json = {{"</script>", "<!-- \xe2\x80\xa8 \xe2\x80\xa9 \xff"}};
+  const std::string text = html_json(json).str();
+  EXPECT_EQ(text, "{\"\\u003c/script>\":\"\\u003c!-- \\u2028 \\u2029 \xef\xbf\xbd\"}");
+  EXPECT_EQ(nlohmann::json::parse(text).begin().key(), "</script>");
 }
 
 // RFC 4648, section 10.
@@ -20,12 +46,12 @@ TEST(Base64, AgreesWithTheStandardsExamples) {
   EXPECT_EQ(base64(std::vector<std::uint8_t>{0xff, 0xfe}), "//4=");
 }
 
-TEST(InsideScript, LeavesNoEndTagAndNoComment) {
-  EXPECT_EQ(inside_script("a = '</Script>' < b; c = '<!--';"),
-            "a = '<\\/Script>' < b; c = '<\\!--';");
+TEST(Html, AProgramsTextEndsNeitherItsElementNorOpensAComment) {
+  EXPECT_EQ(html_script("a = '</Script>' < b; c = '<!--';").str(),
+            "<script>\na = '<\\/Script>' < b; c = '<\\!--';</script>\n");
   // A regular expression that ends right after "<" stays one.
-  EXPECT_EQ(inside_script("s.replace(/</g, '')"), "s.replace(/</g, '')");
-  EXPECT_EQ(inside_script("<"), "<");
+  EXPECT_EQ(html_script("s.replace(/</g, '')").str(), "<script>\ns.replace(/</g, '')</script>\n");
+  EXPECT_EQ(html_script("<").str(), "<script>\n<</script>\n");
 }
 
 TEST(ShownNumber, HasThreeDigitsAndNoNeedlessExponent) {
