@@ -2,10 +2,17 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <filesystem>
-#include <numeric>
+#include <limits>
+#include <memory>
 #include <sstream>
+#include <string_view>
 #include <vector>
+
+#include "benchmarks/app/command_line_help.h"
+#include "benchmarks/app/command_line_mistakes.h"
 
 namespace cousin {
 namespace {
@@ -113,60 +120,51 @@ void add_export(CLI::App& verb, Options& o) {
       ->capture_default_str();
 }
 
-/// Least number of letters put in, left out or changed between two words.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({changed, diagonal + 1, row[j] + 1});
-    }
-  }
-  return row[b.size()];
+/// A whole number in decimal digits, from `least` to `most`; others are refused with both.
+template <class Number>
+CLI::Validator whole_number(Number least, Number most) {
+  const std::string range = std::to_string(least) + " to " + std::to_string(most);
+  return {[least, most, range](std::string& text) -> std::string {
+            Number value{};
+            const auto [end, error] =
+                std::from_chars(text.data(), text.data() + text.size(), value);
+            const bool is_whole = error == std::errc{} && end == text.data() + text.size();
+            if (is_whole && value >= least && value <= most) return {};
+            return "\"" + text + "\" is not a whole number from " + range;
+          },
+          most == std::numeric_limits<Number>::max() ? "" : range};
 }
 
-/// "; did you mean --out?" where an option has nearly that name or starts with it, else "".
-std::string nearest_option(const std::string& given, const std::vector<const CLI::App*>& apps) {
-  const std::string word = given.substr(given.find_first_not_of('-'));
-  std::string nearest;
-  std::size_t least = 3;
-  for (const CLI::App* app : apps) {
-    for (const CLI::Option* option : app->get_options()) {
-      for (const std::string& name : option->get_lnames()) {
-        const std::size_t distance = name.starts_with(word) ? 0 : edit_distance(word, name);
-        if (distance < std::min(least, name.size())) {
-          least = distance;
-          nearest = name;
-        }
-      }
-    }
-  }
-  return nearest.empty() ? "" : "; did you mean --" + nearest + "?";
+/// "cousin help VERB" as "cousin VERB --help", and "cousin help" as "cousin --help".
+std::vector<const char*> without_help_verb(int argc, const char* const* argv) {
+  std::vector<const char*> words(argv, argv + argc);
+  if (words.size() < 2 || std::string_view(words[1]) != "help") return words;
+  words.erase(words.begin() + 1);
+  words.push_back("--help");
+  return words;
 }
 
-/// What is wrong with the command line. A word that no verb or option takes is named first: CLI11
-/// would complain of what follows from it, such as one positional argument too many.
-std::string explain(const CLI::App& app, const CLI::ParseError& error) {
-  const std::vector<CLI::App*> verbs = app.get_subcommands();
-  const std::string command = verbs.empty() ? "cousin" : "cousin " + verbs.front()->get_name();
+/// An unset variable of a shell gives an empty word. @throws CLI::ValidationError naming the option
+void refuse_empty_words(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& word : option->results()) {
+      if (word.empty()) throw CLI::ValidationError(option->get_name(), "its value is empty");
+    }
+  }
+}
+
+/// Options that are given, of the program and of its verb.
+std::vector<std::string> given_options(const CLI::App& app) {
   std::vector<const CLI::App*> apps = {&app};
-  apps.insert(apps.end(), verbs.begin(), verbs.end());
-  std::string what = error.what();
-  const std::vector<std::string> unused = app.remaining(true);
-  const auto option = std::find_if(unused.begin(), unused.end(), [](const std::string& word) {
-    return word.size() > 1 && word.front() == '-' && word.find_first_not_of('-') != word.npos;
-  });
-  if (option != unused.end()) {
-    const std::string name = option->substr(0, option->find('='));
-    what = "unknown option " + name + nearest_option(name, apps);
-  } else if (verbs.empty() && !unused.empty()) {
-    what = "unknown verb \"" + unused.front() + "\"";
+  for (const CLI::App* verb : app.get_subcommands()) apps.push_back(verb);
+  std::vector<std::string> given;
+  for (const CLI::App* each : apps) {
+    for (const CLI::Option* option : each->get_options()) {
+      if (option->count() > 0 && !option->get_lnames().empty())
+        given.push_back("--" + option->get_lnames().front());
+    }
   }
-  return "cousin: " + what + "\nSee `" + command + " --help`.\n";
+  return given;
 }
 
 /// Verbs name results by the last part of a path, which "data/" and "." do not have.
@@ -186,12 +184,19 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       "known are\n"
       "photographed by virtual cameras, measured, and scored against the truth."};
   app.name("cousin");
+  app.formatter(std::make_shared<HelpText>());
+  app.footer(
+      "`cousin help VERB` says what a verb takes. Exit codes: 0 done; 1 a gate failed; 2 wrong "
+      "usage "
+      "or\nconfiguration; 3 bad input data; 4 something inside failed.");
   app.set_version_flag("--version", std::string("cousin ") + COUSIN_VERSION);
   app.require_subcommand(1);
   app.fallthrough();
-  app.add_option("--seed", o.seed, "Seed of every random stream")->capture_default_str();
+  app.add_option("--seed", o.seed, "Seed of every random stream")
+      ->check(whole_number<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
   app.add_option("--threads", o.threads, "Threads; 0 = all cores. Results do not depend on it")
-      ->check(CLI::Range(0, 1024))
+      ->check(whole_number(0, 1024))
       ->capture_default_str();
   app.add_option("--out", o.out, "Output folder");
   app.add_flag("--json", o.json, "Print results as JSON");
@@ -200,6 +205,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   const auto verb = [&](const char* name, const char* help) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->callback([&o, name] { o.verb = name; });
+    sub->footer(closing_text(name));
     return sub;
   };
   const auto takes = [&](CLI::App* sub, const char* name, const char* help, int least, int most) {
@@ -214,10 +220,10 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   CLI::App* render = verb("render", "Write a dataset: images, reported calibration and truth");
   takes(render, "SCENE", "Scene, see `cousin scenes`", 1, 1);
   render->add_option("--scenes", o.scenes, "How many scenes")
-      ->check(CLI::Range(1, 999999))
+      ->check(whole_number(1, 999999))
       ->capture_default_str();
   render->add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
-      ->check(CLI::Range(0, 100000));
+      ->check(whole_number(0, 100000));
   render->add_option("--shard", o.shard,
                      "i/n: part i (from 0) of n of the list of scenes and frames");
   add_config(*render, o);
@@ -257,10 +263,10 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   CLI::App* run = verb("run", "Render, perceive, score and report in one go");
   takes(run, "SCENE", "Scene, see `cousin scenes`", 1, 1);
   run->add_option("--scenes", o.scenes, "How many scenes")
-      ->check(CLI::Range(1, 9999))
+      ->check(whole_number(1, 9999))
       ->capture_default_str();
   run->add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
-      ->check(CLI::Range(0, 100000));
+      ->check(whole_number(0, 100000));
   run->add_option("--pipeline", o.pipeline,
                   "seeds, or views: Gaussians of any scene's photographs (docs/splats.md), whose "
                   "keys --set names with \"pipeline.\" before them; the scene's own if not given");
@@ -322,7 +328,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
           "Of each point: seeds and calibration, 5 unless given; trays a light of seedlings, "
           "3 unless given. Runs that were finished in the same --out are taken as they "
           "are")
-      ->check(CLI::Range(1, 1000));
+      ->check(whole_number(1, 1000));
   bench->add_option("--shard", o.shard, "i/n: only part i (from 0) of n of the suite's jobs");
   bench->add_option("--lpips", o.lpips,
                     "TorchScript network that images of `seeds` and `seedlings` are scored by too: "
@@ -362,8 +368,21 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   takes(verb("report", "Make the HTML report of a folder of scores"), "FOLDER",
         "Folder of a run or benchmark", 1, 1);
 
+  const std::vector<const char*> words = without_help_verb(argc, argv);
+  const auto leave_without_verb = [&] {
+    result.leave = true;
+    result.text = first_steps(app);
+    result.code = ExitCode::usage;
+    return result;
+  };
+  if (words.size() < 2) return leave_without_verb();
   try {
-    app.parse(argc, argv);
+    app.parse(static_cast<int>(words.size()), words.data());
+    o.given = given_options(app);
+    refuse_empty_words(app);
+    for (const CLI::App* sub : app.get_subcommands()) refuse_empty_words(*sub);
+    if (!o.out.empty() && !writes_files(o.verb))
+      throw CLI::ValidationError("--out", "`cousin " + o.verb + "` writes no files");
     // What keys these have does not depend on what they are given.
     for (const auto& [sub, name] :
          {std::pair(perceive, "DATASET"), std::pair(calibrate, "FOLDER")}) {
@@ -371,7 +390,13 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
     }
   } catch (const CLI::ParseError& error) {
     result.leave = true;
-    if (error.get_exit_code() == 0) {  // --help and --version
+    // CLI11 shows the program's help where an unknown word stands beside --help.
+    const std::vector<std::string> unused = app.remaining(true);
+    if (error.get_exit_code() != 0 && app.get_subcommands().empty() && unused.empty() &&
+        dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
+      return leave_without_verb();
+    const bool is_unknown = app.get_subcommands().empty() && !unused.empty();
+    if (error.get_exit_code() == 0 && !is_unknown) {  // --help and --version
       std::ostringstream out;
       app.exit(error, out, out);
       result.text = out.str();

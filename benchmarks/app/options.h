@@ -52,7 +52,8 @@ struct Options {
   bool quick = false;
   int runs = 0;  ///< of each point of a benchmark; 0 = the suite's own number
   bool attribution = false;
-  bool keys = false;  ///< print configuration keys
+  bool keys = false;               ///< print configuration keys
+  std::vector<std::string> given;  ///< "--method", ...: options that the command line holds
 };
 
 /// Result of reading the command line: options, or text to print and leave.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/app/program.h"
@@ -15,8 +16,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kVerbs[] = {"scenes", "rigs", "methods", "doctor", "render", "perceive",
-                                  "score",  "run",  "bench",   "import", "verify", "report"};
+constexpr const char* kVerbs[] = {"scenes",   "rigs",   "methods", "doctor",    "render",
+                                  "perceive", "score",  "run",     "calibrate", "fit-sensor",
+                                  "bench",    "import", "export",  "verify",    "report"};
 
 /// The message of a command that must be refused as wrong usage, before anything is written.
 std::string refusal(const Words& words) {
@@ -94,6 +96,36 @@ TEST(AppCommandLine, MistakesNameWhatIsWrong) {
   EXPECT_THAT(refusal({"run", "seeds", "--stage", "poses=x"}), HasSubstr("--stage \"poses=x\""));
   EXPECT_THAT(refusal({"run", "seeds", "--method", "magic"}), HasSubstr("\"magic\""));
   EXPECT_THAT(refusal({"import", ".", "--format", "zip"}), HasSubstr("--format \"zip\""));
+}
+
+TEST(AppCommandLine, NumbersAndWordsThatCannotBeAreNamed) {
+  EXPECT_THAT(refusal({"run", "seeds", "--seed", "-1"}),
+              HasSubstr("--seed: \"-1\" is not a whole number from 0 to"));
+  EXPECT_THAT(refusal({"run", "seeds", "--seed", "99999999999999999999999"}), HasSubstr("--seed"));
+  EXPECT_THAT(refusal({"run", "seeds", "--frames", "1,5"}),
+              HasSubstr("\"1,5\" is not a whole number from 0 to 100000"));
+  EXPECT_THAT(refusal({"run", "seeds", "more"}), HasSubstr("\"more\" is one word too many"));
+  EXPECT_THAT(refusal({"score", "a", "b", "c"}), HasSubstr("\"c\" is one word too many"));
+  EXPECT_THAT(refusal({"scenes", "seeds"}), HasSubstr("\"seeds\" is one word too many"));
+  EXPECT_THAT(refusal({"run", "seeds", "--out"}), HasSubstr("--out: its value is missing"));
+  EXPECT_THAT(refusal({"run", "seeds", "--out", ""}), HasSubstr("its value is empty"));
+  EXPECT_THAT(refusal({"perceive", ""}), HasSubstr("its value is empty"));
+  EXPECT_THAT(refusal({"verify", "d", "--out", "x"}),
+              HasSubstr("--out: `cousin verify` writes no files"));
+  EXPECT_THAT(refusal({"rnu", "seeds"}), HasSubstr("unknown verb \"rnu\"; did you mean run?"));
+}
+
+TEST(AppCommandLine, HelpIsAVerbTooAndHasExamples) {
+  const Program program;
+  EXPECT_EQ(program.run({"help"}).out, program.run({"--help"}).out);
+  for (const char* verb : kVerbs) {
+    const Outcome help = program.run({"help", verb});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_EQ(help.out, program.run({verb, "--help"}).out);
+    EXPECT_THAT(help.out, HasSubstr(std::string("Example:\n  cousin ") + verb));
+  }
+  EXPECT_THAT(refusal({"help", "runn"}), HasSubstr("unknown verb \"runn\"; did you mean run?"));
+  EXPECT_THAT(refusal({}), AllOf(HasSubstr("no verb is given"), HasSubstr("cousin run seeds")));
 }
 
 TEST(AppCommandLine, SetNamesKeyValueAndLimit) {
