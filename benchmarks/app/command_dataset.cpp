@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/import/import_capture.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/simulate.h"
@@ -15,7 +16,6 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/for_each_frame.h"
-#include "sim/dataset/import.h"
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/seam_io.h"
 #include "sim/dataset/truth_io.h"
@@ -213,21 +213,10 @@ ExitCode command_render(const JobContext& context) {
 ExitCode command_import(const JobContext& context) {
   const Options& o = context.options;
   const fs::path source = o.arguments.at(0);
-  Capture capture;
-  if (o.format == "nerfstudio") {
-    capture = import_nerfstudio(fs::is_directory(source) ? source / "transforms.json" : source);
-  } else if (o.format == "colmap") {
-    capture = import_colmap(source);
-  } else if (o.format == "tum") {
-    capture = import_tum(source, o.intrinsics);
-  } else if (o.format == "phenomenal") {
-    capture = import_phenomenal(source);
-  } else if (o.format == "folder") {
-    capture = import_folder(source, o.intrinsics);
-  } else {
-    throw std::invalid_argument("--format \"" + o.format +
-                                "\" is not one of nerfstudio, colmap, tum, phenomenal, folder");
-  }
+  ImportRequest request{.format = o.format, .source = source, .intrinsics = o.intrinsics};
+  if (o.depth_unit_m > 0) request.depth_unit_m = o.depth_unit_m;
+  request.frames = o.frames;
+  const Capture capture = import_capture(request);
   for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
   const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
   write_capture(dataset / scene_id(0), capture);

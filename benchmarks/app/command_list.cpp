@@ -183,6 +183,9 @@ ExitCode command_doctor(const JobContext& context) {
                                         : "found, does not say its version",
        "poses without a board (perceive --pipeline views, bench sfm; splats.poses=sfm or "
        "adjusted of the methods splats and splats_paper); tested with 3.8"},
+      {"ffmpeg",
+       find_program("ffmpeg").empty() || find_program("ffprobe").empty() ? "missing" : "found",
+       "import --format video"},
       {"vega", libraries.vega.empty() ? "missing" : "found", "plots of the report (libjs-vega)"},
       {"three.js", libraries.three.empty() ? "missing" : "found",
        "3D view of the report (libjs-three)"},

@@ -74,6 +74,33 @@ void add_calibrate(CLI::App& verb, Options& o) {
   add_set(verb, o);
 }
 
+constexpr const char* kImportHelp =
+    "Make a dataset of another program's capture.\n\n"
+    "  nerfstudio   transforms.json of nerfstudio, instant-ngp or Blender, with its images\n"
+    "  colmap       a workspace: images/ and a sparse model, text or binary\n"
+    "  tum          a TUM RGB-D sequence: rgb.txt, depth.txt, groundtruth.txt\n"
+    "  phenomenal   a turntable cabin's calibration and silhouettes\n"
+    "  folder       photographs of one camera, without poses\n"
+    "  video        a video of one camera: its sharpest frames, evenly spread (needs ffmpeg)\n\n"
+    "folder and video without --intrinsics: the focal length is that of EXIF, else found by\n"
+    "self-calibration (needs colmap), else assumed; a warning says which, and how sure it is.\n"
+    "docs/formats.md says what is read.";
+
+void add_import(CLI::App& verb, Options& o) {
+  verb.add_option("SOURCE", o.arguments, "File or folder")->expected(1, 1)->required();
+  verb.add_option("--format", o.format, "nerfstudio, colmap, tum, phenomenal, folder or video")
+      ->required();
+  verb.add_option("--intrinsics", o.intrinsics,
+                  "For folder, video and tum: a YAML file (OpenCV, ROS, Kalibr), a .cameramodel, a "
+                  "rig.json or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"");
+  verb.add_option("--depth-unit", o.depth_unit_m,
+                  "For tum and nerfstudio: metres a unit of the depth images, as 0.001 of "
+                  "millimetres; default: tum 0.0002, nerfstudio 0.001")
+      ->check(CLI::Range(1e-6, 1.0));
+  verb.add_option("--frames", o.frames, "For video: how many frames; 0 = 60")
+      ->check(CLI::Range(0, 1000));
+}
+
 constexpr const char* kExportHelp =
     "Write a dataset as other programs read it; the dataset stays the source of truth.\n\n"
     "  Labels of the first sensor's pictures (render with --truth visibility,instance,keypoints)\n"
@@ -347,20 +374,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       "changes. --attribution needs more truth and renders its own");
   add_set(*bench, o);
 
-  CLI::App* import =
-      verb("import",
-           "Make a dataset of another program's capture.\n\n"
-           "  nerfstudio   transforms.json of nerfstudio or instant-ngp, with its images\n"
-           "  colmap       a workspace: images/ and a sparse model, text or binary\n"
-           "  tum          a TUM RGB-D sequence: rgb.txt, depth.txt, groundtruth.txt\n"
-           "  phenomenal   a turntable cabin's calibration and silhouettes\n"
-           "  folder       photographs of one camera, without poses");
-  takes(import, "SOURCE", "File or folder", 1, 1);
-  import->add_option("--format", o.format, "nerfstudio, colmap, tum, phenomenal or folder")
-      ->required();
-  import->add_option("--intrinsics", o.intrinsics,
-                     "For folder and tum: a YAML file (OpenCV, ROS, Kalibr), a .cameramodel, a "
-                     "rig.json or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"");
+  add_import(*verb("import", kImportHelp), o);
 
   add_export(*verb("export", kExportHelp), o);
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "sim/types/capture.h"
+
+namespace cousin {
+
+/// What `import` is asked for.
+struct ImportRequest {
+  std::string format;  ///< nerfstudio, colmap, tum, phenomenal, folder or video
+  std::filesystem::path source;
+  std::string intrinsics;              ///< as for import_folder; "" = none
+  std::optional<double> depth_unit_m;  ///< of nerfstudio and tum
+  int frames = 0;                      ///< of a video; 0 = 60
+};
+
+/// The capture that another program or a camera wrote. Photographs without intrinsics get those of
+/// EXIF, else of `unknown_lens`. @throws std::invalid_argument for a format that there is not, or
+/// an option that the format has no use for; std::runtime_error for files that are not as they must
+/// be.
+Capture import_capture(const ImportRequest& request);
+
+}  // namespace cousin
