@@ -95,7 +95,13 @@ Camera camera_from_text(const std::string& text) {
 /// The camera of a file, or nothing where `intrinsics` is not the name of one.
 std::optional<Camera> camera_from_file(const std::string& intrinsics) {
   std::error_code error;
-  if (!fs::is_regular_file(intrinsics, error)) return std::nullopt;
+  if (!fs::is_regular_file(intrinsics, error)) {
+    const std::string ending = fs::path(intrinsics).extension().string();
+    if (ending == ".yaml" || ending == ".yml" || ending == ".json" || ending == ".cameramodel" ||
+        intrinsics.find('/') != std::string::npos)
+      throw std::runtime_error("intrinsics \"" + intrinsics + "\": no such file");
+    return std::nullopt;
+  }
   const std::string text = read_file(intrinsics, std::size_t{1} << 24);
   if (fs::path(intrinsics).extension() == ".json")
     return rig_from_json(text, intrinsics).rig.front().camera;

@@ -230,7 +230,7 @@ TEST(AppVerbs, AFolderOfImagesIsImported) {
   EXPECT_EQ(no_file.code, 3);
   EXPECT_THAT(no_file.err, HasSubstr("camera.yaml"));
   const Outcome nan = program.run(import + Words{"--intrinsics", "nan,60,32,24"});
-  EXPECT_EQ(nan.code, 3);
+  EXPECT_EQ(nan.code, 2);
   EXPECT_THAT(nan.err, HasSubstr("number 1"));
   write_png(program.path("photos/c.png"), Image<Rgb8>(48, 64));
   const Outcome size = program.run(import + Words{"--intrinsics", "60,60,32,24"});

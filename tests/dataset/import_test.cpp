@@ -356,7 +356,8 @@ TEST(ImportFolder, WrongInputIsNamed) {
   };
   EXPECT_THAT(usage_error("30,31,9.5"), HasSubstr("3 numbers"));
   EXPECT_THAT(usage_error("30,31,9.5,nan"), HasSubstr("number 4"));
-  EXPECT_THAT(usage_error("absent.yaml"), HasSubstr("no such file"));
+  EXPECT_THAT(error("absent.yaml"), HasSubstr("no such file"));
+  EXPECT_THAT(usage_error("absent"), HasSubstr("no such file"));
   EXPECT_THAT(usage_error("0,31,9.5,5.5"), HasSubstr("fx_px"));
   EXPECT_THAT(usage_error("1e308,31,9.5,5.5"), HasSubstr("fx_px"));
   write_png(folder.path() / "c.png", Image<Rgb8>(12, 20));
