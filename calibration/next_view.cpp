@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "calibration/lens_value.h"
 #include "calibration/planar_pose.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// The lens and which of its parameters are free, by their number among all of them.
 struct FreeParameters {

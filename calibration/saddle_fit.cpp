@@ -7,10 +7,11 @@
 #include <numbers>
 #include <vector>
 
+#include "sim/types/pi.h"
+
 namespace cousin {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLeastBlur_px = 0.25, kMostBlur_px = 8;
 
 // Gauss-Legendre, ten nodes on [-1, 1]: the positive five.

@@ -9,13 +9,6 @@
 
 namespace cousin {
 
-/// Of the page of `bench real`, whose pictures only that command makes.
-inline constexpr const char* kRealTitle = "Cousin: bench real";
-
-/// Plots and tables that suites make of their rows: on the page at once, and again from the tables
-/// alone.
-void add_plots(SeedsReport& report);
-
 SeedsReport titled(const char* title, const char* summary, ScoreFile scores);
 /// Keeps pictures for the page and notes which it shows.
 void keep_scene(SeedsReport& report, const ReportScene& scene, const std::filesystem::path& out);

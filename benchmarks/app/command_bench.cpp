@@ -1,4 +1,4 @@
-// bench and report: runs suites, says what they found, makes pages anew.
+// bench: runs suites and says what they found.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -125,29 +125,6 @@ ExitCode command_bench(const JobContext& context) {
              });
   }
   return failed ? ExitCode::gate_failed : ExitCode::done;
-}
-
-ExitCode command_report(const JobContext& context) {
-  const fs::path folder = context.options.arguments.at(0);
-  SeedsReport report = read_report_folder(folder);
-  if (context.options.out.empty() && report.title == kRealTitle) {
-    throw std::invalid_argument(folder.string() +
-                                ": the page of `bench real` shows pictures that only that command "
-                                "makes; give --out to have its tables alone on another page");
-  }
-  const fs::path file = context.options.out.empty() ? folder / "report.html"
-                                                    : fs::path(context.options.out) / "report.html";
-  try {
-    add_plots(report);
-    write_report(file, report);
-  } catch (const std::invalid_argument& error) {  // of what scores.json holds
-    throw std::runtime_error((folder / "scores.json").string() + ": " + error.what());
-  }
-  if (context.options.json) {
-    print_json({{"report", file.string()}});
-  }
-  context.progress.line("report: " + file.string());
-  return ExitCode::done;
 }
 
 }  // namespace cousin

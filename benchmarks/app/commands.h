@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "benchmarks/app/options.h"
@@ -33,5 +34,13 @@ ExitCode command_import(const JobContext& context);
 ExitCode command_export(const JobContext& context);
 ExitCode command_verify(const JobContext& context);
 ExitCode command_report(const JobContext& context);
+
+/// A verb that a module holds.
+struct Verb {
+  const char* name;
+  ExitCode (*run)(const JobContext& context);
+};
+/// All of this module: `verbs_of_jobs.cpp` or another, as CMake picks for each.
+std::span<const Verb> module_verbs();
 
 }  // namespace cousin

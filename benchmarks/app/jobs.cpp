@@ -4,7 +4,6 @@
 #include <tbb/global_control.h>
 #include <xmmintrin.h>
 
-#include <array>
 #include <cstdio>
 #include <exception>
 #include <opencv2/core/utility.hpp>
@@ -18,26 +17,6 @@
 
 namespace cousin {
 namespace {
-
-struct Verb {
-  const char* name;
-  ExitCode (*run)(const JobContext&);
-};
-constexpr std::array<Verb, 15> kVerbs = {{{"scenes", command_scenes},
-                                          {"rigs", command_rigs},
-                                          {"methods", command_methods},
-                                          {"doctor", command_doctor},
-                                          {"render", command_render},
-                                          {"perceive", command_perceive},
-                                          {"score", command_score},
-                                          {"run", command_run},
-                                          {"calibrate", command_calibrate},
-                                          {"fit-sensor", command_fit_sensor},
-                                          {"bench", command_bench},
-                                          {"import", command_import},
-                                          {"export", command_export},
-                                          {"verify", command_verify},
-                                          {"report", command_report}}};
 
 int fail(ExitCode code, const std::string& what) {
   std::fprintf(stderr, "cousin: %s\n", what.c_str());
@@ -60,7 +39,7 @@ int run_job(const Options& options, int argc, const char* const* argv) {
   }
   ProgressPrinter progress(options.quiet || options.json);
   const JobContext context{options, command_line, progress};
-  for (const Verb& verb : kVerbs) {
+  for (const Verb& verb : module_verbs()) {
     if (options.verb == verb.name) return static_cast<int>(verb.run(context));
   }
   return fail(ExitCode::usage, "unknown verb \"" + options.verb + "\"");

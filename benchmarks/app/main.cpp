@@ -1,5 +1,5 @@
 // The program starts in milliseconds: this file knows the command line only. Everything that links
-// a heavy library is in the module cousin_jobs, which is opened when a verb needs it.
+// a heavy library is in modules (parts.h), of which one is opened when a verb needs it.
 #include <dlfcn.h>
 
 #include <cerrno>
@@ -10,6 +10,19 @@
 
 #include "benchmarks/app/jobs.h"
 #include "benchmarks/app/options.h"
+#include "benchmarks/app/parts.h"
+
+namespace {
+
+/// Where the part that holds the verb lies. A page may have the plots of suites, so `report` takes
+/// the suites' part where it is built.
+std::filesystem::path module_file(const std::filesystem::path& folder, const std::string& verb) {
+  if (verb == "report" && std::filesystem::exists(folder / cousin::kBenchPart.file))
+    return folder / cousin::kBenchPart.file;
+  return folder / cousin::part_of(verb).file;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   const cousin::ParsedOptions parsed = cousin::parse_options(argc, argv);
@@ -19,7 +32,13 @@ int main(int argc, char** argv) {
   }
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::string module = (self.parent_path() / COUSIN_JOBS_FILE).string();
+  const std::string module = module_file(self.parent_path(), parsed.options.verb).string();
+  if (!std::filesystem::exists(module)) {
+    const std::string& verb = parsed.options.verb;
+    std::fprintf(stderr, "cousin: \"%s\" is %s (%s is absent)\n", verb.c_str(),
+                 cousin::how_to_build(cousin::part_of(verb).name).c_str(), module.c_str());
+    return static_cast<int>(cousin::ExitCode::usage);
+  }
   void* handle = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
     std::fprintf(stderr, "cousin: cannot open %s: %s\n", module.c_str(), dlerror());

@@ -3,18 +3,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "benchmarks/renderers/closed_form_case.h"
 #include "sim/render/path_tracer.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using namespace closed_form;
-
-constexpr double kPi = std::numbers::pi;
 
 // ---- measuring ----------------------------------------------------------------------------------
 

@@ -2,16 +2,15 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
+#include "sim/types/pi.h"
 #include "sim/types/rng.h"
 
 namespace cousin {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kLeafModels = 6, kPlants = 60, kLeavesAPlant = 50, kPlantsARow = 10;
 
 /// Blade along +x from the origin, 14 x 2 x 6 cells a side: ovate outline, folded at the midrib,

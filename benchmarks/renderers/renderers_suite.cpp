@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,12 +12,11 @@
 #include "benchmarks/renderers/leafy_runs.h"
 #include "benchmarks/renderers/renderers_page.h"
 #include "sim/render/truth_pass.h"
+#include "sim/types/pi.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 ScoreRow row_of(const std::string& scene, const std::string& case_name, const std::string& method,
                 const std::string& metric, double value, const std::string& unit, std::int64_t n,

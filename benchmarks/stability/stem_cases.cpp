@@ -6,17 +6,16 @@
 #include <complex>
 #include <cstdio>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "sim/physics/plant_model.h"
 #include "sim/physics/plant_motion.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLength_m = 0.3;
 constexpr double kRadius_m = 0.0015;

@@ -6,11 +6,11 @@
 #include <numeric>
 
 #include "perception/mvs/reference_depth.h"
+#include "sim/types/no_value.h"
 
 namespace cousin {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 /// Other references asked about each depth: the nearest in angle.
 constexpr int kAsked = 10;
 

@@ -4,10 +4,11 @@
 #include <array>
 #include <limits>
 
+#include "sim/types/no_value.h"
+
 namespace cousin {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr int kStep = 16;
 constexpr int kLeastCells = 2;  ///< a node beyond the edge is extrapolated from three
 

@@ -117,7 +117,7 @@ Image<float> laplacian(const Image<float>& image) {
 }
 
 /// Catmull-Rom weights of the four samples around a fraction.
-std::array<float, 4> cubic_weights(float t) {
+std::array<float, 4> cubic_taps(float t) {
   return {((-0.5F * t + 1.0F) * t - 0.5F) * t, (1.5F * t - 2.5F) * t * t + 1.0F,
           ((-1.5F * t + 2.0F) * t + 0.5F) * t, (0.5F * t - 0.5F) * t * t};
 }
@@ -127,7 +127,7 @@ float sample_cubic(const Image<float>& image, float x, float y) {
   const float fx = std::floor(x), fy = std::floor(y);
   const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
   if (ix < 0 || iy < 0 || ix >= image.width() || iy >= image.height()) return 0;
-  const std::array<float, 4> wx = cubic_weights(x - fx), wy = cubic_weights(y - fy);
+  const std::array<float, 4> wx = cubic_taps(x - fx), wy = cubic_taps(y - fy);
   float sum = 0;
   for (int j = 0; j < 4; ++j) {
     const auto row = image.row(std::clamp(iy + j - 1, 0, image.height() - 1));

@@ -8,11 +8,10 @@
 
 #include "perception/mvs/reference_depth.h"
 #include "sim/config/limits.h"
+#include "sim/types/no_value.h"
 
 namespace cousin {
 namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// Which frames can be used: posed, with a colour image of the lens's size.
 std::vector<int> usable_frames(const Capture& capture, const Poses& poses) {

@@ -5,12 +5,12 @@
 
 #include "perception/mvs/patch_score.h"
 #include "perception/mvs/reference_depth.h"
+#include "sim/types/no_value.h"
 #include "sim/types/rng.h"
 
 namespace cousin {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 /// The first pass is believed where a window of this radius lies in one swept plane.
 constexpr int kFlatRadius = 7;
 constexpr int kSweeps = 4;

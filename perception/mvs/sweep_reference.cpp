@@ -6,11 +6,11 @@
 
 #include "perception/mvs/bilinear.h"
 #include "perception/mvs/reference_depth.h"
+#include "sim/types/no_value.h"
 
 namespace cousin {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr int kMostPlanes = 512;
 constexpr int kMostCounted = 16;
 /// What planes that face the camera must gain over level ones: where a window shows one edge only,

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array<Named<ColmapLens>, 3> kLenses = {
     {{ColmapLens::given, "given"}, {ColmapLens::focal, "focal"}, {ColmapLens::self, "self"}}};
-constexpr std::array<Named<ColmapStatus>, 7> kStatuses = {
+constexpr std::array<Named<ColmapStatus>, 7> kColmapStatuses = {
     {{ColmapStatus::ok, "ok"},
      {ColmapStatus::too_few_images, "too_few_images"},
      {ColmapStatus::not_built, "not_built"},
@@ -21,7 +21,9 @@ constexpr std::array<Named<ColmapStatus>, 7> kStatuses = {
 }  // namespace
 
 std::string_view to_string(ColmapLens lens) { return name_in<ColmapLens>(kLenses, lens); }
-std::string_view to_string(ColmapStatus status) { return name_in<ColmapStatus>(kStatuses, status); }
+std::string_view to_string(ColmapStatus status) {
+  return name_in<ColmapStatus>(kColmapStatuses, status);
+}
 
 Fields fields(ColmapConfig& config) {
   return {{"program", &config.program, "a name in PATH, or a file"},

@@ -17,7 +17,7 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 32;
+constexpr std::size_t kMostStartBytes = std::size_t{1} << 32;
 constexpr double kFirstHarmonic = 0.28209479177387814;  ///< Y of degree 0: 1 / sqrt(4 pi)
 constexpr double kFarOff = 100;       ///< coordinates over spread, beyond which an origin is kept
 constexpr double kLeastShare = 0.01;  ///< of the median scale
@@ -152,11 +152,11 @@ StartPoints read_start_points(const fs::path& file, std::size_t most_points) {
   const std::string ending = file.extension().string();
   StartPoints result;
   if (ending == ".ply") {
-    result = from_ply(read_file(file, kMostBytes), name, most_points);
+    result = from_ply(read_file(file, kMostStartBytes), name, most_points);
   } else if (ending == ".txt") {
-    result = from_colmap(colmap_points_from_text(read_file(file, kMostBytes), name));
+    result = from_colmap(colmap_points_from_text(read_file(file, kMostStartBytes), name));
   } else if (ending == ".bin") {
-    result = from_colmap(colmap_points_from_binary(read_file(file, kMostBytes), name));
+    result = from_colmap(colmap_points_from_binary(read_file(file, kMostStartBytes), name));
   } else {
     throw std::runtime_error(name + ": points are .ply, points3D.txt or points3D.bin, not \"" +
                              ending + "\"");

@@ -13,9 +13,9 @@ namespace cousin {
 namespace {
 
 constexpr std::uint32_t kHidden = 0xffffffffU;
-constexpr std::size_t kPart = 2048;  ///< Gaussians
-constexpr std::size_t kTold = 4096;  ///< pairs of a part that the others need not know of
-constexpr std::size_t kAhead = 8;    ///< Gaussians ahead of which they are fetched from memory
+constexpr std::size_t kPart = 2048;     ///< Gaussians
+constexpr std::size_t kTold = 4096;     ///< pairs of a part that the others need not know of
+constexpr std::size_t kListsAhead = 8;  ///< Gaussians ahead of which they are fetched from memory
 
 /// Positive floats sort as their bits do: three stable passes of 11 bits.
 void sort_by_depth(const std::uint32_t* depth_order, int count, TileLists& lists) {
@@ -123,7 +123,7 @@ void make_tile_lists(const ProjectedSplat* projected, const std::uint32_t* depth
     part.tile_count.assign(tiles, 0);
     for (std::size_t i = p * kPart; i < std::min(shown, (p + 1) * kPart); ++i) {
       const std::uint32_t splat = lists.front_to_back[i];
-      __builtin_prefetch(projected + lists.front_to_back[std::min(i + kAhead, shown - 1)]);
+      __builtin_prefetch(projected + lists.front_to_back[std::min(i + kListsAhead, shown - 1)]);
       const std::size_t before = part.pair_tile.size();
       if (before - told_of_part >= kTold) {
         told += before - told_of_part;

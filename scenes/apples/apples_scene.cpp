@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <stdexcept>
 
 #include "scenes/apples/apple.h"
@@ -17,12 +16,12 @@
 #include "sim/config/limits.h"
 #include "sim/physics/rigid_sway.h"
 #include "sim/plant/color.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 constexpr double kNearest_m = 0.07;  // no fruit is larger from its centre
 
 void add_light(Scene& scene, const OrchardConfig& c, const std::string& light) {

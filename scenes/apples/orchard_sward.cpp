@@ -3,17 +3,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/apples/orchard_ground.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/plant/color.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 constexpr double kFarPatch_m = 1.0;
 constexpr int kGrassVariants = 3, kCloverVariants = 2, kFarVariants = 2, kWeedVariants = 2;
 

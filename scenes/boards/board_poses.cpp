@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/boards/boards_scene.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
@@ -11,7 +11,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kGoldenAngle = kPi * (3 - 2.23606797749979);
 
 /// Radical inverse: places i = 0, 1, 2, ... evenly in [0, 1) [van der Corput 1935].

@@ -3,17 +3,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/boards/board_video.h"
 #include "sim/plant/color.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kStep_s = 2;    ///< from view to view
 constexpr double kRest_s = 0.8;  ///< a hand keeps the board still this long before and after
 

@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "scenes/boards/marker_codes.h"
 #include "sim/types/board.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Cells along a disc's square and the part of them that the disc fills: its outline has four times
 /// the latter as corners.
 constexpr int kDiscCells = 24, kDiscCore = 16;

@@ -5,19 +5,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/lattice.h"
 #include "sim/geometry/smooth_normals.h"
 #include "sim/plant/color.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 constexpr int kStrips = 4;  // different ones
 constexpr int kPlants = 6;  // a strip
 

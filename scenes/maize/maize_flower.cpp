@@ -1,15 +1,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/maize/maize_grower.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 
 Vector3d around(const Eigen::Matrix3d& axes, double azimuth) {
   return std::cos(azimuth) * axes.col(1) + std::sin(azimuth) * axes.col(2);

@@ -5,19 +5,18 @@
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
-#include <numbers>
 #include <stdexcept>
 
 #include "scenes/maize/maize_leaves.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/plant/color.h"
 #include "sim/plant/growth.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 
 MaizeIndividual draw_individual(const MaizeConfig& c, Rng rng) {
   MaizeIndividual own;

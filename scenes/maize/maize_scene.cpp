@@ -5,19 +5,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "scenes/maize/maize_far.h"
 #include "scenes/maize/maize_soil.h"
 #include "sim/config/limits.h"
 #include "sim/plant/color.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 
 void add_light(Scene& scene, const MaizeConfig::Field& c, const std::string& light) {
   if (light == "sun") {

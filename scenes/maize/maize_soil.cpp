@@ -3,19 +3,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/lattice.h"
 #include "sim/geometry/smooth_normals.h"
 #include "sim/plant/color.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 
 double height_m(const MaizeConfig::Field& c, double x_m, double y_m, std::uint64_t key) {
   const Vector3d p(x_m / c.clod_scale_m, y_m / c.clod_scale_m, 0.3);

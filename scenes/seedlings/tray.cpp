@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <stdexcept>
 
 #include "sim/geometry/gradient_noise.h"
@@ -16,13 +15,12 @@
 #include "sim/geometry/smooth_normals.h"
 #include "sim/plant/color.h"
 #include "sim/render/spectrum.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kPi = std::numbers::pi;
 
 int add_part(Scene& scene, const std::string& name, int model, int material) {
   Instance instance;

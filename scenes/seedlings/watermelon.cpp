@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -12,13 +11,13 @@
 #include "sim/plant/blade_colours.h"
 #include "sim/plant/color.h"
 #include "sim/plant/growth.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLeast_m = 5e-4;  ///< leaves shorter than this are still in the bud
 
 /// What one plant is, on whatever day.

@@ -4,18 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <stdexcept>
 
 #include "sim/geometry/measure.h"
 #include "sim/plant/color.h"
 #include "sim/plant/mesh_plant.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 
 /// Rotation that takes the file's axis `up` to z.
 Eigen::Matrix3d turned_up(const std::string& up) {

@@ -2,16 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "scenes/strawberries/strawberry.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/smooth_normals.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 struct Blade {
   double azimuth_rad = 0;

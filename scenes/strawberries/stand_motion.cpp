@@ -64,12 +64,12 @@ CentreLine hanging_line(const Truss& truss, std::size_t s, double from, double t
   return line;
 }
 
-struct Stalk {
+struct MovingStalk {
   std::string name;
   double swell = 0;
 };
 
-Stalk stalk_of(const Truss& truss, std::size_t s) {
+MovingStalk stalk_of(const Truss& truss, std::size_t s) {
   const auto& loads = truss.plant.loads;
   const bool bears = std::any_of(loads.begin(), loads.end(), [&](const BendingLoad& load) {
     return load.stem == static_cast<int>(s);
@@ -86,7 +86,7 @@ ObjectModel whole_stalks(const Truss& truss, int sides) {
   plant.name = "truss";
   for (std::size_t s = 0; s < truss.plant.stems.size(); ++s) {
     const BendingStem& stem = truss.plant.stems[s];
-    const Stalk stalk = stalk_of(truss, s);
+    const MovingStalk stalk = stalk_of(truss, s);
     Organ& organ = add_organ(plant, OrganKind::petiole, stalk.name, stem.parent, 0);
     organ.look = kBerryStalkLook;
     organ.line = hanging_line(truss, s, 0, 1, 4 * stem.segments, stalk.swell);
@@ -165,7 +165,7 @@ std::vector<StalkPart> stalk_parts(const Truss& truss, const std::vector<BentPla
   std::vector<StalkPart> parts;
   for (std::size_t s = 0; s < truss.plant.stems.size(); ++s) {
     const int segments = truss.plant.stems[s].segments;
-    const Stalk stalk = stalk_of(truss, s);
+    const MovingStalk stalk = stalk_of(truss, s);
     for (int node = 0; node <= segments; ++node) {
       StalkPart part;
       char name[40];

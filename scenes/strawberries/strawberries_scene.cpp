@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 
 constexpr double kSepalClear_m = 3e-4;  // off the hulls of fruits beside them
 
-std::string numbered(const char* kind, std::size_t number) {
+std::string part_name(const char* kind, std::size_t number) {
   char name[40];
   std::snprintf(name, sizeof name, "%s %02d", kind, static_cast<int>(number));
   return name;
@@ -57,10 +57,10 @@ void add_fruit(Scene& scene, const StrawberriesSceneConfig& config, const FruitM
     scene.materials.push_back(part.material);
     add_instance(scene, std::move(instance), name);
   };
-  add(std::move(flesh), fruit.flesh, numbered("fruit", number));
+  add(std::move(flesh), fruit.flesh, part_name("fruit", number));
   Instance calyx;
   calyx.category = "calyx";
-  add(std::move(calyx), fruit.calyx, numbered("calyx", number));
+  add(std::move(calyx), fruit.calyx, part_name("calyx", number));
 }
 
 /// Where the fruits of all trusses are among the instances, in their order.
@@ -85,7 +85,7 @@ std::vector<std::size_t> add_trusses(Scene& scene, const StrawberriesSceneConfig
       instance.material = stalk;
       instance.motion = std::move(part.motion);
       scene.models.push_back(std::move(part.model));
-      add_instance(scene, std::move(instance), numbered("truss", t) + part.name);
+      add_instance(scene, std::move(instance), part_name("truss", t) + part.name);
     }
     for (std::size_t i = 0; i < truss.fruits.size(); ++i) {
       const std::size_t number = fruits.size();

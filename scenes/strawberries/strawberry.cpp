@@ -8,6 +8,7 @@
 
 #include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/smooth_normals.h"
+#include "sim/plant/color.h"
 
 namespace cousin {
 namespace {
@@ -18,11 +19,6 @@ void require(const char* key, double value, double low, double high) {
                               "; it must be in [" + std::to_string(low) + ", " +
                               std::to_string(high) + "]");
 }
-
-Rgbf to_rgb(const Eigen::Vector3d& rgb) {
-  return {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])};
-}
-Eigen::Vector3d to_vector(const std::vector<double>& rgb) { return {rgb[0], rgb[1], rgb[2]}; }
 
 /// Drops, pointed to the calyx, half sunk into their dimples; appended to the flesh.
 void add_achenes(ObjectModel& model, const StrawberryVariety& v, const StrawberryFlesh& flesh,
@@ -46,8 +42,8 @@ void add_achenes(ObjectModel& model, const StrawberryVariety& v, const Strawberr
         static_cast<double>(skin.r) > kRedOverGreen * static_cast<double>(skin.g) ? 1 : 0.15;
     const Eigen::Vector3d rgb =
         truncated_normal(one, 1, 0.15, 2) *
-        (to_vector(v.albedo_achene) +
-         ripe * (to_vector(v.albedo_achene_ripe) - to_vector(v.albedo_achene)));
+        (color_vector(v.albedo_achene) +
+         ripe * (color_vector(v.albedo_achene_ripe) - color_vector(v.albedo_achene)));
     for (const Eigen::Vector3d& p : ball.vertices_m) {
       const double narrow = 1 - 0.35 * p.x();
       model.mesh.vertices_m.emplace_back(flesh.mesh.vertices_m[site] + 0.5 * scale * p.x() * along +

@@ -4,11 +4,10 @@
 
 #include "scenes/strawberries/strawberry.h"
 #include "sim/geometry/gradient_noise.h"
+#include "sim/plant/color.h"
 
 namespace cousin {
 namespace {
-
-Eigen::Vector3d to_vector(const std::vector<double>& rgb) { return {rgb[0], rgb[1], rgb[2]}; }
 
 Eigen::Vector3d blend(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double share) {
   return a + std::clamp(share, 0.0, 1.0) * (b - a);
@@ -34,9 +33,9 @@ std::vector<Rgbf> color_strawberry(const StrawberryVariety& v, const StrawberryF
   }
   // Before a third is red the rest goes from green to white.
   const Eigen::Vector3d unripe =
-      blend(to_vector(v.albedo_green), to_vector(v.albedo_white), 0.15 + wanted / 0.35);
-  const Eigen::Vector3d blush = to_vector(v.albedo_blush);
-  const Eigen::Vector3d red = to_vector(v.albedo_red);
+      blend(color_vector(v.albedo_green), color_vector(v.albedo_white), 0.15 + wanted / 0.35);
+  const Eigen::Vector3d blush = color_vector(v.albedo_blush);
+  const Eigen::Vector3d red = color_vector(v.albedo_red);
   const auto color_of = [&](double ripe) {
     const Eigen::Vector3d pale = blend(unripe, blush, smoothstep(-0.6, 0.4, ripe));
     return blend(pale, red, smoothstep(0.0, 1.1, ripe));

@@ -2,17 +2,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "scenes/strawberries/strawberry.h"
 #include "sim/geometry/cube_sphere.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/geometry/smooth_normals.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kGoldenAngle_rad = kPi * (3 - 2.23606797749979);
 
 /// The outline from tip to calyx at even shares of its arc length; length about 1.

@@ -1,16 +1,15 @@
 #include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/strawberries/strawberry_leaf.h"
 #include "sim/geometry/cube_sphere.h"
 #include "sim/plant/color.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 
 /// A sheet that leaves the head's axis at a turn about it, rising by an angle over its plane.
 OrganSurface sheet(const Vector3d& start_m, const Eigen::Matrix3d& axes, double turn_rad,

@@ -3,18 +3,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "scenes/strawberries/leaf_crowd.h"
 #include "scenes/strawberries/strawberry_leaf.h"
 #include "sim/geometry/gradient_noise.h"
 #include "sim/plant/color.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
 constexpr int kFlowers = 3;
 constexpr int kDaughterLeaves = 3;
 

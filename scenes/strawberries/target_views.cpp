@@ -145,7 +145,7 @@ TargetView take_view(Scene& scene, const StrawberriesSceneConfig& config,
   return best;
 }
 
-std::string numbered(const char* what, int view) {
+std::string view_key(const char* what, int view) {
   char text[40];
   std::snprintf(text, sizeof text, "%s %06d", what, view);
   return text;
@@ -163,9 +163,9 @@ std::vector<TrueTrait> notes_of(const Scene& scene, const StrawberriesSceneConfi
                                 std::to_string(number) + ": the nearest hides " +
                                 std::to_string(1 - view.visible));
   }
-  return {{numbered("target", number), "1", static_cast<double>(fruit.id)},
-          {numbered("visible", number), "1", view.visible},
-          {numbered("met", number), "1", met ? 1.0 : 0.0}};
+  return {{view_key("target", number), "1", static_cast<double>(fruit.id)},
+          {view_key("visible", number), "1", view.visible},
+          {view_key("met", number), "1", met ? 1.0 : 0.0}};
 }
 
 }  // namespace

@@ -21,9 +21,9 @@ struct Fork {
   Eigen::Vector3d across;  ///< unit: in the plane of the next fork
 };
 
-class Grower {
+class TrussGrower {
  public:
-  Grower(const TrussShape& shape, const TrussConfig& config, Rng rng)
+  TrussGrower(const TrussShape& shape, const TrussConfig& config, Rng rng)
       : shape_(shape), config_(config), rng_(rng) {}
 
   /// Stems and places of fruits, rank by rank; `plant.loads` is left to the fruits.
@@ -176,7 +176,8 @@ std::vector<int> ranks_of(const TrussConfig& config, Rng rng) {
   validate(config);
   BendingPlant plant;
   std::vector<int> ranks;
-  for (const Grower::Place& place : Grower(config.shape, config, rng.fork("stems")).grow(plant))
+  for (const TrussGrower::Place& place :
+       TrussGrower(config.shape, config, rng.fork("stems")).grow(plant))
     ranks.push_back(place.rank);
   return ranks;
 }
@@ -184,7 +185,7 @@ std::vector<int> ranks_of(const TrussConfig& config, Rng rng) {
 BendingPlant grow_stalks(const TrussConfig& config, Rng rng) {
   validate(config);
   BendingPlant plant;
-  Grower(config.shape, config, rng.fork("stems")).grow(plant);
+  TrussGrower(config.shape, config, rng.fork("stems")).grow(plant);
   return plant;
 }
 
@@ -193,8 +194,8 @@ Truss grow_truss(const TrussConfig& config, Rng rng, const std::optional<Ripenin
   const TrussShape& shape = config.shape;
   Truss truss;
   truss.shape = shape;
-  Grower grower(shape, config, rng.fork("stems"));
-  const std::vector<Grower::Place> places = grower.grow(truss.plant);
+  TrussGrower grower(shape, config, rng.fork("stems"));
+  const std::vector<TrussGrower::Place> places = grower.grow(truss.plant);
   const double ripeness = config.ripeness.value_or(draw_ripeness(shape, rng.fork("ripeness")));
   truss.cut_above_m = numbers_of(config.variety, config.numbers).cut_point_m;
   truss.fruits.resize(places.size());

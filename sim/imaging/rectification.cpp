@@ -12,11 +12,10 @@
 #include <string>
 
 #include "sim/imaging/color.h"
+#include "sim/types/no_value.h"
 
 namespace cousin {
 namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 [[noreturn]] void reject(const std::string& what) {
   throw std::invalid_argument("rectification: " + what);

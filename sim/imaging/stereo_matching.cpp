@@ -13,20 +13,20 @@
 
 #include "sim/imaging/census.h"
 #include "sim/imaging/semi_global.h"
+#include "sim/types/no_value.h"
 
 namespace cousin {
 namespace {
 
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+std::size_t count_of(int n) { return static_cast<std::size_t>(n); }
 
-std::size_t size(int n) { return static_cast<std::size_t>(n); }
-
-[[noreturn]] void reject(const std::string& what) {
+[[noreturn]] void reject_matching(const std::string& what) {
   throw std::invalid_argument("stereo matching: " + what);
 }
 
 void require(bool good, const char* key, double value, const char* limit) {
-  if (!good) reject(std::string(key) + " = " + std::to_string(value) + " must be " + limit);
+  if (!good)
+    reject_matching(std::string(key) + " = " + std::to_string(value) + " must be " + limit);
 }
 
 /// Least cost among candidates first .. last - 1.
@@ -67,8 +67,8 @@ class RowChooser {
         least_bits_(
             static_cast<float>(config.texture * config.block_px * config.block_px *
                                census_pairs(config.census_width_px, config.census_height_px))),
-        costs_(size(width_) * size(stride_)),
-        right_(size(width_ + candidates_)) {}
+        costs_(count_of(width_) * count_of(stride_)),
+        right_(count_of(width_ + candidates_)) {}
 
   void operator()(const RowInputs& row, float* disparity_px, float* confidence,
                   MatchReason* reason) {
@@ -91,7 +91,7 @@ class RowChooser {
   void match_right() {
     std::fill(right_.begin(), right_.end(), std::numeric_limits<std::uint32_t>::max());
     for (int x = 0; x < width_; ++x) {
-      const std::uint16_t* costs = costs_.data() + size(x) * size(stride_);
+      const std::uint16_t* costs = costs_.data() + count_of(x) * count_of(stride_);
       const int inside = std::clamp(x - first_px_ + 1, 0, candidates_);
       // Reversed, as in the costs: pixel x - first - i of the right image is at this + i.
       std::uint32_t* right = right_.data() + (width_ - 1 - x);
@@ -104,13 +104,13 @@ class RowChooser {
   }
 
   MatchReason choose(int x, float& disparity_px, float& confidence) const {
-    const std::uint16_t* costs = costs_.data() + size(x) * size(stride_);
+    const std::uint16_t* costs = costs_.data() + count_of(x) * count_of(stride_);
     const int inside = std::clamp(x - first_px_ + 1, 0, candidates_);
     if (inside == 0) return MatchReason::out_of_range;
     const std::uint16_t least = least_of(costs, 0, inside);
     int best = 0;
     while (costs[best] != least) ++best;
-    const std::uint8_t* block = row_.block_costs + size(x) * size(stride_);
+    const std::uint8_t* block = row_.block_costs + count_of(x) * count_of(stride_);
     const float next = std::min(least_of(block, 0, std::max(best - 1, 0)),
                                 least_of(block, std::min(best + 2, inside), inside));
     const float cost = block[best];
@@ -121,7 +121,7 @@ class RowChooser {
       return MatchReason::unlike;
     if (confidence < static_cast<float>(config_.uniqueness)) return MatchReason::ambiguous;
     if (config_.left_right_px >= 0) {
-      const int other = static_cast<int>(right_[size(width_ - 1 - x + best)] & 0xFFU);
+      const int other = static_cast<int>(right_[count_of(width_ - 1 - x + best)] & 0xFFU);
       if (std::abs(other - best) > config_.left_right_px) return MatchReason::left_right;
     }
     disparity_px = static_cast<float>(first_px_) + refine(x, best, inside);
@@ -131,7 +131,7 @@ class RowChooser {
   /// Between candidates the block's own costs decide: path sums carry the prior for whole
   /// candidates, which draws disparities towards them (by up to 0.2 px at p1 = 0.04).
   float refine(int x, int best, int inside) const {
-    const std::uint8_t* costs = row_.block_costs + size(x) * size(stride_);
+    const std::uint8_t* costs = row_.block_costs + count_of(x) * count_of(stride_);
     const int first = std::max(best - 1, 1), last = std::min(best + 1, inside - 2);
     for (int i = first; i <= last; ++i) {
       if (costs[i] < costs[best]) best = i;
@@ -154,16 +154,16 @@ Image<float> count_bits(const Image<std::uint64_t>& codes, int block_px) {
   const int width = codes.width(), height = codes.height(), r = block_px / 2;
   Image<float> counts(width, height);
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 16), [&](const auto& range) {
-    std::vector<int> column(size(width + 2 * r));
+    std::vector<int> column(count_of(width + 2 * r));
     for (int y = range.begin(); y < range.end(); ++y) {
       std::fill(column.begin(), column.end(), 0);
       for (int j = std::max(y - r, 0); j <= std::min(y + r, height - 1); ++j) {
         const std::uint64_t* row = codes.row(j).data();
-        for (int x = 0; x < width; ++x) column[size(x + r)] += std::popcount(row[x]);
+        for (int x = 0; x < width; ++x) column[count_of(x + r)] += std::popcount(row[x]);
       }
       for (int x = 0; x < width; ++x) {
         int sum = 0;
-        for (int i = x; i <= x + 2 * r; ++i) sum += column[size(i)];
+        for (int i = x; i <= x + 2 * r; ++i) sum += column[count_of(i)];
         counts(x, y) = static_cast<float>(sum);
       }
     }
@@ -176,8 +176,9 @@ StereoMatches match(const Image<Pixel>& left, const Image<Pixel>& right,
                     const StereoMatchConfig& config) {
   validate(config);
   if (left.empty() || left.width() != right.width() || left.height() != right.height()) {
-    reject("images of " + std::to_string(left.width()) + " x " + std::to_string(left.height()) +
-           " and " + std::to_string(right.width()) + " x " + std::to_string(right.height()));
+    reject_matching("images of " + std::to_string(left.width()) + " x " +
+                    std::to_string(left.height()) + " and " + std::to_string(right.width()) +
+                    " x " + std::to_string(right.height()));
   }
   const int width = left.width(), height = left.height();
   const auto census = [&](const Image<Pixel>& image) {
@@ -197,12 +198,12 @@ StereoMatches match(const Image<Pixel>& left, const Image<Pixel>& right,
                 static_cast<std::uint16_t>(std::lround(config.p2 * largest)));
   StereoMatches matches{Image<float>(width, height), Image<float>(width, height),
                         Image<MatchReason>(width, height)};
-  const std::size_t row_size = size(width) * size(costs.stride());
+  const std::size_t row_size = count_of(width) * count_of(costs.stride());
   tbb::parallel_for(tbb::blocked_range<int>(0, height, 16), [&](const auto& range) {
     RowChooser choose(config, costs);
     for (int y = range.begin(); y < range.end(); ++y) {
-      choose({costs.row(y), sums.part[0].get() + size(y) * row_size,
-              sums.part[1].get() + size(y) * row_size, left_bits.row(y).data(),
+      choose({costs.row(y), sums.part[0].get() + count_of(y) * row_size,
+              sums.part[1].get() + count_of(y) * row_size, left_bits.row(y).data(),
               right_bits.row(y).data()},
              matches.disparity_px.row(y).data(), matches.confidence.row(y).data(),
              matches.reason.row(y).data());

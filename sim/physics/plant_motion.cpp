@@ -13,10 +13,10 @@
 namespace cousin {
 namespace {
 
-constexpr double kHold_s = 0.2;      // rest must last as long
-constexpr double kSurelyBroken = 2;  // times the strength: no overshoot of the slow loading
-constexpr double kSoft_s = 1;        // contacts harden for as long
-constexpr double kSoftest_s = 0.2;   // time constant of the softest
+constexpr double kPlantHold_s = 0.2;  // rest must last as long
+constexpr double kSurelyBroken = 2;   // times the strength: no overshoot of the slow loading
+constexpr double kSoft_s = 1;         // contacts harden for as long
+constexpr double kSoftest_s = 0.2;    // time constant of the softest
 
 /// How far bodies have strayed from where they were when it was last set.
 class Anchor {
@@ -122,7 +122,7 @@ SagResult sag(const BendingPlant& plant, const SagConfig& config) {
                                                       .least_damping_s = config.step_s});
   const EngineData data = make_data(*engine.model);
   const auto steps = static_cast<long>(config.max_time_s / config.step_s);
-  const auto hold = static_cast<long>(std::ceil(kHold_s / config.step_s));
+  const auto hold = static_cast<long>(std::ceil(kPlantHold_s / config.step_s));
   const auto look = static_cast<long>(std::ceil(0.02 / config.step_s));
   mj_forward(engine.model.get(), data.get());
   Anchor anchor;

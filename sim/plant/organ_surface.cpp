@@ -3,14 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "sim/types/pi.h"
+
 namespace cousin {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// 1 on a lobe, 0 in a sinus, `count` lobes between 0 and 1.
 double lobed(double along, int count, double round) {

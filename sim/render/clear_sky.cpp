@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim/render/spectrum.h"
 #include "sim/truth/scene_check.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLumensPerWatt = 683.002;
 
 /// Spectral irradiance of the sun outside the air, W/m^2 per metre of wavelength: a black body of

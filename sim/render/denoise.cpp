@@ -144,7 +144,7 @@ class Band {
   std::vector<Eigen::Vector4f> sum_;  ///< r, g, b and weight
 };
 
-[[noreturn]] void fail(const char* field, double value, const char* limit) {
+[[noreturn]] void fail_denoise(const char* field, double value, const char* limit) {
   throw std::invalid_argument("denoise: " + std::string(field) + " = " + std::to_string(value) +
                               " " + limit);
 }
@@ -172,13 +172,13 @@ Fields fields(DenoiseConfig& config) {
 
 void validate(const DenoiseConfig& config) {
   if (config.radius_px < 1 || config.radius_px > 32)
-    fail("radius_px", config.radius_px, "is not in 1..32");
+    fail_denoise("radius_px", config.radius_px, "is not in 1..32");
   if (!(config.color_sigmas >= 0.01 && config.color_sigmas <= 10))
-    fail("color_sigmas", config.color_sigmas, "is not in [0.01, 10]");
+    fail_denoise("color_sigmas", config.color_sigmas, "is not in [0.01, 10]");
   if (!(config.normal_degrees >= 0.1 && config.normal_degrees <= 90))
-    fail("normal_degrees", config.normal_degrees, "is not in [0.1, 90]");
+    fail_denoise("normal_degrees", config.normal_degrees, "is not in [0.1, 90]");
   if (!(config.distance_px >= 0.01 && config.distance_px <= 1000))
-    fail("distance_px", config.distance_px, "is not in [0.01, 1000]");
+    fail_denoise("distance_px", config.distance_px, "is not in [0.01, 1000]");
 }
 
 Image<Rgbf> denoise(const PathImage& noisy, const TrueView& view, const TruthImages& guide,

@@ -34,7 +34,7 @@ float speckle(std::uint64_t hash, float contrast) {
 }
 
 /// Sums of one pixel's samples.
-struct PixelSum {
+struct InfraredSum {
   float steady = 0, projected = 0, gain = 1;
   int met = 0, lit = 0, count = 0;
 };
@@ -61,7 +61,7 @@ class RowRenderer {
     const Eigen::Matrix3f world_from_camera =
         camera_from_world.rotation.conjugate().toRotationMatrix().cast<float>();
     samples_.origin_m = (centre_in_world_m(camera_from_world) - centre_m_).cast<float>();
-    std::fill(sums_.begin(), sums_.end(), PixelSum{});
+    std::fill(sums_.begin(), sums_.end(), InfraredSum{});
     int lane = 0;
     for (int x = 0; x < width; ++x) {
       const std::uint64_t hash = pixel_hash(x, y);
@@ -85,7 +85,7 @@ class RowRenderer {
     }
     if (lane > 0) flush(lane, y);
     for (int x = 0; x < width; ++x) {
-      const PixelSum& sum = sums_[static_cast<std::size_t>(x)];
+      const InfraredSum& sum = sums_[static_cast<std::size_t>(x)];
       const auto count = static_cast<float>(std::max(sum.count, 1));
       out.radiance(x, y) = (sum.steady + sum.gain * sum.projected) / count;
       out.projected(x, y) =
@@ -110,7 +110,7 @@ class RowRenderer {
     for (int i = lanes; i < kLanes; ++i) samples_.mask.lane[i] = 0;
     shade_(samples_);
     for (int i = 0; i < lanes; ++i) {
-      PixelSum& sum = sums_[static_cast<std::size_t>(column_[i])];
+      InfraredSum& sum = sums_[static_cast<std::size_t>(column_[i])];
       if (sum.met == 0 && samples_.met[i] && config_.speckle_contrast > 0)
         sum.gain = gain_at(samples_.hit[i], column_[i], y);
       SkyPixel& sky = sky_[column_[i]];
@@ -150,7 +150,7 @@ class RowRenderer {
   const InfraredConfig& config_;
   std::uint64_t key_;
   Eigen::Vector3d centre_m_;
-  std::vector<PixelSum> sums_;
+  std::vector<InfraredSum> sums_;
   SkyPixel* sky_ = nullptr;
   InfraredSamples samples_;
   int column_[kLanes];

@@ -1,16 +1,14 @@
 #include "sim/render/infrared_shader.h"
 
 #include <limits>
-#include <numbers>
 
 #include "sim/render/idle_lanes.h"
 #include "sim/render/infrared_sky.h"
+#include "sim/render/ray_limits.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
-
-constexpr float kInversePi = std::numbers::inv_pi_v<float>;
-constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
 
 InfraredHit resolve(const RayScene::Impl& impl, const std::vector<InfraredSurface>& surfaces,
                     const HitPacket& packet, int i, const Eigen::Vector3f& direction) {
@@ -29,7 +27,7 @@ InfraredHit resolve(const RayScene::Impl& impl, const std::vector<InfraredSurfac
 /// Radiance per irradiance of light that arrives from `to_light`, with its cosine.
 float response(const InfraredHit& hit, const Eigen::Vector3f& to_light) {
   const float cosine = hit.normal.dot(to_light);
-  return kInversePi * (cosine > 0 ? hit.share.albedo * cosine : -hit.share.transmittance * cosine);
+  return kInversePiF * (cosine > 0 ? hit.share.albedo * cosine : -hit.share.transmittance * cosine);
 }
 
 }  // namespace
@@ -46,14 +44,14 @@ void InfraredShader::operator()(InfraredSamples& s) {
   for (int i = 0; i < kLanes; ++i) {
     set_ray(camera_.ray, i, s.origin_m.x(), s.origin_m.y(), s.origin_m.z(), s.direction[i].x(),
             s.direction[i].y(), s.direction[i].z());
-    camera_.hit.geomID[i] = kNone;
+    camera_.hit.geomID[i] = kNoGeometry;
     s.steady[i] = s.projected[i] = s.ambient[i] = s.asked[i] = s.open[i] = 0;
     s.met[i] = false;
   }
   idle_lanes(s.mask, camera_.ray);
   rtcIntersect16(s.mask.lane, impl_.scene, &coherent_, &camera_);
   for (int i = 0; i < kLanes; ++i) {
-    if (!s.mask.lane[i] || camera_.hit.geomID[i] == kNone) continue;
+    if (!s.mask.lane[i] || camera_.hit.geomID[i] == kNoGeometry) continue;
     s.met[i] = true;
     s.hit[i] = resolve(impl_, surfaces_, camera_, i, s.direction[i]);
   }
@@ -73,7 +71,7 @@ void InfraredShader::add_sky(InfraredSamples& s) {
     const float above = lights_.ambient_at(hit.normal.z());
     const float below = lights_.ambient_at(-hit.normal.z());
     const float front = hit.share.albedo * above, back = hit.share.transmittance * below;
-    s.ambient[i] = kInversePi * (front + back);
+    s.ambient[i] = kInversePiF * (front + back);
     if (!(front + back > 0)) continue;
     Eigen::Vector2f u = s.sky[i];
     const float share = front / (front + back);

@@ -4,19 +4,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "sim/render/idle_lanes.h"
+#include "sim/render/ray_limits.h"
 #include "sim/render/sample_points.h"
 #include "sim/render/surface_light.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
 
 /// Where irradiance is gathered.
 struct CachePoint {
@@ -265,7 +263,7 @@ class Gatherer {
           const bool lit = cosine > 0 && density > 0;
           mask.lane[i] = lit ? -1 : 0;
           if (!lit) continue;
-          light[i] = share_of(density, cosine / kPi) * cosine * coat.entering(cosine) / density *
+          light[i] = share_of(density, cosine / kPiF) * cosine * coat.entering(cosine) / density *
                      picture_radiance(picture, d);
           set_ray(packet, i, point.origin_m.x(), point.origin_m.y(), point.origin_m.z(), d.x(),
                   d.y(), d.z());
@@ -305,12 +303,12 @@ class Gatherer {
         all.lane[i] = -1;
         set_ray(packet.ray, i, point.origin_m.x(), point.origin_m.y(), point.origin_m.z(),
                 direction[i].x(), direction[i].y(), direction[i].z());
-        packet.hit.geomID[i] = kNone;
+        packet.hit.geomID[i] = kNoGeometry;
       }
       rtcIntersect16(all.lane, cache_.rays->scene, &context, &packet);
       for (int i = 0; i < kLanes; ++i) {
         secondary.mask.lane[i] = 0;
-        if (packet.hit.geomID[i] == kNone) {
+        if (packet.hit.geomID[i] == kNoGeometry) {
           sum += weight[i] * drawn_sky(direction[i], direction[i].dot(point.normal));
         } else if (bounce) {
           secondary.mask.lane[i] = -1;
@@ -326,7 +324,7 @@ class Gatherer {
         if (secondary.mask.lane[i]) sum += weight[i] * secondary.light[i].radiance;
       }
     }
-    return sum * (kPi / static_cast<float>(samples.size()));
+    return sum * (kPiF / static_cast<float>(samples.size()));
   }
 
  private:
@@ -334,7 +332,7 @@ class Gatherer {
   /// `pictures` draws from, the share that it leaves.
   Eigen::Vector3f drawn_sky(const Eigen::Vector3f& d, float cosine) const {
     Eigen::Vector3f sum = dome_radiance(cache_.lights, d);
-    const float own = std::max(cosine, 1e-6F) / kPi;
+    const float own = std::max(cosine, 1e-6F) / kPiF;
     for (const auto& picture : cache_.lights.pictures) {
       const bool is_drawn = !picture.row_sums.empty();
       const float share = is_drawn ? share_of(own, picture_density(picture, d)) : 1;

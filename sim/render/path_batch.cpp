@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sim/render/idle_lanes.h"
+#include "sim/render/ray_limits.h"
 #include "sim/render/subsurface.h"
 
 namespace cousin {
@@ -13,14 +14,14 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kFar = std::numeric_limits<float>::infinity();
-constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
 /// Pairs of dimensions a bounce uses: direction, lobe and roulette, choice of light, then lights.
 constexpr std::uint32_t kPairsPerBounce = 16;
 constexpr float kNoRoulette = -1;
 constexpr std::uint32_t kLightPairs = kPairsPerBounce - 3;
 
-float luminance(const Vector3f& c) { return 0.2126F * c.x() + 0.7152F * c.y() + 0.0722F * c.z(); }
+float path_luminance(const Vector3f& c) {
+  return 0.2126F * c.x() + 0.7152F * c.y() + 0.0722F * c.z();
+}
 
 /// Whether light may go between `out` and a direction, by the face and not only by its smooth
 /// normal: reflection stays on the face's side, transmission leaves it.
@@ -81,8 +82,8 @@ void PathBatch::trace_packets() {
       set_ray(packet.ray, i, p.origin_m.x(), p.origin_m.y(), p.origin_m.z(), p.direction.x(),
               p.direction.y(), p.direction.z());
       packet.ray.time[i] = p.time;
-      packet.hit.geomID[i] = kNone;
-      packet.hit.instID[0][i] = kNone;
+      packet.hit.geomID[i] = kNoGeometry;
+      packet.hit.instID[0][i] = kNoGeometry;
       mask.lane[i] = first + static_cast<std::size_t>(i) < paths_.size() ? -1 : 0;
     }
     idle_lanes(mask, packet.ray);
@@ -103,8 +104,8 @@ void PathBatch::trace_singles() {
     context.lanes[0] = &p.skips;
     RTCRayHit ray;
     ray.ray = single_ray(p.origin_m, p.direction, kFar, p.time);
-    ray.hit.geomID = kNone;
-    ray.hit.instID[0] = kNone;
+    ray.hit.geomID = kNoGeometry;
+    ray.hit.instID[0] = kNoGeometry;
     rtcIntersect1(scene_.rays->scene, &context.context, &ray);
     hits_[k] = {ray.hit.instID[0], ray.hit.geomID, ray.hit.primID,
                 ray.hit.u,         ray.hit.v,      ray.ray.tfar};
@@ -147,7 +148,7 @@ void PathBatch::shade(int bounce_count) {
   for (std::size_t k = 0; k < paths_.size(); ++k) {
     const PathState& path = paths_[k];
     const RayHit& h = hits_[k];
-    const bool missed = h.geometry == kNone;
+    const bool missed = h.geometry == kNoGeometry;
     add_light_behind(path, missed, h.far_m);
     if (missed || bounce_count > max_bounces_) continue;
     Meeting met;
@@ -245,10 +246,10 @@ void PathBatch::add_lights(const PathState& path, const Meeting& met, std::uint3
     return;
   }
   float total = 0;
-  for (const Shadow& c : candidates_) total += luminance(c.light);
+  for (const Shadow& c : candidates_) total += path_luminance(c.light);
   float left = sampler.pair(pair + 2).x() * total;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    const float own = luminance(candidates_[i].light);
+    const float own = path_luminance(candidates_[i].light);
     left -= own;
     if (left >= 0 && i + 1 < candidates_.size()) continue;
     if (own > 0) {

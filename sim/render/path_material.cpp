@@ -4,20 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include "sim/render/sample_points.h"
 #include "sim/truth/scene_check.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kInversePi = std::numbers::inv_pi_v<float>;
-
-Vector3f vec(const Rgbf& c) { return {c.r, c.g, c.b}; }
+Vector3f vec_of(const Rgbf& c) { return {c.r, c.g, c.b}; }
 
 float lookup(const std::array<float, PathMaterial::kCells + 1>& table, float cosine) {
   const float position = std::sqrt(std::clamp(cosine, 0.0F, 1.0F)) * PathMaterial::kCells;
@@ -88,11 +85,11 @@ PathMaterial::PathMaterial(const Material& m)
       coat(kind == SurfaceKind::coated || kind == SurfaceKind::leaf ? m.ior : 1, m.roughness),
       facets{static_cast<float>(m.roughness * m.roughness)},
       ior(static_cast<float>(m.ior)),
-      albedo(vec(m.albedo)),
-      back_albedo(vec(m.back_albedo.value_or(m.albedo))),
-      transmittance(m.kind == SurfaceKind::leaf ? vec(m.transmittance) : Vector3f::Zero()),
-      ink_albedo(vec(m.ink_albedo)),
-      mean_free_path_m(vec(m.mean_free_path_m)),
+      albedo(vec_of(m.albedo)),
+      back_albedo(vec_of(m.back_albedo.value_or(m.albedo))),
+      transmittance(m.kind == SurfaceKind::leaf ? vec_of(m.transmittance) : Vector3f::Zero()),
+      ink_albedo(vec_of(m.ink_albedo)),
+      mean_free_path_m(vec_of(m.mean_free_path_m)),
       print(m.print),
       noise(m.noise) {
   if (kind == SurfaceKind::conductor) {
@@ -142,7 +139,7 @@ PathBsdf::Value PathBsdf::value(const Vector3f& in) const {
   const float cosine = std::abs(in.z());
   Value value;
   const float through = m.coat.exists() ? m.coat.leaving(out.z()) * m.coat.entering(cosine) : 1;
-  const float lambert = kInversePi * cosine;
+  const float lambert = kInversePiF * cosine;
   if (in.z() < 0) {
     value.bsdf_cosine = through * lambert * m.transmittance;
     value.density = p.transmit * lambert;

@@ -7,25 +7,22 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "sim/render/idle_lanes.h"
 #include "sim/render/pixel_rays.h"
+#include "sim/render/ray_limits.h"
 #include "sim/render/sample_points.h"
 #include "sim/render/surface_light.h"
 #include "sim/truth/scene_check.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
-constexpr float kInversePi = std::numbers::inv_pi_v<float>;
-constexpr float kFar = std::numeric_limits<float>::infinity();
-constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
-
-float luminance(const Eigen::Vector3f& c) {
+float radiance_luminance(const Eigen::Vector3f& c) {
   return 0.2126F * c.x() + 0.7152F * c.y() + 0.0722F * c.z();
 }
 
@@ -36,7 +33,7 @@ constexpr std::uint32_t kMixed = 0xFFFFFFFFU;
 /// Power heuristic: share of a sample drawn with density `own` where another way has density
 /// `other`. A lamp is far denser than a rough coat, so stray reflections that meet it then add
 /// little noise.
-float share_of(float own, float other) { return own * own / (own * own + other * other); }
+float share_by_squares(float own, float other) { return own * own / (own * own + other * other); }
 
 /// Rays of one packet and what comes back.
 struct SamplePacket {
@@ -48,7 +45,7 @@ struct SamplePacket {
   float gloss_weight[kLanes];    ///< of the coat's reflection of lamps, sky and scene; 0 = not
                                  ///< sampled here
   Eigen::Vector3f radiance[kLanes];
-  float diffuse[kLanes];  ///< luminance of the cached part
+  float diffuse[kLanes];  ///< radiance_luminance of the cached part
   std::uint32_t key[kLanes];
 };
 
@@ -62,7 +59,7 @@ class PacketShader {
     for (int i = 0; i < kLanes; ++i) {
       set_ray(camera_.ray, i, s.origin_m.x(), s.origin_m.y(), s.origin_m.z(), s.direction[i].x(),
               s.direction[i].y(), s.direction[i].z());
-      camera_.hit.geomID[i] = kNone;
+      camera_.hit.geomID[i] = kNoGeometry;
       s.radiance[i].setZero();
       s.diffuse[i] = 0;
       s.key[i] = kSky;
@@ -96,7 +93,7 @@ class PacketShader {
 
   void first_hit(SamplePacket& s, int i) {
     const Eigen::Vector3f& d = s.direction[i];
-    const bool missed = camera_.hit.geomID[i] == kNone;
+    const bool missed = camera_.hit.geomID[i] == kNoGeometry;
     for (const auto& lamp : cache_.lights.lamps) {  // lamps add to what lies behind them
       if (hit_lamp(lamp, s.origin_m, d, missed ? kFar : camera_.ray.tfar[i]) > 0)
         s.radiance[i] += lamp.radiance;
@@ -113,11 +110,11 @@ class PacketShader {
     const Coat& coat = lane.hit.surface->coat;
     const float cosine =
         std::max(-n.dot(d), 1e-3F);  // a shading normal may turn away at the outline
-    lane.per_irradiance = kInversePi * coat.leaving(cosine) * albedo.albedo;
+    lane.per_irradiance = kInversePiF * coat.leaving(cosine) * albedo.albedo;
     const Eigen::Vector3f diffuse =
         lane.per_irradiance.cwiseProduct(cached_irradiance(cache_, lane.hit));
     s.radiance[i] += diffuse;
-    s.diffuse[i] = luminance(diffuse);
+    s.diffuse[i] = radiance_luminance(diffuse);
     s.key[i] = camera_.hit.geomID[i] * 64 + (albedo.is_ink ? 32U : 0U);
     lit_.lane[i] = -1;
     const bool is_dark_side = lane.hit.is_back && lane.hit.surface->back_points == 0;
@@ -180,8 +177,8 @@ class PacketShader {
           lane.hit.surface->coat.value(lane.out, lane.frame.transpose() * point.direction);
       if (value.brdf_cosine <= 0) continue;
       light[i] = lane.gloss_weight * value.brdf_cosine / point.density *
-                 share_of(point.density, value.density);
-      const float strength = light[i] * luminance(lamp.radiance);
+                 share_by_squares(point.density, value.density);
+      const float strength = light[i] * radiance_luminance(lamp.radiance);
       if (strength < lane.gloss_threshold) {
         const float kept = strength / lane.gloss_threshold;
         if (unit_pair(hash64(s.hash[i] + 300 + 16 * s.sample[i] + k)).x() >= kept) continue;
@@ -221,14 +218,14 @@ class PacketShader {
         // itself.
         const float reflected = lane.hit.surface->coat.reflected(lane.out.z());
         s.radiance[i] += drawn[i].weight *
-                         (lane.per_irradiance + Eigen::Vector3f::Constant(kInversePi * reflected))
+                         (lane.per_irradiance + Eigen::Vector3f::Constant(kInversePiF * reflected))
                              .cwiseProduct(cached_irradiance(cache_, lane.hit));
         continue;
       }
       const Eigen::Vector3f o = leave(lane.hit, direction[i]);
       set_ray(packet.ray, i, o.x(), o.y(), o.z(), direction[i].x(), direction[i].y(),
               direction[i].z());
-      packet.hit.geomID[i] = kNone;
+      packet.hit.geomID[i] = kNoGeometry;
       mask.lane[i] = -1;
       any = true;
     }
@@ -238,13 +235,14 @@ class PacketShader {
     for (int i = 0; i < kLanes; ++i) {
       secondary_.mask.lane[i] = 0;
       if (!mask.lane[i]) continue;
-      const bool missed = packet.hit.geomID[i] == kNone;
+      const bool missed = packet.hit.geomID[i] == kNoGeometry;
       const Eigen::Vector3f origin(packet.ray.org_x[i], packet.ray.org_y[i], packet.ray.org_z[i]);
       for (const auto& lamp : cache_.lights.lamps) {
         const float density =
             hit_lamp(lamp, origin, direction[i], missed ? kFar : packet.ray.tfar[i]);
         if (density <= 0) continue;
-        s.radiance[i] += drawn[i].weight * share_of(drawn[i].density, density) * lamp.radiance;
+        s.radiance[i] +=
+            drawn[i].weight * share_by_squares(drawn[i].density, density) * lamp.radiance;
       }
       if (missed) {
         s.radiance[i] += drawn[i].weight * sky_radiance(cache_.lights, direction[i]);
@@ -276,7 +274,7 @@ int square_side(int samples) { return static_cast<int>(std::lround(std::sqrt(sam
 struct PixelMean {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   std::uint32_t key = kSky;
-  float low = kFar, high = 0;  ///< of the samples' cached luminance
+  float low = kFar, high = 0;  ///< of the samples' cached radiance_luminance
   int count = 0;
 
   void add(const SamplePacket& s, int i) {

@@ -10,6 +10,7 @@
 #include "sim/render/clear_sky.h"
 #include "sim/render/sample_points.h"
 #include "sim/truth/scene_check.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
@@ -17,8 +18,6 @@ namespace {
 Eigen::Vector3f colour(const Rgbf& c) { return {c.r, c.g, c.b}; }
 
 // ---- pictures of the sky ------------------------------------------------------------------------
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 SceneLights::SkyPicture blank_picture(int width, int height) {
   SceneLights::SkyPicture picture;
@@ -46,8 +45,8 @@ Eigen::Vector3d texel_direction(const SceneLights::SkyPicture& picture, double x
 
 /// Position in the picture of a unit direction, in texels from the upper left corner.
 Eigen::Vector2f picture_position(const SceneLights::SkyPicture& picture, const Eigen::Vector3f& d) {
-  return {(std::atan2(d.y(), d.x()) / (2 * kPi) + 0.5F) * static_cast<float>(picture.width),
-          std::acos(std::clamp(d.z(), -1.0F, 1.0F)) / kPi * static_cast<float>(picture.height)};
+  return {(std::atan2(d.y(), d.x()) / (2 * kPiF) + 0.5F) * static_cast<float>(picture.width),
+          std::acos(std::clamp(d.z(), -1.0F, 1.0F)) / kPiF * static_cast<float>(picture.height)};
 }
 
 /// Solid angle of a texel of row `y`.
@@ -232,13 +231,13 @@ Eigen::Vector3f draw_picture(const SceneLights::SkyPicture& picture, const Eigen
   const SumCell row = find_cell(picture.row_sums.data(), picture.height, u.y());
   const SumCell column = find_cell(picture.column_sums.data() + texel_index(picture, 0, row.index),
                                    picture.width, u.x());
-  const float step = kPi / static_cast<float>(picture.height);
+  const float step = kPiF / static_cast<float>(picture.height);
   const float top = std::cos(step * static_cast<float>(row.index));
   const float bottom = std::cos(step * static_cast<float>(row.index + 1));
   const float z = top + row.fraction * (bottom - top);
-  const float azimuth = kPi * (2 * (static_cast<float>(column.index) + column.fraction) /
-                                   static_cast<float>(picture.width) -
-                               1);
+  const float azimuth = kPiF * (2 * (static_cast<float>(column.index) + column.fraction) /
+                                    static_cast<float>(picture.width) -
+                                1);
   const float r = std::sqrt(std::max(0.0F, 1 - z * z));
   return {r * std::cos(azimuth), r * std::sin(azimuth), z};
 }
@@ -287,7 +286,7 @@ bool hits_sun(const SceneLights::SunDisk& sun, const Eigen::Vector3f& direction)
 }
 
 float sun_density(const SceneLights::SunDisk& sun, const Eigen::Vector3f& direction) {
-  return direction.dot(sun.to_sun) / (kPi * sun.sin_radius * sun.sin_radius);
+  return direction.dot(sun.to_sun) / (kPiF * sun.sin_radius * sun.sin_radius);
 }
 
 Eigen::Vector3f draw_sun(const SceneLights::SunDisk& sun, const Eigen::Vector2f& u) {

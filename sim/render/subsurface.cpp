@@ -11,13 +11,13 @@
 
 #include "sim/render/ray_packet.h"
 #include "sim/render/sample_points.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kMostTurns = 1 << 14;
 constexpr float kLeastOffsets = 32;  ///< mean free paths below so many ray offsets look diffuse
 
@@ -131,7 +131,7 @@ struct FreePath {
 
 Vector3f any_direction(const Eigen::Vector2f& u) {
   const float z = 1 - 2 * u.x(), r = std::sqrt(std::max(1 - z * z, 0.0F));
-  return {r * std::cos(2 * kPi * u.y()), r * std::sin(2 * kPi * u.y()), z};
+  return {r * std::cos(2 * kPiF * u.y()), r * std::sin(2 * kPiF * u.y()), z};
 }
 
 /// Whether what is carried goes on: of little, some walks go on for all.

@@ -2,17 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numbers>
 
 #include "sim/render/idle_lanes.h"
 #include "sim/render/sample_points.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
-namespace {
-
-constexpr float kInversePi = std::numbers::inv_pi_v<float>;
-
-}  // namespace
+namespace {}  // namespace
 
 SurfaceHit surface_hit(const IrradianceCache::Impl& cache, std::uint32_t geometry,
                        std::uint32_t triangle, float u, float v, const Eigen::Vector3f& direction) {
@@ -91,7 +87,7 @@ SecondaryLight secondary_light(const IrradianceCache::Impl& cache, const Surface
   const float reflected = hit.surface->coat.reflected(-light.normal.dot(direction));
   const Eigen::Vector3f albedo = albedo_at(hit).albedo;
   light.per_irradiance =
-      kInversePi * ((1 - reflected) * albedo + Eigen::Vector3f::Constant(reflected));
+      kInversePiF * ((1 - reflected) * albedo + Eigen::Vector3f::Constant(reflected));
   light.radiance = light.per_irradiance.cwiseProduct(cached_irradiance(cache, hit));
   return light;
 }

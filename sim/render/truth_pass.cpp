@@ -15,6 +15,7 @@
 #include "sim/render/idle_lanes.h"
 #include "sim/render/keypoint_truth.h"
 #include "sim/render/leaf_area_truth.h"
+#include "sim/render/ray_limits.h"
 #include "sim/render/ray_scene_impl.h"
 #include "sim/render/ray_table.h"
 #include "sim/render/truth_samples.h"
@@ -24,7 +25,6 @@ namespace cousin {
 namespace {
 
 constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
-constexpr unsigned int kNone = RTC_INVALID_GEOMETRY_ID;
 
 /// Pointers to one row of each image; null for what is not needed.
 struct TruthRow {
@@ -61,7 +61,7 @@ class RowTracer {
       const int lanes = std::min(kLanes, rays_.width - x);
       if (lanes == kLanes && resolve_together(row, at, x, out)) continue;
       for (int i = 0; i < lanes; ++i) {
-        if (packet_.hit.geomID[i] != kNone)
+        if (packet_.hit.geomID[i] != kNoGeometry)
           resolve(row, at + static_cast<std::size_t>(i), i, x + i, out);
       }
     }
@@ -96,9 +96,9 @@ class RowTracer {
       ray.ray.tnear = beyond(tnear);
       ray.ray.tfar = std::numeric_limits<float>::infinity();
       ray.ray.mask = 0xFFFFFFFFU;
-      ray.hit.geomID = kNone;
+      ray.hit.geomID = kNoGeometry;
       rtcIntersect1(impl_.scene, &context, &ray);
-      if (ray.hit.geomID == kNone) return false;
+      if (ray.hit.geomID == kNoGeometry) return false;
       look_at(row, geometry_index(ray.hit.instID[0], ray.hit.geomID), ray.hit.primID);
       hit = meet(d);
       if (hit.accepted) return true;
@@ -116,7 +116,7 @@ class RowTracer {
                  (packet_.hit.instID[0][i] ^ packet_.hit.instID[0][0]) |
                  (packet_.hit.primID[i] ^ triangle);
     }
-    if (differs != 0 || packet_.hit.geomID[0] == kNone) return false;
+    if (differs != 0 || packet_.hit.geomID[0] == kNoGeometry) return false;
     look_at(row, geometry, triangle);
 
     const float *hx = &rays_.x[ray], *hy = &rays_.y[ray], *hz = &rays_.z[ray];

@@ -11,7 +11,7 @@
 namespace cousin {
 namespace {
 
-[[noreturn]] void reject(const std::string& what) {
+[[noreturn]] void reject_stereo(const std::string& what) {
   throw std::invalid_argument("active stereo: " + what);
 }
 
@@ -63,7 +63,8 @@ std::size_t mode_index(const ActiveStereoConfig& config) {
     std::string known;
     for (const double c : columns)
       known += (known.empty() ? "" : ", ") + std::to_string(static_cast<int>(c));
-    reject("columns = " + std::to_string(config.columns) + " is not a mode; there are " + known);
+    reject_stereo("columns = " + std::to_string(config.columns) + " is not a mode; there are " +
+                  known);
   }
   return static_cast<std::size_t>(it - columns.begin());
 }
@@ -136,10 +137,10 @@ void validate(const ActiveStereoConfig& config) {
   check_limits(fields(copy), "active stereo");
   if (config.mode_rows.size() != config.mode_columns.size() ||
       config.mode_focal_px.size() != config.mode_columns.size()) {
-    reject("mode_columns, mode_rows and mode_focal_px have " +
-           std::to_string(config.mode_columns.size()) + ", " +
-           std::to_string(config.mode_rows.size()) + " and " +
-           std::to_string(config.mode_focal_px.size()) + " numbers; they must be as many");
+    reject_stereo("mode_columns, mode_rows and mode_focal_px have " +
+                  std::to_string(config.mode_columns.size()) + ", " +
+                  std::to_string(config.mode_rows.size()) + " and " +
+                  std::to_string(config.mode_focal_px.size()) + " numbers; they must be as many");
   }
   validate(config.match);
   validate(config.model);
@@ -157,8 +158,8 @@ Camera depth_camera(const ActiveStereoConfig& config) {
 Camera color_camera(const ActiveStereoConfig& config) {
   Camera camera = pinhole(config.color_columns, config.color_rows, config.color_focal_px);
   if (config.color_distortion.size() > 5)
-    reject("color_distortion has " + std::to_string(config.color_distortion.size()) +
-           " coefficients; opencv5 takes 5");
+    reject_stereo("color_distortion has " + std::to_string(config.color_distortion.size()) +
+                  " coefficients; opencv5 takes 5");
   if (!config.color_distortion.empty()) {
     camera.model = LensModel::opencv5;
     std::copy(config.color_distortion.begin(), config.color_distortion.end(),

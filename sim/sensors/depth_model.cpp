@@ -18,11 +18,10 @@
 #include "sim/sensors/fast_normal.h"
 #include "sim/sensors/match_contrast.h"
 #include "sim/sensors/noise_grain.h"
+#include "sim/types/no_value.h"
 
 namespace cousin {
 namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// The model's curves as a table at steps of 1/32 of the contrast, for speed.
 class Curves {

@@ -16,10 +16,12 @@
 namespace cousin {
 namespace {
 
-[[noreturn]] void reject(const std::string& what) { throw std::invalid_argument("phone: " + what); }
+[[noreturn]] void reject_phone(const std::string& what) {
+  throw std::invalid_argument("phone: " + what);
+}
 
 void require(bool good, const char* key, double value, const char* limit) {
-  if (!good) reject(std::string(key) + " = " + std::to_string(value) + " must be " + limit);
+  if (!good) reject_phone(std::string(key) + " = " + std::to_string(value) + " must be " + limit);
 }
 
 Camera nominal_camera(const PhoneConfig& config) {
@@ -100,8 +102,9 @@ void validate(const PhoneConfig& config) {
   check_limits(fields(copy), "phone");
   const int allowed = distortion_count(config.lens);
   if (static_cast<int>(config.distortion.size()) > allowed) {
-    reject("distortion has " + std::to_string(config.distortion.size()) + " coefficients; lens " +
-           std::string(to_string(config.lens)) + " takes at most " + std::to_string(allowed));
+    reject_phone("distortion has " + std::to_string(config.distortion.size()) +
+                 " coefficients; lens " + std::string(to_string(config.lens)) + " takes at most " +
+                 std::to_string(allowed));
   }
   for (const double k : config.distortion) require(std::isfinite(k), "distortion", k, "finite");
   // The gain must stay positive out to the corner of the farthest-off optical axis (r up to 1.2).
@@ -138,8 +141,8 @@ PhoneUnit make_phone(const PhoneConfig& config, Rng rng) {
 TrueView true_view(const PhoneConfig& config, const PhoneUnit& unit, const Scene& scene, int frame,
                    Rng rng) {
   if (frame < 0 || frame >= static_cast<int>(scene.views.size())) {
-    reject("frame " + std::to_string(frame) + " is not one of the scene's " +
-           std::to_string(scene.views.size()) + " views");
+    reject_phone("frame " + std::to_string(frame) + " is not one of the scene's " +
+                 std::to_string(scene.views.size()) + " views");
   }
   const View& seen = scene.views[static_cast<std::size_t>(frame)];
   TrueView view;

@@ -20,7 +20,7 @@ namespace {
 /// Pixels are handled as rows of 3 * width floats: red, green, blue of each pixel in turn.
 static_assert(sizeof(Rgbf) == 3 * sizeof(float) && sizeof(LinearCode) == 3 * sizeof(std::uint16_t));
 
-const float* samples(const Image<Rgbf>& image, int y) { return &image.row(y).front().r; }
+const float* row_samples(const Image<Rgbf>& image, int y) { return &image.row(y).front().r; }
 
 void require_size(int width, int height, const PhoneConfig& config, const char* what) {
   if (width == config.width_px && height == config.height_px) return;
@@ -87,7 +87,7 @@ Image<LinearCode> expose(const Image<Rgbf>& radiance, const PhoneConfig& config,
         std::vector<float> signal;
         for (int y = rows.begin(); y < rows.end(); ++y) {
           blurred_row(shaded, weights, y, signal);
-          expose_row(signal, samples(unit.prnu_gain, y), samples(unit.dsnu_e, y), exposure,
+          expose_row(signal, row_samples(unit.prnu_gain, y), row_samples(unit.dsnu_e, y), exposure,
                      rng.fork(static_cast<std::uint64_t>(y)), &codes.row(y).front().r);
         }
       });

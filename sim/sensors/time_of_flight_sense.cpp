@@ -14,19 +14,19 @@
 #include "sim/sensors/infrared_albedo.h"
 #include "sim/sensors/time_of_flight.h"
 #include "sim/truth/scene.h"
+#include "sim/types/no_value.h"
+#include "sim/types/pi.h"
 
 namespace cousin {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr double kLight_m_per_s = 299792458;
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr double kFlight_m_per_s = 299792458;
 
 /// Phase per metre of the way there and back, for each frequency.
 std::vector<float> wave_numbers(const TimeOfFlightConfig& config) {
   std::vector<float> result;
   for (const double hz : config.modulation_hz)
-    result.push_back(static_cast<float>(2 * std::numbers::pi * hz / kLight_m_per_s));
+    result.push_back(static_cast<float>(2 * std::numbers::pi * hz / kFlight_m_per_s));
   return result;
 }
 
@@ -116,7 +116,7 @@ class PixelLight {
       if (!(here > 0 && there > 0)) continue;
       const float squared = way.squaredNorm();
       const float factor =
-          here * there * patch.area_m2 / (squared * (kPi * squared + patch.area_m2));
+          here * there * patch.area_m2 / (squared * (kPiF * squared + patch.area_m2));
       add(p.albedo * patch.point.albedo * patch.point.irradiance * factor,
           patch.point.range_m + std::sqrt(squared) + p.range_m);
     }
@@ -171,7 +171,7 @@ class Decoder {
  public:
   explicit Decoder(const TimeOfFlightConfig& config)
       : most_m_(std::min(unambiguous_range_m(config), 2 * config.largest_depth_m + 1)) {
-    for (const double hz : config.modulation_hz) periods_m_.push_back(0.5 * kLight_m_per_s / hz);
+    for (const double hz : config.modulation_hz) periods_m_.push_back(0.5 * kFlight_m_per_s / hz);
   }
 
   /// Each multiple of the highest frequency's period is tried; ranges are averaged by the inverse
@@ -223,7 +223,7 @@ Phases sample_phases(const TimeOfFlightLight& light, const TimeOfFlightConfig& c
     const float amplitude = m.norm(), phase = std::atan2(m.y(), m.x());
     std::array<float, 4> samples{};
     for (std::size_t k = 0; k < 4; ++k) {
-      const float at = phase - 0.5F * kPi * static_cast<float>(k);
+      const float at = phase - 0.5F * kPiF * static_cast<float>(k);
       const float mean =
           light.mean_e(x, y) + amplitude * (std::cos(at) + wiggle * std::cos(3 * at));
       const float noise = std::sqrt(std::max(0.0F, mean) + read2);
@@ -233,7 +233,7 @@ Phases sample_phases(const TimeOfFlightLight& light, const TimeOfFlightConfig& c
     const float in_phase = 0.5F * (samples[0] - samples[2]);
     const float quadrature = 0.5F * (samples[1] - samples[3]);
     const float found = std::atan2(quadrature, in_phase);
-    result.phase_rad[i] = found < 0 ? found + 2 * kPi : found;
+    result.phase_rad[i] = found < 0 ? found + 2 * kPiF : found;
     result.amplitude_e[i] = std::hypot(in_phase, quadrature);
   }
   return result;
