@@ -10,13 +10,13 @@
 #include "calibration/calibration_judgement.h"
 #include "calibration/calibration_problem.h"
 #include "calibration/calibration_solvers.h"
+#include "calibration/normal_mad.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
 
 constexpr int kMostPasses = 20;
-constexpr double kNormalMad = 1.4826;  ///< deviation over median absolute value, of a normal
 
 SolverRun run_solver(CalibrationProblem& problem, CalibrationState& state) {
   switch (problem.config.solver) {

@@ -8,13 +8,13 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "calibration/normal_mad.h"
 #include "sim/config/limits.h"
 
 namespace cousin {
 namespace {
 
-constexpr double kNormalMad = 1.4826;
-constexpr int kMostPasses = 10;
+constexpr int kMostBiasPasses = 10;
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kMostGap = 0.4;     ///< of a disparity's fractions that no sample has
 constexpr double kRounding = 1e-12;  ///< an eigenvalue below is what rounding leaves of zero
@@ -194,7 +194,7 @@ DepthBias fit_depth_bias(const std::vector<DepthSample>& samples, int width_px, 
   }
   const std::size_t all = used.size();
   Fit fitted;
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < kMostBiasPasses; ++pass) {
     if (static_cast<Eigen::Index>(used.size()) <= n) {
       return open_bias(
           bias, {}, std::to_string(used.size()) + " samples for " + std::to_string(n) + " terms");

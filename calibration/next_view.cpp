@@ -143,15 +143,15 @@ std::optional<Eigen::MatrixXd> view_information(const Camera& camera, const Lens
   return aa - ab * bb.ldlt().solve(ab.transpose());
 }
 
-struct Candidate {
+struct ViewCandidate {
   double u, v;      ///< place in the picture, -1..1
   double fill;      ///< of the picture that the target spans
   double tilt_rad;  ///< about an axis in the picture
   double axis_rad;  ///< 0: the top leans away or near; a quarter turn: a side
 };
 
-std::vector<Candidate> candidates() {
-  std::vector<Candidate> list;
+std::vector<ViewCandidate> candidates() {
+  std::vector<ViewCandidate> list;
   for (const double fill : {0.35, 0.6, 0.85}) {
     for (const double u : {-1.0, 0.0, 1.0}) {
       for (const double v : {-1.0, 0.0, 1.0}) {
@@ -166,7 +166,7 @@ std::vector<Candidate> candidates() {
 }
 
 /// Where the target is then; nothing where the lens has no direction there.
-std::optional<Pose> pose_of(const Candidate& c, const Camera& camera, const Lens& lens,
+std::optional<Pose> pose_of(const ViewCandidate& c, const Camera& camera, const Lens& lens,
                             const std::vector<Eigen::Vector3d>& target_m) {
   Eigen::Vector2d half = Eigen::Vector2d::Zero();
   for (const Eigen::Vector3d& p : target_m) half = half.cwiseMax(p.head<2>().cwiseAbs());
@@ -186,7 +186,7 @@ std::optional<Pose> pose_of(const Candidate& c, const Camera& camera, const Lens
   return Pose{(sight * tilt * facing).normalized(), distance_m * *ray};
 }
 
-std::string words_of(const Candidate& c) {
+std::string words_of(const ViewCandidate& c) {
   const std::string row = c.v < 0 ? "upper" : c.v > 0 ? "lower" : "middle";
   const std::string column = c.u < 0 ? "left" : c.u > 0 ? "right" : "middle";
   std::string words = "the board in the " +
@@ -225,7 +225,7 @@ std::optional<NextView> best_next_view(const CalibrationResult& result, int came
   const double per_corner = 1 / (result.rms_px * result.rms_px);
   std::optional<NextView> best;
   const double now_px = rms_px(free->information);
-  for (const Candidate& c : candidates()) {
+  for (const ViewCandidate& c : candidates()) {
     const auto pose = pose_of(c, lens, ready, target_m);
     if (!pose || !is_inside(lens, ready, *pose, target_m, reach_px)) continue;
     const auto added = view_information(lens, ready, *free, *pose, target_m);

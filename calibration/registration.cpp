@@ -15,7 +15,7 @@ namespace cousin {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSigmas = 2;
+constexpr double kRegistrationSigmas = 2;
 
 void check_camera(const CalibrationResult& result, int camera) {
   if (camera < 0 || camera >= static_cast<int>(result.cameras.size()) ||
@@ -136,9 +136,9 @@ void judge(const Eigen::MatrixXd& g, const Eigen::MatrixXd& correlations,
   result.factory_rms_px = std::sqrt(std::max(0.0, factory));
   result.factory_square_sigma_px2 = sigma;
   const double bar = std::max(fresh, config.least_gain_px * config.least_gain_px);
-  result.verdict = factory - kSigmas * sigma > bar   ? RegistrationVerdict::replace
-                   : factory + kSigmas * sigma < bar ? RegistrationVerdict::keep
-                                                     : RegistrationVerdict::cannot_tell;
+  result.verdict = factory - kRegistrationSigmas * sigma > bar   ? RegistrationVerdict::replace
+                   : factory + kRegistrationSigmas * sigma < bar ? RegistrationVerdict::keep
+                                                                 : RegistrationVerdict::cannot_tell;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/normal_mad.h"
 #include "calibration/planar_pose.h"
 
 namespace cousin {
@@ -10,7 +11,6 @@ namespace {
 
 constexpr int kNoisePasses = 3;
 constexpr int kRejectionPasses = 20;
-constexpr double kNormalMad = 1.4826;  ///< deviation over median absolute value, of a normal
 
 /// Freedoms that the data, and not the priors, pay for: trace of the covariance times the data's
 /// part of the normal equations.

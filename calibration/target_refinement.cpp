@@ -13,11 +13,11 @@ namespace cousin {
 namespace {
 
 constexpr double kSnapShare = 0.33;      ///< of a step: from a prediction to its saddle
-constexpr double kLeastContrast = 0.25;  ///< of the median
+constexpr double kLeastContrast = 0.25;  ///< of the median_of
 constexpr double kBorderBlurs = 2.5;     ///< a corner nearer to the image's border has lost a side
 constexpr double kPooledPixels = 60;     ///< a window knows its own noise as well as so many say
 
-double median(std::vector<double> values) {
+double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -119,7 +119,7 @@ void keep_clean(std::vector<Measured>& all, const TargetDetectionConfig& config)
   if (all.empty()) return;
   std::vector<double> contrasts;
   for (const Measured& m : all) contrasts.push_back(m.contrast);
-  const double least = kLeastContrast * median(contrasts);
+  const double least = kLeastContrast * median_of(contrasts);
   std::erase_if(all, [&](const Measured& m) {
     return m.contrast < least || m.noise > config.max_noise * m.contrast;
   });
@@ -128,7 +128,7 @@ void keep_clean(std::vector<Measured>& all, const TargetDetectionConfig& config)
 double median_blur_px(const std::vector<Measured>& all) {
   std::vector<double> blurs;
   for (const Measured& m : all) blurs.push_back(m.blur_px);
-  return median(blurs);
+  return median_of(blurs);
 }
 
 std::vector<TargetObservation> observations(const std::vector<Measured>& all,
@@ -138,7 +138,7 @@ std::vector<TargetObservation> observations(const std::vector<Measured>& all,
   if (all.empty()) return points;
   std::vector<double> noises;
   for (const Measured& m : all) noises.push_back(m.noise);
-  const double typical = median(noises);
+  const double typical = median_of(noises);
   for (const Measured& m : all) {
     const double variance = (m.pixels * m.noise * m.noise + kPooledPixels * typical * typical) /
                             (m.pixels + kPooledPixels);

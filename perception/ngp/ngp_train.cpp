@@ -19,7 +19,7 @@ namespace {
 using namespace ngp;
 
 constexpr int kGroups = 16;       ///< of rays, summed apart: the most threads that march and learn
-constexpr int kBundle = 16;       ///< rays that pass the networks together
+constexpr int kTrainBundle = 16;  ///< rays that pass the networks together
 constexpr double kHuber = 0.1;    ///< where the loss turns from square to straight
 constexpr int kWarmUp = 256;      ///< steps in which every cell's density is looked at
 constexpr int kUpdateEvery = 16;  ///< steps between looks at densities
@@ -237,13 +237,13 @@ class Trainer {
   void march_group(Group& group, int rays, Rng rng) {
     group.used = 0;
     group.drawn = 0;
-    for (int first = 0; first < rays; first += kBundle) {
+    for (int first = 0; first < rays; first += kTrainBundle) {
       if (group.used == group.bundles.size()) group.bundles.emplace_back();
       TrainingBundle& bundle = group.bundles[group.used];
       bundle.rays.clear();
       bundle.basis.clear();
       bundle.wanted.clear();
-      for (int r = first; r < std::min(first + kBundle, rays); ++r) {
+      for (int r = first; r < std::min(first + kTrainBundle, rays); ++r) {
         std::size_t view = 0;
         int x = 0, y = 0;
         const bool drawn = draw_ray(rng, view, x, y);

@@ -20,9 +20,9 @@
 namespace cousin {
 namespace {
 
-constexpr std::array<Named<ViewsMethod>, 2> kMethods = {
+constexpr std::array<Named<ViewsMethod>, 2> kViewsMethods = {
     {{ViewsMethod::splats, "splats"}, {ViewsMethod::splats_paper, "splats_paper"}}};
-constexpr std::array<Named<ViewsPoses>, 3> kPoses = {
+constexpr std::array<Named<ViewsPoses>, 3> kViewsPoses = {
     {{ViewsPoses::best, "best"}, {ViewsPoses::reported, "reported"}, {ViewsPoses::sfm, "sfm"}}};
 constexpr std::array<Named<SplatGrowth>, 4> kGrowths = {{{SplatGrowth::budgeted, "budgeted"},
                                                          {SplatGrowth::adaptive, "adaptive"},
@@ -305,13 +305,15 @@ ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
                     exposures.vignetting);
 }
 
-std::string_view to_string(ViewsMethod method) { return name_in<ViewsMethod>(kMethods, method); }
+std::string_view to_string(ViewsMethod method) {
+  return name_in<ViewsMethod>(kViewsMethods, method);
+}
 
 Fields fields(ViewsPipelineConfig& c) {
   return Fields{
-             {"method", choice_field<ViewsMethod>("method", kMethods, c.method),
+             {"method", choice_field<ViewsMethod>("method", kViewsMethods, c.method),
               "splats: ours; splats_paper: the reference's schedule, left after reference_steps"},
-             {"poses", choice_field<ViewsPoses>("poses", kPoses, c.poses),
+             {"poses", choice_field<ViewsPoses>("poses", kViewsPoses, c.poses),
               "best: the capture's where at least half of its frames have them, else sfm; "
               "reported; sfm: "
               "by COLMAP and our adjustment"},
