@@ -31,7 +31,7 @@ std::vector<double> row_major(const Eigen::MatrixXd& matrix) {
   return values;
 }
 
-Eigen::Matrix3d camera_matrix(const Camera& c) {
+Eigen::Matrix3d intrinsic_matrix(const Camera& c) {
   return Eigen::Matrix3d{{c.fx_px, 0, c.cx_px}, {0, c.fy_px, c.cy_px}, {0, 0, 1}};
 }
 
@@ -134,7 +134,7 @@ std::string opencv_yaml(const CalibratedCamera& c, const CalibratedCamera& first
   std::string text = "%YAML 1.0\n---\ncamera_name: " + yaml_quoted(c.name) +
                      "\nimage_width: " + std::to_string(lens.width_px) +
                      "\nimage_height: " + std::to_string(lens.height_px) + "\n";
-  text += opencv_matrix("camera_matrix", 3, 3, row_major(camera_matrix(lens)));
+  text += opencv_matrix("intrinsic_matrix", 3, 3, row_major(intrinsic_matrix(lens)));
   std::vector<double> values = coefficients(lens);
   // No distortion is five zeros: an empty matrix is no calibration to OpenCV's readers.
   if (values.empty()) values.resize(5);
@@ -160,11 +160,11 @@ std::string ros_camera_info(const CalibratedCamera& c) {
     refuse(c, "ROS");
   }
   Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
-  projection.leftCols<3>() = camera_matrix(lens);
+  projection.leftCols<3>() = intrinsic_matrix(lens);
   return "image_width: " + std::to_string(lens.width_px) +
          "\nimage_height: " + std::to_string(lens.height_px) +
          "\ncamera_name: " + yaml_name(c.name) + "\n" +
-         ros_matrix("camera_matrix", 3, 3, row_major(camera_matrix(lens))) +
+         ros_matrix("intrinsic_matrix", 3, 3, row_major(intrinsic_matrix(lens))) +
          "distortion_model: " + model + "\n" +
          ros_matrix("distortion_coefficients", 1, static_cast<int>(values.size()), values) +
          ros_matrix("rectification_matrix", 3, 3, row_major(Eigen::Matrix3d::Identity())) +

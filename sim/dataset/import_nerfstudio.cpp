@@ -28,7 +28,7 @@ namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMaxFrames = 1'000'000;
+constexpr std::size_t kMaxNerfstudioFrames = 1'000'000;
 constexpr std::size_t kLimitBytes = std::size_t{1} << 29;
 
 /// Keys that say nothing of where a pixel looks, how long a length is or what an image means: the
@@ -230,7 +230,7 @@ NerfstudioFile parse_nerfstudio(std::string_view text, const std::string& name,
   const DepthUnits units = depth_units(root, metres);
   const bool loads_depth =
       !root.has("enable_depth_loading") || root["enable_depth_loading"].boolean();
-  const std::vector<JsonNode> frames = root["frames"].elements(kMaxFrames);
+  const std::vector<JsonNode> frames = root["frames"].elements(kMaxNerfstudioFrames);
   const bool says_size = root.has("w") || root.has("h") || !size_of;
   std::optional<Camera> shared;  // the file's lens, where no frame has its own
   for (std::size_t i = 0; i < frames.size(); ++i) {

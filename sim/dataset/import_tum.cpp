@@ -30,7 +30,7 @@ constexpr double kMostApart_s = 0.02;  ///< as the benchmark's associate.py
 constexpr double kMostGap_s = 0.1;     ///< between poses, which come at 100 Hz
 /// A pose so near to a picture is its own: a hand moves by less than a millimetre in that time.
 constexpr double kSameTime_s = 1e-3;
-constexpr std::size_t kMaxFrames = 1'000'000;
+constexpr std::size_t kMaxTumFrames = 1'000'000;
 constexpr double kLeastNanoseconds = 1e17;  ///< since 1970: the year 1973
 constexpr double kMostSeconds = 1e11;       ///< since 1970: the year 5138
 
@@ -43,7 +43,7 @@ void check_times(const std::vector<Record>& records, const std::string& name) {
                                exact_text(records[i - 1].time_s));
     }
   }
-  if (records.size() > kMaxFrames && name.ends_with("rgb.txt"))
+  if (records.size() > kMaxTumFrames && name.ends_with("rgb.txt"))
     throw std::runtime_error(name + ": " + std::to_string(records.size()) +
                              " images; the limit is 1000000");
 }

@@ -38,9 +38,9 @@ constexpr std::array<std::string_view, 9> kForeignCoefficients = {"k5", "k6", "s
                                                                   "s4", "b1", "b2", "skew"};
 
 /// Two numbers for the same thing that differ by more are not the same number rounded.
-constexpr double kSameShare = 0.01;
+constexpr double kSameFocalShare = 0.01;
 
-bool differ(double a, double b) { return std::abs(a - b) > kSameShare * std::abs(a); }
+bool differ(double a, double b) { return std::abs(a - b) > kSameFocalShare * std::abs(a); }
 
 /// Focal length of one axis by a frame's or a file's own keys; 0 where it has none.
 double focal_px(const JsonNode& node, char axis, int side_px, std::vector<std::string>& warnings) {

@@ -30,7 +30,7 @@
 namespace cousin {
 namespace {
 
-constexpr std::size_t kMaxFrames = 1'000'000;
+constexpr std::size_t kMaxSeamFrames = 1'000'000;
 constexpr std::size_t kMaxCorners = 100'000;  ///< of one frame
 constexpr std::size_t kMaxSpecimens = 10'000'000;
 constexpr std::size_t kMaxTraits = 1000;  ///< of one specimen
@@ -176,7 +176,7 @@ Corners corners_from_json(std::string_view text, const std::string& name) {
   root.expect_keys({"frames"});
   Corners corners;
   std::set<int> seen;
-  for (const JsonNode& node : root["frames"].elements(kMaxFrames))
+  for (const JsonNode& node : root["frames"].elements(kMaxSeamFrames))
     corners.push_back(read_frame_corners(node, seen));
   return corners;
 }
@@ -204,7 +204,7 @@ Poses poses_from_json(std::string_view text, const std::string& name) {
   root.expect_keys({"frames"});
   Poses poses;
   std::set<int> seen;
-  for (const JsonNode& node : root["frames"].elements(kMaxFrames))
+  for (const JsonNode& node : root["frames"].elements(kMaxSeamFrames))
     poses.push_back(read_frame_pose(node, seen));
   return poses;
 }

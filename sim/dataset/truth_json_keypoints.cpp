@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxModels = 1'000'000;
 constexpr std::size_t kMaxKeypoints = 10'000'000;
-constexpr int kMaxId = 1'000'000'000;
+constexpr int kMaxKeypointId = 1'000'000'000;
 
 Json json_of(const KeypointView& keypoint) {
   const char* state = keypoint.state == PointState::visible    ? "visible"
@@ -64,8 +64,8 @@ void keypoint_views_from_json(std::string_view text, const std::string& name, co
     for (const JsonNode& node : nodes[i].elements(kMaxKeypoints)) {
       node.expect_keys({"instance", "keypoint", "state", "u_px", "v_px", "depth_m"});
       KeypointView keypoint;
-      keypoint.instance = static_cast<int>(node["instance"].integer(0, kMaxId));
-      keypoint.keypoint = static_cast<int>(node["keypoint"].integer(0, kMaxId));
+      keypoint.instance = static_cast<int>(node["instance"].integer(0, kMaxKeypointId));
+      keypoint.keypoint = static_cast<int>(node["keypoint"].integer(0, kMaxKeypointId));
       const auto found = keypoints_of.find(keypoint.instance);
       if (found == keypoints_of.end()) node["instance"].fail("is not a specimen of the scene");
       if (static_cast<std::size_t>(keypoint.keypoint) >= found->second)
@@ -89,7 +89,7 @@ void keypoints_from_json(std::string_view text, const std::string& name, Scene& 
   root.expect_keys({"models"}, {"frames"});
   for (const JsonNode& node : root["models"].elements(kMaxModels)) {
     node.expect_keys({"model", "keypoints"});
-    const auto index = static_cast<std::size_t>(node["model"].integer(0, kMaxId));
+    const auto index = static_cast<std::size_t>(node["model"].integer(0, kMaxKeypointId));
     if (index >= scene.models.size()) node["model"].fail("is not a model of the scene");
     if (!scene.models[index].keypoints.empty()) node["model"].fail("is a model that occurs twice");
     for (const JsonNode& entry : node["keypoints"].elements(100'000)) {
