@@ -13,14 +13,14 @@ namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kLimitBytes = std::size_t{1} << 31;
+constexpr std::size_t kColmapLimitBytes = std::size_t{1} << 31;
 
 /// The model in `folder / below`, binary before text; nothing where there is none.
 std::optional<ColmapModel> model_in(const fs::path& folder, const fs::path& below) {
   const fs::path dir = below.empty() ? folder : folder / below;
   const auto files = [&](const char* ending) {
     const auto text = [&](const char* name) {
-      return read_file(resolve_inside(folder, below / (std::string(name) + ending)), kLimitBytes);
+      return read_file(resolve_inside(folder, below / (std::string(name) + ending)), kColmapLimitBytes);
     };
     return ColmapFiles{.cameras = text("cameras"), .images = text("images"), .points = {}};
   };

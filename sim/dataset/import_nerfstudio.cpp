@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t kMaxNerfstudioFrames = 1'000'000;
-constexpr std::size_t kLimitBytes = std::size_t{1} << 29;
+constexpr std::size_t kNerfstudioLimitBytes = std::size_t{1} << 29;
 
 /// Keys that say nothing of where a pixel looks, how long a length is or what an image means: the
 /// volume that a training fills, how it draws and splits, and what a generator noted.
@@ -261,7 +261,7 @@ NerfstudioFile parse_nerfstudio(std::string_view text, const std::string& name,
 
 NerfstudioFile read_nerfstudio(const fs::path& transforms_json) {
   const fs::path folder = transforms_json.parent_path();
-  return parse_nerfstudio(read_file(transforms_json, kLimitBytes), transforms_json.string(),
+  return parse_nerfstudio(read_file(transforms_json, kNerfstudioLimitBytes), transforms_json.string(),
                           [&](const std::string& image) -> std::optional<ImageSize> {
                             const auto file =
                                 find_listed_image(folder.empty() ? fs::path(".") : folder, image);
