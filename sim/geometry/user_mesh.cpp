@@ -31,7 +31,7 @@ UserMesh parse(const fs::path& file, std::size_t most) {
   if (extension == ".ply")
     return geometry::user_mesh_of_ply(geometry::parse_ply(bytes, name), name);
   if (extension == ".obj") return geometry::parse_obj(bytes, name, most);
-  if (extension == ".stl") return {.mesh = geometry::parse_stl(bytes, name)};
+  if (extension == ".stl") return geometry::parse_stl(bytes, name);
   return geometry::parse_gltf(bytes, name, geometry::files_beside(file), most);
 }
 
@@ -50,6 +50,7 @@ UserMesh welded(const UserMesh& user) {
   UserMesh result;
   result.mesh = weld(user.mesh);
   result.is_in_metres = user.is_in_metres;
+  result.warnings = user.warnings;
   if (user.vertex_albedo.empty()) return result;
   // weld() keeps vertices in the order of their first coming.
   for (std::size_t i = 0; i < user.mesh.vertices_m.size(); ++i) {
