@@ -154,7 +154,7 @@ std::array<Eigen::Vector2d, 4> marker_corners_m(const CalibrationTarget& target,
   // Numbered along the white squares, row by row from the top.
   int left = id, row = 0, column = 0;
   for (; row < target.rows; ++row) {
-    const int first = row % 2 == 0 ? 1 : 0;  // white where column + row is odd
+    const int first = (row % 2 == 0) == is_first_square_black(target) ? 1 : 0;
     const int whites = (target.columns - first + 1) / 2;
     if (left < whites) {
       column = first + 2 * left;

@@ -169,12 +169,37 @@ Guess guess_chessboard(const Image<float>& light, const TargetGrid& grid) {
   return best;
 }
 
+Tones marker_tones(const Image<float>& light) {
+  const int scale = std::max(1, static_cast<int>(std::lround(light.width() / 1600.0)));
+  return tones_of(light, levels_of(light), scale);
+}
+
+std::vector<SeenMarker> markers_in(const Tones& tones, const CalibrationTarget& target) {
+  return find_markers(std::array<const Image<std::uint8_t>*, 2>{&tones.linear, &tones.bytes},
+                      target);
+}
+
+LayoutVotes votes_of(CalibrationTarget target, const std::vector<SeenMarker>& markers) {
+  target.layout = CharucoLayout::current;
+  const int current = marker_order(target, markers).agree;
+  target.layout = CharucoLayout::legacy;
+  return {current, marker_order(target, markers).agree};
+}
+
+/// What to say of markers that lie as on the same board in its other layout; else empty.
+std::string other_layout(const CalibrationTarget& target, const std::vector<SeenMarker>& markers) {
+  if (!has_two_layouts(target)) return "";
+  const LayoutVotes votes = votes_of(target, markers);
+  const bool is_legacy = votes.legacy > votes.current;
+  if (is_legacy == (target.layout == CharucoLayout::legacy)) return "";
+  return is_legacy ? "; its layout is the legacy one, of OpenCV up to 4.5"
+                   : "; its layout is the current one, of OpenCV 4.6 and later";
+}
+
 Guess guess_markers(const Image<float>& light, const TargetGrid& grid) {
   constexpr double kMostDiffer = 0.25;
-  const int scale = std::max(1, static_cast<int>(std::lround(light.width() / 1600.0)));
-  const Tones tones = tones_of(light, levels_of(light), scale);
-  std::vector<SeenMarker> markers = find_markers(
-      std::array<const Image<std::uint8_t>*, 2>{&tones.linear, &tones.bytes}, grid.target());
+  const Tones tones = marker_tones(light);
+  std::vector<SeenMarker> markers = markers_in(tones, grid.target());
   Guess guess;
   const int count = marker_count(grid.target());
   const std::size_t seen = markers.size();
@@ -199,7 +224,7 @@ Guess guess_markers(const Image<float>& light, const TargetGrid& grid) {
     guess.reason =
         std::to_string(order.differ) + " of " + std::to_string(order.agree + order.differ) +
         " pairs of markers do not lie as on a board of " + std::to_string(grid.target().columns) +
-        " x " + std::to_string(grid.target().rows);
+        " x " + std::to_string(grid.target().rows) + other_layout(grid.target(), markers);
     return guess;
   }
   guess.status = TargetStatus::ok;
@@ -268,6 +293,16 @@ Image<float> light_of(const Image<std::uint8_t>& linear_grey) {
   for (std::size_t i = 0; i < light.size(); ++i)
     light.data()[i] = static_cast<float>(linear_grey.data()[i]) / 255.0F;
   return light;
+}
+
+LayoutVotes layout_votes(const Image<float>& light, const CalibrationTarget& target) {
+  validate(target);
+  constexpr int kLeastSide = 40;
+  if (!has_two_layouts(target) || std::min(light.width(), light.height()) < kLeastSide) return {};
+  std::vector<SeenMarker> markers = markers_in(marker_tones(light), target);
+  const int count = marker_count(target);
+  std::erase_if(markers, [&](const SeenMarker& m) { return m.id >= count; });
+  return votes_of(target, markers);
 }
 
 TargetView find_target(const Image<float>& light, const CalibrationTarget& target,

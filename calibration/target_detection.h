@@ -25,6 +25,14 @@ void validate(const TargetDetectionConfig& config);
 Image<float> light_of(const Image<Rgb8>& color);
 Image<float> light_of(const Image<std::uint8_t>& linear_grey);
 
+/// Pairs of neighbouring markers that lie as on the charuco board in either layout, whatever
+/// `target` says its layout is.
+struct LayoutVotes {
+  int current = 0, legacy = 0;
+};
+/// @throws as find_target.
+LayoutVotes layout_votes(const Image<float>& light, const CalibrationTarget& target);
+
 /// Finds a target of any kind and measures its points (the seed board by seed_board_target.h):
 /// 1. chessboard: saddles grow into a lattice, whose size and colours say which corner is which;
 ///    charuco and april grid: cv::aruco's markers predict the corners; circles: OpenCV's grids.

@@ -63,7 +63,7 @@ bool has_ink(const CalibrationTarget& t, const std::vector<MarkerCode>& codes,
   if (t.kind == TargetKind::april_grid) return tag_ink(t, codes, (at_m + half) / t.pitch_m);
   const Eigen::Vector2d p((at_m.x() + half.x()) / t.pitch_m, (half.y() - at_m.y()) / t.pitch_m);
   const int column = static_cast<int>(p.x()), row = static_cast<int>(p.y());
-  if ((column + row) % 2 == 0) return true;
+  if ((column + row) % 2 == (is_first_square_black(t) ? 0 : 1)) return true;
   if (codes.empty()) return false;
   const Eigen::Vector2d q = (p - Eigen::Vector2d(column + 0.5, row + 0.5)) / t.mark_share +
                             Eigen::Vector2d::Constant(0.5);
