@@ -158,8 +158,7 @@ bool is_dark_ahead(const TargetGrid& grid, int index) {
   const TargetPoint& p = grid.points()[static_cast<std::size_t>(index)];
   const bool even = (p.column + p.row) % 2 == 0;
   // A tag is black to the right of and above its lower left corner; rows of squares run down.
-  if (grid.target().kind == TargetKind::april_grid) return even;
-  return even != is_first_square_black(grid.target());
+  return grid.target().kind == TargetKind::april_grid ? even : !even;
 }
 
 void follow_saddles(const TargetGrid& grid, const std::vector<Saddle>& saddles, bool inverted,

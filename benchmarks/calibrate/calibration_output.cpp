@@ -40,9 +40,9 @@ std::string_view name_of(TargetStatus status) {
 }
 
 /// Of a charuco board whose layout matters; else empty.
-std::string layout_text(const CalibrationTarget& target) {
-  if (!has_two_layouts(target)) return "";
-  return target.layout == CharucoLayout::current
+std::string layout_text(const CalibrationPhotos& photos) {
+  if (!has_two_layouts(photos.target) || !photos.layout) return "";
+  return *photos.layout == CharucoLayout::current
              ? "current: the upper left square is black, as OpenCV 4.6 and later draws it"
              : "legacy: the upper left square is white, as OpenCV up to 4.5 and setLegacyPattern "
                "draw it";
@@ -176,7 +176,7 @@ std::string calibration_json(const CalibrationRun& run) {
             {"status", to_string(run.result.status)},
             {"usable", run.problems.empty()},
             {"board", to_text(run.photos.target)},
-            {"board_layout", layout_text(run.photos.target)},
+            {"board_layout", layout_text(run.photos)},
             {"model", to_string(run.config.model)},
             {"solver", to_string(run.config.calibration.solver)},
             {"rms_px", number(run.result.rms_px)},
@@ -189,7 +189,7 @@ std::string calibration_json(const CalibrationRun& run) {
             {"outliers", run.result.outliers},
             {"detect_s", number(run.detect_s)},
             {"solve_s", number(run.result.seconds)}};
-  if (!has_two_layouts(run.photos.target)) json.erase("board_layout");
+  if (layout_text(run.photos).empty()) json.erase("board_layout");
   if (has_turned_photos(run)) json["pixels"] = "as stored: the EXIF orientation is not applied";
   json["problems"] = run.problems;
   json["warnings"] = run.warnings;
@@ -222,8 +222,7 @@ std::string calibration_json(const CalibrationRun& run) {
 
 std::string calibration_table(const CalibrationRun& run) {
   std::string text = "board      " + to_text(run.photos.target) + "\n";
-  if (has_two_layouts(run.photos.target))
-    text += "layout     " + layout_text(run.photos.target) + "\n";
+  if (!layout_text(run.photos).empty()) text += "layout     " + layout_text(run.photos) + "\n";
   const auto used = std::count_if(run.input.views.begin(), run.input.views.end(),
                                   [](const TargetView& v) { return is_usable(v); });
   text += line_of("images     %d of %d show it, %d points", static_cast<int>(used),

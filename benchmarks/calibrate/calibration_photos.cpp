@@ -161,7 +161,7 @@ CalibrationTarget target_from_option(const std::string& text) {
   if (parts.size() > 3) target.mark_share = number<double>(text, parts[3], "share");
   if (has_markers) target.dictionary = parts[4];
   try {
-    if (parts.size() > 5) target.layout = charuco_layout_from_string(parts[5]);
+    if (parts.size() > 5) charuco_layout_from_string(parts[5]);
     validate(target);
   } catch (const std::invalid_argument& error) {
     fail(text, error.what());
@@ -169,12 +169,15 @@ CalibrationTarget target_from_option(const std::string& text) {
   return target;
 }
 
-bool names_layout(const std::string& text) {
-  return text.starts_with("charuco:") && parts_of(text, ':').size() > 5;
+std::optional<CharucoLayout> layout_from_option(const std::string& text) {
+  const std::vector<std::string> parts = parts_of(text, ':');
+  if (parts.front() != "charuco" || parts.size() < 6) return std::nullopt;
+  return charuco_layout_from_string(parts[5]);
 }
 
 CharucoLayout layout_seen(const CalibrationPhotos& photos) {
-  if (!photos.finds_layout || !has_two_layouts(photos.target)) return photos.target.layout;
+  if (photos.layout) return *photos.layout;
+  if (!has_two_layouts(photos.target)) return CharucoLayout::current;
   constexpr int kSure = 12;  // pairs of markers; in the wrong layout about half of them agree
   LayoutVotes sum;
   for (const CalibrationPhoto& photo : photos.photos) {
@@ -228,7 +231,6 @@ CalibrationPhotos photos_of_folder(const fs::path& folder, const CalibrationTarg
 
 CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& board) {
   CalibrationPhotos result;
-  result.finds_layout = !names_layout(board);
   std::string first_scene;
   const std::vector<fs::path> scenes = scene_folders(dataset);
   if (scenes.empty())
@@ -245,11 +247,10 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
       target = target_from_option(board);
     } else {
       target = target_from_text(capture.board);
-      CalibrationTarget asked = board.empty() ? target : target_from_option(board);
-      if (!names_layout(board)) asked.layout = target.layout;
-      if (!(asked == target))
+      if (!board.empty() && !(target_from_option(board) == target))
         throw std::runtime_error((scene / "rig.json").string() + ": /board = \"" + to_text(target) +
-                                 "\" is not the board of --board, \"" + to_text(asked) + "\"");
+                                 "\" is not the board of --board, \"" +
+                                 to_text(target_from_option(board)) + "\"");
     }
     if (first_scene.empty()) {
       result.target = target;

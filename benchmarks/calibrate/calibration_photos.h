@@ -2,9 +2,11 @@
 
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "calibration/charuco_layout.h"
 #include "sim/types/calibration_target.h"
 #include "sim/types/capture.h"
 #include "sim/types/image.h"
@@ -35,8 +37,8 @@ struct CalibrationDepth {
 /// What is calibrated from.
 struct CalibrationPhotos {
   CalibrationTarget target;
-  /// The photographs say which of its layouts a charuco board has; else target.layout holds.
-  bool finds_layout = true;
+  /// Of a charuco board; none: the photographs say which (layout_seen).
+  std::optional<CharucoLayout> layout;
   std::vector<std::string> cameras;
   std::vector<CalibrationPhoto> photos;  ///< by camera, then frame
   std::vector<SensorReport> reported;    ///< what a dataset's device says of `cameras`; or empty
@@ -49,8 +51,8 @@ struct CalibrationPhotos {
 /// aprilgrid:6x6:0.022:0.3 tags (side, space over side), circles:8x6:0.03[:0.3] and
 /// acircles:4x11:0.018[:0.42] discs. @throws std::invalid_argument naming the text and the form.
 CalibrationTarget target_from_option(const std::string& text);
-/// Whether the text names the layout of a charuco board.
-bool names_layout(const std::string& text);
+/// The layout that such a text names; none if it names none.
+std::optional<CharucoLayout> layout_from_option(const std::string& text);
 
 /// All PNG and JPEG of a folder: one camera; or, where every name begins with "left" or "right",
 /// the two of a stereo head, whose images belong together where the rest of their names does.
@@ -63,8 +65,8 @@ CalibrationPhotos photos_of_folder(const std::filesystem::path& folder,
 /// none, or another than the others', with both.
 CalibrationPhotos photos_of_dataset(const std::filesystem::path& dataset, const std::string& board);
 
-/// Where the photographs are to say which layout the charuco board has: the one that more pairs of
-/// markers lie as in. @throws std::runtime_error naming a photograph that cannot be read.
+/// Of a charuco board with two layouts: photos.layout, or the one that more pairs of markers lie
+/// as in. @throws std::runtime_error naming a photograph that cannot be read.
 CharucoLayout layout_seen(const CalibrationPhotos& photos);
 
 /// Metres, NaN = none. @throws std::runtime_error naming the file.

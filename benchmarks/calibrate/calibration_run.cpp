@@ -43,7 +43,7 @@ std::vector<Found> find_in_all(const CalibrationPhotos& photos, const CalibrateC
       const Image<float> light = read_light(photo);
       found.width = light.width();
       found.height = light.height();
-      found.view = find_target(light, photos.target, config.detection);
+      found.view = find_target(light, photos.target, config.detection, *photos.layout);
     } catch (const std::runtime_error& error) {
       found.error = error.what();
     }
@@ -251,7 +251,7 @@ CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& 
   run.photos = std::move(photos);
   run.config = config;
   const auto start = std::chrono::steady_clock::now();
-  run.photos.target.layout = layout_seen(run.photos);
+  run.photos.layout = layout_seen(run.photos);
   std::vector<Found> found = find_in_all(run.photos, config, progress);
   run.detect_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::vector<Camera> cameras = cameras_of(run.photos, found, config.model);

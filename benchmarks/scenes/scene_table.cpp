@@ -4,7 +4,7 @@
 
 #include "benchmarks/scenes/plant_simulation.h"
 #include "benchmarks/seeds/simulate.h"
-#include "sim/geometry/user_mesh.h"
+#include "sim/geometry/mesh_warnings.h"
 
 namespace cousin {
 namespace {
@@ -32,7 +32,7 @@ std::string cousins_text(const std::vector<CousinMove>& moves) {
 }
 
 std::vector<std::string> mesh_warnings(const std::string& file) {
-  return file.empty() ? std::vector<std::string>() : read_user_mesh(file).warnings;
+  return file.empty() ? std::vector<std::string>() : user_mesh_warnings(file);
 }
 
 SceneJob configure_seeds(const std::vector<std::string>& assignments,

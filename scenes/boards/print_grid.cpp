@@ -67,13 +67,12 @@ Cuts squares(const CalibrationTarget& target) {
       cut_evenly(cuts.y_m, -0.5 * size.y() + i * pitch + first, bit, side);
   }
   const double share = target.mark_share;
-  const int black = is_first_square_black(target) ? 0 : 1;  // column + row, modulo 2
   cuts.has_ink = [=](const Eigen::Vector2d& at_m) {
     const Eigen::Vector2d p(at_m.x() + 0.5 * size.x(), 0.5 * size.y() - at_m.y());  // y down
     if (!is_in(p, size)) return false;
     const int column = std::min(static_cast<int>(p.x() / pitch), columns - 1);
     const int row = std::min(static_cast<int>(p.y() / pitch), rows - 1);
-    if ((column + row) % 2 == black) return true;
+    if ((column + row) % 2 == 0) return true;
     if (codes.empty()) return false;
     // Markers are numbered along the white squares, row by row from the top.
     const auto id = static_cast<std::size_t>((row * columns + column) / 2);

@@ -24,7 +24,7 @@ class GltfScene {
   GltfScene(GltfDocument& document, std::size_t most_triangles)
       : d_(document), most_triangles_(most_triangles) {}
 
-  UserMesh read() {
+  MeshFile read() {
     if (d_.count("nodes") > kMostNodes) d_.fail("/nodes", "has more than 1000000 entries");
     is_reached_.assign(d_.count("nodes"), false);
     // glTF's y is up and its z looks at the viewer; ours is z up.
@@ -39,10 +39,11 @@ class GltfScene {
     }
     if (user_.mesh.triangles.empty()) d_.fail("/", "there are no triangles");
     user_.is_in_metres = true;
-    for (const std::string& what : passed_over_) user_.warnings.push_back(d_.name() + ": " + what);
     if (!has_colours_) user_.vertex_albedo.clear();
     name_parts(user_);
-    return std::move(user_);
+    MeshFile file{std::move(user_), {}};
+    for (const std::string& what : passed_over_) file.warnings.push_back(d_.name() + ": " + what);
+    return file;
   }
 
  private:
@@ -320,7 +321,7 @@ class GltfScene {
 
 }  // namespace
 
-UserMesh parse_gltf(std::string_view bytes, const std::string& name, const OpenFile& open,
+MeshFile parse_gltf(std::string_view bytes, const std::string& name, const OpenFile& open,
                     std::size_t most_triangles) {
   GltfDocument document(bytes, name, open);
   return GltfScene(document, most_triangles).read();

@@ -72,7 +72,7 @@ class ObjReader {
   ObjReader(std::string_view bytes, const std::string& name, std::size_t most_triangles)
       : words_(bytes, name, true), parts_(user_), most_triangles_(most_triangles) {}
 
-  UserMesh read() {
+  MeshFile read() {
     for (std::string_view word = words_.next(); !word.empty(); word = words_.next()) {
       if (word == "v") {
         read_vertex();
@@ -89,7 +89,7 @@ class ObjReader {
       words_.skip_line();
     }
     finish();
-    return std::move(user_);
+    return {std::move(user_), std::move(warnings_)};
   }
 
  private:
@@ -167,13 +167,14 @@ class ObjReader {
     else
       user_.part_names.clear();
     if (has_materials_ && coloured == 0) {
-      user_.warnings.push_back(words_.name() +
-                               ": materials and textures (mtllib, usemtl) are not read: "
-                               "the surface has the colour of the configuration");
+      warnings_.push_back(words_.name() +
+                          ": materials and textures (mtllib, usemtl) are not read: "
+                          "the surface has the colour of the configuration");
     }
   }
 
   UserMesh user_;
+  std::vector<std::string> warnings_;
   MeshWords words_;
   ObjParts parts_;
   std::size_t most_triangles_;
@@ -183,7 +184,7 @@ class ObjReader {
 
 }  // namespace
 
-UserMesh parse_obj(std::string_view bytes, const std::string& name, std::size_t most_triangles) {
+MeshFile parse_obj(std::string_view bytes, const std::string& name, std::size_t most_triangles) {
   return ObjReader(bytes, name, most_triangles).read();
 }
 

@@ -37,7 +37,7 @@ bool is_binary(std::string_view bytes) {
          bytes.substr(0, kHeader).find('\0') != std::string_view::npos;
 }
 
-UserMesh parse_binary(std::string_view bytes, const std::string& name) {
+MeshFile parse_binary(std::string_view bytes, const std::string& name) {
   const std::uint32_t count = count_of(bytes);
   const std::size_t wanted = kHeader + kTriangle * std::size_t{count};
   const std::string counted = ": byte 80: a binary STL of " + std::to_string(count) + " triangles";
@@ -51,12 +51,12 @@ UserMesh parse_binary(std::string_view bytes, const std::string& name) {
                              " bytes follow, enough for " + std::to_string(tail / kTriangle) +
                              " more; the count is wrong");
   }
-  UserMesh user;
+  MeshFile file;
   if (tail > 0) {
-    user.warnings.push_back(name + ": " + std::to_string(tail) + " bytes behind the last of " +
+    file.warnings.push_back(name + ": " + std::to_string(tail) + " bytes behind the last of " +
                             std::to_string(count) + " triangles are not read");
   }
-  Mesh& mesh = user.mesh;
+  Mesh& mesh = file.user.mesh;
   check_memory(name,
                bytes.size() + std::uint64_t{count} *
                                   (3 * sizeof(Eigen::Vector3d) + sizeof(mesh.triangles.front())),
@@ -74,7 +74,7 @@ UserMesh parse_binary(std::string_view bytes, const std::string& name) {
     }
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
-  return user;
+  return file;
 }
 
 /// The corners of one facet, up to its endloop.
@@ -94,11 +94,11 @@ void read_loop(MeshWords& words, Mesh& mesh) {
   mesh.triangles.push_back({first, first + 1, first + 2});
 }
 
-UserMesh parse_text(std::string_view bytes, const std::string& name) {
+MeshFile parse_text(std::string_view bytes, const std::string& name) {
   MeshWords words(bytes, name);
   if (lower(words.next()) != "solid") words.fail("neither a binary STL nor \"solid\"");
   words.skip_line();  // a name, which may be any words
-  UserMesh user;
+  MeshFile file;
   bool is_open = true;
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
     const std::string key = lower(word);
@@ -106,18 +106,18 @@ UserMesh parse_text(std::string_view bytes, const std::string& name) {
       is_open = key == "solid";
       words.skip_line();
     } else if (key == "loop") {
-      read_loop(words, user.mesh);
+      read_loop(words, file.user.mesh);
     } else if (key == "vertex" || key == "endloop") {
       words.fail("\"" + key + "\" stands outside of a loop");
     }
   }
   if (is_open) words.fail("the file ends inside a triangle or before endsolid");
-  return user;
+  return file;
 }
 
 }  // namespace
 
-UserMesh parse_stl(std::string_view bytes, const std::string& name) {
+MeshFile parse_stl(std::string_view bytes, const std::string& name) {
   return is_binary(bytes) ? parse_binary(bytes, name) : parse_text(bytes, name);
 }
 

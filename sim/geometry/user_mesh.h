@@ -17,7 +17,6 @@ struct UserMesh {
   std::vector<std::uint16_t> triangle_part;  ///< index into part_names; empty = no parts
   std::vector<std::string> part_names;       ///< unique, not empty
   bool is_in_metres = false;                 ///< the format says so: glTF
-  std::vector<std::string> warnings;  ///< what of the file was passed over; each names the file
 };
 
 /// Triangles of a file beyond which it is refused, unless the caller says otherwise.
@@ -25,14 +24,13 @@ inline constexpr std::size_t kMostUserTriangles = 20'000'000;
 
 /// Reads a scan, or another program's plant, by its ending:
 /// - .ply: ASCII and binary; colours from red, green, blue (integers of 255 or floats of 1, sRGB).
-/// - .obj: parts from o and g lines, colours from "v x y z r g b" (sRGB of 1). Names are UTF-8.
+/// - .obj: parts from o and g lines, colours from "v x y z r g b" (sRGB of 1).
 /// - .stl: ASCII and binary.
 /// - .gltf, .glb: glTF 2.0 [Khronos, ISO/IEC 12113]: the nodes of its scene that carry triangles
 ///   are the parts, placed as the nodes are; y up becomes z up; COLOR_0 times the material's base
-///   colour are the colours. Buffers are embedded or files inside the folder. Textures and
-///   animations are not read; skins, morphs, instancing, sparse and compressed data are refused.
-/// Polygons, concave ones too, are cut into triangles (polygon.h). Input is hostile: counts are
-/// bounded by the file's size and most_triangles.
+///   colour are the colours. Buffers are embedded or files inside the folder. Textures, skins,
+///   morphs and animations are not read; sparse and compressed data are refused.
+/// Polygons are fanned. Input is hostile: counts are bounded by the file's size and most_triangles.
 /// @throws std::runtime_error naming file, place, value and limit.
 UserMesh read_user_mesh(const std::filesystem::path& file,
                         std::size_t most_triangles = kMostUserTriangles);

@@ -69,23 +69,24 @@ void add_colours(const PlyElement& vertices, UserMesh& user, const std::string& 
 
 }  // namespace
 
-UserMesh user_mesh_of_ply(const Ply& ply, const std::string& name) {
-  UserMesh user;
+MeshFile user_mesh_of_ply(const Ply& ply, const std::string& name) {
+  MeshFile file;
+  UserMesh& user = file.user;
   user.mesh = mesh_of_ply(ply, name);
   add_colours(*ply.element("vertex"), user, name);
   const bool has_texture =
       std::any_of(ply.comments.begin(), ply.comments.end(),
                   [](const std::string& text) { return text.starts_with("TextureFile"); });
   if (has_texture && user.vertex_albedo.empty()) {
-    user.warnings.push_back(name +
+    file.warnings.push_back(name +
                             ": its texture (TextureFile) is not read: the surface has the colour "
                             "of the configuration");
   }
   if (ply.bytes_left > 0) {
-    user.warnings.push_back(name + ": " + std::to_string(ply.bytes_left) +
+    file.warnings.push_back(name + ": " + std::to_string(ply.bytes_left) +
                             " bytes behind the rows that the header counts are not read");
   }
-  return user;
+  return file;
 }
 
 }  // namespace cousin::geometry

@@ -105,26 +105,6 @@ std::vector<TargetPoint> seed_points(const CalibrationTarget& target) {
 
 }  // namespace
 
-std::string_view to_string(CharucoLayout layout) {
-  return layout == CharucoLayout::legacy ? "legacy" : "current";
-}
-
-CharucoLayout charuco_layout_from_string(std::string_view text) {
-  for (const CharucoLayout layout : {CharucoLayout::current, CharucoLayout::legacy}) {
-    if (text == to_string(layout)) return layout;
-  }
-  throw std::invalid_argument("target: layout \"" + std::string(text) +
-                              "\" is not one of current, legacy");
-}
-
-bool has_two_layouts(const CalibrationTarget& target) {
-  return target.kind == TargetKind::charuco && target.rows % 2 == 0;
-}
-
-bool is_first_square_black(const CalibrationTarget& target) {
-  return !has_two_layouts(target) || target.layout == CharucoLayout::current;
-}
-
 std::string_view to_string(TargetKind kind) {
   for (const KindName& k : kKinds) {
     if (k.kind == kind) return k.name;
@@ -156,8 +136,6 @@ void validate(const CalibrationTarget& target) {
     fail("dictionary", "\"" + target.dictionary + "\"",
          "a name of cv::aruco's on a charuco board and empty on others");
   }
-  if (target.layout != CharucoLayout::current && target.kind != TargetKind::charuco)
-    fail("layout", std::string(to_string(target.layout)), "current on all but charuco boards");
   const double share = target.mark_share;
   switch (target.kind) {
     case TargetKind::chessboard:
@@ -224,8 +202,6 @@ std::string to_text(const CalibrationTarget& target) {
       " rows=" + std::to_string(target.rows) + " pitch_m=" + shortest(target.pitch_m);
   if (target.mark_share != 0) text += " mark_share=" + shortest(target.mark_share);
   if (!target.dictionary.empty()) text += " dictionary=" + target.dictionary;
-  if (target.layout != CharucoLayout::current)
-    text += " layout=" + std::string(to_string(target.layout));
   return text;
 }
 
@@ -256,11 +232,9 @@ CalibrationTarget target_from_text(std::string_view text) {
       target.mark_share = number<double>(key, value);
     } else if (key == "dictionary") {
       target.dictionary = value;
-    } else if (key == "layout") {
-      target.layout = charuco_layout_from_string(value);
     } else {
       fail("key \"" + std::string(key) + "\"", std::string(value),
-           "one of columns, rows, pitch_m, mark_share, dictionary, layout");
+           "one of columns, rows, pitch_m, mark_share, dictionary");
     }
   }
   validate(target);

@@ -10,7 +10,7 @@ namespace cousin {
 /// Prints that cameras are calibrated with.
 enum class TargetKind {
   chessboard,          ///< black where column + row is even, counted from the upper left square
-  charuco,             ///< squares with cv::aruco's markers in the white ones: CharucoLayout
+  charuco,             ///< the same, markers in the white squares: OpenCV 4.6's cv::aruco
   april_grid,          ///< tag36h11 in Kalibr's layout: black border of two bits, squares between
   circles,             ///< black discs on a square lattice
   asymmetric_circles,  ///< black discs, each second row half a step to the right
@@ -19,15 +19,6 @@ enum class TargetKind {
 std::string_view to_string(TargetKind kind);
 /// @throws std::invalid_argument naming the text and the names that exist.
 TargetKind target_kind_from_string(std::string_view text);
-
-/// Which squares of a charuco board are black. With an odd number of rows both are the same.
-enum class CharucoLayout {
-  current,  ///< the upper left one: OpenCV 4.6 and later
-  legacy,   ///< the lower left one: OpenCV up to 4.5, and CharucoBoard::setLegacyPattern
-};
-std::string_view to_string(CharucoLayout layout);
-/// @throws std::invalid_argument naming the text and both names.
-CharucoLayout charuco_layout_from_string(std::string_view text);
 
 /// A print as it was designed: what one knows who reads the images. Frame: origin at the middle of
 /// the print, x to the right and y up when it is read upright, z out of the face.
@@ -42,18 +33,12 @@ struct CalibrationTarget {
   /// pitch; seed_board: marker over square, 0 = no markers; chessboard: not used.
   double mark_share = 0;
   std::string dictionary;  ///< charuco: of cv::aruco, such as DICT_5X5_100; else ""
-  CharucoLayout layout = CharucoLayout::current;  ///< charuco; else current
 
   bool operator==(const CalibrationTarget&) const = default;
 };
 /// Sizes and numbers; what a dictionary holds is known to who draws the markers.
 /// @throws std::invalid_argument naming the field, its value and the limit.
 void validate(const CalibrationTarget& target);
-
-/// Whether the layout matters: a charuco board with an even number of rows.
-bool has_two_layouts(const CalibrationTarget& target);
-/// Of a board of squares: the colour of its upper left one.
-bool is_first_square_black(const CalibrationTarget& target);
 
 /// Width and height of what is printed, without margins.
 Eigen::Vector2d print_size_m(const CalibrationTarget& target);
@@ -69,8 +54,8 @@ struct TargetPoint {
 /// Kalibr numbers them. Seed board: as sim/types/board.h, without the corners that do not exist.
 std::vector<TargetPoint> target_points(const CalibrationTarget& target);
 
-/// One line: "charuco columns=11 rows=8 pitch_m=0.02 mark_share=0.75 dictionary=DICT_4X4_50", with
-/// " layout=legacy" where it is. Reads back equal. Datasets name their board so.
+/// One line: "charuco columns=11 rows=8 pitch_m=0.02 mark_share=0.75 dictionary=DICT_4X4_50". Reads
+/// back equal. Datasets name their board so.
 std::string to_text(const CalibrationTarget& target);
 /// @throws std::invalid_argument naming what is wrong in the text.
 CalibrationTarget target_from_text(std::string_view text);
