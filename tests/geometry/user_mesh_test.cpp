@@ -162,7 +162,7 @@ TEST_F(UserMeshFiles, ObjGroupsArePartsAndColoursAreLinear) {
       read_user_mesh(write("a.obj",
                            "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0.5 0.5 0.5\no stem\nf 1 2 3\n"
                            "g leaf 1\nf 1 2 3\nf 3 2 1\no stem\nf 1 3 2\n"));
-  EXPECT_THAT(user.part_names, ElementsAre("stem", "leaf"));
+  EXPECT_THAT(user.part_names, ElementsAre("stem", "leaf 1"));
   EXPECT_THAT(user.triangle_part, ElementsAre(0, 1, 1, 0));
   // IEC 61966-2-1: 0.5 is 0.2140 of the light.
   EXPECT_NEAR(user.vertex_albedo[2].r, 0.2140F, 1e-4F);
