@@ -40,8 +40,9 @@ Eigen::Vector2d middle(const std::array<Eigen::Vector2d, 4>& corners) {
   return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
 }
 
-std::vector<PlanePoint> plane_points(const CalibrationTarget& target, const SeenMarker& marker) {
-  const auto at_m = marker_corners_m(target, marker.id);
+std::vector<PlanePoint> plane_points(const CalibrationTarget& target, CharucoLayout layout,
+                                     const SeenMarker& marker) {
+  const auto at_m = marker_corners_m(target, layout, marker.id);
   std::vector<PlanePoint> points;
   for (std::size_t k = 0; k < 4; ++k) points.push_back({at_m[k], marker.corners_px[k], 1});
   return points;
@@ -139,7 +140,8 @@ int marker_count(const CalibrationTarget& target) {
   return target.kind == TargetKind::april_grid ? cells : cells / 2;
 }
 
-std::array<Eigen::Vector2d, 4> marker_corners_m(const CalibrationTarget& target, int id) {
+std::array<Eigen::Vector2d, 4> marker_corners_m(const CalibrationTarget& target,
+                                                CharucoLayout layout, int id) {
   const double p = target.pitch_m;
   if (target.kind == TargetKind::april_grid) {
     // cv::aruco's upper left corner is, upright as Kalibr prints it, the lower right.
@@ -154,7 +156,7 @@ std::array<Eigen::Vector2d, 4> marker_corners_m(const CalibrationTarget& target,
   // Numbered along the white squares, row by row from the top.
   int left = id, row = 0, column = 0;
   for (; row < target.rows; ++row) {
-    const int first = row % 2 == 0 ? 1 : 0;  // white where column + row is odd
+    const int first = (row % 2 == 0) == is_first_square_black(target, layout) ? 1 : 0;
     const int whites = (target.columns - first + 1) / 2;
     if (left < whites) {
       column = first + 2 * left;
@@ -169,15 +171,16 @@ std::array<Eigen::Vector2d, 4> marker_corners_m(const CalibrationTarget& target,
           centre + Eigen::Vector2d(h, -h), centre + Eigen::Vector2d(-h, -h)};
 }
 
-MarkerOrder marker_order(const CalibrationTarget& target, const std::vector<SeenMarker>& markers) {
+MarkerOrder marker_order(const CalibrationTarget& target, CharucoLayout layout,
+                         const std::vector<SeenMarker>& markers) {
   constexpr double kNear = 2.3, kFar = 0.5;  // of a pitch apart; of a marker's side off
   MarkerOrder order;
   for (const SeenMarker& a : markers) {
-    const HomographyFit fit = fit_homography(plane_points(target, a));
+    const HomographyFit fit = fit_homography(plane_points(target, layout, a));
     if (!fit.ok) continue;
-    const Eigen::Vector2d a_m = middle(marker_corners_m(target, a.id));
+    const Eigen::Vector2d a_m = middle(marker_corners_m(target, layout, a.id));
     for (const SeenMarker& b : markers) {
-      const Eigen::Vector2d b_m = middle(marker_corners_m(target, b.id));
+      const Eigen::Vector2d b_m = middle(marker_corners_m(target, layout, b.id));
       const double apart = (a_m - b_m).norm() / target.pitch_m;
       if (a.id == b.id || apart > kNear) continue;
       const double side_px = (b.corners_px[0] - b.corners_px[2]).norm();
@@ -189,7 +192,8 @@ MarkerOrder marker_order(const CalibrationTarget& target, const std::vector<Seen
   return order;
 }
 
-FoundPixels points_from_markers(const TargetGrid& grid, const std::vector<SeenMarker>& markers) {
+FoundPixels points_from_markers(const TargetGrid& grid, CharucoLayout layout,
+                                const std::vector<SeenMarker>& markers) {
   const CalibrationTarget& target = grid.target();
   FoundPixels found(grid.points().size());
   // Of a tag's own, its side neighbours' and the one across the corner: outlines of tags lie a
@@ -201,8 +205,8 @@ FoundPixels points_from_markers(const TargetGrid& grid, const std::vector<SeenMa
     const Eigen::Vector2d& at_m = grid.points()[i].at_m;
     std::vector<PlanePoint> near;
     for (const SeenMarker& marker : markers) {
-      if ((middle(marker_corners_m(target, marker.id)) - at_m).norm() > reach_m) continue;
-      for (const PlanePoint& p : plane_points(target, marker)) near.push_back(p);
+      if ((middle(marker_corners_m(target, layout, marker.id)) - at_m).norm() > reach_m) continue;
+      for (const PlanePoint& p : plane_points(target, layout, marker)) near.push_back(p);
     }
     if (near.empty()) continue;
     const HomographyFit fit = fit_homography(near);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/charuco_layout.h"
 #include "calibration/target_grid.h"
 #include "sim/types/image.h"
 
@@ -31,16 +32,19 @@ std::vector<SeenMarker> find_markers(std::span<const Image<std::uint8_t>* const>
 /// How many markers the board has.
 int marker_count(const CalibrationTarget& target);
 /// Where a marker's corners are on the print, in the order of SeenMarker.
-std::array<Eigen::Vector2d, 4> marker_corners_m(const CalibrationTarget& target, int id);
+std::array<Eigen::Vector2d, 4> marker_corners_m(const CalibrationTarget& target,
+                                                CharucoLayout layout, int id);
 
 /// How the markers lie to each other.
 struct MarkerOrder {
   int agree = 0, differ = 0;  ///< pairs of neighbours that lie as on the print, and that do not
 };
-MarkerOrder marker_order(const CalibrationTarget& target, const std::vector<SeenMarker>& markers);
+MarkerOrder marker_order(const CalibrationTarget& target, CharucoLayout layout,
+                         const std::vector<SeenMarker>& markers);
 
 /// The grid's points predicted from the markers about each: by the homography of the corners of
 /// those next to it.
-FoundPixels points_from_markers(const TargetGrid& grid, const std::vector<SeenMarker>& markers);
+FoundPixels points_from_markers(const TargetGrid& grid, CharucoLayout layout,
+                                const std::vector<SeenMarker>& markers);
 
 }  // namespace cousin

@@ -169,12 +169,36 @@ Guess guess_chessboard(const Image<float>& light, const TargetGrid& grid) {
   return best;
 }
 
-Guess guess_markers(const Image<float>& light, const TargetGrid& grid) {
-  constexpr double kMostDiffer = 0.25;
+Tones marker_tones(const Image<float>& light) {
   const int scale = std::max(1, static_cast<int>(std::lround(light.width() / 1600.0)));
-  const Tones tones = tones_of(light, levels_of(light), scale);
-  std::vector<SeenMarker> markers = find_markers(
-      std::array<const Image<std::uint8_t>*, 2>{&tones.linear, &tones.bytes}, grid.target());
+  return tones_of(light, levels_of(light), scale);
+}
+
+std::vector<SeenMarker> markers_in(const Tones& tones, const CalibrationTarget& target) {
+  return find_markers(std::array<const Image<std::uint8_t>*, 2>{&tones.linear, &tones.bytes},
+                      target);
+}
+
+LayoutVotes votes_of(const CalibrationTarget& target, const std::vector<SeenMarker>& markers) {
+  return {marker_order(target, CharucoLayout::current, markers).agree,
+          marker_order(target, CharucoLayout::legacy, markers).agree};
+}
+
+/// What to say of markers that lie as on the same board in its other layout; else empty.
+std::string other_layout(const CalibrationTarget& target, CharucoLayout layout,
+                         const std::vector<SeenMarker>& markers) {
+  if (!has_two_layouts(target)) return "";
+  const LayoutVotes votes = votes_of(target, markers);
+  const bool is_legacy = votes.legacy > votes.current;
+  if (is_legacy == (layout == CharucoLayout::legacy)) return "";
+  return is_legacy ? "; its layout is the legacy one, of OpenCV up to 4.5"
+                   : "; its layout is the current one, of OpenCV 4.6 and later";
+}
+
+Guess guess_markers(const Image<float>& light, const TargetGrid& grid, CharucoLayout layout) {
+  constexpr double kMostDiffer = 0.25;
+  const Tones tones = marker_tones(light);
+  std::vector<SeenMarker> markers = markers_in(tones, grid.target());
   Guess guess;
   const int count = marker_count(grid.target());
   const std::size_t seen = markers.size();
@@ -193,17 +217,18 @@ Guess guess_markers(const Image<float>& light, const TargetGrid& grid) {
                    " or more, which the board has not";
     return guess;
   }
-  const MarkerOrder order = marker_order(grid.target(), markers);
+  const MarkerOrder order = marker_order(grid.target(), layout, markers);
   if (order.differ > kMostDiffer * (order.agree + order.differ)) {
     guess.status = TargetStatus::wrong_target;
     guess.reason =
         std::to_string(order.differ) + " of " + std::to_string(order.agree + order.differ) +
         " pairs of markers do not lie as on a board of " + std::to_string(grid.target().columns) +
-        " x " + std::to_string(grid.target().rows);
+        " x " + std::to_string(grid.target().rows) + other_layout(grid.target(), layout, markers);
     return guess;
   }
   guess.status = TargetStatus::ok;
-  guess.found = points_from_markers(grid, markers);
+  guess.found = points_from_markers(grid, layout, markers);
+  guess.inverted = !is_first_square_black(grid.target(), layout);
   guess.saddles = in_full(tones, saddles_of(tones));
   return guess;
 }
@@ -270,8 +295,18 @@ Image<float> light_of(const Image<std::uint8_t>& linear_grey) {
   return light;
 }
 
+LayoutVotes layout_votes(const Image<float>& light, const CalibrationTarget& target) {
+  validate(target);
+  constexpr int kLeastSide = 40;
+  if (!has_two_layouts(target) || std::min(light.width(), light.height()) < kLeastSide) return {};
+  std::vector<SeenMarker> markers = markers_in(marker_tones(light), target);
+  const int count = marker_count(target);
+  std::erase_if(markers, [&](const SeenMarker& m) { return m.id >= count; });
+  return votes_of(target, markers);
+}
+
 TargetView find_target(const Image<float>& light, const CalibrationTarget& target,
-                       const TargetDetectionConfig& config) {
+                       const TargetDetectionConfig& config, CharucoLayout layout) {
   validate(target);
   validate(config);
   constexpr int kLeastSide = 40;
@@ -284,7 +319,7 @@ TargetView find_target(const Image<float>& light, const CalibrationTarget& targe
       target.kind == TargetKind::circles || target.kind == TargetKind::asymmetric_circles;
   Guess guess = has_discs                               ? guess_discs(light, grid)
                 : target.kind == TargetKind::chessboard ? guess_chessboard(light, grid)
-                                                        : guess_markers(light, grid);
+                                                        : guess_markers(light, grid, layout);
   if (!is_usable_guess(guess)) return refused(guess.status, guess.reason);
   // Order.
   const int guessed = count_found(guess.found);

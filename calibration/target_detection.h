@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "calibration/charuco_layout.h"
 #include "calibration/target_view.h"
 #include "sim/config/fields.h"
 #include "sim/types/calibration_target.h"
@@ -25,6 +26,13 @@ void validate(const TargetDetectionConfig& config);
 Image<float> light_of(const Image<Rgb8>& color);
 Image<float> light_of(const Image<std::uint8_t>& linear_grey);
 
+/// Pairs of neighbouring markers that lie as on the charuco board in either layout.
+struct LayoutVotes {
+  int current = 0, legacy = 0;
+};
+/// @throws as find_target.
+LayoutVotes layout_votes(const Image<float>& light, const CalibrationTarget& target);
+
 /// Finds a target of any kind and measures its points (the seed board by seed_board_target.h):
 /// 1. chessboard: saddles grow into a lattice, whose size and colours say which corner is which;
 ///    charuco and april grid: cv::aruco's markers predict the corners; circles: OpenCV's grids.
@@ -38,8 +46,10 @@ Image<float> light_of(const Image<std::uint8_t>& linear_grey);
 /// Parts of a charuco board, an april grid and a seed board are views; of a chessboard, its whole
 /// lattice must be spanned; a part of circles is one where its outline tells which part it is.
 /// @param light  linear, black to white anywhere in it; 65535 a side at most
+/// @param layout  of a charuco board
 /// @throws std::invalid_argument for an invalid target or config, an unknown dictionary.
 TargetView find_target(const Image<float>& light, const CalibrationTarget& target,
-                       const TargetDetectionConfig& config = {});
+                       const TargetDetectionConfig& config = {},
+                       CharucoLayout layout = CharucoLayout::current);
 
 }  // namespace cousin

@@ -51,6 +51,7 @@ ExitCode command_calibrate(const JobContext& context) {
                                 "chessboard:6x4:0.030");
   CalibrationPhotos photos = dataset ? photos_of_dataset(source, o.board)
                                      : photos_of_folder(source, target_from_option(o.board));
+  photos.layout = layout_from_option(o.board);
   const fs::path out = o.out.empty() ? fs::path("out") / "calibrate" : fs::path(o.out);
   require_writable(out);
   const CalibrationRun run =

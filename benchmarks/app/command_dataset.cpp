@@ -162,6 +162,8 @@ ExitCode command_render(const JobContext& context) {
   const std::string hash = owner_hash(job.hash(o.seed), contents.truth);
   require_writable(dataset);
   check_owner(dataset, hash);
+  const std::vector<std::string> warnings = job.warnings();
+  for (const std::string& warning : warnings) context.progress.line("warning: " + warning);
 
   const int frames = job.views;
   const auto [first, end] = shard_range(shard, o.scenes * frames);
@@ -200,11 +202,12 @@ ExitCode command_render(const JobContext& context) {
   if (o.json) {
     nlohmann::json seconds = nlohmann::json::object();
     for (const StageTiming& timing : timings) seconds[timing.stage] = timing.wall_s;
-    std::printf(
-        "%s\n",
-        nlohmann::json{{"dataset", dataset.string()}, {"complete", complete}, {"seconds", seconds}}
-            .dump(2)
-            .c_str());
+    std::printf("%s\n", nlohmann::json{{"dataset", dataset.string()},
+                                       {"complete", complete},
+                                       {"seconds", seconds},
+                                       {"warnings", warnings}}
+                            .dump(2)
+                            .c_str());
   }
   context.progress.line((complete ? "dataset: " : "shard of dataset: ") + dataset.string());
   return ExitCode::done;

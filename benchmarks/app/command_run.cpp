@@ -236,6 +236,8 @@ ExitCode command_run(const JobContext& context) {
   }
   const fs::path out = o.out.empty() ? fs::path("out") / "seeds" : fs::path(o.out);
   require_writable(out);
+  for (const std::string& warning : entry.configure(assignments(o), o.config).warnings())
+    context.progress.line("warning: " + warning);
 
   SeedsReport report;
   report.command_line = context.command_line;

@@ -157,6 +157,8 @@ ExitCode command_run_views(const JobContext& context) {
   for (const std::string& gate : o.gates) parse_gate(gate);
   const fs::path out = o.out.empty() ? fs::path("out") / (entry.name + "_views") : fs::path(o.out);
   require_writable(out);
+  for (const std::string& warning : config.scene.warnings())
+    context.progress.line("warning: " + warning);
 
   SeedsReport report;
   report.title = "Cousin: " + entry.name + ", Gaussians of photographs";

@@ -1,6 +1,7 @@
 #include "benchmarks/calibrate/calibration_output.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -36,6 +37,36 @@ std::string_view name_of(TargetStatus status) {
       return "wrong_target";
   }
   return "?";
+}
+
+/// Of a charuco board whose layout matters; else empty.
+std::string layout_text(const CalibrationPhotos& photos) {
+  if (!has_two_layouts(photos.target) || !photos.layout) return "";
+  return *photos.layout == CharucoLayout::current
+             ? "current: the upper left square is black, as OpenCV 4.6 and later draws it"
+             : "legacy: the upper left square is white, as OpenCV up to 4.5 and setLegacyPattern "
+               "draw it";
+}
+
+bool has_turned_photos(const CalibrationRun& run) {
+  return std::any_of(run.photos.photos.begin(), run.photos.photos.end(),
+                     [](const CalibrationPhoto& p) { return p.exif_orientation != 1; });
+}
+
+/// For files of other programs, whose readers pass over comments of this form.
+std::string pixel_comment(const CalibrationRun& run) {
+  if (!has_turned_photos(run)) return "";
+  return "# Pixels as they are stored in the files: the EXIF orientation of the photographs was "
+         "not "
+         "applied.\n";
+}
+
+/// The text with the comment in front, or behind YAML's first line where that is a directive.
+std::string commented(const std::string& comment, const std::string& text) {
+  constexpr std::string_view kBegin = "---\n";
+  const std::size_t at = text.starts_with("%YAML") ? text.find(kBegin) : std::string::npos;
+  if (at == std::string::npos) return comment + text;
+  return text.substr(0, at + kBegin.size()) + comment + text.substr(at + kBegin.size());
 }
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -133,7 +164,7 @@ void write_colmap(const fs::path& folder, const CalibrationRun& run) {
     }
   }
   const ColmapFiles files = colmap_text(model);
-  write_file(folder / "cameras.txt", files.cameras);
+  write_file(folder / "cameras.txt", pixel_comment(run) + files.cameras);
   write_file(folder / "images.txt", files.images);
   write_file(folder / "points3D.txt", files.points);
 }
@@ -145,6 +176,7 @@ std::string calibration_json(const CalibrationRun& run) {
             {"status", to_string(run.result.status)},
             {"usable", run.problems.empty()},
             {"board", to_text(run.photos.target)},
+            {"board_layout", layout_text(run.photos)},
             {"model", to_string(run.config.model)},
             {"solver", to_string(run.config.calibration.solver)},
             {"rms_px", number(run.result.rms_px)},
@@ -157,6 +189,8 @@ std::string calibration_json(const CalibrationRun& run) {
             {"outliers", run.result.outliers},
             {"detect_s", number(run.detect_s)},
             {"solve_s", number(run.result.seconds)}};
+  if (layout_text(run.photos).empty()) json.erase("board_layout");
+  if (has_turned_photos(run)) json["pixels"] = "as stored: the EXIF orientation is not applied";
   json["problems"] = run.problems;
   json["warnings"] = run.warnings;
   json["not_determined"] = run.result.not_determined;
@@ -178,6 +212,8 @@ std::string calibration_json(const CalibrationRun& run) {
                {"status", name_of(view.status)},
                {"points", view.points.size()},
                {"rms_px", number(rms[i])}};
+    const int orientation = run.photos.photos[i].exif_orientation;
+    if (orientation != 1) image["exif_orientation"] = orientation;
     if (!view.reason.empty()) image["reason"] = view.reason;
     json["images"].push_back(image);
   }
@@ -186,6 +222,7 @@ std::string calibration_json(const CalibrationRun& run) {
 
 std::string calibration_table(const CalibrationRun& run) {
   std::string text = "board      " + to_text(run.photos.target) + "\n";
+  if (!layout_text(run.photos).empty()) text += "layout     " + layout_text(run.photos) + "\n";
   const auto used = std::count_if(run.input.views.begin(), run.input.views.end(),
                                   [](const TargetView& v) { return is_usable(v); });
   text += line_of("images     %d of %d show it, %d points", static_cast<int>(used),
@@ -267,6 +304,7 @@ std::vector<std::string> write_calibration_files(const fs::path& folder,
   std::vector<std::string> lines;
   if (!run.problems.empty()) return lines;
   const std::vector<CalibratedCamera> cameras = calibrated(run);
+  const std::string comment = pixel_comment(run);
   const auto attempt = [&](const char* format, const std::function<void(const fs::path&)>& write) {
     try {
       write(folder / format);
@@ -278,17 +316,18 @@ std::vector<std::string> write_calibration_files(const fs::path& folder,
   };
   attempt("opencv", [&](const fs::path& at) {
     for (const CalibratedCamera& c : cameras)
-      write_file(at / (c.name + ".yaml"), opencv_yaml(c, cameras.front()));
+      write_file(at / (c.name + ".yaml"), commented(comment, opencv_yaml(c, cameras.front())));
   });
   attempt("ros", [&](const fs::path& at) {
     for (const CalibratedCamera& c : cameras)
-      write_file(at / (c.name + ".yaml"), ros_camera_info(c));
+      write_file(at / (c.name + ".yaml"), commented(comment, ros_camera_info(c)));
   });
-  attempt("kalibr",
-          [&](const fs::path& at) { write_file(at / "camchain.yaml", kalibr_camchain(cameras)); });
+  attempt("kalibr", [&](const fs::path& at) {
+    write_file(at / "camchain.yaml", commented(comment, kalibr_camchain(cameras)));
+  });
   attempt("mrcal", [&](const fs::path& at) {
     for (const CalibratedCamera& c : cameras)
-      write_file(at / (c.name + ".cameramodel"), mrcal_cameramodel(c));
+      write_file(at / (c.name + ".cameramodel"), commented(comment, mrcal_cameramodel(c)));
   });
   attempt("colmap", [&](const fs::path& at) { write_colmap(at, run); });
   return lines;

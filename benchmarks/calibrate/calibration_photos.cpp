@@ -11,7 +11,9 @@
 #include "scenes/boards/boards_scene.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/imaging/exif.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -20,8 +22,9 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostPhotos = 5000;
 constexpr const char* kForms =
-    "give chessboard:COLUMNSxROWS:PITCH_M (inner corners), charuco:CxR:PITCH_M:SHARE:DICTIONARY "
-    "(squares), aprilgrid:CxR:TAG_M:SPACE_SHARE (tags), circles:CxR:PITCH_M[:SHARE], "
+    "give chessboard:COLUMNSxROWS:PITCH_M (inner corners), charuco:CxR:PITCH_M:SHARE:DICTIONARY"
+    "[:current|legacy] (squares), aprilgrid:CxR:TAG_M:SPACE_SHARE (tags), "
+    "circles:CxR:PITCH_M[:SHARE], "
     "acircles:CxR:PITCH_M[:SHARE], or a name of `cousin render boards --keys`";
 
 [[noreturn]] void fail(const std::string& text, const std::string& what) {
@@ -84,6 +87,10 @@ std::vector<std::string> picture_names(const fs::path& folder) {
     if (extension != ".png" && extension != ".jpg" && extension != ".jpeg") continue;
     if (is_temporary_name(entry.path().filename().string())) continue;
     names.push_back(entry.path().filename().string());
+    if (!is_utf8(names.back())) {
+      throw std::runtime_error(folder.string() + ": the file name \"" +
+                               readable_utf8(names.back()) + "\" is not UTF-8; rename it");
+    }
     if (names.size() > kMostPhotos)
       throw std::runtime_error(folder.string() + ": more than 5000 images");
   }
@@ -143,7 +150,7 @@ CalibrationTarget target_from_option(const std::string& text) {
   const bool has_corners = target.kind == TargetKind::chessboard;
   const bool has_markers = target.kind == TargetKind::charuco;
   if (has_corners) ++target.columns, ++target.rows;  // squares
-  const std::size_t most = has_corners ? 3 : has_markers ? 5 : 4;
+  const std::size_t most = has_corners ? 3 : has_markers ? 6 : 4;
   if (parts.size() > most) fail(text, "has more than " + std::to_string(most) + " parts");
   if (has_markers && parts.size() < 5) fail(text, "its share or its dictionary is missing");
   if (target.kind == TargetKind::april_grid && parts.size() < 4)
@@ -154,11 +161,32 @@ CalibrationTarget target_from_option(const std::string& text) {
   if (parts.size() > 3) target.mark_share = number<double>(text, parts[3], "share");
   if (has_markers) target.dictionary = parts[4];
   try {
+    if (parts.size() > 5) charuco_layout_from_string(parts[5]);
     validate(target);
   } catch (const std::invalid_argument& error) {
     fail(text, error.what());
   }
   return target;
+}
+
+std::optional<CharucoLayout> layout_from_option(const std::string& text) {
+  const std::vector<std::string> parts = parts_of(text, ':');
+  if (parts.front() != "charuco" || parts.size() < 6) return std::nullopt;
+  return charuco_layout_from_string(parts[5]);
+}
+
+CharucoLayout layout_seen(const CalibrationPhotos& photos) {
+  if (photos.layout) return *photos.layout;
+  if (!has_two_layouts(photos.target)) return CharucoLayout::current;
+  constexpr int kSure = 12;  // pairs of markers; in the wrong layout about half of them agree
+  LayoutVotes sum;
+  for (const CalibrationPhoto& photo : photos.photos) {
+    const LayoutVotes votes = layout_votes(read_light(photo), photos.target);
+    sum.current += votes.current;
+    sum.legacy += votes.legacy;
+    if (std::abs(sum.current - sum.legacy) >= kSure) break;
+  }
+  return sum.legacy > sum.current ? CharucoLayout::legacy : CharucoLayout::current;
 }
 
 CalibrationPhotos photos_of_folder(const fs::path& folder, const CalibrationTarget& target) {
@@ -196,6 +224,8 @@ CalibrationPhotos photos_of_folder(const fs::path& folder, const CalibrationTarg
                    [](const CalibrationPhoto& a, const CalibrationPhoto& b) {
                      return a.camera != b.camera ? a.camera < b.camera : a.frame < b.frame;
                    });
+  for (CalibrationPhoto& photo : result.photos)
+    photo.exif_orientation = read_exif(photo.file).orientation;
   return result;
 }
 
@@ -285,6 +315,10 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
                    [](const CalibrationPhoto& a, const CalibrationPhoto& b) {
                      return a.camera != b.camera ? a.camera < b.camera : a.frame < b.frame;
                    });
+  for (CalibrationPhoto& photo : result.photos) {
+    if (photo.file.extension() == ".jpg")
+      photo.exif_orientation = read_exif(photo.file).orientation;
+  }
   return result;
 }
 

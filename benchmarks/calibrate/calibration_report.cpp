@@ -91,8 +91,11 @@ void write_calibration_report(const std::filesystem::path& file, const Calibrati
   input.title = "Cousin: calibrate";
   input.summary = std::string(run.problems.empty() ? "Calibrated"
                                                    : "Refused: do not use these numbers. Tried") +
-                  " from " + to_text(run.photos.target) + " in " +
-                  std::to_string(run.input.views.size()) +
+                  " from " + to_text(run.photos.target) +
+                  (has_two_layouts(run.photos.target) && run.photos.layout
+                       ? " (layout " + std::string(to_string(*run.photos.layout)) + ")"
+                       : "") +
+                  " in " + std::to_string(run.input.views.size()) +
                   " images. Intervals are of 95 %, from the solver's covariance: they hold if the "
                   "lens model and "
                   "the board are as assumed, which small residuals do not prove.";

@@ -43,7 +43,7 @@ std::vector<Found> find_in_all(const CalibrationPhotos& photos, const CalibrateC
       const Image<float> light = read_light(photo);
       found.width = light.width();
       found.height = light.height();
-      found.view = find_target(light, photos.target, config.detection);
+      found.view = find_target(light, photos.target, config.detection, *photos.layout);
     } catch (const std::runtime_error& error) {
       found.error = error.what();
     }
@@ -98,8 +98,8 @@ void check_views(const CalibrationPhotos& photos, const std::vector<TargetView>&
     if (wrong_reason.empty()) wrong_reason = reason;
   }
   if (wrong > usable) {
-    throw std::runtime_error("a board of the wrong size in " + std::to_string(wrong) + " of " +
-                             std::to_string(views.size()) + " images: " + wrong_reason);
+    throw std::runtime_error("a board of the wrong size or layout in " + std::to_string(wrong) +
+                             " of " + std::to_string(views.size()) + " images: " + wrong_reason);
   }
   if (usable == 0) {
     throw std::runtime_error("no board found in any of " + std::to_string(views.size()) +
@@ -251,6 +251,7 @@ CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& 
   run.photos = std::move(photos);
   run.config = config;
   const auto start = std::chrono::steady_clock::now();
+  run.photos.layout = layout_seen(run.photos);
   std::vector<Found> found = find_in_all(run.photos, config, progress);
   run.detect_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::vector<Camera> cameras = cameras_of(run.photos, found, config.model);
@@ -284,6 +285,7 @@ CalibrationRun run_calibration(CalibrationPhotos photos, const CalibrateConfig& 
   }
   judge(run);
   warn_of_shutters(run);
+  warn_of_turned_photos(run);
   return run;
 }
 

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <string>
 
+#include "sim/imaging/exif.h"
+
 namespace cousin {
 namespace {
 
@@ -16,6 +18,25 @@ std::string three_digits(double value) {
 }
 
 }  // namespace
+
+void warn_of_turned_photos(CalibrationRun& run) {
+  for (int orientation = 2; orientation <= 8; ++orientation) {
+    const CalibrationPhoto* first = nullptr;
+    int count = 0;
+    for (const CalibrationPhoto& photo : run.photos.photos) {
+      if (photo.exif_orientation != orientation) continue;
+      if (first == nullptr) first = &photo;
+      ++count;
+    }
+    if (count == 0) continue;
+    run.warnings.push_back(
+        std::to_string(count) + " of " + std::to_string(run.photos.photos.size()) + " images (" +
+        first->name + " first) have the EXIF orientation " + std::to_string(orientation) +
+        ": a viewer " + std::string(orientation_text(orientation)) +
+        ". Pixels are used as they are stored, so the cameras fit the stored pixels. cv::imread "
+        "turns such images: read them with IMREAD_IGNORE_ORIENTATION");
+  }
+}
 
 void judge(CalibrationRun& run) {
   const CalibrateConfig& config = run.config;

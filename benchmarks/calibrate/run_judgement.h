@@ -8,4 +8,8 @@ namespace cousin {
 /// and warnings. Private to benchmarks/calibrate.
 void judge(CalibrationRun& run);
 
+/// Adds a warning for photographs that say of themselves that a viewer turns them: their pixels are
+/// used as they are stored.
+void warn_of_turned_photos(CalibrationRun& run);
+
 }  // namespace cousin

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
@@ -22,7 +23,7 @@ WithInterval interval(double value, double sigma) {
 }
 
 __attribute__((format(printf, 1, 2))) std::string text(const char* format, ...) {
-  char out[400];
+  char out[600];
   va_list arguments;
   va_start(arguments, format);
   std::vsnprintf(out, sizeof out, format, arguments);
@@ -223,6 +224,48 @@ void add_problems(const Walls& walls, DepthFit& fit) {
              100 * fit.held_out_rms, 100 * kHeldOutLimit, fit.chi2, fit.degrees, fit.p));
 }
 
+/// Depth over stated distance: the median over the walls; 1 if none has a depth.
+double median_ratio(const std::vector<WallStatistics>& walls) {
+  std::vector<double> ratios;
+  for (const WallStatistics& w : walls) {
+    if (w.median_depth_m > 0) ratios.push_back(w.median_depth_m / w.distance_m);
+  }
+  if (ratios.empty()) return 1;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return *middle;
+}
+
+/// Units that depth cameras write: metres a step.
+constexpr std::array<double, 7> kUnits_m = {0.01, 0.001, 0.0005, 0.00025, 0.0002, 0.000125, 0.0001};
+
+/// What to say of depths that are far from the stated distances, whatever else they are like; else
+/// empty.
+std::string unit_problem(const std::vector<WallStatistics>& walls, const DepthGeometry& geometry) {
+  constexpr double kFar = 1.5, kNear = 1.1;
+  const double ratio = median_ratio(walls);
+  if (ratio < kFar && ratio > 1 / kFar) return "";
+  std::string told = text(
+      "depths are %.3f times the stated distances: depth_unit_m, focal_px or baseline_m of "
+      "recordings.toml is not this device's",
+      ratio);
+  for (const double unit_m : kUnits_m) {
+    const double off = unit_m * ratio / geometry.depth_unit_m;
+    if (off < kNear && off > 1 / kNear)
+      return told + text(
+                        "; the likely reason is the depth's unit: it was taken as %g mm, and %g mm "
+                        "fits (depth_unit_m = %g)",
+                        1000 * geometry.depth_unit_m, 1000 * unit_m, unit_m);
+  }
+  return told;
+}
+
+/// Walls whose spatial noise is above their rounding.
+std::size_t noisy(const Walls& walls) {
+  return static_cast<std::size_t>(std::count_if(
+      walls.begin(), walls.end(), [](const WallStatistics* w) { return w->spatial_px.value > 0; }));
+}
+
 }  // namespace
 
 PowerLaw fit_power_law(const std::vector<PowerPoint>& points, double reference_m) {
@@ -276,6 +319,11 @@ DepthFit fit_depth(std::vector<WallStatistics> walls, const DepthGeometry& geome
   for (const WallStatistics& w : fit.walls) {
     if (!w.problem.empty()) fit.problems.push_back(w.name + ": " + w.problem);
   }
+  const std::string unit = unit_problem(fit.walls, geometry);
+  if (!unit.empty()) {
+    fit.problems.insert(fit.problems.begin(), unit);
+    return fit;
+  }
   if (used.size() < static_cast<std::size_t>(kLeastWalls) || most < 1.5 * least) {
     fit.problems.push_back(
         text("%zu usable walls of one light at %.2f to %.2f m; at least %d are "
@@ -286,6 +334,15 @@ DepthFit fit_depth(std::vector<WallStatistics> walls, const DepthGeometry& geome
   // A wall that cannot be used is no reason to reject what the others say.
   fit.problems.clear();
   fit.reference_m = std::exp(logs / static_cast<double>(used.size()));
+  // One is left out at a time, and two are a law.
+  if (noisy(used) < 3) {
+    fit.problems.push_back(
+        text("noise is above the rounding of the depth's step at %zu of %zu walls; at least 3 are "
+             "needed: have the camera write finer steps, or check depth_unit_m, focal_px and "
+             "baseline_m",
+             noisy(used), used.size()));
+    return fit;
+  }
   const Laws laws = laws_of(used, fit.reference_m);
   fit.spatial = laws.spatial;
   fit.temporal = laws.temporal;

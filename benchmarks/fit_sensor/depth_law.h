@@ -69,7 +69,8 @@ double sigma_z_m(const DepthFit& fit, const DepthGeometry& geometry, double z_m)
 /// numbers. Rejects, as `problems`: fewer than kLeastWalls distances that span a factor of 1.5; an
 /// exponent of sigma_Z whose interval lies outside kLeastExponent .. kLargestExponent; noise that
 /// is off the law (chi-square p < 0.01 and held-out RMS above kHeldOutLimit); a wall that bends by
-/// more than 0.3 of its noise; stated distances that the depths contradict.
+/// more than 0.3 of its noise; stated distances that the depths contradict; first of all depths 1.5
+/// times as large or small as those, and the unit that would fit.
 DepthFit fit_depth(std::vector<WallStatistics> walls, const DepthGeometry& geometry);
 
 }  // namespace cousin

@@ -283,7 +283,20 @@ void set_plane(const TileRegression::Fit& fit, const DepthGeometry& g, WallStati
   s.depth_m = g.focal_px * g.baseline_m / s.disparity_px;
 }
 
-WallSums sums_of(const WallFrames& wall, const DepthGeometry& g) {
+double median_depth_m(const Image<std::uint16_t>& depth, const DepthGeometry& g) {
+  std::vector<std::uint16_t> codes;
+  for (int y = g.region.y; y < g.region.y + g.region.height; ++y) {
+    for (int x = g.region.x; x < g.region.x + g.region.width; ++x) {
+      if (depth(x, y) > 0) codes.push_back(depth(x, y));
+    }
+  }
+  if (codes.empty()) return 0;
+  const auto middle = codes.begin() + static_cast<std::ptrdiff_t>(codes.size() / 2);
+  std::nth_element(codes.begin(), middle, codes.end());
+  return g.depth_unit_m * *middle;
+}
+
+WallSums sums_of(const WallFrames& wall, const DepthGeometry& g, double& first_median_m) {
   WallSums sums(g);
   const Rng rng = Rng(1).fork("walls");
   for (int k = 0; k < wall.count; ++k) {
@@ -294,6 +307,7 @@ WallSums sums_of(const WallFrames& wall, const DepthGeometry& g) {
                                std::to_string(depth.height()) + " pixels; the others have " +
                                std::to_string(g.width_px) + " x " + std::to_string(g.height_px));
     }
+    if (k == 0) first_median_m = median_depth_m(depth, g);
     sums.add(depth, rng);
   }
   return sums;
@@ -309,7 +323,7 @@ WallStatistics wall_statistics(const WallFrames& wall, const DepthGeometry& g) {
   s.albedo = wall.albedo;
   s.light = wall.light;
   s.frames = wall.count;
-  const WallSums sums = sums_of(wall, g);
+  const WallSums sums = sums_of(wall, g, s.median_depth_m);
   s.tiles = static_cast<int>(sums.tiles());
   s.fill = fill_of(sums, wall.count);
   s.wrong = sums.all_found() > 0 ? sums.wrong() / sums.all_found() : 0;

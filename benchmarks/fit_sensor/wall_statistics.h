@@ -51,6 +51,7 @@ struct WallStatistics {
   double distance_m = 0, distance_sigma_m = 0.002;  ///< stated
   double albedo = 0.5, light = 0.02;
   int frames = 0, tiles = 0;
+  double median_depth_m = 0;      ///< of the first frame's region, no plane asked; 0 = no depth
   std::int64_t pixels = 0;        ///< with a depth in at least half of the frames
   double disparity_px = 0;        ///< of the planes' mean in the image's middle, beside the ripple
   double disparity_sigma_px = 0;  ///< its standard error

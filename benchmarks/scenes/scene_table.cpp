@@ -4,6 +4,7 @@
 
 #include "benchmarks/scenes/plant_simulation.h"
 #include "benchmarks/seeds/simulate.h"
+#include "sim/geometry/mesh_warnings.h"
 
 namespace cousin {
 namespace {
@@ -30,6 +31,10 @@ std::string cousins_text(const std::vector<CousinMove>& moves) {
   return "\nAt 1, cousin.AXIS moves\n" + describe(moves);
 }
 
+std::vector<std::string> mesh_warnings(const std::string& file) {
+  return file.empty() ? std::vector<std::string>() : user_mesh_warnings(file);
+}
+
 SceneJob configure_seeds(const std::vector<std::string>& assignments,
                          const std::filesystem::path& file) {
   SeedsRunConfig config = seeds_run_config(assignments, file);
@@ -43,6 +48,7 @@ SceneJob configure_seeds(const std::vector<std::string>& assignments,
   job.build = [config](std::uint64_t seed, int index) {
     return built(SeedsSimulation(config, seed, index));
   };
+  job.warnings = [file = specimen_file(config.scene)] { return mesh_warnings(file); };
   return job;
 }
 
@@ -97,6 +103,7 @@ SceneJob configure_plants(PlantSceneConfig base, const std::vector<std::string>&
   job.build = [config](std::uint64_t seed, int index) {
     return built(PlantSimulation(config, seed, index));
   };
+  job.warnings = [file = mesh_file_of(config.scene)] { return mesh_warnings(file); };
   return job;
 }
 

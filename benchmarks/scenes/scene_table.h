@@ -36,6 +36,8 @@ struct SceneJob {
   std::function<std::string(std::uint64_t seed)> hash;
   std::function<std::vector<PlanEntry>()> plan;  ///< of the simulator's passes
   std::function<BuiltScene(std::uint64_t seed, int scene_index)> build;
+  /// What of the user's mesh is passed over, for the user: the file is read for it.
+  std::function<std::vector<std::string>()> warnings;
 };
 
 /// A row of `cousin scenes`.

@@ -1,5 +1,6 @@
 #include "perception/splats/splat_ply.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cctype>
@@ -15,6 +16,7 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/geometry/ply_rows.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -39,6 +41,21 @@ constexpr std::array<std::string_view, kFirstRest> kNames = {
     "x",       "y",       "z",       "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
     "scale_0", "scale_1", "scale_2", "rot_0",  "rot_1",  "rot_2",  "rot_3"};
 constexpr std::array<int, 4> kRestOfDegree = {0, 9, 24, 45};
+
+/// Properties and elements of files that look like the reference's and mean something else.
+struct Variant {
+  std::string_view name, what;
+};
+constexpr std::array<Variant, 9> kVariants = {
+    {{"packed_position", "compressed (packed_*, as SuperSplat does): save it as a plain PLY"},
+     {"filter_3D", "Gaussians before Mip-Splatting's 3D filter (filter_3D): save the fused PLY"},
+     {"trbf_center", "Gaussians that move (trbf_center): save those of one time"},
+     {"motion_0", "Gaussians that move (motion_*): save those of one time"},
+     {"scale_t", "4D Gaussians (scale_t): save those of one time"},
+     {"t_scale", "4D Gaussians (t_scale): save those of one time"},
+     {"rot_r_0", "4D Gaussians (rot_r_*): save those of one time"},
+     {"beta", "Beta kernels (beta), not Gaussians"},
+     {"sb_params_0", "Beta kernels (sb_params_*), not Gaussians"}}};
 
 /// Where a field lies in a splat. @param rest  f_rest of all channels in the file.
 template <class SplatType>
@@ -142,9 +159,7 @@ class SplatReader {
       has[static_cast<std::size_t>(field)] = true;
       fields[i] = field;
     }
-    for (std::size_t i = 0; i < kNames.size(); ++i) {
-      if (!has[i]) fail("header: vertices have no property \"" + std::string(kNames[i]) + "\"");
-    }
+    refuse_variants(element, has);
     rest_ = 0;
     while (rest_ < kMostRest && has[static_cast<std::size_t>(kFirstRest + rest_)]) ++rest_;
     for (int i = rest_; i < kMostRest; ++i) {
@@ -160,6 +175,31 @@ class SplatReader {
       fail("header: there are " + std::to_string(rest_) +
            " of f_rest_; 0, 9, 24 or 45 are degree 0 to 3");
     return fields;
+  }
+
+  void refuse_variants(const PlyElementHeader& element, const std::array<bool, kFields>& has) {
+    const auto property = [&](std::string_view name) {
+      return std::any_of(element.properties.begin(), element.properties.end(),
+                         [&](const geometry::PlyProperty& p) { return p.name == name; });
+    };
+    for (const Variant& variant : kVariants) {
+      if (property(variant.name))
+        fail("header: these are " + std::string(variant.what) + "; 3D Gaussians are read");
+    }
+    if (property("scale_0") && property("scale_1") && !property("scale_2"))
+      fail(
+          "header: these are 2D Gaussians (scale_0 and scale_1, no scale_2); 3D Gaussians are "
+          "read");
+    if (property("scale_0") && !property("scale_1"))
+      fail("header: these are Gaussians with one scale (scale_0 alone); three are read");
+    if (!property("f_dc_0") && property("red"))
+      fail("header: colours are given as red, green, blue; f_dc_0 to f_dc_2 are read");
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+      if (!has[i]) {
+        fail("header: no file of 3D Gaussians: vertices have no property \"" +
+             std::string(kNames[i]) + "\"");
+      }
+    }
   }
 
   int field_named(const geometry::PlyProperty& property) const {
@@ -184,6 +224,8 @@ class SplatReader {
            std::to_string(config_.most_splats));
     }
     body.require_rows(element);
+    check_memory(name_, bytes_.size() + bytes_times(element.count, sizeof(Splat)),
+                 std::to_string(element.count) + " Gaussians");
     result.model.splats.reserve(element.count);
     for (std::size_t row = 0; row < element.count; ++row) {
       Splat splat;

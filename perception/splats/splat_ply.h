@@ -27,7 +27,9 @@ struct SplatFile {
 /// Reads the reference's PLY layout [Kerbl et al. 2023]: x y z, f_dc_0..2, f_rest_*, opacity,
 /// scale_0..2, rot_0..3 (wxyz) of the element "vertex", with values as SplatModel has them.
 /// Properties may come in any order, of any scalar type (rounded to float), as text or binary;
-/// others are passed over. 0, 9, 24 or 45 of f_rest are degree 0..3. A line
+/// others are passed over, but for those of variants that mean something else, which are refused
+/// by name: 2D and 4D Gaussians, SuperSplat's compression, Mip-Splatting's filter, Beta kernels.
+/// 0, 9, 24 or 45 of f_rest are degree 0..3. A line
 /// `comment origin_m X Y Z` gives the model's origin in the world; none is zero. A line `comment
 /// low_pass_px2 X` (1e-6..100) gives what its images are drawn with; none is the reference's 0.3.
 /// The file's length unit is taken to be the metre. `views_seen` is empty.

@@ -198,6 +198,10 @@ std::vector<View> views_of(const SpecimenSceneConfig& config, const Vector3d& si
 
 Scene build_specimen_scene(const SpecimenSceneConfig& config, const UserMesh& user, Rng rng) {
   validate(config);
+  if (user.is_in_metres && config.unit != "m") {
+    throw std::invalid_argument("unit = " + config.unit + ", but " + config.mesh +
+                                " is a glTF file, whose numbers are metres; leave unit out");
+  }
   MeshPlacing placing;
   placing.metres_per_unit = user.is_in_metres ? 1 : metres_per_unit(config.unit);
   placing.ours_from_file = turned_up(config.up);

@@ -1,9 +1,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "sim/geometry/gltf_document.h"
+#include "sim/types/utf8.h"
 
 namespace cousin::geometry {
 using nlohmann::json;
@@ -22,7 +24,7 @@ class GltfScene {
   GltfScene(GltfDocument& document, std::size_t most_triangles)
       : d_(document), most_triangles_(most_triangles) {}
 
-  UserMesh read() {
+  MeshFile read() {
     if (d_.count("nodes") > kMostNodes) d_.fail("/nodes", "has more than 1000000 entries");
     is_reached_.assign(d_.count("nodes"), false);
     // glTF's y is up and its z looks at the viewer; ours is z up.
@@ -39,7 +41,9 @@ class GltfScene {
     user_.is_in_metres = true;
     if (!has_colours_) user_.vertex_albedo.clear();
     name_parts(user_);
-    return std::move(user_);
+    MeshFile file{std::move(user_), {}};
+    for (const std::string& what : passed_over_) file.warnings.push_back(d_.name() + ": " + what);
+    return file;
   }
 
  private:
@@ -48,10 +52,14 @@ class GltfScene {
     Eigen::Affine3d world_from_node;
   };
 
-  std::vector<std::size_t> roots() const {
+  std::vector<std::size_t> roots() {
     std::vector<std::size_t> list;
     if (d_.count("scenes") > 0) {
       const std::size_t scene = d_.whole(d_.root(), "scene", "", kMostNodes, 0);
+      if (d_.count("scenes") > 1 && !d_.has(d_.root(), "scene")) {
+        passed_over_.insert("no scene is the file's own: the first of " +
+                            std::to_string(d_.count("scenes")) + " is read");
+      }
       const json& object = d_.entry("scenes", scene, "/scene");
       return indices(object, "nodes", at_place("scenes", scene));
     }
@@ -122,7 +130,7 @@ class GltfScene {
     for (const json* object : {&node, &mesh}) {
       const auto name = object->find("name");
       if (name != object->end() && name->is_string()) {
-        std::string text = name->get<std::string>().substr(0, 200);
+        std::string text = cut_utf8(name->get_ref<const std::string&>(), 200);
         if (!text.empty()) return text;
       }
     }
@@ -134,6 +142,7 @@ class GltfScene {
     const std::size_t index = d_.whole(node, "mesh", where, kMostNodes, kNone);
     const json& mesh = d_.entry("meshes", index, where + "/mesh");
     const std::string mesh_where = at_place("meshes", index);
+    refuse_other_shapes(node, where, mesh, mesh_where);
     if (!d_.has(mesh, "primitives") || !mesh["primitives"].is_array())
       d_.fail(mesh_where + "/primitives", "is not an array");
     const std::size_t before = user_.mesh.triangles.size();
@@ -148,6 +157,25 @@ class GltfScene {
     user_.triangle_part.resize(user_.mesh.triangles.size(),
                                static_cast<std::uint16_t>(user_.part_names.size()));
     user_.part_names.push_back(name_of(node, mesh));
+  }
+
+  /// What gives a mesh another shape or place than its vertices and its node do.
+  void refuse_other_shapes(const json& node, const std::string& where, const json& mesh,
+                           const std::string& mesh_where) const {
+    if (d_.has(node, "skin"))
+      d_.fail(where + "/skin", "is not read; save the mesh as it stands, without its skeleton");
+    if (d_.has(node, "extensions") && d_.has(node["extensions"], "EXT_mesh_gpu_instancing"))
+      d_.fail(where + "/extensions/EXT_mesh_gpu_instancing",
+              "is not read; save each copy as a node");
+    const bool of_node = d_.has(node, "weights");
+    const json& holder = of_node ? node : mesh;
+    if (!d_.has(holder, "weights")) return;
+    const std::string place = (of_node ? where : mesh_where) + "/weights";
+    if (!holder["weights"].is_array()) d_.fail(place, "is not an array");
+    for (const json& weight : holder["weights"]) {
+      if (!weight.is_number() || weight.get<double>() != 0)
+        d_.fail(place, "is not 0: morph targets are not read; save the mesh as it stands");
+    }
   }
 
   void add_primitive(const json& primitive, const Eigen::Affine3d& world_from_node,
@@ -184,6 +212,10 @@ class GltfScene {
       d_.fail(where + "/indices", std::to_string(corner) + " is not below " +
                                       std::to_string(points.count) + ", the number of vertices");
     }
+    if (mode == 4 && corners.size() % 3 != 0) {
+      d_.fail(where, std::to_string(corners.size()) +
+                         " corners are no whole number of triangles (mode 4)");
+    }
     const bool is_mirrored = world_from_node.linear().determinant() < 0;
     add_triangles(corners, mode, first, is_mirrored);
     if (user_.mesh.triangles.size() > most_triangles_) {
@@ -211,18 +243,49 @@ class GltfScene {
     }
   }
 
-  /// COLOR_0 times the material's base colour, both linear; white where neither is given.
-  void add_colours(const json& primitive, std::size_t vertices, const std::string& where) {
-    std::vector<double> base = {1, 1, 1, 1};
-    if (d_.has(primitive, "material")) {
-      const std::size_t index = d_.whole(primitive, "material", where, kMostNodes, kNone);
-      const json& material = d_.entry("materials", index, where + "/material");
-      if (d_.has(material, "pbrMetallicRoughness")) {
-        const json& pbr = material["pbrMetallicRoughness"];
-        has_colours_ |= d_.has(pbr, "baseColorFactor");
-        base = d_.numbers(pbr, "baseColorFactor", at_place("materials", index), 4, base);
+  /// Linear. What else makes the look of a material is passed over, and a warning says so.
+  std::vector<double> base_colour(const json& primitive, const std::string& where) {
+    const std::vector<double> white = {1, 1, 1, 1};
+    if (!d_.has(primitive, "material")) return white;
+    const std::size_t index = d_.whole(primitive, "material", where, kMostNodes, kNone);
+    const json& material = d_.entry("materials", index, where + "/material");
+    const std::string place = at_place("materials", index);
+    if (d_.has(material, "extensions") &&
+        d_.has(material["extensions"], "KHR_materials_pbrSpecularGlossiness")) {
+      const json& old = material["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+      if (d_.has(old, "diffuseTexture")) pass_over_texture();
+      if (d_.has(old, "diffuseFactor")) {
+        has_colours_ = true;
+        return d_.numbers(old, "diffuseFactor", place, 4, white);
       }
     }
+    const bool is_given = d_.has(material, "pbrMetallicRoughness");
+    const json none = json::object();
+    const json& pbr = is_given ? material["pbrMetallicRoughness"] : none;
+    if (d_.has(pbr, "baseColorTexture")) pass_over_texture();
+    const double metallic = d_.has(pbr, "metallicFactor") && pbr["metallicFactor"].is_number()
+                                ? pbr["metallicFactor"].get<double>()
+                                : 1;
+    // A texture may hold any share of metal.
+    if (is_given && metallic > 0 && !d_.has(pbr, "metallicRoughnessTexture")) {
+      passed_over_.insert(
+          place + " is a metal (metallicFactor " +
+          std::string(d_.has(pbr, "metallicFactor") ? "is given" : "is 1 where it is absent") +
+          "): its colour is taken as that of a matt surface");
+    }
+    has_colours_ |= d_.has(pbr, "baseColorFactor");
+    return d_.numbers(pbr, "baseColorFactor", place, 4, white);
+  }
+
+  void pass_over_texture() {
+    passed_over_.insert(
+        "its textures are not read: a surface has its material's and its vertices' "
+        "colour alone");
+  }
+
+  /// COLOR_0 times the material's base colour, both linear; white where neither is given.
+  void add_colours(const json& primitive, std::size_t vertices, const std::string& where) {
+    const std::vector<double> base = base_colour(primitive, where);
     const auto channel = [&](double value) {
       return static_cast<float>(std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0);
     };
@@ -252,12 +315,13 @@ class GltfScene {
   UserMesh user_;
   std::vector<Todo> todo_;
   std::vector<bool> is_reached_;
+  std::set<std::string> passed_over_;  ///< each once, for the warnings
   bool has_colours_ = false;
 };
 
 }  // namespace
 
-UserMesh parse_gltf(std::string_view bytes, const std::string& name, const OpenFile& open,
+MeshFile parse_gltf(std::string_view bytes, const std::string& name, const OpenFile& open,
                     std::size_t most_triangles) {
   GltfDocument document(bytes, name, open);
   return GltfScene(document, most_triangles).read();

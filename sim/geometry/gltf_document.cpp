@@ -1,9 +1,12 @@
 #include "sim/geometry/gltf_document.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
+
+#include "sim/types/memory_limit.h"
 
 namespace cousin::geometry {
 namespace fs = std::filesystem;
@@ -141,9 +144,9 @@ GltfDocument::GltfDocument(std::string_view bytes, std::string name, OpenFile op
   if (bytes.size() >= 12 && take<std::uint32_t>(bytes.data()) == kMagic) {
     parse_container(bytes);
   } else {
-    root_ = json::parse(bytes, nullptr, false);
+    root_ = parse_json(bytes);
   }
-  if (root_.is_discarded()) throw std::runtime_error(name_ + ": not JSON, as glTF is");
+  if (root_.is_discarded()) throw std::runtime_error(name_ + ": not JSON in UTF-8, as glTF is");
   if (!root_.is_object()) fail("/", "is not an object");
   const auto asset = root_.find("asset");
   std::string version;
@@ -171,8 +174,25 @@ GltfDocument::GltfDocument(std::string_view bytes, std::string name, OpenFile op
   is_loaded_.assign(buffers, false);
 }
 
+json GltfDocument::parse_json(std::string_view text) const {
+  // A value takes about this many bytes, whatever it is, and each but the first follows one of
+  // these characters.
+  constexpr std::uint64_t kValue = 80;
+  const auto values = std::count_if(text.begin(), text.end(),
+                                    [](char c) { return c == ',' || c == '[' || c == '{'; });
+  check_memory(name_, text.size() + kValue * static_cast<std::uint64_t>(values),
+               "about " + std::to_string(values) + " values of JSON");
+  return json::parse(text, nullptr, false);
+}
+
 void GltfDocument::parse_container(std::string_view bytes) {
   constexpr std::uint32_t kJson = 0x4E4F534A, kBinary = 0x004E4942;
+  const std::size_t length_in_header = take<std::uint32_t>(bytes.data() + 8);
+  if (length_in_header > bytes.size()) {
+    fail("byte 8", "the file says it has " + std::to_string(length_in_header) + " bytes; it has " +
+                       std::to_string(bytes.size()));
+  }
+  bytes = bytes.substr(0, length_in_header);
   bool has_json = false;
   for (std::size_t at = 12; at + 8 <= bytes.size();) {
     const std::size_t length = take<std::uint32_t>(bytes.data() + at);
@@ -183,7 +203,7 @@ void GltfDocument::parse_container(std::string_view bytes) {
     }
     const std::string_view chunk = bytes.substr(at + 8, length);
     if (type == kJson && !has_json) {
-      root_ = json::parse(chunk, nullptr, false);
+      root_ = parse_json(chunk);
       has_json = true;
     } else if (type == kBinary && !has_binary_) {
       binary_ = chunk;
@@ -268,6 +288,8 @@ std::string_view GltfDocument::buffer(std::size_t index) {
   } else {
     buffers_[index] = open_(uri);
   }
+  loaded_bytes_ += buffers_[index].size();
+  check_memory(name_, loaded_bytes_, "its buffers");
   is_loaded_[index] = true;
   return buffers_[index];
 }

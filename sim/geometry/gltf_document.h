@@ -19,7 +19,8 @@ class GltfDocument {
   GltfDocument(std::string_view bytes, std::string name, OpenFile open);
 
   const nlohmann::json& root() const { return root_; }
-  std::size_t count(const char* list) const;  ///< of a list at the top; 0 if there is none
+  const std::string& name() const { return name_; }  ///< of the file
+  std::size_t count(const char* list) const;         ///< of a list at the top; 0 if there is none
   /// An entry of a list at the top. @param from  who names it, for the message
   const nlohmann::json& entry(const char* list, std::size_t index, const std::string& from) const;
 
@@ -57,6 +58,7 @@ class GltfDocument {
                std::size_t most_rows);
   std::string_view buffer(std::size_t index);
   void parse_container(std::string_view bytes);
+  nlohmann::json parse_json(std::string_view text) const;
 
   std::string name_;
   OpenFile open_;
@@ -65,6 +67,7 @@ class GltfDocument {
   bool has_binary_ = false;
   std::vector<std::string> buffers_;
   std::vector<bool> is_loaded_;
+  std::uint64_t loaded_bytes_ = 0;  ///< of all buffers
 };
 
 /// Bytes of base 64 [RFC 4648]; false for a character that has no place there.

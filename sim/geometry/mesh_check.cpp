@@ -1,6 +1,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstdio>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -50,6 +53,17 @@ std::string check_numbers(const Mesh& mesh) {
   return "";
 }
 
+/// @param volume_m3  0, negative or not a number
+std::string volume_problem(double volume_m3) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", volume_m3);
+  if (volume_m3 < 0) {
+    return "it is turned inside out: its triangles face inward, and its volume is " +
+           std::string(text.data()) + " m3; flip its faces";
+  }
+  return "it is closed but holds nothing: its volume is " + std::string(text.data()) + " m3";
+}
+
 bool repeats_a_vertex(const std::array<std::uint32_t, 3>& t) {
   return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
@@ -95,11 +109,12 @@ MeshCheck check_watertight(const Mesh& mesh) {
       note("the two triangles at " + edge_name(edges[begin]) + " have opposite orientations");
     }
   }
+  if (!check.problem.empty() && check.open_edges > 0)
+    check.problem += "; " + std::to_string(check.open_edges) + " edges are open in all";
   if (!check.problem.empty()) return check;
 
   const double volume_m3 = mass_properties(mesh).volume_m3;
-  if (!(volume_m3 > 0))
-    note("the volume is " + std::to_string(volume_m3) + " m3; triangles must face outward");
+  if (!(volume_m3 > 0)) note(volume_problem(volume_m3));
   check.ok = check.problem.empty();
   return check;
 }

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "sim/geometry/mesh_formats.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin::geometry {
 namespace fs = std::filesystem;
@@ -39,6 +40,7 @@ std::string read_whole(const fs::path& file) {
     throw std::runtime_error(file.string() + ": " + std::to_string(size) + " bytes; the limit is " +
                              std::to_string(kLargestFile));
   }
+  check_memory(file, size, "the file's bytes");
   std::ifstream stream(file, std::ios::binary);
   std::string bytes(size, '\0');
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(size))) {

@@ -26,8 +26,14 @@ std::string read_whole(const std::filesystem::path& file);
 /// @throws std::runtime_error naming the file and the system's reason.
 void write_whole(const std::filesystem::path& file, std::string_view bytes);
 
-/// A PLY file as columns [Turk 1994]: scalar properties as doubles; the list "vertex_indices" or
-/// "vertex_index", or else a face's first, as index lists.
+/// A file's mesh, and what of the file was passed over; each warning names the file.
+struct MeshFile {
+  UserMesh user;
+  std::vector<std::string> warnings;
+};
+
+/// A PLY file as columns [Turk 1994]: scalar properties as doubles; of faces the list
+/// "vertex_indices" or "vertex_index", or else their only list of integers, as index lists.
 struct PlyElement {
   std::string name;
   std::size_t count = 0;
@@ -41,28 +47,35 @@ struct PlyElement {
 };
 struct Ply {
   std::vector<PlyElement> elements;
+  std::vector<std::string> comments;
+  std::size_t bytes_left = 0;  ///< behind the last row, without blanks and ends of lines
   const PlyElement* element(std::string_view element_name) const;
 };
 Ply parse_ply(std::string_view bytes, const std::string& name);
-/// Vertices and faces; polygons are fanned. A file without faces is a mesh of points.
+/// Vertices and faces, polygons cut into triangles (polygon.h). A file without faces is a mesh of
+/// points.
 Mesh mesh_of_ply(const Ply& ply, const std::string& name);
 
-/// The same with the vertices' colours.
-UserMesh user_mesh_of_ply(const Ply& ply, const std::string& name);
+/// The same with the vertices' colours, and warnings of a texture and of what is left behind the
+/// last row.
+MeshFile user_mesh_of_ply(const Ply& ply, const std::string& name);
 
-/// v, f, o and g lines; f takes v, v/vt, v//vn, v/vt/vn and negative indices; other lines are
-/// passed over. Ends where there are more than `most_triangles`.
-UserMesh parse_obj(std::string_view bytes, const std::string& name,
+/// v, f, o and g lines; f takes v, v/vt, v//vn, v/vt/vn and negative indices; a name is all that
+/// follows on its line. Curved surfaces and calls of other files are refused, other lines are
+/// passed over; a warning says where materials are. Ends where there are more than
+/// `most_triangles`.
+MeshFile parse_obj(std::string_view bytes, const std::string& name,
                    std::size_t most_triangles = kMaxElements);
-/// ASCII or binary, told apart by size. Vertices are repeated as the file repeats them.
-Mesh parse_stl(std::string_view bytes, const std::string& name);
+/// ASCII or binary, told apart by size; a warning says where fewer bytes than a triangle has follow
+/// the last. Vertices are repeated as the file repeats them.
+MeshFile parse_stl(std::string_view bytes, const std::string& name);
 
 /// Bytes of a file that a glTF file names. @throws std::runtime_error if there is none.
 using OpenFile = std::function<std::string(const std::string& uri)>;
 /// Of files in the folder of `file`; names that lead out of it are refused.
 OpenFile files_beside(const std::filesystem::path& file);
 /// glTF 2.0, as JSON or as the binary container.
-UserMesh parse_gltf(std::string_view bytes, const std::string& name, const OpenFile& open,
+MeshFile parse_gltf(std::string_view bytes, const std::string& name, const OpenFile& open,
                     std::size_t most_triangles = kMaxElements);
 
 /// Linear light of an sRGB value in [0, 1] [IEC 61966-2-1].

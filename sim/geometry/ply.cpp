@@ -3,6 +3,8 @@
 
 #include "sim/geometry/mesh_formats.h"
 #include "sim/geometry/ply_rows.h"
+#include "sim/geometry/polygon.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin::geometry {
 namespace {
@@ -17,20 +19,42 @@ std::uint32_t whole(double value, const PlyBody& body, const std::string& name) 
   return static_cast<std::uint32_t>(value);
 }
 
+bool is_float(PlyType type) { return type == PlyType::f32 || type == PlyType::f64; }
+
+/// The list of a face's corners: the one of their two names, or the only one there is.
+std::string corners_of(const PlyElementHeader& header, const std::string& name) {
+  std::vector<const PlyProperty*> lists;
+  for (const PlyProperty& p : header.properties) {
+    if (!p.is_list) continue;
+    if (p.name == "vertex_indices" || p.name == "vertex_index") return p.name;
+    lists.push_back(&p);
+  }
+  if (lists.size() == 1 && !is_float(lists.front()->type)) return lists.front()->name;
+  if (header.count > 0)
+    fail(name, "header", "faces have no list \"vertex_indices\" or \"vertex_index\"");
+  return "";
+}
+
+/// Asks for what the rows will take, a list's own block with it.
+void check_rows(const PlyElementHeader& header, const std::string& name) {
+  std::uint64_t row = 0;
+  for (const PlyProperty& p : header.properties) row += p.is_list ? 64 : sizeof(double);
+  check_memory(name, bytes_times(header.count, row),
+               std::to_string(header.count) + " rows of its element " + header.name);
+}
+
 PlyElement read_element(const PlyElementHeader& header, PlyBody& body, const std::string& name) {
   body.require_rows(header);
+  check_rows(header, name);
   PlyElement element;
   element.name = header.name;
   element.count = header.count;
+  if (header.name == "face") element.list = corners_of(header, name);
   for (const PlyProperty& p : header.properties) {
-    if (p.is_list) {
-      const bool is_indices = p.name == "vertex_indices" || p.name == "vertex_index";
-      if (is_indices || (element.name == "face" && element.list.empty())) element.list = p.name;
-    } else {
-      element.columns.push_back(p.name);
-      element.is_float.push_back(p.type == PlyType::f32 || p.type == PlyType::f64);
-      element.values.emplace_back(element.count);
-    }
+    if (p.is_list) continue;
+    element.columns.push_back(p.name);
+    element.is_float.push_back(is_float(p.type));
+    element.values.emplace_back(element.count);
   }
   if (!element.list.empty()) element.lists.resize(element.count);
   for (std::size_t row = 0; row < element.count; ++row) {
@@ -73,6 +97,8 @@ Ply parse_ply(std::string_view bytes, const std::string& name) {
   Ply ply;
   for (const PlyElementHeader& element : header.elements)
     ply.elements.push_back(read_element(element, body, name));
+  ply.comments = header.comments;
+  ply.bytes_left = body.left_but_blanks();
   return ply;
 }
 
@@ -91,6 +117,9 @@ Mesh mesh_of_ply(const Ply& ply, const std::string& name) {
       fail(name, "vertex " + std::to_string(i), "is not finite");
   }
   const PlyElement* faces = ply.element("face");
+  const PlyElement* strips = ply.element("tristrips");
+  if (strips && strips->count > 0)
+    fail(name, "header", "triangle strips (element tristrips) are not read; save faces");
   if (!faces) return mesh;
   for (std::size_t i = 0; i < faces->lists.size(); ++i) {
     const auto& polygon = faces->lists[i];
@@ -100,8 +129,10 @@ Mesh mesh_of_ply(const Ply& ply, const std::string& name) {
              "vertex " + std::to_string(v) + " is not below " + std::to_string(vertices->count));
       }
     }
-    for (std::size_t k = 2; k < polygon.size(); ++k)
-      mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
+    if (polygon.size() < 3) continue;  // a point or a line
+    const PolygonTriangles cut = triangles_of_polygon(mesh.vertices_m, polygon);
+    if (!cut.problem.empty()) fail(name, "face " + std::to_string(i), cut.problem);
+    mesh.triangles.insert(mesh.triangles.end(), cut.triangles.begin(), cut.triangles.end());
   }
   return mesh;
 }

@@ -132,6 +132,11 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& name) {
   return header;
 }
 
+std::size_t PlyBody::left_but_blanks() const {
+  const std::size_t next = bytes_.find_first_not_of(" \t\r\n", at_);
+  return next == std::string_view::npos ? 0 : bytes_.size() - next;
+}
+
 double PlyBody::text_number() {
   while (at_ < bytes_.size() && std::strchr(" \t\r\n", bytes_[at_])) ++at_;
   double value = 0;

@@ -48,6 +48,8 @@ class PlyBody {
   /// Ends where the bytes left cannot hold the element's rows: before anything is allocated.
   void require_rows(const PlyElementHeader& element) const;
   std::size_t left() const { return bytes_.size() - at_; }
+  /// Bytes left, from the first that is neither a blank nor the end of a line.
+  std::size_t left_but_blanks() const;
   std::string where() const { return "byte " + std::to_string(at_); }
 
  private:

@@ -1,4 +1,5 @@
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -109,15 +110,25 @@ Clusters read_cloud_ply(const fs::path& file) {
     each(normals[k], -kAny, kAny,
          [&](std::size_t i, double v) { result.cloud[i].normal[k] = static_cast<float>(v); });
   }
-  each("red", 0, 255,
-       [&](std::size_t i, double v) { result.cloud[i].color.r = static_cast<std::uint8_t>(v); });
-  each("green", 0, 255,
-       [&](std::size_t i, double v) { result.cloud[i].color.g = static_cast<std::uint8_t>(v); });
-  each("blue", 0, 255,
-       [&](std::size_t i, double v) { result.cloud[i].color.b = static_cast<std::uint8_t>(v); });
+  // Integers of 255, or floats of 1.
+  const auto channel = [&](const char* name, std::uint8_t Rgb8::*of) {
+    bool is_float = false;
+    for (std::size_t k = 0; k < vertices->columns.size(); ++k)
+      is_float |= vertices->columns[k] == name && vertices->is_float[k];
+    const double full = is_float ? 1 : 255;
+    each(name, 0, full, [&](std::size_t i, double v) {
+      result.cloud[i].color.*of = static_cast<std::uint8_t>(std::lround(is_float ? 255 * v : v));
+    });
+  };
+  channel("red", &Rgb8::r);
+  channel("green", &Rgb8::g);
+  channel("blue", &Rgb8::b);
   each("sigma", 0, kAny,
        [&](std::size_t i, double v) { result.cloud[i].sigma_m = static_cast<float>(v); });
   each("instance", -1, 1e6, [&](std::size_t i, double v) {
+    if (v != std::floor(v))
+      fail("vertex " + std::to_string(i) + ": instance = " + std::to_string(v) +
+           " is not a whole number");
     result.instance[i] = static_cast<int>(v);
     result.count = std::max(result.count, result.instance[i] + 1);
   });

@@ -9,6 +9,7 @@
 #include "sim/geometry/measure.h"
 #include "sim/geometry/mesh_formats.h"
 #include "sim/geometry/mesh_io.h"
+#include "sim/geometry/mesh_warnings.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -20,7 +21,7 @@ std::string ending_of(const fs::path& file) {
   return extension;
 }
 
-UserMesh parse(const fs::path& file, std::size_t most) {
+geometry::MeshFile parse(const fs::path& file, std::size_t most) {
   const std::string name = file.string(), extension = ending_of(file);
   constexpr std::array kEndings = {".ply", ".obj", ".stl", ".gltf", ".glb"};
   if (std::find(kEndings.begin(), kEndings.end(), extension) == kEndings.end()) {
@@ -31,14 +32,14 @@ UserMesh parse(const fs::path& file, std::size_t most) {
   if (extension == ".ply")
     return geometry::user_mesh_of_ply(geometry::parse_ply(bytes, name), name);
   if (extension == ".obj") return geometry::parse_obj(bytes, name, most);
-  if (extension == ".stl") return {.mesh = geometry::parse_stl(bytes, name)};
+  if (extension == ".stl") return geometry::parse_stl(bytes, name);
   return geometry::parse_gltf(bytes, name, geometry::files_beside(file), most);
 }
 
 }  // namespace
 
 UserMesh read_user_mesh(const fs::path& file, std::size_t most_triangles) {
-  UserMesh user = parse(file, most_triangles);
+  UserMesh user = parse(file, most_triangles).user;
   if (user.mesh.triangles.size() > most_triangles) {
     throw std::runtime_error(file.string() + ": " + std::to_string(user.mesh.triangles.size()) +
                              " triangles; the limit is " + std::to_string(most_triangles));
@@ -59,6 +60,10 @@ UserMesh welded(const UserMesh& user) {
       result.vertex_albedo.push_back(user.vertex_albedo[i]);
   }
   return result;
+}
+
+std::vector<std::string> user_mesh_warnings(const fs::path& file) {
+  return parse(file, kMostUserTriangles).warnings;
 }
 
 double metres_per_unit(const std::string& unit) {
@@ -83,7 +88,7 @@ double metres_per_unit(const std::string& unit) {
 
 Mesh read_mesh(const fs::path& file) {
   constexpr std::size_t kMost = geometry::kMaxElements;
-  Mesh mesh = std::move(parse(file, kMost).mesh);
+  Mesh mesh = std::move(parse(file, kMost).user.mesh);
   // STL repeats the corners of each triangle, glTF those on seams.
   const std::string extension = ending_of(file);
   return extension == ".ply" || extension == ".obj" ? mesh : weld(mesh);

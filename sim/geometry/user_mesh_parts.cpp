@@ -1,7 +1,10 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include "sim/geometry/mesh_formats.h"
 
@@ -25,17 +28,29 @@ void name_parts(UserMesh& user) {
   }
 }
 
-UserMesh user_mesh_of_ply(const Ply& ply, const std::string& name) {
-  UserMesh user;
-  user.mesh = mesh_of_ply(ply, name);
-  const PlyElement& vertices = *ply.element("vertex");
-  const std::vector<double>* channels[3] = {vertices.column("red"), vertices.column("green"),
-                                            vertices.column("blue")};
-  if (!channels[0] || !channels[1] || !channels[2]) return user;
-  double full = 255;
-  for (std::size_t k = 0; k < vertices.columns.size(); ++k) {
-    if (vertices.columns[k] == "red" && vertices.is_float[k]) full = 1;
+namespace {
+
+/// Red, green and blue by one of their names, or nulls.
+std::array<const std::vector<double>*, 3> colours_of(const PlyElement& vertices, bool& is_float) {
+  constexpr std::array<std::array<std::string_view, 3>, 2> kNames = {
+      {{"red", "green", "blue"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}}};
+  for (const auto& names : kNames) {
+    const std::array channels = {vertices.column(names[0]), vertices.column(names[1]),
+                                 vertices.column(names[2])};
+    if (!channels[0] || !channels[1] || !channels[2]) continue;
+    for (std::size_t k = 0; k < vertices.columns.size(); ++k) {
+      if (vertices.columns[k] == names[0]) is_float = vertices.is_float[k];
+    }
+    return channels;
   }
+  return {};
+}
+
+void add_colours(const PlyElement& vertices, UserMesh& user, const std::string& name) {
+  bool is_float = false;
+  const auto channels = colours_of(vertices, is_float);
+  if (!channels[0]) return;
+  const double full = is_float ? 1 : 255;
   user.vertex_albedo.resize(vertices.count);
   for (std::size_t i = 0; i < vertices.count; ++i) {
     float linear[3];
@@ -50,7 +65,28 @@ UserMesh user_mesh_of_ply(const Ply& ply, const std::string& name) {
     }
     user.vertex_albedo[i] = {linear[0], linear[1], linear[2]};
   }
-  return user;
+}
+
+}  // namespace
+
+MeshFile user_mesh_of_ply(const Ply& ply, const std::string& name) {
+  MeshFile file;
+  UserMesh& user = file.user;
+  user.mesh = mesh_of_ply(ply, name);
+  add_colours(*ply.element("vertex"), user, name);
+  const bool has_texture =
+      std::any_of(ply.comments.begin(), ply.comments.end(),
+                  [](const std::string& text) { return text.starts_with("TextureFile"); });
+  if (has_texture && user.vertex_albedo.empty()) {
+    file.warnings.push_back(name +
+                            ": its texture (TextureFile) is not read: the surface has the colour "
+                            "of the configuration");
+  }
+  if (ply.bytes_left > 0) {
+    file.warnings.push_back(name + ": " + std::to_string(ply.bytes_left) +
+                            " bytes behind the rows that the header counts are not read");
+  }
+  return file;
 }
 
 }  // namespace cousin::geometry

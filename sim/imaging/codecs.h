@@ -24,10 +24,12 @@ std::vector<std::uint8_t> encode_png_pixels(const Image<std::uint16_t>& image);
 
 Image<Rgb8> decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name);
 
-Image<float> decode_exr(std::span<const std::uint8_t> bytes, const std::string& name);
-std::vector<Image<float>> decode_exr_channels(std::span<const std::uint8_t> bytes,
-                                              const std::string& name,
-                                              const std::vector<std::string>& channels);
+/// Channels by their whole names: those of the first choice that the file has; an empty choice is
+/// its only channel, whatever that is called. The picture is the display window; `fill` is where it
+/// has no data.
+std::vector<Image<float>> decode_exr(std::span<const std::uint8_t> bytes, const std::string& name,
+                                     const std::vector<std::vector<std::string>>& choices,
+                                     float fill);
 std::vector<std::uint8_t> encode_exr(const Image<float>& image);
 std::vector<std::uint8_t> encode_exr(const Image<Rgbf>& image);
 std::vector<std::uint8_t> encode_exr(const Image<Eigen::Vector3f>& image);

@@ -1,7 +1,9 @@
 #include "sim/imaging/image_io.h"
 
+#include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "sim/imaging/codecs.h"
 #include "sim/imaging/exr_color.h"
@@ -9,6 +11,11 @@
 #include "sim/imaging/file_bytes.h"
 
 namespace cousin {
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+}  // namespace
 
 namespace imaging {
 
@@ -48,7 +55,8 @@ void write_exr_vectors(const std::filesystem::path& file, const Image<Eigen::Vec
 }
 
 Image<Eigen::Vector3f> read_exr_vectors(const std::filesystem::path& file) {
-  const std::vector<Image<float>> channels = read_exr_channels(file, {"X", "Y", "Z"});
+  const std::vector<Image<float>> channels =
+      imaging::decode_exr(imaging::read_bytes(file), file.string(), {{"X", "Y", "Z"}}, kNone);
   Image<Eigen::Vector3f> image(channels[0].width(), channels[0].height());
   for (std::size_t i = 0; i < image.size(); ++i) {
     image.data()[i] = {channels[0].data()[i], channels[1].data()[i], channels[2].data()[i]};
@@ -57,20 +65,24 @@ Image<Eigen::Vector3f> read_exr_vectors(const std::filesystem::path& file) {
 }
 
 Image<float> read_exr(const std::filesystem::path& file) {
-  return imaging::decode_exr(imaging::read_bytes(file), file.string());
+  return std::move(
+      imaging::decode_exr(imaging::read_bytes(file), file.string(), {{"Z"}, {}}, kNone).front());
 }
 
 std::vector<Image<float>> read_exr_channels(const std::filesystem::path& file,
                                             const std::vector<std::string>& channels) {
-  return imaging::decode_exr_channels(imaging::read_bytes(file), file.string(), channels);
+  if (channels.empty()) return {};
+  return imaging::decode_exr(imaging::read_bytes(file), file.string(), {channels}, 0);
 }
 
 Image<Rgbf> read_exr_color(const std::filesystem::path& file) {
-  const std::vector<Image<float>> channels = read_exr_channels(file, {"R", "G", "B"});
-  Image<Rgbf> image(channels[0].width(), channels[0].height());
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    image.data()[i] = {channels[0].data()[i], channels[1].data()[i], channels[2].data()[i]};
-  }
+  const std::vector<Image<float>> channels =
+      imaging::decode_exr(imaging::read_bytes(file), file.string(), {{"R", "G", "B"}, {"Y"}}, 0);
+  const Image<float>&r = channels.front(), &b = channels.back();
+  const Image<float>& g = channels[channels.size() / 2];
+  Image<Rgbf> image(r.width(), r.height());
+  for (std::size_t i = 0; i < image.size(); ++i)
+    image.data()[i] = {r.data()[i], g.data()[i], b.data()[i]};
   return image;
 }
 

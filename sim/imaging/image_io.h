@@ -23,12 +23,17 @@ Image<Rgb8> read_color(const std::filesystem::path& file);
 Image<std::uint8_t> read_png8(
     const std::filesystem::path& file);  ///< grey of at most 8 bits (fewer are scaled)
 Image<std::uint16_t> read_png16(const std::filesystem::path& file);  ///< 16-bit grey only
-Image<float> read_exr(const std::filesystem::path& file);  ///< one channel, "Z" or the first
+/// An EXR picture is its display window: of a data window that is smaller, the rest is 0 (NaN where
+/// one channel or vectors are read), of a larger one what lies outside is left away. Scan lines or
+/// tiles, half or float; of several parts the one that has the channels. Refused: deep data,
+/// subsampled and uint channels, a cube, a pixelAspectRatio other than 1, other chromaticities than
+/// Rec. 709's.
+Image<float> read_exr(const std::filesystem::path& file);  ///< channel "Z", or the only one
 /// Channels of one EXR by their whole names ("R", "view.Depth.Z"), in that order; half floats are
 /// widened.
 std::vector<Image<float>> read_exr_channels(const std::filesystem::path& file,
                                             const std::vector<std::string>& channels);
-Image<Rgbf> read_exr_color(const std::filesystem::path& file);  ///< channels R, G, B
+Image<Rgbf> read_exr_color(const std::filesystem::path& file);  ///< channels R, G, B, or Y as grey
 void write_png(const std::filesystem::path& file, const Image<Rgb8>& image);
 void write_png(const std::filesystem::path& file, const Image<std::uint8_t>& image);
 void write_png(const std::filesystem::path& file, const Image<std::uint16_t>& image);

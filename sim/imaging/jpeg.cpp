@@ -15,6 +15,7 @@
 #include "sim/imaging/codecs.h"
 #include "sim/imaging/file_bytes.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin {
 namespace {
@@ -158,6 +159,9 @@ Image<Rgb8> decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& 
                              " bytes cannot hold " + std::to_string(width) + " x " +
                              std::to_string(height) + " pixels");
   }
+  // A progressive file is held as two bytes a number until its last scan.
+  const std::uint64_t per_pixel = jpeg_has_multiple_scans(&decoder.info) ? 9 : 3;
+  check_memory(name, bytes.size() + width * height * per_pixel, "its pixels");
   Image<Rgb8> image(static_cast<int>(width), static_cast<int>(height));
   if (!read_rows(decoder, reinterpret_cast<JSAMPLE*>(image.data()))) {
     throw std::runtime_error(name + ": JPEG: " + decoder.errors.text);

@@ -10,6 +10,7 @@
 
 #include "sim/imaging/codecs.h"
 #include "sim/imaging/file_bytes.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin::imaging {
 namespace {
@@ -129,6 +130,8 @@ Image<Pixel> decode(std::span<const std::uint8_t> bytes, const std::string& name
   std::size_t row_bytes = 0;
   if (!prepare(reader, wanted, row_bytes))
     throw std::runtime_error(name + ": PNG: " + reader.message.text);
+  check_memory(name, bytes.size() + std::uint64_t{header.width} * header.height * sizeof(Pixel),
+               "its pixels");
   Image<Pixel> image(static_cast<int>(header.width), static_cast<int>(header.height));
   if (row_bytes != header.width * sizeof(Pixel))
     throw std::runtime_error(name + ": PNG: unexpected row size");

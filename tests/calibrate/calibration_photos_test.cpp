@@ -22,6 +22,11 @@ TEST(TargetFromOption, CountsInnerCornersSquaresTagsAndDiscs) {
             (CalibrationTarget{TargetKind::april_grid, 6, 6, 0.088, 0.3, ""}));
   EXPECT_EQ(target_from_option("acircles:4x11:0.018:0.42"),
             (CalibrationTarget{TargetKind::asymmetric_circles, 4, 11, 0.018, 0.42, ""}));
+  const std::string even = "charuco:8x6:0.03:0.7:DICT_4X4_50";
+  EXPECT_EQ(target_from_option(even + ":legacy"), target_from_option(even));
+  EXPECT_EQ(layout_from_option(even + ":legacy"), CharucoLayout::legacy);
+  EXPECT_EQ(layout_from_option(even), std::nullopt);
+  EXPECT_THROW(target_from_option(even + ":old"), std::invalid_argument);
   EXPECT_EQ(target_from_option("charuco_a4"), board_preset("charuco_a4"));
 }
 

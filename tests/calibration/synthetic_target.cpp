@@ -55,7 +55,7 @@ bool tag_ink(const CalibrationTarget& t, const std::vector<MarkerCode>& codes,
 }
 
 bool has_ink(const CalibrationTarget& t, const std::vector<MarkerCode>& codes,
-             const Eigen::Vector2d& at_m) {
+             const Eigen::Vector2d& at_m, CharucoLayout layout = CharucoLayout::current) {
   if (t.kind == TargetKind::circles || t.kind == TargetKind::asymmetric_circles)
     return disc_ink(t, at_m);
   const Eigen::Vector2d half = 0.5 * print_size_m(t);
@@ -63,7 +63,7 @@ bool has_ink(const CalibrationTarget& t, const std::vector<MarkerCode>& codes,
   if (t.kind == TargetKind::april_grid) return tag_ink(t, codes, (at_m + half) / t.pitch_m);
   const Eigen::Vector2d p((at_m.x() + half.x()) / t.pitch_m, (half.y() - at_m.y()) / t.pitch_m);
   const int column = static_cast<int>(p.x()), row = static_cast<int>(p.y());
-  if ((column + row) % 2 == 0) return true;
+  if ((column + row) % 2 == (is_first_square_black(t, layout) ? 0 : 1)) return true;
   if (codes.empty()) return false;
   const Eigen::Vector2d q = (p - Eigen::Vector2d(column + 0.5, row + 0.5)) / t.mark_share +
                             Eigen::Vector2d::Constant(0.5);
@@ -109,7 +109,8 @@ TargetShot shoot_target(const CalibrationTarget& target, const Camera& camera,
   cv::Mat picture(height, width, CV_32F);
   const auto signal = [&](const Eigen::Vector2d& at_m) {
     if (!((at_m.array().abs() < half.array()).all())) return config.background;
-    return has_ink(target, codes, at_m) != config.swap_colors ? config.black : config.white;
+    return has_ink(target, codes, at_m, config.layout) != config.swap_colors ? config.black
+                                                                             : config.white;
   };
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <map>
 
+#include "calibration/charuco_layout.h"
 #include "sim/types/calibration_target.h"
 #include "sim/types/camera.h"
 #include "sim/types/image.h"
@@ -17,7 +18,8 @@ struct TargetImageConfig {
   double black = 0.05;
   double white = 0.85;
   double background = 0.3;  ///< beyond the print and its white margin
-  int samples = 12;         ///< a side, in pixels that an edge crosses
+  CharucoLayout layout = CharucoLayout::current;
+  int samples = 12;  ///< a side, in pixels that an edge crosses
   bool swap_colors = false;
 };
 

@@ -63,6 +63,31 @@ Errors errors_of(const TargetView& view, const TargetShot& shot) {
   return e;
 }
 
+/// An even number of rows: its two layouts differ.
+CalibrationTarget even_charuco() { return {TargetKind::charuco, 8, 6, 0.03, 0.7, "DICT_4X4_50"}; }
+
+TEST(FindTarget, EitherLayoutOfACharucoBoardIsFoundAndTheOtherRefused) {
+  const CalibrationTarget target = even_charuco();
+  for (const CharucoLayout layout : {CharucoLayout::current, CharucoLayout::legacy}) {
+    const Pose pose = tilted(0.45, 0.3, 0.5, 0.1, {0, 0});
+    const TargetShot shot =
+        shoot_target(target, camera_640(), pose, {.layout = layout, .samples = 3}, Rng(1));
+    const bool is_legacy = layout == CharucoLayout::legacy;
+    const LayoutVotes votes = layout_votes(shot.light, target);
+    EXPECT_GT(is_legacy ? votes.legacy : votes.current, 30);
+    EXPECT_GT(is_legacy ? votes.legacy - votes.current : votes.current - votes.legacy, 12);
+    const TargetView view = find_target(shot.light, target, {}, layout);
+    EXPECT_EQ(view.status, TargetStatus::ok) << view.reason;
+    EXPECT_EQ(view.points.size(), 7U * 5U);
+    for (const TargetObservation& o : view.points)
+      EXPECT_LT((o.pixel_px - shot.true_px.at(o.id)).norm(), 0.1) << o.id;
+    const TargetView other = find_target(
+        shot.light, target, {}, is_legacy ? CharucoLayout::current : CharucoLayout::legacy);
+    EXPECT_EQ(other.status, TargetStatus::wrong_target);
+    EXPECT_THAT(other.reason, ::testing::HasSubstr(is_legacy ? "legacy" : "current"));
+  }
+}
+
 TEST(FindTarget, FindsEveryKindAndNumbersItsPoints) {
   struct Case {
     CalibrationTarget target;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 
 #include "benchmarks/fit_sensor/rounding.h"
 
@@ -101,6 +102,24 @@ TEST(WrongModel, DistancesInAnotherUnitAreRejected) {
   const SensorFit fit =
       fit_frames(record(device, plan, rng), geometry, rig_choice("d457"), "another unit");
   EXPECT_THAT(problems_of(fit), HasSubstr("times the stated distances: depth_unit_m"));
+}
+
+TEST(WrongModel, AUnitThatNobodyMentionsIsNamedAsTheLikelyReason) {
+  const RecordingPlan plan = quick_plan();
+  const Rng rng(6);
+  const HiddenDevice device = draw_hidden_device("d457", rng);
+  const RecordedFrames frames = record(device, plan, rng);
+  for (const double factor : {10.0, 4.0, 2.0, 0.5, 0.2, 0.1}) {
+    DepthGeometry geometry = geometry_of(device, plan);
+    const double true_unit_m = geometry.depth_unit_m;
+    geometry.depth_unit_m *= factor;
+    const SensorFit fit = fit_frames(frames, geometry, rig_choice("d457"), "another unit");
+    EXPECT_THAT(problems_of(fit), HasSubstr("times the stated distances: depth_unit_m")) << factor;
+    char told[64];
+    std::snprintf(told, sizeof told, "depth_unit_m = %g)", true_unit_m);
+    EXPECT_THAT(problems_of(fit), HasSubstr(told)) << factor;
+    EXPECT_EQ(fit.preset_toml, "");
+  }
 }
 
 TEST(WrongModel, APausedStreamIsNoRecording) {

@@ -38,7 +38,7 @@ TEST(CheckWatertight, AFlippedTriangleIsNamed) {
 TEST(CheckWatertight, InsideOutIsNamed) {
   Mesh mesh = tetrahedron_mesh();
   for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
-  EXPECT_THAT(check_watertight(mesh).problem, HasSubstr("outward"));
+  EXPECT_THAT(check_watertight(mesh).problem, HasSubstr("inside out"));
 }
 
 TEST(CheckWatertight, ThreeTrianglesAtAnEdgeAreNamed) {

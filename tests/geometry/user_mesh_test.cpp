@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 
 #include "sim/geometry/measure.h"
 #include "sim/geometry/mesh_io.h"
+#include "sim/geometry/mesh_warnings.h"
 
 namespace cousin {
 namespace {
@@ -160,7 +162,7 @@ TEST_F(UserMeshFiles, ObjGroupsArePartsAndColoursAreLinear) {
       read_user_mesh(write("a.obj",
                            "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0.5 0.5 0.5\no stem\nf 1 2 3\n"
                            "g leaf 1\nf 1 2 3\nf 3 2 1\no stem\nf 1 3 2\n"));
-  EXPECT_THAT(user.part_names, ElementsAre("stem", "leaf"));
+  EXPECT_THAT(user.part_names, ElementsAre("stem", "leaf 1"));
   EXPECT_THAT(user.triangle_part, ElementsAre(0, 1, 1, 0));
   // IEC 61966-2-1: 0.5 is 0.2140 of the light.
   EXPECT_NEAR(user.vertex_albedo[2].r, 0.2140F, 1e-4F);
@@ -206,6 +208,170 @@ TEST_F(UserMeshFiles, WeldingKeepsTheColoursOfWhatComesFirst) {
   const UserMesh one = welded(user);
   ASSERT_EQ(one.mesh.vertices_m.size(), 3U);
   EXPECT_THAT(one.vertex_albedo, ElementsAre(Rgbf{1, 0, 0}, Rgbf{0, 1, 0}, Rgbf{1, 1, 1}));
+}
+
+/// The end of an L-shaped prism of height 1 whose outline begins at corner `first`: area 4 + 10
+/// + 4.
+std::string l_prism(bool is_obj, std::size_t first) {
+  constexpr int kL[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
+  std::vector<std::vector<std::size_t>> faces(2);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::size_t k = (first + i) % 6, next = (i + 1) % 6;
+    faces[0].push_back(5 - k);
+    faces[1].push_back(6 + k);
+    faces.push_back({i, next, 6 + next, 6 + i});
+  }
+  std::string points, rows;
+  for (int z = 0; z < 2; ++z) {
+    for (const auto& [x, y] : kL)
+      points += std::string(is_obj ? "v " : "") + std::to_string(x) + " " + std::to_string(y) +
+                " " + std::to_string(z) + "\n";
+  }
+  for (const auto& face : faces) {
+    rows += is_obj ? "f" : std::to_string(face.size());
+    for (const std::size_t corner : face) rows += " " + std::to_string(corner + (is_obj ? 1 : 0));
+    rows += "\n";
+  }
+  if (is_obj) return points + rows;
+  return "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 8\nproperty list uchar int vertex_indices\nend_header\n" +
+         points + rows;
+}
+
+TEST_F(UserMeshFiles, ConcaveFacesHaveTheirAreaWhicheverVertexComesFirst) {
+  for (std::size_t first = 0; first < 6; ++first) {
+    for (const bool is_obj : {true, false}) {
+      const Mesh mesh = read_mesh(write(is_obj ? "l.obj" : "l.ply", l_prism(is_obj, first)));
+      EXPECT_TRUE(check_watertight(mesh).ok) << check_watertight(mesh).problem;
+      EXPECT_NEAR(mass_properties(mesh).area_m2, 18, 1e-12) << first << is_obj;
+      EXPECT_NEAR(mass_properties(mesh).volume_m3, 4, 1e-12) << first << is_obj;
+    }
+  }
+}
+
+TEST_F(UserMeshFiles, AFaceThatCrossesItselfIsRefusedWithItsLine) {
+  EXPECT_THAT(error_of("a.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n"),
+              AllOf(HasSubstr("a.obj: line 5"), HasSubstr("crosses itself")));
+}
+
+const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+TEST_F(UserMeshFiles, ObjNamesMayHaveBlanksAndLinesMayBeJoined) {
+  const UserMesh user =
+      read_user_mesh(write("a.obj", kTriangle + "o Leaf 1 \r\nf 1 2 \\\n3\ng Leaf 2\nf 3 2 1\n"));
+  EXPECT_THAT(user.part_names, ElementsAre("Leaf 1", "Leaf 2"));
+  EXPECT_EQ(user.mesh.triangles.size(), 2U);
+  EXPECT_TRUE(user_mesh_warnings(folder_ / "a.obj").empty());
+}
+
+TEST_F(UserMeshFiles, AnObjNameThatIsNotUtf8IsRefusedWithItsLine) {
+  EXPECT_THAT(error_of("a.obj", kTriangle + "o Bl\xE4tter\nf 1 2 3\n"),
+              AllOf(HasSubstr("a.obj: line 4"), HasSubstr("Bl\\xe4tter"), HasSubstr("UTF-8")));
+  EXPECT_EQ(error_of("a.obj", "# Bl\xE4tter\n" + kTriangle + "f 1 2 3\n"), "");
+}
+
+TEST_F(UserMeshFiles, WhatWouldBeAnotherObjMeshIsRefusedByName) {
+  EXPECT_THAT(error_of("a.obj", kTriangle + "cstype bezier\n"), HasSubstr("\"cstype\""));
+  EXPECT_THAT(error_of("a.obj", kTriangle + "call b.obj\n"), HasSubstr("\"call\""));
+  EXPECT_THAT(error_of("a.obj", "v 0 0 0 2\n"), HasSubstr("the weight 2"));
+  EXPECT_THAT(error_of("a.obj", "v 0 0 0 1 1\n"), HasSubstr("a vertex of 5 numbers"));
+}
+
+TEST_F(UserMeshFiles, MaterialsOfAnObjAreSaidNotToBeRead) {
+  const std::vector<std::string> warnings =
+      user_mesh_warnings(write("a.obj", "mtllib a.mtl\nusemtl green\n" + kTriangle + "f 1 2 3\n"));
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0], AllOf(HasSubstr("a.obj"), HasSubstr("materials")));
+}
+
+std::string one_triangle_stl(std::uint32_t count, const std::string& header = "x") {
+  std::string bytes = header + std::string(80 - header.size(), '\0') + raw<std::uint32_t>({count});
+  return bytes + raw<float>({0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}) + raw<std::uint16_t>({0});
+}
+
+TEST_F(UserMeshFiles, BytesBehindABinaryStlAreAWarning) {
+  for (const char* header : {"x", "solid"}) {
+    const UserMesh user = read_user_mesh(write("a.stl", one_triangle_stl(1, header) + "\r\n"));
+    EXPECT_EQ(user.mesh.triangles.size(), 1U);
+    const std::vector<std::string> warnings = user_mesh_warnings(folder_ / "a.stl");
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_THAT(warnings[0], AllOf(HasSubstr("a.stl"), HasSubstr("2 bytes")));
+  }
+  EXPECT_TRUE(user_mesh_warnings(write("a.stl", one_triangle_stl(1))).empty());
+}
+
+TEST_F(UserMeshFiles, ABinaryStlWithAWrongCountIsRefusedWithBoth) {
+  EXPECT_THAT(error_of("a.stl", one_triangle_stl(0)),
+              HasSubstr("0 triangles, but 50 bytes follow"));
+  EXPECT_THAT(error_of("a.stl", one_triangle_stl(2)),
+              AllOf(HasSubstr("2 triangles has 184 bytes"), HasSubstr("has 134")));
+}
+
+TEST_F(UserMeshFiles, TextStlTakesAnyNameAndAnyCase) {
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+      "0\nendloop\nendfacet\n";
+  const std::string text = "solid vertex loop model\n" + facet + "endsolid vertex loop model\n";
+  EXPECT_EQ(read_user_mesh(write("a.stl", text + text)).mesh.triangles.size(), 2U);
+  std::string upper = text;
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  EXPECT_EQ(read_user_mesh(write("a.stl", upper)).mesh.triangles.size(), 1U);
+  EXPECT_THAT(error_of("a.stl",
+                       "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\n"
+                       "vertex 0 1 0\nendloop\nendfacet\nendsolid\n"),
+              AllOf(HasSubstr("line 8"), HasSubstr("4 corners")));
+}
+
+std::string ply_of(
+    const std::string& properties, const std::string& rows,
+    const std::string& faces = "element face 1\nproperty list uchar int vertex_indices\n") {
+  return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+         "float z\n" +
+         properties + faces + "end_header\n" + rows;
+}
+
+TEST_F(UserMeshFiles, WhatIsLeftBehindAPlyIsAWarning) {
+  const std::vector<std::string> warnings =
+      user_mesh_warnings(write("a.ply", ply_of("", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 2 1 0\n")));
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0], AllOf(HasSubstr("a.ply"), HasSubstr("8 bytes")));
+}
+
+TEST_F(UserMeshFiles, PlyFacesWithoutCornersAndStripsAreRefused) {
+  EXPECT_THAT(error_of("a.ply", ply_of("", "0 0 0\n1 0 0\n0 1 0\n1 0.5\n",
+                                       "element face 1\nproperty list uchar float texcoord\n")),
+              HasSubstr("vertex_indices"));
+  EXPECT_THAT(
+      error_of("a.ply", ply_of("", "0 0 0\n1 0 0\n0 1 0\n4 0 1 2 -1\n",
+                               "element tristrips 1\nproperty list int int vertex_indices\n")),
+      HasSubstr("tristrips"));
+}
+
+TEST_F(UserMeshFiles, GltfShapesThatAreNotReadAreRefusedByName) {
+  write("a b.bin", tetrahedron_bytes());
+  const auto error = [&](const std::string& node, const std::string& extra = "") {
+    return error_of("a.gltf", tetrahedron_gltf(kBeside, node, extra));
+  };
+  EXPECT_EQ(error(R"({"mesh":0})"), "");
+  EXPECT_THAT(error(R"({"mesh":0,"skin":0})"), HasSubstr("/nodes/0/skin"));
+  EXPECT_THAT(error(R"({"mesh":0,"weights":[0.5]})"), HasSubstr("/nodes/0/weights"));
+  EXPECT_EQ(error(R"({"mesh":0,"weights":[0]})"), "");
+  EXPECT_THAT(error(R"({"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{}}})"),
+              HasSubstr("EXT_mesh_gpu_instancing"));
+}
+
+TEST_F(UserMeshFiles, GltfLooksThatAreNotReadAreWarnings) {
+  write("a b.bin", tetrahedron_bytes());
+  // The material gives no metallicFactor: 1, says glTF.
+  std::string text = tetrahedron_gltf(kBeside, R"({"mesh":0})");
+  std::vector<std::string> warnings = user_mesh_warnings(write("a.gltf", text));
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0], AllOf(HasSubstr("a.gltf: /materials/0"), HasSubstr("metallicFactor")));
+  const std::string factor = "\"baseColorFactor\"";
+  text.insert(text.find(factor), R"("metallicFactor":0,"baseColorTexture":{"index":0},)");
+  warnings = user_mesh_warnings(write("a.gltf", text));
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0], HasSubstr("textures are not read"));
 }
 
 TEST(Units, AreMetresPerUnit) {

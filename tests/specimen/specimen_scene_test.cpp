@@ -47,6 +47,29 @@ std::string error_of(const SpecimenSceneConfig& config, const UserMesh& user) {
   return "";
 }
 
+TEST(SpecimenScene, AUnitForAFileThatHasItsOwnIsRefused) {
+  UserMesh user = box();
+  user.is_in_metres = true;
+  SpecimenSceneConfig config = in_millimetres();
+  config.mesh = "mine.glb";
+  try {
+    build_specimen_scene(config, user, Rng(1));
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(),
+                AllOf(HasSubstr("unit = mm"), HasSubstr("mine.glb"), HasSubstr("metres")));
+  }
+}
+
+TEST(SpecimenScene, AMeshTurnedInsideOutIsNamedAsThat) {
+  UserMesh user = box();
+  for (auto& t : user.mesh.triangles) std::swap(t[1], t[2]);
+  SpecimenSceneConfig config = in_millimetres();
+  config.needs_volume = true;
+  EXPECT_THAT(error_of(config, user),
+              AllOf(HasSubstr("mine.ply"), HasSubstr("inside out"), HasSubstr("-6e-05 m3")));
+}
+
 TEST(SpecimenScene, AClosedMeshStandsOnTheTableWithItsVolume) {
   const Scene scene = build_specimen_scene(in_millimetres(), box(), Rng(1));
   EXPECT_NO_THROW(validate(scene));

@@ -189,6 +189,26 @@ TEST(SplatPly, ErrorsNameWhatIsWrong) {
   EXPECT_THAT(error_of("solid"), HasSubstr("header"));
 }
 
+TEST(SplatPly, VariantsThatMeanSomethingElseAreRefusedByName) {
+  std::string two = kDegreeZero;
+  two.erase(two.find(" scale_2"), 8);
+  EXPECT_THAT(error_of(text_file(two, "1 2 3 .1 .2 .3 4 -1 -2 1 0 0 0\n")),
+              HasSubstr("2D Gaussians"));
+  std::string one = two;
+  one.erase(one.find(" scale_1"), 8);
+  EXPECT_THAT(error_of(text_file(one, "1 2 3 .1 .2 .3 4 -1 1 0 0 0\n")), HasSubstr("one scale"));
+  EXPECT_THAT(error_of(text_file("packed_position packed_rotation", "1 2\n")),
+              HasSubstr("SuperSplat"));
+  EXPECT_THAT(
+      error_of(text_file(kDegreeZero + " filter_3D", "1 2 3 .1 .2 .3 4 -1 -2 -3 1 0 0 0 1\n")),
+      HasSubstr("Mip-Splatting"));
+  EXPECT_THAT(
+      error_of(text_file(kDegreeZero + " motion_0", "1 2 3 .1 .2 .3 4 -1 -2 -3 1 0 0 0 1\n")),
+      HasSubstr("move"));
+  EXPECT_THAT(error_of(text_file("x y z red green blue", "1 2 3 1 1 1\n")), HasSubstr("f_dc_0"));
+  EXPECT_EQ(error_of(text_file(kDegreeZero, kRow)), "");
+}
+
 TEST(SplatPly, AnOriginIsThreeFiniteNumbersOrAnError) {
   const auto with = [](const std::string& comment) {
     return error_of(text_file(kDegreeZero, kRow, 1, "comment " + comment + "\n"));
