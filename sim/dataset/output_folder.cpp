@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <map>
 #include <mutex>
@@ -133,13 +134,14 @@ bool is_in_own_folder(const OutputList& list, const std::string& path) {
   return !above.empty();
 }
 
-bool is_named(const std::string& name, const std::vector<std::string>& names) {
-  return std::any_of(names.begin(), names.end(), [&](const std::string& of) {
-    if (of == "NNNNNN")
-      return name.size() == 6 && name.find_first_not_of("0123456789") == std::string::npos;
-    if (of == "manifest.*.json") return name.starts_with("manifest.") && name.ends_with(".json");
-    return of == "*" || of == name;
-  });
+bool matches(std::string_view name, std::string_view pattern) {
+  if (pattern.empty()) return name.empty();
+  if (pattern.front() == '*')
+    return matches(name, pattern.substr(1)) || (!name.empty() && matches(name.substr(1), pattern));
+  if (name.empty()) return false;
+  const bool is_digit = name.front() >= '0' && name.front() <= '9';
+  return (pattern.front() == '#' ? is_digit : pattern.front() == name.front()) &&
+         matches(name.substr(1), pattern.substr(1));
 }
 
 /// Another verb whose list has the file; empty if there is none.
@@ -160,8 +162,8 @@ std::string other_owner(const fs::path& folder, const std::string& path, const s
   throw std::invalid_argument(
       (folder / path).string() + " is in the way: " +
       (other.empty() ? why : "`cousin " + other + "` wrote it, not `cousin " + verb + "`") +
-      ". Cousin replaces only what the same command wrote there. Move it away, or name another "
-      "folder by --out");
+      ". Cousin replaces only what the same command wrote there. Move it away, or choose another "
+      "--out");
 }
 
 std::string not_written(const std::string& verb) {
@@ -180,13 +182,9 @@ class Look {
   /// @throws std::invalid_argument naming the first file, by name, that is in the way
   void look() {
     if (!fs::exists(folder_)) return;
-    for (const fs::path& entry : entries_of({})) {
-      if (!is_output_list(entry.string()) && is_named(entry.string(), claim_.names))
-        add_files(entry);
-    }
-    for (const fs::path name : claim_.names) {
-      if (name.has_parent_path()) add_below(name);
-    }
+    for (const fs::path name : claim_.names) add_named({}, name.begin(), name.end());
+    std::sort(files_.begin(), files_.end());
+    files_.erase(std::unique(files_.begin(), files_.end()), files_.end());
     std::vector<std::string> why(files_.size());
     for_each_frame(files_.size(), [&](std::size_t i) { why[i] = problem(list_, files_[i]); });
     std::optional<OutputList> newer;  // another process may have written since
@@ -212,16 +210,20 @@ class Look {
     return entries;
   }
 
-  /// A name of several parts, or the first of them that is no folder.
-  void add_below(const fs::path& name) {
-    fs::path way;
-    for (const fs::path& part : name.parent_path()) {
-      way /= part;
-      const fs::file_type type = fs::symlink_status(folder_ / way).type();
-      if (type == fs::file_type::not_found) return;
-      if (type != fs::file_type::directory) return files_.push_back(way.generic_string());
+  /// What has the name whose parts are in [part, end), and what is there in place of a folder on
+  /// the way to it.
+  void add_named(const fs::path& below, fs::path::iterator part, fs::path::iterator end) {
+    const std::string pattern = part->string();
+    const bool is_last = ++part == end;
+    for (const fs::path& entry : entries_of(below)) {
+      const std::string name = entry.filename().string();
+      if (!matches(name, pattern) || is_output_list(name)) continue;
+      const bool is_folder = fs::symlink_status(folder_ / entry).type() == fs::file_type::directory;
+      if (is_folder && !is_last)
+        add_named(entry, part, end);
+      else
+        add_files(entry);
     }
-    add_files(name);
   }
 
   void add_files(const fs::path& below) {
@@ -243,7 +245,8 @@ class Look {
     const auto listed = list.hashes.find(path);
     if (listed == list.hashes.end())
       return is_in_own_folder(list, path) ? "" : not_written(claim_.verb);
-    if (listed->second.contains("*") || listed->second.contains(sha256_hex_of_file(file)))
+    if (!claim_.check_bytes || listed->second.contains("*") ||
+        listed->second.contains(sha256_hex_of_file(file)))
       return {};
     return "it was changed since `cousin " + claim_.verb + "` wrote it";
   }
@@ -349,11 +352,26 @@ struct OutputFolder::Impl final : FolderGuard {
         throw std::invalid_argument(folder.string() + ": another `cousin " + claim.verb +
                                     "` is writing there at this moment; wait until it has ended, "
                                     "or choose another --out");
-      struct stat ours {}, there {};
+      struct stat ours {
+      }, there{};
       const bool is_same = ::fstat(descriptor, &ours) == 0 && ::stat(file.c_str(), &there) == 0 &&
                            ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
       if (is_same) return is_new;
       ::close(std::exchange(descriptor, -1));
+    }
+  }
+
+  /// As all processes have written it that hold it open, though one of them may have removed it.
+  std::string text_of_list() const {
+    std::string text;
+    std::array<char, 1 << 16> block;
+    for (;;) {
+      const ssize_t count =
+          ::pread(descriptor, block.data(), block.size(), static_cast<off_t>(text.size()));
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail(list_file(folder, claim.verb), "cannot read", errno);
+      if (count == 0) return text;
+      text.append(block.data(), static_cast<std::size_t>(count));
     }
   }
 
@@ -395,7 +413,7 @@ struct OutputFolder::Impl final : FolderGuard {
     if (type != fs::file_type::not_found) {
       // Another process that shares the folder may have written it.
       if (!own && claim.sharing == FolderClaim::Sharing::shards)
-        own = read_list(folder, claim, {}).hashes.contains(path);
+        own = parse_list(text_of_list()).hashes.contains(path);
       if (type == fs::file_type::symlink)
         refuse(folder, path, claim.verb, "it is a link, and links are not followed");
       if (!own || type != fs::file_type::regular)
@@ -481,8 +499,7 @@ bool OutputFolder::had_other_config() const { return impl_->other_config; }
 std::vector<std::string> OutputFolder::files() const {
   const std::lock_guard lock(impl_->mutex);
   std::vector<std::string> files;
-  for (const auto& [path, hashes] : read_list(impl_->folder, impl_->claim, {}).hashes)
-    files.push_back(path);
+  for (const auto& [path, hashes] : parse_list(impl_->text_of_list()).hashes) files.push_back(path);
   return files;
 }
 

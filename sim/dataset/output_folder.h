@@ -14,13 +14,14 @@ struct FolderClaim {
   std::string version;  ///< of the program
   /// SHA-256 of all that decides the files; empty if any configuration may add to the folder.
   std::string config;
-  /// Files and folders ("a", "a/b") that the command writes there: none may be somebody's. "NNNNNN"
-  /// stands for any six digits, "manifest.*.json" for manifests of shards, "*" for everything.
+  /// Files and folders ("a", "a/b") that the command writes there: none may be somebody's. # stands
+  /// for a digit, * for any letters.
   std::vector<std::string> names;
   enum class OtherConfig { refuse, replace };
   OtherConfig other_config = OtherConfig::replace;  ///< if a run of the verb had another one
   enum class Sharing { alone, shards };
   Sharing sharing = Sharing::alone;  ///< whether processes write there at the same time
+  bool check_bytes = true;           ///< else files that are listed are taken to be unchanged
 };
 
 /// A folder while a command writes into it. OUT/.cousin.VERB lists what the verb has written there,

@@ -26,6 +26,7 @@
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/exr_vectors.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace {
@@ -192,7 +193,7 @@ void write_depths(const fs::path& dir, const Depths& depths) {
     const std::string name = six_digits(depths[i].frame) + ".exr";
     const auto write = [&](const char* folder, const auto& image, const auto& to_file) {
       if (image.empty()) {  // what another run left would be taken for this one's
-        fs::remove(dir / folder / name);
+        remove_own(dir / folder / name);
         return;
       }
       fs::create_directories(dir / folder);

@@ -46,8 +46,7 @@ GuardTable& guard_table() {
 
 /// Whether `path` lies below `folder`; `below` is the rest then.
 bool is_below(const fs::path& folder, const fs::path& path, fs::path& below) {
-  const auto [rest, end] =
-      std::mismatch(path.begin(), path.end(), folder.begin(), folder.end());
+  const auto [rest, end] = std::mismatch(path.begin(), path.end(), folder.begin(), folder.end());
   if (end != folder.end() || rest == path.end()) return false;
   below.clear();
   for (auto part = rest; part != path.end(); ++part) below /= *part;
@@ -116,7 +115,6 @@ int rename_to_free_name(const fs::path& from, const fs::path& to) {
   return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
-
 /// Writes the temporary file and gives it its name, while it is locked.
 int write_and_rename(const fs::path& file, std::string_view bytes, bool may_replace) {
   constexpr int kTries = 100;
@@ -129,9 +127,9 @@ int write_and_rename(const fs::path& file, std::string_view bytes, bool may_repl
     int code = write_and_flush(out, bytes);
     // The lock ends with the descriptor, so the name comes first.
     if (code == 0)
-      code = !may_replace                                     ? rename_to_free_name(beside, file)
+      code = !may_replace                                  ? rename_to_free_name(beside, file)
              : ::rename(beside.c_str(), file.c_str()) == 0 ? 0
-                                                              : errno;
+                                                           : errno;
     if (code != 0) {
       ::unlink(beside.c_str());
       return code;
@@ -177,8 +175,8 @@ GuardedPath guarded(const fs::path& path) {
     fs::path below;
     // By its given name first: a link on the way is the guard's to see.
     if (!is_below(row.given, given, below) && !is_below(row.canonical, canonical, below)) continue;
-    const auto own_depth = static_cast<std::size_t>(
-        std::distance(row.canonical.begin(), row.canonical.end()));
+    const auto own_depth =
+        static_cast<std::size_t>(std::distance(row.canonical.begin(), row.canonical.end()));
     if (result.guard != nullptr && own_depth <= depth) continue;
     result = {row.guard, below};
     depth = own_depth;
@@ -189,8 +187,7 @@ GuardedPath guarded(const fs::path& path) {
 std::string temporary_name(std::string_view file_name) {
   constexpr std::size_t kMostOfName = 200;  // of the 255 bytes that a name may have
   char digits[kDigits + 1];
-  std::snprintf(digits, sizeof digits, "%016llx",
-                static_cast<unsigned long long>(random_number()));
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(random_number()));
   std::string name = ".";
   name += file_name.substr(0, kMostOfName);
   return name.append(kMark).append(digits).append(kEnding);
