@@ -14,7 +14,7 @@ OutputFolder run_folder(const fs::path& out, const std::string& key, int scenes)
   FolderClaim claim{.verb = "run",
                     .version = COUSIN_VERSION,
                     .config = sha256_hex(key),
-                    .names = report_names({"parts"})};
+                    .names = report_names({"parts/######.json"})};
   for (int scene = 0; scene < scenes; ++scene) {
     for (std::string& name : estimate_names(fs::path("estimate") / scene_id(scene)))
       claim.names.push_back(std::move(name));
