@@ -13,6 +13,7 @@
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
+#include "sim/dataset/output_folder.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -64,6 +65,25 @@ void check_takes(const BenchSuite& suite, const Options& o) {
   }
 }
 
+/// Shards of a suite, and the same suite with other options, add to one folder.
+FolderClaim bench_claim() {
+  return {.verb = "bench",
+          .version = COUSIN_VERSION,
+          .config = {},
+          .names = report_names(),
+          .sharing = FolderClaim::Sharing::shards};
+}
+
+/// The page belongs to the command that wrote it, or to `report` where it is new.
+OutputFolder page_folder(const fs::path& folder) {
+  const std::string owner = owner_of(folder, "report.html");
+  return {folder,
+          {.verb = owner.empty() ? "report" : owner,
+           .version = COUSIN_VERSION,
+           .config = {},
+           .names = {"report.html"}}};
+}
+
 }  // namespace
 
 ExitCode command_bench(const JobContext& context) {
@@ -102,11 +122,13 @@ ExitCode command_bench(const JobContext& context) {
     return ExitCode::done;
   }
   for (const BenchSuite* suite : wanted) require_writable(folder / suite->name);
+  for (const BenchSuite* suite : wanted) check_output_folder(folder / suite->name, bench_claim());
   if (!o.captures.empty()) require_writable(o.captures);
   bool failed = false;
   const bool list = o.json && wanted.size() > 1;
   for (const BenchSuite* suite : wanted) {
     const fs::path out = folder / suite->name;
+    const OutputFolder guard(out, bench_claim());
     const ScoreFile file = suite->run(context, out);
     if (o.json) {
       if (list) std::printf("%s", suite == wanted.front() ? "[" : ",");

@@ -1,6 +1,7 @@
 // calibrate: images of a target to cameras, with what they are worth.
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/calibrate/calibration_output.h"
@@ -8,6 +9,7 @@
 #include "benchmarks/seeds/result_folder.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/output_folder.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -54,6 +56,12 @@ ExitCode command_calibrate(const JobContext& context) {
   photos.layout = layout_from_option(o.board);
   const fs::path out = o.out.empty() ? fs::path("out") / "calibrate" : fs::path(o.out);
   require_writable(out);
+  std::vector<std::string> names = calibration_names();
+  names.emplace_back("report.html");
+  OutputFolder folder(out, {.verb = "calibrate",
+                            .version = COUSIN_VERSION,
+                            .config = {},
+                            .names = result_names(std::move(names))});
   const CalibrationRun run =
       run_calibration(std::move(photos), config, context.progress.function());
 
@@ -70,6 +78,7 @@ ExitCode command_calibrate(const JobContext& context) {
   write_file(out / "calibration.json", json);
   const std::vector<std::string> written = write_calibration_files(out, run);
   write_calibration_report(out / "report.html", run, scores, context.command_line);
+  folder.remove_earlier();
   std::printf("%s", o.json ? json.c_str() : calibration_table(run).c_str());
   for (const std::string& line : written) context.progress.line(line);
   context.progress.line("report: " + (out / "report.html").string());

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
@@ -13,10 +14,10 @@
 #include "benchmarks/seeds/stage_files.h"
 #include "benchmarks/seeds/truth_choice.h"
 #include "benchmarks/shards/shard.h"
-#include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/manifest.h"
+#include "sim/dataset/output_folder.h"
 #include "sim/dataset/seam_io.h"
 #include "sim/dataset/truth_io.h"
 #include "sim/types/stage_clock.h"
@@ -25,32 +26,47 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-/// The dataset's folder belongs to one configuration: kPartialFile says which until the manifest
-/// does.
-/// @throws std::invalid_argument naming the file if the folder holds another configuration's
-/// dataset, or the folder if nothing says whose its scenes are.
-void check_owner(const fs::path& dataset, const std::string& hash) {
-  const auto mismatch = [&](const fs::path& file) {
-    throw std::invalid_argument(file.string() +
-                                " belongs to another configuration, seed or choice of truth, or "
-                                "to another version of the program; choose another --out");
-  };
-  const fs::path marker = dataset / kPartialFile;
-  if (fs::exists(marker)) {
-    const auto json = nlohmann::json::parse(read_file(marker), nullptr, false);
-    if (json != nlohmann::json{{"config_hash", hash}}) mismatch(marker);
-  } else if (const auto manifest = read_manifest(dataset)) {
-    if (manifest->config_hash != hash) mismatch(dataset / "manifest.json");
-  } else if (const auto scenes = scene_folders(dataset); !scenes.empty()) {
-    throw std::invalid_argument(scenes.front().string() +
-                                " is a scene of a dataset without manifest.json; choose another "
-                                "--out");
+constexpr const char* kOfAnotherRun =
+    " belongs to another configuration, seed or choice of truth, or to another version of the "
+    "program; choose another --out";
+
+using OwnFiles = std::vector<std::pair<std::string, std::string>>;
+
+/// Files that manifests in the folder list, those of shards too.
+/// @throws std::invalid_argument naming a manifest of another configuration
+OwnFiles listed_by_manifests(const fs::path& dataset, const std::string& hash) {
+  OwnFiles own;
+  if (!fs::is_directory(dataset)) return own;
+  for (const auto& entry : fs::directory_iterator(dataset)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("manifest.") || !name.ends_with(".json") || entry.is_symlink()) continue;
+    const Manifest manifest = read_manifest_file(entry.path());
+    if (manifest.config_hash != hash)
+      throw std::invalid_argument(entry.path().string() + kOfAnotherRun + " (SHA-256 " +
+                                  manifest.config_hash + " there, " + hash + " here)");
+    own.insert(own.end(), manifest.files.begin(), manifest.files.end());
+    own.emplace_back(name, "*");
   }
+  if (!own.empty()) own.emplace_back("timings.json", "*");  // beside the hashes
+  return own;
 }
 
-void claim_folder(const fs::path& dataset, const std::string& hash) {
-  if (fs::exists(dataset / kPartialFile) || fs::exists(dataset / "manifest.json")) return;
-  write_file(dataset / kPartialFile, nlohmann::json{{"config_hash", hash}}.dump() + "\n");
+FolderClaim render_claim(const std::string& hash) {
+  return {.verb = "render",
+          .version = COUSIN_VERSION,
+          .config = hash,
+          .names = {"######", "manifest.json", "manifest.*.json", "timings.json"},
+          .other_config = FolderClaim::OtherConfig::refuse,
+          .sharing = FolderClaim::Sharing::shards};
+}
+
+/// Of the files that this command wrote into the dataset, those that its manifest lists.
+std::vector<fs::path> dataset_files(const fs::path& dataset, const OutputFolder& folder) {
+  std::vector<fs::path> files;
+  for (const std::string& file : folder.files()) {
+    if (fs::is_regular_file(fs::symlink_status(dataset / file))) files.emplace_back(file);
+  }
+  return files;
 }
 
 /// What the folder belongs to: the program's version, configuration and seed, and the truth where
@@ -161,7 +177,13 @@ ExitCode command_render(const JobContext& context) {
   if (o.truth.empty() && entry.has_points) contents.truth.keypoints = true;
   const std::string hash = owner_hash(job.hash(o.seed), contents.truth);
   require_writable(dataset);
-  check_owner(dataset, hash);
+  FolderClaim claim = render_claim(hash);
+  check_output_folder(dataset, claim, listed_by_manifests(dataset, hash));
+  claim.check_bytes = false;  // they have been, now
+  std::optional<OutputFolder> folder;
+  const auto take_folder = [&] {
+    if (!folder) folder.emplace(dataset, claim, listed_by_manifests(dataset, hash));
+  };
   const std::vector<std::string> warnings = job.warnings();
   for (const std::string& warning : warnings) context.progress.line("warning: " + warning);
 
@@ -174,7 +196,7 @@ ExitCode command_render(const JobContext& context) {
     const BuiltScene built = job.build(o.seed, scene);
     timings.push_back(build_clock.finish());
     const StageClock clock("render " + scene_id(scene));
-    claim_folder(dataset, hash);  // not before: a scene that cannot be built leaves no trace
+    take_folder();  // not before: a scene that cannot be built leaves no trace
     const fs::path scene_dir = dataset / scene_id(scene);
     const int from = std::max(0, first - scene * frames);
     const int to = std::min(frames, end - scene * frames);
@@ -190,15 +212,16 @@ ExitCode command_render(const JobContext& context) {
     }
     timings.push_back(clock.finish());
   }
+  take_folder();  // a shard may have nothing to render
   Manifest header;
   header.program_version = COUSIN_VERSION;
   header.config_hash = hash;
   header.pipeline = entry.name;
   if (shard.count > 1) write_shard_manifest(dataset, header, shard.index, shard.count, written);
   const bool complete = shard.count <= 1 || fs::exists(dataset / "manifest.json");
-  if (shard.count <= 1) write_manifest(dataset, header);
-  if (complete) fs::remove(dataset / kPartialFile);  // last: the folder is never without an owner
+  if (shard.count <= 1) write_manifest(dataset, header, dataset_files(dataset, *folder));
   write_timings(dataset, timings);
+  if (complete) folder->release();  // last: the folder is never without an owner
   if (o.json) {
     nlohmann::json seconds = nlohmann::json::object();
     for (const StageTiming& timing : timings) seconds[timing.stage] = timing.wall_s;
@@ -222,7 +245,15 @@ ExitCode command_import(const JobContext& context) {
   const Capture capture = import_capture(request);
   for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
   const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
+  OutputFolder folder(
+      dataset,
+      {.verb = "import",
+       .version = COUSIN_VERSION,
+       .config = sha256_hex(o.format + "\n" + fs::absolute(source).lexically_normal().string()),
+       .names = {"######", "manifest.json", "manifest.*.json"},
+       .other_config = FolderClaim::OtherConfig::refuse});
   write_capture(dataset / scene_id(0), capture);
+  folder.remove_earlier();  // pictures that the source has no longer
   if (o.json) {
     std::printf("%s\n", nlohmann::json{{"dataset", dataset.string()},
                                        {"frames", capture.frames.size()},

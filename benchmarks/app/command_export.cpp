@@ -7,11 +7,14 @@
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
+#include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/export/export_dataset.h"
+#include "sim/dataset/manifest.h"
 #include "sim/dataset/truth_io.h"
 #include "sim/render/cycles/cycles.h"
 #include "sim/render/cycles/plain_scene.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -60,6 +63,13 @@ Scene shaded_scene(const SceneTruth& truth, const fs::path& scene_dir, ProgressP
   return truth.scene;
 }
 
+/// What a dataset is: its manifest, or its place.
+std::string identity(const fs::path& dataset) {
+  const fs::path manifest = dataset / "manifest.json";
+  return fs::exists(manifest) ? sha256_hex_of_file(manifest)
+                              : fs::absolute(dataset).lexically_normal().string();
+}
+
 /// blend and gltf: written by Blender.
 ExitCode export_scenes(const JobContext& context, const fs::path& out) {
   const Options& o = context.options;
@@ -82,6 +92,9 @@ ExitCode export_scenes(const JobContext& context, const fs::path& out) {
                              "\" cannot be started: install Blender 3.4 (apt install blender)");
   }
   require_writable(out);
+  const OutputFolder folder(out, export_claim(sha256_hex(std::string(COUSIN_VERSION) + "\n" +
+                                                         identity(dataset) + "\n" + o.format),
+                                              COUSIN_VERSION));
   nlohmann::json files = nlohmann::json::array();
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const std::string id = scenes[i].filename().string();
@@ -93,9 +106,11 @@ ExitCode export_scenes(const JobContext& context, const fs::path& out) {
         plain_scene(shaded_scene(truth, scenes[i], context.progress), truth.views.front());
     for (const std::string& change : plain.changes) context.progress.line(id + ": " + change);
     const fs::path file = out / (id + (format == SceneFile::blend ? ".blend" : ".glb"));
-    cycles.folder = out / ("." + id + ".part");
-    save_with_blender(plain.scene, plain.view, cycles, format, file);
-    fs::remove_all(cycles.folder);
+    const PartFolder work(out / id);
+    cycles.folder = work.path();
+    const fs::path made = work.path() / file.filename();
+    save_with_blender(plain.scene, plain.view, cycles, format, made);
+    write_file(file, read_file(made, std::size_t{1} << 36));
     files.push_back(file.string());
     context.progress.line(file.string());
   }

@@ -8,6 +8,7 @@
 #include "benchmarks/fit_sensor/sensor_fit.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/output_folder.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -18,6 +19,10 @@ ExitCode command_fit_sensor(const JobContext& context) {
   const Recordings recordings = read_recordings(o.arguments.at(0));
   const fs::path out = o.out.empty() ? fs::path("out") / "fit_sensor" : fs::path(o.out);
   require_writable(out);
+  OutputFolder folder(out, {.verb = "fit-sensor",
+                            .version = COUSIN_VERSION,
+                            .config = {},
+                            .names = result_names({"report.html", "preset.toml"})});
   const SensorFit fit = fit_sensor(recordings, rig, context.progress.function());
 
   ScoreFile scores = fit_rows(fit);
@@ -27,10 +32,8 @@ ExitCode command_fit_sensor(const JobContext& context) {
   write_result_tables(out, scores);
   write_fit_report(out / "report.html", fit, scores, context.command_line);
   const fs::path preset = out / "preset.toml";
-  if (fit.preset_toml.empty())
-    fs::remove(preset);  // of an earlier fit
-  else
-    write_file(preset, fit.preset_toml);
+  if (!fit.preset_toml.empty()) write_file(preset, fit.preset_toml);
+  folder.remove_earlier();  // the preset too, where this fit has none
   if (o.json)
     std::printf("%s", to_json(scores).c_str());
   else

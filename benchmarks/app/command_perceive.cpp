@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
@@ -159,6 +160,7 @@ ExitCode command_perceive(const JobContext& context) {
   const fs::path& dataset = places.dataset;
   const fs::path& out = places.out;
   const Warn warn = [&](const std::string& text) { context.progress.line("warning: " + text); };
+  std::optional<OutputFolder> folder;  // taken when the first scene is known to be one of ours
   std::vector<std::string> nothing_found;
   nlohmann::json rows = nlohmann::json::array();
   for (const fs::path& scene_dir : places.scenes) {
@@ -169,6 +171,7 @@ ExitCode command_perceive(const JobContext& context) {
     const std::string name = scene_dir.filename().string();
     const int index = scene_index_of(scene_dir);
     const fs::path estimate_dir = out / scene_id(index);
+    if (!folder) folder.emplace(estimate_folder(places));
     write_file(estimate_dir / "config.toml", to_toml(fields(config)));
     const SeedsEstimate estimate = perceive_seeds(capture, config, o.seed, sources, index,
                                                   estimate_dir, context.progress.function(), warn);

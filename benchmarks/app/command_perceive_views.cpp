@@ -1,5 +1,6 @@
 // perceive --pipeline views: Gaussians of photographs of anything.
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,12 +26,14 @@ ExitCode command_perceive_views(const JobContext& context) {
   const PerceivePlaces places = perceive_places(o);
   const Warn warn = [&](const std::string& text) { context.progress.line("warning: " + text); };
   bool all_found = true;
+  std::optional<OutputFolder> folder;  // taken when the first scene has been read
   ScoreFile all;
   for (const fs::path& scene : places.scenes) {
     const Capture capture = read_capture(scene);
     for (const std::string& warning : capture.warnings) warn(warning);
     const int index = scene_index_of(scene);
     const fs::path estimate_dir = places.out / scene_id(index);
+    if (!folder) folder.emplace(estimate_folder(places));
     ViewsPipelineConfig written = config;
     write_file(estimate_dir / "config.toml", to_toml(fields(written)));
     const std::string name = scene.filename().string();

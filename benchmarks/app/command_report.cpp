@@ -7,6 +7,7 @@
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/suite_plots.h"
 #include "benchmarks/seeds/result_folder.h"
+#include "sim/dataset/output_folder.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -22,6 +23,7 @@ ExitCode command_report(const JobContext& context) {
   }
   const fs::path file = context.options.out.empty() ? folder / "report.html"
                                                     : fs::path(context.options.out) / "report.html";
+  const OutputFolder guard = page_folder(file.parent_path());
   try {
     add_plots(report);
     write_report(file, report);

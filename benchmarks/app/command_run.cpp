@@ -9,6 +9,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/result_output.h"
+#include "benchmarks/app/run_folder.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/perceive.h"
@@ -20,6 +21,7 @@
 #include "benchmarks/shards/shard.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/types/stage_clock.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -145,6 +147,14 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
   return file;
 }
 
+/// All that decides what a scene's result is, but its number.
+std::string run_key(const Options& o, const SeedsRunConfig& config) {
+  std::string key = COUSIN_VERSION + config_hash(config, o.seed);
+  for (const std::string& stage : o.stages) key += "\n" + stage;
+  if (o.attribution) key += "\nattribution";
+  return key;
+}
+
 fs::path part_file(const fs::path& parts, int scene) { return parts / (scene_id(scene) + ".json"); }
 
 /// All scenes in order. Rows of the scenes after the first are kept in `parts` until the run is
@@ -154,9 +164,7 @@ bool run_scenes(const JobContext& context, const SeedsRunConfig& config,
                 const std::vector<StageSource>& sources, const fs::path& out, const fs::path& parts,
                 SeedsReport& report) {
   const Options& o = context.options;
-  std::string key = COUSIN_VERSION + config_hash(config, o.seed);
-  for (const std::string& stage : o.stages) key += "\n" + stage;
-  if (o.attribution) key += "\nattribution";
+  const std::string key = run_key(o, config);
   std::vector<ShardJob> jobs;
   for (int scene = 1; scene < o.scenes; ++scene) {
     const std::string name = part_file(parts, scene).filename();
@@ -238,6 +246,7 @@ ExitCode command_run(const JobContext& context) {
   require_writable(out);
   for (const std::string& warning : entry.configure(assignments(o), o.config).warnings())
     context.progress.line("warning: " + warning);
+  OutputFolder folder = run_folder(out, run_key(o, config), o.scenes);
 
   SeedsReport report;
   report.command_line = context.command_line;
@@ -275,9 +284,10 @@ ExitCode command_run(const JobContext& context) {
     write_report_scene(report_scenes_folder(out), scene);
   }
   write_report_folder(out, report);
-  for (int scene = 1; scene < o.scenes; ++scene) fs::remove(part_file(parts, scene));
+  for (int scene = 1; scene < o.scenes; ++scene) remove_own(part_file(parts, scene));
   std::error_code not_empty;  // then it holds what this run has not written
   fs::remove(parts, not_empty);
+  if (folder.had_other_config()) folder.remove_earlier();
   print_result(o, file);
   char line[160];
   std::snprintf(line, sizeof line, "%.1f s, peak %.0f MB; report: %s", whole.wall_s,

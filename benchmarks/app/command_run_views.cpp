@@ -10,6 +10,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/result_output.h"
+#include "benchmarks/app/run_folder.h"
 #include "benchmarks/app/views_options.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/report_scene.h"
@@ -24,6 +25,7 @@
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
 #include "sim/types/stage_clock.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -186,6 +188,7 @@ ExitCode command_run_views(const JobContext& context) {
   if (o.align) key += "\nalign";
   if (!o.lpips.empty()) key += "\n" + sha256_hex_of_file(o.lpips);
   if (!config.views.masks.empty()) key += "\n" + sha256_hex_of_folder(config.views.masks);
+  OutputFolder folder = run_folder(out, key, o.scenes);
   std::vector<ShardJob> jobs;
   for (int scene = 0; scene < o.scenes; ++scene) {
     jobs.push_back({scene_id(scene) + ".json", key + "\n" + scene_id(scene), [&, scene] {
@@ -204,9 +207,10 @@ ExitCode command_run_views(const JobContext& context) {
   report.scenes = {views_report_scene(out / "estimate" / scene_id(0), truth)};
   write_report_scene(report_scenes_folder(out), report.scenes.front());
   write_report_folder(out, report);
-  for (const ShardJob& job : jobs) fs::remove(parts / job.name);
+  for (const ShardJob& job : jobs) remove_own(parts / job.name);
   std::error_code not_empty;
   fs::remove(parts, not_empty);
+  if (folder.had_other_config()) folder.remove_earlier();
   print_result(o, file);
   context.progress.line("report: " + (out / "report.html").string());
   return check_gates(o, file.scores);

@@ -1,5 +1,6 @@
 // score: from a dataset and estimates, ours or anybody's, to numbers.
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -10,8 +11,10 @@
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/shards/shard.h"
 #include "benchmarks/views/score_views.h"
+#include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
+#include "sim/dataset/output_folder.h"
 #include "sim/dataset/seam_io.h"
 #include "sim/dataset/truth_io.h"
 
@@ -80,6 +83,23 @@ ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path&
   return file;
 }
 
+/// What the scene is and where its cameras were must be what one run wrote: an estimate of another
+/// one's pictures would be scored without a word. Images are not read here; `cousin verify` does.
+/// @throws std::runtime_error naming the file that the manifest lists with other bytes
+void check_unchanged(const fs::path& dataset, const Manifest& manifest, const std::string& scene) {
+  for (const auto& [path, hash] : manifest.files) {
+    const fs::path name = path;
+    const std::string ending = name.extension().string();
+    const bool is_image = ending == ".png" || ending == ".exr" || ending == ".jpg";
+    if (*name.begin() != scene || is_image || !fs::is_regular_file(dataset / name)) continue;
+    if (sha256_hex_of_file(resolve_inside(dataset, name)) == hash) continue;
+    throw std::runtime_error((dataset / name).string() +
+                             ": its SHA-256 is not the one in manifest.json; the dataset was "
+                             "changed since it was rendered, and its truth may be of other "
+                             "pictures. Render it again (`cousin verify` lists every change)");
+  }
+}
+
 }  // namespace
 
 ExitCode command_score(const JobContext& context) {
@@ -87,10 +107,15 @@ ExitCode command_score(const JobContext& context) {
   const fs::path dataset = o.arguments.at(0);
   const fs::path estimates = o.arguments.at(1);
   for (const std::string& gate : o.gates) parse_gate(gate);
+  const fs::path out = o.out.empty() ? estimates : fs::path(o.out);
+  const FolderClaim claim{
+      .verb = "score", .version = COUSIN_VERSION, .config = {}, .names = result_names()};
+  check_output_folder(out, claim);
   ScoreFile file;
   file.header.program_version = COUSIN_VERSION;
   file.header.machine = machine_text();
-  if (const auto manifest = read_manifest(dataset)) {
+  const std::optional<Manifest> manifest = read_manifest(dataset);
+  if (manifest) {
     file.header.dataset_hash = sha256_hex_of_file(dataset / "manifest.json");
     file.header.config_hash = manifest->config_hash;
   }
@@ -111,6 +136,7 @@ ExitCode command_score(const JobContext& context) {
     try {
       if (!fs::is_directory(scene_dir / "truth"))
         throw std::runtime_error(scene_dir.string() + ": there is no truth/ to score against");
+      if (manifest) check_unchanged(dataset, *manifest, labels.scene);
       const SceneTruth truth = read_truth(scene_dir);
       labels.seed = truth.seed;
       append(score_scene(o, truth, estimate_dir, labels, context.progress), file);
@@ -125,8 +151,10 @@ ExitCode command_score(const JobContext& context) {
                              dataset.string());
   labels.scene = "pooled";
   for (ScoreRow& row : pooled_rows(file.specimens, labels)) file.scores.push_back(std::move(row));
-  const fs::path out = o.out.empty() ? estimates : fs::path(o.out);
-  write_result_tables(out, file);
+  {
+    const OutputFolder folder(out, claim);
+    write_result_tables(out, file);
+  }
   print_result(o, file);
   context.progress.line("scores: " + (out / "scores.csv").string());
   if (!failures.empty()) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "benchmarks/seeds/stage_files.h"
 #include "sim/dataset/capture_io.h"
@@ -49,6 +50,18 @@ PerceivePlaces perceive_places(const Options& options) {
                                   scene.string() + " would lie in the scene itself");
   }
   return places;
+}
+
+OutputFolder estimate_folder(const PerceivePlaces& places) {
+  FolderClaim claim{.verb = "perceive", .version = COUSIN_VERSION, .config = {}, .names = {}};
+  for (const fs::path& scene : places.scenes) {
+    for (std::string& name : estimate_names(scene_id(scene_index_of(scene))))
+      claim.names.push_back(std::move(name));
+    // A dataset's own files would be taken for those of an estimate.
+    for (const char* name : {"rig.json", "scene_camera.json"})
+      claim.names.push_back(scene_id(scene_index_of(scene)) + "/" + name);
+  }
+  return {places.out, std::move(claim)};
 }
 
 int scene_index_of(const fs::path& scene) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "benchmarks/app/options.h"
+#include "sim/dataset/output_folder.h"
 
 namespace cousin {
 
@@ -15,6 +16,10 @@ struct PerceivePlaces {
 /// @throws std::invalid_argument if estimates would lie in the dataset; std::runtime_error if that
 /// holds no scene
 PerceivePlaces perceive_places(const Options& options);
+
+/// The folder of the estimates, taken for this command. @throws std::invalid_argument naming what
+/// is in the way
+OutputFolder estimate_folder(const PerceivePlaces& places);
 
 /// 3 of a folder "000003"; 0 of any other.
 int scene_index_of(const std::filesystem::path& scene);

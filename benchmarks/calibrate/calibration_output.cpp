@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "benchmarks/calibrate/device_output.h"
 #include "benchmarks/metrics/distributions.h"
@@ -147,7 +148,9 @@ std::vector<CalibratedCamera> calibrated(const CalibrationRun& run) {
   return cameras;
 }
 
-void write_colmap(const fs::path& folder, const CalibrationRun& run) {
+using FileTexts = std::vector<std::pair<std::string, std::string>>;  ///< name, what it holds
+
+FileTexts colmap_texts(const CalibrationRun& run) {
   ColmapModel model;
   for (std::size_t c = 0; c < run.result.cameras.size(); ++c)
     model.cameras[static_cast<int>(c) + 1] = run.result.cameras[c];
@@ -164,9 +167,9 @@ void write_colmap(const fs::path& folder, const CalibrationRun& run) {
     }
   }
   const ColmapFiles files = colmap_text(model);
-  write_file(folder / "cameras.txt", pixel_comment(run) + files.cameras);
-  write_file(folder / "images.txt", files.images);
-  write_file(folder / "points3D.txt", files.points);
+  return {{"cameras.txt", pixel_comment(run) + files.cameras},
+          {"images.txt", files.images},
+          {"points3D.txt", files.points}};
 }
 
 }  // namespace
@@ -297,39 +300,43 @@ std::vector<ScoreRow> calibration_rows(const CalibrationRun& run) {
   return rows;
 }
 
+std::vector<std::string> calibration_names() {
+  return {"calibration.json", "opencv", "ros", "kalibr", "mrcal", "colmap"};
+}
+
 std::vector<std::string> write_calibration_files(const fs::path& folder,
                                                  const CalibrationRun& run) {
-  for (const char* name : {"opencv", "ros", "kalibr", "mrcal", "colmap"})
-    fs::remove_all(folder / name);  // of an earlier run
   std::vector<std::string> lines;
   if (!run.problems.empty()) return lines;
   const std::vector<CalibratedCamera> cameras = calibrated(run);
   const std::string comment = pixel_comment(run);
-  const auto attempt = [&](const char* format, const std::function<void(const fs::path&)>& write) {
+  const auto attempt = [&](const char* format, const std::function<FileTexts()>& make) {
+    FileTexts texts;
     try {
-      write(folder / format);
-      lines.push_back(std::string(format) + ": " + (folder / format).string());
-    } catch (const std::invalid_argument& error) {
-      fs::remove_all(folder / format);
+      texts = make();
+    } catch (const std::invalid_argument& error) {  // the format has no such lens
       lines.push_back(std::string(format) + ": not written: " + error.what());
+      return;
     }
+    for (const auto& [file, text] : texts) write_file(folder / format / file, text);
+    lines.push_back(std::string(format) + ": " + (folder / format).string());
   };
-  attempt("opencv", [&](const fs::path& at) {
+  const auto each = [&](const char* ending, const auto& text_of) {
+    FileTexts texts;
     for (const CalibratedCamera& c : cameras)
-      write_file(at / (c.name + ".yaml"), commented(comment, opencv_yaml(c, cameras.front())));
+      texts.emplace_back(c.name + ending, commented(comment, text_of(c)));
+    return texts;
+  };
+  attempt("opencv", [&] {
+    return each(".yaml",
+                [&](const CalibratedCamera& c) { return opencv_yaml(c, cameras.front()); });
   });
-  attempt("ros", [&](const fs::path& at) {
-    for (const CalibratedCamera& c : cameras)
-      write_file(at / (c.name + ".yaml"), commented(comment, ros_camera_info(c)));
+  attempt("ros", [&] { return each(".yaml", ros_camera_info); });
+  attempt("kalibr", [&] {
+    return FileTexts{{"camchain.yaml", commented(comment, kalibr_camchain(cameras))}};
   });
-  attempt("kalibr", [&](const fs::path& at) {
-    write_file(at / "camchain.yaml", commented(comment, kalibr_camchain(cameras)));
-  });
-  attempt("mrcal", [&](const fs::path& at) {
-    for (const CalibratedCamera& c : cameras)
-      write_file(at / (c.name + ".cameramodel"), commented(comment, mrcal_cameramodel(c)));
-  });
-  attempt("colmap", [&](const fs::path& at) { write_colmap(at, run); });
+  attempt("mrcal", [&] { return each(".cameramodel", mrcal_cameramodel); });
+  attempt("colmap", [&] { return colmap_texts(run); });
   return lines;
 }
 

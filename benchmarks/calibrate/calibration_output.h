@@ -19,9 +19,11 @@ std::string calibration_table(const CalibrationRun& run);
 /// One row a parameter, with its 95 % interval.
 std::vector<ScoreRow> calibration_rows(const CalibrationRun& run);
 
-/// opencv/, ros/, kalibr/, mrcal/ and colmap/ below `folder`, or their absence where a format has
-/// no such lens: the returned lines say which and why. Those of an earlier run are removed first;
-/// with problems nothing is written.
+/// Files and folders that a calibration writes beside its tables and page.
+std::vector<std::string> calibration_names();
+
+/// opencv/, ros/, kalibr/, mrcal/ and colmap/ below `folder`, but none that has no such lens: the
+/// returned lines say which and why. With problems nothing is written. Nothing is removed.
 std::vector<std::string> write_calibration_files(const std::filesystem::path& folder,
                                                  const CalibrationRun& run);
 

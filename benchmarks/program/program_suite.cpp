@@ -16,6 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "sim/types/whole_file.h"
+
 extern char** environ;
 
 namespace cousin {
@@ -127,7 +129,12 @@ ScoreFile program_suite(const std::filesystem::path& program, const std::filesys
                                median.wall_s <= kStartLimit_s, median));
   say("run seeds", 1);
   const std::filesystem::path folder = out / "run";
-  std::filesystem::remove_all(folder);
+  remove_own_folder(folder);  // of an earlier measurement
+  if (std::filesystem::exists(folder))
+    throw std::invalid_argument(folder.string() +
+                                " is in the way: it holds files that no `cousin bench program` "
+                                "left there; move them away, or choose another --out");
+  own_all_in(folder);
   const ProcessCost run =
       run_process({program.string(), "run", "seeds", "--quiet", "--out", folder.string()},
                   Watch::time_and_memory);

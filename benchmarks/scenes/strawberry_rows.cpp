@@ -1,7 +1,5 @@
 #include "benchmarks/scenes/strawberry_rows.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "benchmarks/scenes/stand_cache.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/truth_io.h"
+#include "sim/process/scratch_folder.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -35,26 +34,6 @@ ScoreRow row_of(const std::string& case_name, const std::string& metric, const c
   row.seed = seed;
   return row;
 }
-
-/// A folder of its own under the system's temporary one, gone at the end.
-class ScratchFolder {
- public:
-  ScratchFolder()
-      : path_(fs::temp_directory_path() / ("cousin_strawberries_" + std::to_string(::getpid()))) {
-    fs::remove_all(path_);
-    fs::create_directories(path_);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// Fruits of many stretches and their maturity, as scenes ask for them.
 void paper_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
@@ -231,7 +210,7 @@ std::vector<ScoreRow> strawberry_rows(
   };
   tell("strawberries: fruits and maturity", 0);
   paper_rows(rows, seed);
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("cousin-strawberries");
   StrawberriesSceneConfig scene;
   scene.views = 1;
   scene.plants = quick ? 3 : 12;

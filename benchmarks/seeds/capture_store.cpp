@@ -1,9 +1,6 @@
 #include "benchmarks/seeds/capture_store.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <atomic>
 #include <stdexcept>
 #include <string>
 
@@ -13,6 +10,7 @@
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/truth_io.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 
@@ -100,25 +98,16 @@ SimulatedRun read_stored(const fs::path& stored, const SeedsRunConfig& config, s
 }
 
 /// Writes beside the final name and renames. Whoever renders the same capture at the same time
-/// writes elsewhere; the first to be done wins, and both are the same bytes.
+/// writes elsewhere; the first to be done wins, and both are the same bytes. What killed processes
+/// left of it is removed.
 void store(const fs::path& stored, const SimulatedRun& run) {
-  static std::atomic<int> counter{0};
-  const fs::path part = stored.string() + "." + std::to_string(::getpid()) + "_" +
-                        std::to_string(counter++) + ".part";
-  try {
-    write_capture(part, run.capture);
-    write_truth(part, run.truth);
-    std::error_code failed;
-    fs::rename(part, stored, failed);
-    if (failed && !fs::exists(stored)) {
-      throw std::runtime_error(stored.string() + ": " + failed.message());
-    }
-    if (failed) fs::remove_all(part);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove_all(part, ignored);
-    throw;
+  PartFolder part(stored);
+  for (const auto& entry : fs::directory_iterator(stored.parent_path())) {
+    if (entry.path() != part.path()) remove_if_stale(entry.path());
   }
+  write_capture(part.path(), run.capture);
+  write_truth(part.path(), run.truth);
+  part.take_free_name();
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/dataset/seam_io.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 
@@ -69,7 +70,7 @@ SeedsEstimate perceive_with(
           });
       if (!is_read) remove_seam(estimate_dir, stage);  // else it may be read from here
     }
-    std::filesystem::remove(estimate_dir / "timings.json");
+    remove_own(estimate_dir / "timings.json");
   }
   SeedsEstimate estimate = run(stages, observe);
   add_seconds_before("splats", before, estimate.timings);
@@ -77,9 +78,8 @@ SeedsEstimate perceive_with(
   if (estimate_dir.empty()) return estimate;
   write_timings(estimate_dir, estimate.timings);
   // Only now: the next run begins with the first seam.
-  std::filesystem::remove(unfinished);
-  std::error_code left;  // what cannot be removed costs room, not the result
-  std::filesystem::remove_all(unfinished_sfm, left);
+  remove_own(unfinished);
+  remove_own_folder(unfinished_sfm);
   return estimate;
 }
 

@@ -1,7 +1,5 @@
 #include "benchmarks/seeds/report_scene.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,6 +13,7 @@
 #include "sim/geometry/measure.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -224,9 +223,8 @@ void write_report_scene(const fs::path& folder, const ReportScene& scene) {
     throw std::invalid_argument("the report's scene \"" + scene.name +
                                 "\" must be named by letters, digits, . _ - and no dot first");
   }
-  const fs::path whole = folder / scene.name;
-  const fs::path own = folder / ("." + scene.name + "." + std::to_string(::getpid()) + ".part");
-  fs::remove_all(own);
+  PartFolder part(folder / scene.name);  // nothing of an earlier scene may stay
+  const fs::path& own = part.path();
   nlohmann::ordered_json pictures = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < scene.pictures.size(); ++i) {
     const ReportPicture& picture = scene.pictures[i];
@@ -241,11 +239,7 @@ void write_report_scene(const fs::path& folder, const ReportScene& scene) {
   if (!scene.splats.splats.empty()) write_splat_ply(own / "splats.ply", scene.splats);
   write_file(own / kIndex,
              nlohmann::ordered_json{{"name", scene.name}, {"pictures", pictures}}.dump(2) + "\n");
-  const fs::path earlier = own.string() + ".earlier.part";  // nothing of it may stay
-  fs::remove_all(earlier);
-  if (fs::exists(whole)) fs::rename(whole, earlier);
-  fs::rename(own, whole);
-  fs::remove_all(earlier);
+  part.replace();
 }
 
 std::vector<ReportScene> read_report_scenes(const fs::path& folder, const WantedScene& wanted) {

@@ -9,15 +9,21 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/types/memory_limit.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
 
 void require_writable(const fs::path& folder) {
-  const fs::path file = folder / ".write_test.tmp";
+  const fs::path file = folder / temporary_name("write_test");
   write_file(file, std::string(std::size_t{1} << 16, ' '));
   std::error_code ignored;
   fs::remove(file, ignored);
+}
+
+std::vector<std::string> result_names(std::vector<std::string> more) {
+  for (const char* name : {"scores.csv", "specimens.csv", "scores.json"}) more.emplace_back(name);
+  return more;
 }
 
 void write_result_tables(const fs::path& folder, const ScoreFile& file) {

@@ -13,6 +13,9 @@ namespace cousin {
 /// path.
 void require_writable(const std::filesystem::path& folder);
 
+/// What write_result_tables writes, and `more`: names for a FolderClaim.
+std::vector<std::string> result_names(std::vector<std::string> more = {});
+
 /// scores.csv, specimens.csv and scores.json of a run or benchmark, whole or not at all each.
 void write_result_tables(const std::filesystem::path& folder, const ScoreFile& file);
 

@@ -325,6 +325,12 @@ void write_report_folder(const std::filesystem::path& folder, const SeedsReport&
   write_report(folder / "report.html", report);
 }
 
+std::vector<std::string> report_names(std::vector<std::string> more) {
+  for (const char* name : {"report.html", kConfigFile, kPlanFile, kScenesFolder})
+    more.emplace_back(name);
+  return result_names(std::move(more));
+}
+
 SeedsReport read_report_folder(const std::filesystem::path& folder) {
   SeedsReport report;
   report.scores = read_result_tables(folder);

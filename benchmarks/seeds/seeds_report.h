@@ -41,6 +41,9 @@ std::filesystem::path report_scenes_folder(const std::filesystem::path& folder);
 /// space between them, the page is made of those again.
 void write_report_folder(const std::filesystem::path& folder, const SeedsReport& report);
 
+/// What write_report_folder and write_report_scene write, and `more`: names for a FolderClaim.
+std::vector<std::string> report_names(std::vector<std::string> more = {});
+
 /// All that write_report_folder wrote but the page; only scores.json must be there.
 /// @throws std::runtime_error naming the file and what is wrong.
 SeedsReport read_report_folder(const std::filesystem::path& folder);

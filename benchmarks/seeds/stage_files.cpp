@@ -15,6 +15,7 @@
 #include "sim/dataset/seam_io.h"
 #include "sim/process/program_run.h"
 #include "sim/process/scratch_folder.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -88,7 +89,7 @@ constexpr const char* kBlendedFile = "splats_blended.csv";
 /// How many of the views trained on each Gaussian gives colour to, in the order of the model's
 /// file. No file where that is not known.
 void write_blended(const fs::path& dir, const SplatModel& model) {
-  fs::remove(dir / kBlendedFile);  // of another model
+  remove_own(dir / kBlendedFile);  // of another model
   if (model.views_seen.empty() || model.views_seen.size() != model.splats.size()) return;
   std::string text = "views\n";
   for (const int views : model.views_seen) text += std::to_string(views) + "\n";
@@ -111,14 +112,14 @@ SplatModel read_splats(const fs::path& dir, const Warn& warn) {
 /// Removes a folder's files that are named by six digits and `ending`, and the folder if that was
 /// all: it may be somebody's own.
 void remove_numbered(const fs::path& folder, const std::string& ending) {
-  if (!fs::is_directory(folder)) return;
+  if (fs::symlink_status(folder).type() != fs::file_type::directory) return;
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     const bool is_numbered = name.find_first_not_of("0123456789") == 6;
     if (is_numbered && name.ends_with(ending)) files.push_back(entry.path());
   }
-  for (const fs::path& file : files) fs::remove(file);
+  for (const fs::path& file : files) remove_own(file);
   std::error_code not_empty;
   fs::remove(folder, not_empty);
 }
@@ -210,27 +211,55 @@ SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>&
   return base;
 }
 
+std::vector<std::string> estimate_names(const fs::path& scene) {
+  std::vector<std::string> names;
+  for (const char* name : {"config.toml",
+                           "corners.json",
+                           "poses.json",
+                           kSplatsFile,
+                           kBlendedFile,
+                           "depth/frames.json",
+                           "depth/######.exr",
+                           "depth_sigma/######.exr",
+                           "depth_normal/######.exr",
+                           "cloud.ply",
+                           "clusters.ply",
+                           "masks.json",
+                           "surfaces.json",
+                           "meshes/######*.ply",
+                           "traits.json",
+                           "timings.json",
+                           "scores.csv",
+                           "splats_seen.csv",
+                           "exposures.csv",
+                           "pictures/######.png",
+                           "splats.unfinished",
+                           "splats.unfinished.colmap"})
+    names.push_back((scene / name).generic_string());
+  return names;
+}
+
 void remove_seam(const fs::path& dir, const std::string& stage) {
-  if (stage == "corners") fs::remove(dir / "corners.json");
-  if (stage == "poses") fs::remove(dir / "poses.json");
+  if (stage == "corners") remove_own(dir / "corners.json");
+  if (stage == "poses") remove_own(dir / "poses.json");
   if (stage == "splats") {
-    fs::remove(dir / kSplatsFile);
-    fs::remove(dir / kBlendedFile);
+    remove_own(dir / kSplatsFile);
+    remove_own(dir / kBlendedFile);
   }
   if (stage == "depth") {
-    fs::remove(dir / "depth" / "frames.json");
+    remove_own(dir / "depth" / "frames.json");
     remove_numbered(dir / "depth", ".exr");
     remove_numbered(dir / "depth_sigma", ".exr");
     remove_numbered(dir / "depth_normal", ".exr");
   }
-  if (stage == "cloud") fs::remove(dir / "cloud.ply");
-  if (stage == "clusters") fs::remove(dir / "clusters.ply");
-  if (stage == "masks") fs::remove(dir / "masks.json");
+  if (stage == "cloud") remove_own(dir / "cloud.ply");
+  if (stage == "clusters") remove_own(dir / "clusters.ply");
+  if (stage == "masks") remove_own(dir / "masks.json");
   if (stage == "surfaces") {
-    fs::remove(dir / "surfaces.json");
+    remove_own(dir / "surfaces.json");
     remove_numbered(dir / "meshes", ".ply");
   }
-  if (stage == "traits") fs::remove(dir / "traits.json");
+  if (stage == "traits") remove_own(dir / "traits.json");
 }
 
 void write_seam(const fs::path& dir, const std::string& stage, const SeedsEstimate& estimate,

@@ -43,7 +43,12 @@ SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>&
 void write_seam(const std::filesystem::path& dir, const std::string& stage,
                 const SeedsEstimate& estimate, int scene_index);
 
-/// Removes the files of a stage's seam from `dir`; there may be none.
+/// Files that perceive_seeds and perceive_views write into a scene's folder: names for a
+/// FolderClaim, below `scene`.
+std::vector<std::string> estimate_names(const std::filesystem::path& scene);
+
+/// Removes the files of a stage's seam from `dir`; there may be none. Where a command has claimed
+/// the folder, only what it wrote there.
 void remove_seam(const std::filesystem::path& dir, const std::string& stage);
 
 /// "000003" for 3.

@@ -9,6 +9,7 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/manifest.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -112,8 +113,7 @@ std::vector<ShardResult> run_shards(
       try {
         result.text = job.run();
         write_file(file, first_line(key_hash, result.text) + "\n" + result.text);
-        std::error_code left;  // what cannot be removed costs room, not the result
-        if (!job.unfinished.empty()) fs::remove_all(job.unfinished, left);
+        if (!job.unfinished.empty()) remove_own_folder(job.unfinished);
       } catch (const std::exception& error) {
         result.error = error.what();
         result.failure = std::current_exception();

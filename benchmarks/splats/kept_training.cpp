@@ -8,6 +8,7 @@
 #include "perception/splats/splat_ply.h"
 #include "sim/dataset/seam_io.h"
 #include "sim/types/stage_clock.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -51,10 +52,11 @@ void forget(const fs::path& folder, std::vector<Kept<Model>>& in_memory) {
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (entry.is_directory() && name.find_first_not_of("0123456789") == std::string::npos)
+    if (entry.is_directory() && !entry.is_symlink() &&
+        name.find_first_not_of("0123456789") == std::string::npos)
       folders.push_back(entry.path());
   }
-  for (const fs::path& of_step : folders) fs::remove_all(of_step);
+  for (const fs::path& of_step : folders) remove_own_folder(of_step);
 }
 
 template <class Model>

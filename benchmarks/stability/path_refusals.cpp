@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "benchmarks/stability/path_scenes.h"
 #include "sim/dataset/environment_io.h"
+#include "sim/process/scratch_folder.h"
 #include "sim/render/path_tracer.h"
 #include "sim/render/ray_scene.h"
 #include "sim/render/truth_pass.h"
@@ -236,11 +235,8 @@ void add_view_rows(std::vector<StabilityRow>& rows) {
 }
 
 void add_file_rows(std::vector<StabilityRow>& rows) {
-  namespace fs = std::filesystem;
-  const fs::path folder =
-      fs::temp_directory_path() / ("cousin_stability_" + std::to_string(::getpid()));
-  fs::create_directories(folder);
-  const fs::path file = folder / "sky.exr";
+  const ScratchFolder folder("cousin-stability");
+  const std::filesystem::path file = folder.path() / "sky.exr";
   const auto row = [&](const char* name) {
     rows.push_back(make_row(name, "error names the file", "", 1,
                             named<std::runtime_error>([&] { read_environment(file); }, "sky.exr"),
@@ -257,7 +253,6 @@ void add_file_rows(std::vector<StabilityRow>& rows) {
   row("EXR of other bytes");
   write(std::string("\x76\x2f\x31\x01\x02\x00\x00\x00", 8) + std::string(64, '\xff'));
   row("EXR with a damaged header");
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/geometry/measure.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace {
@@ -200,16 +201,16 @@ std::vector<Image<std::uint8_t>> read_masks(const std::string& folder, const Cap
 /// What an earlier run left beside its seams.
 void remove_earlier(const fs::path& estimate_dir) {
   for (const char* file : {"scores.csv", "splats_seen.csv", "exposures.csv"})
-    fs::remove(estimate_dir / file);
+    remove_own(estimate_dir / file);
   const fs::path pictures = estimate_dir / "pictures";
-  if (!fs::is_directory(pictures)) return;
+  if (fs::symlink_status(pictures).type() != fs::file_type::directory) return;
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(pictures)) {
     const std::string name = entry.path().filename().string();
     if (name.find_first_not_of("0123456789") == 6 && name.ends_with(".png") && name.size() == 10)
       files.push_back(entry.path());
   }
-  for (const fs::path& picture : files) fs::remove(picture);  // others are somebody's own
+  for (const fs::path& picture : files) remove_own(picture);  // others are somebody's own
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "sim/imaging/image_io.h"
 #include "sim/process/program_run.h"
 #include "sim/process/scratch_folder.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -194,8 +195,9 @@ void refuse_foreign_folder(const fs::path& folder) {
 /// Features and matches are in one database: what it was made of is written beside it, before
 /// anything else, and a database of something else goes with all that came of it.
 void keep_database_of(const std::string& key, const fs::path& folder) {
-  if (holds(folder / "database.key", key)) return;
   if (!fs::exists(folder / "database.key")) refuse_foreign_folder(folder);
+  own_all_in(folder);  // COLMAP's files too
+  if (holds(folder / "database.key", key)) return;
   remove_database(folder);
   for (const std::string step : kRunSteps) fs::remove(folder / (step + ".done"));
   for (const char* name : kRunFolders) fs::remove_all(folder / name);

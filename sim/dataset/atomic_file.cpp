@@ -5,11 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
-#include <cstdio>
 #include <stdexcept>
 #include <system_error>
+
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace {
@@ -19,8 +19,7 @@ namespace {
                            std::system_category().message(code));
 }
 
-/// Closes on scope exit; `close` reports what closing says (some file systems report a full disk
-/// only then).
+/// Closes on scope exit.
 class Descriptor {
  public:
   explicit Descriptor(int value) : value_(value) {}
@@ -30,56 +29,17 @@ class Descriptor {
     if (value_ >= 0) ::close(value_);
   }
   int get() const { return value_; }
-  int close() {
-    const int result = ::close(value_);
-    value_ = -1;
-    return result;
-  }
 
  private:
   int value_;
 };
 
-/// 0, or the error number of the first step that failed.
-int write_and_flush(const std::filesystem::path& file, std::string_view bytes) {
-  Descriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (out.get() < 0) return errno;
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(out.get(), bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (::fsync(out.get()) != 0 && errno != EINVAL)
-    return errno;  // EINVAL: a pipe or a device has no flush
-  return out.close() == 0 ? 0 : errno;
-}
-
 }  // namespace
 
 void write_file(const std::filesystem::path& file, std::string_view bytes) {
-  if (file.has_parent_path()) {
-    std::error_code error;
-    std::filesystem::create_directories(file.parent_path(), error);
-    if (error) fail(file.parent_path(), "cannot make the folder", error.value());
-  }
-  // Process and counter keep two writers of the same file apart; the rename decides which one
-  // stays.
-  static std::atomic<unsigned> counter{0};
-  std::string name = ".";
-  name += file.filename().string();
-  name += '.';
-  name += std::to_string(::getpid());
-  name += '.';
-  name += std::to_string(counter++);
-  name += ".part";
-  const std::filesystem::path beside = file.parent_path() / name;
-  int code = write_and_flush(beside, bytes);
-  if (code == 0 && std::rename(beside.c_str(), file.c_str()) != 0) code = errno;
-  if (code != 0) {
-    if (code != EEXIST) ::unlink(beside.c_str());
-    fail(file, "cannot write", code);
-  }
+  const WriteOutcome outcome = write_whole_file(file, bytes);
+  if (outcome.making_folder) fail(file.parent_path(), "cannot make the folder", outcome.error);
+  if (outcome.error != 0) fail(file, "cannot write", outcome.error);
 }
 
 std::string read_file(const std::filesystem::path& file, std::size_t limit_bytes) {

@@ -15,6 +15,7 @@
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
+#include "sim/dataset/output_folder.h"
 #include "sim/types/utf8.h"
 
 namespace cousin {
@@ -28,7 +29,7 @@ bool is_hashed(const fs::path& relative) {
   if (is_temporary_name(name) || name == "timings.json") return false;
   const bool at_top = !relative.has_parent_path();
   return !(at_top &&
-           (name == kPartialFile || (name.starts_with("manifest.") && name.ends_with(".json"))));
+           (is_output_list(name) || (name.starts_with("manifest.") && name.ends_with(".json"))));
 }
 
 /// Hashed files below `dataset`, sorted; links are not followed into folders.
@@ -87,6 +88,19 @@ Manifest parse_manifest(const JsonNode& root) {
   }
   std::sort(manifest.files.begin(), manifest.files.end());
   return manifest;
+}
+
+/// Those of `files` that manifests list, as paths below the dataset.
+std::vector<std::string> hashed_of(const fs::path& dataset, const std::vector<fs::path>& files) {
+  std::vector<std::string> paths;
+  for (const fs::path& file : files) {
+    const fs::path relative =
+        file.is_absolute()
+            ? fs::weakly_canonical(file).lexically_relative(fs::weakly_canonical(dataset))
+            : file.lexically_normal();
+    if (is_hashed(relative)) paths.push_back(relative.generic_string());
+  }
+  return paths;
 }
 
 fs::path shard_file(const fs::path& dataset, int shard, int shards) {
@@ -161,33 +175,34 @@ void write_manifest(const fs::path& dataset, Manifest header) {
              to_text(with_hashes(dataset, std::move(header), list_files(dataset))));
 }
 
+void write_manifest(const fs::path& dataset, Manifest header, const std::vector<fs::path>& files) {
+  write_file(dataset / "manifest.json",
+             to_text(with_hashes(dataset, std::move(header), hashed_of(dataset, files))));
+}
+
 void write_shard_manifest(const fs::path& dataset, Manifest header, int shard, int shards,
                           const std::vector<fs::path>& files) {
   if (shards < 1 || shard < 0 || shard >= shards) {
     throw std::invalid_argument("shard " + std::to_string(shard) + " of " + std::to_string(shards) +
                                 " is outside 0 <= i < n");
   }
-  std::vector<std::string> paths;
-  for (const fs::path& file : files) {
-    const fs::path relative =
-        file.is_absolute()
-            ? fs::weakly_canonical(file).lexically_relative(fs::weakly_canonical(dataset))
-            : file.lexically_normal();
-    if (is_hashed(relative)) paths.push_back(relative.generic_string());
-  }
   write_file(shard_file(dataset, shard, shards),
-             to_text(with_hashes(dataset, std::move(header), std::move(paths))));
+             to_text(with_hashes(dataset, std::move(header), hashed_of(dataset, files))));
   for (int i = 0; i < shards; ++i) {
     if (!fs::exists(shard_file(dataset, i, shards))) return;
   }
   write_file(dataset / "manifest.json", to_text(merge(dataset, shards)));
 }
 
+Manifest read_manifest_file(const fs::path& file) {
+  const JsonDocument document = JsonDocument::read(file);
+  return parse_manifest(document.root());
+}
+
 std::optional<Manifest> read_manifest(const fs::path& dataset) {
   const fs::path file = dataset / "manifest.json";
   if (!fs::exists(file)) return std::nullopt;
-  const JsonDocument document = JsonDocument::read(file);
-  return parse_manifest(document.root());
+  return read_manifest_file(file);
 }
 
 std::vector<VerifyProblem> verify(const fs::path& dataset) {

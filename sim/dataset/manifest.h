@@ -21,17 +21,17 @@ struct Manifest {
       files;  ///< path below the dataset, SHA-256; sorted by path
 };
 
-/// Marks the folder of a dataset that is being written, until it has a manifest: its JSON is for
-/// the writer alone.
-inline constexpr const char* kPartialFile = "partial.json";
-
-/// Hashes everything below `dataset` except manifests, partial.json and timings.json, and writes
-/// manifest.json.
+/// Hashes everything below `dataset` except manifests, timings.json and lists of files
+/// (output_folder.h), and writes manifest.json.
 void write_manifest(const std::filesystem::path& dataset, Manifest header);
+/// The same of `files` alone: what else lies there is somebody's.
+void write_manifest(const std::filesystem::path& dataset, Manifest header,
+                    const std::vector<std::filesystem::path>& files);
 /// For shard i of n: hashes `files` only and writes manifest.i-of-n.json; the shard that completes
 /// the set merges all into manifest.json, equal byte for byte to that of one run.
 void write_shard_manifest(const std::filesystem::path& dataset, Manifest header, int shard,
                           int shards, const std::vector<std::filesystem::path>& files);
+Manifest read_manifest_file(const std::filesystem::path& file);
 std::optional<Manifest> read_manifest(const std::filesystem::path& dataset);
 
 struct VerifyProblem {

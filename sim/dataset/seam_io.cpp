@@ -34,6 +34,7 @@
 #include "sim/imaging/image_io.h"
 #include "sim/types/memory_limit.h"
 #include "sim/types/utf8.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace {
@@ -320,7 +321,7 @@ void write_depths(const fs::path& dir, const Depths& depths) {
     const std::string name = six_digits(depths[i].frame) + ".exr";
     const auto write = [&](const char* folder, const auto& image, const auto& to_file) {
       if (image.empty()) {  // what another run left would be taken for this one's
-        fs::remove(dir / folder / name);
+        remove_own(dir / folder / name);
         return;
       }
       fs::create_directories(dir / folder);

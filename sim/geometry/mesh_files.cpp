@@ -1,8 +1,3 @@
-#include <unistd.h>
-
-#include <atomic>
-#include <cerrno>
-#include <cstdio>
 #include <fstream>
 #include <stdexcept>
 #include <string>
@@ -10,23 +5,10 @@
 
 #include "sim/geometry/mesh_formats.h"
 #include "sim/types/memory_limit.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin::geometry {
 namespace fs = std::filesystem;
-namespace {
-
-/// 0 or the error number. Every step can meet a full disk, closing too.
-int write_new(const fs::path& file, std::string_view bytes) {
-  std::FILE* stream = std::fopen(file.c_str(), "wbx");
-  if (!stream) return errno;
-  int code = 0;
-  if (std::fwrite(bytes.data(), 1, bytes.size(), stream) != bytes.size()) code = errno;
-  if (code == 0 && (std::fflush(stream) != 0 || ::fsync(::fileno(stream)) != 0)) code = errno;
-  if (std::fclose(stream) != 0 && code == 0) code = errno;
-  return code;
-}
-
-}  // namespace
 
 std::string read_whole(const fs::path& file) {
   constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 32;
@@ -50,23 +32,11 @@ std::string read_whole(const fs::path& file) {
 }
 
 void write_whole(const fs::path& file, std::string_view bytes) {
-  std::error_code made;
-  if (file.has_parent_path()) fs::create_directories(file.parent_path(), made);
-  if (made)
-    throw std::runtime_error("cannot make the folder of " + file.string() + ": " + made.message());
-  // Process and counter keep two writers of the same file apart; the rename decides which one
-  // stays.
-  static std::atomic<unsigned> counter{0};
-  std::string name = ".";
-  name += file.filename().string() + "." + std::to_string(::getpid()) + "." +
-          std::to_string(counter++) + ".part";
-  const fs::path beside = file.parent_path() / name;
-  int code = write_new(beside, bytes);
-  if (code == 0 && std::rename(beside.c_str(), file.c_str()) != 0) code = errno;
-  if (code == 0) return;
-  if (code != EEXIST) std::remove(beside.c_str());
-  throw std::runtime_error("cannot write " + file.string() + ": " +
-                           std::generic_category().message(code));
+  const WriteOutcome outcome = write_whole_file(file, bytes);
+  if (outcome.error == 0) return;
+  throw std::runtime_error(
+      (outcome.making_folder ? "cannot make the folder of " : "cannot write ") + file.string() +
+      ": " + std::generic_category().message(outcome.error));
 }
 
 }  // namespace cousin::geometry

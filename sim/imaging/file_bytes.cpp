@@ -4,12 +4,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
-#include <cstdio>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+
+#include "sim/types/whole_file.h"
 
 namespace cousin::imaging {
 namespace {
@@ -38,20 +38,6 @@ class Descriptor {
   int value_;
 };
 
-/// 0 or the error number.
-int write_all(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) {
-  Descriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (out.value() < 0) return errno;
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(out.value(), bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return errno;
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-  }
-  if (::fsync(out.value()) != 0) return errno;
-  return out.close() ? 0 : errno;
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> read_bytes(const std::filesystem::path& file) {
@@ -79,24 +65,10 @@ std::vector<std::uint8_t> read_bytes(const std::filesystem::path& file) {
 }
 
 void replace_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) {
-  if (file.has_parent_path()) {
-    std::error_code error;
-    std::filesystem::create_directories(file.parent_path(), error);
-    if (error) fail(file, "make the folder of", error.value());
-  }
-  // Process and counter keep two writers of the same file apart; the rename decides which one
-  // stays.
-  static std::atomic<unsigned> counter{0};
-  std::string name = ".";
-  name += file.filename().string() + "." + std::to_string(::getpid()) + "." +
-          std::to_string(counter++) + ".part";
-  const std::filesystem::path beside = file.parent_path() / name;
-  int code = write_all(beside, bytes);
-  if (code == 0 && std::rename(beside.c_str(), file.c_str()) != 0) code = errno;
-  if (code != 0) {
-    if (code != EEXIST) ::unlink(beside.c_str());
-    fail(file, "write", code);
-  }
+  const WriteOutcome outcome =
+      write_whole_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (outcome.making_folder) fail(file, "make the folder of", outcome.error);
+  if (outcome.error != 0) fail(file, "write", outcome.error);
 }
 
 void check_image_size(const std::string& name, std::uint64_t width, std::uint64_t height) {

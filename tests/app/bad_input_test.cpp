@@ -246,12 +246,17 @@ TEST_F(AppBadInput, AnEarlierMethodsSeamsDoNotStay) {
   ASSERT_EQ(perceive(given + seam_stages({"masks"})).code, 0);
   EXPECT_TRUE(fs::exists(est / "masks.json"));
   EXPECT_TRUE(fs::exists(est / "surfaces.json"));
-  write_file(est / "meshes/000007_samples.ply", "of the earlier method");
   write_file(est / "meshes/notes.txt", "mine");
+  // What would be taken for ours is moved away by its owner, and by nobody else.
+  write_file(est / "meshes/000007_samples.ply", "mine");
+  const Outcome in_the_way = perceive(given);
+  EXPECT_EQ(in_the_way.code, 2);
+  EXPECT_THAT(in_the_way.err, HasSubstr("est/000000/meshes/000007_samples.ply is in the way"));
+  EXPECT_EQ(read_file(est / "meshes/000007_samples.ply"), "mine");
+  fs::remove(est / "meshes/000007_samples.ply");
   perceive(Words{"--method", "paper", "--stage", "traits=dir:seams"} + given);
   EXPECT_TRUE(fs::exists(est / "clusters.ply"));
   EXPECT_FALSE(fs::exists(est / "masks.json"));
-  EXPECT_FALSE(fs::exists(est / "meshes/000007_samples.ply"));
   EXPECT_EQ(read_file(est / "meshes/notes.txt"), "mine");
 }
 

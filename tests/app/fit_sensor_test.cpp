@@ -6,6 +6,7 @@
 
 #include "benchmarks/fit_sensor/hidden_device.h"
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/output_folder.h"
 #include "tests/app/program.h"
 
 namespace cousin {
@@ -60,7 +61,17 @@ TEST(AppFitSensor, AWrongModelLeavesNoPresetAndExitCodeOne) {
   desk.plan.noise_exponent = 1;
   desk.plan.flats = 0;
   desk.write(program.path("desk"));
-  write_file(program.path("fit/preset.toml"), "of an earlier fit\n");
+  // Somebody's preset stays; that of an earlier fit goes with it.
+  write_file(program.path("mine/preset.toml"), "mine\n");
+  const Outcome refused = program.run({"fit-sensor", "desk", "--rig", "d457", "--out", "mine"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("mine/preset.toml is in the way"));
+  EXPECT_EQ(read_file(program.path("mine/preset.toml")), "mine\n");
+  {
+    const OutputFolder folder(program.path("fit"),
+                              {.verb = "fit-sensor", .version = "1", .config = {}, .names = {}});
+    write_file(program.path("fit/preset.toml"), "of an earlier fit\n");
+  }
   const Outcome fit = program.run({"fit-sensor", "desk", "--rig", "d457", "--out", "fit"});
   EXPECT_EQ(fit.code, 1) << fit.err;
   EXPECT_THAT(fit.out, AllOf(HasSubstr("verdict: rejected"), HasSubstr("stereo grows as Z^2")));

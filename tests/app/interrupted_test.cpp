@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/output_folder.h"
 #include "sim/dataset/seam_io.h"
 #include "tests/app/program.h"
 
@@ -20,17 +21,19 @@ namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using Times = std::map<fs::path, fs::file_time_type>;
 
-/// When the finished files below a folder were written; temporary ones are none.
+/// When the finished files below a folder were written; temporary ones and lists are none.
 Times times(const fs::path& folder) {
   Times result;
   if (!fs::exists(folder)) return result;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const fs::path& file = entry.path();
-    if (!entry.is_regular_file() || is_temporary_name(file.filename().string())) continue;
+    const std::string name = file.filename().string();
+    if (!entry.is_regular_file() || is_temporary_name(name) || is_output_list(name)) continue;
     result[file] = entry.last_write_time();
   }
   return result;
@@ -57,7 +60,7 @@ TEST(AppInterrupted, AKilledRenderGoesOn) {
   const Outcome other =
       program.run(Words{"render", "seeds", "--out", "data", "--seed", "2"} + scene);
   EXPECT_EQ(other.code, 2);
-  EXPECT_THAT(other.err, HasSubstr("data/partial.json belongs to another configuration"));
+  EXPECT_THAT(other.err, HasSubstr("data/.cousin.render belongs to another configuration"));
 
   const Outcome rest = program.run(Words{"render", "seeds", "--out", "data"} + scene);
   EXPECT_EQ(rest.code, 0) << rest.err;
@@ -65,18 +68,14 @@ TEST(AppInterrupted, AKilledRenderGoesOn) {
   EXPECT_EQ(program.run({"verify", "data"}).out, "data: no problems\n");
   ASSERT_EQ(program.run(Words{"render", "seeds", "--out", "whole"} + scene).code, 0);
   const auto whole = contents(program.path("whole"));
-  auto resumed = contents(program.path("data"));
-  std::erase_if(resumed, [](const auto& file) {  // what a kill while writing leaves
-    return is_temporary_name(fs::path(file.first).filename().string());
-  });
-  EXPECT_EQ(resumed, whole);
+  EXPECT_EQ(contents(program.path("data")), whole);  // nor does a half-written file stay
 }
 
 /// A folder always says whose it is: a kill at any place leaves none that another seed would take.
 TEST(AppInterrupted, ARenderKilledAroundItsManifestKeepsItsFolder) {
   const Program program;
   const Words render = Words{"render", "seeds", "--out", "data"} + tiny_scene();
-  const fs::path marker = program.path("data/partial.json");
+  const fs::path marker = program.path("data/.cousin.render");
   const fs::path manifest = program.path("data/manifest.json");
   ASSERT_EQ(program.run(render + Words{"--shard", "0/2"}).code, 0);
   const std::string owner = read_file(marker);
@@ -90,10 +89,15 @@ TEST(AppInterrupted, ARenderKilledAroundItsManifestKeepsItsFolder) {
   EXPECT_FALSE(fs::exists(marker));
   EXPECT_EQ(read_file(manifest), whole);
 
-  fs::remove(manifest);  // images without an owner, as of an import
-  const Outcome unowned = program.run(render + Words{"--seed", "2"});
-  EXPECT_EQ(unowned.code, 2);
-  EXPECT_THAT(unowned.err, HasSubstr("data/000000 is a scene of a dataset without manifest.json"));
+  // Images without an owner, as of an earlier program that was stopped.
+  for (const char* name : {"manifest.json", "manifest.0-of-2.json", "manifest.1-of-2.json"})
+    fs::remove(program.path("data") / name);
+  for (const Words& words : {render, render + Words{"--seed", "2"}}) {
+    const Outcome unowned = program.run(words);
+    EXPECT_EQ(unowned.code, 2);
+    EXPECT_THAT(unowned.err, AllOf(HasSubstr("cousin: data/000000/"),
+                                   HasSubstr("is in the way: `cousin render` did not write it")));
+  }
 }
 
 TEST(AppInterrupted, AKilledRunGoesOnWithTheNextScene) {

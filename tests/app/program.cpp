@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/output_folder.h"
 
 namespace cousin {
 
@@ -30,7 +31,7 @@ pid_t Program::start(const Words& words, const Prepare& prepare) const {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), STDOUT_FILENO);
   dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), STDERR_FILENO);
-  if (chdir(folder_.path().c_str()) != 0) _exit(126);
+  if (chdir(folder_->path().c_str()) != 0) _exit(126);
   if (prepare && !prepare()) _exit(kNotPrepared);
   execv(program.c_str(), arguments.data());
   _exit(127);
@@ -112,7 +113,8 @@ Words quick_pipeline() {
 std::map<std::string, std::string> contents(const fs::path& folder) {
   std::map<std::string, std::string> result;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file() || entry.path().filename() == "timings.json") continue;
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_regular_file() || name == "timings.json" || is_output_list(name)) continue;
     result[fs::relative(entry.path(), folder).string()] = read_file(entry.path());
   }
   return result;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,17 +30,25 @@ inline constexpr int kNotPrepared = 125;  ///< exit code then
 /// The program as the user starts it, in a folder of its own that is removed afterwards.
 class Program {
  public:
+  Program() = default;
+  /// For another command at the same time in the same folder.
+  Program(const Program& same_folder) : folder_(same_folder.folder_) {}
+  Program& operator=(const Program&) = delete;
+  ~Program() = default;
+
   /// `cousin words...`, to its end.
   Outcome run(const Words& words, const Prepare& prepare = {}) const;
   /// `cousin words...`, ended by SIGKILL as soon as `is_time`; it may end by itself before that.
   Outcome run_until(const Words& words, const std::function<bool()>& is_time) const;
 
-  std::filesystem::path path(const std::string& below = "") const { return folder_.path() / below; }
+  std::filesystem::path path(const std::string& below = "") const {
+    return folder_->path() / below;
+  }
 
  private:
   pid_t start(const Words& words, const Prepare& prepare) const;
   Outcome finish(int wait_status) const;
-  TemporaryFolder folder_;
+  std::shared_ptr<const TemporaryFolder> folder_ = std::make_shared<const TemporaryFolder>();
   TemporaryFolder streams_;
 };
 

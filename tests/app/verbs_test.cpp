@@ -31,7 +31,7 @@ TEST(AppVerbs, RenderVerifyPerceiveScoreReport) {
       program.run(Words{"render", "seeds", "--out", "data", "--json"} + tiny_scene());
   ASSERT_EQ(rendered.code, 0) << rendered.err;
   EXPECT_EQ(json_of(rendered).value("dataset", ""), "data");
-  EXPECT_FALSE(fs::exists(program.path("data/partial.json")));
+  EXPECT_FALSE(fs::exists(program.path("data/.cousin.render")));
 
   const Outcome whole = program.run({"verify", "data"});
   EXPECT_EQ(whole.code, 0) << whole.out;

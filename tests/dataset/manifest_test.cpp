@@ -55,12 +55,12 @@ std::vector<std::string> problems_of(const fs::path& dataset) {
   return lines;
 }
 
-TEST(Manifest, ListsEveryFileButManifestsTimingsAndTheMarkerOfWorkBegun) {
+TEST(Manifest, ListsEveryFileButManifestsTimingsAndListsOfWorkBegun) {
   const TemporaryFolder folder;
   make_dataset(folder.path());
   write_file(folder.path() / "manifest.0-of-2.json", "{}");
   write_file(folder.path() / "000000/.rig.json.77.0.part", "of a killed run");
-  write_file(folder.path() / kPartialFile, "{}");
+  write_file(folder.path() / ".cousin.render", "= render c0ffee 0.1.0\n");
   write_manifest(folder.path(), kHeader);
   const Manifest manifest = read_manifest(folder.path()).value();
   EXPECT_EQ(manifest.pipeline, "seeds");

@@ -1,5 +1,5 @@
 // OUT/export.json: {"export": SHA-256 of program version, dataset, format and options, "format",
-// "options": {...}}; OUT/partial.json has the first while the export is being written.
+// "options": {...}}, written last.
 
 #include "sim/dataset/export/export_dataset.h"
 
@@ -10,6 +10,7 @@
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/manifest.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace {
@@ -33,34 +34,37 @@ std::string identity(const fs::path& dataset, const std::vector<fs::path>& scene
   return sha256_hex(hashes);
 }
 
-/// @throws std::invalid_argument if the folder holds anything but this export.
-void claim_folder(const fs::path& out, const std::string& key) {
+/// One that was stopped before its end by a program that marked the folder so.
+constexpr const char* kPartialFile = "partial.json";
+
+/// Files that say, outside the list of what the export wrote, that the folder is this export's.
+/// @throws std::invalid_argument if one says that it is another's.
+std::vector<std::pair<std::string, std::string>> own_marks(const fs::path& out,
+                                                           const std::string& key) {
+  std::vector<std::pair<std::string, std::string>> own;
   for (const char* name : {"export.json", kPartialFile}) {
     const fs::path file = out / name;
-    if (!fs::exists(file)) continue;
+    if (!fs::is_regular_file(fs::symlink_status(file))) continue;
     const auto json = nlohmann::json::parse(read_file(file), nullptr, false);
-    if (json.is_object() && json.contains("export") && json["export"] == key) return;
-    throw std::invalid_argument(file.string() +
-                                " is of another dataset, format or choice of options, or of "
-                                "another version of the program; choose another --out");
+    if (!json.is_object() || !json.contains("export") || json["export"] != key) {
+      throw std::invalid_argument(file.string() +
+                                  " is of another dataset, format or choice of options, or of "
+                                  "another version of the program; choose another --out");
+    }
+    own.emplace_back(name, "*");
   }
-  if (fs::exists(out) && !fs::is_empty(out)) {
-    throw std::invalid_argument(out.string() +
-                                " holds files that are no export's; choose another --out");
-  }
-  write_file(out / kPartialFile, to_text(Json{{"export", key}}));
-}
-
-/// A refusal leaves no trace: the folder is nobody's again if nothing was written.
-void release_folder(const fs::path& out) {
-  std::error_code ignored;
-  const auto entries = fs::directory_iterator(out, ignored);
-  if (std::distance(begin(entries), end(entries)) != 1) return;
-  fs::remove(out / kPartialFile, ignored);
-  fs::remove(out, ignored);
+  return own;
 }
 
 }  // namespace
+
+FolderClaim export_claim(const std::string& key, const std::string& program_version) {
+  return {.verb = "export",
+          .version = program_version,
+          .config = key,
+          .names = {"*"},
+          .other_config = FolderClaim::OtherConfig::refuse};
+}
 
 std::span<const ExportFormat> export_formats() {
   static const std::array<ExportFormat, 10> kFormats = {{{"bop", export_bop},
@@ -90,16 +94,18 @@ ExportSummary export_dataset(const fs::path& dataset, const ExportFormat& format
   const Json chosen = to_json(options);
   const std::string key = sha256_hex(program_version + "\n" + identity(dataset, folders) + "\n" +
                                      format.name + "\n" + chosen.dump());
-  claim_folder(out, key);
+  const bool is_new = !fs::exists(out);
   try {
+    const OutputFolder folder(out, export_claim(key, program_version), own_marks(out, key));
     format.write(job);
+    Json root = {{"export", key}, {"format", format.name}, {"options", chosen}};
+    write_file(out / "export.json", to_text(root));
+    remove_own(out / kPartialFile);
   } catch (...) {
-    release_folder(out);
+    std::error_code not_empty;  // a refusal leaves no trace
+    if (is_new) fs::remove(out, not_empty);
     throw;
   }
-  Json root = {{"export", key}, {"format", format.name}, {"options", chosen}};
-  write_file(out / "export.json", to_text(root));
-  fs::remove(out / kPartialFile);
   return {static_cast<int>(job.scenes.size()), picture_count(job.scenes), std::move(job.warnings)};
 }
 

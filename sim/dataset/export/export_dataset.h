@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/dataset/export/export_scene.h"
+#include "sim/dataset/output_folder.h"
 
 namespace cousin {
 
@@ -40,6 +41,9 @@ void export_opencv(ExportJob& job);
 void export_ros(ExportJob& job);
 void export_kalibr(ExportJob& job);
 void export_mrcal(ExportJob& job);
+
+/// The folder of an export is its alone. @param key  SHA-256 of all that decides it
+FolderClaim export_claim(const std::string& key, const std::string& program_version);
 
 struct ExportSummary {
   int scenes = 0;

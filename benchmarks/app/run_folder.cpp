@@ -1,0 +1,31 @@
+#include "benchmarks/app/run_folder.h"
+
+#include <utility>
+
+#include "benchmarks/seeds/seeds_report.h"
+#include "benchmarks/seeds/stage_files.h"
+#include "sim/dataset/manifest.h"
+#include "sim/types/whole_file.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+
+OutputFolder run_folder(const fs::path& out, const std::string& key, int scenes) {
+  FolderClaim claim{.verb = "run",
+                    .version = COUSIN_VERSION,
+                    .config = sha256_hex(key),
+                    .names = report_names({"parts/######.json"})};
+  for (int scene = 0; scene < scenes; ++scene) {
+    for (std::string& name : estimate_names(fs::path("estimate") / scene_id(scene)))
+      claim.names.push_back(std::move(name));
+  }
+  OutputFolder folder(out, std::move(claim));
+  if (folder.had_other_config()) {
+    for (const std::string& file : folder.files()) {
+      if (*fs::path(file).begin() != "estimate") remove_own(out / file);
+    }
+  }
+  return folder;
+}
+
+}  // namespace cousin
