@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
-#include "benchmarks/import/import_capture.h"
 #include "benchmarks/app/option_keys.h"
+#include "benchmarks/import/import_capture.h"
 #include "benchmarks/scenes/render_plan.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "benchmarks/app/commands.h"
-#include "benchmarks/app/result_output.h"
 #include "benchmarks/app/option_keys.h"
+#include "benchmarks/app/result_output.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "sim/dataset/capture_io.h"

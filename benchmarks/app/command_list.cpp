@@ -218,10 +218,10 @@ std::vector<Want> wants() {
           "poses without a board (perceive --pipeline views, bench sfm; splats.poses=sfm or "
           "adjusted of the methods splats and splats_paper); tested with 3.8"),
       program("blender", "scenes for others (export --format gltf or blend), bench renderers"),
-      found_or_missing("ffmpeg",
-                       find_program("ffmpeg").empty() || find_program("ffprobe").empty() ? ""
-                                                                                         : "found",
-                       "ffmpeg", "import --format video"),
+      found_or_missing(
+          "ffmpeg",
+          find_program("ffmpeg").empty() || find_program("ffprobe").empty() ? "" : "found",
+          "ffmpeg", "import --format video"),
       found_or_missing("vega", libraries.vega.empty() ? "" : "found", "libjs-vega",
                        "plots of the report"),
       found_or_missing("three.js", libraries.three.empty() ? "" : "found", "libjs-three",

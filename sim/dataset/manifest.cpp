@@ -16,8 +16,8 @@
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
-#include "sim/types/utf8.h"
 #include "sim/dataset/verify_progress.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
