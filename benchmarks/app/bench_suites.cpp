@@ -55,12 +55,20 @@ std::vector<ShardJob> with_machine(std::vector<ShardJob> jobs) {
 /// results are scores.json.
 std::vector<ShardResult> run_jobs(const JobContext& context, const fs::path& out,
                                   const std::vector<ShardJob>& jobs) {
-  const auto results = run_shards(
-      out / "shards", with_machine(jobs_named(jobs, context.options.only)),
-      parse_shard(context.options.shard), [&](const std::string& name, int done, int total) {
-        context.progress.line("job " + std::to_string(done + 1) + " of " + std::to_string(total) +
-                              ": " + name);
-      });
+  const std::vector<ShardJob> chosen = with_machine(jobs_named(jobs, context.options.only));
+  const auto finished = std::count_if(chosen.begin(), chosen.end(), [&](const ShardJob& job) {
+    return is_finished(out / "shards", job);
+  });
+  if (finished > 0)
+    context.progress.line(std::to_string(finished) + " of " + std::to_string(chosen.size()) +
+                          " jobs are there already: " + (out / "shards").string());
+  StepClock clock;
+  const auto results = run_shards(out / "shards", chosen, parse_shard(context.options.shard),
+                                  [&](const std::string& name, int done, int total) {
+                                    context.progress.line("job " + std::to_string(done + 1) +
+                                                          " of " + std::to_string(total) +
+                                                          clock.text(done, total) + ": " + name);
+                                  });
   const auto reused =
       std::count_if(results.begin(), results.end(), [](const ShardResult& r) { return r.reused; });
   if (reused > 0) {

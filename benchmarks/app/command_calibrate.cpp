@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/option_keys.h"
 #include "benchmarks/calibrate/calibration_output.h"
 #include "benchmarks/calibrate/calibration_run.h"
 #include "benchmarks/seeds/result_folder.h"
@@ -38,7 +39,8 @@ bool is_dataset(const fs::path& folder) {
 
 ExitCode command_calibrate(const JobContext& context) {
   const Options& o = context.options;
-  const CalibrateConfig config = config_of(o);
+  const CalibrateConfig config =
+      read_config(o, {{"--fix", "calibration.fixed", o.fixed}}, [&] { return config_of(o); });
   if (o.keys) {
     CalibrateConfig defaults = config;
     std::printf("%s", describe(fields(defaults)).c_str());

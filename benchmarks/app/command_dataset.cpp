@@ -7,7 +7,9 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/option_keys.h"
 #include "benchmarks/import/import_capture.h"
+#include "benchmarks/scenes/render_plan.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/simulate.h"
@@ -20,6 +22,7 @@
 #include "sim/dataset/output_folder.h"
 #include "sim/dataset/seam_io.h"
 #include "sim/dataset/truth_io.h"
+#include "sim/dataset/verify_progress.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -98,14 +101,30 @@ std::vector<fs::path> frame_files(const BuiltScene& built, int frame, const Cont
   return files;
 }
 
-/// Images of the frames of one scene that are not there yet; the files are final or absent.
-void render_frames(const BuiltScene& built, const fs::path& scene_dir, int first, int end,
-                   const Contents& contents, const Progress& progress) {
+/// Frames of one scene whose images are not there yet.
+std::vector<int> absent_frames(const BuiltScene& built, const fs::path& scene_dir, int first,
+                               int end, const Contents& contents) {
+  std::vector<int> absent;
   for (int frame = first; frame < end; ++frame) {
-    progress("render " + scene_dir.filename().string(), frame - first, end - first);
     const std::vector<fs::path> files = frame_files(built, frame, contents);
     const auto is_there = [&](const fs::path& file) { return fs::exists(scene_dir / file); };
-    if (std::all_of(files.begin(), files.end(), is_there)) continue;
+    if (!std::all_of(files.begin(), files.end(), is_there)) absent.push_back(frame);
+  }
+  return absent;
+}
+
+/// Images of the frames of one scene that are not there yet; the files are final or absent.
+void render_frames(const BuiltScene& built, const fs::path& scene_dir, int first, int end,
+                   const Contents& contents, ProgressPrinter& progress) {
+  const std::vector<int> absent = absent_frames(built, scene_dir, first, end, contents);
+  const int views = end - first, there = views - static_cast<int>(absent.size());
+  const std::string scene = scene_dir.filename().string();
+  if (there > 0)
+    progress.line("scene " + scene + ": " + std::to_string(there) + " of " + std::to_string(views) +
+                  " views are there already");
+  int done = there;
+  for (const int frame : absent) {
+    progress("render " + scene, done++, views);
     RigFrame taken = built.take(frame, contents.streams);
     Capture one = built.capture_header();
     one.frames.push_back(std::move(taken.frame));
@@ -158,10 +177,11 @@ std::vector<fs::path> index_files(const fs::path& scene_dir) {
 ExitCode command_render(const JobContext& context) {
   const Options& o = context.options;
   const SceneEntry& entry = scene_entry(o.arguments.at(0));
-  std::vector<std::string> sets = o.sets;
-  if (o.frames > 0) sets.push_back("views=" + std::to_string(o.frames));
-  if (!o.streams.empty()) sets.push_back("streams=" + o.streams);
-  const SceneJob job = entry.configure(sets, o.config);
+  std::vector<KeyOption> keys;
+  if (o.frames > 0) keys.push_back({"--frames", "views", std::to_string(o.frames)});
+  if (!o.streams.empty()) keys.push_back({"--streams", "streams", o.streams});
+  const SceneJob job =
+      read_config(o, keys, [&] { return entry.configure(assignments_of(o, keys), o.config); });
   if (o.keys) {
     std::printf("%s", job.keys.c_str());
     return ExitCode::done;
@@ -175,6 +195,13 @@ ExitCode command_render(const JobContext& context) {
       o.truth.empty() ? default_truth(contents.streams)
                       : truth_needs_from_string(o.truth, truth_there_is(job.rig, contents.streams));
   if (o.truth.empty() && entry.has_points) contents.truth.keypoints = true;
+  const int frames = job.views;
+  const auto [first, end] = shard_range(shard, o.scenes * frames);
+  if (o.plan) {
+    const RenderPlan plan = render_plan(job, contents.truth, o.scenes, end - first, dataset);
+    std::printf("%s", (o.json ? to_json(plan) : describe(plan)).c_str());
+    return ExitCode::done;
+  }
   const std::string hash = owner_hash(job.hash(o.seed), contents.truth);
   require_writable(dataset);
   FolderClaim claim = render_claim(hash);
@@ -187,8 +214,6 @@ ExitCode command_render(const JobContext& context) {
   const std::vector<std::string> warnings = job.warnings();
   for (const std::string& warning : warnings) context.progress.line("warning: " + warning);
 
-  const int frames = job.views;
-  const auto [first, end] = shard_range(shard, o.scenes * frames);
   std::vector<fs::path> written;
   std::vector<StageTiming> timings;
   for (int scene = first / frames; scene * frames < end; ++scene) {
@@ -200,7 +225,7 @@ ExitCode command_render(const JobContext& context) {
     const fs::path scene_dir = dataset / scene_id(scene);
     const int from = std::max(0, first - scene * frames);
     const int to = std::min(frames, end - scene * frames);
-    render_frames(built, scene_dir, from, to, contents, context.progress.function());
+    render_frames(built, scene_dir, from, to, contents, context.progress);
     // The shard that renders a scene's first frame writes its index and truth.
     if (from == 0) write_index(built, scene_dir, contents);
     const auto add = [&](const std::vector<fs::path>& files) {
@@ -269,7 +294,8 @@ ExitCode command_import(const JobContext& context) {
 
 ExitCode command_verify(const JobContext& context) {
   const fs::path dataset = context.options.arguments.at(0);
-  const std::vector<VerifyProblem> problems = verify(dataset);
+  const std::vector<VerifyProblem> problems =
+      verify(dataset, [&](int done, int total) { context.progress("verify", done, total); });
   if (context.options.json) {
     nlohmann::json rows = nlohmann::json::array();
     for (const VerifyProblem& problem : problems)

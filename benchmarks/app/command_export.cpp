@@ -1,9 +1,14 @@
 // export: a dataset as other programs read it.
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
@@ -31,6 +36,43 @@ const ExportFormat* find_format(const std::string& name) {
   std::string names;
   for (const ExportFormat& format : export_formats()) names += format.name + ", ";
   throw std::invalid_argument("--format \"" + name + "\" is not one of " + names + "gltf, blend");
+}
+
+/// Options that some formats read and others do not.
+struct FormatOption {
+  const char* option;
+  std::vector<std::string_view> formats;
+};
+const std::vector<FormatOption>& format_options() {
+  static const std::vector<std::string_view> kPictures = {
+      "bop", "coco", "yolo", "colmap", "nerfstudio", "tum", "opencv", "ros", "kalibr", "mrcal"};
+  static const std::vector<FormatOption> kOptions = {{"--undistort", kPictures},
+                                                     {"--true-cameras", kPictures},
+                                                     {"--split", {"bop", "coco", "yolo"}},
+                                                     {"--masks", {"coco"}},
+                                                     {"--task", {"yolo"}},
+                                                     {"--least-visible", {"coco", "yolo"}}};
+  return kOptions;
+}
+
+/// @throws std::invalid_argument naming an option that is given and that the format does not read.
+void check_format_reads(const Options& o) {
+  std::string has;
+  const auto reads = [&](const FormatOption& row) {
+    return std::find(row.formats.begin(), row.formats.end(), o.format) != row.formats.end();
+  };
+  for (const FormatOption& row : format_options()) {
+    if (reads(row)) has += (has.empty() ? "" : ", ") + std::string(row.option);
+  }
+  for (const FormatOption& row : format_options()) {
+    if (reads(row)) continue;
+    std::string formats;
+    for (const std::string_view format : row.formats)
+      formats += (formats.empty() ? "" : ", ") + std::string(format);
+    refuse_given(o, {row.option},
+                 "is of --format " + formats + "; " + o.format + " takes " +
+                     (has.empty() ? "none of these options" : has));
+  }
 }
 
 bool same_places(const Scene& a, const Scene& b) {
@@ -147,6 +189,7 @@ ExitCode command_export(const JobContext& context) {
   const Options& o = context.options;
   const ExportFormat* format = find_format(o.format);
   if (format == nullptr && o.format != "blend" && o.format != "gltf") refuse_format(o.format);
+  check_format_reads(o);
   const fs::path out =
       o.out.empty() ? fs::path(o.arguments.at(0) + "_" + o.format) : fs::path(o.out);
   return format != nullptr ? export_view(context, *format, out) : export_scenes(context, out);

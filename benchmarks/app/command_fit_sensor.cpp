@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/option_keys.h"
 #include "benchmarks/fit_sensor/fit_report.h"
 #include "benchmarks/fit_sensor/fit_rows.h"
 #include "benchmarks/fit_sensor/sensor_fit.h"
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 
 ExitCode command_fit_sensor(const JobContext& context) {
   const Options& o = context.options;
-  const RigChoice rig = rig_choice(o.rig);
+  const RigChoice rig = read_config(o, {}, [&] { return rig_choice(o.rig); });
   const Recordings recordings = read_recordings(o.arguments.at(0));
   const fs::path out = o.out.empty() ? fs::path("out") / "fit_sensor" : fs::path(o.out);
   require_writable(out);

@@ -37,6 +37,7 @@ constexpr Closing kClosings[] = {
     {"methods", nullptr, "  cousin methods"},
     {"doctor", nullptr, "  cousin doctor"},
     {"render", "out/SCENE_dataset",
+     "  cousin render seeds --plan\n"
      "  cousin render seeds --scenes 2 --out out/data\n"
      "  cousin render maize --set stage=V10 --truth keypoints,part --out out/maize"},
     {"perceive", "DATASET_estimate",

@@ -163,37 +163,89 @@ ExitCode command_methods(const JobContext& context) {
   return ExitCode::done;
 }
 
-ExitCode command_doctor(const JobContext& context) {
-  namespace fs = std::filesystem;
+namespace {
+
+/// A row of `cousin doctor`: something that a verb wants and this machine may lack.
+struct Want {
+  Entry entry;
+  std::string package;  ///< of Debian that brings it; empty = it is there, or no package does
+};
+
+Want found_or_missing(const char* name, const std::string& found, const char* package,
+                      const char* help) {
+  const bool is_missing = found.empty();
+  return {{name, is_missing ? std::string("missing: apt install ") + package : found, help},
+          is_missing ? package : ""};
+}
+
+/// A program that is started, never linked.
+Want program(const char* name, const char* help) {
+  return found_or_missing(name, find_program(name).empty() ? "" : "found", name, help);
+}
+
+/// A library that the build was made with or without.
+Want library(const char* name, bool is_built, const char* option, const char* package,
+             const char* help) {
+  std::string status = built(is_built, option);
+  if (!is_built) status += std::string("; ") + package + " is what it needs";
+  return {{name, status, help}, ""};
+}
+
+std::string colmap_status() {
+  const std::string version = colmap_version();
+  if (!version.empty()) return "found, " + version;
+  return find_program("colmap").empty() ? "" : "found, does not say its version";
+}
+
+std::vector<Want> wants() {
   const JavascriptLibraries libraries = load_javascript_libraries({});
-  const std::string colmap = colmap_version();
-  const auto program = [](const char* path) { return fs::exists(path) ? "found" : "missing"; };
-  std::vector<Entry> entries = {
-      {"threads", std::to_string(std::thread::hardware_concurrency()),
-       "cores that this machine offers"},
-      {"mujoco", built(COUSIN_WITH_MUJOCO, "WITH_MUJOCO"),
-       "physics: without it seeds cannot be dropped"},
-      {"pcl", built(COUSIN_WITH_PCL, "WITH_PCL"), "the papers' point-cloud steps"},
-      {"ceres", built(COUSIN_WITH_CERES, "WITH_CERES"), "refinement of board poses"},
-      {"torch", built(COUSIN_WITH_TORCH, "WITH_TORCH"),
-       "images scored by a network of yours (bench --lpips)"},
-      {"colmap",
-       !colmap.empty()                  ? "found, " + colmap
-       : find_program("colmap").empty() ? "missing"
-                                        : "found, does not say its version",
-       "poses without a board (perceive --pipeline views, bench sfm; splats.poses=sfm or "
-       "adjusted of the methods splats and splats_paper); tested with 3.8"},
-      {"ffmpeg",
-       find_program("ffmpeg").empty() || find_program("ffprobe").empty() ? "missing" : "found",
-       "import --format video"},
-      {"vega", libraries.vega.empty() ? "missing" : "found", "plots of the report (libjs-vega)"},
-      {"three.js", libraries.three.empty() ? "missing" : "found",
-       "3D view of the report (libjs-three)"},
-      {"chromium", program("/usr/bin/chromium"), "the report's test"},
-      {"real data", fs::is_directory(COUSIN_REAL_DATA) ? "found" : "missing",
-       std::string("real captures at ") + COUSIN_REAL_DATA + " (CMake: COUSIN_REAL_DATA)"},
+  const bool has_real = std::filesystem::is_directory(COUSIN_REAL_DATA);
+  return {
+      {{"threads", std::to_string(std::thread::hardware_concurrency()),
+        "cores that this machine offers"},
+       ""},
+      library("mujoco", COUSIN_WITH_MUJOCO, "WITH_MUJOCO", "libmujoco-dev",
+              "physics: without it seeds cannot be dropped"),
+      library("pcl", COUSIN_WITH_PCL, "WITH_PCL", "libpcl-dev",
+              "the papers' point-cloud steps (methods paper and splats_paper)"),
+      library("ceres", COUSIN_WITH_CERES, "WITH_CERES", "libceres-dev",
+              "refinement of board poses, calibrate --solver ceres"),
+      library("mrcal", COUSIN_WITH_MRCAL, "WITH_MRCAL", "libmrcal-dev", "calibrate --solver mrcal"),
+      library("torch", COUSIN_WITH_TORCH, "WITH_TORCH", "libtorch-dev",
+              "images scored by a network of yours (--lpips)"),
+      found_or_missing(
+          "colmap", colmap_status(), "colmap",
+          "poses without a board (perceive --pipeline views, bench sfm; splats.poses=sfm or "
+          "adjusted of the methods splats and splats_paper); tested with 3.8"),
+      program("blender", "scenes for others (export --format gltf or blend), bench renderers"),
+      found_or_missing(
+          "ffmpeg",
+          find_program("ffmpeg").empty() || find_program("ffprobe").empty() ? "" : "found",
+          "ffmpeg", "import --format video"),
+      found_or_missing("vega", libraries.vega.empty() ? "" : "found", "libjs-vega",
+                       "plots of the report"),
+      found_or_missing("three.js", libraries.three.empty() ? "" : "found", "libjs-three",
+                       "3D view of the report"),
+      program("chromium", "tests of the report; no verb needs it"),
+      {{"real data", has_real ? "found" : "missing",
+        std::string("real captures at ") + COUSIN_REAL_DATA +
+            " (CMake: COUSIN_REAL_DATA); bench real"},
+       ""},
   };
+}
+
+}  // namespace
+
+ExitCode command_doctor(const JobContext& context) {
+  std::vector<Entry> entries;
+  std::string packages;
+  for (const Want& want : wants()) {
+    entries.push_back(want.entry);
+    if (!want.package.empty()) packages += " " + want.package;
+  }
   print(entries, context.options.json);
+  if (!context.options.json && !packages.empty())
+    std::printf("All that is missing, on Debian 12: apt install%s\n", packages.c_str());
   return ExitCode::done;
 }
 

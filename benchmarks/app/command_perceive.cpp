@@ -7,8 +7,10 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/perceive_places.h"
 #include "benchmarks/app/result_output.h"
+#include "benchmarks/app/specimens_text.h"
 #include "benchmarks/app/views_options.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/perceive.h"
@@ -38,6 +40,22 @@ std::string pipeline_of(const Options& options, const Capture& capture, const fs
   if (name != "seeds")
     throw std::invalid_argument("--pipeline \"" + name + "\" is not one of: seeds, views");
   return name;
+}
+
+SeedsPipelineConfig seeds_config(const Options& o) {
+  const KeyOption method{"--method", "method", o.method};
+  return read_config(o, {method}, [&] {
+    SeedsPipelineConfig config;
+    if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
+    if (!method.value.empty()) set_field(fields(config), method.assignment());
+    for (const std::string& assignment : o.sets) {
+      constexpr std::string_view kPrefix = "pipeline.";
+      set_field(fields(config),
+                assignment.starts_with(kPrefix) ? assignment.substr(kPrefix.size()) : assignment);
+    }
+    validate(config);
+    return config;
+  });
 }
 
 nlohmann::json to_rows(const std::string& scene, const Traits& traits) {
@@ -78,17 +96,6 @@ std::string why_no_splats(const SeedsEstimate& estimate, const SeedsPipelineConf
     return "of " + count + " Gaussians none has its centre in the volume and an opacity of " +
            "splats.least_opacity";
   return "the depths of " + count + " Gaussians agree in no views";
-}
-
-/// Specimens, and how many of them have their traits.
-std::string specimens_text(const Traits& traits) {
-  const auto solved = std::count_if(
-      traits.begin(), traits.end(),
-      [](const SpecimenTraits& specimen) { return specimen.status == TraitStatus::ok; });
-  std::string text = std::to_string(traits.size()) + " specimens";
-  if (solved < static_cast<std::ptrdiff_t>(traits.size()))
-    text += ", " + (solved == 0 ? "none" : std::to_string(solved)) + " of them solved";
-  return text;
 }
 
 /// Which stage found nothing first, if there is no specimen.
@@ -140,15 +147,8 @@ int count_posed(const Poses& poses, const Corners& corners, ProgressPrinter& pro
 ExitCode command_perceive(const JobContext& context) {
   const Options& o = context.options;
   if (o.pipeline == "views") return command_perceive_views(context);
-  if (!o.lpips.empty()) throw std::invalid_argument("--lpips is of --pipeline views");
-  SeedsPipelineConfig config;
-  if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
-  if (!o.method.empty()) set_field(fields(config), "method=" + o.method);
-  for (const std::string& assignment : o.sets) {
-    constexpr std::string_view kPrefix = "pipeline.";
-    set_field(fields(config),
-              assignment.starts_with(kPrefix) ? assignment.substr(kPrefix.size()) : assignment);
-  }
+  refuse_given(o, {"--lpips"}, "is of --pipeline views");
+  SeedsPipelineConfig config = seeds_config(o);
   if (o.keys) {
     std::printf("%s", describe(fields(config)).c_str());
     return ExitCode::done;
@@ -180,6 +180,7 @@ ExitCode command_perceive(const JobContext& context) {
                           " views posed, " + specimens_text(estimate.traits);
     if (estimate.traits.empty()) summary += ": " + why_nothing(estimate, config, posed);
     context.progress.line(name + ": " + summary);
+    for (const std::string& text : unmeasured_lines(estimate.traits)) context.progress.line(text);
     if (estimate.traits.empty()) nothing_found.push_back(scene_dir.string() + ": " + summary);
     if (o.json) {
       for (auto& row : to_rows(name, estimate.traits)) rows.push_back(std::move(row));

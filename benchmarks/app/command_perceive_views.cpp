@@ -15,7 +15,7 @@ namespace cousin {
 namespace fs = std::filesystem;
 ExitCode command_perceive_views(const JobContext& context) {
   const Options& o = context.options;
-  const ViewsPipelineConfig config = views_config(o.config, o.method, o.sets);
+  const ViewsPipelineConfig config = views_config(o, o.config, o.sets);
   if (o.keys) {
     ViewsPipelineConfig shown = config;
     std::printf("%s", describe(fields(shown)).c_str());

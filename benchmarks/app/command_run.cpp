@@ -8,8 +8,10 @@
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/run_folder.h"
+#include "benchmarks/app/specimens_text.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/perceive.h"
@@ -27,11 +29,12 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-std::vector<std::string> assignments(const Options& o) {
-  std::vector<std::string> sets = o.sets;
-  if (o.frames > 0) sets.push_back("views=" + std::to_string(o.frames));
-  if (!o.method.empty()) sets.push_back("pipeline.method=" + o.method);
-  return sets;
+/// Options that stand for keys of the scene and its own pipeline.
+std::vector<KeyOption> run_keys(const Options& o) {
+  std::vector<KeyOption> keys;
+  if (o.frames > 0) keys.push_back({"--frames", "views", std::to_string(o.frames)});
+  if (!o.method.empty()) keys.push_back({"--method", "pipeline.method", o.method});
+  return keys;
 }
 
 /// Seconds of the simulator's passes as rows.
@@ -123,6 +126,8 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
       perceive_seeds(run.capture, config.pipeline, o.seed, sources, scene,
                      out / "estimate" / scene_id(scene), context.progress.function(),
                      [&](const std::string& text) { context.progress.line("warning: " + text); });
+  context.progress.line(labels.scene + ": " + specimens_text(estimate.traits));
+  for (const std::string& text : unmeasured_lines(estimate.traits)) context.progress.line(text);
   SeedsScores scores = score_run(run.truth, estimate, labels);
   ScoreFile file;
   file.scores = std::move(scores.rows);
@@ -157,6 +162,21 @@ std::string run_key(const Options& o, const SeedsRunConfig& config) {
 
 fs::path part_file(const fs::path& parts, int scene) { return parts / (scene_id(scene) + ".json"); }
 
+/// Names what an earlier run has finished. @return whether there is any.
+bool say_what_is_there(ProgressPrinter& progress, const fs::path& parts,
+                       const std::vector<ShardJob>& jobs, int scenes) {
+  int there = 0;
+  for (const ShardJob& job : jobs) {
+    if (!is_finished(parts, job)) continue;
+    ++there;
+    progress.line("taken from the run that was stopped: " + (parts / job.name).string());
+  }
+  if (there > 0)
+    progress.line(std::to_string(there) + " of " + std::to_string(scenes) +
+                  " scenes are there already");
+  return there > 0;
+}
+
 /// All scenes in order. Rows of the scenes after the first are kept in `parts` until the run is
 /// whole, so that a run that was stopped goes on. The first scene comes last: its pictures are in
 /// memory only. @return whether an earlier run's parts were taken.
@@ -172,17 +192,15 @@ bool run_scenes(const JobContext& context, const SeedsRunConfig& config,
                       return to_json(run_scene(context, config, scene, sources, out, report));
                     }});
   }
+  const bool resumed = say_what_is_there(context.progress, parts, jobs, o.scenes);
+  StepClock clock;
   const std::vector<ShardResult> results =
       run_shards(parts, jobs, {}, [&](const std::string& name, int done, int) {
         context.progress.line("scene " + name.substr(0, 6) + ", " + std::to_string(done + 1) +
-                              " of " + std::to_string(o.scenes));
+                              " of " + std::to_string(o.scenes) + clock.text(done, o.scenes));
       });
-  bool resumed = false;
   for (const ShardResult& result : results) {
     if (result.failure) std::rethrow_exception(result.failure);
-    if (!result.reused) continue;
-    resumed = true;
-    context.progress.line("taken from the run that was stopped: " + (parts / result.name).string());
   }
   append(run_scene(context, config, 0, sources, out, report), report.scores);
   for (const ShardResult& result : results) {
@@ -194,17 +212,25 @@ bool run_scenes(const JobContext& context, const SeedsRunConfig& config,
 /// Of a scene that can be rendered only: its keys and its plan.
 ExitCode run_without_pipeline(const JobContext& context, const SceneEntry& entry) {
   const Options& o = context.options;
-  const SceneJob job = entry.configure(assignments(o), o.config);
+  const std::string others = "`cousin run " + entry.name +
+                             " --pipeline views` trains Gaussians on its photographs (--method "
+                             "splats or splats_paper), `cousin render " +
+                             entry.name + "` writes its images and truth";
+  const std::string none = "scene \"" + entry.name + "\" has no pipeline of its own yet";
+  refuse_given(o, {"--method", "--stage", "--attribution", "--gate", "--pipeline"},
+               "is not read: " + none + "; " + others);
+  const std::vector<KeyOption> keys = run_keys(o);
+  const SceneJob job =
+      read_config(o, keys, [&] { return entry.configure(assignments_of(o, keys), o.config); });
   if (o.keys) {
     std::printf("%s", job.keys.c_str());
   } else if (o.plan) {
-    print_plan(o, job.plan());
+    std::vector<PlanEntry> plan = job.plan();
+    plan.push_back({"perceive", false, "there is no pipeline for this scene yet"});
+    plan.push_back({"score", false, "there is no estimate"});
+    print_plan(o, plan);
   } else {
-    throw std::invalid_argument("scene \"" + entry.name +
-                                "\" has no pipeline of its own yet; `cousin run " + entry.name +
-                                " --pipeline views` trains Gaussians on its photographs, "
-                                "`cousin render " +
-                                entry.name + "` writes its images and truth");
+    throw std::invalid_argument(none + "; " + others);
   }
   return ExitCode::done;
 }
@@ -217,18 +243,16 @@ ExitCode command_run(const JobContext& context) {
   if (o.pipeline == "views") return command_run_views(context);
   if (!o.pipeline.empty() && o.pipeline != "seeds")
     throw std::invalid_argument("--pipeline \"" + o.pipeline + "\" is not one of: seeds, views");
-  if (o.align)
-    throw std::invalid_argument("--align is of --pipeline views: seeds are measured in metres");
-  if (!o.lpips.empty())
-    throw std::invalid_argument(
-        "--lpips is of --pipeline views; `cousin bench seeds` has it for the Gaussians of seeds");
-  if (!o.pipeline_config.empty())
-    throw std::invalid_argument(
-        "--pipeline-config is of --pipeline views; of seeds --config has "
-        "the pipeline's keys too");
+  refuse_given(o, {"--align"}, "is of --pipeline views: seeds are measured in metres");
+  refuse_given(o, {"--lpips"},
+               "is of --pipeline views; `cousin bench seeds` has it for the Gaussians of seeds");
+  refuse_given(o, {"--pipeline-config"},
+               "is of --pipeline views; of seeds --config has the pipeline's keys too");
   if (!entry.has_pipeline) return run_without_pipeline(context, entry);
   const StageClock total("run");
-  const SeedsRunConfig config = seeds_run_config(assignments(o), o.config);
+  const std::vector<KeyOption> keys = run_keys(o);
+  const SeedsRunConfig config =
+      read_config(o, keys, [&] { return seeds_run_config(assignments_of(o, keys), o.config); });
   if (o.keys) {
     SeedsRunConfig copy = config;
     std::printf("%s", describe(fields(copy)).c_str());
@@ -264,6 +288,11 @@ ExitCode command_run(const JobContext& context) {
   SeedsScoreLabels labels = run_labels(config, o.seed);
   labels.scene = "pooled";
   for (ScoreRow& row : pooled_rows(file.specimens, labels)) file.scores.push_back(std::move(row));
+  const std::string unmeasured = unmeasured_sentence(file.specimens);
+  if (!unmeasured.empty()) {
+    report.summary += " " + unmeasured;
+    file.header.more["summary"] = report.summary;
+  }
   const StageTiming whole = total.finish();
   ScoreRow row;
   row.suite = labels.suite;
@@ -289,6 +318,7 @@ ExitCode command_run(const JobContext& context) {
   fs::remove(parts, not_empty);
   if (folder.had_other_config()) folder.remove_earlier();
   print_result(o, file);
+  if (!unmeasured.empty()) context.progress.line(unmeasured);
   char line[160];
   std::snprintf(line, sizeof line, "%.1f s, peak %.0f MB; report: %s", whole.wall_s,
                 whole.peak_rss_mb, (out / "report.html").string().c_str());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/run_folder.h"
 #include "benchmarks/app/views_options.h"
@@ -49,10 +50,11 @@ RunConfig run_config(const Options& o, const SceneEntry& entry) {
     (is_pipelines ? of_pipeline : of_scene)
         .push_back(is_pipelines ? set.substr(prefix.size()) : set);
   }
-  if (o.frames > 0) of_scene.push_back("views=" + std::to_string(o.frames));
-  return {entry.configure(of_scene, o.config),
-          views_config(o.pipeline_config, o.method, of_pipeline), views_sources(o.stages),
-          learned_of(o)};
+  std::vector<KeyOption> keys;
+  if (o.frames > 0) keys.push_back({"--frames", "views", std::to_string(o.frames)});
+  for (const KeyOption& each : keys) of_scene.push_back(each.assignment());
+  return {read_config(o, keys, [&] { return entry.configure(of_scene, o.config); }),
+          views_config(o, o.pipeline_config, of_pipeline), views_sources(o.stages), learned_of(o)};
 }
 
 /// As `cousin perceive` writes it beside its estimate.
@@ -148,8 +150,9 @@ std::vector<PlanEntry> plan_of(const RunConfig& config) {
 ExitCode command_run_views(const JobContext& context) {
   const Options& o = context.options;
   const SceneEntry& entry = scene_entry(o.arguments.at(0));
-  if (o.attribution)
-    throw std::invalid_argument("--attribution is of the pipeline seeds, not of views");
+  refuse_given(o, {"--attribution"},
+               "is of the pipeline seeds; `cousin run " + entry.name +
+                   " --pipeline views` puts no truth in place of stages");
   const RunConfig config = run_config(o, entry);
   if (o.keys) return print_keys(config);
   if (o.plan) {
@@ -197,11 +200,18 @@ ExitCode command_run_views(const JobContext& context) {
                     }});
   }
   const fs::path parts = out / "parts";
-  for (const ShardResult& result : run_shards(parts, jobs, {})) {
+  for (const ShardJob& job : jobs) {
+    if (is_finished(parts, job))
+      context.progress.line("taken from the run that was stopped: " + (parts / job.name).string());
+  }
+  StepClock clock;
+  const auto say = [&](const std::string& name, int done, int scenes) {
+    if (scenes > 1)
+      context.progress.line("scene " + name.substr(0, 6) + ", " + std::to_string(done + 1) +
+                            " of " + std::to_string(scenes) + clock.text(done, scenes));
+  };
+  for (const ShardResult& result : run_shards(parts, jobs, {}, say)) {
     if (result.failure) std::rethrow_exception(result.failure);
-    if (result.reused)
-      context.progress.line("taken from the run that was stopped: " +
-                            (parts / result.name).string());
     append(scores_from_json(result.text, result.name), file);
   }
   report.scenes = {views_report_scene(out / "estimate" / scene_id(0), truth)};

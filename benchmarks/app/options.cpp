@@ -253,6 +253,8 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       ->check(whole_number(0, 100000));
   render->add_option("--shard", o.shard,
                      "i/n: part i (from 0) of n of the list of scenes and frames");
+  render->add_flag("--plan", o.plan,
+                   "Print what will be rendered and written, what is left out and why, and leave");
   add_config(*render, o);
   render->add_option("--streams", o.streams,
                      "Images of the rig: all (default), or of color,raw,infrared,depth those "

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "benchmarks/app/option_keys.h"
+
 namespace cousin {
 namespace {
 
@@ -33,14 +35,17 @@ std::string number_of(const std::vector<ScoreRow>& rows, const std::string& metr
 
 }  // namespace
 
-ViewsPipelineConfig views_config(const std::filesystem::path& file, const std::string& method,
+ViewsPipelineConfig views_config(const Options& options, const std::filesystem::path& file,
                                  const std::vector<std::string>& assignments) {
-  ViewsPipelineConfig config;
-  if (!file.empty()) read_toml(file, fields(config), MissingKeys::keep_default);
-  if (!method.empty()) set_field(fields(config), "method=" + method);
-  for (const std::string& assignment : assignments) set_field(fields(config), assignment);
-  validate(config);
-  return config;
+  const KeyOption method{"--method", "method", options.method};
+  return read_config(options, {method}, [&] {
+    ViewsPipelineConfig config;
+    if (!file.empty()) read_toml(file, fields(config), MissingKeys::keep_default);
+    if (!method.value.empty()) set_field(fields(config), method.assignment());
+    for (const std::string& assignment : assignments) set_field(fields(config), assignment);
+    validate(config);
+    return config;
+  });
 }
 
 std::vector<StageSource> views_sources(const std::vector<std::string>& stages) {

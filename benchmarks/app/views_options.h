@@ -11,9 +11,10 @@
 
 namespace cousin {
 
-/// The pipeline views as a command line configures it. @param file  TOML; empty: the defaults
+/// The pipeline views as a command line configures it. @param file  TOML of its keys; empty: the
+/// defaults  @param assignments  after it; --method comes before them
 /// @throws std::invalid_argument naming the key, its value and its limits
-ViewsPipelineConfig views_config(const std::filesystem::path& file, const std::string& method,
+ViewsPipelineConfig views_config(const Options& options, const std::filesystem::path& file,
                                  const std::vector<std::string>& assignments);
 
 /// The network of --lpips; none where it is not given.

@@ -5,6 +5,7 @@
 #include "benchmarks/scenes/plant_simulation.h"
 #include "benchmarks/seeds/simulate.h"
 #include "sim/geometry/mesh_warnings.h"
+#include "benchmarks/seeds/simulator_plan.h"
 
 namespace cousin {
 namespace {
@@ -44,7 +45,7 @@ SceneJob configure_seeds(const std::vector<std::string>& assignments,
   job.streams = planned_streams(config, Reader::anybody);
   job.views = config.scene.views;
   job.hash = [config](std::uint64_t seed) { return config_hash(config, seed); };
-  job.plan = [config] { return seeds_plan(config, false); };
+  job.plan = [config] { return simulator_plan(config, Reader::anybody); };
   job.build = [config](std::uint64_t seed, int index) {
     return built(SeedsSimulation(config, seed, index));
   };
@@ -85,8 +86,6 @@ std::vector<PlanEntry> plant_plan(const PlantRunConfig& config) {
       {"sensor", light, light ? "lens, noise and processing of the camera" : nobody},
       {"infrared", infrared, infrared ? "infrared images, or the depth matched from them" : nobody},
       {"sensor depth", streams.depth, streams.depth ? "the depth sensor's own depth" : nobody},
-      {"perceive", false, "there is no pipeline for this scene yet"},
-      {"score", false, "there is no estimate"},
   };
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "benchmarks/seeds/simulator_plan.h"
 #include "benchmarks/seeds/truth_stages.h"
 
 namespace cousin {
@@ -36,33 +37,37 @@ std::string renderer_of(const SeedsRunConfig& config) {
   return text;
 }
 
-void add_rig_passes(const SeedsRunConfig& config, std::vector<PlanEntry>& plan) {
+void add_rig_passes(const SeedsRunConfig& config, Reader reader, std::vector<PlanEntry>& plan) {
   const Streams there_are = streams_of(config.rig);
-  const Streams streams = planned_streams(config);
-  const Streams needed = needed_streams(config.pipeline);
+  const Streams streams = planned_streams(config, reader);
+  const bool is_dataset = reader == Reader::anybody;
+  const Streams needed = is_dataset ? Streams{} : needed_streams(config.pipeline);
+  const std::string nobody =
+      is_dataset ? "streams=" + config.streams + " leaves out " : "no stage reads ";
   const bool light = streams.color || streams.raw;
   const auto add = [&](const char* pass, bool runs, const std::string& why) {
     plan.push_back({pass, runs, why});
   };
   const std::string rig = "rig " + config.scene.rig;
   const auto why = [&](bool runs, bool is_needed, const std::string& what) {
-    return runs ? (is_needed ? "the pipeline reads " : "asked for: ") + what
-                : "no stage reads " + what;
+    if (!runs) return nobody + what;
+    if (is_dataset && config.streams == "auto")
+      return "a dataset holds all that the rig has: " + what;
+    return (is_needed ? "the pipeline reads " : "asked for: ") + what;
   };
   const bool rolling = readout_s(config.rig) > 0;
   add("row poses", light && rolling,
-      !light    ? "no stage reads colour"
+      !light    ? nobody + "colour"
       : rolling ? "a rolling shutter: each row is read where the rig is then"
                 : rig + " has a global shutter: one pose an image");
   const bool by_paths = config.radiance == RadianceBy::paths;
   add("light cache", light && !by_paths,
-      !light     ? "no light is traced: no stage reads colour"
+      !light     ? "no light is traced: " + nobody + "colour"
       : by_paths ? "radiance = paths: each pixel follows its own"
                  : "the scene is static: diffuse light is computed once for all views");
   add("radiance", light,
       why(light, needed.color || needed.raw, "colour") + (light ? "; " + renderer_of(config) : ""));
-  add("sensor", light,
-      light ? "lens, noise and processing of the camera" : "no stage reads colour");
+  add("sensor", light, light ? "lens, noise and processing of the camera" : nobody + "colour");
   add("raw", streams.raw,
       there_are.raw ? why(streams.raw, needed.raw, "raw images") : rig + " hands over none");
   const bool matched =
@@ -72,7 +77,7 @@ void add_rig_passes(const SeedsRunConfig& config, std::vector<PlanEntry>& plan) 
       : streams.infrared  ? why(true, needed.infrared, "infrared images")
       : matched           ? "the sensor's depth is matched from it"
       : streams.depth     ? "depth is by the fast model"
-                          : "no stage reads infrared or the sensor's depth");
+                          : nobody + "infrared or the sensor's depth");
   add("sensor depth", streams.depth,
       !there_are.depth ? rig + " has no depth sensor"
                        : why(streams.depth, needed.depth, "the sensor's depth"));
@@ -88,18 +93,24 @@ Streams left_out_streams(const SeedsRunConfig& config) {
           .depth = there_are.depth && !streams.depth};
 }
 
+std::vector<PlanEntry> simulator_plan(const SeedsRunConfig& config, Reader reader) {
+  std::vector<PlanEntry> plan;
+  const bool sphere = config.scene.sphere;
+  plan.push_back({"scene", true, "board, screen, specimens"});
+  plan.push_back(
+      {"physics", !sphere,
+       sphere ? "a sphere is placed on the board" : "seeds are dropped and settle on the board"});
+  plan.push_back({"motion", false, "the scene is static: nothing in it has samples over time"});
+  add_rig_passes(config, reader, plan);
+  return plan;
+}
+
 std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution,
                                   const std::vector<StageSource>& sources) {
-  std::vector<PlanEntry> plan;
+  std::vector<PlanEntry> plan = simulator_plan(config, Reader::pipeline);
   const auto add = [&](const char* pass, bool runs, const std::string& why) {
     plan.push_back({pass, runs, why});
   };
-  const bool sphere = config.scene.sphere;
-  add("scene", true, "board, screen, specimens");
-  add("physics", !sphere,
-      sphere ? "a sphere is placed on the board" : "seeds are dropped and settle on the board");
-  add("motion", false, "the scene is static: nothing in it has samples over time");
-  add_rig_passes(config, plan);
   const PipelineNeeds pipeline = needs(config.pipeline);
 
   const TruthNeeds truth = planned_truth(attribution);

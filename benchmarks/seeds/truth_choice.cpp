@@ -74,6 +74,12 @@ TruthNeeds truth_needs_from_string(std::string_view text, const TruthNeeds& ther
   return needs;
 }
 
+std::vector<std::pair<std::string, bool>> truth_names(const TruthNeeds& needs) {
+  std::vector<std::pair<std::string, bool>> names;
+  for (const Choice& choice : kChoices) names.emplace_back(choice.name, needs.*choice.need);
+  return names;
+}
+
 std::string to_string(const TruthNeeds& needs) {
   std::string text;
   for (const Choice& choice : kChoices) {

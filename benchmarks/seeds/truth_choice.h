@@ -2,6 +2,8 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "sim/render/truth_pass.h"
 #include "sim/sensors/device.h"
@@ -20,6 +22,9 @@ TruthNeeds default_truth(const Streams& streams);
 TruthNeeds truth_needs_from_string(std::string_view text,
                                    const TruthNeeds& there_is = truth_there_is(PhoneConfig{},
                                                                                {.color = true}));
+
+/// Every name that `--truth` takes, in a fixed order, and whether `needs` has it.
+std::vector<std::pair<std::string, bool>> truth_names(const TruthNeeds& needs);
 
 /// The names in a fixed order, "none" for none: equal choices give equal texts.
 std::string to_string(const TruthNeeds& needs);

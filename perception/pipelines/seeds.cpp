@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <exception>
 #include <stdexcept>
 #include <utility>
@@ -9,6 +10,7 @@
 
 #include "perception/pipelines/seeds_sensor.h"
 #include "perception/pipelines/splat_stages.h"
+#include "perception/silhouette/unclustered_objects.h"
 #include "sim/config/limits.h"
 #include "sim/types/stage_clock.h"
 
@@ -220,11 +222,31 @@ void cluster_as_papers(const SeedsPipelineConfig& config, std::uint64_t seed, Se
   };
 }
 
-}  // namespace
+/// What photographs show and no cluster is of: a specimen that is not solved, with the reason, so
+/// that nothing is lost without a word.
+Traits with_unclustered(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
+                        const SeedsEstimate& so_far) {
+  int instance = so_far.clusters.count;
+  for (const SpecimenTraits& specimen : traits)
+    instance = std::max(instance, specimen.instance + 1);
+  for (const UnclusteredObject& object : unclustered_objects(
+           capture, so_far.poses, board_of(capture, config), so_far.clusters, config.green)) {
+    SpecimenTraits lost;
+    lost.instance = instance++;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "seen in %d views at x %.0f, y %.0f mm, but %d points of the cloud are too few; "
+                  "more views from nearer places help",
+                  object.views, object.centre_m.x() * 1e3, object.centre_m.y() * 1e3,
+                  object.points);
+    lost.reason = text;
+    traits.push_back(std::move(lost));
+  }
+  return traits;
+}
 
-SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
-                         const SplatWatch& watch) {
-  validate(config);
+SeedsStages stages_of_method(const SeedsPipelineConfig& config, std::uint64_t seed,
+                             const SplatWatch& watch) {
   SeedsStages stages;
   stages.corners = [config](const Capture& capture, const SeedsEstimate&) {
     return detect_board(capture, board_of(capture, config), config.board);
@@ -266,6 +288,20 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
     const double pixel_m = pixel_at_board_m(so_far.poses);
     return without_noise(traits_of_meshes(so_far.surfaces, pixel_m, traits_for(config, pixel_m)),
                          config, capture, so_far);
+  };
+  return stages;
+}
+
+}  // namespace
+
+SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
+                         const SplatWatch& watch) {
+  validate(config);
+  SeedsStages stages = stages_of_method(config, seed, watch);
+  if (config.method == SeedsMethod::depth_only) return stages;  // it looks at no colour
+  stages.traits = [config, measure = stages.traits](const Capture& capture,
+                                                    const SeedsEstimate& so_far) {
+    return with_unclustered(measure(capture, so_far), config, capture, so_far);
   };
   return stages;
 }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <set>
 #include <stdexcept>
 
@@ -16,6 +17,7 @@
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/output_folder.h"
+#include "sim/dataset/verify_progress.h"
 #include "sim/types/utf8.h"
 
 namespace cousin {
@@ -144,12 +146,16 @@ std::string truth_folder(const std::string& path) {
   return path.substr(0, slash + 6);
 }
 
+using StepsDone = std::function<void(int done, int total)>;
+
 /// A dataset without a manifest: what reading it says.
-std::vector<VerifyProblem> verify_by_reading(const fs::path& dataset) {
+std::vector<VerifyProblem> verify_by_reading(const fs::path& dataset, const StepsDone& progress) {
   std::vector<VerifyProblem> problems;
   std::vector<fs::path> scenes = scene_folders(dataset);
   if (scenes.empty()) scenes.push_back(dataset);
+  int done = 0;
   for (const fs::path& scene : scenes) {
+    if (progress) progress(done++, static_cast<int>(scenes.size()));
     try {
       read_capture(scene);
     } catch (const std::runtime_error& error) {
@@ -205,13 +211,22 @@ std::optional<Manifest> read_manifest(const fs::path& dataset) {
   return read_manifest_file(file);
 }
 
-std::vector<VerifyProblem> verify(const fs::path& dataset) {
+std::vector<VerifyProblem> verify(const fs::path& dataset) { return verify(dataset, {}); }
+
+std::vector<VerifyProblem> verify(const fs::path& dataset,
+                                  const std::function<void(int done, int total)>& progress) {
   if (!fs::is_directory(dataset)) throw std::runtime_error(dataset.string() + ": not a folder");
   const std::optional<Manifest> manifest = read_manifest(dataset);
-  if (!manifest) return verify_by_reading(dataset);
+  if (!manifest) return verify_by_reading(dataset, progress);
 
   std::vector<std::string> what(manifest->files.size());  // empty = as listed
+  std::mutex telling;
+  int done = 0;
   for_each_frame(manifest->files.size(), [&](std::size_t i) {
+    if (progress) {
+      const std::lock_guard lock(telling);
+      progress(done++, static_cast<int>(what.size()));
+    }
     const auto& [path, hash] = manifest->files[i];
     fs::path file;
     try {

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "sim/dataset/atomic_file.h"
 #include "tests/app/program.h"
 
 namespace cousin {
@@ -126,6 +128,105 @@ TEST(AppCommandLine, HelpIsAVerbTooAndHasExamples) {
   }
   EXPECT_THAT(refusal({"help", "runn"}), HasSubstr("unknown verb \"runn\"; did you mean run?"));
   EXPECT_THAT(refusal({}), AllOf(HasSubstr("no verb is given"), HasSubstr("cousin run seeds")));
+}
+
+/// Options that say what a pipeline does, each with a value.
+const Words kPipelineOptions[] = {{"--method", "ours"},
+                                  {"--stage", "depth=dir:."},
+                                  {"--attribution"},
+                                  {"--gate", "length.rmse<=1"},
+                                  {"--pipeline", "seeds"}};
+
+TEST(AppCommandLine, AnOptionThatASceneHasNotIsRefusedByItsNameWithWhatThereIs) {
+  for (const char* scene : {"seedlings", "maize", "apples", "boards", "specimen", "strawberries"}) {
+    for (const Words& option : kPipelineOptions) {
+      const std::string text = refusal(Words{"run", scene, "--plan"} + option);
+      EXPECT_THAT(text, AllOf(HasSubstr("cousin: " + option[0] + " is not read"), HasSubstr(scene),
+                              HasSubstr("--pipeline views")))
+          << scene << " " << option[0];
+    }
+    EXPECT_THAT(refusal({"run", scene, "--pipeline", "views", "--attribution", "--plan"}),
+                HasSubstr("--attribution is of the pipeline seeds"));
+    EXPECT_THAT(refusal({"run", scene, "--plan", "--lpips", "x"}),
+                HasSubstr("--lpips is of --pipeline views"));
+  }
+  for (const char* scene :
+       {"seeds", "seedlings", "maize", "apples", "boards", "specimen", "strawberries"}) {
+    for (const char* verb : {"run", "render"}) {
+      EXPECT_THAT(refusal({verb, scene, "--frames", "20000", "--plan"}),
+                  HasSubstr("--frames 20000: views = 20000: must be in [1, 10000]"))
+          << verb << " " << scene;
+    }
+    EXPECT_THAT(refusal({"render", scene, "--streams", "sound", "--plan"}),
+                HasSubstr("--streams sound: "));
+    EXPECT_THAT(refusal({"render", scene, "--truth", "beauty", "--plan"}),
+                HasSubstr("--truth \"beauty\""));
+    EXPECT_THAT(refusal({"render", scene, "--method", "ours"}),
+                HasSubstr("unknown option --method of `cousin render`; `cousin perceive` and "
+                          "`cousin run` have it"));
+  }
+  EXPECT_THAT(refusal({"run", "seeds", "--align", "--plan"}), HasSubstr("--align is of"));
+  EXPECT_THAT(refusal({"run", "seeds", "--method", "magic", "--plan"}),
+              HasSubstr("--method magic: "));
+}
+
+TEST(AppCommandLine, AnOptionThatAFormatHasNotIsRefusedByItsName) {
+  EXPECT_THAT(refusal({"export", "d", "--format", "coco", "--task", "pose"}),
+              HasSubstr("--task is of --format yolo; coco takes --undistort, --true-cameras, "
+                        "--split, --masks, --least-visible"));
+  EXPECT_THAT(refusal({"export", "d", "--format", "tum", "--split", "1,0,0"}),
+              HasSubstr("--split is of --format bop, coco, yolo"));
+  EXPECT_THAT(refusal({"export", "d", "--format", "blend", "--undistort"}),
+              HasSubstr("blend takes none of these options"));
+}
+
+TEST(AppCommandLine, RenderSaysWhatItWouldDoAndWritesNothing) {
+  const Program program;
+  for (const char* scene : {"seeds", "seedlings", "maize", "apples", "boards", "strawberries"}) {
+    const Outcome plan = program.run({"render", scene, "--plan", "--frames", "3", "--scenes", "2"});
+    EXPECT_EQ(plan.code, 0) << scene << ": " << plan.err;
+    EXPECT_THAT(plan.out, AllOf(HasSubstr("renders: 6 views of 2 scenes\n"), HasSubstr(" x "),
+                                HasSubstr("_dataset, about "), HasSubstr("left out:"),
+                                HasSubstr("--truth normal writes it")))
+        << scene;
+  }
+  const Outcome part = program.run({"render", "seeds", "--plan", "--frames", "4", "--set",
+                                    "rig=d405", "--streams", "depth", "--shard", "1/2", "--json"});
+  const auto json = nlohmann::json::parse(part.out, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << part.out << part.err;
+  EXPECT_EQ(json["views"], 2);
+  EXPECT_EQ(json["views_of_all"], 4);
+  ASSERT_EQ(json["pictures"].size(), 1U);
+  EXPECT_EQ(json["pictures"][0]["name"], "depth");
+  EXPECT_GT(json["pictures"][0]["width_px"], 0);
+  for (const auto& pass : json["passes"]) {
+    if (pass["pass"] == "radiance") EXPECT_FALSE(pass["runs"]);
+    if (pass["pass"] == "truth: noise_free_depth") EXPECT_TRUE(pass["runs"]);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(program.path()));
+}
+
+TEST(AppCommandLine, AConfigurationFileThatIsWrongIsWrongUsage) {
+  const Program program;
+  write_file(program.path("bad.toml"), "[scene]\nviews = 3\nsedes = 3\n");
+  const Outcome wrong = program.run({"run", "seeds", "--plan", "--config", "bad.toml"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("bad.toml:3: unknown key 'scene.sedes'; the nearest key is "
+                                   "'scene.seeds'"));
+  const Outcome absent = program.run({"perceive", "data", "--config", "absent.toml"});
+  EXPECT_EQ(absent.code, 2);
+  EXPECT_THAT(absent.err, HasSubstr("absent.toml: no such file"));
+  const Outcome rig = program.run({"run", "seeds", "--plan", "--set", "rig=bad.toml"});
+  EXPECT_EQ(rig.code, 2) << rig.err;
+}
+
+TEST(AppCommandLine, DoctorNamesThePackageOfWhatIsMissing) {
+  const Outcome outcome =
+      Program().run({"doctor"}, [] { return setenv("PATH", "/nowhere", 1) == 0; });
+  EXPECT_EQ(outcome.code, 0);
+  for (const char* name : {"colmap", "blender", "ffmpeg", "chromium"})
+    EXPECT_THAT(outcome.out, HasSubstr(std::string("missing: apt install ") + name));
+  EXPECT_THAT(outcome.out, HasSubstr("All that is missing, on Debian 12: apt install"));
 }
 
 TEST(AppCommandLine, SetNamesKeyValueAndLimit) {
