@@ -49,8 +49,7 @@ RunConfig run_config(const Options& o, const SceneEntry& entry) {
   }
   if (o.frames > 0) of_scene.push_back("views=" + std::to_string(o.frames));
   return {entry.configure(of_scene, o.config),
-          views_config(o.pipeline_config, o.method, of_pipeline), views_sources(o.stages),
-          learned_of(o)};
+          views_config(o.pipeline_config, o.method, of_pipeline), views_sources(o), learned_of(o)};
 }
 
 /// As `cousin perceive` writes it beside its estimate.

@@ -4,47 +4,84 @@
 #include <tbb/global_control.h>
 #include <xmmintrin.h>
 
+#include <algorithm>
 #include <array>
-#include <cstdio>
+#include <cmath>
+#include <cstdint>
 #include <exception>
+#include <new>
+#include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/terminal.h"
 #include "benchmarks/seeds/stage_files.h"
 #include "perception/pipelines/seeds.h"
+#include "sim/process/interruption.h"
+#include "sim/types/last_read.h"
+#include "sim/types/memory_limit.h"
 #include "sim/types/stage_clock.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
 
+/// Whose fault it is if memory is short: of what the files ask for, or of the work that is asked
+/// for.
+enum class Reads { input, nothing };
+
 struct Verb {
   const char* name;
   ExitCode (*run)(const JobContext&);
+  Reads reads = Reads::nothing;
 };
 constexpr std::array<Verb, 15> kVerbs = {{{"scenes", command_scenes},
                                           {"rigs", command_rigs},
                                           {"methods", command_methods},
                                           {"doctor", command_doctor},
                                           {"render", command_render},
-                                          {"perceive", command_perceive},
-                                          {"score", command_score},
+                                          {"perceive", command_perceive, Reads::input},
+                                          {"score", command_score, Reads::input},
                                           {"run", command_run},
-                                          {"calibrate", command_calibrate},
-                                          {"fit-sensor", command_fit_sensor},
+                                          {"calibrate", command_calibrate, Reads::input},
+                                          {"fit-sensor", command_fit_sensor, Reads::input},
                                           {"bench", command_bench},
-                                          {"import", command_import},
-                                          {"export", command_export},
-                                          {"verify", command_verify},
-                                          {"report", command_report}}};
+                                          {"import", command_import, Reads::input},
+                                          {"export", command_export, Reads::input},
+                                          {"verify", command_verify, Reads::input},
+                                          {"report", command_report, Reads::input}}};
 
 int fail(ExitCode code, const std::string& what) {
-  std::fprintf(stderr, "cousin: %s\n", what.c_str());
+  print_message("cousin: " + what);
   return static_cast<int>(code);
 }
 
+/// No bare std::bad_alloc: what was done, what was read, and what can be asked for instead.
+int fail_for_memory(const Options& options) {
+  const auto verb = std::find_if(kVerbs.begin(), kVerbs.end(),
+                                 [&](const Verb& v) { return options.verb == v.name; });
+  const bool is_inputs = verb != kVerbs.end() && verb->reads == Reads::input;
+  std::string what = options.verb;
+  for (const std::string& argument : options.arguments) what += " " + argument;
+  what += ": memory is not enough; " + std::to_string(std::llround(current_rss_mb())) +
+          " MiB are in use";
+  if (const std::string file = last_read(); !file.empty())
+    what += ", and the file read last is " + file;
+  what += is_inputs ? ". Give fewer or smaller files" : ". Ask for fewer frames or fewer pixels";
+  return fail(is_inputs ? ExitCode::bad_input : ExitCode::internal, what);
+}
+
+std::uint64_t memory_limit_of(const Options& options) {
+  constexpr double kGiB = 1024.0 * 1024 * 1024;
+  return static_cast<std::uint64_t>(options.memory_limit_gib * kGiB);
+}
+
 int run_job(const Options& options, int argc, const char* const* argv) {
+  clean_up_when_interrupted();
+  set_memory_limit(memory_limit_of(options));
   start_rss_mb();  // what the work takes is counted from here
   const int threads = options.threads > 0
                           ? options.threads
@@ -54,7 +91,7 @@ int run_job(const Options& options, int argc, const char* const* argv) {
   cv::setNumThreads(1);  // parallelism is over frames, and OpenCV's own would change sums
   std::string command_line;
   for (int i = 0; i < argc; ++i) {
-    const std::string word = i == 0 ? "cousin" : argv[i];
+    const std::string word = i == 0 ? "cousin" : readable_utf8(argv[i]);
     const bool quote = word.find_first_of(" '\"$&|;<>()*?") != std::string::npos;
     command_line += (i ? " " : "") + (quote ? "'" + word + "'" : word);
   }
@@ -75,6 +112,13 @@ extern "C" __attribute__((visibility("default"))) int cousin_run_job(const cousi
   using cousin::ExitCode;
   try {
     return cousin::run_job(*options, argc, argv);
+  } catch (const std::bad_alloc&) {
+    return cousin::fail_for_memory(*options);
+  } catch (const std::length_error&) {  // a vector of more than there can be
+    return cousin::fail_for_memory(*options);
+  } catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem) return cousin::fail_for_memory(*options);
+    return cousin::fail(ExitCode::internal, error.what());
   } catch (const cousin::StageError& error) {
     const bool is_input = cousin::is_fault_of_input(error, options->stages);
     return cousin::fail(is_input ? ExitCode::bad_input : ExitCode::internal, error.what());

@@ -32,7 +32,7 @@ struct Options {
   std::string method;
   std::string pipeline;
   std::string pipeline_config;  ///< run --pipeline views: TOML file of the pipeline; empty = none
-  std::vector<std::string> stages;  ///< NAME=dir:…|exec:…
+  std::vector<std::string> stages;    ///< NAME=dir:…|exec:…
   std::vector<std::string> gates;
   std::string format;
   std::string intrinsics;
@@ -53,6 +53,8 @@ struct Options {
   int runs = 0;  ///< of each point of a benchmark; 0 = the suite's own number
   bool attribution = false;
   bool keys = false;  ///< print configuration keys
+  double memory_limit_gib = 0;       ///< of one input; 0 = the default
+  double stage_time_limit_s = 21600;  ///< of each call of a stage's program
 };
 
 /// Result of reading the command line: options, or text to print and leave.

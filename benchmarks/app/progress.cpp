@@ -3,6 +3,10 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <string>
+
+#include "benchmarks/app/terminal.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 
@@ -19,7 +23,7 @@ void ProgressPrinter::clear() {
 void ProgressPrinter::line(const std::string& text) {
   if (quiet_) return;
   clear();
-  std::fprintf(stderr, "%s\n", text.c_str());
+  print_message(text);
 }
 
 void ProgressPrinter::operator()(const std::string& what, int done, int total) {
@@ -31,14 +35,15 @@ void ProgressPrinter::operator()(const std::string& what, int done, int total) {
   last_ = now;
   last_what_ = what;
   if (!terminal_) {
-    std::fprintf(stderr, "%s %d/%d\n", what.c_str(), done, total);
+    print_message(what + " " + std::to_string(done) + "/" + std::to_string(total));
     return;
   }
   constexpr int kWidth = 30;
   const int filled = total > 0 ? kWidth * done / total : 0;
   std::string bar(static_cast<std::size_t>(filled), '#');
   bar.resize(kWidth, '.');
-  std::fprintf(stderr, "\r\033[K%-10s [%s] %d/%d", what.c_str(), bar.c_str(), done, total);
+  std::fprintf(stderr, "\r\033[K%-10s [%s] %d/%d", terminal_text(what).c_str(), bar.c_str(), done,
+               total);
   std::fflush(stderr);
   bar_shown_ = true;
 }

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "sim/types/last_read.h"
+
 namespace cousin {
 namespace {
 
@@ -92,6 +94,7 @@ std::string read_file(const std::filesystem::path& file, std::size_t limit_bytes
     throw std::runtime_error(file.string() + ": " + std::to_string(status.st_size) +
                              " bytes; the limit is " + std::to_string(limit_bytes));
   }
+  note_reading(file);
   std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {

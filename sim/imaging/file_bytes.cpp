@@ -11,6 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sim/types/last_read.h"
+
 namespace cousin::imaging {
 namespace {
 
@@ -66,6 +68,7 @@ std::vector<std::uint8_t> read_bytes(const std::filesystem::path& file) {
     throw std::runtime_error(file.string() + ": " + std::to_string(size) + " bytes; the limit is " +
                              std::to_string(kMaxFileBytes));
   }
+  note_reading(file);
   std::vector<std::uint8_t> bytes(size);
   for (std::size_t done = 0; done < bytes.size();) {
     const ssize_t count = ::read(in.value(), bytes.data() + done, bytes.size() - done);
