@@ -8,6 +8,7 @@
 
 #include "benchmarks/seedlings/seedlings_page.h"
 #include "benchmarks/seeds/paper_tables.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 
@@ -20,9 +21,9 @@ std::vector<ReportTable> papers_tables(const std::vector<ScoreRow>& rows) {
 void print_scores(const std::vector<ScoreRow>& rows) {
   for (const ScoreRow& row : rows) {
     std::printf("%-9s %-12s %-44s %-13s %-38s %14.6g %-6s",
-                std::string(to_string(row.status)).c_str(), row.scene.c_str(),
-                row.case_name.c_str(), row.method.c_str(), row.metric.c_str(), row.value,
-                row.unit.c_str());
+                std::string(to_string(row.status)).c_str(), terminal_text(row.scene).c_str(),
+                terminal_text(row.case_name).c_str(), terminal_text(row.method).c_str(),
+                terminal_text(row.metric).c_str(), row.value, terminal_text(row.unit).c_str());
     if (row.ci_low == row.ci_low) std::printf(" [%.6g, %.6g]", row.ci_low, row.ci_high);
     std::printf("\n");
   }

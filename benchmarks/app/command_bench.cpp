@@ -11,6 +11,7 @@
 #include "benchmarks/app/bench_suites.h"
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/result_output.h"
+#include "benchmarks/app/terminal.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "sim/dataset/output_folder.h"
@@ -41,7 +42,10 @@ void print_jobs(const JobContext& context, const std::vector<const BenchSuite*>&
           std::string(suite->name) + " " + job.name + (state.empty() ? "" : " ") + state + "\n";
     }
   }
-  std::printf("%s", context.options.json ? (list.dump(2) + "\n").c_str() : lines.c_str());
+  if (context.options.json)
+    print_json(list);
+  else
+    print_result_lines(lines);
 }
 
 /// @throws std::invalid_argument naming an option that is given and that the suite does not read.

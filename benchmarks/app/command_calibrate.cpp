@@ -5,6 +5,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/option_keys.h"
+#include "benchmarks/app/terminal.h"
 #include "benchmarks/calibrate/calibration_output.h"
 #include "benchmarks/calibrate/calibration_run.h"
 #include "benchmarks/seeds/result_folder.h"
@@ -81,7 +82,10 @@ ExitCode command_calibrate(const JobContext& context) {
   const std::vector<std::string> written = write_calibration_files(out, run);
   write_calibration_report(out / "report.html", run, scores, context.command_line);
   folder.remove_earlier();
-  std::printf("%s", o.json ? json.c_str() : calibration_table(run).c_str());
+  if (o.json)
+    std::printf("%s", json.c_str());
+  else
+    print_result_lines(calibration_table(run));
   for (const std::string& line : written) context.progress.line(line);
   context.progress.line("report: " + (out / "report.html").string());
   return run.problems.empty() ? ExitCode::done : ExitCode::gate_failed;

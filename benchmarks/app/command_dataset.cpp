@@ -8,6 +8,8 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/option_keys.h"
+#include "benchmarks/app/result_output.h"
+#include "benchmarks/app/terminal.h"
 #include "benchmarks/import/import_capture.h"
 #include "benchmarks/scenes/render_plan.h"
 #include "benchmarks/scenes/scene_table.h"
@@ -250,12 +252,10 @@ ExitCode command_render(const JobContext& context) {
   if (o.json) {
     nlohmann::json seconds = nlohmann::json::object();
     for (const StageTiming& timing : timings) seconds[timing.stage] = timing.wall_s;
-    std::printf("%s\n", nlohmann::json{{"dataset", dataset.string()},
-                                       {"complete", complete},
-                                       {"seconds", seconds},
-                                       {"warnings", warnings}}
-                            .dump(2)
-                            .c_str());
+    print_json({{"dataset", dataset.string()},
+                {"complete", complete},
+                {"seconds", seconds},
+                {"warnings", warnings}});
   }
   context.progress.line((complete ? "dataset: " : "shard of dataset: ") + dataset.string());
   return ExitCode::done;
@@ -280,11 +280,9 @@ ExitCode command_import(const JobContext& context) {
   write_capture(dataset / scene_id(0), capture);
   folder.remove_earlier();  // pictures that the source has no longer
   if (o.json) {
-    std::printf("%s\n", nlohmann::json{{"dataset", dataset.string()},
-                                       {"frames", capture.frames.size()},
-                                       {"warnings", capture.warnings}}
-                            .dump(2)
-                            .c_str());
+    print_json({{"dataset", dataset.string()},
+                {"frames", capture.frames.size()},
+                {"warnings", capture.warnings}});
   }
   context.progress.line("dataset: " + dataset.string() + ", " +
                         std::to_string(capture.frames.size()) + " frames, " +
@@ -300,13 +298,12 @@ ExitCode command_verify(const JobContext& context) {
     nlohmann::json rows = nlohmann::json::array();
     for (const VerifyProblem& problem : problems)
       rows.push_back({{"path", problem.path}, {"what", problem.what}});
-    std::printf("%s\n",
-                nlohmann::json{{"dataset", dataset.string()}, {"problems", rows}}.dump(2).c_str());
+    print_json({{"dataset", dataset.string()}, {"problems", rows}});
   } else {
     for (const VerifyProblem& problem : problems) {
-      std::printf("%s: %s\n", problem.path.c_str(), problem.what.c_str());
+      print_result_line(problem.path + ": " + problem.what);
     }
-    if (problems.empty()) std::printf("%s: no problems\n", dataset.string().c_str());
+    if (problems.empty()) print_result_line(dataset.string() + ": no problems");
   }
   return problems.empty() ? ExitCode::done : ExitCode::bad_input;
 }

@@ -4,6 +4,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/option_keys.h"
+#include "benchmarks/app/terminal.h"
 #include "benchmarks/fit_sensor/fit_report.h"
 #include "benchmarks/fit_sensor/fit_rows.h"
 #include "benchmarks/fit_sensor/sensor_fit.h"
@@ -38,7 +39,7 @@ ExitCode command_fit_sensor(const JobContext& context) {
   if (o.json)
     std::printf("%s", to_json(scores).c_str());
   else
-    std::printf("%s", fit_table(fit).c_str());
+    print_result_lines(fit_table(fit));
   if (!fit.preset_toml.empty()) context.progress.line("preset: " + preset.string());
   context.progress.line("report: " + (out / "report.html").string());
   return fit.problems.empty() ? ExitCode::done : ExitCode::gate_failed;

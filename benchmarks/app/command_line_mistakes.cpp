@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/config/nearest_word.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -96,7 +97,7 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   } else if (const auto missing = what.find(": 1 required"); missing != std::string::npos) {
     what = what.substr(0, missing) + ": its value is missing";
   }
-  return "cousin: " + what + "\nSee `" + command + " --help`.\n";
+  return "cousin: " + terminal_text(what) + "\nSee `" + command + " --help`.\n";
 }
 
 }  // namespace cousin

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/result_output.h"
 #include "benchmarks/report/javascript_libraries.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "perception/sfm/colmap_run.h"
@@ -16,6 +17,7 @@
 #include "sim/sensors/phone.h"
 #include "sim/sensors/range_rig.h"
 #include "sim/sensors/rig.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -31,11 +33,12 @@ void print(const std::vector<Entry>& entries, bool json) {
     nlohmann::json rows = nlohmann::json::array();
     for (const Entry& e : entries)
       rows.push_back({{"name", e.name}, {"status", e.status}, {"help", e.help}});
-    std::printf("%s\n", rows.dump(2).c_str());
+    print_json(rows);
     return;
   }
   for (const Entry& e : entries) {
-    std::printf("%-20s %-34s %s\n", e.name.c_str(), e.status.c_str(), e.help.c_str());
+    std::printf("%-20s %-34s %s\n", terminal_text(e.name).c_str(), e.status.c_str(),
+                terminal_text(e.help).c_str());
   }
 }
 

@@ -11,6 +11,7 @@
 #include "benchmarks/app/perceive_places.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/specimens_text.h"
+#include "benchmarks/app/terminal.h"
 #include "benchmarks/app/views_options.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/perceive.h"
@@ -18,6 +19,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -76,13 +78,14 @@ nlohmann::json to_rows(const std::string& scene, const Traits& traits) {
 
 void print_traits(const std::string& scene, const Traits& traits) {
   for (const SpecimenTraits& specimen : traits) {
-    std::printf("%s seed %d: %s%s", scene.c_str(), specimen.instance,
-                std::string(to_string(specimen.status)).c_str(),
-                specimen.reason.empty() ? "" : (" (" + specimen.reason + ")").c_str());
+    std::printf(
+        "%s seed %d: %s%s", terminal_text(scene).c_str(), specimen.instance,
+        std::string(to_string(specimen.status)).c_str(),
+        specimen.reason.empty() ? "" : (" (" + terminal_text(specimen.reason) + ")").c_str());
     for (const Trait& trait : specimen.traits) {
       const double scale = trait.unit == "m" ? 1e3 : trait.unit == "m2" ? 1e6 : 1e9;
       const char* unit = trait.unit == "m" ? "mm" : trait.unit == "m2" ? "mm2" : "mm3";
-      std::printf("  %s %.3f %s", trait.name.c_str(), trait.value * scale, unit);
+      std::printf("  %s %.3f %s", terminal_text(trait.name).c_str(), trait.value * scale, unit);
     }
     std::printf("\n");
   }
@@ -154,7 +157,8 @@ ExitCode command_perceive(const JobContext& context) {
     return ExitCode::done;
   }
   std::vector<StageSource> sources;
-  for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
+  for (const std::string& stage : o.stages)
+    sources.push_back(parse_stage_source(stage, o.stage_time_limit_s));
 
   const PerceivePlaces places = perceive_places(o);
   const fs::path& dataset = places.dataset;
@@ -190,7 +194,7 @@ ExitCode command_perceive(const JobContext& context) {
   }
   if (o.json) print_json(rows);
   context.progress.line("estimates: " + out.string());
-  for (const std::string& text : nothing_found) std::fprintf(stderr, "cousin: %s\n", text.c_str());
+  for (const std::string& text : nothing_found) print_message("cousin: " + text);
   return nothing_found.empty() ? ExitCode::done : ExitCode::bad_input;
 }
 

@@ -7,6 +7,7 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/perceive_places.h"
 #include "benchmarks/app/result_output.h"
+#include "benchmarks/app/terminal.h"
 #include "benchmarks/app/views_options.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
@@ -21,7 +22,7 @@ ExitCode command_perceive_views(const JobContext& context) {
     std::printf("%s", describe(fields(shown)).c_str());
     return ExitCode::done;
   }
-  const std::vector<StageSource> sources = views_sources(o.stages);
+  const std::vector<StageSource> sources = views_sources(o);
   const std::shared_ptr<const LearnedDistance> learned = learned_of(o);
   const PerceivePlaces places = perceive_places(o);
   const Warn warn = [&](const std::string& text) { context.progress.line("warning: " + text); };
@@ -42,8 +43,7 @@ ExitCode command_perceive_views(const JobContext& context) {
     context.progress.line(name + ": " + views_summary(run, capture.frames.size()));
     if (run.estimate.splats.splats.empty()) {
       all_found = false;
-      std::fprintf(stderr, "cousin: %s: %s\n", scene.string().c_str(),
-                   no_gaussians_text(run.estimate.splats).c_str());
+      print_message("cousin: " + scene.string() + ": " + no_gaussians_text(run.estimate.splats));
     }
     append({.scores = run.rows}, all);
   }

@@ -260,7 +260,8 @@ ExitCode command_run(const JobContext& context) {
   }
   for (const std::string& gate : o.gates) parse_gate(gate);
   std::vector<StageSource> sources;
-  for (const std::string& stage : o.stages) sources.push_back(parse_stage_source(stage));
+  for (const std::string& stage : o.stages)
+    sources.push_back(parse_stage_source(stage, o.stage_time_limit_s));
   const std::vector<PlanEntry> plan = seeds_plan(config, o.attribution, sources);
   if (o.plan) {
     print_plan(o, plan);

@@ -54,7 +54,7 @@ RunConfig run_config(const Options& o, const SceneEntry& entry) {
   if (o.frames > 0) keys.push_back({"--frames", "views", std::to_string(o.frames)});
   for (const KeyOption& each : keys) of_scene.push_back(each.assignment());
   return {read_config(o, keys, [&] { return entry.configure(of_scene, o.config); }),
-          views_config(o, o.pipeline_config, of_pipeline), views_sources(o.stages), learned_of(o)};
+          views_config(o, o.pipeline_config, of_pipeline), views_sources(o), learned_of(o)};
 }
 
 /// As `cousin perceive` writes it beside its estimate.

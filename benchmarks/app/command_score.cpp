@@ -13,6 +13,7 @@
 #include "benchmarks/views/score_views.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/links.h"
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/output_folder.h"
 #include "sim/dataset/seam_io.h"
@@ -125,6 +126,11 @@ ExitCode command_score(const JobContext& context) {
   int scored = 0;
   std::vector<std::string> failures;
   const std::vector<fs::path> scenes = scene_folders(dataset);
+  refuse_links_out(dataset, "manifest.json");
+  for (const fs::path& scene_dir : scenes) {
+    refuse_links_out(dataset, scene_dir.filename());
+    refuse_links_out(estimates, scene_dir.filename());
+  }
   for (const fs::path& scene_dir : scenes) check_alignment(o, estimates / scene_dir.filename());
   for (const fs::path& scene_dir : scenes) {
     const fs::path estimate_dir = estimates / scene_dir.filename();

@@ -35,10 +35,15 @@ ExitCode command_export(const JobContext& context);
 ExitCode command_verify(const JobContext& context);
 ExitCode command_report(const JobContext& context);
 
+/// Whose fault it is if memory is short: of what the files ask for, or of the work that is asked
+/// for.
+enum class Reads { input, nothing };
+
 /// A verb that a module holds.
 struct Verb {
   const char* name;
   ExitCode (*run)(const JobContext& context);
+  Reads reads = Reads::nothing;
 };
 /// All of this module: `verbs_of_jobs.cpp` or another, as CMake picks for each.
 std::span<const Verb> module_verbs();

@@ -13,6 +13,7 @@
 
 #include "benchmarks/app/command_line_help.h"
 #include "benchmarks/app/command_line_mistakes.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -31,6 +32,10 @@ void add_config(CLI::App& verb, Options& o) {
 }
 
 void add_stages(CLI::App& verb, Options& o) {
+  verb.add_option("--stage-time-limit", o.stage_time_limit_s,
+                  "Seconds after which a PROGRAM of --stage is ended, with all that it started")
+      ->check(CLI::Range(1e-3, 1e9))
+      ->capture_default_str();
   verb.add_option(
       "--method", o.method,
       "of seeds ours (default), paper, splats, splats_paper, sensor_depth, depth_only; see "
@@ -226,6 +231,12 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       ->check(whole_number(0, 1024))
       ->capture_default_str();
   app.add_option("--out", o.out, "Output folder");
+  app.add_option(
+         "--memory-limit", o.memory_limit_gib,
+         "GiB that one input (a file, or all images of a capture) may take in memory; 0 = 8, "
+         "or half of this machine's memory if that is less")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   app.add_flag("--json", o.json, "Print results as JSON");
   app.add_flag("--quiet", o.quiet, "Print nothing but results and errors");
 

@@ -53,8 +53,10 @@ struct Options {
   bool quick = false;
   int runs = 0;  ///< of each point of a benchmark; 0 = the suite's own number
   bool attribution = false;
-  bool keys = false;               ///< print configuration keys
-  std::vector<std::string> given;  ///< "--method", ...: options that the command line holds
+  bool keys = false;                  ///< print configuration keys
+  double memory_limit_gib = 0;        ///< of one input; 0 = the default
+  double stage_time_limit_s = 21600;  ///< of each call of a stage's program
+  std::vector<std::string> given;     ///< "--method", ...: options that the command line holds
 };
 
 /// Result of reading the command line: options, or text to print and leave.

@@ -7,6 +7,7 @@
 
 #include "benchmarks/seeds/stage_files.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/links.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -43,7 +44,9 @@ PerceivePlaces perceive_places(const Options& options) {
       options.out.empty() ? fs::path(places.dataset.string() + "_estimate") : fs::path(options.out);
   refuse_dataset_as_out(places.dataset, places.out);
   places.scenes = scenes_of(places.dataset);
+  refuse_links_out(places.dataset, "manifest.json");
   for (const fs::path& scene : places.scenes) {
+    refuse_links_out(places.dataset, scene.lexically_relative(places.dataset), "truth");
     const fs::path estimate = places.out / scene_id(scene_index_of(scene));
     if (fs::weakly_canonical(estimate) == fs::weakly_canonical(scene))
       throw std::invalid_argument("--out " + places.out.string() + ": the estimate of " +

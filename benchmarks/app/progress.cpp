@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string>
 
+#include "benchmarks/app/terminal.h"
 #include "sim/types/utf8.h"
 
 namespace cousin {

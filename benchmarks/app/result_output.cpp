@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "benchmarks/app/terminal.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "sim/types/utf8.h"
@@ -26,7 +27,7 @@ ExitCode check_gates(const Options& options, const std::vector<ScoreRow>& rows) 
   bool all_hold = true;
   for (const std::string& text : options.gates) {
     for (const std::string& problem : broken(parse_gate(text), rows)) {
-      std::fprintf(stderr, "gate %s: %s\n", text.c_str(), problem.c_str());
+      print_message("gate " + text + ": " + problem);
       all_hold = false;
     }
   }
@@ -37,8 +38,9 @@ void print_rows(const std::vector<ScoreRow>& rows) {
   for (const ScoreRow& row : rows) {
     const std::string status =
         row.status == ScoreStatus::ok ? "" : " " + std::string(to_string(row.status));
-    std::printf("%s %-34s %14.6g %s%s\n", row.scene.c_str(), row.metric.c_str(), row.value,
-                row.unit == "1" ? "" : row.unit.c_str(), status.c_str());
+    std::printf("%s %-34s %14.6g %s%s\n", terminal_text(row.scene).c_str(),
+                terminal_text(row.metric).c_str(), row.value,
+                row.unit == "1" ? "" : terminal_text(row.unit).c_str(), status.c_str());
   }
 }
 

@@ -8,7 +8,7 @@ namespace cousin {
 std::span<const Verb> module_verbs() {
   static constexpr auto kVerbs = std::to_array<Verb>({
       {"bench", command_bench},
-      {"report", command_report},
+      {"report", command_report, Reads::input},
   });
   return kVerbs;
 }

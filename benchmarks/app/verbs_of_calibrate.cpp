@@ -7,7 +7,7 @@ namespace cousin {
 
 std::span<const Verb> module_verbs() {
   static constexpr auto kVerbs = std::to_array<Verb>({
-      {"calibrate", command_calibrate},
+      {"calibrate", command_calibrate, Reads::input},
   });
   return kVerbs;
 }

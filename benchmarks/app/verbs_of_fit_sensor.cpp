@@ -7,7 +7,7 @@ namespace cousin {
 
 std::span<const Verb> module_verbs() {
   static constexpr auto kVerbs = std::to_array<Verb>({
-      {"fit-sensor", command_fit_sensor},
+      {"fit-sensor", command_fit_sensor, Reads::input},
   });
   return kVerbs;
 }

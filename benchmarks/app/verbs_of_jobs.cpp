@@ -12,13 +12,13 @@ std::span<const Verb> module_verbs() {
       {"methods", command_methods},
       {"doctor", command_doctor},
       {"render", command_render},
-      {"perceive", command_perceive},
-      {"score", command_score},
+      {"perceive", command_perceive, Reads::input},
+      {"score", command_score, Reads::input},
       {"run", command_run},
-      {"import", command_import},
-      {"export", command_export},
-      {"verify", command_verify},
-      {"report", command_report},
+      {"import", command_import, Reads::input},
+      {"export", command_export, Reads::input},
+      {"verify", command_verify, Reads::input},
+      {"report", command_report, Reads::input},
   });
   return kVerbs;
 }

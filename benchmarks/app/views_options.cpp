@@ -48,9 +48,10 @@ ViewsPipelineConfig views_config(const Options& options, const std::filesystem::
   });
 }
 
-std::vector<StageSource> views_sources(const std::vector<std::string>& stages) {
+std::vector<StageSource> views_sources(const Options& options) {
   std::vector<StageSource> sources;
-  for (const std::string& stage : stages) sources.push_back(parse_stage_source(stage));
+  for (const std::string& stage : options.stages)
+    sources.push_back(parse_stage_source(stage, options.stage_time_limit_s));
   check_stages(sources);
   return sources;
 }

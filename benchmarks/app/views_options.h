@@ -25,7 +25,7 @@ std::string no_gaussians_text(const SplatModel& none);
 
 /// @throws std::invalid_argument naming a stage that the pipeline has not: it would be read and
 /// never used
-std::vector<StageSource> views_sources(const std::vector<std::string>& stages);
+std::vector<StageSource> views_sources(const Options& options);
 
 /// "12 of 12 views posed, 900 Gaussians, trained on 25.10 dB of 9 views, held out ...".
 std::string views_summary(const ViewsRun& run, std::size_t frames);

@@ -220,7 +220,7 @@ std::string calibration_json(const CalibrationRun& run) {
     if (!view.reason.empty()) image["reason"] = view.reason;
     json["images"].push_back(image);
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string calibration_table(const CalibrationRun& run) {

@@ -238,7 +238,9 @@ void write_report_scene(const fs::path& folder, const ReportScene& scene) {
   if (!scene.truth.triangles.empty()) write_ply(own / "truth.ply", scene.truth);
   if (!scene.splats.splats.empty()) write_splat_ply(own / "splats.ply", scene.splats);
   write_file(own / kIndex,
-             nlohmann::ordered_json{{"name", scene.name}, {"pictures", pictures}}.dump(2) + "\n");
+             nlohmann::ordered_json{{"name", scene.name}, {"pictures", pictures}}.dump(
+                 2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+                 "\n");
   part.replace();
 }
 

@@ -9,6 +9,7 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/types/memory_limit.h"
+#include "sim/types/utf8.h"
 #include "sim/types/whole_file.h"
 
 namespace cousin {
@@ -90,7 +91,8 @@ std::string summary_table(const std::vector<ScoreRow>& rows) {
     const char* unit = trait == "area" ? "mm2" : trait == "volume" ? "mm3" : "mm";
     std::snprintf(line, sizeof line,
                   "%-18s %-18s %-12s %-7s %4lld %13.4f %-4s %+9.4f %8.2f %7.3f %8.2f\n",
-                  suite.c_str(), case_name.c_str(), method.c_str(), trait.c_str(),
+                  terminal_text(suite).c_str(), terminal_text(case_name).c_str(),
+                  terminal_text(method).c_str(), terminal_text(trait).c_str(),
                   static_cast<long long>(found->second->n), value("rmse") * scale, unit,
                   value("bias") * scale, value("mape") * 100, value("slope"), value("coverage_95"));
     text += line;

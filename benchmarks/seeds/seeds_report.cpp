@@ -10,6 +10,7 @@
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/links.h"
 
 namespace cousin {
 namespace {
@@ -332,6 +333,8 @@ std::vector<std::string> report_names(std::vector<std::string> more) {
 }
 
 SeedsReport read_report_folder(const std::filesystem::path& folder) {
+  for (const char* part : {"scores.json", kConfigFile, kPlanFile, kScenesFolder})
+    refuse_links_out(folder, part);
   SeedsReport report;
   report.scores = read_result_tables(folder);
   const auto& more = report.scores.header.more;

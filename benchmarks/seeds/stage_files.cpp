@@ -21,10 +21,13 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-void call_program(const fs::path& program, const fs::path& input, const fs::path& output) {
+void call_program(const StageSource& source, const fs::path& input, const fs::path& output) {
   const ProgramOutcome outcome =
-      run_program({.words = {program.string(), input.string(), output.string()}});
-  if (!succeeded(outcome)) throw std::runtime_error(outcome.reason);
+      run_program({.words = {source.path.string(), input.string(), output.string()},
+                   .time_limit_s = source.time_limit_s});
+  if (succeeded(outcome)) return;
+  const bool is_late = outcome.end == ProgramEnd::timed_out;
+  throw std::runtime_error(outcome.reason + (is_late ? " (--stage-time-limit)" : ""));
 }
 
 /// The input of a stage's program could not be written: a full disk, not the program's fault.
@@ -66,7 +69,7 @@ std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSo
   return [source, scene_index, read](const Capture& capture, const SeedsEstimate& so_far) {
     const auto folder = stage_folder(source.stage, capture, so_far, scene_index);
     const fs::path output = folder->path() / "output";
-    call_program(source.path, folder->path() / "input", output);
+    call_program(source, folder->path() / "input", output);
     return read(output, capture);
   };
 }
@@ -136,7 +139,7 @@ std::string to_text(const StageSource& source) {
   return (source.kind == StageSource::Kind::program ? "exec:" : "dir:") + source.path.string();
 }
 
-StageSource parse_stage_source(const std::string& text) {
+StageSource parse_stage_source(const std::string& text, double time_limit_s) {
   const auto fail = [&](const std::string& why) {
     throw std::invalid_argument("--stage \"" + text + "\": " + why +
                                 "; write NAME=dir:PATH or NAME=exec:PROGRAM");
@@ -144,6 +147,7 @@ StageSource parse_stage_source(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) fail("there is no '='");
   StageSource source;
+  source.time_limit_s = time_limit_s;
   source.stage = text.substr(0, equals);
   bool known = false;
   std::string names;

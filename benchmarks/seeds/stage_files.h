@@ -15,10 +15,11 @@ struct StageSource {
   std::string stage;
   Kind kind = Kind::directory;
   std::filesystem::path path;
+  double time_limit_s = 21600;  ///< of one call of the program, six hours; it is ended then
 };
 /// @throws std::invalid_argument naming the text, the forms and the stages that exist, or the
 /// folder or program that does not.
-StageSource parse_stage_source(const std::string& text);
+StageSource parse_stage_source(const std::string& text, double time_limit_s = 21600);
 
 std::string to_text(const StageSource& source);  ///< "exec:./mine"
 
@@ -32,9 +33,9 @@ bool is_fault_of_input(const StageError& error, const std::vector<std::string>& 
 
 /// `base` with each named stage read from files or made by a program. `dir:PATH` reads the seam's
 /// file of PATH/SCENE_ID or PATH. `exec:PROGRAM` is called as PROGRAM INPUT_DIR OUTPUT_DIR;
-/// INPUT_DIR holds the capture and the earlier seams, never truth. Missing or malformed files and a
-/// non-zero exit throw std::runtime_error. Masks must be of the scene's images. `warn` hears what a
-/// file held that is not used.
+/// INPUT_DIR holds the capture and the earlier seams, never truth. Missing or malformed files, a
+/// non-zero exit and one that does not come in time throw std::runtime_error. Masks must be of the
+/// scene's images. `warn` hears what a file held that is not used.
 SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources,
                                int scene_index, const Warn& warn = {});
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "sim/types/last_read.h"
 #include "sim/types/whole_file.h"
 
 namespace cousin {
@@ -52,6 +53,7 @@ std::string read_file(const std::filesystem::path& file, std::size_t limit_bytes
     throw std::runtime_error(file.string() + ": " + std::to_string(status.st_size) +
                              " bytes; the limit is " + std::to_string(limit_bytes));
   }
+  note_reading(file);
   std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {

@@ -32,6 +32,7 @@
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin {
 namespace {
@@ -128,6 +129,24 @@ void read_frame_images(const fs::path& scene_dir, const std::vector<SensorReport
   }
 }
 
+/// Of all images that the views list, in memory.
+std::uint64_t image_bytes(const Capture& capture,
+                          const std::vector<std::vector<ImageKinds>>& kinds) {
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < capture.frames.size(); ++i) {
+    for (std::size_t s = 0; s < kinds[i].size(); ++s) {
+      const Camera& camera = capture.frames[i].sensors[s].reported;
+      const ImageKinds& kind = kinds[i][s];
+      const std::size_t of_pixel = (kind.color ? sizeof(Rgb8) : 0) + (kind.grey ? 1 : 0) +
+                                   (kind.raw ? sizeof(std::uint16_t) : 0) +
+                                   (kind.depth ? sizeof(std::uint16_t) : 0);
+      bytes = bytes_plus(bytes, of_pixel * static_cast<std::uint64_t>(camera.width_px) *
+                                    static_cast<std::uint64_t>(camera.height_px));
+    }
+  }
+  return bytes;
+}
+
 }  // namespace
 
 void write_frame_images(const fs::path& scene_dir, const Capture& capture,
@@ -213,6 +232,8 @@ Capture read_capture(const fs::path& scene_dir) {
   Capture capture = rig_from_json(read_file(rig_file), rig_file.string());
   const std::vector<std::vector<ImageKinds>> kinds =
       frames_from_json(read_file(camera_file), camera_file.string(), capture);
+  check_memory(camera_file, image_bytes(capture, kinds),
+               "images of " + std::to_string(capture.frames.size()) + " views");
   for_each_frame(capture.frames.size(), [&](std::size_t i) {
     read_frame_images(scene_dir, capture.rig, kinds[i], capture.frames[i]);
   });

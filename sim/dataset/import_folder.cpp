@@ -172,6 +172,7 @@ Capture import_folder(const fs::path& folder, const std::string& intrinsics,
                       const LensOfPhotographs& solve) {
   Capture capture;
   const std::vector<fs::path> images = images_in(folder, capture.warnings);
+  check_images_memory(folder, images);
   capture.frames.resize(images.size());
   for_each_frame(images.size(), [&](std::size_t i) {
     Frame& frame = capture.frames[i];

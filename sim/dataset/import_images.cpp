@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -10,6 +11,7 @@
 #include "sim/imaging/exif.h"
 #include "sim/imaging/image_io.h"
 #include "sim/imaging/image_size.h"
+#include "sim/types/memory_limit.h"
 #include "sim/types/utf8.h"
 
 namespace cousin {
@@ -85,7 +87,24 @@ void warn_of_orientation(const std::vector<fs::path>& images, Capture& capture) 
       " of " + std::to_string(images.size()) + " images");
 }
 
+void check_images_memory(const fs::path& folder, const std::vector<fs::path>& images) {
+  std::uint64_t bytes = 0;
+  for (const fs::path& image : images) {
+    ImageSize size;
+    try {
+      size = read_image_size(image);
+    } catch (const std::runtime_error&) {
+      continue;  // whoever reads it says what is wrong
+    }
+    bytes =
+        bytes_plus(bytes, sizeof(Rgb8) * bytes_times(static_cast<std::uint64_t>(size.width_px),
+                                                     static_cast<std::uint64_t>(size.height_px)));
+  }
+  check_memory(folder, bytes, std::to_string(images.size()) + " images");
+}
+
 void read_frame_colors(Capture& capture, const std::vector<fs::path>& images) {
+  if (!images.empty()) check_images_memory(images.front().parent_path(), images);
   std::vector<char> alpha(images.size());
   for_each_frame(images.size(), [&](std::size_t i) {
     Frame& frame = capture.frames[i];

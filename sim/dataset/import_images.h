@@ -24,6 +24,11 @@ void require_utf8(const std::string& name, const std::string& where);
 std::optional<std::filesystem::path> find_listed_image(const std::filesystem::path& folder,
                                                        const std::string& listed);
 
+/// @throws std::runtime_error naming the folder if the images, as their heads tell their sizes,
+/// would take more memory than is allowed; no pixel is decoded.
+void check_images_memory(const std::filesystem::path& folder,
+                         const std::vector<std::filesystem::path>& images);
+
 /// The colour image of each frame's first sensor, of the size of its camera. Adds a warning where
 /// images have an alpha channel, which is not used, or an EXIF orientation, which is not applied.
 /// @throws std::runtime_error naming file, frame and both sizes.

@@ -152,6 +152,7 @@ Capture import_phenomenal(const fs::path& plant_dir) {
     throw std::runtime_error(plant_dir.string() + ": no silhouettes in bin/side or bin/top");
   capture.rig.push_back({.camera = capture.frames.front().sensors.front().reported});
 
+  check_images_memory(plant_dir, images);
   for_each_frame(images.size(), [&](std::size_t i) {
     SensorFrame& sensor = capture.frames[i].sensors.front();
     sensor.color = binarized(read_color(images[i]));

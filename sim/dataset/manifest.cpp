@@ -16,6 +16,7 @@
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
+#include "sim/dataset/links.h"
 #include "sim/dataset/output_folder.h"
 #include "sim/dataset/verify_progress.h"
 #include "sim/types/utf8.h"
@@ -62,7 +63,9 @@ Manifest with_hashes(const fs::path& dataset, Manifest header, std::vector<std::
 }
 
 std::string to_text(const Manifest& manifest) {
-  const auto quoted = [](const std::string& text) { return Json(text).dump(); };
+  const auto quoted = [](const std::string& text) {
+    return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
   std::string text = "{\n \"schema\": " + std::to_string(manifest.schema);
   text += ",\n \"program_version\": " + quoted(manifest.program_version);
   text += ",\n \"config_hash\": " + quoted(manifest.config_hash);
@@ -157,6 +160,7 @@ std::vector<VerifyProblem> verify_by_reading(const fs::path& dataset, const Step
   for (const fs::path& scene : scenes) {
     if (progress) progress(done++, static_cast<int>(scenes.size()));
     try {
+      refuse_links_out(dataset, scene.lexically_relative(dataset));
       read_capture(scene);
     } catch (const std::runtime_error& error) {
       const fs::path relative = scene.lexically_relative(dataset);
@@ -216,6 +220,7 @@ std::vector<VerifyProblem> verify(const fs::path& dataset) { return verify(datas
 std::vector<VerifyProblem> verify(const fs::path& dataset,
                                   const std::function<void(int done, int total)>& progress) {
   if (!fs::is_directory(dataset)) throw std::runtime_error(dataset.string() + ": not a folder");
+  refuse_links_out(dataset, "manifest.json");
   const std::optional<Manifest> manifest = read_manifest(dataset);
   if (!manifest) return verify_by_reading(dataset, progress);
 

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "sim/types/last_read.h"
 #include "sim/types/whole_file.h"
 
 namespace cousin::imaging {
@@ -52,6 +53,7 @@ std::vector<std::uint8_t> read_bytes(const std::filesystem::path& file) {
     throw std::runtime_error(file.string() + ": " + std::to_string(size) + " bytes; the limit is " +
                              std::to_string(kMaxFileBytes));
   }
+  note_reading(file);
   std::vector<std::uint8_t> bytes(size);
   for (std::size_t done = 0; done < bytes.size();) {
     const ssize_t count = ::read(in.value(), bytes.data() + done, bytes.size() - done);

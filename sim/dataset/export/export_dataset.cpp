@@ -9,6 +9,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/json_interop.h"
+#include "sim/dataset/links.h"
 #include "sim/dataset/manifest.h"
 #include "sim/types/whole_file.h"
 
@@ -89,6 +90,7 @@ ExportSummary export_dataset(const fs::path& dataset, const ExportFormat& format
   ExportJob job{.scenes = {}, .options = options, .out = out, .progress = progress, .warnings = {}};
   for (std::size_t i = 0; i < folders.size(); ++i) {
     progress("read scenes", static_cast<int>(i), static_cast<int>(folders.size()));
+    refuse_links_out(dataset, folders[i].filename());
     job.scenes.push_back(read_export_scene(folders[i]));
   }
   const Json chosen = to_json(options);

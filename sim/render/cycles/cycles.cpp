@@ -27,7 +27,8 @@ void write_text(const std::filesystem::path& file, std::string_view text) {
 }
 
 void run_blender(const CyclesConfig& config, const json& spec) {
-  write_text(config.folder / "scene.json", spec.dump());
+  write_text(config.folder / "scene.json",
+             spec.dump(-1, ' ', false, json::error_handler_t::replace));
   write_text(config.folder / "cycles_render.py", kCyclesScript);
   const std::filesystem::path log = config.folder / "blender.log";
   // Blender looks for relative names where the shell was started.
@@ -35,7 +36,8 @@ void run_blender(const CyclesConfig& config, const json& spec) {
   const ProgramOutcome outcome = run_program(
       {.words = {config.program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1",
                  "-P", (folder / "cycles_render.py").string(), "--", folder.string()},
-       .log = log});
+       .log = log,
+       .time_limit_s = config.time_limit_s});
   if (outcome.end == ProgramEnd::not_started)
     throw std::runtime_error("Cycles: " + outcome.reason + "; is it installed?");
   if (!succeeded(outcome)) {
@@ -76,7 +78,8 @@ CyclesImage read_run(const std::filesystem::path& file, const Scene& scene, cons
 }  // namespace
 
 bool has_cycles(const std::string& program) {
-  return succeeded(run_program({.words = {program, "--version"}, .log = "/dev/null"}));
+  return succeeded(
+      run_program({.words = {program, "--version"}, .log = "/dev/null", .time_limit_s = 60}));
 }
 
 std::vector<CyclesImage> render_with_cycles(const Scene& scene, const TrueView& view,

@@ -17,6 +17,7 @@ struct CyclesConfig {
   std::filesystem::path folder;  ///< made; holds the scene's files and the images
   int threads = 2;
   int max_bounces = 4;
+  double time_limit_s = 21600;  ///< of one run of the program, which is ended then
 };
 
 struct CyclesRun {
