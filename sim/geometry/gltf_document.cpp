@@ -69,7 +69,7 @@ float number_at(const char* at, int type, bool is_normalized) {
   }
 }
 
-std::string at_place(const char* list, std::size_t index) {
+std::string document_place(const char* list, std::size_t index) {
   return "/" + std::string(list) + "/" + std::to_string(index);
 }
 
@@ -236,7 +236,7 @@ const json& GltfDocument::entry(const char* list, std::size_t index,
                    ", the number of " + list);
   }
   const json& value = root_[list][index];
-  if (!value.is_object()) fail(at_place(list, index), "is not an object");
+  if (!value.is_object()) fail(document_place(list, index), "is not an object");
   return value;
 }
 
@@ -269,7 +269,7 @@ std::vector<double> GltfDocument::numbers(const json& object, const char* key,
 }
 
 std::string_view GltfDocument::buffer(std::size_t index) {
-  const std::string where = at_place("buffers", index);
+  const std::string where = document_place("buffers", index);
   const json& object = entry("buffers", index, where);
   if (!has(object, "uri")) {
     if (index != 0 || !has_binary_) fail(where, "has no uri, and there is no binary chunk");
@@ -297,7 +297,7 @@ std::string_view GltfDocument::buffer(std::size_t index) {
 GltfDocument::Rows GltfDocument::rows_of(std::size_t accessor,
                                          std::initializer_list<std::string_view> types,
                                          std::size_t most_rows) {
-  const std::string where = at_place("accessors", accessor);
+  const std::string where = document_place("accessors", accessor);
   const json& object = entry("accessors", accessor, where);
   if (has(object, "sparse")) fail(where + "/sparse", "is not read");
   if (!has(object, "bufferView")) fail(where, "has no bufferView (compressed data are not read)");
@@ -321,7 +321,7 @@ GltfDocument::Rows GltfDocument::rows_of(std::size_t accessor,
       normalized != object.end() && normalized->is_boolean() && normalized->get<bool>();
 
   const std::size_t view = whole(object, "bufferView", where, kMostBytes, 0);
-  const std::string view_where = at_place("bufferViews", view);
+  const std::string view_where = document_place("bufferViews", view);
   const json& view_object = entry("bufferViews", view, where + "/bufferView");
   const std::string_view bytes =
       buffer(whole(view_object, "buffer", view_where, kMostBytes, kMostBytes));
@@ -380,7 +380,7 @@ std::vector<std::uint32_t> GltfDocument::read_indices(std::size_t accessor, std:
         indices[i] = take<std::uint32_t>(at);
         break;
       default:
-        fail(at_place("accessors", accessor) + "/componentType",
+        fail(document_place("accessors", accessor) + "/componentType",
              std::to_string(rows.component_type) +
                  " is not one of 5121, 5123, 5125, as indices are");
     }

@@ -18,7 +18,7 @@ using geometry::Flat;
 using geometry::PointSet;
 
 /// About the flat's origin, of unit extent.
-PointSet local_points(std::span<const Eigen::Vector3d> points_m, const Flat& flat) {
+PointSet points_in_flat(std::span<const Eigen::Vector3d> points_m, const Flat& flat) {
   const double scale = flat.extent_m > 0 ? 1 / flat.extent_m : 1;
   PointSet points;
   points.reserve(points_m.size());
@@ -95,7 +95,7 @@ template <class Search>
 OrientedBox smallest_box(std::span<const Eigen::Vector3d> points_m, const Search& search) {
   geometry::check_points(points_m);
   const Flat flat = geometry::find_flat(points_m);
-  const PointSet points = local_points(points_m, flat);
+  const PointSet points = points_in_flat(points_m, flat);
   if (flat.dimension < 2) return box_along(points, flat.axes, flat);
   if (flat.dimension == 2) return box_along(points, axes_in_plane(points, flat.axes), flat);
   return box_along(points, search(points), flat);
@@ -154,7 +154,7 @@ std::vector<OrientedBox> rival_boxes(std::span<const Eigen::Vector3d> points_m,
 OrientedBox pca_box(std::span<const Eigen::Vector3d> points_m) {
   geometry::check_points(points_m);
   const Flat flat = geometry::find_flat(points_m);
-  const PointSet points = local_points(points_m, flat);
+  const PointSet points = points_in_flat(points_m, flat);
   // In a flat the covariance is singular and its null directions arbitrary: order them by the
   // flat's own axes.
   if (flat.dimension < 2) return box_along(points, flat.axes, flat);

@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kMostRows = std::size_t{1} << 26;
 
-[[noreturn]] void fail(const std::string& name, const std::string& where, const std::string& what) {
+[[noreturn]] void fail_row(const std::string& name, const std::string& where,
+                           const std::string& what) {
   throw std::runtime_error(name + ": " + where + ": " + what);
 }
 
@@ -42,7 +43,7 @@ PlyType type_of(std::string_view text, const std::string& name, const std::strin
   for (const Row& row : kTypes) {
     if (row.text == text) return row.type;
   }
-  fail(name, where, "type \"" + std::string(text) + "\" is unknown");
+  fail_row(name, where, "type \"" + std::string(text) + "\" is unknown");
 }
 
 std::vector<std::string_view> words_of(std::string_view line) {
@@ -61,14 +62,14 @@ PlyEncoding encoding_of(std::string_view word, const std::string& name, const st
   if (word == "ascii") return PlyEncoding::ascii;
   if (word == "binary_little_endian") return PlyEncoding::little;
   if (word == "binary_big_endian") return PlyEncoding::big;
-  fail(name, where, "format \"" + std::string(word) + "\" is unknown");
+  fail_row(name, where, "format \"" + std::string(word) + "\" is unknown");
 }
 
 std::size_t count_of(std::string_view word, const std::string& name, const std::string& where) {
   std::size_t count = 0;
   const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), count);
   if (error != std::errc() || stop != word.data() + word.size() || count > kMostRows)
-    fail(name, where, "the count \"" + std::string(word) + "\" is not in 0..2^26");
+    fail_row(name, where, "the count \"" + std::string(word) + "\" is not in 0..2^26");
   return count;
 }
 
@@ -97,13 +98,13 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& name) {
     const std::size_t end = bytes.find('\n', at);
     const std::string where = "line " + std::to_string(line_number);
     if (end == std::string_view::npos || line_number > 1000)
-      fail(name, where, "the header has no end_header");
+      fail_row(name, where, "the header has no end_header");
     const std::string_view line = bytes.substr(at, end - at);
     const auto words = words_of(line);
     at = end + 1;
     if (line_number == 1) {
       if (words.size() != 1 || words[0] != "ply")
-        fail(name, where, "a PLY file begins with \"ply\"");
+        fail_row(name, where, "a PLY file begins with \"ply\"");
       continue;
     }
     if (words.empty() || words[0] == "obj_info") continue;
@@ -121,13 +122,13 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& name) {
       header.elements.push_back({std::string(words[1]), count_of(words[2], name, where), {}});
     } else if (words[0] == "property" &&
                (words.size() == 3 || (words.size() == 5 && words[1] == "list"))) {
-      if (header.elements.empty()) fail(name, where, "a property comes before any element");
+      if (header.elements.empty()) fail_row(name, where, "a property comes before any element");
       header.elements.back().properties.push_back(property_of(words, name, where));
     } else {
-      fail(name, where, "expected format, element, property or end_header");
+      fail_row(name, where, "expected format, element, property or end_header");
     }
   }
-  if (!has_format) fail(name, "header", "there is no format line");
+  if (!has_format) fail_row(name, "header", "there is no format line");
   header.body = at;
   return header;
 }
@@ -145,14 +146,14 @@ double PlyBody::text_number() {
   if (begin < end && *begin == '+') ++begin;
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc())
-    fail(name_, where(), at_ == bytes_.size() ? "the file ends early" : "expected a number");
+    fail_row(name_, where(), at_ == bytes_.size() ? "the file ends early" : "expected a number");
   at_ = static_cast<std::size_t>(stop - bytes_.data());
   return value;
 }
 
 template <class T>
 double PlyBody::take() {
-  if (left() < sizeof(T)) fail(name_, where(), "the file ends early");
+  if (left() < sizeof(T)) fail_row(name_, where(), "the file ends early");
   std::array<char, sizeof(T)> raw{};
   std::memcpy(raw.data(), bytes_.data() + at_, sizeof(T));
   at_ += sizeof(T);
@@ -186,11 +187,11 @@ double PlyBody::binary_number(PlyType type) {
 std::size_t PlyBody::list_length(const PlyProperty& property) {
   const double length = number(property.count_type);
   if (!(length >= 0) || length > 4294967295.0 || length != std::floor(length))
-    fail(name_, where(), "expected a whole number of 0 or more");
+    fail_row(name_, where(), "expected a whole number of 0 or more");
   const auto items = static_cast<std::size_t>(length);
   const std::size_t item = encoding_ == PlyEncoding::ascii ? 2 : size_of(property.type);
   if (items > (left() + 1) / item)
-    fail(name_, where(), "the file is too short for a list of " + std::to_string(items));
+    fail_row(name_, where(), "the file is too short for a list of " + std::to_string(items));
   return items;
 }
 
@@ -200,8 +201,8 @@ void PlyBody::require_rows(const PlyElementHeader& element) const {
     least += encoding_ == PlyEncoding::ascii ? 2 : size_of(p.is_list ? p.count_type : p.type);
   if (element.count > 0 && (element.properties.empty() ||
                             element.count > (left() + 1) / std::max<std::size_t>(1, least))) {
-    fail(name_, where(),
-         "the file is too short for " + std::to_string(element.count) + " " + element.name);
+    fail_row(name_, where(),
+             "the file is too short for " + std::to_string(element.count) + " " + element.name);
   }
 }
 
