@@ -2,6 +2,7 @@
 // another.
 #include "calibration/target_detection.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
