@@ -15,10 +15,12 @@ using Eigen::Vector3d;
 constexpr double kFlatShare = 1e-6;
 constexpr double kPi = 3.14159265358979323846;
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross_of(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// Twice the signed area; positive where a, b, c run to the left.
-double turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) { return cross(b - a, c - a); }
+double turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+  return cross_of(b - a, c - a);
+}
 
 /// The outline seen along its normal, of unit extent, running to the left.
 struct Outline {
@@ -56,8 +58,8 @@ bool is_fan(const std::vector<Vector2d>& p) {
   double angle = 0, turned_over = 0;
   for (std::size_t k = 2; k < p.size(); ++k) {
     const Vector2d a = p[k - 1] - p[0], b = p[k] - p[0];
-    turned_over -= std::min(0.0, cross(a, b));
-    angle += std::max(0.0, std::atan2(cross(a, b), a.dot(b)));
+    turned_over -= std::min(0.0, cross_of(a, b));
+    angle += std::max(0.0, std::atan2(cross_of(a, b), a.dot(b)));
   }
   return turned_over <= kFlatShare && angle <= 2 * kPi + kFlatShare;
 }

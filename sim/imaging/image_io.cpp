@@ -9,13 +9,10 @@
 #include "sim/imaging/exr_color.h"
 #include "sim/imaging/exr_vectors.h"
 #include "sim/imaging/file_bytes.h"
+#include "sim/types/no_value.h"
 
 namespace cousin {
-namespace {
-
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 namespace imaging {
 
