@@ -78,16 +78,6 @@ FolderClaim bench_claim() {
           .sharing = FolderClaim::Sharing::shards};
 }
 
-/// The page belongs to the command that wrote it, or to `report` where it is new.
-OutputFolder page_folder(const fs::path& folder) {
-  const std::string owner = owner_of(folder, "report.html");
-  return {folder,
-          {.verb = owner.empty() ? "report" : owner,
-           .version = COUSIN_VERSION,
-           .config = {},
-           .names = {"report.html"}}};
-}
-
 }  // namespace
 
 ExitCode command_bench(const JobContext& context) {

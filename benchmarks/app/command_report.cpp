@@ -11,6 +11,19 @@
 
 namespace cousin {
 namespace fs = std::filesystem;
+namespace {
+
+/// The page belongs to the command that wrote it, or to `report` where it is new.
+OutputFolder page_folder(const fs::path& folder) {
+  const std::string owner = owner_of(folder, "report.html");
+  return {folder,
+          {.verb = owner.empty() ? "report" : owner,
+           .version = COUSIN_VERSION,
+           .config = {},
+           .names = {"report.html"}}};
+}
+
+}  // namespace
 
 ExitCode command_report(const JobContext& context) {
   const fs::path folder = context.options.arguments.at(0);

@@ -269,7 +269,7 @@ ExitCode command_run(const JobContext& context) {
   }
   const fs::path out = o.out.empty() ? fs::path("out") / "seeds" : fs::path(o.out);
   require_writable(out);
-  for (const std::string& warning : entry.configure(assignments(o), o.config).warnings())
+  for (const std::string& warning : entry.configure(assignments_of(o, keys), o.config).warnings())
     context.progress.line("warning: " + warning);
   OutputFolder folder = run_folder(out, run_key(o, config), o.scenes);
 
