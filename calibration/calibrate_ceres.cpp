@@ -114,12 +114,12 @@ struct Stage {
 
 /// All parameters in one piece, frames first: Ceres eliminates blocks in the order of their
 /// addresses, which must not depend on the heap.
-struct Packed {
+struct PackedState {
   std::vector<double> values;
   std::vector<std::size_t> lenses;
   std::size_t cameras = 0, deformation = 0;
 
-  explicit Packed(const CalibrationState& state) {
+  explicit PackedState(const CalibrationState& state) {
     const auto add = [&](const auto& block) {
       values.insert(values.end(), block.data(), block.data() + block.size());
     };
@@ -149,7 +149,7 @@ struct Packed {
   }
 };
 
-void add_blocks(const CalibrationProblem& problem, const Stage& stage, Packed& packed,
+void add_blocks(const CalibrationProblem& problem, const Stage& stage, PackedState& packed,
                 ceres::Problem& ceres_problem, ceres::ParameterBlockOrdering& ordering) {
   for (std::size_t i = 0; i < problem.frames.size(); ++i) {
     ceres_problem.AddParameterBlock(packed.frame(static_cast<int>(i)), 6);
@@ -192,7 +192,7 @@ void add_blocks(const CalibrationProblem& problem, const Stage& stage, Packed& p
 ceres::Solver::Summary minimise(const CalibrationProblem& problem, const Stage& stage,
                                 CalibrationState& state) {
   quiet_warnings();
-  Packed packed(state);
+  PackedState packed(state);
   ceres::Problem ceres_problem;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   add_blocks(problem, stage, packed, ceres_problem, *ordering);
