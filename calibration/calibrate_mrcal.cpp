@@ -15,7 +15,7 @@ extern "C" {
 namespace cousin {
 namespace {
 
-SolverRun refuse(const std::string& reason) {
+SolverRun refuse_mrcal(const std::string& reason) {
   SolverRun run;
   run.status = CalibrationStatus::bad_input;
   run.reason = "mrcal: " + reason;
@@ -205,7 +205,8 @@ std::string unsupported(const CalibrationProblem& problem) {
 SolverRun optimise_from(CalibrationProblem& problem, const Lattice& lattice,
                         const std::string& model, CalibrationState& state) {
   MrcalProblem mrcal;
-  if (!mrcal_lensmodel_from_name(&mrcal.model, model.c_str())) return refuse("no lens " + model);
+  if (!mrcal_lensmodel_from_name(&mrcal.model, model.c_str()))
+    return refuse_mrcal("no lens " + model);
   mrcal.lattice = lattice;
   const auto count = static_cast<Eigen::Index>(mrcal_lensmodel_num_params(&mrcal.model));
   for (std::size_t i = 0; i < problem.lenses.size(); ++i) {
@@ -276,7 +277,7 @@ SolverRun solve_with_mrcal(CalibrationProblem& problem, CalibrationState& state)
   const std::optional<Lattice> lattice = lattice_of(problem);
   if (unable.empty() && !lattice) unable = "its target is a full square lattice of points";
   const std::string name = mrcal_name(problem.lenses.front(), unable);
-  if (!unable.empty()) return refuse(unable);
+  if (!unable.empty()) return refuse_mrcal(unable);
 
   // mrcal 2.2 has no seeding in C: our lenses without distortion and our poses.
   state = {};
@@ -295,7 +296,7 @@ SolverRun solve_with_mrcal(CalibrationProblem& problem, CalibrationState& state)
   for (std::size_t v = 1; v < problem.views.size(); ++v) {
     if (problem.views[v].frame == problem.views[v - 1].frame &&
         problem.views[v].camera == problem.views[v - 1].camera)
-      return refuse("two views of one frame");
+      return refuse_mrcal("two views of one frame");
   }
   const CalibrationProblem unsolved = problem;
   const CalibrationState begin = state;

@@ -11,7 +11,7 @@
 namespace cousin {
 namespace {
 
-SolverRun refuse(const std::string& reason) {
+SolverRun refuse_stereo(const std::string& reason) {
   SolverRun run;
   run.status = CalibrationStatus::bad_input;
   run.reason = "opencv: " + reason;
@@ -115,7 +115,8 @@ SolverRun lenses_alone(const CalibrationProblem& problem, std::vector<Eigen::Vec
     CalibrationProblem single =
         single_lens_problem(problem, camera, static_cast<int>(problem.views.size()));
     CalibrationState alone;
-    if (single.views.empty()) return refuse("camera" + std::to_string(camera) + " has no view");
+    if (single.views.empty())
+      return refuse_stereo("camera" + std::to_string(camera) + " has no view");
     const SolverRun run = solve_with_opencv(single, alone);
     if (alone.lenses.empty()) return run;
     lenses.push_back(alone.lenses.front());
@@ -127,16 +128,16 @@ SolverRun lenses_alone(const CalibrationProblem& problem, std::vector<Eigen::Vec
 
 SolverRun solve_stereo_with_opencv(CalibrationProblem& problem, CalibrationState& state) {
   if (problem.lenses.size() != 2)
-    return refuse("cv::stereoCalibrate has no lens that two cameras share");
+    return refuse_stereo("cv::stereoCalibrate has no lens that two cameras share");
   const LensModel model = problem.lenses.front().shape.model;
   if (model != problem.lenses.back().shape.model)
-    return refuse("cv::stereoCalibrate wants one lens model of both cameras");
+    return refuse_stereo("cv::stereoCalibrate wants one lens model of both cameras");
   if (model == LensModel::kannala_brandt4)
-    return refuse(
+    return refuse_stereo(
         "cv::fisheye::stereoCalibrate is not among what is called: two fisheyes by ceres");
   int flags = 0;
   const std::string unable = opencv_flags(problem.lenses.front(), flags);
-  if (!unable.empty()) return refuse(unable);
+  if (!unable.empty()) return refuse_stereo(unable);
 
   state = {};
   SolverRun run = lenses_alone(problem, state.lenses);
