@@ -13,7 +13,7 @@ namespace cousin {
 namespace {
 
 constexpr double kSnapShare = 0.33;      ///< of a step: from a prediction to its saddle
-constexpr double kLeastContrast = 0.25;  ///< of the median_of
+constexpr double kLeastContrast = 0.25;  ///< of the median
 constexpr double kBorderBlurs = 2.5;     ///< a corner nearer to the image's border has lost a side
 constexpr double kPooledPixels = 60;     ///< a window knows its own noise as well as so many say
 

@@ -134,7 +134,7 @@ std::string opencv_yaml(const CalibratedCamera& c, const CalibratedCamera& first
   std::string text = "%YAML 1.0\n---\ncamera_name: " + yaml_quoted(c.name) +
                      "\nimage_width: " + std::to_string(lens.width_px) +
                      "\nimage_height: " + std::to_string(lens.height_px) + "\n";
-  text += opencv_matrix("intrinsic_matrix", 3, 3, row_major(intrinsic_matrix(lens)));
+  text += opencv_matrix("camera_matrix", 3, 3, row_major(intrinsic_matrix(lens)));
   std::vector<double> values = coefficients(lens);
   // No distortion is five zeros: an empty matrix is no calibration to OpenCV's readers.
   if (values.empty()) values.resize(5);
@@ -164,7 +164,7 @@ std::string ros_camera_info(const CalibratedCamera& c) {
   return "image_width: " + std::to_string(lens.width_px) +
          "\nimage_height: " + std::to_string(lens.height_px) +
          "\ncamera_name: " + yaml_name(c.name) + "\n" +
-         ros_matrix("intrinsic_matrix", 3, 3, row_major(intrinsic_matrix(lens))) +
+         ros_matrix("camera_matrix", 3, 3, row_major(intrinsic_matrix(lens))) +
          "distortion_model: " + model + "\n" +
          ros_matrix("distortion_coefficients", 1, static_cast<int>(values.size()), values) +
          ros_matrix("rectification_matrix", 3, 3, row_major(Eigen::Matrix3d::Identity())) +
