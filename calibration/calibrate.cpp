@@ -1,7 +1,6 @@
 #include "calibration/calibrate.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -202,26 +201,6 @@ CalibrationResult finished(CalibrationResult result, const StageClock& clock) {
 
 }  // namespace
 
-std::string_view to_string(CalibrationSolver solver) {
-  constexpr std::array<std::string_view, 3> kNames = {"opencv", "ceres", "mrcal"};
-  return kNames.at(static_cast<std::size_t>(solver));
-}
-
-CalibrationSolver calibration_solver_from_string(std::string_view text) {
-  for (const CalibrationSolver solver :
-       {CalibrationSolver::opencv, CalibrationSolver::ceres, CalibrationSolver::mrcal}) {
-    if (to_string(solver) == text) return solver;
-  }
-  throw std::invalid_argument("calibration solver \"" + std::string(text) +
-                              "\" is not one of opencv, ceres, mrcal");
-}
-
-std::string_view to_string(CalibrationStatus status) {
-  constexpr std::array<std::string_view, 5> kNames = {"ok", "not_determined", "not_converged",
-                                                      "bad_input", "not_built"};
-  return kNames.at(static_cast<std::size_t>(status));
-}
-
 CalibrationInput calibration_input(const CalibrationTarget& target, std::vector<TargetView> views,
                                    const std::vector<Camera>& cameras) {
   CalibrationInput input;
@@ -273,16 +252,6 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationConf
   judge_calibration(input, config, result);
   describe_solver(run, result);
   return finished(result, clock);
-}
-
-int parameter_index(const CalibrationResult& result, std::string_view name) {
-  const auto at = std::find(result.parameters.begin(), result.parameters.end(), name);
-  return at == result.parameters.end() ? -1 : static_cast<int>(at - result.parameters.begin());
-}
-
-double deviation(const CalibrationResult& result, std::string_view name) {
-  const int i = parameter_index(result, name);
-  return i < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(result.covariance(i, i));
 }
 
 }  // namespace cousin

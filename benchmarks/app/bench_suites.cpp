@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "benchmarks/app/bench_page.h"
+#include "benchmarks/app/suite_plots.h"
 #include "benchmarks/calibration/calibration_suite.h"
 #include "benchmarks/calibration/studies.h"
 #include "benchmarks/plants/plants_suite.h"

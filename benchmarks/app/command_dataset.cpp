@@ -1,4 +1,4 @@
-// render, import and verify: datasets on disk.
+// render and verify: datasets on disk.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -10,7 +10,6 @@
 #include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
-#include "benchmarks/import/import_capture.h"
 #include "benchmarks/scenes/render_plan.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/result_folder.h"
@@ -258,35 +257,6 @@ ExitCode command_render(const JobContext& context) {
                 {"warnings", warnings}});
   }
   context.progress.line((complete ? "dataset: " : "shard of dataset: ") + dataset.string());
-  return ExitCode::done;
-}
-
-ExitCode command_import(const JobContext& context) {
-  const Options& o = context.options;
-  const fs::path source = o.arguments.at(0);
-  ImportRequest request{.format = o.format, .source = source, .intrinsics = o.intrinsics};
-  if (o.depth_unit_m > 0) request.depth_unit_m = o.depth_unit_m;
-  request.frames = o.frames;
-  const Capture capture = import_capture(request);
-  for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
-  const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
-  OutputFolder folder(
-      dataset,
-      {.verb = "import",
-       .version = COUSIN_VERSION,
-       .config = sha256_hex(o.format + "\n" + fs::absolute(source).lexically_normal().string()),
-       .names = {"######", "manifest.json", "manifest.*.json"},
-       .other_config = FolderClaim::OtherConfig::refuse});
-  write_capture(dataset / scene_id(0), capture);
-  folder.remove_earlier();  // pictures that the source has no longer
-  if (o.json) {
-    print_json({{"dataset", dataset.string()},
-                {"frames", capture.frames.size()},
-                {"warnings", capture.warnings}});
-  }
-  context.progress.line("dataset: " + dataset.string() + ", " +
-                        std::to_string(capture.frames.size()) + " frames, " +
-                        std::to_string(capture.warnings.size()) + " warnings");
   return ExitCode::done;
 }
 

@@ -80,29 +80,27 @@ int run_job(const Options& options, int argc, const char* const* argv) {
 }
 
 }  // namespace
-}  // namespace cousin
 
-extern "C" __attribute__((visibility("default"))) int cousin_run_job(const cousin::Options* options,
-                                                                     int argc,
-                                                                     const char* const* argv) {
-  using cousin::ExitCode;
+int run_and_report(const Options* options, int argc, const char* const* argv) {
   try {
-    return cousin::run_job(*options, argc, argv);
+    return run_job(*options, argc, argv);
   } catch (const std::bad_alloc&) {
-    return cousin::fail_for_memory(*options);
+    return fail_for_memory(*options);
   } catch (const std::length_error&) {  // a vector of more than there can be
-    return cousin::fail_for_memory(*options);
+    return fail_for_memory(*options);
   } catch (const cv::Exception& error) {
-    if (error.code == cv::Error::StsNoMem) return cousin::fail_for_memory(*options);
-    return cousin::fail(ExitCode::internal, error.what());
-  } catch (const cousin::StageError& error) {
-    const bool is_input = cousin::is_fault_of_input(error, options->stages);
-    return cousin::fail(is_input ? ExitCode::bad_input : ExitCode::internal, error.what());
+    if (error.code == cv::Error::StsNoMem) return fail_for_memory(*options);
+    return fail(ExitCode::internal, error.what());
+  } catch (const StageError& error) {
+    const bool is_input = is_fault_of_input(error, options->stages);
+    return fail(is_input ? ExitCode::bad_input : ExitCode::internal, error.what());
   } catch (const std::invalid_argument& error) {
-    return cousin::fail(ExitCode::usage, error.what());
+    return fail(ExitCode::usage, error.what());
   } catch (const std::runtime_error& error) {
-    return cousin::fail(ExitCode::bad_input, error.what());
+    return fail(ExitCode::bad_input, error.what());
   } catch (const std::exception& error) {
-    return cousin::fail(ExitCode::internal, error.what());
+    return fail(ExitCode::internal, error.what());
   }
 }
+
+}  // namespace cousin

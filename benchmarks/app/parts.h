@@ -12,6 +12,8 @@ struct Part {
   const char* file;  ///< beside the program
 };
 inline constexpr Part kJobsPart = {"jobs", "libcousin_jobs.so"};
+/// The same verbs with every scene, and import and export.
+inline constexpr Part kScenesPart = {"scenes", "libcousin_scenes.so"};
 inline constexpr Part kBenchPart = {"bench", "libcousin_bench.so"};
 inline constexpr Part kCalibratePart = {"calibrate", "libcousin_calibrate.so"};
 inline constexpr Part kFitSensorPart = {"fit-sensor", "libcousin_fit_sensor.so"};
@@ -23,6 +25,7 @@ inline std::string how_to_build(std::string_view part) {
 
 /// The part that holds a verb.
 constexpr Part part_of(std::string_view verb) {
+  if (verb == "import" || verb == "export") return kScenesPart;
   if (verb == "bench") return kBenchPart;
   if (verb == "calibrate") return kCalibratePart;
   if (verb == "fit-sensor") return kFitSensorPart;

@@ -1,4 +1,4 @@
-// What a first report needs: scenes to scores, and datasets.
+// What a first report needs: from a scene to its scores.
 #include <array>
 
 #include "benchmarks/app/commands.h"
@@ -15,8 +15,6 @@ std::span<const Verb> module_verbs() {
       {"perceive", command_perceive, Reads::input},
       {"score", command_score, Reads::input},
       {"run", command_run},
-      {"import", command_import, Reads::input},
-      {"export", command_export, Reads::input},
       {"verify", command_verify, Reads::input},
       {"report", command_report, Reads::input},
   });

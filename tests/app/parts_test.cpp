@@ -41,6 +41,8 @@ TEST(AppParts, AVerbWhosePartIsAbsentNamesTheCommandThatBuildsIt) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"bench", "program"}, "bench"},
       {{"calibrate", "photos", "--board", "chessboard:6x4:0.030"}, "calibrate"},
+      {{"import", "photos"}, "scenes"},
+      {{"export", "dataset", "--format", "coco"}, "scenes"},
       {{"fit-sensor", "desk", "--rig", "d457"}, "fit-sensor"}};
   for (const auto& [words, part] : cases) {
     int code = -1;
@@ -60,13 +62,13 @@ TEST(AppParts, HelpNeedsNoPart) {
 
 TEST(AppParts, EachPartIsAFileOfItsOwn) {
   std::set<std::string> files, names;
-  for (const Part& part : {kJobsPart, kBenchPart, kCalibratePart, kFitSensorPart}) {
+  for (const Part& part : {kJobsPart, kScenesPart, kBenchPart, kCalibratePart, kFitSensorPart}) {
     files.insert(part.file);
     names.insert(part.name);
     EXPECT_TRUE(fs::exists(fs::path(COUSIN_PROGRAM).parent_path() / part.file)) << part.file;
   }
-  EXPECT_EQ(files.size(), 4U);
-  EXPECT_EQ(names.size(), 4U);
+  EXPECT_EQ(files.size(), 5U);
+  EXPECT_EQ(names.size(), 5U);
 }
 
 }  // namespace

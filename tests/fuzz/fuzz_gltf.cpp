@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   const geometry::OpenFile open = [&](const std::string&) { return std::string(bytes); };
   try {
-    check_watertight(weld(geometry::parse_gltf(bytes, "fuzz", open, 100'000).mesh));
+    check_watertight(weld(geometry::parse_gltf(bytes, "fuzz", open, 100'000).user.mesh));
   } catch (const std::runtime_error&) {
   }
   return 0;

@@ -1,0 +1,45 @@
+// import: captures of others become datasets.
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "benchmarks/app/commands.h"
+#include "benchmarks/app/result_output.h"
+#include "benchmarks/import/import_capture.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/dataset/manifest.h"
+#include "sim/dataset/output_folder.h"
+
+namespace cousin {
+namespace fs = std::filesystem;
+
+ExitCode command_import(const JobContext& context) {
+  const Options& o = context.options;
+  const fs::path source = o.arguments.at(0);
+  ImportRequest request{.format = o.format, .source = source, .intrinsics = o.intrinsics};
+  if (o.depth_unit_m > 0) request.depth_unit_m = o.depth_unit_m;
+  request.frames = o.frames;
+  const Capture capture = import_capture(request);
+  for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
+  const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
+  OutputFolder folder(
+      dataset,
+      {.verb = "import",
+       .version = COUSIN_VERSION,
+       .config = sha256_hex(o.format + "\n" + fs::absolute(source).lexically_normal().string()),
+       .names = {"######", "manifest.json", "manifest.*.json"},
+       .other_config = FolderClaim::OtherConfig::refuse});
+  write_capture(dataset / scene_id(0), capture);
+  folder.remove_earlier();  // pictures that the source has no longer
+  if (o.json) {
+    print_json({{"dataset", dataset.string()},
+                {"frames", capture.frames.size()},
+                {"warnings", capture.warnings}});
+  }
+  context.progress.line("dataset: " + dataset.string() + ", " +
+                        std::to_string(capture.frames.size()) + " frames, " +
+                        std::to_string(capture.warnings.size()) + " warnings");
+  return ExitCode::done;
+}
+
+}  // namespace cousin

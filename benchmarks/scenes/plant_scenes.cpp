@@ -1,0 +1,94 @@
+#include "benchmarks/scenes/plant_scenes.h"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "benchmarks/scenes/built_scene.h"
+#include "benchmarks/scenes/plant_simulation.h"
+
+namespace cousin {
+namespace {
+
+/// Whether a scene needs physics, and what for.
+std::pair<bool, std::string> plant_physics(const PlantSceneConfig& scene) {
+  if (std::holds_alternative<StrawberriesSceneConfig>(scene))
+    return {true, "trusses hang at rest, or come from the folder `cache`"};
+  if (const auto* apples = std::get_if<ApplesSceneConfig>(&scene);
+      COUSIN_WITH_MUJOCO && apples != nullptr && apples->sag)
+    return {true, apples->wind.mean_speed_m_s > 0 || apples->push.force_n > 0
+                      ? "branches bend under their fruits to rest, and sway"
+                      : "branches bend under their fruits to rest"};
+  const bool blows = std::visit(
+      [](const auto& config) {
+        if constexpr (requires { is_still(config.motion); }) return !is_still(config.motion);
+        return false;
+      },
+      scene);
+  if (blows) return {true, "plants move in the wind or under a hand"};
+  return {false, "nothing settles or moves by force"};
+}
+
+std::vector<PlanEntry> plant_plan(const PlantRunConfig& config) {
+  const Streams streams = planned_streams(config);
+  const bool light = streams.color || streams.raw;
+  const std::string nobody = "not among the streams";
+  const auto [moves, physics] = plant_physics(config.scene);
+  const bool infrared =
+      streams.infrared || (streams.depth && config.capture.depth_by == DepthBy::matched);
+  return {
+      {"scene", true, "what is photographed, with its exact measures, and what it stands in"},
+      {"physics", moves, physics},
+      {"radiance", light, light ? "paths: leaves let light through, so it is not cached" : nobody},
+      {"sensor", light, light ? "lens, noise and processing of the camera" : nobody},
+      {"infrared", infrared, infrared ? "infrared images, or the depth matched from them" : nobody},
+      {"sensor depth", streams.depth, streams.depth ? "the depth sensor's own depth" : nobody},
+  };
+}
+
+SceneJob configure_plants(PlantSceneConfig base, const std::vector<std::string>& assignments,
+                          const std::filesystem::path& file) {
+  PlantRunConfig config = plant_run_config(std::move(base), assignments, file);
+  SceneJob job;
+  job.keys = describe(fields(config)) + cousins_text(cousin_moves(config.scene));
+  job.rig = config.rig;
+  job.streams = planned_streams(config);
+  job.views = view_count(config.scene);
+  job.hash = [config](std::uint64_t seed) { return config_hash(config, seed); };
+  job.plan = [config] { return plant_plan(config); };
+  job.build = [config](std::uint64_t seed, int index) {
+    return built_scene(PlantSimulation(config, seed, index));
+  };
+  job.warnings = [file = mesh_file_of(config.scene)] { return mesh_warnings(file); };
+  return job;
+}
+
+PlantSceneConfig default_scene(const std::string& name) {
+  if (name == "seedlings") return SeedlingsSceneConfig{};
+  if (name == "maize") return MaizeSceneConfig{};
+  if (name == "apples") return ApplesSceneConfig{};
+  if (name == "boards") return BoardsSceneConfig{};
+  if (name == "specimen") return SpecimenSceneConfig{};
+  if (name == "strawberries") return StrawberriesSceneConfig{};
+  throw std::logic_error("scene \"" + name + "\" has a text and no configuration");
+}
+
+}  // namespace
+
+std::vector<SceneEntry> plant_scenes() {
+  std::vector<SceneEntry> scenes;
+  for (const PlantSceneText& text : kPlantScenes) {
+    const bool is_built = COUSIN_WITH_MUJOCO || text.name != std::string("strawberries");
+    scenes.push_back(
+        {.name = text.name,
+         .status = is_built ? "built in; no pipeline yet" : "not built in: WITH_MUJOCO is OFF",
+         .help = text.help,
+         .has_points = text.name == std::string("boards"),
+         .configure = [base = default_scene(text.name)](const auto& sets, const auto& file) {
+           return configure_plants(base, sets, file);
+         }});
+  }
+  return scenes;
+}
+
+}  // namespace cousin
