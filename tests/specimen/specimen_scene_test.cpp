@@ -98,7 +98,8 @@ TEST(SpecimenScene, AMeshOfAnotherUnitIsRefusedWithItsSizeAndTheRemedy) {
   EXPECT_THAT(error_of(config, box()), HasSubstr("limits.smallest_m"));
   UserMesh metres = box();
   metres.is_in_metres = true;
-  EXPECT_THAT(error_of(in_millimetres(), metres), HasSubstr("20 x 30 x 100 m"));
+  config.unit = "m";
+  EXPECT_THAT(error_of(config, metres), HasSubstr("20 x 30 x 100 m"));
 }
 
 TEST(SpecimenScene, AMeshWithAHoleHasNoVolumeAndSaysSo) {
