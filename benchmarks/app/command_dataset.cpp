@@ -44,7 +44,12 @@ OwnFiles listed_by_manifests(const fs::path& dataset, const std::string& hash) {
   for (const auto& entry : fs::directory_iterator(dataset)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("manifest.") || !name.ends_with(".json") || entry.is_symlink()) continue;
-    const Manifest manifest = read_manifest_file(entry.path());
+    Manifest manifest;
+    try {
+      manifest = read_manifest_file(entry.path());
+    } catch (const std::runtime_error&) {
+      continue;  // no manifest of ours: the check of the folder names it
+    }
     if (manifest.config_hash != hash)
       throw std::invalid_argument(entry.path().string() + kOfAnotherRun + " (SHA-256 " +
                                   manifest.config_hash + " there, " + hash + " here)");

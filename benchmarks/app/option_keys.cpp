@@ -32,6 +32,7 @@ bool is_of_configuration(const std::string& message, const Options& options) {
 std::string with_option_name(const std::string& message, const std::vector<KeyOption>& keys) {
   for (const KeyOption& each : keys) {
     const bool is_of_key = message.starts_with(each.key + " = ") ||
+                           message.starts_with(each.key + " \"") ||
                            message.find("'" + each.key + "'") != std::string::npos;
     if (is_of_key) return each.option + " " + each.value + ": " + message;
   }

@@ -371,7 +371,7 @@ Clusters read_clusters(const fs::path& dir) {
 }
 
 void write_surfaces(const fs::path& dir, const Surfaces& surfaces) {
-  fs::create_directories(dir / "meshes");
+  fs::create_directories(surfaces.empty() ? dir : dir / "meshes");
   std::set<int> seen;
   Json entries = Json::array();
   for (const Surface& surface : surfaces) {

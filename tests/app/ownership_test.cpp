@@ -76,8 +76,10 @@ void write_inputs(const Program& program) {
   write_desk(program);
   ASSERT_EQ(program.run(import_photographs("data")).code, 0);
   fs::create_directories(program.path("est/000000"));
-  write_file(program.path("results/scores.json"),
-             R"({"header": {}, "scores": [], "specimens": []})");
+  write_file(
+      program.path("results/scores.json"),
+      R"({"schema": 1, "header": {"program_version": "", "dataset_hash": "", "config_hash": "",
+                "machine": "", "more": {}}, "scores": [], "specimens": []})");
 }
 
 TEST(AppOwnership, EveryVerbRefusesSomebodysFileBeforeAnyWork) {

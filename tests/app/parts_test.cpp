@@ -41,7 +41,7 @@ TEST(AppParts, AVerbWhosePartIsAbsentNamesTheCommandThatBuildsIt) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"bench", "program"}, "bench"},
       {{"calibrate", "photos", "--board", "chessboard:6x4:0.030"}, "calibrate"},
-      {{"import", "photos"}, "scenes"},
+      {{"import", "photos", "--format", "folder"}, "scenes"},
       {{"export", "dataset", "--format", "coco"}, "scenes"},
       {{"fit-sensor", "desk", "--rig", "d457"}, "fit-sensor"}};
   for (const auto& [words, part] : cases) {
