@@ -27,7 +27,7 @@ void print_jobs(const JobContext& context, const std::vector<const BenchSuite*>&
   std::string lines;
   for (const BenchSuite* suite : suites) {
     if (suite->jobs == nullptr) continue;
-    const fs::path out = folder / suite->name;
+    const fs::path out = suite_folder(folder, *suite);
     const std::vector<ShardJob> jobs = jobs_named(suite->jobs(context, out), context.options.only);
     const auto [first, end] =
         shard_range(parse_shard(context.options.shard), static_cast<int>(jobs.size()));
@@ -67,6 +67,18 @@ void check_takes(const BenchSuite& suite, const Options& o) {
     throw std::invalid_argument("suite \"" + std::string(suite.name) + "\" takes no " +
                                 std::string(option));
   }
+}
+
+/// The folder of a suite, which may be absent.
+/// @throws std::invalid_argument if it is a link: --out itself may be one, what lies in it not
+fs::path suite_folder(const fs::path& out, const BenchSuite& suite) {
+  const fs::path folder = out / suite.name;
+  if (fs::is_symlink(fs::symlink_status(folder))) {
+    throw std::invalid_argument(folder.string() +
+                                " is in the way: it is a link, and links are not followed. Move it "
+                                "away, or choose another --out");
+  }
+  return folder;
 }
 
 /// Shards of a suite, and the same suite with other options, add to one folder.
@@ -115,13 +127,14 @@ ExitCode command_bench(const JobContext& context) {
     print_jobs(context, wanted, folder);
     return ExitCode::done;
   }
-  for (const BenchSuite* suite : wanted) require_writable(folder / suite->name);
-  for (const BenchSuite* suite : wanted) check_output_folder(folder / suite->name, bench_claim());
+  for (const BenchSuite* suite : wanted) require_writable(suite_folder(folder, *suite));
+  for (const BenchSuite* suite : wanted)
+    check_output_folder(suite_folder(folder, *suite), bench_claim());
   if (!o.captures.empty()) require_writable(o.captures);
   bool failed = false;
   const bool list = o.json && wanted.size() > 1;
   for (const BenchSuite* suite : wanted) {
-    const fs::path out = folder / suite->name;
+    const fs::path out = suite_folder(folder, *suite);
     const OutputFolder guard(out, bench_claim());
     const ScoreFile file = suite->run(context, out);
     if (o.json) {

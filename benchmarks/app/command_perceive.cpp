@@ -128,6 +128,14 @@ std::string why_nothing(const SeedsEstimate& estimate, const SeedsPipelineConfig
                     : "no view has depth, which takes more views beside it";
 }
 
+/// Whether no stage found anything that could be measured; what is only seen has no cluster.
+bool found_nothing(const SeedsEstimate& estimate) {
+  if (estimate.traits.empty()) return true;
+  return estimate.clusters.cloud.empty() &&
+         std::none_of(estimate.traits.begin(), estimate.traits.end(),
+                      [](const SpecimenTraits& s) { return s.status == TraitStatus::ok; });
+}
+
 /// Says which views have no pose and why; the number of those that have one.
 int count_posed(const Poses& poses, const Corners& corners, ProgressPrinter& progress) {
   int posed = 0;
@@ -182,10 +190,11 @@ ExitCode command_perceive(const JobContext& context) {
     const int posed = count_posed(estimate.poses, estimate.corners, context.progress);
     std::string summary = std::to_string(posed) + " of " + std::to_string(capture.frames.size()) +
                           " views posed, " + specimens_text(estimate.traits);
-    if (estimate.traits.empty()) summary += ": " + why_nothing(estimate, config, posed);
+    const bool nothing = found_nothing(estimate);
+    if (nothing) summary += ": " + why_nothing(estimate, config, posed);
     context.progress.line(name + ": " + summary);
     for (const std::string& text : unmeasured_lines(estimate.traits)) context.progress.line(text);
-    if (estimate.traits.empty()) nothing_found.push_back(scene_dir.string() + ": " + summary);
+    if (nothing) nothing_found.push_back(scene_dir.string() + ": " + summary);
     if (o.json) {
       for (auto& row : to_rows(name, estimate.traits)) rows.push_back(std::move(row));
     } else {
