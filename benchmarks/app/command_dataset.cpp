@@ -69,7 +69,7 @@ FolderClaim render_claim(const std::string& hash) {
           .sharing = FolderClaim::Sharing::shards};
 }
 
-/// Of the files that this command wrote into the dataset, those that its manifest lists.
+/// Files that the manifest lists: this command wrote them, and they are there.
 std::vector<fs::path> dataset_files(const fs::path& dataset, const OutputFolder& folder) {
   std::vector<fs::path> files;
   for (const std::string& file : folder.files()) {

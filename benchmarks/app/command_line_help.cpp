@@ -25,7 +25,7 @@ std::string in_lines(const std::string& text, std::size_t beside) {
   return lines;
 }
 
-/// What follows the options of a verb's help.
+/// Text after the options in the help of a verb.
 struct Closing {
   const char* verb;
   const char* out;  ///< where it writes without --out; nullptr = it writes no files

@@ -40,7 +40,7 @@ std::string_view name_of(TargetStatus status) {
   return "?";
 }
 
-/// Of a charuco board whose layout matters; else empty.
+/// The layout that was seen, for a ChArUco board that has two; else empty.
 std::string layout_text(const CalibrationPhotos& photos) {
   if (!has_two_layouts(photos.target) || !photos.layout) return "";
   return *photos.layout == CharucoLayout::current

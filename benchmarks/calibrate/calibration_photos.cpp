@@ -28,7 +28,7 @@ constexpr const char* kForms =
     "acircles:CxR:PITCH_M[:SHARE], or a name of `cousin render boards --keys`";
 
 [[noreturn]] void fail(const std::string& text, const std::string& what) {
-  throw std::invalid_argument("board \"" + text.substr(0, 200) + "\": " + what + "; " + kForms);
+  throw std::invalid_argument("board \"" + cut_utf8(text, 200) + "\": " + what + "; " + kForms);
 }
 
 std::vector<std::string> parts_of(const std::string& text, char at) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "perception/sfm/colmap_files.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -121,7 +122,7 @@ ColmapDatabase read_colmap_database(const std::filesystem::path& file, int image
     const std::string name = text == nullptr ? "" : reinterpret_cast<const char*>(text);
     const auto found = index_of_name.find(name);
     if (found == index_of_name.end()) {
-      reading.complain("an image \"" + name.substr(0, 100) + "\" that COLMAP was not given");
+      reading.complain("an image \"" + cut_utf8(name, 100) + "\" that COLMAP was not given");
     } else if (!index_of_id.try_emplace(id, found->second).second) {
       reading.complain("the image id " + std::to_string(id) + " occurs twice");
     }

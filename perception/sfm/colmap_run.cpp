@@ -343,23 +343,6 @@ void take_database(const fs::path& folder, int images, ColmapRun& run) {
 
 }  // namespace
 
-std::string colmap_version(const std::string& program) {
-  if (find_program(program).empty()) return "";
-  const ScratchFolder scratch("cousin-colmap");
-  const fs::path log = scratch.path() / "help.log";
-  constexpr double kLimit_s = 60;
-  const ProgramOutcome outcome = run_program({.words = {program, "help"},
-                                              .environment = {{"QT_QPA_PLATFORM", "offscreen"}},
-                                              .log = log,
-                                              .time_limit_s = kLimit_s});
-  if (!succeeded(outcome)) return "";
-  // "COLMAP 3.8 -- Structure-from-Motion and Multi-View Stereo"
-  std::istringstream words(read_file(log));
-  std::string name, version;
-  words >> name >> version;
-  return name == "COLMAP" ? version.substr(0, 40) : "";
-}
-
 ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
   validate(config);
   check_input(input, config);

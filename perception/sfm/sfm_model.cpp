@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/types/utf8.h"
+
 namespace cousin {
 
 SfmModel sfm_model(const ColmapTracks& tracks, const std::vector<std::string>& names,
@@ -18,7 +20,7 @@ SfmModel sfm_model(const ColmapTracks& tracks, const std::vector<std::string>& n
     const auto found = index_of_name.find(image.name);
     if (found == index_of_name.end()) {
       throw std::runtime_error(where + ": the model has a photograph \"" +
-                               image.name.substr(0, 200) + "\" that it was not given");
+                               cut_utf8(image.name, 200) + "\" that it was not given");
     }
     if (!placed.emplace(found->second, &image).second)
       throw std::runtime_error(where + ": \"" + image.name + "\" occurs twice");

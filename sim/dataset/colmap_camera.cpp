@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/colmap_model.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -89,7 +90,7 @@ ColmapCamera colmap_model_named(const std::string& model, const std::string& whe
   for (const ModelRow& row : model_rows()) {
     if (model == row.name) return empty_camera(row);
   }
-  refuse_model("\"" + model.substr(0, 60) + "\"", where);
+  refuse_model("\"" + cut_utf8(model, 60) + "\"", where);
 }
 
 ColmapCamera colmap_model_numbered(int model_id, const std::string& where) {

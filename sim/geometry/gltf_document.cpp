@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "sim/types/memory_limit.h"
+#include "sim/types/utf8.h"
 
 namespace cousin::geometry {
 namespace fs = std::filesystem;
@@ -123,7 +124,7 @@ OpenFile files_beside(const fs::path& file) {
   return [folder, name = file.string()](const std::string& uri) {
     const fs::path relative = percent_decoded(uri);
     const auto refuse = [&](const char* why) {
-      throw std::runtime_error(name + ": the buffer \"" + uri.substr(0, 200) + "\" " + why);
+      throw std::runtime_error(name + ": the buffer \"" + cut_utf8(uri, 200) + "\" " + why);
     };
     if (uri.find("://") != std::string::npos || relative.is_absolute())
       refuse("is no file inside the folder");
@@ -164,7 +165,7 @@ GltfDocument::GltfDocument(std::string_view bytes, std::string name, OpenFile op
       const std::string text = extension.is_string() ? extension.get<std::string>() : "?";
       if (std::find(kRead.begin(), kRead.end(), text) == kRead.end() &&
           !text.starts_with("KHR_materials_"))
-        fail("/extensionsRequired", "names " + text.substr(0, 100) + ", which is not read");
+        fail("/extensionsRequired", "names " + cut_utf8(text, 100) + ", which is not read");
     }
   }
   const std::size_t buffers = count("buffers");
@@ -308,7 +309,7 @@ GltfDocument::Rows GltfDocument::rows_of(std::size_t accessor,
   if (std::find(types.begin(), types.end(), name) == types.end()) {
     std::string names;
     for (const std::string_view t : types) names += (names.empty() ? "" : ", ") + std::string(t);
-    fail(where + "/type", "\"" + name.substr(0, 20) + "\" is not one of " + names);
+    fail(where + "/type", "\"" + cut_utf8(name, 20) + "\" is not one of " + names);
   }
   rows.components = components_of(name);
   rows.component_type = static_cast<int>(whole(object, "componentType", where, 100'000, 0));
