@@ -27,7 +27,7 @@ void print_jobs(const JobContext& context, const std::vector<const BenchSuite*>&
   std::string lines;
   for (const BenchSuite* suite : suites) {
     if (suite->jobs == nullptr) continue;
-    const fs::path out = suite_folder(folder, *suite);
+    const fs::path out = folder / suite->name;
     const std::vector<ShardJob> jobs = jobs_named(suite->jobs(context, out), context.options.only);
     const auto [first, end] =
         shard_range(parse_shard(context.options.shard), static_cast<int>(jobs.size()));
