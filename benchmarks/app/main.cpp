@@ -14,8 +14,8 @@
 
 namespace {
 
-/// Where the part that holds the verb lies. The part with every scene has what the first has. A page
-/// may have the plots of suites, so `report` takes the suites' part where it is built.
+/// Where the part that holds the verb lies. The part with every scene has what the first has. A
+/// page may have the plots of suites, so `report` takes the suites' part where it is built.
 std::filesystem::path module_file(const std::filesystem::path& folder, const std::string& verb) {
   if (verb == "report" && std::filesystem::exists(folder / cousin::kBenchPart.file))
     return folder / cousin::kBenchPart.file;

@@ -10,13 +10,13 @@ std::vector<SceneEntry> plant_scenes() {
   std::vector<SceneEntry> scenes;
   for (const PlantSceneText& text : kPlantScenes) {
     const std::string how = how_to_build(kScenesPart.name);
-    scenes.push_back({.name = text.name,
-                      .status = how,
-                      .help = text.help,
-                      .configure = [name = std::string(text.name), how](
-                                       const auto&, const auto&) -> SceneJob {
-                        throw std::invalid_argument("scene \"" + name + "\" is " + how);
-                      }});
+    scenes.push_back(
+        {.name = text.name,
+         .status = how,
+         .help = text.help,
+         .configure = [name = std::string(text.name), how](const auto&, const auto&) -> SceneJob {
+           throw std::invalid_argument("scene \"" + name + "\" is " + how);
+         }});
   }
   return scenes;
 }

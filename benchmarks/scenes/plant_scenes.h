@@ -23,10 +23,10 @@ inline constexpr auto kPlantScenes = std::to_array<PlantSceneText>({
      "a Fuji spindle tree in its row, seen from 0.1 to 1 m of a fruit; four lights (front, back, "
      "side, shade); occlusion on demand"},
     {"boards",
-     "calibration boards (chessboards, ChArUco, AprilGrid, circles) with warp, stretch and gloss, on "
+     "calibration boards (chessboards, ChArUco, AprilGrid, circles) with warp, stretch and gloss, "
+     "on "
      "a table, on a stand or held by hand"},
-    {"specimen",
-     "your own mesh on a table: --set mesh=FILE (PLY, OBJ, STL, glTF) --set unit=mm"},
+    {"specimen", "your own mesh on a table: --set mesh=FILE (PLY, OBJ, STL, glTF) --set unit=mm"},
     {"strawberries",
      "strawberries of three varieties on a raised bed, 1 to 10 fruits of all maturities in view, "
      "four lights (morning, overcast, noon, lamp), seen by a D457"},

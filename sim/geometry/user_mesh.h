@@ -31,7 +31,8 @@ inline constexpr std::size_t kMostUserTriangles = 20'000'000;
 ///   colour are the colours. Buffers are embedded or files inside the folder. Textures, skins,
 ///   morphs and animations are not read (mesh_warnings.h says which a file has); sparse and
 ///   compressed data are refused.
-/// Polygons are cut into triangles inside them, concave ones too (polygon.h). Input is hostile: counts are bounded by the file's size and most_triangles.
+/// Polygons are cut into triangles inside them, concave ones too (polygon.h). Input is hostile:
+/// counts are bounded by the file's size and most_triangles.
 /// @throws std::runtime_error naming file, place, value and limit.
 UserMesh read_user_mesh(const std::filesystem::path& file,
                         std::size_t most_triangles = kMostUserTriangles);
