@@ -16,6 +16,7 @@
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/run_config.h"
+#include "perception/sfm/sfm_poses.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
@@ -168,6 +169,7 @@ ExitCode command_perceive(const JobContext& context) {
   for (const std::string& stage : o.stages)
     sources.push_back(parse_stage_source(stage, o.stage_time_limit_s));
 
+  if (needs_sfm(config) && !replaces(sources, "poses")) require_sfm();
   const PerceivePlaces places = perceive_places(o);
   const fs::path& dataset = places.dataset;
   const fs::path& out = places.out;

@@ -9,6 +9,7 @@
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
 #include "benchmarks/app/views_options.h"
+#include "perception/sfm/sfm_poses.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 
@@ -32,6 +33,7 @@ ExitCode command_perceive_views(const JobContext& context) {
   for (const fs::path& scene : places.scenes) {
     const Capture capture = read_capture(scene);
     for (const std::string& warning : capture.warnings) warn(warning);
+    if (needs_sfm(capture, config) && !replaces(sources, "poses")) require_sfm();
     const int index = scene_index_of(scene);
     const fs::path estimate_dir = places.out / scene_id(index);
     if (!folder) folder.emplace(estimate_folder(places));

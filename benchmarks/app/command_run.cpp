@@ -21,6 +21,7 @@
 #include "benchmarks/seeds/seeds_report.h"
 #include "benchmarks/seeds/splat_images.h"
 #include "benchmarks/shards/shard.h"
+#include "perception/sfm/sfm_poses.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/types/stage_clock.h"
 #include "sim/types/whole_file.h"
@@ -267,6 +268,7 @@ ExitCode command_run(const JobContext& context) {
     print_plan(o, plan);
     return ExitCode::done;
   }
+  if (needs_sfm(config.pipeline) && !replaces(sources, "poses")) require_sfm();
   const fs::path out = o.out.empty() ? fs::path("out") / "seeds" : fs::path(o.out);
   require_writable(out);
   for (const std::string& warning : entry.configure(assignments_of(o, keys), o.config).warnings())

@@ -22,6 +22,7 @@
 #include "benchmarks/views/score_views.h"
 #include "benchmarks/views/views_report.h"
 #include "perception/sfm/colmap_run.h"
+#include "perception/sfm/sfm_poses.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
@@ -61,6 +62,14 @@ RunConfig run_config(const Options& o, const SceneEntry& entry) {
 std::string pipeline_toml(const RunConfig& config) {
   ViewsPipelineConfig copy = config.views;
   return to_toml(fields(copy));
+}
+
+/// What the capture says of its frames before any is rendered.
+Capture outline_of(const BuiltScene& built) {
+  Capture capture = built.capture_header();
+  for (const TrueView& view : *built.views)
+    capture.frames.push_back(built.rig->outline(view.frame, {.color = true}));
+  return capture;
 }
 
 /// Photographs of a built scene as the rig hands them over, without its other streams.
@@ -129,9 +138,7 @@ ExitCode print_keys(const RunConfig& config) {
 std::vector<PlanEntry> plan_of(const RunConfig& config) {
   const ViewsPipelineConfig& views = config.views;
   const auto stage = [&](const char* name, bool is_ours, const std::string& why) {
-    const bool is_read =
-        std::any_of(config.sources.begin(), config.sources.end(),
-                    [&](const StageSource& source) { return source.stage == name; });
+    const bool is_read = replaces(config.sources, name);
     return PlanEntry{name, is_read || is_ours, is_read ? "--stage in place of ours" : why};
   };
   return {
@@ -173,6 +180,8 @@ ExitCode command_run_views(const JobContext& context) {
       "surface that two views at least could see, and near specimens.";
   report.command_line = context.command_line;
   const BuiltScene first = config.scene.build(o.seed, 0);
+  if (needs_sfm(outline_of(first), config.views) && !replaces(config.sources, "poses"))
+    require_sfm();
   const SceneTruth truth = first.scene_truth();
   const std::string pipeline = pipeline_toml(config);
   report.config_toml = truth.config_toml;

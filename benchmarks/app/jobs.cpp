@@ -23,6 +23,7 @@
 #include "sim/process/interruption.h"
 #include "sim/types/last_read.h"
 #include "sim/types/memory_limit.h"
+#include "sim/types/not_built.h"
 #include "sim/types/stage_clock.h"
 #include "sim/types/utf8.h"
 
@@ -48,6 +49,17 @@ int fail_for_memory(const Options& options) {
     what += ", and the file read last is " + file;
   what += is_inputs ? ". Give fewer or smaller files" : ". Ask for fewer frames or fewer pixels";
   return fail(is_inputs ? ExitCode::bad_input : ExitCode::internal, what);
+}
+
+/// Whether a stage failed since the program lacks it.
+bool is_not_built(const StageError& error) {
+  try {
+    std::rethrow_if_nested(error);
+  } catch (const NotBuilt&) {
+    return true;
+  } catch (...) {
+  }
+  return false;
 }
 
 std::uint64_t memory_limit_of(const Options& options) {
@@ -92,6 +104,7 @@ int run_and_report(const Options* options, int argc, const char* const* argv) {
     if (error.code == cv::Error::StsNoMem) return fail_for_memory(*options);
     return fail(ExitCode::internal, error.what());
   } catch (const StageError& error) {
+    if (is_not_built(error)) return fail(ExitCode::usage, error.what());
     const bool is_input = is_fault_of_input(error, options->stages);
     return fail(is_input ? ExitCode::bad_input : ExitCode::internal, error.what());
   } catch (const std::invalid_argument& error) {

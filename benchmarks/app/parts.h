@@ -12,7 +12,7 @@ struct Part {
   const char* file;  ///< beside the program
 };
 inline constexpr Part kJobsPart = {"jobs", "libcousin_jobs.so"};
-/// The same verbs with every scene, and import and export.
+/// The first part's verbs with every scene and with poses by COLMAP, and import and export.
 inline constexpr Part kScenesPart = {"scenes", "libcousin_scenes.so"};
 inline constexpr Part kBenchPart = {"bench", "libcousin_bench.so"};
 inline constexpr Part kCalibratePart = {"calibrate", "libcousin_calibrate.so"};

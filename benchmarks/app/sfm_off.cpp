@@ -1,25 +1,21 @@
 // In place of perception/sfm in the first part of the program.
-#include <stdexcept>
-
 #include "benchmarks/app/parts.h"
 #include "perception/sfm/sfm_poses.h"
+#include "sim/types/not_built.h"
 
 namespace cousin {
-namespace {
 
-[[noreturn]] void refuse() {
-  throw std::invalid_argument("poses by COLMAP are " + how_to_build(kScenesPart.name));
-}
-
-}  // namespace
+void require_sfm() { throw NotBuilt("poses by COLMAP are " + how_to_build(kScenesPart.name)); }
 
 SfmEstimate estimate_poses_sfm(const Capture& /*capture*/, const SfmConfig& /*config*/) {
-  refuse();
+  require_sfm();
+  return {};
 }
 
 SfmEstimate estimate_poses_sfm(const Capture& /*capture*/, const Corners& /*corners*/,
                                const SeedBoard& /*board*/, const SfmConfig& /*config*/) {
-  refuse();
+  require_sfm();
+  return {};
 }
 
 }  // namespace cousin

@@ -1,25 +1,16 @@
-// The first part's verbs with every scene, and files of others.
-#include <array>
+#include <vector>
 
-#include "benchmarks/app/commands.h"
+#include "benchmarks/app/job_verbs.h"
 
 namespace cousin {
 
 std::span<const Verb> module_verbs() {
-  static constexpr auto kVerbs = std::to_array<Verb>({
-      {"scenes", command_scenes},
-      {"rigs", command_rigs},
-      {"methods", command_methods},
-      {"doctor", command_doctor},
-      {"render", command_render},
-      {"perceive", command_perceive, Reads::input},
-      {"score", command_score, Reads::input},
-      {"run", command_run},
-      {"import", command_import, Reads::input},
-      {"export", command_export, Reads::input},
-      {"verify", command_verify, Reads::input},
-      {"report", command_report, Reads::input},
-  });
+  static const std::vector<Verb> kVerbs = [] {
+    std::vector<Verb> verbs(kJobVerbs.begin(), kJobVerbs.end());
+    verbs.push_back({"import", command_import, Reads::input});
+    verbs.push_back({"export", command_export, Reads::input});
+    return verbs;
+  }();
   return kVerbs;
 }
 

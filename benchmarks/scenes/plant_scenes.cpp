@@ -78,12 +78,12 @@ PlantSceneConfig default_scene(const std::string& name) {
 std::vector<SceneEntry> plant_scenes() {
   std::vector<SceneEntry> scenes;
   for (const PlantSceneText& text : kPlantScenes) {
-    const bool is_built = COUSIN_WITH_MUJOCO || text.name != std::string("strawberries");
+    const bool is_built = COUSIN_WITH_MUJOCO || !text.needs_physics;
     scenes.push_back(
         {.name = text.name,
          .status = is_built ? "built in; no pipeline yet" : "not built in: WITH_MUJOCO is OFF",
          .help = text.help,
-         .has_points = text.name == std::string("boards"),
+         .has_points = text.has_points,
          .configure = [base = default_scene(text.name)](const auto& sets, const auto& file) {
            return configure_plants(base, sets, file);
          }});

@@ -174,6 +174,11 @@ StageSource parse_stage_source(const std::string& text, double time_limit_s) {
   return source;
 }
 
+bool replaces(const std::vector<StageSource>& sources, std::string_view stage) {
+  return std::any_of(sources.begin(), sources.end(),
+                     [&](const StageSource& source) { return source.stage == stage; });
+}
+
 bool is_fault_of_input(const StageError& error, const std::vector<std::string>& stages) {
   const std::string name = error.stage + "=";
   const auto given = std::find_if(stages.rbegin(), stages.rend(),

@@ -21,6 +21,8 @@ struct StageSource {
 /// folder or program that does not.
 StageSource parse_stage_source(const std::string& text, double time_limit_s = 21600);
 
+/// Whether one of them stands in place of the stage.
+bool replaces(const std::vector<StageSource>& sources, std::string_view stage);
 std::string to_text(const StageSource& source);  ///< "exec:./mine"
 
 /// Hears a sentence for the user about input that is used in part or not at all.

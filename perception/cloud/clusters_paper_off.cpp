@@ -1,12 +1,10 @@
-#include <stdexcept>
-
 #include "perception/cloud/clusters.h"
+#include "sim/types/not_built.h"
 
 namespace cousin {
 
 Clusters cluster_as_paper(const Cloud&, const PaperClusterConfig&, Rng, const Eigen::Vector3d&) {
-  throw std::runtime_error(
-      "the paper's clusters are not built in: configure with -DWITH_PCL=ON (libpcl-dev)");
+  throw NotBuilt("the paper's clusters are not built in; build them with: scripts/build pcl");
 }
 
 }  // namespace cousin

@@ -306,6 +306,10 @@ SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
   return stages;
 }
 
+bool needs_sfm(const SeedsPipelineConfig& config) {
+  return trains_splats(config.method) && config.splats.poses != SplatPoses::board;
+}
+
 PipelineNeeds needs(const SeedsPipelineConfig& config) {
   PipelineNeeds result;
   const bool splats = trains_splats(config.method);

@@ -121,6 +121,8 @@ struct PipelineNeeds {
   std::vector<std::pair<std::string, std::string>> left_out;  ///< stage, why
 };
 PipelineNeeds needs(const SeedsPipelineConfig& config);
+/// Whether the stage poses asks structure from motion.
+bool needs_sfm(const SeedsPipelineConfig& config);
 /// @throws std::invalid_argument naming the method, and the depth images or poses that it reads and
 /// the capture lacks. Without colour the stages that read it find nothing.
 void require_images(const Capture& capture, const SeedsPipelineConfig& config);

@@ -114,7 +114,7 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, const Sp
                  SeedsStages& stages) {
   // COLMAP's points, from the stage that finds the poses to the one that trains on them.
   const auto tracks = std::make_shared<std::vector<StartPoint>>();
-  if (config.splats.poses != SplatPoses::board) {
+  if (needs_sfm(config)) {
     SfmConfig sfm = config.splats.poses == SplatPoses::sfm ? paper_sfm_config() : SfmConfig{};
     sfm.colmap.folder = watch.sfm_folder.string();
     stages.poses = [config, sfm, tracks, posed = watch.posed](const Capture& capture,

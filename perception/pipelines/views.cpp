@@ -70,9 +70,8 @@ Poses place_by_tracks(const Capture& capture, SfmConfig config, const SplatWatch
 Poses place(const Capture& full, const ViewsPipelineConfig& config, const SplatWatch& watch,
             ViewsFindings& findings) {
   findings = {};
-  Poses poses = are_reported(full, config.poses)
-                    ? reported_poses(full)
-                    : place_by_tracks(full, config.sfm, watch, findings);
+  Poses poses = !needs_sfm(full, config) ? reported_poses(full)
+                                         : place_by_tracks(full, config.sfm, watch, findings);
   if (const std::size_t count = placed(poses); count < 2)
     throw std::runtime_error(std::to_string(count) + " of " + std::to_string(poses.size()) +
                              " views have a pose; at least 2 (poses=sfm finds them by COLMAP)");
@@ -280,6 +279,10 @@ SplatModel train(const ViewsPipelineConfig& config, const Capture& capture, cons
 }
 
 }  // namespace
+
+bool needs_sfm(const Capture& capture, const ViewsPipelineConfig& config) {
+  return !are_reported(capture, config.poses);
+}
 
 ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
                        const ViewsFindings& findings) {

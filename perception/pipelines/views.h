@@ -69,6 +69,9 @@ Fields fields(ViewsPipelineConfig& config);
 void validate(const ViewsPipelineConfig& config);
 std::string_view to_string(ViewsMethod method);
 
+/// Whether the stage poses asks structure from motion; of the capture its reported poses are read.
+bool needs_sfm(const Capture& capture, const ViewsPipelineConfig& config);
+
 /// Whether the `place`-th of the views that have poses has no part in the training.
 bool is_held_out(const ViewsPipelineConfig& config, std::size_t place);
 

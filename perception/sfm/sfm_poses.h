@@ -114,6 +114,9 @@ struct SfmEstimate {
 /// The first lens with the mean of all focal lengths. @throws std::out_of_range if there is none
 Camera mean_lens(const std::vector<Camera>& lenses);
 
+/// @throws NotBuilt where the program has no structure from motion
+void require_sfm();
+
 /// Poses of a capture's colour images without known ones: COLMAP on pairs chosen by their order,
 /// then our adjustment of poses, lens and points over its tracks, and the scale from the board that
 /// `capture.board` names ("markers" or "plain"; without one there is none). Reads colour images and

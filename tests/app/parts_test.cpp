@@ -10,6 +10,7 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/process/program_run.h"
+#include "tests/app/program.h"
 #include "tests/dataset/temporary_folder.h"
 
 namespace cousin {
@@ -23,6 +24,10 @@ using testing::HasSubstr;
 class Alone {
  public:
   Alone() { fs::copy_file(COUSIN_PROGRAM, folder_.path() / "cousin"); }
+  void add(const Part& part) const {
+    fs::create_symlink(fs::path(COUSIN_PROGRAM).parent_path() / part.file,
+                       folder_.path() / part.file);
+  }
   /// What `cousin words...` says; its exit code goes to `code`.
   std::string say(const std::vector<std::string>& words, int& code) const {
     ProgramCall call{.words = {(folder_.path() / "cousin").string()},
@@ -51,6 +56,28 @@ TEST(AppParts, AVerbWhosePartIsAbsentNamesTheCommandThatBuildsIt) {
     EXPECT_THAT(text, AllOf(HasSubstr("\"" + words[0] + "\" is not built in"),
                             HasSubstr("scripts/build " + part)));
   }
+}
+
+TEST(AppParts, TheFirstPartAloneNamesThePartThatHasOtherScenesAndPosesByColmap) {
+  const Alone program;
+  program.add(kJobsPart);
+  const Words small = {"--set", "views=2", "--set", "rig.width_px=64", "--set", "rig.height_px=36"};
+  const std::vector<Words> cases = {
+      {"render", "maize", "--frames", "1"},
+      {"run", "strawberries", "--pipeline", "views"},
+      Words{"run", "seeds", "--pipeline", "views"} + small,
+      Words{"run", "seeds", "--method", "splats", "--set", "pipeline.splats.poses=sfm"} + small};
+  for (const Words& words : cases) {
+    int code = -1;
+    const std::string text = program.say(words, code);
+    EXPECT_EQ(code, 2) << text;
+    EXPECT_THAT(text, testing::Not(HasSubstr("render"))) << "refused before any work";
+    EXPECT_THAT(text, HasSubstr("not built in; build it with: scripts/build scenes"));
+  }
+  int code = -1;
+  EXPECT_THAT(program.say({"scenes"}, code),
+              AllOf(HasSubstr("seeds                built in"), HasSubstr("scripts/build scenes")));
+  EXPECT_EQ(code, 0);
 }
 
 TEST(AppParts, HelpNeedsNoPart) {
