@@ -106,7 +106,8 @@ std::string why_no_splats(const SeedsEstimate& estimate, const SeedsPipelineConf
 std::string why_nothing(const SeedsEstimate& estimate, const SeedsPipelineConfig& config,
                         int posed) {
   if (!estimate.cloud.empty() || !estimate.clusters.cloud.empty())
-    return "nothing stands on the board";
+    return estimate.traits.empty() ? "nothing stands on the board"
+                                   : "no object has enough points of the cloud";
   if (posed == 0) {
     const auto seen = std::count_if(
         estimate.corners.begin(), estimate.corners.end(),
@@ -132,7 +133,8 @@ std::string why_nothing(const SeedsEstimate& estimate, const SeedsPipelineConfig
 /// Whether no stage found anything that could be measured; what is only seen has no cluster.
 bool found_nothing(const SeedsEstimate& estimate) {
   if (estimate.traits.empty()) return true;
-  return estimate.clusters.cloud.empty() &&
+  const std::vector<int>& instance = estimate.clusters.instance;
+  return std::all_of(instance.begin(), instance.end(), [](int i) { return i < 0; }) &&
          std::none_of(estimate.traits.begin(), estimate.traits.end(),
                       [](const SpecimenTraits& s) { return s.status == TraitStatus::ok; });
 }

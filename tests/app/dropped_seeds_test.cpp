@@ -93,6 +93,21 @@ TEST(AppDroppedSeeds, OneViewOfASeedIsPosedAndSaysWhyItIsNotMeasured) {
   EXPECT_THAT(read_file(program.path("r/specimens.csv")), Not(HasSubstr(",ok\n")));
 }
 
+TEST(AppDroppedSeeds, SeedsThatAreSeenAndHaveNoPointsAreNothingMeasured) {
+  const Program program;
+  const Words far = {"--set",    "seeds=2",
+                     "--set",    "rig.width_px=320",
+                     "--set",    "rig.height_px=180",
+                     "--set",    "rig=phone_video_720p",
+                     "--frames", "18"};
+  ASSERT_EQ(program.run(Words{"render", "seeds", "--out", "far"} + far).code, 0);
+  const Outcome outcome = program.run({"perceive", "far", "--out", "est"});
+  EXPECT_EQ(outcome.code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("0 of at least 2 objects measured: no object has enough "
+                                     "points of the cloud"));
+  EXPECT_THAT(outcome.err, HasSubstr("seed 1 is not measured: seen in "));
+}
+
 TEST(AppDroppedSeeds, AMeshInMillimetresNamesItsSizeAndTheKeyThatScalesIt) {
   const Program program;
   write_box_obj(program.path("box.obj"), {10, 8, 5});
