@@ -12,6 +12,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/output_folder.h"
+#include "sim/types/not_built.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -32,6 +33,19 @@ CalibrateConfig config_of(const Options& o) {
   return config;
 }
 
+/// @throws NotBuilt
+void require_solver(CalibrationSolver solver) {
+  const bool is_there = solver == CalibrationSolver::mrcal   ? COUSIN_WITH_MRCAL != 0
+                        : solver == CalibrationSolver::ceres ? COUSIN_WITH_CERES != 0
+                                                             : true;
+  if (is_there) return;
+  const std::string name(to_string(solver));
+  throw NotBuilt("solver " + name + " is not in this build (" +
+                 (solver == CalibrationSolver::mrcal ? "`scripts/build mrcal` builds it"
+                                                     : "CMake: WITH_CERES=ON") +
+                 "); --solver opencv is there");
+}
+
 bool is_dataset(const fs::path& folder) {
   return fs::is_directory(folder) && !scene_folders(folder).empty();
 }
@@ -47,6 +61,7 @@ ExitCode command_calibrate(const JobContext& context) {
     std::printf("%s", describe(fields(defaults)).c_str());
     return ExitCode::done;
   }
+  require_solver(config.calibration.solver);
   const fs::path source = o.arguments.at(0);
   if (!fs::is_directory(source)) throw std::runtime_error(source.string() + ": not a folder");
   const bool dataset = is_dataset(source);

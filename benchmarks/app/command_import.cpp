@@ -12,6 +12,20 @@
 
 namespace cousin {
 namespace fs = std::filesystem;
+namespace {
+
+/// All that decides what a capture becomes, but the capture itself.
+std::string import_key(const ImportRequest& request) {
+  std::string key = std::string(COUSIN_VERSION) + "\n" + request.format + "\n" +
+                    fs::absolute(request.source).lexically_normal().string() + "\n" +
+                    std::to_string(request.depth_unit_m.value_or(0)) + "\n" +
+                    std::to_string(request.frames) + "\n";
+  const fs::path intrinsics = request.intrinsics;
+  if (fs::is_regular_file(intrinsics)) key += sha256_hex_of_file(intrinsics);
+  return sha256_hex(key);
+}
+
+}  // namespace
 
 ExitCode command_import(const JobContext& context) {
   const Options& o = context.options;
@@ -19,16 +33,16 @@ ExitCode command_import(const JobContext& context) {
   ImportRequest request{.format = o.format, .source = source, .intrinsics = o.intrinsics};
   if (o.depth_unit_m > 0) request.depth_unit_m = o.depth_unit_m;
   request.frames = o.frames;
+  const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
+  const FolderClaim claim{.verb = "import",
+                          .version = COUSIN_VERSION,
+                          .config = import_key(request),
+                          .names = {"######", "manifest.json", "manifest.*.json"},
+                          .other_config = FolderClaim::OtherConfig::refuse};
+  check_output_folder(dataset, claim);
   const Capture capture = import_capture(request);
   for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
-  const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
-  OutputFolder folder(
-      dataset,
-      {.verb = "import",
-       .version = COUSIN_VERSION,
-       .config = sha256_hex(o.format + "\n" + fs::absolute(source).lexically_normal().string()),
-       .names = {"######", "manifest.json", "manifest.*.json"},
-       .other_config = FolderClaim::OtherConfig::refuse});
+  OutputFolder folder(dataset, claim);
   write_capture(dataset / scene_id(0), capture);
   folder.remove_earlier();  // pictures that the source has no longer
   if (o.json) {

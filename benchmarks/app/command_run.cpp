@@ -319,7 +319,7 @@ ExitCode command_run(const JobContext& context) {
   for (int scene = 1; scene < o.scenes; ++scene) remove_own(part_file(parts, scene));
   std::error_code not_empty;  // then it holds what this run has not written
   fs::remove(parts, not_empty);
-  if (folder.had_other_config()) folder.remove_earlier();
+  folder.remove_other_configs();
   print_result(o, file);
   if (!unmeasured.empty()) context.progress.line(unmeasured);
   char line[160];

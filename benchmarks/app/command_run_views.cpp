@@ -179,12 +179,7 @@ ExitCode command_run_views(const JobContext& context) {
       "Images are scored against photographs, held-out ones among them, shapes against every true "
       "surface that two views at least could see, and near specimens.";
   report.command_line = context.command_line;
-  const BuiltScene first = config.scene.build(o.seed, 0);
-  if (needs_sfm(outline_of(first), config.views) && !replaces(config.sources, "poses"))
-    require_sfm();
-  const SceneTruth truth = first.scene_truth();
   const std::string pipeline = pipeline_toml(config);
-  report.config_toml = truth.config_toml;
   report.plan = describe(plan_of(config)) + "\nThe pipeline's keys:\n" + pipeline;
   ScoreFile& file = report.scores;
   file.header.program_version = COUSIN_VERSION;
@@ -200,6 +195,12 @@ ExitCode command_run_views(const JobContext& context) {
   if (o.align) key += "\nalign";
   if (!o.lpips.empty()) key += "\n" + sha256_hex_of_file(o.lpips);
   if (!config.views.masks.empty()) key += "\n" + sha256_hex_of_folder(config.views.masks);
+  check_run_folder(out, key, o.scenes);
+  const BuiltScene first = config.scene.build(o.seed, 0);
+  if (needs_sfm(outline_of(first), config.views) && !replaces(config.sources, "poses"))
+    require_sfm();
+  const SceneTruth truth = first.scene_truth();
+  report.config_toml = truth.config_toml;
   OutputFolder folder = run_folder(out, key, o.scenes);
   std::vector<ShardJob> jobs;
   for (int scene = 0; scene < o.scenes; ++scene) {
@@ -229,7 +230,7 @@ ExitCode command_run_views(const JobContext& context) {
   for (const ShardJob& job : jobs) remove_own(parts / job.name);
   std::error_code not_empty;
   fs::remove(parts, not_empty);
-  if (folder.had_other_config()) folder.remove_earlier();
+  folder.remove_other_configs();
   print_result(o, file);
   context.progress.line("report: " + (out / "report.html").string());
   return check_gates(o, file.scores);

@@ -84,15 +84,19 @@ ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path&
   return file;
 }
 
-/// What the scene is and where its cameras were must be what one run wrote: an estimate of another
-/// one's pictures would be scored without a word. Images are not read here; `cousin verify` does.
+/// What the scene is, where its cameras were and what is true of its pictures must be what one run
+/// wrote: an estimate of another one's pictures would be scored without a word. The pictures
+/// themselves are not read here; `cousin verify` does.
 /// @throws std::runtime_error naming the file that the manifest lists with other bytes
 void check_unchanged(const fs::path& dataset, const Manifest& manifest, const std::string& scene) {
   for (const auto& [path, hash] : manifest.files) {
     const fs::path name = path;
     const std::string ending = name.extension().string();
     const bool is_image = ending == ".png" || ending == ".exr" || ending == ".jpg";
-    if (*name.begin() != scene || is_image || !fs::is_regular_file(dataset / name)) continue;
+    const bool is_truth =
+        std::next(name.begin()) != name.end() && *std::next(name.begin()) == "truth";
+    const bool is_read = !is_image || is_truth;
+    if (*name.begin() != scene || !is_read || !fs::is_regular_file(dataset / name)) continue;
     if (sha256_hex_of_file(resolve_inside(dataset, name)) == hash) continue;
     throw std::runtime_error((dataset / name).string() +
                              ": its SHA-256 is not the one in manifest.json; the dataset was "
@@ -164,11 +168,10 @@ ExitCode command_score(const JobContext& context) {
   print_result(o, file);
   context.progress.line("scores: " + (out / "scores.csv").string());
   if (!failures.empty()) {
-    std::string text = std::to_string(failures.size()) + " of " +
-                       std::to_string(failures.size() + static_cast<std::size_t>(scored)) +
-                       " scenes could not be scored, the others' scores are written:";
-    for (const std::string& failure : failures) text += "\n  " + failure;
-    throw std::runtime_error(text);
+    for (const std::string& failure : failures) print_message("cousin: " + failure);
+    throw std::runtime_error(std::to_string(failures.size()) + " of " +
+                             std::to_string(failures.size() + static_cast<std::size_t>(scored)) +
+                             " scenes could not be scored; the others' scores are written");
   }
   return check_gates(o, file.scores);
 }

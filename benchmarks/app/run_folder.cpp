@@ -10,7 +10,9 @@
 namespace cousin {
 namespace fs = std::filesystem;
 
-OutputFolder run_folder(const fs::path& out, const std::string& key, int scenes) {
+namespace {
+
+FolderClaim run_claim(const std::string& key, int scenes) {
   FolderClaim claim{.verb = "run",
                     .version = COUSIN_VERSION,
                     .config = sha256_hex(key),
@@ -19,11 +21,19 @@ OutputFolder run_folder(const fs::path& out, const std::string& key, int scenes)
     for (std::string& name : estimate_names(fs::path("estimate") / scene_id(scene)))
       claim.names.push_back(std::move(name));
   }
-  OutputFolder folder(out, std::move(claim));
-  if (folder.had_other_config()) {
-    for (const std::string& file : folder.files()) {
-      if (*fs::path(file).begin() != "estimate") remove_own(out / file);
-    }
+  return claim;
+}
+
+}  // namespace
+
+void check_run_folder(const fs::path& out, const std::string& key, int scenes) {
+  check_output_folder(out, run_claim(key, scenes));
+}
+
+OutputFolder run_folder(const fs::path& out, const std::string& key, int scenes) {
+  OutputFolder folder(out, run_claim(key, scenes));
+  for (const std::string& file : folder.files_of_other_configs()) {
+    if (*fs::path(file).begin() != "estimate") remove_own(out / file);
   }
   return folder;
 }

@@ -12,5 +12,7 @@ namespace cousin {
 /// @param key  of all that decides the results @throws std::invalid_argument naming what is in the
 /// way
 OutputFolder run_folder(const std::filesystem::path& out, const std::string& key, int scenes);
+/// What it would refuse, before any work; makes nothing. @throws as it
+void check_run_folder(const std::filesystem::path& out, const std::string& key, int scenes);
 
 }  // namespace cousin

@@ -15,6 +15,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/camera_files.h"
 #include "sim/dataset/colmap_model.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -235,7 +236,8 @@ std::string calibration_table(const CalibrationRun& run) {
   for (std::size_t c = 0; c < run.verdicts.size(); ++c) {
     const CameraVerdict& v = run.verdicts[c];
     const Camera& lens = run.result.cameras[c];
-    text += "\n" + run.photos.cameras[c] + ": " + std::string(to_string(lens.model)) +
+    text += "\n" + terminal_text(run.photos.cameras[c]) + ": " +
+            std::string(to_string(lens.model)) +
             line_of(", %d x %d pixels\n", lens.width_px, lens.height_px);
     const std::string prefix = "camera" + std::to_string(c) + ".";
     for (std::size_t i = 0; i < run.result.parameters.size(); ++i) {
@@ -260,7 +262,7 @@ std::string calibration_table(const CalibrationRun& run) {
           line_of("  projection known to %.4f px, the median over the image; %.0f %% of it valid\n",
                   v.deviation_px, 100 * v.valid_share);
     if (v.next)
-      text += "  next: " + v.next->words +
+      text += "  next: " + terminal_text(v.next->words) +
               line_of(" (%.4f px becomes %.4f px)\n", v.next->now_px, v.next->then_px);
   }
   if (run.cross)
@@ -268,8 +270,10 @@ std::string calibration_table(const CalibrationRun& run) {
         line_of("\nhalves of the images differ by %.4f px RMS; their deviations predict %.4f px\n",
                 run.cross->difference.rms_px, run.cross->predicted_rms_px);
   text += device_table(run);
-  for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";
-  for (const std::string& problem : run.problems) text += "REFUSED: " + problem + "\n";
+  for (const std::string& warning : run.warnings)
+    text += "warning: " + terminal_text(warning) + "\n";
+  for (const std::string& problem : run.problems)
+    text += "REFUSED: " + terminal_text(problem) + "\n";
   return text;
 }
 

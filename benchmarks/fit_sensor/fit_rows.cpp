@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "benchmarks/metrics/distributions.h"
+#include "sim/types/utf8.h"
 
 namespace cousin {
 namespace {
@@ -160,13 +161,13 @@ std::string depth_table(const DepthFit& d) {
   for (const WallStatistics& w : d.walls) {
     const double z_mm =
         w.disparity_px > 0 ? 1000 * w.sigma_px.value * w.depth_m / w.disparity_px : 0;
-    out +=
-        text("%-24s %7.3f  %7.2f  %11.3f  %11.4f  %7.4f  %8.4f", w.name.c_str(), w.depth_m,
-             100 * w.fill.value, z_mm, w.sigma_px.value, w.spatial_px.value, w.temporal_px.value);
+    out += text("%-24s %7.3f  %7.2f  %11.3f  %11.4f  %7.4f  %8.4f", terminal_text(w.name).c_str(),
+                w.depth_m, 100 * w.fill.value, z_mm, w.sigma_px.value, w.spatial_px.value,
+                w.temporal_px.value);
     for (const HeldOut& h : d.held_out) {
       if (h.wall == w.name) out += text("  %14.3f", h.ratio);
     }
-    out += w.problem.empty() ? "\n" : "  left out: " + w.problem + "\n";
+    out += w.problem.empty() ? "\n" : "  left out: " + terminal_text(w.problem) + "\n";
   }
   return out + "\n";
 }
@@ -179,8 +180,8 @@ std::string gain_table(const GainFit& g) {
   out += text("line                   chi-square %.1f of %d, p = %.2g\n", g.chi2, g.degrees, g.p);
   out += "field                        mean DN    variance DN2\n";
   const auto row = [&](const FlatLevel& l) {
-    out += text("%-24s %11.2f  %14.3f", l.name.c_str(), l.mean, l.variance.value);
-    out += l.left_out.empty() ? "\n" : "  left out: " + l.left_out + "\n";
+    out += text("%-24s %11.2f  %14.3f", terminal_text(l.name).c_str(), l.mean, l.variance.value);
+    out += l.left_out.empty() ? "\n" : "  left out: " + terminal_text(l.left_out) + "\n";
   };
   row(g.dark);
   for (const FlatLevel& l : g.flats) row(l);
@@ -205,12 +206,13 @@ ScoreFile fit_rows(const SensorFit& fit) {
 }
 
 std::string fit_table(const SensorFit& fit) {
-  std::string out = "rig " + fit.rig + ", " + fit.data + "; intervals are of 95 %\n\n";
+  std::string out = "rig " + terminal_text(fit.rig) + ", " + terminal_text(fit.data) +
+                    "; intervals are of 95 %\n\n";
   if (fit.depth) out += depth_table(*fit.depth);
   if (fit.gain) out += gain_table(*fit.gain);
   if (fit.problems.empty()) return out + "verdict: solved\n";
   out += "verdict: rejected, no preset is written\n";
-  for (const std::string& p : fit.problems) out += "  " + p + "\n";
+  for (const std::string& p : fit.problems) out += "  " + terminal_text(p) + "\n";
   return out;
 }
 

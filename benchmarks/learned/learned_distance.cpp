@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "sim/types/not_built.h"
+
 namespace cousin {
 namespace fs = std::filesystem;
 
@@ -26,9 +28,8 @@ std::shared_ptr<const LearnedDistance> load_learned_distance(const fs::path& net
                              " are read as a network");
   }
   if (!fs::exists(module, error)) {
-    throw std::runtime_error(network.string() +
-                             ": this build reads no networks (CMake: WITH_TORCH, Debian package "
-                             "libtorch-dev)");
+    throw NotBuilt(network.string() +
+                   ": this build reads no networks; `scripts/build torch` builds what does");
   }
   void* handle = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) throw std::runtime_error(module.string() + ": " + dlerror());

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "benchmarks/report/shown_numbers.h"
 #include "benchmarks/report/plots.h"
+#include "benchmarks/report/shown_numbers.h"
 #include "benchmarks/report/vega_parts.h"
 
 namespace cousin {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "benchmarks/metrics/distributions.h"
-#include "benchmarks/report/shown_numbers.h"
 #include "benchmarks/report/plots.h"
+#include "benchmarks/report/shown_numbers.h"
 #include "benchmarks/report/vega_parts.h"
 
 namespace cousin {

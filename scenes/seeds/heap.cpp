@@ -10,6 +10,7 @@
 #include "sim/physics/penetration.h"
 #include "sim/physics/settle.h"
 #include "sim/render/truth_pass.h"
+#include "sim/types/not_built.h"
 
 namespace cousin {
 namespace {
@@ -113,8 +114,7 @@ std::optional<Heap> pour(const std::vector<BoardSpecimen>& specimens, const Sett
         {&specimens[i].seed.model.mesh, specimens[i].seed.mass_kg, spots[i], &specimens[i].parts});
   SettleResult rest = settle(bodies, pouring(setting));
   if (rest.status == SettleStatus::not_built) {
-    throw std::runtime_error(
-        "seeds: MuJoCo is not built in (WITH_MUJOCO=OFF), so nothing can be dropped");
+    throw NotBuilt("seeds: MuJoCo is not built in (WITH_MUJOCO=OFF), so nothing can be dropped");
   }
   if (rest.status != SettleStatus::ok) {
     problem = std::string("did not settle: ") + std::string(to_string(rest.status)) +

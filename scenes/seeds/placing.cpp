@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "sim/physics/settle.h"
+#include "sim/types/not_built.h"
 
 namespace cousin {
 namespace {
@@ -145,8 +146,7 @@ std::vector<Pose> drop_apart(const std::vector<BoardSpecimen>& specimens,
     }
     SettleResult rest = settle(bodies, settle_config);
     if (rest.status == SettleStatus::not_built) {
-      throw std::runtime_error(
-          "seeds: MuJoCo is not built in (WITH_MUJOCO=OFF), so nothing can be dropped");
+      throw NotBuilt("seeds: MuJoCo is not built in (WITH_MUJOCO=OFF), so nothing can be dropped");
     }
     if (rest.status == SettleStatus::engine_warning) {
       throw std::runtime_error("seeds: the physics engine gave " + std::to_string(rest.warnings) +

@@ -10,6 +10,7 @@
 
 #include "scenes/strawberries/strawberry_plant.h"
 #include "sim/geometry/smooth_normals.h"
+#include "sim/types/not_built.h"
 
 namespace cousin {
 namespace {
@@ -34,6 +35,8 @@ int pushed_stem(const std::vector<Truss>& trusses, const TrussPush& push, std::s
 }
 
 [[noreturn]] void fail(const SwayResult& result, const StandWind& config) {
+  if (result.status == PlantStatus::not_built)
+    throw NotBuilt("strawberries: MuJoCo is not built in (WITH_MUJOCO=OFF), so no truss can sway");
   char text[200];
   std::snprintf(
       text, sizeof text,
@@ -41,11 +44,9 @@ int pushed_stem(const std::vector<Truss>& trusses, const TrussPush& push, std::s
       "%s, stalk %d is strained %.3g times its strength",
       config.wind.mean_speed_m_s, config.push.force_n,
       std::string(to_string(result.status)).c_str(), result.strain.stem, result.strain.ratio);
-  throw std::runtime_error(
-      std::string(text) +
-      (result.first_warning.empty() ? "" : "; the engine: " + result.first_warning) +
-      (result.status == PlantStatus::not_built ? "; MuJoCo is not built in (WITH_MUJOCO is OFF)"
-                                               : ""));
+  throw std::runtime_error(std::string(text) + (result.first_warning.empty()
+                                                    ? ""
+                                                    : "; the engine: " + result.first_warning));
 }
 
 /// Nodes of a stalk's line and its radii between two shares of its length, as it hangs.

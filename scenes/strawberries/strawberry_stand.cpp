@@ -8,6 +8,7 @@
 
 #include "scenes/strawberries/strawberry_toml.h"
 #include "sim/config/limits.h"
+#include "sim/types/not_built.h"
 
 namespace cousin {
 namespace {
@@ -23,6 +24,8 @@ std::string draw_variety(const StandConfig& config, Rng rng) {
 }
 
 [[noreturn]] void fail(const SagResult& sag, double heavier) {
+  if (sag.status == PlantStatus::not_built)
+    throw NotBuilt("strawberries: MuJoCo is not built in (WITH_MUJOCO=OFF), so no truss can hang");
   char text[200];
   std::snprintf(text, sizeof text,
                 "stalk %d is strained %.3g times its strength at %.2f of its length; overlaps are "
@@ -34,9 +37,7 @@ std::string draw_variety(const StandConfig& config, Rng rng) {
       (heavier > 1
            ? "; fruits are too heavy for their stalks at heavier = " + std::to_string(heavier)
            : "") +
-      (sag.first_warning.empty() ? "" : "; the engine: " + sag.first_warning) +
-      (sag.status == PlantStatus::not_built ? "; MuJoCo is not built in (WITH_MUJOCO is OFF)"
-                                            : ""));
+      (sag.first_warning.empty() ? "" : "; the engine: " + sag.first_warning));
 }
 
 }  // namespace

@@ -139,7 +139,7 @@ std::uint64_t image_bytes(const Capture& capture,
       const ImageKinds& kind = kinds[i][s];
       const std::size_t of_pixel = (kind.color ? sizeof(Rgb8) : 0) + (kind.grey ? 1 : 0) +
                                    (kind.raw ? sizeof(std::uint16_t) : 0) +
-                                   (kind.depth ? sizeof(std::uint16_t) : 0);
+                                   (kind.depth || kind.depth_if_there ? sizeof(std::uint16_t) : 0);
       bytes = bytes_plus(bytes, of_pixel * static_cast<std::uint64_t>(camera.width_px) *
                                     static_cast<std::uint64_t>(camera.height_px));
     }

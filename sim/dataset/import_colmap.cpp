@@ -20,7 +20,8 @@ std::optional<ColmapModel> model_in(const fs::path& folder, const fs::path& belo
   const fs::path dir = below.empty() ? folder : folder / below;
   const auto files = [&](const char* ending) {
     const auto text = [&](const char* name) {
-      return read_file(resolve_inside(folder, below / (std::string(name) + ending)), kColmapLimitBytes);
+      return read_file(resolve_inside(folder, below / (std::string(name) + ending)),
+                       kColmapLimitBytes);
     };
     return ColmapFiles{.cameras = text("cameras"), .images = text("images"), .points = {}};
   };

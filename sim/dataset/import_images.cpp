@@ -103,6 +103,28 @@ void check_images_memory(const fs::path& folder, const std::vector<fs::path>& im
   check_memory(folder, bytes, std::to_string(images.size()) + " images");
 }
 
+void check_depth_memory(const fs::path& folder, const Capture& capture,
+                        const std::vector<fs::path>& depth_images) {
+  std::uint64_t bytes = 0;
+  for (const Frame& frame : capture.frames) {
+    for (const SensorFrame& sensor : frame.sensors)
+      bytes = bytes_plus(bytes, sizeof(Rgb8) * std::uint64_t{sensor.color.size()});
+  }
+  for (const fs::path& image : depth_images) {
+    ImageSize size;
+    try {
+      size = read_image_size(image);
+    } catch (const std::runtime_error&) {
+      continue;  // whoever reads it says what is wrong
+    }
+    bytes = bytes_plus(
+        bytes, sizeof(std::uint16_t) * bytes_times(static_cast<std::uint64_t>(size.width_px),
+                                                   static_cast<std::uint64_t>(size.height_px)));
+  }
+  check_memory(folder, bytes,
+               "the colour images and " + std::to_string(depth_images.size()) + " depth images");
+}
+
 void read_frame_colors(Capture& capture, const std::vector<fs::path>& images) {
   if (!images.empty()) check_images_memory(images.front().parent_path(), images);
   std::vector<char> alpha(images.size());

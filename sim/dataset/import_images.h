@@ -26,6 +26,9 @@ std::optional<std::filesystem::path> find_listed_image(const std::filesystem::pa
 
 /// @throws std::runtime_error naming the folder if the images, as their heads tell their sizes,
 /// would take more memory than is allowed; no pixel is decoded.
+/// What depth images take beside the colour images that the capture holds.
+void check_depth_memory(const std::filesystem::path& folder, const Capture& capture,
+                        const std::vector<std::filesystem::path>& depth_images);
 void check_images_memory(const std::filesystem::path& folder,
                          const std::vector<std::filesystem::path>& images);
 

@@ -184,6 +184,12 @@ void read_depth_keys(const JsonNode& node, const DepthUnits& units, NerfstudioFr
 void read_depth(const std::string& name, const fs::path& folder,
                 const std::vector<NerfstudioFrame>& frames, std::optional<double> unit_m,
                 Capture& capture) {
+  std::vector<fs::path> there;
+  for (const NerfstudioFrame& listed : frames) {
+    const auto file = listed.depth.empty() ? std::nullopt : find_listed_image(folder, listed.depth);
+    if (file && file->extension() == ".png") there.push_back(*file);
+  }
+  check_depth_memory(folder, capture, there);
   std::vector<std::string> skipped(capture.frames.size());
   for_each_frame(capture.frames.size(), [&](std::size_t i) {
     const NerfstudioFrame& listed = frames[static_cast<std::size_t>(capture.frames[i].id)];
@@ -261,13 +267,13 @@ NerfstudioFile parse_nerfstudio(std::string_view text, const std::string& name,
 
 NerfstudioFile read_nerfstudio(const fs::path& transforms_json) {
   const fs::path folder = transforms_json.parent_path();
-  return parse_nerfstudio(read_file(transforms_json, kNerfstudioLimitBytes), transforms_json.string(),
-                          [&](const std::string& image) -> std::optional<ImageSize> {
-                            const auto file =
-                                find_listed_image(folder.empty() ? fs::path(".") : folder, image);
-                            if (!file) return std::nullopt;
-                            return read_image_size(*file);
-                          });
+  return parse_nerfstudio(
+      read_file(transforms_json, kNerfstudioLimitBytes), transforms_json.string(),
+      [&](const std::string& image) -> std::optional<ImageSize> {
+        const auto file = find_listed_image(folder.empty() ? fs::path(".") : folder, image);
+        if (!file) return std::nullopt;
+        return read_image_size(*file);
+      });
 }
 
 Capture import_nerfstudio(const fs::path& transforms_json, std::optional<double> depth_unit_m) {

@@ -152,11 +152,18 @@ void check_default_unit(const Capture& capture, const std::string& name) {
 
 void read_depth(const fs::path& folder, const std::string& name,
                 const std::vector<std::optional<TumFile>>& files, double unit_m, Capture& capture) {
+  std::vector<std::optional<fs::path>> found(files.size());
+  std::vector<fs::path> there;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i]) found[i] = find_listed_image(folder, files[i]->file);
+    if (found[i]) there.push_back(*found[i]);
+  }
+  check_depth_memory(folder, capture, there);
   std::vector<char> is_absent(files.size());
   for_each_frame(capture.frames.size(), [&](std::size_t i) {
     if (!files[i]) return;
     SensorFrame& sensor = capture.frames[i].sensors.front();
-    const std::optional<fs::path> file = find_listed_image(folder, files[i]->file);
+    const std::optional<fs::path>& file = found[i];
     is_absent[i] = !file;
     if (!file) return;
     sensor.depth = read_png16(*file);

@@ -372,18 +372,25 @@ PlacedMask mask_of_polygons(const std::vector<std::vector<Eigen::Vector2d>>& pol
   return placed;
 }
 
-std::vector<PixelRing> rings_of(const Image<std::uint8_t>& mask, int x, int y) {
+std::vector<PixelRing> rings_of(const Image<std::uint8_t>& mask, int x, int y,
+                                std::size_t most_edges) {
   const Image<std::uint8_t> edges = edges_of(mask);
   Image<std::uint8_t> used(edges.width(), edges.height());
   const Image<int> part = parts_of(mask);
   std::vector<PixelRing> rings;
+  std::size_t edge_count = 0;
   for (int cy = 0; cy < edges.height(); ++cy) {
     for (int cx = 0; cx < edges.width(); ++cx) {
       for (unsigned direction = 0; direction < 4; ++direction) {
         if (((edges(cx, cy) & ~used(cx, cy)) & (1U << direction)) == 0) continue;
         const Eigen::Vector2i pixel = Eigen::Vector2i(cx, cy) + kRightPixel[direction];
-        PixelRing ring{corners_of(follow(edges, used, {cx, cy}, direction)),
-                       part(pixel.x(), pixel.y())};
+        const PixelOutline line = follow(edges, used, {cx, cy}, direction);
+        if (line.size() > most_edges - edge_count) {
+          throw std::invalid_argument("has an outline of more than " + std::to_string(most_edges) +
+                                      " pixel edges, which is the limit");
+        }
+        edge_count += line.size();
+        PixelRing ring{corners_of(line), part(pixel.x(), pixel.y())};
         ring.is_hole = doubled_area(ring.line) < 0;
         for (Eigen::Vector2i& corner : ring.line) corner += Eigen::Vector2i(x, y);
         rings.push_back(std::move(ring));

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,7 +57,9 @@ struct PixelRing {
   int part = 0;  ///< pixels that share edges are one part
   bool is_hole = false;
 };
-std::vector<PixelRing> rings_of(const Image<std::uint8_t>& mask, int x, int y);
+/// @param most_edges  of pixels, in all @throws std::invalid_argument if there are more
+std::vector<PixelRing> rings_of(const Image<std::uint8_t>& mask, int x, int y,
+                                std::size_t most_edges = std::numeric_limits<std::size_t>::max());
 
 /// Outlines that fill exactly the mask's pixels: one for each part whose pixels share edges. A hole
 /// is joined to its part by a cut of no width. Corners alone, the mask on the right hand (clockwise

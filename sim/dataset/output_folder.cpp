@@ -3,9 +3,10 @@
 //   + SHA-256 PATH            a file is about to get its name
 //   / PATH                    a folder is the verb's with all it holds
 //   - PATH                    a file or such a folder was removed
-// In PATH a line's end is \n and a backslash is \\. SHA-256 is * for a file that may change. A path
-// may have several hashes: a process that was killed between the line and the rename leaves the
-// file as it was.
+// In PATH a line's end is \n and a backslash is \\. SHA-256 is * for timings.json, which may
+// change. A path may have several hashes: a process that was killed between the line and the rename
+// leaves the file as it was. A file is of the configuration that the last = before its last +
+// names.
 
 #include "sim/dataset/output_folder.h"
 
@@ -57,9 +58,14 @@ std::string unescaped(const std::string& text) {
   return path;
 }
 
+struct ListedFile {
+  std::set<std::string> hashes;
+  std::string config;  ///< of the claim that wrote it last
+};
+
 struct OutputList {
   std::string config, version;  ///< of the last claim
-  std::map<std::string, std::set<std::string>> hashes;
+  std::map<std::string, ListedFile> files;
   std::set<std::string> folders;
 };
 
@@ -88,42 +94,76 @@ OutputList parse_list(const std::string& text) {
     if (!std::getline(words, path)) continue;
     path = unescaped(path);
     if (!is_inside(path)) continue;
-    if (kind == "+") list.hashes[path].insert(hash);
+    if (kind == "+") {
+      list.files[path].hashes.insert(hash);
+      list.files[path].config = list.config;
+    }
     if (kind == "/") list.folders.insert(path);
     if (kind != "-") continue;
-    list.hashes.erase(path);
+    list.files.erase(path);
     list.folders.erase(path);
   }
   return list;
 }
 
+/// As lists have it.
+std::string config_of(const FolderClaim& claim) {
+  return claim.config.empty() ? "-" : claim.config;
+}
+
+std::string claim_line(const std::string& verb, const std::string& config,
+                       const std::string& version) {
+  return "= " + verb + " " + config + " " + version + "\n";
+}
 std::string claim_line(const FolderClaim& claim) {
-  return "= " + claim.verb + " " + (claim.config.empty() ? "-" : claim.config) + " " +
-         claim.version + "\n";
+  return claim_line(claim.verb, config_of(claim), claim.version);
+}
+
+/// Whether a file is of another configuration than the claim's, which the claim's replaces.
+bool is_of_other_config(const ListedFile& file, const FolderClaim& claim) {
+  return !claim.config.empty() && file.config != claim.config;
 }
 
 std::string file_line(const std::string& hash, const std::string& path) {
   return "+ " + hash + " " + escaped(path) + "\n";
 }
 
-/// Seconds change with every run, and large files are a program's alone: their names are enough.
+/// Seconds change with every run: the name is enough.
+bool is_by_name(const fs::path& path) { return path.filename() == "timings.json"; }
+
 std::string hash_of(const fs::path& path, std::string_view bytes) {
-  constexpr std::size_t kLargest_bytes = std::size_t{16} << 20;
-  const bool is_by_name = path.filename() == "timings.json" || bytes.size() > kLargest_bytes;
-  return is_by_name ? "*" : sha256_hex(bytes);
+  return is_by_name(path) ? "*" : sha256_hex(bytes);
 }
 
 fs::path list_file(const fs::path& folder, const std::string& verb) {
   return folder / (std::string(kListPrefix) + verb);
 }
 
+/// The text of a verb's list; empty if there is none.
+/// @throws std::invalid_argument where something else has its name
+std::string text_of_list(const fs::path& folder, const std::string& verb) {
+  const fs::path file = list_file(folder, verb);
+  const fs::file_type type = fs::symlink_status(file).type();
+  if (type == fs::file_type::not_found) return {};
+  std::string text;
+  if (type == fs::file_type::regular) text = read_file(file, kListLimit_bytes);
+  const std::string first = "= " + verb + " ";  // of which a kill may have left a part
+  if (type == fs::file_type::regular &&
+      (text.starts_with(first) || first.starts_with(std::string_view(text))))
+    return text;
+  throw std::invalid_argument(file.string() +
+                              " is in the way: it is not the list of files that `cousin " + verb +
+                              "` keeps there. Move it away, or choose another --out");
+}
+
 /// Empty if there is no list.
 OutputList read_list(const fs::path& folder, const FolderClaim& claim, const Listed& also_own) {
-  const fs::path file = list_file(folder, claim.verb);
-  OutputList list;
-  if (fs::symlink_status(file).type() != fs::file_type::not_found)
-    list = parse_list(read_file(file, kListLimit_bytes));
-  for (const auto& [path, hash] : also_own) list.hashes[path].insert(hash);
+  OutputList list = parse_list(text_of_list(folder, claim.verb));
+  for (const auto& [path, hash] : also_own) {
+    ListedFile& file = list.files[path];
+    file.hashes.insert(hash);
+    if (file.config.empty()) file.config = config_of(claim);
+  }
   return list;
 }
 
@@ -150,7 +190,8 @@ std::string other_owner(const fs::path& folder, const std::string& path, const s
   for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
     const std::string name = entry.path().filename().string();
     if (!is_output_list(name) || name.substr(kListPrefix.size()) == verb) continue;
-    if (parse_list(read_file(entry.path(), kListLimit_bytes)).hashes.contains(path))
+    if (!fs::is_regular_file(fs::symlink_status(entry.path()))) continue;  // no list of ours
+    if (parse_list(read_file(entry.path(), kListLimit_bytes)).files.contains(path))
       return name.substr(kListPrefix.size());
   }
   return {};
@@ -183,6 +224,9 @@ class Look {
   void look() {
     if (!fs::exists(folder_)) return;
     for (const fs::path name : claim_.names) add_named({}, name.begin(), name.end());
+    for (const auto& [path, file] : list_.files) {  // these are removed at the end
+      if (is_of_other_config(file, claim_)) files_.push_back(path);
+    }
     std::sort(files_.begin(), files_.end());
     files_.erase(std::unique(files_.begin(), files_.end()), files_.end());
     std::vector<std::string> why(files_.size());
@@ -238,15 +282,20 @@ class Look {
   /// Why a file may not be replaced; empty if it may.
   std::string problem(const OutputList& list, const std::string& path) const {
     const fs::path file = folder_ / path;
+    for (fs::path way = fs::path(path).parent_path(); !way.empty(); way = way.parent_path()) {
+      if (fs::is_symlink(fs::symlink_status(folder_ / way)))
+        return "it is behind the link " + way.generic_string() + ", and links are not followed";
+    }
     const fs::file_type type = fs::symlink_status(file).type();
     if (type == fs::file_type::not_found) return {};  // gone since it was listed
     if (type == fs::file_type::symlink) return "it is a link, and links are not followed";
     if (type != fs::file_type::regular) return "it is neither a file nor a folder";
-    const auto listed = list.hashes.find(path);
-    if (listed == list.hashes.end())
+    const auto listed = list.files.find(path);
+    if (listed == list.files.end())
       return is_in_own_folder(list, path) ? "" : not_written(claim_.verb);
-    if (!claim_.check_bytes || listed->second.contains("*") ||
-        listed->second.contains(sha256_hex_of_file(file)))
+    const std::set<std::string>& hashes = listed->second.hashes;
+    if (!claim_.check_bytes || (is_by_name(path) && hashes.contains("*")) ||
+        hashes.contains(sha256_hex_of_file(file)))
       return {};
     return "it was changed since `cousin " + claim_.verb + "` wrote it";
   }
@@ -297,7 +346,7 @@ struct OutputFolder::Impl final : FolderGuard {
   fs::path folder;
   FolderClaim claim;
   int descriptor = -1;
-  bool other_config = false, released = false;
+  bool released = false;
   mutable std::mutex mutex;
   OutputList list;
   std::set<std::string> written;
@@ -316,18 +365,24 @@ struct OutputFolder::Impl final : FolderGuard {
     const fs::path file = list_file(folder, claim.verb);
     try {
       OutputList whole = read_list(folder, claim, {});
-      std::string text = whole.config.empty()
-                             ? claim_line(claim)
-                             : "= " + claim.verb + " " + whole.config + " " + whole.version + "\n";
-      for (const std::string& path : whole.folders) text += "/ " + escaped(path) + "\n";
+      if (whole.config.empty()) whole.config = config_of(claim), whole.version = claim.version;
+      std::map<std::string, std::string> lines;  // by configuration
       bool is_empty = whole.folders.empty();
-      for (auto& [path, hashes] : whole.hashes) {
+      for (auto& [path, listed] : whole.files) {
         if (!fs::is_regular_file(fs::symlink_status(folder / path))) continue;
         is_empty = false;
-        if (hashes.size() > 1 && written.contains(path))
-          hashes = {hash_of(path, read_file(folder / path))};
-        for (const std::string& hash : hashes) text += file_line(hash, path);
+        if (listed.hashes.size() > 1 && written.contains(path))
+          listed.hashes = {hash_of(path, read_file(folder / path))};
+        for (const std::string& hash : listed.hashes) lines[listed.config] += file_line(hash, path);
       }
+      std::string text;
+      for (const auto& [config, of_config] : lines) {
+        if (config != whole.config)
+          text += claim_line(claim.verb, config, whole.version) + of_config;
+      }
+      text += claim_line(claim.verb, whole.config, whole.version);
+      for (const std::string& path : whole.folders) text += "/ " + escaped(path) + "\n";
+      text += lines[whole.config];
       if (is_empty) {
         ::unlink(file.c_str());
       } else if (read_file(file, kListLimit_bytes) != text) {
@@ -362,7 +417,7 @@ struct OutputFolder::Impl final : FolderGuard {
   }
 
   /// As all processes have written it that hold it open, though one of them may have removed it.
-  std::string text_of_list() const {
+  std::string whole_list() const {
     std::string text;
     std::array<char, 1 << 16> block;
     for (;;) {
@@ -408,18 +463,21 @@ struct OutputFolder::Impl final : FolderGuard {
     const std::string path = below.generic_string();
     const std::string hash = hash_of(below, bytes);
     const std::lock_guard lock(mutex);
-    bool own = list.hashes.contains(path) || is_in_own_folder(list, path);
+    bool own = list.files.contains(path) || is_in_own_folder(list, path);
     const fs::file_type type = fs::symlink_status(folder / below).type();
     if (type != fs::file_type::not_found) {
       // Another process that shares the folder may have written it.
       if (!own && claim.sharing == FolderClaim::Sharing::shards)
-        own = parse_list(text_of_list()).hashes.contains(path);
+        own = parse_list(whole_list()).files.contains(path);
       if (type == fs::file_type::symlink)
         refuse(folder, path, claim.verb, "it is a link, and links are not followed");
       if (!own || type != fs::file_type::regular)
         refuse(folder, path, claim.verb, not_written(claim.verb));
     }
-    if (list.hashes[path].insert(hash).second) append(file_line(hash, path));
+    ListedFile& listed = list.files[path];
+    const bool is_new = listed.hashes.insert(hash).second;
+    if (is_new || listed.config != config_of(claim)) append(file_line(hash, path));
+    listed.config = config_of(claim);
     written.insert(path);
     return own || claim.sharing == FolderClaim::Sharing::shards;
   }
@@ -439,13 +497,13 @@ struct OutputFolder::Impl final : FolderGuard {
       if (fs::is_symlink(fs::symlink_status(folder / way))) return false;
     }
     if (is_in_own_folder(list, path)) return true;
-    return list.hashes.contains(path) && !fs::is_symlink(fs::symlink_status(folder / below));
+    return list.files.contains(path) && !fs::is_symlink(fs::symlink_status(folder / below));
   }
 
   void after_remove(const fs::path& below) override {
     const std::string path = below.generic_string();
     const std::lock_guard lock(mutex);
-    if (list.hashes.erase(path) + list.folders.erase(path) == 0) return;
+    if (list.files.erase(path) + list.folders.erase(path) == 0) return;
     written.erase(path);
     append("- " + escaped(path) + "\n");
   }
@@ -457,6 +515,29 @@ struct OutputFolder::Impl final : FolderGuard {
     if (is_in_own_folder(list, path)) return;
     list.folders.insert(path);
     append("/ " + escaped(path) + "\n");
+  }
+
+  /// Whether a file is as it was listed: a list may be a stranger's, and a file changed since.
+  bool is_as_listed(const std::string& path) const {
+    const fs::path file = folder / path;
+    if (fs::symlink_status(file).type() != fs::file_type::regular) return false;
+    const auto listed = list.files.find(path);
+    if (listed == list.files.end()) return false;
+    const std::set<std::string>& hashes = listed->second.hashes;
+    return (is_by_name(path) && hashes.contains("*")) || hashes.contains(sha256_hex_of_file(file));
+  }
+
+  /// Removes files that are as they were listed, and folders that hold nothing then.
+  void remove(const std::vector<std::string>& paths) const {
+    for (const std::string& path : paths) {
+      if (!is_as_listed(path) || !remove_own(folder / path)) continue;
+      std::error_code error;  // a folder that is not empty stays
+      for (fs::path above = fs::path(path).parent_path(); !above.empty();
+           above = above.parent_path()) {
+        if (!fs::is_directory(fs::symlink_status(folder / above))) break;
+        if (!fs::remove(folder / above, error)) break;
+      }
+    }
   }
 };
 
@@ -471,16 +552,19 @@ OutputFolder::OutputFolder(const fs::path& folder, FolderClaim claim, const List
   const bool is_new = impl_->open_list();
   try {
     const OutputList before = read_list(folder, own, {});
+    if (before.config.empty() && own.other_config == FolderClaim::OtherConfig::refuse)
+      throw std::invalid_argument(list_file(folder, own.verb).string() +
+                                  " has no first line: another process takes the folder at this "
+                                  "moment, or was stopped while it did. If none runs, remove it");
     check_config(folder, own, before);
     Look(folder, own, also_own).look();
     // Where a kill has cut off the last line, the next one begins anew.
-    const std::string text = read_file(list_file(folder, own.verb), kListLimit_bytes);
+    const std::string text = text_of_list(folder, own.verb);
     if (!text.empty() && text.back() != '\n') impl_->append("\n");
-    impl_->other_config = !own.config.empty() && before.config != own.config;
-    if (impl_->other_config) impl_->append(claim_line(own));
+    if (before.config != config_of(own)) impl_->append(claim_line(own));
     for (const auto& [path, hash] : also_own) {
-      const auto listed = before.hashes.find(path);
-      if (listed == before.hashes.end() || !listed->second.contains(hash))
+      const auto listed = before.files.find(path);
+      if (listed == before.files.end() || !listed->second.hashes.contains(hash))
         impl_->append(file_line(hash, path));
     }
   } catch (...) {
@@ -494,26 +578,33 @@ OutputFolder::OutputFolder(const fs::path& folder, FolderClaim claim, const List
 OutputFolder::~OutputFolder() = default;
 OutputFolder::OutputFolder(OutputFolder&&) noexcept = default;
 
-bool OutputFolder::had_other_config() const { return impl_->other_config; }
-
 std::vector<std::string> OutputFolder::files() const {
   const std::lock_guard lock(impl_->mutex);
   std::vector<std::string> files;
-  for (const auto& [path, hashes] : parse_list(impl_->text_of_list()).hashes) files.push_back(path);
+  for (const auto& [path, listed] : parse_list(impl_->whole_list()).files) files.push_back(path);
   return files;
 }
 
+std::vector<std::string> OutputFolder::files_of_other_configs() const {
+  const std::lock_guard lock(impl_->mutex);
+  std::vector<std::string> files;
+  for (const auto& [path, listed] : impl_->list.files) {
+    if (is_of_other_config(listed, impl_->claim)) files.push_back(path);
+  }
+  return files;
+}
+
+void OutputFolder::remove_other_configs() { impl_->remove(files_of_other_configs()); }
+
 void OutputFolder::remove_earlier() {
   std::vector<std::string> earlier;
-  for (const auto& [path, hashes] : impl_->list.hashes) {
-    if (!impl_->written.contains(path)) earlier.push_back(path);
+  {
+    const std::lock_guard lock(impl_->mutex);
+    for (const auto& [path, listed] : impl_->list.files) {
+      if (!impl_->written.contains(path)) earlier.push_back(path);
+    }
   }
-  for (const std::string& path : earlier) {
-    remove_own(impl_->folder / path);
-    fs::path above = fs::path(path).parent_path();
-    std::error_code error;  // a folder that is not empty stays
-    while (!above.empty() && fs::remove(impl_->folder / above, error)) above = above.parent_path();
-  }
+  impl_->remove(earlier);
 }
 
 void OutputFolder::release() {

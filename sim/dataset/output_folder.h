@@ -40,10 +40,12 @@ class OutputFolder {
   ~OutputFolder();
   OutputFolder(OutputFolder&&) noexcept;
 
-  /// Whether what the folder held when it was taken is of another configuration.
-  bool had_other_config() const;
   /// Files that are the verb's own, below the folder; sorted.
   std::vector<std::string> files() const;
+  /// Those of them that no process has written under the claim's configuration; sorted.
+  std::vector<std::string> files_of_other_configs() const;
+  /// Removes these: what is left of a run of another configuration, whoever stopped when.
+  void remove_other_configs();
   /// Removes the verb's own files that this process has not written: an earlier run's.
   void remove_earlier();
   /// The folder has another list of its files from now on: .cousin.VERB goes.

@@ -144,7 +144,7 @@ std::vector<OutlinePoint> outline_of(const PlacedMask& placed, const Eigen::Vect
     point.on_object = false;
     outline.push_back(point);
   };
-  for (const PixelRing& ring : rings_of(placed.mask, placed.x, placed.y)) {
+  for (const PixelRing& ring : rings_of(placed.mask, placed.x, placed.y, kMaxPoints)) {
     const std::vector<OutlinePoint> points = points_of(ring, image_px);
     const bool is_first = outline.empty();
     outline.insert(outline.end(), points.begin(), points.end());
@@ -243,7 +243,14 @@ void read_segmentation(const JsonNode& node, const Eigen::Vector2i& image_px, Si
   const PlacedMask mask =
       is_runs ? read_runs(segmentation, size) : read_polygons(segmentation, image_px);
   if (mask.mask.empty()) return;
-  result.outline = outline_of(mask, size);
+  // The mask, its edges twice, and the part of each pixel.
+  constexpr std::uint64_t kPixelBytes = 3 + sizeof(int);
+  check_memory(node.file(), kPixelBytes * mask.mask.size(), "the outline of a mask");
+  try {
+    result.outline = outline_of(mask, size);
+  } catch (const std::invalid_argument& error) {
+    segmentation.fail(error.what());
+  }
   if (result.outline.size() > kMaxPoints) {
     segmentation.fail("has an outline of " + std::to_string(result.outline.size()) +
                       " points; the limit is " + std::to_string(kMaxPoints));

@@ -49,6 +49,7 @@
 #include "sim/dataset/truth_io.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <stdexcept>
 
@@ -63,6 +64,7 @@
 #include "sim/imaging/exr_vectors.h"
 #include "sim/imaging/image_io.h"
 #include "sim/truth/specimens.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin {
 namespace {
@@ -288,6 +290,39 @@ void read_masks(const fs::path& dir, const TrueView& view, TruthImages& images) 
   }
 }
 
+/// What all truth images take in memory, by the sizes that camera.json says.
+void check_image_memory(const fs::path& dir, const SceneTruth& truth, std::size_t specimens) {
+  struct Kind {
+    const char* folder;
+    const char* ending;
+    std::uint64_t pixel_bytes;  ///< of what is kept
+  };
+  constexpr std::array<Kind, 10> kKinds = {{{"depth", ".exr", 4},
+                                            {"normal", ".exr", 12},
+                                            {"position", ".exr", 12},
+                                            {"coverage", ".exr", 4},
+                                            {"part", ".png", 2},
+                                            {"instance", ".png", 4},
+                                            {"flow", ".exr", 9},
+                                            {"disparity", ".exr", 9},
+                                            {"noise_free_depth", ".exr", 4},
+                                            {"invalid_reason", ".png", 1}}};
+  std::uint64_t bytes = 0;
+  for (const TrueView& view : truth.views) {
+    const std::uint64_t pixels = bytes_times(static_cast<std::uint64_t>(view.camera.width_px),
+                                             static_cast<std::uint64_t>(view.camera.height_px));
+    std::uint64_t of_pixel = 0;
+    for (const Kind& kind : kKinds) {
+      if (fs::exists(dir / kind.folder / (six_digits(view.frame) + kind.ending)))
+        of_pixel += kind.pixel_bytes;
+    }
+    if (fs::is_directory(dir / "mask")) of_pixel += specimens;
+    bytes = bytes_plus(bytes, bytes_times(pixels, of_pixel));
+    check_memory(dir / "camera.json", bytes,
+                 "the truth images up to frame " + std::to_string(view.frame));
+  }
+}
+
 void read_images(const fs::path& dir, const TrueView& view, TruthImages& images) {
   const auto scalar = [](const fs::path& f) { return read_exr(f); };
   const auto vectors = [](const fs::path& f) { return read_exr_vectors(f); };
@@ -392,6 +427,7 @@ SceneTruth read_truth(const fs::path& scene_dir) {
   keypoint_views_from_json(text("keypoints.json"), name("keypoints.json"), truth.scene, truth.views,
                            truth.images);
   const std::vector<const Instance*> order = specimens_of(truth.scene);
+  check_image_memory(dir, truth, order.size());
   for_each_frame(truth.views.size(), [&](std::size_t i) {
     read_images(dir, truth.views[i], truth.images[i]);
     read_shares(dir, truth.views[i], order, truth.images[i]);

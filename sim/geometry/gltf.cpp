@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "sim/geometry/gltf_document.h"
+#include "sim/types/memory_limit.h"
 #include "sim/types/utf8.h"
 
 namespace cousin::geometry {
@@ -178,6 +179,13 @@ class GltfScene {
     }
   }
 
+  /// Nodes may share a mesh: a small file can ask for many vertices. Lists grow by doubling.
+  void check_room(std::size_t more) const {
+    const std::uint64_t vertices = std::uint64_t{user_.mesh.vertices_m.size()} + more;
+    check_memory(d_.name(), 3 * vertices * (sizeof(Eigen::Vector3d) + sizeof(Rgbf)),
+                 std::to_string(vertices) + " vertices");
+  }
+
   void add_primitive(const json& primitive, const Eigen::Affine3d& world_from_node,
                      const std::string& where) {
     const std::size_t mode = d_.whole(primitive, "mode", where, 6, 4);
@@ -189,6 +197,7 @@ class GltfScene {
     const std::size_t most_vertices = std::min(kMaxElements, 3 * most_triangles_);
     const auto points = d_.read(
         position, {"VEC3"}, most_vertices - std::min(most_vertices, user_.mesh.vertices_m.size()));
+    check_room(points.count);
     const auto first = static_cast<std::uint32_t>(user_.mesh.vertices_m.size());
     for (std::size_t i = 0; i < points.count; ++i) {
       const Eigen::Vector3d p =

@@ -149,7 +149,7 @@ std::string last_lines(const fs::path& file, int count) {
   std::string text;
   const auto wanted = static_cast<std::size_t>(std::max(0, count));
   for (std::size_t i = lines.size() > wanted ? lines.size() - wanted : 0; i < lines.size(); ++i)
-    text += "\n  " + cut_utf8(lines[i], 300);
+    text += " | " + cut_utf8(lines[i], 300);
   return text;
 }
 

@@ -107,7 +107,7 @@ std::string terminal_text(std::string_view text) {
   while (!text.empty()) {
     const std::size_t count = utf8_character_bytes(text);
     const std::string_view character = text.substr(0, count == 0 ? 1 : count);
-    const bool stays = text.starts_with("\n  ") || text[0] == '\t';
+    const bool stays = text[0] == '\t';
     if (count == 0 || (!stays && acts_on_terminal(code_point(character))))
       result += shown_character(character);
     else

@@ -20,8 +20,8 @@ std::string readable_utf8(std::string_view text);
 std::string cut_utf8(std::string_view text, std::size_t most_bytes);
 
 /// Text that may hold anything, for a terminal or a log: control characters, marks that turn the
-/// direction of writing, and bytes that are not UTF-8 are shown ("\x1b", "\u202e"). A line break
-/// stays only before two blanks, so that nothing inside the text can begin a line of its own.
+/// direction of writing, line breaks, and bytes that are not UTF-8 are shown ("\x1b", "\u202e"), so
+/// that nothing inside the text can begin a line of its own. A tab stays.
 std::string terminal_text(std::string_view text);
 
 }  // namespace cousin

@@ -270,6 +270,84 @@ TEST(OutputFolder, AListThatLeadsOutOfItsFolderRemovesNothing) {
   EXPECT_EQ(read_file(folder.path() / "mine"), "mine");
 }
 
+/// A list may be a stranger's that came with a folder.
+TEST(OutputFolder, WhatIsNotAsItWasListedIsNotRemoved) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "thesis.tex", "mine");
+  write_file(folder.path() / ".cousin.calibrate", "= calibrate - 1\n+ * thesis.tex\n");
+  {
+    OutputFolder own(folder.path(), calibrate());
+    own.remove_earlier();
+  }
+  EXPECT_EQ(read_file(folder.path() / "thesis.tex"), "mine");
+}
+
+TEST(OutputFolder, AFileOfAnotherConfigurationThatWasEditedIsInTheWay) {
+  const TemporaryFolder folder, other;
+  FolderClaim claim = calibrate("aaa");
+  {
+    const OutputFolder own(folder.path(), claim);
+    write_file(folder.path() / "estimate/000001/traits.json", "ours");
+    write_file(folder.path() / "estimate/000002/traits.json", "ours");
+  }
+  claim.config = "bbb";
+  EXPECT_EQ(refusal_of(folder.path(), claim), "");
+  write_file(folder.path() / "estimate/000001/traits.json", "mine");
+  EXPECT_THAT(refusal_of(folder.path(), claim),
+              HasSubstr("000001/traits.json is in the way: it was changed"));
+  write_file(folder.path() / "estimate/000001/traits.json", "ours");
+  fs::rename(folder.path() / "estimate/000002", other.path() / "moved");
+  fs::create_directory_symlink(other.path() / "moved", folder.path() / "estimate/000002");
+  EXPECT_THAT(refusal_of(folder.path(), claim), HasSubstr("it is behind the link estimate/000002"));
+  EXPECT_EQ(read_file(other.path() / "moved/traits.json"), "ours");
+}
+
+TEST(OutputFolder, WhatIsLeftOfAnotherConfigurationGoesThoughARunWasStoppedBetween) {
+  const TemporaryFolder folder;
+  const auto write = [&](const char* name) { write_file(folder.path() / name, "ours"); };
+  {
+    const OutputFolder own(folder.path(), calibrate("aaa"));
+    for (const char* name : {"a", "b", "deep/c"}) write(name);
+  }
+  {
+    const OutputFolder own(folder.path(), calibrate("bbb"));
+    write("a");  // the same bytes; stopped before the rest
+  }
+  OutputFolder own(folder.path(), calibrate("bbb"));
+  EXPECT_EQ(own.files_of_other_configs(), (std::vector<std::string>{"b", "deep/c"}));
+  write("d");
+  own.remove_other_configs();
+  EXPECT_EQ(own.files(), (std::vector<std::string>{"a", "d"}));
+  EXPECT_FALSE(fs::exists(folder.path() / "deep"));
+}
+
+TEST(OutputFolder, ALargeFileThatWasEditedIsInTheWayToo) {
+  const TemporaryFolder folder;
+  const std::string large(std::size_t{17} << 20, 'a');
+  {
+    const OutputFolder own(folder.path(), calibrate());
+    write_file(folder.path() / "scores.csv", large);
+  }
+  EXPECT_EQ(refusal_of(folder.path(), calibrate()), "");
+  write_file(folder.path() / "scores.csv", large + "b");
+  EXPECT_THAT(refusal_of(folder.path(), calibrate()), HasSubstr("it was changed since"));
+}
+
+TEST(OutputFolder, SomethingElseWithTheNameOfTheListIsInTheWay) {
+  const TemporaryFolder folder;
+  const fs::path list = folder.path() / ".cousin.calibrate";
+  write_file(list, "my notes\n");
+  EXPECT_THAT(refusal_of(folder.path(), calibrate()),
+              AllOf(HasSubstr(".cousin.calibrate is in the way"), HasSubstr("--out")));
+  EXPECT_EQ(read_file(list), "my notes\n");
+  fs::remove(list);
+  fs::create_directories(list);
+  EXPECT_THAT(refusal_of(folder.path(), calibrate()), HasSubstr("is in the way"));
+  fs::remove(list);
+  fs::create_symlink("/nowhere", list);
+  EXPECT_THAT(refusal_of(folder.path(), calibrate()), HasSubstr("is in the way"));
+}
+
 TEST(OutputFolder, NamesWithEndsOfLinesAndBackslashesAreKept) {
   const TemporaryFolder folder;
   const std::string name = "a\nb\\n c";

@@ -185,6 +185,17 @@ TEST(SeamMasks, MasksOfOtherImagesAreRefused) {
   EXPECT_THAT(refusal("[]", "", images), HasSubstr("of scene 0, not of scene 1"));
 }
 
+TEST(SeamMasks, TheOutlineOfOneMaskIsBoundedWhileItIsMade) {
+  // A comb: every second column of 2,000 x 1,200 pixels.
+  std::string runs;
+  for (int x = 0; x < 2000; ++x) runs += (x > 0 ? "," : "") + std::string("1200");
+  const std::string comb = R"({"size": [1200, 2000], "counts": [)" + runs + "]}";
+  EXPECT_THAT(refusal(comb), HasSubstr("more than 1000000 pixel edges"));
+  set_memory_limit(10'000'000);
+  EXPECT_THAT(refusal(comb), HasSubstr("the outline of a mask would take"));
+  set_memory_limit(0);
+}
+
 TEST(SeamMasks, ManyOutlinesAreBoundedByTheMemoryLimit) {
   std::string text = "[";
   for (int i = 0; i < 100; ++i) {

@@ -10,6 +10,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/memory_limit.h"
 #include "tests/dataset/sample_capture.h"
 #include "tests/dataset/temporary_folder.h"
 
@@ -278,6 +279,17 @@ TEST(TruthIo, ADepthSensorsImagesMustFitItsOwnCamera) {
                     HasSubstr("16 x 12 pixels; its camera has 20 x 10")));
   truth.other_sensors[0].views.pop_back();
   EXPECT_THROW(write_truth(folder.path() / "b", truth), std::invalid_argument);
+}
+
+TEST(TruthIo, ImagesThatDoNotFitIntoMemoryAreRefusedBeforeTheyAreRead) {
+  const TemporaryFolder folder;
+  write_truth(folder.path(), sample_truth());
+  const std::uint64_t scene_bytes = 200'000;  // its JSON; images of two frames take more
+  set_memory_limit(scene_bytes);
+  EXPECT_THAT(error_of([&] { read_truth(folder.path()); }),
+              AllOf(HasSubstr("truth/camera.json"), HasSubstr("the truth images up to frame"),
+                    HasSubstr("the limit is 200000 bytes")));
+  set_memory_limit(0);
 }
 
 TEST(TruthIo, WhatWasNotPlannedIsNotThere) {

@@ -4,6 +4,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/import.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/memory_limit.h"
 #include "tests/dataset/sample_capture.h"
 #include "tests/dataset/temporary_folder.h"
 
@@ -52,6 +53,19 @@ TEST(ImportTum, PosesAreInterpolatedAndDepthBelongsToTheNearestImage) {
   EXPECT_THAT(capture.warnings,
               testing::ElementsAre(AllOf(HasSubstr("rgb/2.png"), HasSubstr("pose")),
                                    AllOf(HasSubstr("rgb/2.png"), HasSubstr("depth"))));
+}
+
+TEST(ImportTum, DepthCountsBesideColour) {
+  const TemporaryFolder folder;
+  make_folders(folder.path());
+  write_sequence(folder.path());
+  constexpr std::uint64_t kBytes = 2 * 20 * 12 * 3 + 20 * 12 * 2;
+  set_memory_limit(kBytes - 1);
+  EXPECT_THAT(error_of([&] { import_tum(folder.path(), kLens); }),
+              AllOf(HasSubstr("and 1 depth images"), HasSubstr(std::to_string(kBytes))));
+  set_memory_limit(kBytes);
+  EXPECT_EQ(error_of([&] { import_tum(folder.path(), kLens); }), "");
+  set_memory_limit(0);
 }
 
 TEST(ImportTum, WrongFilesAreErrorsWithFileAndLine) {

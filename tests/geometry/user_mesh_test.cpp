@@ -157,6 +157,20 @@ TEST_F(UserMeshFiles, GltfThatLeadsOutsideOrAstrayIsRefusedByName) {
   EXPECT_THAT(error_of("b.gltf", "{"), HasSubstr("not JSON"));
 }
 
+TEST_F(UserMeshFiles, GltfNodesThatShareAMeshAreBoundedByTheMemoryLimit) {
+  write("a b.bin", tetrahedron_bytes());
+  std::string children, nodes;
+  for (int i = 1; i <= 2000; ++i) {
+    children += (i > 1 ? "," : "") + std::to_string(i);
+    nodes += R"(,{"mesh":0})";
+  }
+  set_memory_limit(3 * 4 * 1500 * 36);  // of 1,500 nodes
+  EXPECT_THAT(
+      error_of("a.gltf", tetrahedron_gltf(kBeside, R"({"children":[)" + children + "]}" + nodes)),
+      AllOf(HasSubstr("a.gltf"), HasSubstr("6004 vertices would take")));
+  set_memory_limit(0);
+}
+
 TEST_F(UserMeshFiles, ObjGroupsArePartsAndColoursAreLinear) {
   const UserMesh user =
       read_user_mesh(write("a.obj",

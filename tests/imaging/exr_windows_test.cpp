@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/imaging/exr_size.h"
 #include "sim/imaging/image_io.h"
 
 namespace cousin {
@@ -230,6 +231,15 @@ TEST_F(ExrWindows, KeysThatChangeTheMeaningAreRefusedByName) {
     h.insert("envmap", Imf::EnvmapAttribute(Imf::ENVMAP_LATLONG));
   });
   EXPECT_EQ(color_error(), "");
+}
+
+TEST_F(ExrWindows, SizesAreThoseOfTheLargestWindow) {
+  write({.display = box(0, 0, 99, 49), .data = box(0, 0, 0, 0)});
+  EXPECT_EQ(exr_pixels(file_), 5000U);
+  write({.display = box(0, 0, 0, 0), .data = box(0, 0, 7, 3)});
+  EXPECT_EQ(exr_pixels(file_), 32U);
+  write_parts({{.name = "small"}, {.display = box(0, 0, 19, 9), .name = "large"}});
+  EXPECT_EQ(exr_pixels(file_), 200U);
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST(LearnedDistance, FilesThatAreNoNetworkAreNamed) {
   EXPECT_THAT(error_of([&] { load_learned_distance("/nowhere.pt", COUSIN_TORCH_MODULE); }),
               testing::HasSubstr("/nowhere.pt: is no file"));
   EXPECT_THAT(error_of([&] { load_learned_distance(file, "/nowhere.so"); }),
-              testing::HasSubstr("WITH_TORCH"));
+              testing::HasSubstr("scripts/build torch"));
 }
 
 }  // namespace

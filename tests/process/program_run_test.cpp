@@ -90,7 +90,7 @@ TEST(ProgramRun, LastLinesOfALongLogAreItsEnd) {
     for (int i = 0; i < 100000; ++i) out << "line " << i << "\n\n";
     out << std::string(1000, 'x') << "\n";
   }
-  EXPECT_EQ(last_lines(log, 2), "\n  line 99999\n  " + std::string(300, 'x'));
+  EXPECT_EQ(last_lines(log, 2), " | line 99999 | " + std::string(300, 'x'));
   EXPECT_EQ(last_lines(folder.path() / "absent"), "");
 }
 

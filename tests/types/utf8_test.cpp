@@ -63,8 +63,8 @@ TEST(Utf8, ATerminalIsNotToldAnything) {
   EXPECT_EQ(terminal_text("Grün 苺"), "Grün 苺");
 }
 
-TEST(Utf8, ALineBreakStaysOnlyBeforeAnIndentedLine) {
-  EXPECT_EQ(terminal_text("it said:\n  a\n  b"), "it said:\n  a\n  b");
+TEST(Utf8, ALineBreakIsShownAndDoesNotAct) {
+  EXPECT_EQ(terminal_text("a\n  cousin: verified"), "a\\x0a  cousin: verified");
   EXPECT_EQ(terminal_text("a.png\ncousin: done"), "a.png\\x0acousin: done");
 }
 
