@@ -54,7 +54,7 @@ OwnFiles listed_by_manifests(const fs::path& dataset, const std::string& hash) {
       throw std::invalid_argument(entry.path().string() + kOfAnotherRun + " (SHA-256 " +
                                   manifest.config_hash + " there, " + hash + " here)");
     own.insert(own.end(), manifest.files.begin(), manifest.files.end());
-    own.emplace_back(name, "*");
+    own.emplace_back(name, sha256_hex_of_file(entry.path()));
   }
   if (!own.empty()) own.emplace_back("timings.json", "*");  // beside the hashes
   return own;

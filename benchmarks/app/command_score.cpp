@@ -7,6 +7,7 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/perceive_places.h"
 #include "benchmarks/app/result_output.h"
+#include "benchmarks/app/terminal.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/shards/shard.h"

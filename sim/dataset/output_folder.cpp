@@ -549,6 +549,7 @@ OutputFolder::OutputFolder(const fs::path& folder, FolderClaim claim, const List
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) fail(folder, "cannot make the folder", error.value());
+  text_of_list(folder, own.verb);  // says so where something else has its name
   const bool is_new = impl_->open_list();
   try {
     const OutputList before = read_list(folder, own, {});

@@ -284,11 +284,12 @@ TEST(TruthIo, ADepthSensorsImagesMustFitItsOwnCamera) {
 TEST(TruthIo, ImagesThatDoNotFitIntoMemoryAreRefusedBeforeTheyAreRead) {
   const TemporaryFolder folder;
   write_truth(folder.path(), sample_truth());
-  const std::uint64_t scene_bytes = 200'000;  // its JSON; images of two frames take more
-  set_memory_limit(scene_bytes);
+  const std::string limit =
+      std::to_string(kWidth * kHeight * 62);  // bytes of a pixel; there are more
+  set_memory_limit(std::stoull(limit));
   EXPECT_THAT(error_of([&] { read_truth(folder.path()); }),
               AllOf(HasSubstr("truth/camera.json"), HasSubstr("the truth images up to frame"),
-                    HasSubstr("the limit is 200000 bytes")));
+                    HasSubstr("the limit is " + limit + " bytes")));
   set_memory_limit(0);
 }
 

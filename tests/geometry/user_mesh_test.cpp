@@ -13,6 +13,7 @@
 #include "sim/geometry/measure.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/geometry/mesh_warnings.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin {
 namespace {

@@ -238,7 +238,7 @@ TEST_F(ExrWindows, SizesAreThoseOfTheLargestWindow) {
   EXPECT_EQ(exr_pixels(file_), 5000U);
   write({.display = box(0, 0, 0, 0), .data = box(0, 0, 7, 3)});
   EXPECT_EQ(exr_pixels(file_), 32U);
-  write_parts({{.name = "small"}, {.display = box(0, 0, 19, 9), .name = "large"}});
+  write_parts({{.name = "small"}, {.data = box(0, 0, 19, 9), .name = "large"}});
   EXPECT_EQ(exr_pixels(file_), 200U);
 }
 

@@ -52,7 +52,7 @@ std::vector<std::pair<std::string, std::string>> own_marks(const fs::path& out,
                                   " is of another dataset, format or choice of options, or of "
                                   "another version of the program; choose another --out");
     }
-    own.emplace_back(name, "*");
+    own.emplace_back(name, sha256_hex_of_file(file));
   }
   return own;
 }
