@@ -5,6 +5,7 @@
 #include <string>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/perceive_places.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
@@ -37,8 +38,8 @@ bool is_whole_scene(const fs::path& estimate_dir) {
 }
 
 /// The seams that scores are of.
-SeedsEstimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
-  SeedsEstimate estimate;
+Estimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
+  Estimate estimate;
   const bool is_whole = is_whole_scene(dir);
   if (!is_whole) estimate.traits = read_traits(dir);
   if (is_whole && fs::exists(dir / "cloud.ply")) estimate.cloud = read_cloud(dir);
@@ -56,6 +57,17 @@ SeedsEstimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
   return estimate;
 }
 
+/// A file, or a folder of text files: what a detector writes.
+bool is_detections(const fs::path& path) {
+  if (fs::is_regular_file(path)) return true;
+  if (!fs::is_directory(path) || fs::exists(path / "000000")) return false;
+  if (fs::is_directory(path / "labels")) return true;
+  for (const auto& entry : fs::directory_iterator(path)) {
+    if (entry.path().extension() == ".txt") return true;
+  }
+  return false;
+}
+
 void check_alignment(const Options& o, const fs::path& estimate_dir) {
   if (!o.align || !fs::exists(estimate_dir / "traits.json")) return;
   throw std::invalid_argument("--align: " + estimate_dir.string() +
@@ -64,7 +76,7 @@ void check_alignment(const Options& o, const fs::path& estimate_dir) {
 
 ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path& estimate_dir,
                       const SeedsScoreLabels& labels, ProgressPrinter& progress) {
-  const SeedsEstimate estimate = read_estimate(estimate_dir, truth);
+  const Estimate estimate = read_estimate(estimate_dir, truth);
   ScoreFile file;
   const bool is_whole = is_whole_scene(estimate_dir);
   if (is_whole)
@@ -112,6 +124,8 @@ ExitCode command_score(const JobContext& context) {
   const Options& o = context.options;
   const fs::path dataset = o.arguments.at(0);
   const fs::path estimates = o.arguments.at(1);
+  if (is_detections(estimates)) return command_score_detections(context);
+  refuse_given(o, {"--class-map", "--confidence"}, "is of a detector's results");
   for (const std::string& gate : o.gates) parse_gate(gate);
   const fs::path out = o.out.empty() ? estimates : fs::path(o.out);
   const FolderClaim claim{
