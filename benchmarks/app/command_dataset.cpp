@@ -201,6 +201,7 @@ ExitCode command_render(const JobContext& context) {
       o.truth.empty() ? default_truth(contents.streams)
                       : truth_needs_from_string(o.truth, truth_there_is(job.rig, contents.streams));
   if (o.truth.empty() && entry.has_points) contents.truth.keypoints = true;
+  if (!o.truth_for.empty()) contents.truth = truth_needs_for(o.truth_for, contents.truth);
   const int frames = job.views;
   const auto [first, end] = shard_range(shard, o.scenes * frames);
   if (o.plan) {

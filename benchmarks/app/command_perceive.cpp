@@ -20,6 +20,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
+#include "sim/types/trait_table.h"
 #include "sim/types/utf8.h"
 
 namespace cousin {
@@ -84,16 +85,17 @@ void print_traits(const std::string& scene, const Traits& traits) {
         std::string(to_string(specimen.status)).c_str(),
         specimen.reason.empty() ? "" : (" (" + terminal_text(specimen.reason) + ")").c_str());
     for (const Trait& trait : specimen.traits) {
-      const double scale = trait.unit == "m" ? 1e3 : trait.unit == "m2" ? 1e6 : 1e9;
-      const char* unit = trait.unit == "m" ? "mm" : trait.unit == "m2" ? "mm2" : "mm3";
-      std::printf("  %s %.3f %s", terminal_text(trait.name).c_str(), trait.value * scale, unit);
+      const TraitRow* row = find_trait(trait.name);
+      const std::string unit(row ? row->shown : trait.unit);
+      std::printf("  %s %.3f %s", terminal_text(trait.name).c_str(),
+                  trait.value * (row ? row->factor : 1), terminal_text(unit).c_str());
     }
     std::printf("\n");
   }
 }
 
 /// Where all of the views are, and nothing was found from Gaussians.
-std::string why_no_splats(const SeedsEstimate& estimate, const SeedsPipelineConfig& config) {
+std::string why_no_splats(const Estimate& estimate, const SeedsPipelineConfig& config) {
   const std::string count = std::to_string(estimate.splats.splats.size());
   if (estimate.splats.splats.empty()) return no_gaussians_text(estimate.splats);
   if (config.method == SeedsMethod::splats_paper)
@@ -103,8 +105,7 @@ std::string why_no_splats(const SeedsEstimate& estimate, const SeedsPipelineConf
 }
 
 /// Which stage found nothing first, if there is no specimen.
-std::string why_nothing(const SeedsEstimate& estimate, const SeedsPipelineConfig& config,
-                        int posed) {
+std::string why_nothing(const Estimate& estimate, const SeedsPipelineConfig& config, int posed) {
   if (!estimate.cloud.empty() || !estimate.clusters.cloud.empty())
     return estimate.traits.empty() ? "nothing stands on the board"
                                    : "no object has enough points of the cloud";
@@ -131,7 +132,7 @@ std::string why_nothing(const SeedsEstimate& estimate, const SeedsPipelineConfig
 }
 
 /// Whether no stage found anything that could be measured; what is only seen has no cluster.
-bool found_nothing(const SeedsEstimate& estimate) {
+bool found_nothing(const Estimate& estimate) {
   if (estimate.traits.empty()) return true;
   const std::vector<int>& instance = estimate.clusters.instance;
   return std::all_of(instance.begin(), instance.end(), [](int i) { return i < 0; }) &&
@@ -189,8 +190,8 @@ ExitCode command_perceive(const JobContext& context) {
     const fs::path estimate_dir = out / scene_id(index);
     if (!folder) folder.emplace(estimate_folder(places));
     write_file(estimate_dir / "config.toml", to_toml(fields(config)));
-    const SeedsEstimate estimate = perceive_seeds(capture, config, o.seed, sources, index,
-                                                  estimate_dir, context.progress.function(), warn);
+    const Estimate estimate = perceive_seeds(capture, config, o.seed, sources, index, estimate_dir,
+                                             context.progress.function(), warn);
     const int posed = count_posed(estimate.poses, estimate.corners, context.progress);
     std::string summary = std::to_string(posed) + " of " + std::to_string(capture.frames.size()) +
                           " views posed, " + specimens_text(estimate.traits);

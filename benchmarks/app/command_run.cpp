@@ -123,7 +123,7 @@ ScoreFile run_scene(const JobContext& context, const SeedsRunConfig& config, int
   labels.scene = labels.run = scene_id(scene);
   const SimulatedRun run = simulate_seeds(config, o.seed, scene, planned_truth(o.attribution),
                                           context.progress.function());
-  const SeedsEstimate estimate =
+  const Estimate estimate =
       perceive_seeds(run.capture, config.pipeline, o.seed, sources, scene,
                      out / "estimate" / scene_id(scene), context.progress.function(),
                      [&](const std::string& text) { context.progress.line("warning: " + text); });

@@ -276,6 +276,8 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       "shares,keypoints,leaf_area,flow,disparity,noise_free_depth,invalid_reason those listed; "
       "default: visibility, and of a depth sensor noise_free_depth,invalid_reason, of boards "
       "keypoints");
+  render->add_option("--for", o.truth_for,
+                     "Also the truth that `cousin export --format` coco, yolo or bop needs");
   add_set(*render, o);
 
   CLI::App* perceive =
@@ -290,7 +292,18 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   add_set(*perceive, o);
 
   CLI::App* score = verb("score", "Score estimates, ours or anybody's, against a dataset's truth");
-  takes(score, "DATASET ESTIMATE_DIR", "Dataset and estimate folders", 2, 2);
+  takes(score, "DATASET ESTIMATE",
+        "Dataset folder, and a folder of estimates, or a detector's results: a JSON file of COCO "
+        "results (Ultralytics' predictions.json) or a folder of YOLO's text files",
+        2, 2);
+  score->add_option("--class-map", o.class_map,
+                    "Of detections: what the file's classes are in the dataset, 0=low,1=high; "
+                    "default: the dataset's classes in their order");
+  score
+      ->add_option("--confidence", o.confidence,
+                   "Of detections: precision, recall and pictures are of those from here on")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   score->add_flag("--align", o.align,
                   "Of estimates without traits.json: turn, move and scale them so that camera "
                   "centres come nearest to the true ones");

@@ -12,12 +12,12 @@ namespace {
 
 /// Stages that the pipeline has not would be read and never used.
 void check_stages(const std::vector<StageSource>& sources) {
-  constexpr const char* kStages[] = {"poses", "splats", "depth", "cloud", "surfaces"};
+  const StageOrder order = views_stage_order();
   for (const StageSource& source : sources) {
-    if (std::find(std::begin(kStages), std::end(kStages), source.stage) != std::end(kStages))
-      continue;
+    if (std::find(order.begin(), order.end(), source.stage) != order.end()) continue;
     std::string all;
-    for (const char* stage : kStages) all += (all.empty() ? "" : ", ") + std::string(stage);
+    for (const std::string_view stage : order)
+      all += (all.empty() ? "" : ", ") + std::string(stage);
     throw std::invalid_argument("--stage " + source.stage + ": pipeline views has " + all);
   }
 }

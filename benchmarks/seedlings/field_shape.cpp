@@ -43,7 +43,7 @@ std::vector<ScoreRow> shape_rows(const SeedlingsSample& sample, std::uint64_t se
   const auto add = [&](const auto& cloud_of, const std::string& of) {
     ScoreRow row = base;
     row.method += of;
-    SeedsEstimate estimate;
+    Estimate estimate;
     StageTiming training;
     training.stage = "splats";
     training.wall_s = base.wall_s;

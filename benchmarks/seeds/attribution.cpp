@@ -5,12 +5,14 @@
 
 #include "benchmarks/metrics/trait_statistics.h"
 #include "benchmarks/seeds/truth_stages.h"
+#include "perception/cloud/measure_traits.h"
 #include "perception/pipelines/seeds.h"
+#include "sim/types/trait_table.h"
 
 namespace cousin {
 namespace {
 
-double wall_s(const SeedsEstimate& estimate) {
+double wall_s(const Estimate& estimate) {
   double sum = 0;
   for (const StageTiming& timing : estimate.timings) sum += timing.wall_s;
   return sum;
@@ -19,38 +21,29 @@ double wall_s(const SeedsEstimate& estimate) {
 }  // namespace
 
 std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipelineConfig& config,
-                                      const SeedsStages& own, const SeedsScoreLabels& labels,
-                                      const SeedsEstimate* estimate, const Progress& progress) {
-  const SeedsStages truth = truth_stages(run, board_of(run.capture, config));
+                                      const Stages& own, const SeedsScoreLabels& labels,
+                                      const Estimate* estimate, const Progress& progress) {
+  const Stages truth = truth_stages(run, board_of(run.capture, config));
   std::vector<std::string> replaced;
   std::vector<SeamStep> steps;
   std::vector<std::string> bars = {"none"};
   // A stage that this method leaves out has no seam to fill.
   const PipelineNeeds needed = needs(config);
-  for (const std::string& stage : seeds_stage_names()) {
-    if (stage == "splats") continue;  // no set of Gaussians is the true one
+  for (const std::string_view stage : seeds_stage_order()) {
+    if (!truth_row(stage).put) continue;
     if (std::find(needed.stages.begin(), needed.stages.end(), stage) != needed.stages.end())
-      bars.push_back(stage);
+      bars.emplace_back(stage);
   }
   for (std::size_t i = 0; i < bars.size(); ++i) {
     if (progress)
       progress("truth up to " + bars[i], static_cast<int>(i), static_cast<int>(bars.size()));
     if (i > 0) replaced.push_back(bars[i]);
-    SeedsEstimate result;
+    Estimate result;
     if (i == 0 && estimate) {
       result = *estimate;
     } else {
-      SeedsStages stages = replace_stages(own, truth, replaced);
-      // True depth has no use for Gaussians.
-      if (std::find(replaced.begin(), replaced.end(), "depth") != replaced.end())
-        stages.splats = nullptr;
-      // True clusters and everything after them do not read depth and cloud: leave those stages
-      // out.
-      if (std::find(replaced.begin(), replaced.end(), "clusters") != replaced.end()) {
-        stages.splats = nullptr;
-        stages.depth = nullptr;
-        stages.cloud = nullptr;
-      }
+      Stages stages = replace_stages(own, truth, replaced);
+      leave_out_needless(stages, replaced);
       result = run_seeds(run.capture, config, stages);
     }
     steps.push_back({bars[i], score_run(run.truth, result, labels), wall_s(result)});
@@ -84,8 +77,9 @@ std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps,
                                        const SeedsScoreLabels& labels) {
   std::vector<ScoreRow> rows;
   for (const SeamStep& step : steps) {
-    for (const char* trait : {"length", "width", "height", "area", "volume"}) {
-      const std::set<int> common = solved_in_all(steps, trait);
+    for (const std::string_view trait : kSeedTraits) {
+      const std::string name(trait), unit(trait_row(trait).unit);
+      const std::set<int> common = solved_in_all(steps, name);
       const auto pairs = trait_pairs(
           step.scores.specimens, trait,
           [&](const SpecimenRow& specimen) { return common.contains(specimen.instance); });
@@ -96,8 +90,6 @@ std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps,
       base.method = labels.method;
       base.seed = labels.seed;
       base.wall_s = step.wall_s;
-      const std::string name = trait;
-      const std::string unit = name == "area" ? "m2" : name == "volume" ? "m3" : "m";
       if (pairs.empty()) {
         base.metric = name + ".rmse";
         base.unit = unit;

@@ -23,8 +23,8 @@ struct SeamStep {
 /// @param estimate  the pipeline's own result on run.capture if it is known already; its stages are
 /// not run again
 std::vector<SeamStep> attribute_seeds(const SimulatedRun& run, const SeedsPipelineConfig& config,
-                                      const SeedsStages& own, const SeedsScoreLabels& labels,
-                                      const SeedsEstimate* estimate = nullptr,
+                                      const Stages& own, const SeedsScoreLabels& labels,
+                                      const Estimate* estimate = nullptr,
                                       const Progress& progress = {});
 
 /// Rows "length.rmse", "length.bias", ... and "camera.centre_rms" with case "truth up to STAGE" for

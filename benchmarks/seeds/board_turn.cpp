@@ -19,7 +19,7 @@ Eigen::Quaterniond quarter_turns(int count) {
 }
 
 /// Sum of the distances from the turned cameras to the true ones; NaN without a posed view.
-double camera_distance(const SeedsEstimate& estimate, const SceneTruth& truth,
+double camera_distance(const Estimate& estimate, const SceneTruth& truth,
                        const Eigen::Quaterniond& turn) {
   std::map<int, Eigen::Vector3d> true_centres;
   for (const TrueView& view : truth.views) {
@@ -37,7 +37,7 @@ double camera_distance(const SeedsEstimate& estimate, const SceneTruth& truth,
 }
 
 /// Sum of the distances from the turned centroids to the nearest true specimen.
-double specimen_distance(const SeedsEstimate& estimate, const SceneTruth& truth,
+double specimen_distance(const Estimate& estimate, const SceneTruth& truth,
                          const Eigen::Quaterniond& turn) {
   std::vector<Eigen::Vector3d> centroids;
   for (const Instance* object : specimens_of(truth.scene)) {
@@ -68,7 +68,7 @@ void turn_points(std::vector<Eigen::Vector3d>& points, const Eigen::Quaterniond&
 
 }  // namespace
 
-SeedsEstimate turned_to_truth(const SeedsEstimate& estimate, const SceneTruth& truth) {
+Estimate turned_to_truth(const Estimate& estimate, const SceneTruth& truth) {
   if (truth.scene.board != "plain") return estimate;
   int best = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -79,7 +79,7 @@ SeedsEstimate turned_to_truth(const SeedsEstimate& estimate, const SceneTruth& t
   }
   if (best == 0) return estimate;
   const Eigen::Quaterniond turn = quarter_turns(best);
-  SeedsEstimate turned = estimate;
+  Estimate turned = estimate;
   for (FramePose& pose : turned.poses) {
     pose.camera_from_world = pose.camera_from_world * inverse(Pose{turn, Eigen::Vector3d::Zero()});
   }

@@ -9,6 +9,6 @@ namespace cousin {
 /// builds on it is one of four. The estimate in the one whose cameras lie nearest to the true ones
 /// (without a posed view: whose centroids lie nearest to true specimens). Board corners keep their
 /// numbers; other boards fix the frame and the estimate comes back as it is.
-SeedsEstimate turned_to_truth(const SeedsEstimate& estimate, const SceneTruth& truth);
+Estimate turned_to_truth(const Estimate& estimate, const SceneTruth& truth);
 
 }  // namespace cousin

@@ -10,24 +10,14 @@
 #include "benchmarks/seeds/plan.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "benchmarks/shards/shard_scores.h"
+#include "perception/cloud/measure_traits.h"
+#include "sim/types/trait_table.h"
 
 namespace cousin {
 namespace {
 
 constexpr const char* kSuite = "cousins";
 constexpr const char* kTwin = "twin";
-
-struct PlottedTrait {
-  const char* name;
-  const char* unit;
-  const char* shown;  ///< on the plot, in which unit
-  double scale;
-};
-constexpr std::array<PlottedTrait, 5> kTraits = {{{"length", "m", "mm", 1e3},
-                                                  {"width", "m", "mm", 1e3},
-                                                  {"height", "m", "mm", 1e3},
-                                                  {"area", "m2", "mm²", 1e6},
-                                                  {"volume", "m3", "mm³", 1e9}}};
 
 std::string distance_text(double distance) {
   std::string text = std::to_string(distance);
@@ -91,7 +81,7 @@ std::string run_job(const Job& job, std::uint64_t seed, const Progress& progress
   const SimulatedRun run =
       simulate_seeds(job.config, seed, job.run, planned_truth(false), progress);
   const std::uint64_t stage_seed = Rng(seed).fork(static_cast<std::uint64_t>(job.run))();
-  const SeedsEstimate estimate =
+  const Estimate estimate =
       perceive_seeds(run.capture, job.config.pipeline, stage_seed, {}, job.run, {}, progress);
   SeedsScoreLabels labels;
   labels.suite = kSuite;
@@ -146,20 +136,20 @@ void add_point_rows(const std::vector<SpecimenRow>& all, const Point& point,
   if (own.empty()) return;
   ScoreRow base = base_row(point, config);
   add_run_times(rows, point, base);
-  for (const PlottedTrait& trait : kTraits) {
-    const auto pairs = trait_pairs(own, trait.name, [](const SpecimenRow&) { return true; });
+  for (const std::string_view trait : kSeedTraits) {
+    const auto pairs = trait_pairs(own, trait, [](const SpecimenRow&) { return true; });
     if (pairs.size() < 2) continue;
-    const TraitStatistics s = trait_statistics(
-        pairs, Rng(config.seed).fork("cousins").fork(point.name()).fork(trait.name));
-    const std::string name = trait.name;
-    rows.push_back(with_interval(base, name + ".rmse", trait.unit, s.rmse, s.n));
+    const TraitStatistics s =
+        trait_statistics(pairs, Rng(config.seed).fork("cousins").fork(point.name()).fork(trait));
+    const std::string name(trait), unit(trait_row(trait).unit);
+    rows.push_back(with_interval(base, name + ".rmse", unit, s.rmse, s.n));
     rows.push_back(with_interval(base, name + ".mape", "1", s.mape, s.n));
-    rows.push_back(with_interval(base, name + ".bias", trait.unit, s.bias, s.n));
+    rows.push_back(with_interval(base, name + ".bias", unit, s.bias, s.n));
   }
   // One row of a trait stands for each true specimen.
   std::int64_t asked = 0, measured = 0;
   for (const SpecimenRow& row : own) {
-    if (row.trait != kTraits[0].name) continue;
+    if (row.trait != kSeedTraits[0]) continue;
     ++asked;
     measured += row.status == ScoreStatus::ok;
   }
@@ -228,10 +218,11 @@ std::vector<LinePlot> cousins_plots(const std::vector<ScoreRow>& rows) {
   const auto add = [&](LinePlot plot) {
     if (!plot.series.empty()) plots.push_back(std::move(plot));
   };
-  for (const PlottedTrait& trait : kTraits) {
-    const std::string name = trait.name;
+  for (const std::string_view trait : kSeedTraits) {
+    const std::string name(trait);
+    const TraitRow& shown = trait_row(trait);
     add(plot_of(rows, name + ".rmse", "RMSE of " + name + " over the distance",
-                "RMSE of " + name + " (" + trait.shown + ")", trait.scale));
+                "RMSE of " + name + " (" + std::string(shown.shown) + ")", shown.factor));
   }
   add(plot_of(rows, "specimens.measured", "Specimens measured over the distance",
               "share of the specimens measured", 1));

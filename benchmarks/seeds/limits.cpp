@@ -10,6 +10,7 @@
 
 #include "benchmarks/metrics/equal_time.h"
 #include "benchmarks/seeds/score_seeds.h"
+#include "perception/cloud/measure_traits.h"
 #include "scenes/seeds/seeds_scene.h"
 
 namespace cousin {
@@ -221,7 +222,7 @@ void add_missing_ratios(std::vector<ScoreRow>& rows) {
   base.case_name = "all";
   base.method = "splats/splats_paper";
   base.seed = one->seed;
-  for (const char* trait : {"length", "width", "height", "area", "volume"}) {
+  for (const std::string_view trait : kSeedTraits) {
     const std::string metric = std::string(trait) + ".rmse_ratio";
     const bool is_there = std::any_of(rows.begin(), rows.end(), [&](const ScoreRow& row) {
       return row.suite == base.suite && row.scene == base.scene && row.method == base.method &&

@@ -10,6 +10,7 @@
 
 #include "benchmarks/metrics/equal_time.h"
 #include "benchmarks/seeds/score_seeds.h"
+#include "perception/cloud/measure_traits.h"
 #include "scenes/seeds/seeds_scene.h"
 
 namespace cousin {
@@ -136,9 +137,8 @@ ReportTable traits(const std::vector<ScoreRow>& rows, const std::string& title,
                     "R2 about the mean of the measured values, as the paper's. n: seeds measured.",
                     {"cultivar", "method", "n"},
                     {}};
-  constexpr const char* kTraits[] = {"length", "width", "height", "area", "volume"};
-  for (const char* trait : kTraits) {
-    const std::string name = trait;
+  for (const std::string_view trait : kSeedTraits) {
+    const std::string name(trait);
     const bool by_size = name == "area" || name == "volume";
     if (!by_size) table.columns.push_back(name + " R2");
     table.columns.push_back(name + " MAPE %");
@@ -151,8 +151,8 @@ ReportTable traits(const std::vector<ScoreRow>& rows, const std::string& title,
       const ScoreRow* first = pooled_row(rows, cultivar, method.name, "length.rmse");
       if (first == nullptr) continue;
       std::vector<std::string> line = {cultivar, method.title, std::to_string(first->n)};
-      for (const char* trait : kTraits) {
-        const std::string name = trait;
+      for (const std::string_view trait : kSeedTraits) {
+        const std::string name(trait);
         const bool by_size = name == "area" || name == "volume";
         const auto cell = [&](const char* statistic, double factor, int decimals) {
           return table_cell(pooled_row(rows, cultivar, method.name, name + statistic), factor,

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 
-#include "benchmarks/seeds/truth_stages.h"
 #include "sim/dataset/seam_io.h"
 #include "sim/types/whole_file.h"
 
 namespace cousin {
 
-SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
-                      const std::vector<StageSource>& sources, int scene_index,
-                      const SplatWatch& watch, const Warn& warn) {
+Stages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
+                 const std::vector<StageSource>& sources, int scene_index, const SplatWatch& watch,
+                 const Warn& warn) {
   const std::uint64_t own_seed = Rng(seed).fork(static_cast<std::uint64_t>(scene_index))();
-  return with_stage_sources(seeds_stages(config, own_seed, watch), sources, scene_index, warn);
+  return with_stage_sources(seeds_stages(config, own_seed, watch), sources, seeds_stage_order(),
+                            scene_index, warn);
 }
 
 StageTiming seconds_before(const SplatTraining& training) {
@@ -32,11 +32,10 @@ void add_seconds_before(const std::string& stage, const StageTiming& before,
   }
 }
 
-SeedsEstimate perceive_with(
-    const std::function<SeedsStages(const SplatWatch&)>& stages_of_run,
-    const std::function<SeedsEstimate(const SeedsStages&, const StageObserver&)>& run,
-    const std::vector<StageSource>& sources, int scene_index,
-    const std::filesystem::path& estimate_dir, const Progress& progress) {
+Estimate perceive_with(const std::function<Stages(const SplatWatch&)>& stages_of_run,
+                       const std::function<Estimate(const Stages&, const StageObserver&)>& run,
+                       StageOrder order, const std::vector<StageSource>& sources, int scene_index,
+                       const std::filesystem::path& estimate_dir, const Progress& progress) {
   const StepProgress steps = [&](int done, int all) {
     if (progress) progress("perceive: splats, step", done, all);
   };
@@ -51,28 +50,28 @@ SeedsEstimate perceive_with(
     watch.checkpoint = {unfinished, 500, true};
     watch.sfm_folder = unfinished_sfm;
   }
-  const SeedsStages stages = stages_of_run(watch);
-  const auto& names = seeds_stage_names();
-  const auto observe = [&](const std::string& stage, bool finished, const SeedsEstimate& so_far) {
-    const auto place = std::find(names.begin(), names.end(), stage) - names.begin();
+  const Stages stages = stages_of_run(watch);
+  const auto observe = [&](std::string_view stage, bool finished, const Estimate& so_far) {
+    const auto place = std::find(order.begin(), order.end(), stage) - order.begin();
     if (!finished) {
       if (progress)
-        progress("perceive: " + stage, static_cast<int>(place), static_cast<int>(names.size()));
+        progress("perceive: " + std::string(stage), static_cast<int>(place),
+                 static_cast<int>(order.size()));
     } else if (!estimate_dir.empty()) {
-      write_seam(estimate_dir, stage, so_far, scene_index);
+      stage_row(stage).write(estimate_dir, so_far, scene_index);
     }
   };
   if (!estimate_dir.empty()) {
-    for (const std::string& stage : names) {
+    for (const StageRow& stage : stage_table()) {
       const bool is_read =
           std::any_of(sources.begin(), sources.end(), [&](const StageSource& source) {
-            return source.stage == stage && source.kind == StageSource::Kind::directory;
+            return source.stage == stage.name && source.kind == StageSource::Kind::directory;
           });
       if (!is_read) remove_seam(estimate_dir, stage);  // else it may be read from here
     }
     remove_own(estimate_dir / "timings.json");
   }
-  SeedsEstimate estimate = run(stages, observe);
+  Estimate estimate = run(stages, observe);
   add_seconds_before("splats", before, estimate.timings);
   add_seconds_before("poses", posed_before, estimate.timings);
   if (estimate_dir.empty()) return estimate;
@@ -83,10 +82,10 @@ SeedsEstimate perceive_with(
   return estimate;
 }
 
-SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
-                             std::uint64_t seed, const std::vector<StageSource>& sources,
-                             int scene_index, const std::filesystem::path& estimate_dir,
-                             const Progress& progress, const Warn& warn) {
+Estimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
+                        std::uint64_t seed, const std::vector<StageSource>& sources,
+                        int scene_index, const std::filesystem::path& estimate_dir,
+                        const Progress& progress, const Warn& warn) {
   const bool has_training =
       config.method == SeedsMethod::splats || config.method == SeedsMethod::splats_paper;
   if (warn && !has_training && config.splats.poses != SplatPoses::board) {
@@ -107,10 +106,10 @@ SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& 
         };
         return stages_of(config, seed, sources, scene_index, own, warn);
       },
-      [&](const SeedsStages& stages, const StageObserver& observe) {
+      [&](const Stages& stages, const StageObserver& observe) {
         return run_seeds(capture, config, stages, observe);
       },
-      sources, scene_index, estimate_dir, progress);
+      seeds_stage_order(), sources, scene_index, estimate_dir, progress);
 }
 
 }  // namespace cousin

@@ -12,9 +12,9 @@
 namespace cousin {
 
 /// Our stages for one scene, with a user's in place of some.
-SeedsStages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
-                      const std::vector<StageSource>& sources, int scene_index,
-                      const SplatWatch& watch = {}, const Warn& warn = {});
+Stages stages_of(const SeedsPipelineConfig& config, std::uint64_t seed,
+                 const std::vector<StageSource>& sources, int scene_index,
+                 const SplatWatch& watch = {}, const Warn& warn = {});
 
 /// Seconds of a training in processes before this one, which its stage's own clock has not seen.
 StageTiming seconds_before(const SplatTraining& training);
@@ -25,11 +25,10 @@ void add_seconds_before(const std::string& stage, const StageTiming& before,
 /// Runs stages and writes every seam into `estimate_dir` as soon as its stage is finished, as
 /// perceive_seeds does. @param stages_of_run  told who watches a training @param sources  stages
 /// among them that are read from files
-SeedsEstimate perceive_with(
-    const std::function<SeedsStages(const SplatWatch&)>& stages_of_run,
-    const std::function<SeedsEstimate(const SeedsStages&, const StageObserver&)>& run,
-    const std::vector<StageSource>& sources, int scene_index,
-    const std::filesystem::path& estimate_dir, const Progress& progress);
+Estimate perceive_with(const std::function<Stages(const SplatWatch&)>& stages_of_run,
+                       const std::function<Estimate(const Stages&, const StageObserver&)>& run,
+                       StageOrder order, const std::vector<StageSource>& sources, int scene_index,
+                       const std::filesystem::path& estimate_dir, const Progress& progress);
 
 /// Runs the seeds pipeline on one capture with the given stages in place of ours, and writes every
 /// seam into `estimate_dir` as soon as its stage is finished (nothing if the path is empty): what
@@ -37,9 +36,9 @@ SeedsEstimate perceive_with(
 /// (`splats.unfinished` there, with COLMAP's folder `splats.unfinished.colmap`). Seams of
 /// an earlier method are removed there first, but for stages that are read from folders. `warn`
 /// hears of settings that the method does not use and of rows of files that are left out.
-SeedsEstimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
-                             std::uint64_t seed, const std::vector<StageSource>& sources,
-                             int scene_index, const std::filesystem::path& estimate_dir,
-                             const Progress& progress = {}, const Warn& warn = {});
+Estimate perceive_seeds(const Capture& capture, const SeedsPipelineConfig& config,
+                        std::uint64_t seed, const std::vector<StageSource>& sources,
+                        int scene_index, const std::filesystem::path& estimate_dir,
+                        const Progress& progress = {}, const Warn& warn = {});
 
 }  // namespace cousin

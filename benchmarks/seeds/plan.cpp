@@ -133,7 +133,7 @@ std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution
   truth_pass("truth: noise-free depth", truth.noise_free_depth);
   truth_pass("truth: invalid reason", truth.invalid_reason);
 
-  for (const std::string& stage : seeds_stage_names()) {
+  for (const std::string_view stage : seeds_stage_order()) {
     const bool runs =
         std::find(pipeline.stages.begin(), pipeline.stages.end(), stage) != pipeline.stages.end();
     std::string why = "needed for the traits";
@@ -143,7 +143,7 @@ std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution
     for (const StageSource& source : sources) {
       if (source.stage == stage) why = "yours: " + to_text(source);
     }
-    plan.push_back({"perceive: " + stage, runs, why});
+    plan.push_back({"perceive: " + std::string(stage), runs, why});
   }
   add("score", true, "traits, cloud and poses against the truth");
   return plan;

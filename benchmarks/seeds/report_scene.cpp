@@ -13,6 +13,7 @@
 #include "sim/geometry/measure.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/image_io.h"
+#include "sim/truth/specimens.h"
 #include "sim/types/whole_file.h"
 
 namespace cousin {
@@ -178,7 +179,7 @@ void add_views(const Frame& frame, const std::vector<SensorReport>& rig,
 }  // namespace
 
 ReportScene report_scene(const std::string& name, const SimulatedRun& run,
-                         const SeedsEstimate& estimate) {
+                         const Estimate& estimate) {
   ReportScene scene;
   scene.name = name;
   const auto& frames = run.capture.frames;

@@ -33,7 +33,7 @@ struct ReportScene {
 /// Up to three of the scene's images, two of them again with the measured outlines drawn in, and
 /// the shapes for the 3D view.
 ReportScene report_scene(const std::string& name, const SimulatedRun& run,
-                         const SeedsEstimate& estimate);
+                         const Estimate& estimate);
 
 /// The same in every direction: of spherical harmonics the first alone.
 SplatModel without_directions(SplatModel model);

@@ -1,5 +1,6 @@
 #include "benchmarks/seeds/result_folder.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -9,6 +10,7 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/types/memory_limit.h"
+#include "sim/types/trait_table.h"
 #include "sim/types/utf8.h"
 #include "sim/types/whole_file.h"
 
@@ -71,8 +73,7 @@ std::string summary_table(const std::vector<ScoreRow>& rows) {
     const std::size_t dot = row.metric.find('.');
     if (dot == std::string::npos) continue;
     const std::string trait = row.metric.substr(0, dot);
-    static const std::set<std::string> kTraits = {"length", "width", "height", "area", "volume"};
-    if (kTraits.contains(trait))
+    if (find_trait(trait))
       table[{row.suite, row.case_name, row.method, trait}][row.metric.substr(dot + 1)] = &row;
   }
   std::string text;
@@ -87,14 +88,18 @@ std::string summary_table(const std::vector<ScoreRow>& rows) {
       const auto it = metrics.find(metric);
       return it == metrics.end() ? ScoreRow::kNone : it->second->value;
     };
-    const double scale = trait == "area" ? 1e6 : trait == "volume" ? 1e9 : 1e3;
-    const char* unit = trait == "area" ? "mm2" : trait == "volume" ? "mm3" : "mm";
-    std::snprintf(line, sizeof line,
-                  "%-18s %-18s %-12s %-7s %4lld %13.4f %-4s %+9.4f %8.2f %7.3f %8.2f\n",
-                  terminal_text(suite).c_str(), terminal_text(case_name).c_str(),
-                  terminal_text(method).c_str(), terminal_text(trait).c_str(),
-                  static_cast<long long>(found->second->n), value("rmse") * scale, unit,
-                  value("bias") * scale, value("mape") * 100, value("slope"), value("coverage_95"));
+    const TraitRow& shown = trait_row(trait);
+    std::string unit(shown.shown);
+    const auto characters = std::count_if(unit.begin(), unit.end(), [](char c) {
+      return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+    });
+    unit.append(static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, 4 - characters)), ' ');
+    std::snprintf(
+        line, sizeof line, "%-18s %-18s %-12s %-7s %4lld %13.4f %s %+9.4f %8.2f %7.3f %8.2f\n",
+        terminal_text(suite).c_str(), terminal_text(case_name).c_str(),
+        terminal_text(method).c_str(), terminal_text(trait).c_str(),
+        static_cast<long long>(found->second->n), value("rmse") * shown.factor, unit.c_str(),
+        value("bias") * shown.factor, value("mape") * 100, value("slope"), value("coverage_95"));
     text += line;
   }
   return text;

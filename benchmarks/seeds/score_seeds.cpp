@@ -17,7 +17,9 @@
 #include "benchmarks/seeds/score_geometry.h"
 #include "benchmarks/seeds/true_outline.h"
 #include "benchmarks/seeds/truth_stages.h"
+#include "perception/cloud/measure_traits.h"
 #include "sim/geometry/measure.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 
@@ -70,8 +72,7 @@ void add(std::vector<ScoreRow>& rows, const ScoreRow& row, const std::string& me
 /// what two views at least could see of it, posed or not (`cloud_seen`, `mesh_seen`); of clouds
 /// that have normals the share with one and their angles to the surface's (`cloud.normal...`).
 void score_shapes(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
-                  const SeedsEstimate& estimate, const ScoreRow& base,
-                  std::vector<ScoreRow>& rows) {
+                  const Estimate& estimate, const ScoreRow& base, std::vector<ScoreRow>& rows) {
   add(rows, base, "reconstruction.points", static_cast<double>(estimate.cloud.size()), "1", 1);
   if (true_meshes.empty()) return;
   const Mesh surface = merged(true_meshes);
@@ -137,7 +138,7 @@ void score_hollows(const std::vector<Mesh>& true_meshes, const ScoreRow& base,
 
 /// Measured outlines against the true apparent contours.
 void score_outlines_of(const SceneTruth& truth, const std::vector<Mesh>& true_meshes,
-                       const SpecimenMatching& matching, const SeedsEstimate& estimate,
+                       const SpecimenMatching& matching, const Estimate& estimate,
                        const ScoreRow& base, std::vector<ScoreRow>& rows) {
   if (estimate.silhouettes.empty()) return;
   std::vector<int> object_of;
@@ -164,8 +165,8 @@ std::vector<Eigen::Vector3d> centroids_of(const Traits& traits) {
 void append_specimen_rows(const Instance& object, const SpecimenTraits* measured,
                           const SeedsScoreLabels& labels, std::vector<SpecimenRow>& rows) {
   for (const TrueTrait& trait : object.traits) {
-    static const std::set<std::string> kScored = {"length", "width", "height", "area", "volume"};
-    if (!kScored.contains(trait.name)) continue;
+    if (std::find(kSeedTraits.begin(), kSeedTraits.end(), trait.name) == kSeedTraits.end())
+      continue;
     SpecimenRow row;
     row.dataset = labels.suite;
     row.scene = labels.scene;
@@ -229,8 +230,7 @@ std::string species_of(const std::string& cultivar) {
   return found == kSpecies.end() ? cultivar : found->second;
 }
 
-void score_timings(const SeedsEstimate& estimate, const ScoreRow& base,
-                   std::vector<ScoreRow>& rows) {
+void score_timings(const Estimate& estimate, const ScoreRow& base, std::vector<ScoreRow>& rows) {
   double wall_s = 0, cpu_s = 0, peak_mb = 0, above_mb = ScoreRow::kNone;
   for (const StageTiming& timing : estimate.timings) {
     ScoreRow row = base;
@@ -252,9 +252,9 @@ void score_timings(const SeedsEstimate& estimate, const ScoreRow& base,
   add(rows, row, "seconds.perceive", wall_s, "s", 1);
 }
 
-SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& as_perceived,
+SeedsScores score_run(const SceneTruth& truth, const Estimate& as_perceived,
                       const SeedsScoreLabels& labels) {
-  const SeedsEstimate estimate = turned_to_truth(as_perceived, truth);
+  const Estimate estimate = turned_to_truth(as_perceived, truth);
   SeedsScores scores;
   const ScoreRow base = labelled_row(labels);
   const auto objects = specimens_of(truth.scene);

@@ -33,14 +33,13 @@ struct SeedsScores {
 
 /// seconds.STAGE of each stage and seconds.perceive of all, with CPU time and memory in their
 /// columns.
-void score_timings(const SeedsEstimate& estimate, const ScoreRow& base,
-                   std::vector<ScoreRow>& rows);
+void score_timings(const Estimate& estimate, const ScoreRow& base, std::vector<ScoreRow>& rows);
 
 /// Scores one capture: specimens found, missed and spurious, poses, cloud and meshes against the
 /// true surfaces, seconds and memory; and one specimen row for each true specimen and trait (status
 /// not_solved where it was not measured). Whatever the estimate does not hold is not scored. On a
 /// plain board the estimate is turned first, see board_turn.h.
-SeedsScores score_run(const SceneTruth& truth, const SeedsEstimate& estimate,
+SeedsScores score_run(const SceneTruth& truth, const Estimate& estimate,
                       const SeedsScoreLabels& labels);
 
 /// Groups that statistics are made for: each cultivar, each species, and all seeds ("all").

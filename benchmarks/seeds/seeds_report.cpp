@@ -9,13 +9,15 @@
 #include "benchmarks/seeds/limits.h"
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
+#include "perception/cloud/measure_traits.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/links.h"
+#include "sim/types/trait_table.h"
 
 namespace cousin {
 namespace {
 
-const std::vector<std::string> kTraits = {"length", "width", "height", "area", "volume"};
+const std::vector<std::string> kTraits(kSeedTraits.begin(), kSeedTraits.end());
 
 ReportShape shape_of(const Mesh& mesh, const std::string& name, const std::string& caption,
                      Rgb8 color) {
@@ -94,10 +96,6 @@ ReportShape shape_of(const SplatModel& model, const std::string& name) {
       " Gaussians, without those far off from the middle 98 %, in the colours that they "
       "have from all sides alike.";
   return shape;
-}
-
-std::string unit_of(const std::string& trait) {
-  return trait == "area" ? "m2" : trait == "volume" ? "m3" : "m";
 }
 
 /// maize, wheat and rice first, then what is not a species: the order of a table's columns.
@@ -212,7 +210,7 @@ std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
       ErrorTimeCurve& curve = curves[apart + trait + "/" + row.scene];
       curve.title = "Error against time: " + trait + ", " + row.scene + apart;
       curve.metric = "RMSE of " + trait;
-      curve.unit = unit_of(trait);
+      curve.unit = trait_row(trait).unit;
       curve.points.push_back({row.method,
                               setting_of(row.case_name),
                               row.wall_s,

@@ -213,7 +213,7 @@ std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photo
   return rows;
 }
 
-std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstimate& estimate,
+std::vector<ScoreRow> splat_image_rows(const Capture& capture, const Estimate& estimate,
                                        const SeedsPipelineConfig& config,
                                        const SeedsScoreLabels& labels,
                                        const LearnedDistance* learned, std::size_t most_views) {

@@ -50,7 +50,7 @@ std::vector<ScoreRow> photograph_rows(const std::vector<ScoredPhotograph>& photo
 
 /// The rows of an estimate's Gaussians and their number, of the photographs or their parts that its
 /// method trains on; each has the seconds of the stage "splats". Empty if it holds none.
-std::vector<ScoreRow> splat_image_rows(const Capture& capture, const SeedsEstimate& estimate,
+std::vector<ScoreRow> splat_image_rows(const Capture& capture, const Estimate& estimate,
                                        const SeedsPipelineConfig& config,
                                        const SeedsScoreLabels& labels,
                                        const LearnedDistance* learned, std::size_t most_views);

@@ -5,14 +5,10 @@
 #include <exception>
 #include <memory>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 
-#include "benchmarks/seeds/truth_stages.h"
-#include "perception/splats/splat_ply.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
-#include "sim/dataset/seam_io.h"
 #include "sim/process/program_run.h"
 #include "sim/process/scratch_folder.h"
 #include "sim/types/whole_file.h"
@@ -37,15 +33,16 @@ class StageInputError : public std::runtime_error {
 };
 
 /// A scratch folder with input/, the capture and the seams before a stage, and an empty output/.
-std::unique_ptr<ScratchFolder> stage_folder(const std::string& stage, const Capture& capture,
-                                            const SeedsEstimate& so_far, int scene_index) {
+std::unique_ptr<ScratchFolder> stage_folder(const std::string& stage, StageOrder order,
+                                            const Capture& capture, const Estimate& so_far,
+                                            int scene_index) {
   try {
     auto folder = std::make_unique<ScratchFolder>("cousin-stage");
     const fs::path input = folder->path() / "input";
     write_capture(input, capture);
-    for (const std::string& earlier : seeds_stage_names()) {
+    for (const std::string_view earlier : order) {
       if (earlier == stage) break;
-      write_seam(input, earlier, so_far, scene_index);
+      stage_row(earlier).write(input, so_far, scene_index);
     }
     fs::create_directories(folder->path() / "output");
     return folder;
@@ -55,76 +52,22 @@ std::unique_ptr<ScratchFolder> stage_folder(const std::string& stage, const Capt
   }
 }
 
-/// A stage that reads its seam with `read(folder, capture)` from files, or from what a program
-/// makes of the capture and earlier seams.
-template <class Read, class Value = std::invoke_result_t<Read, const fs::path&, const Capture&>>
-std::function<Value(const Capture&, const SeedsEstimate&)> sourced(const StageSource& source,
-                                                                   int scene_index, Read read) {
+/// The folder of files that somebody gave, or one that a program fills when it is asked for.
+SeamFolder folder_of(const StageSource& source, StageOrder order, int scene_index) {
   if (source.kind == StageSource::Kind::directory) {
-    return [source, scene_index, read](const Capture& capture, const SeedsEstimate&) {
+    return [source, scene_index](const Capture&, const Estimate&) {
       const fs::path below = source.path / scene_id(scene_index);
-      return read(fs::is_directory(below) ? below : source.path, capture);
+      return std::make_shared<const fs::path>(fs::is_directory(below) ? below : source.path);
     };
   }
-  return [source, scene_index, read](const Capture& capture, const SeedsEstimate& so_far) {
-    const auto folder = stage_folder(source.stage, capture, so_far, scene_index);
+  return [source, order, scene_index](const Capture& capture, const Estimate& so_far) {
+    const std::shared_ptr<ScratchFolder> folder =
+        stage_folder(source.stage, order, capture, so_far, scene_index);
     const fs::path output = folder->path() / "output";
     call_program(source, folder->path() / "input", output);
-    return read(output, capture);
+    return std::shared_ptr<const fs::path>(new fs::path(output),
+                                           [folder](const fs::path* path) { delete path; });
   };
-}
-
-/// Images that masks may be of: the first sensor's.
-MaskImages images_of(const Capture& capture, int scene_index) {
-  MaskImages images;
-  images.scene = scene_index;
-  for (const Frame& frame : capture.frames) {
-    const Camera& camera = frame.sensors.front().reported;
-    images.size_px[frame.id] = {camera.width_px, camera.height_px};
-  }
-  return images;
-}
-
-constexpr const char* kSplatsFile = "splats.ply";  ///< the reference's layout
-
-constexpr const char* kBlendedFile = "splats_blended.csv";
-
-/// How many of the views trained on each Gaussian gives colour to, in the order of the model's
-/// file. No file where that is not known.
-void write_blended(const fs::path& dir, const SplatModel& model) {
-  remove_own(dir / kBlendedFile);  // of another model
-  if (model.views_seen.empty() || model.views_seen.size() != model.splats.size()) return;
-  std::string text = "views\n";
-  for (const int views : model.views_seen) text += std::to_string(views) + "\n";
-  write_file(dir / kBlendedFile, text);
-}
-
-/// The model, having told `warn` of rows that are no Gaussian.
-SplatModel read_splats(const fs::path& dir, const Warn& warn) {
-  SplatFile file = read_splat_ply(dir / kSplatsFile);
-  const std::size_t left_out = file.not_finite + file.zero_rotations;
-  if (warn && left_out > 0) {
-    warn((dir / kSplatsFile).string() + ": " + std::to_string(left_out) + " of " +
-         std::to_string(left_out + file.model.splats.size()) +
-         " rows are left out: " + std::to_string(file.not_finite) + " with NaN or infinity, " +
-         std::to_string(file.zero_rotations) + " with a rotation of length zero");
-  }
-  return std::move(file.model);
-}
-
-/// Removes a folder's files that are named by six digits and `ending`, and the folder if that was
-/// all: it may be somebody's own.
-void remove_numbered(const fs::path& folder, const std::string& ending) {
-  if (fs::symlink_status(folder).type() != fs::file_type::directory) return;
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    const bool is_numbered = name.find_first_not_of("0123456789") == 6;
-    if (is_numbered && name.ends_with(ending)) files.push_back(entry.path());
-  }
-  for (const fs::path& file : files) remove_own(file);
-  std::error_code not_empty;
-  fs::remove(folder, not_empty);
 }
 
 }  // namespace
@@ -149,13 +92,11 @@ StageSource parse_stage_source(const std::string& text, double time_limit_s) {
   StageSource source;
   source.time_limit_s = time_limit_s;
   source.stage = text.substr(0, equals);
-  bool known = false;
-  std::string names;
-  for (const std::string& stage : seeds_stage_names()) {
-    known = known || stage == source.stage;
-    names += (names.empty() ? "" : ", ") + stage;
+  try {
+    stage_row(source.stage);
+  } catch (const std::invalid_argument& error) {
+    fail(error.what());
   }
-  if (!known) fail("stage \"" + source.stage + "\" is not one of " + names);
   const std::string rest = text.substr(equals + 1);
   if (rest.starts_with("dir:")) {
     source.path = rest.substr(4);
@@ -194,99 +135,26 @@ bool is_fault_of_input(const StageError& error, const std::vector<std::string>& 
   return false;
 }
 
-SeedsStages with_stage_sources(SeedsStages base, const std::vector<StageSource>& sources,
-                               int scene_index, const Warn& warn) {
-  const auto splats = [warn](const fs::path& dir, const Capture&) {
-    return read_splats(dir, warn);
-  };
-  const auto masks = [scene_index](const fs::path& dir, const Capture& capture) {
-    return read_silhouettes(dir, images_of(capture, scene_index));
-  };
+Stages with_stage_sources(Stages base, const std::vector<StageSource>& sources, StageOrder order,
+                          int scene_index, const Warn& warn) {
   for (const StageSource& source : sources) {
-    const auto files = [&](auto read) {
-      return sourced(source, scene_index,
-                     [read](const fs::path& dir, const Capture&) { return read(dir); });
-    };
-    if (source.stage == "corners") base.corners = files(read_corners);
-    if (source.stage == "poses") base.poses = files(read_poses);
-    if (source.stage == "splats") base.splats = sourced(source, scene_index, splats);
-    if (source.stage == "depth") base.depth = files(read_depths);
-    if (source.stage == "cloud") base.cloud = files(read_cloud);
-    if (source.stage == "clusters") base.clusters = files(read_clusters);
-    if (source.stage == "masks") base.masks = sourced(source, scene_index, masks);
-    if (source.stage == "surfaces") base.surfaces = files(read_surfaces);
-    if (source.stage == "traits") base.traits = files(read_traits);
+    stage_row(source.stage)
+        .read_from(base, folder_of(source, order, scene_index), scene_index, warn);
   }
   return base;
 }
 
 std::vector<std::string> estimate_names(const fs::path& scene) {
   std::vector<std::string> names;
-  for (const char* name : {"config.toml",
-                           "corners.json",
-                           "poses.json",
-                           kSplatsFile,
-                           kBlendedFile,
-                           "depth/frames.json",
-                           "depth/######.exr",
-                           "depth_sigma/######.exr",
-                           "depth_normal/######.exr",
-                           "cloud.ply",
-                           "clusters.ply",
-                           "masks.json",
-                           "surfaces.json",
-                           "meshes/######*.ply",
-                           "traits.json",
-                           "timings.json",
-                           "scores.csv",
-                           "splats_seen.csv",
-                           "exposures.csv",
-                           "pictures/######.png",
-                           "splats.unfinished",
-                           "splats.unfinished.colmap"})
-    names.push_back((scene / name).generic_string());
+  const auto add = [&](std::string_view name) { names.push_back((scene / name).generic_string()); };
+  for (const StageRow& stage : stage_table()) {
+    for (const std::string_view file : stage.files) add(file);
+  }
+  for (const char* name :
+       {"config.toml", "timings.json", "scores.csv", "splats_seen.csv", "exposures.csv",
+        "pictures/######.png", "splats.unfinished", "splats.unfinished.colmap"})
+    add(name);
   return names;
-}
-
-void remove_seam(const fs::path& dir, const std::string& stage) {
-  if (stage == "corners") remove_own(dir / "corners.json");
-  if (stage == "poses") remove_own(dir / "poses.json");
-  if (stage == "splats") {
-    remove_own(dir / kSplatsFile);
-    remove_own(dir / kBlendedFile);
-  }
-  if (stage == "depth") {
-    remove_own(dir / "depth" / "frames.json");
-    remove_numbered(dir / "depth", ".exr");
-    remove_numbered(dir / "depth_sigma", ".exr");
-    remove_numbered(dir / "depth_normal", ".exr");
-  }
-  if (stage == "cloud") remove_own(dir / "cloud.ply");
-  if (stage == "clusters") remove_own(dir / "clusters.ply");
-  if (stage == "masks") remove_own(dir / "masks.json");
-  if (stage == "surfaces") {
-    remove_own(dir / "surfaces.json");
-    remove_numbered(dir / "meshes", ".ply");
-  }
-  if (stage == "traits") remove_own(dir / "traits.json");
-}
-
-void write_seam(const fs::path& dir, const std::string& stage, const SeedsEstimate& estimate,
-                int scene_index) {
-  if (stage == "corners") write_corners(dir, estimate.corners);
-  if (stage == "poses") write_poses(dir, estimate.poses);
-  if (stage == "splats") {
-    write_splat_ply(dir / kSplatsFile, estimate.splats);
-    write_blended(dir, estimate.splats);
-  }
-  if (stage == "depth") write_depths(dir, estimate.depths);
-  if (stage == "cloud") write_cloud(dir, estimate.cloud);
-  if (stage == "clusters") write_clusters(dir, estimate.clusters);
-  if (stage == "masks" && !estimate.silhouettes.empty()) {
-    write_silhouettes(dir, estimate.silhouettes, scene_index);
-  }
-  if (stage == "surfaces") write_surfaces(dir, estimate.surfaces);
-  if (stage == "traits") write_traits(dir, estimate.traits);
 }
 
 }  // namespace cousin

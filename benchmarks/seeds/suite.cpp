@@ -42,16 +42,16 @@ SceneTruth subset(const SceneTruth& truth, int views) {
 }
 
 /// The paper's steps on the cloud that ours made: same poses, depth and points.
-SeedsEstimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineConfig& config,
-                                  std::uint64_t seed, const SeedsEstimate& ours) {
+Estimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineConfig& config,
+                             std::uint64_t seed, const Estimate& ours) {
   SeedsPipelineConfig paper = config;
   paper.method = SeedsMethod::paper;
-  SeedsStages stages = seeds_stages(paper, seed);
+  Stages stages = seeds_stages(paper, seed);
   stages.corners = nullptr;
   stages.poses = nullptr;
   stages.depth = nullptr;
-  stages.cloud = [&ours](const Capture&, const SeedsEstimate&) { return ours.cloud; };
-  SeedsEstimate estimate = run_seeds(capture, paper, stages);
+  stages.cloud = [&ours](const Capture&, const Estimate&) { return ours.cloud; };
+  Estimate estimate = run_seeds(capture, paper, stages);
   estimate.poses = ours.poses;
   // Its seconds include those of the stages it shares.
   std::vector<StageTiming> timings;
@@ -67,18 +67,18 @@ SeedsEstimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineCon
 }
 
 /// Corners and poses, and nothing after them.
-SeedsEstimate posed_alone(const Capture& capture, const SeedsPipelineConfig& config,
-                          std::uint64_t seed) {
-  const SeedsStages all = seeds_stages(config, seed);
-  SeedsStages stages;
+Estimate posed_alone(const Capture& capture, const SeedsPipelineConfig& config,
+                     std::uint64_t seed) {
+  const Stages all = seeds_stages(config, seed);
+  Stages stages;
   stages.corners = all.corners;
   stages.poses = all.poses;
   return run_seeds(capture, config, stages);
 }
 
 /// Measures by models trained on all views of a capture. @return what our Gaussians found
-SeedsEstimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
-                                  ScoreFile& file) {
+Estimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
+                             ScoreFile& file) {
   MeasuredModel reference, ours;
   if (job.trained.reference) {
     task.at = job.trained.reference_at;
@@ -126,8 +126,8 @@ std::optional<SfmStatus> why_no_poses(const StageError& error) {
 /// The same by poses that COLMAP finds once for all of them, where the job has these; where it
 /// found none for these photographs a row says so. What the machine did to it is an error: another
 /// try may end well.
-SeedsEstimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
-                          ScoreFile& file) {
+Estimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
+                     ScoreFile& file) {
   const SplatPoses from = job.config.pipeline.splats.poses;
   if (from == SplatPoses::board) return measured_by_trained(job, std::move(task), poses, file);
   task.labels.case_name += kPosesOf + std::string(to_string(from));
@@ -214,9 +214,9 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
       add_trained(job, training, {}, file);
       continue;
     }
-    const SeedsEstimate ours =
+    const Estimate ours =
         perceive_seeds(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
-    const SeedsEstimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
+    const Estimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
     for (const auto& [method, estimate] : {std::pair{"ours", &ours}, std::pair{"paper", &paper}}) {
       labels.method = method;
       SeedsScores scores = score_run(truth, *estimate, labels);
@@ -227,8 +227,8 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
                               scores.specimens.end());
       }
     }
-    const SeedsEstimate* shown = &ours;
-    SeedsEstimate by_splats;
+    const Estimate* shown = &ours;
+    Estimate by_splats;
     if (all && job.trained.splats) {
       by_splats = add_trained(job, training, ours.poses, file);
       shown = &by_splats;

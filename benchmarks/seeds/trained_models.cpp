@@ -11,8 +11,10 @@
 #include "benchmarks/seeds/splat_images.h"
 #include "benchmarks/splats/kept_training.h"
 #include "benchmarks/splats/ngp_view.h"
+#include "perception/cloud/measure_traits.h"
 #include "perception/splats/splat_render.h"
 #include "sim/types/stage_clock.h"
+#include "sim/types/trait_table.h"
 
 namespace cousin {
 namespace {
@@ -38,33 +40,33 @@ StageTiming seconds_of_training_alone(const SplatTraining& training) {
   return change;
 }
 
-StageTiming seconds_of_poses(const SeedsEstimate& estimate) {
+StageTiming seconds_of_poses(const Estimate& estimate) {
   for (const StageTiming& timing : estimate.timings) {
     if (timing.stage == "poses") return timing;
   }
   return {};
 }
 
-SeedsStages stages_of(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
-                      const SplatWatch& watch) {
-  SeedsStages stages = stages_of(config, task.stage_seed, {}, 0, watch);
+Stages stages_of(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
+                 const SplatWatch& watch) {
+  Stages stages = stages_of(config, task.stage_seed, {}, 0, watch);
   if (task.posed_by != nullptr) {
-    stages.poses = [&task](const Capture&, const SeedsEstimate&) { return task.posed_by->poses; };
+    stages.poses = [&task](const Capture&, const Estimate&) { return task.posed_by->poses; };
   }
   return stages;
 }
 
 /// The chain after a training that was left at this model. @param last  the training's end
-SeedsEstimate measured(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
-                       const SeedsEstimate& end, const StageTiming& last, const KeptModel& way) {
-  SeedsStages stages = stages_of(config, task.stage_seed, {}, 0);
+Estimate measured(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
+                  const Estimate& end, const StageTiming& last, const KeptModel& way) {
+  Stages stages = stages_of(config, task.stage_seed, {}, 0);
   stages.corners = nullptr;
-  stages.poses = [&end](const Capture&, const SeedsEstimate&) { return end.poses; };
-  stages.splats = [&](const Capture& capture, const SeedsEstimate&) {
+  stages.poses = [&end](const Capture&, const Estimate&) { return end.poses; };
+  stages.splats = [&](const Capture& capture, const Estimate&) {
     if (config.method != SeedsMethod::splats) return way.model;
     return without_strays(way.model, volume_of(config, board_of(capture, config)));
   };
-  SeedsEstimate estimate = run_seeds(task.run->capture, config, stages);
+  Estimate estimate = run_seeds(task.run->capture, config, stages);
   std::vector<StageTiming> timings;
   for (StageTiming timing : end.timings) {
     if (timing.stage == "splats") {  // without the steps that came after
@@ -85,7 +87,7 @@ SeedsEstimate measured(const SeedsTrainingTask& task, const SeedsPipelineConfig&
 }
 
 void add_rows(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
-              const SeedsEstimate& estimate, const SeedsScoreLabels& labels, bool is_end,
+              const Estimate& estimate, const SeedsScoreLabels& labels, bool is_end,
               ScoreFile& file) {
   SeedsScores scores = score_run(task.run->truth, estimate, labels);
   add_curve_rows(scores, estimate, labels, file.scores);
@@ -101,7 +103,7 @@ SeedsScoreLabels after_steps(SeedsScoreLabels labels, int steps) {
   return labels;
 }
 
-double total_wall_s(const SeedsEstimate& estimate) {
+double total_wall_s(const Estimate& estimate) {
   return std::accumulate(estimate.timings.begin(), estimate.timings.end(), 0.0,
                          [](double sum, const StageTiming& t) { return sum + t.wall_s; });
 }
@@ -120,15 +122,14 @@ NgpConfig ngp_config(const SeedsTrainingTask& task) {
 
 }  // namespace
 
-void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
+void add_curve_rows(const SeedsScores& scores, const Estimate& estimate,
                     const SeedsScoreLabels& labels, std::vector<ScoreRow>& rows) {
-  for (const char* trait : {"length", "width", "height", "area", "volume"}) {
+  for (const std::string_view trait : kSeedTraits) {
     const auto pairs =
         trait_pairs(scores.specimens, trait, [](const SpecimenRow&) { return true; });
     ScoreRow base = labelled_row(labels);
     base.wall_s = total_wall_s(estimate);
-    const std::string name = trait;
-    const std::string unit = name == "area" ? "m2" : name == "volume" ? "m3" : "m";
+    const std::string name(trait), unit(trait_row(trait).unit);
     if (pairs.size() < 2) {
       add_missing(rows, base, "curve." + name + ".rmse", unit);
       continue;
@@ -216,7 +217,7 @@ std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int step
   watch.sfm_folder = task.sfm_folder;
   StageTiming before;
   watch.end = [&](const SplatTraining& training) { before = seconds_of_training_alone(training); };
-  SeedsEstimate estimate = run_seeds(task.run->capture, config, stages_of(task, config, watch));
+  Estimate estimate = run_seeds(task.run->capture, config, stages_of(task, config, watch));
   add_seconds_before("splats", before, estimate.timings);
   std::vector<ScoreRow> rows =
       splat_image_rows(task.run->capture, estimate, config, labels, task.learned, kAllViews);

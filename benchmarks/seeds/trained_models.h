@@ -23,11 +23,11 @@ struct SeedsTrainingTask {
   std::filesystem::path unfinished;
   std::filesystem::path sfm_folder;  ///< where COLMAP keeps what it did; empty: nowhere
   /// Whose poses these are, with the seconds that they took; null: the pipeline's own.
-  const SeedsEstimate* posed_by = nullptr;
+  const Estimate* posed_by = nullptr;
 };
 
 struct MeasuredModel {
-  SeedsEstimate estimate;
+  Estimate estimate;
   ScoreFile file;  ///< the rows of the end, then those of `at`, whose case says the steps
 };
 /// The whole chain of a method that trains Gaussians; after each of `at` steps its model is
@@ -48,7 +48,7 @@ std::vector<ScoreRow> measure_for_images(const SeedsTrainingTask& task, int step
 std::vector<ScoreRow> measure_by_ngp(const SeedsTrainingTask& task, const Poses& poses);
 
 /// RMSE and MAPE of each trait with the seconds they cost: points of the error-against-time curves.
-void add_curve_rows(const SeedsScores& scores, const SeedsEstimate& estimate,
+void add_curve_rows(const SeedsScores& scores, const Estimate& estimate,
                     const SeedsScoreLabels& labels, std::vector<ScoreRow>& rows);
 
 }  // namespace cousin

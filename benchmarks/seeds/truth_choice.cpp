@@ -74,6 +74,17 @@ TruthNeeds truth_needs_from_string(std::string_view text, const TruthNeeds& ther
   return needs;
 }
 
+TruthNeeds truth_needs_for(std::string_view format, TruthNeeds base) {
+  const bool labels = format == "coco" || format == "yolo";
+  if (!labels && format != "bop") {
+    throw std::invalid_argument("--for \"" + std::string(format) +
+                                "\" is not one of coco, yolo, bop; other formats need no truth");
+  }
+  base.visibility = base.instance = true;
+  base.keypoints = base.keypoints || labels;
+  return base;
+}
+
 std::vector<std::pair<std::string, bool>> truth_names(const TruthNeeds& needs) {
   std::vector<std::pair<std::string, bool>> names;
   for (const Choice& choice : kChoices) names.emplace_back(choice.name, needs.*choice.need);

@@ -23,6 +23,10 @@ TruthNeeds truth_needs_from_string(std::string_view text,
                                    const TruthNeeds& there_is = truth_there_is(PhoneConfig{},
                                                                                {.color = true}));
 
+/// What `cousin export --format` needs of a dataset, for coco, yolo and bop, beside `base`.
+/// @throws std::invalid_argument naming the format and those that need truth
+TruthNeeds truth_needs_for(std::string_view format, TruthNeeds base);
+
 /// Every name that `--truth` takes, in a fixed order, and whether `needs` has it.
 std::vector<std::pair<std::string, bool>> truth_names(const TruthNeeds& needs);
 

@@ -1,6 +1,7 @@
 #include "benchmarks/seeds/truth_stages.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -9,6 +10,7 @@
 
 #include "benchmarks/seeds/true_outline.h"
 #include "sim/geometry/measure.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
@@ -58,6 +60,66 @@ Poses true_poses(const SimulatedRun& run) {
     pose.camera = view.camera;
     pose.rms_px = 0;
     result.push_back(pose);
+  }
+  return result;
+}
+
+/// Of the first sensor, where the image shows a specimen: the pixels that it sees.
+Boxes true_boxes(const SimulatedRun& run) {
+  Boxes result;
+  const auto objects = specimens_of(run.truth.scene);
+  for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
+    const Image<std::int32_t>& seen = run.truth.images[f].instance;
+    for (std::size_t k = 0; k < objects.size(); ++k) {
+      Eigen::Vector2i low(seen.width(), seen.height()), high(-1, -1);
+      for (int y = 0; y < seen.height(); ++y) {
+        for (int x = 0; x < seen.width(); ++x) {
+          if (seen(x, y) != objects[k]->id) continue;
+          low = low.cwiseMin(Eigen::Vector2i(x, y));
+          high = high.cwiseMax(Eigen::Vector2i(x, y));
+        }
+      }
+      if (high.x() < 0) continue;
+      Box box;
+      box.frame = run.truth.views[f].frame;
+      box.id = static_cast<int>(result.size());
+      box.instance = static_cast<int>(k);
+      box.low_px = low.cast<double>().array() - 0.5;
+      box.high_px = high.cast<double>().array() + 0.5;
+      box.image_px = {seen.width(), seen.height()};
+      box.mask_at_px = low;
+      box.mask = Image<std::uint8_t>(high.x() - low.x() + 1, high.y() - low.y() + 1);
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int x = low.x(); x <= high.x(); ++x)
+          box.mask(x - low.x(), y - low.y()) = seen(x, y) == objects[k]->id ? 255 : 0;
+      }
+      result.push_back(std::move(box));
+    }
+  }
+  return result;
+}
+
+/// Of the first sensor, in the order of each specimen's model.
+Keypoints true_keypoints(const SimulatedRun& run) {
+  Keypoints result;
+  const auto objects = specimens_of(run.truth.scene);
+  for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
+    for (std::size_t k = 0; k < objects.size(); ++k) {
+      KeypointDetection detection;
+      detection.frame = run.truth.views[f].frame;
+      detection.id = static_cast<int>(result.size());
+      detection.instance = static_cast<int>(k);
+      for (const KeypointView& view : run.truth.images[f].keypoints) {
+        if (view.instance != objects[k]->id) continue;
+        const bool is_seen = view.state == PointState::visible;
+        const bool is_inside = is_seen || view.state == PointState::occluded;
+        detection.points.push_back({is_seen     ? KeypointStatus::seen
+                                    : is_inside ? KeypointStatus::hidden
+                                                : KeypointStatus::missing,
+                                    view.pixel_px, 0});
+      }
+      if (!detection.points.empty()) result.push_back(std::move(detection));
+    }
   }
   return result;
 }
@@ -219,13 +281,23 @@ Traits true_traits(const SimulatedRun& run) {
   return result;
 }
 
-}  // namespace
-
-const std::vector<std::string>& seeds_stage_names() {
-  static const std::vector<std::string> names = {"corners",  "poses", "splats",   "depth", "cloud",
-                                                 "clusters", "masks", "surfaces", "traits"};
-  return names;
+/// The row of a stage whose seam is a function of the run alone.
+template <auto kStage, auto kTrue>
+constexpr TruthRow row_of(std::string_view stage) {
+  return {stage, [](Stages& stages, const SimulatedRun& run, const SeedBoard&) {
+            stages.*kStage = [&run](const Capture&, const Estimate&) { return kTrue(run); };
+          }};
 }
+
+Cloud true_cloud(const SimulatedRun& run) { return true_clusters(run).cloud; }
+
+void put_corners(Stages& stages, const SimulatedRun& run, const SeedBoard& board) {
+  stages.corners = [&run, board](const Capture&, const Estimate&) {
+    return true_corners(run, board);
+  };
+}
+
+}  // namespace
 
 TruthNeeds truth_stage_needs() {
   TruthNeeds needs;
@@ -234,53 +306,40 @@ TruthNeeds truth_stage_needs() {
   return needs;
 }
 
-SeedsStages truth_stages(const SimulatedRun& run, const SeedBoard& board) {
+std::span<const TruthRow> truth_table() {
+  static constexpr auto kRows = std::to_array<TruthRow>({
+      {"corners", put_corners},
+      row_of<&Stages::poses, true_poses>("poses"),
+      {"splats", nullptr, "no set of Gaussians is the true one"},
+      row_of<&Stages::boxes, true_boxes>("boxes"),
+      row_of<&Stages::keypoints, true_keypoints>("keypoints"),
+      row_of<&Stages::depth, true_depths>("depth"),
+      row_of<&Stages::cloud, true_cloud>("cloud"),
+      row_of<&Stages::clusters, true_clusters>("clusters"),
+      row_of<&Stages::masks, true_silhouettes>("masks"),
+      {"fits", nullptr, "a fit's model is its pipeline's own"},
+      row_of<&Stages::surfaces, true_surfaces>("surfaces"),
+      row_of<&Stages::traits, true_traits>("traits"),
+  });
+  return kRows;
+}
+
+const TruthRow& truth_row(std::string_view stage) {
+  for (const TruthRow& row : truth_table()) {
+    if (row.stage == stage) return row;
+  }
+  throw std::logic_error("stage \"" + std::string(stage) + "\" has no truth row");
+}
+
+Stages truth_stages(const SimulatedRun& run, const SeedBoard& board) {
   if (run.truth.images.size() != run.truth.views.size()) {
     throw std::invalid_argument("true seams need truth images of every view");
   }
-  SeedsStages stages;
-  stages.corners = [&run, board](const Capture&, const SeedsEstimate&) {
-    return true_corners(run, board);
-  };
-  stages.poses = [&run](const Capture&, const SeedsEstimate&) { return true_poses(run); };
-  stages.depth = [&run](const Capture&, const SeedsEstimate&) { return true_depths(run); };
-  stages.cloud = [&run](const Capture&, const SeedsEstimate&) { return true_clusters(run).cloud; };
-  stages.clusters = [&run](const Capture&, const SeedsEstimate&) { return true_clusters(run); };
-  stages.masks = [&run](const Capture&, const SeedsEstimate&) { return true_silhouettes(run); };
-  stages.surfaces = [&run](const Capture&, const SeedsEstimate&) { return true_surfaces(run); };
-  stages.traits = [&run](const Capture&, const SeedsEstimate&) { return true_traits(run); };
-  return stages;
-}
-
-SeedsStages replace_stages(SeedsStages base, const SeedsStages& replacement,
-                           const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    if (name == "corners")
-      base.corners = replacement.corners;
-    else if (name == "poses")
-      base.poses = replacement.poses;
-    else if (name == "splats")
-      base.splats = replacement.splats;
-    else if (name == "depth")
-      base.depth = replacement.depth;
-    else if (name == "cloud")
-      base.cloud = replacement.cloud;
-    else if (name == "clusters")
-      base.clusters = replacement.clusters;
-    else if (name == "masks")
-      base.masks = replacement.masks;
-    else if (name == "surfaces")
-      base.surfaces = replacement.surfaces;
-    else if (name == "traits")
-      base.traits = replacement.traits;
-    else {
-      std::string known;
-      for (const std::string& stage : seeds_stage_names())
-        known += (known.empty() ? "" : ", ") + stage;
-      throw std::invalid_argument("stage \"" + name + "\" is not one of " + known);
-    }
+  Stages stages;
+  for (const TruthRow& row : truth_table()) {
+    if (row.put) row.put(stages, run, board);
   }
-  return base;
+  return stages;
 }
 
 }  // namespace cousin

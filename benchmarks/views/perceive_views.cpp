@@ -78,7 +78,7 @@ Image<Rgb8> side_by_side(const Image<Rgb8>& left, const Image<Rgb8>& right) {
 }
 
 /// Scores the model by all placed views, and keeps pictures of some.
-void look(const ViewsPipelineConfig& config, const Capture& capture, const SeedsEstimate& estimate,
+void look(const ViewsPipelineConfig& config, const Capture& capture, const Estimate& estimate,
           const std::vector<Image<std::uint8_t>>& masks, const ViewsFindings& findings,
           const fs::path& pictures, const LearnedDistance* learned, const ScoreRow& base,
           std::vector<ScoreRow>& rows) {
@@ -112,7 +112,7 @@ void look(const ViewsPipelineConfig& config, const Capture& capture, const Seeds
   add_looks("held_out", held_out, base, rows);
 }
 
-void count_seen(const SeedsEstimate& estimate, const fs::path& file, const ScoreRow& base,
+void count_seen(const Estimate& estimate, const fs::path& file, const ScoreRow& base,
                 std::vector<ScoreRow>& rows) {
   const auto n = static_cast<std::int64_t>(estimate.splats.splats.size());
   add_row("gaussians", static_cast<double>(n), "1", 1, base, rows);
@@ -233,19 +233,19 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
       [&](const SplatWatch& watch) {
         SplatWatch own = watch;
         if (warn) own.left_early = warn;
-        SeedsStages stages =
+        Stages stages =
             with_stage_sources(views_stages(config, capture, own_seed, own, findings, masks),
-                               sources, scene_index, warn);
+                               sources, views_stage_order(), scene_index, warn);
         stages.poses = [poses = std::move(stages.poses), &capture, side = config.largest_side_px](
-                           const Capture& photographs, const SeedsEstimate& so_far) {
+                           const Capture& photographs, const Estimate& so_far) {
           return reduced(poses(photographs, so_far), capture, side);  // somebody's too
         };
         return stages;
       },
-      [&](const SeedsStages& stages, const StageObserver& observe) {
-        return run_stages(small, stages, observe);
+      [&](const Stages& stages, const StageObserver& observe) {
+        return run_stages(small, stages, views_stage_order(), observe);
       },
-      sources, scene_index, estimate_dir, progress);
+      views_stage_order(), sources, scene_index, estimate_dir, progress);
   if (warn) warn_of_exposures(*findings, warn);
   const bool are_somebodys =
       std::any_of(sources.begin(), sources.end(),
@@ -257,7 +257,7 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
     warn(are_somebodys ? "poses are somebody's: lengths are in their unit"
                        : "poses are of COLMAP and no board gave them a scale: lengths are in its "
                          "model's own unit");
-  const SeedsEstimate& estimate = run.estimate;
+  const Estimate& estimate = run.estimate;
   ScoreRow base;
   base.suite = "views";
   base.scene = name;

@@ -14,7 +14,7 @@ namespace cousin {
 
 /// What the pipeline `views` made of a capture, and how its images look beside the photographs.
 struct ViewsRun {
-  SeedsEstimate estimate;  ///< poses, splats, depths, cloud and one surface at most
+  Estimate estimate;  ///< poses, splats, depths, cloud and one surface at most
   /// No truth is needed for them: train.psnr, .psnr_exposed (after the one factor on light that
   /// fits each photograph best), .ssim, .flip and the same of held_out, n = views;
   /// gaussians; gaussians.seen_by_3, the share that at least three of all placed views see;

@@ -81,7 +81,7 @@ Points points_on(const Mesh& mesh) {
              : Points();
 }
 
-Measured measured_of(const SeedsEstimate& estimate, bool has_cloud,
+Measured measured_of(const Estimate& estimate, bool has_cloud,
                      const WorldSimilarity& truth_from_estimate) {
   Measured measured;
   for (const CloudPoint& point : estimate.cloud)
@@ -220,10 +220,10 @@ std::vector<Pose> middle_poses(const SceneTruth& truth) {
 
 }  // namespace
 
-std::vector<ScoreRow> score_views(const SceneTruth& truth, const SeedsEstimate& as_perceived,
+std::vector<ScoreRow> score_views(const SceneTruth& truth, const Estimate& as_perceived,
                                   PoseAlignment alignment, bool has_cloud, const ScoreRow& base) {
   const bool is_aligned = alignment == PoseAlignment::similarity;
-  const SeedsEstimate estimate = is_aligned ? as_perceived : turned_to_truth(as_perceived, truth);
+  const Estimate estimate = is_aligned ? as_perceived : turned_to_truth(as_perceived, truth);
   std::vector<ScoreRow> rows;
   add_pose_rows(truth, at_true_size(estimate.poses, truth), alignment, base, rows);
   WorldSimilarity truth_from_estimate;

@@ -26,7 +26,7 @@ namespace cousin {
 /// @param alignment  `similarity`: the estimate's frame and unit are its own
 /// @param has_cloud  it says of its cloud what it is, were it empty; of meshes `surfaces` says so
 /// @throws std::invalid_argument if a pose is of no true frame, or a point is not finite.
-std::vector<ScoreRow> score_views(const SceneTruth& truth, const SeedsEstimate& estimate,
+std::vector<ScoreRow> score_views(const SceneTruth& truth, const Estimate& estimate,
                                   PoseAlignment alignment, bool has_cloud, const ScoreRow& base);
 
 }  // namespace cousin

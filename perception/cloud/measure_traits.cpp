@@ -9,19 +9,19 @@
 
 #include "sim/config/limits.h"
 #include "sim/geometry/measure.h"
+#include "sim/types/trait_table.h"
 
 namespace cousin {
 namespace {
 
-constexpr std::size_t kTraits = 5;
-constexpr std::array<const char*, kTraits> kNames = {"length", "width", "height", "area", "volume"};
-constexpr std::array<const char*, kTraits> kUnits = {"m", "m", "m", "m2", "m3"};
+constexpr std::size_t kTraits = kSeedTraits.size();
 using Values = std::array<double, kTraits>;
 
 std::vector<Trait> traits_from(const Values& values, const Values& sigmas) {
   std::vector<Trait> traits;
   for (std::size_t i = 0; i < kTraits; ++i)
-    traits.push_back({kNames[i], kUnits[i], values[i], sigmas[i]});
+    traits.push_back({std::string(kSeedTraits[i]), std::string(trait_row(kSeedTraits[i]).unit),
+                      values[i], sigmas[i]});
   return traits;
 }
 

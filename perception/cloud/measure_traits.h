@@ -1,9 +1,16 @@
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "sim/config/fields.h"
 #include "sim/types/seams.h"
 
 namespace cousin {
+
+/// What of a seed is measured, in this order; see trait_table.h.
+inline constexpr auto kSeedTraits =
+    std::to_array<std::string_view>({"length", "width", "height", "area", "volume"});
 
 /// The paper's measures of a cluster: PCA box, alpha shape. It does not say how large alpha is. A
 /// cloud of a surface is empty inside, and the tetrahedra that span it have spheres as large as

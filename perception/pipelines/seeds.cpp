@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <exception>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -12,7 +11,6 @@
 #include "perception/pipelines/splat_stages.h"
 #include "perception/silhouette/unclustered_objects.h"
 #include "sim/config/limits.h"
-#include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
@@ -66,48 +64,7 @@ DepthVolume depth_volume(const SeedsPipelineConfig& config, const SeedBoard& boa
   return {volume.low_m, volume.high_m, board.plate_m};
 }
 
-/// Runs one stage, times it and tells the observer; an exception names the stage and keeps what is
-/// finished.
-template <class Value, class Stage>
-void run_stage(const char* name, const Stage& stage, const Capture& capture,
-               SeedsEstimate& estimate, Value SeedsEstimate::*result,
-               const StageObserver& observer) {
-  if (!stage) return;
-  if (observer) observer(name, false, estimate);
-  const StageClock clock(name);
-  try {
-    estimate.*result = stage(capture, estimate);
-  } catch (const std::exception& error) {
-    std::throw_with_nested(StageError(name, error.what()));
-  }
-  estimate.timings.push_back(clock.finish());
-  if (observer) observer(name, true, estimate);
-}
-
-/// What a stage says of each frame is taken by its place.
-/// @param has_run  else there is nothing of any frame
-/// @throws StageError if the places are not those of the capture's frames
-template <class Item>
-void require_frames(const char* stage, bool has_run, const Capture& capture,
-                    const std::vector<Item>& items) {
-  if (!has_run) return;
-  if (items.size() != capture.frames.size()) {
-    throw StageError(stage, std::to_string(items.size()) + " frames; the capture has " +
-                                std::to_string(capture.frames.size()));
-  }
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (items[i].frame == capture.frames[i].id) continue;
-    throw StageError(stage, "place " + std::to_string(i) + " is frame " +
-                                std::to_string(items[i].frame) + ", of the capture frame " +
-                                std::to_string(capture.frames[i].id) +
-                                "; frames come in the capture's order");
-  }
-}
-
 }  // namespace
-
-StageError::StageError(const std::string& stage_name, const std::string& what)
-    : std::runtime_error("stage " + stage_name + ": " + what), stage(stage_name) {}
 
 std::string_view to_string(SeedsMethod method) {
   return kMethods.at(static_cast<std::size_t>(method)).second;
@@ -189,25 +146,25 @@ SweepVolume volume_of(const SeedsPipelineConfig& config, const SeedBoard& board)
 namespace {
 
 /// Poses, depth and cloud of a depth camera in place of those from several colour views.
-void take_sensor_depth(const SeedsPipelineConfig& config, SeedsStages& stages) {
-  stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
+void take_sensor_depth(const SeedsPipelineConfig& config, Stages& stages) {
+  stages.depth = [config](const Capture& capture, const Estimate& so_far) {
     return depths_of_sensor(capture, so_far.poses, depth_volume(config, board_of(capture, config)),
                             config.sensor_depth);
   };
-  stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.cloud = [config](const Capture& capture, const Estimate& so_far) {
     return fuse_depths(capture, so_far.poses, so_far.depths, config.green,
                        fuse_for(config, so_far.depths));
   };
   if (config.method != SeedsMethod::depth_only) return;
   stages.corners = nullptr;
-  stages.poses = [](const Capture& capture, const SeedsEstimate&) { return poses_of_rig(capture); };
+  stages.poses = [](const Capture& capture, const Estimate&) { return poses_of_rig(capture); };
 }
 
-void measure_points(const SeedsPipelineConfig& config, SeedsStages& stages) {
-  stages.surfaces = [](const Capture&, const SeedsEstimate& so_far) {
+void measure_points(const SeedsPipelineConfig& config, Stages& stages) {
+  stages.surfaces = [](const Capture&, const Estimate& so_far) {
     return surfaces_of_clusters(so_far.clusters);
   };
-  stages.traits = [config](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.traits = [config](const Capture& capture, const Estimate& so_far) {
     Traits traits = traits_as_paper(so_far.surfaces, config.paper_traits);
     if (config.method != SeedsMethod::depth_only) return traits;
     return without_noise(with_point_sigmas(std::move(traits), config, capture, so_far), config,
@@ -216,8 +173,8 @@ void measure_points(const SeedsPipelineConfig& config, SeedsStages& stages) {
 }
 
 /// The paper's clusters of the cloud, whatever it is of.
-void cluster_as_papers(const SeedsPipelineConfig& config, std::uint64_t seed, SeedsStages& stages) {
-  stages.clusters = [config, seed](const Capture&, const SeedsEstimate& so_far) {
+void cluster_as_papers(const SeedsPipelineConfig& config, std::uint64_t seed, Stages& stages) {
+  stages.clusters = [config, seed](const Capture&, const Estimate& so_far) {
     return cluster_as_paper(so_far.cloud, config.paper_clusters, Rng(seed).fork("paper_clusters"));
   };
 }
@@ -225,7 +182,7 @@ void cluster_as_papers(const SeedsPipelineConfig& config, std::uint64_t seed, Se
 /// What photographs show and no cluster is of: a specimen that is not solved, with the reason, so
 /// that nothing is lost without a word.
 Traits with_unclustered(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
-                        const SeedsEstimate& so_far) {
+                        const Estimate& so_far) {
   int instance = so_far.clusters.count;
   for (const SpecimenTraits& specimen : traits)
     instance = std::max(instance, specimen.instance + 1);
@@ -245,20 +202,20 @@ Traits with_unclustered(Traits traits, const SeedsPipelineConfig& config, const 
   return traits;
 }
 
-SeedsStages stages_of_method(const SeedsPipelineConfig& config, std::uint64_t seed,
-                             const SplatWatch& watch) {
-  SeedsStages stages;
-  stages.corners = [config](const Capture& capture, const SeedsEstimate&) {
+Stages stages_of_method(const SeedsPipelineConfig& config, std::uint64_t seed,
+                        const SplatWatch& watch) {
+  Stages stages;
+  stages.corners = [config](const Capture& capture, const Estimate&) {
     return detect_board(capture, board_of(capture, config), config.board);
   };
-  stages.poses = [config](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.poses = [config](const Capture& capture, const Estimate& so_far) {
     return estimate_board_poses(capture, so_far.corners, board_of(capture, config), config.poses);
   };
-  stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.depth = [config](const Capture& capture, const Estimate& so_far) {
     return estimate_depths(capture, so_far.poses, volume_of(config, board_of(capture, config)),
                            config.mvs);
   };
-  stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.cloud = [config](const Capture& capture, const Estimate& so_far) {
     return fuse_depths(capture, so_far.poses, so_far.depths, config.green, config.fuse);
   };
   if (trains_splats(config.method)) take_splats(config, seed, watch, stages);
@@ -267,7 +224,7 @@ SeedsStages stages_of_method(const SeedsPipelineConfig& config, std::uint64_t se
     measure_points(config, stages);
     return stages;
   }
-  stages.clusters = [config](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.clusters = [config](const Capture& capture, const Estimate& so_far) {
     return cluster_on_board(so_far.cloud, clusters_for(config, capture, so_far));
   };
   if (config.method == SeedsMethod::sensor_depth || config.method == SeedsMethod::depth_only)
@@ -276,15 +233,15 @@ SeedsStages stages_of_method(const SeedsPipelineConfig& config, std::uint64_t se
     measure_points(config, stages);
     return stages;
   }
-  stages.masks = [config](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.masks = [config](const Capture& capture, const Estimate& so_far) {
     return find_outlines(capture, so_far.poses, board_of(capture, config), so_far.clusters,
                          config.outlines);
   };
-  stages.surfaces = [config, seed](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.surfaces = [config, seed](const Capture& capture, const Estimate& so_far) {
     return fit_surfaces(so_far.poses, so_far.clusters, so_far.silhouettes,
                         surface_for(config, capture, so_far), Rng(seed).fork("surface_samples"));
   };
-  stages.traits = [config](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.traits = [config](const Capture& capture, const Estimate& so_far) {
     const double pixel_m = pixel_at_board_m(so_far.poses);
     return without_noise(traits_of_meshes(so_far.surfaces, pixel_m, traits_for(config, pixel_m)),
                          config, capture, so_far);
@@ -294,13 +251,13 @@ SeedsStages stages_of_method(const SeedsPipelineConfig& config, std::uint64_t se
 
 }  // namespace
 
-SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
-                         const SplatWatch& watch) {
+Stages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
+                    const SplatWatch& watch) {
   validate(config);
-  SeedsStages stages = stages_of_method(config, seed, watch);
+  Stages stages = stages_of_method(config, seed, watch);
   if (config.method == SeedsMethod::depth_only) return stages;  // it looks at no colour
   stages.traits = [config, measure = stages.traits](const Capture& capture,
-                                                    const SeedsEstimate& so_far) {
+                                                    const Estimate& so_far) {
     return with_unclustered(measure(capture, so_far), config, capture, so_far);
   };
   return stages;
@@ -359,31 +316,18 @@ void require_images(const Capture& capture, const SeedsPipelineConfig& config) {
           "with --set knows_pose=true)");
 }
 
-SeedsEstimate run_stages(const Capture& capture, const SeedsStages& stages,
-                         const StageObserver& observer) {
-  if (capture.frames.empty()) throw std::invalid_argument("the capture has no frames");
-  SeedsEstimate estimate;
-  run_stage("corners", stages.corners, capture, estimate, &SeedsEstimate::corners, observer);
-  // Who puts what follows from them in their place may leave corners and depths empty; poses not.
-  require_frames("corners", !estimate.corners.empty(), capture, estimate.corners);
-  run_stage("poses", stages.poses, capture, estimate, &SeedsEstimate::poses, observer);
-  require_frames("poses", stages.poses != nullptr, capture, estimate.poses);
-  run_stage("splats", stages.splats, capture, estimate, &SeedsEstimate::splats, observer);
-  run_stage("depth", stages.depth, capture, estimate, &SeedsEstimate::depths, observer);
-  require_frames("depth", !estimate.depths.empty(), capture, estimate.depths);
-  run_stage("cloud", stages.cloud, capture, estimate, &SeedsEstimate::cloud, observer);
-  run_stage("clusters", stages.clusters, capture, estimate, &SeedsEstimate::clusters, observer);
-  run_stage("masks", stages.masks, capture, estimate, &SeedsEstimate::silhouettes, observer);
-  run_stage("surfaces", stages.surfaces, capture, estimate, &SeedsEstimate::surfaces, observer);
-  run_stage("traits", stages.traits, capture, estimate, &SeedsEstimate::traits, observer);
-  return estimate;
+namespace {
+constexpr auto kSeedsOrder = std::to_array<std::string_view>(
+    {"corners", "poses", "splats", "depth", "cloud", "clusters", "masks", "surfaces", "traits"});
 }
 
-SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,
-                        const SeedsStages& stages, const StageObserver& observer) {
+StageOrder seeds_stage_order() { return kSeedsOrder; }
+
+Estimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config, const Stages& stages,
+                   const StageObserver& observer) {
   validate(config);
   if (!capture.frames.empty()) require_images(capture, config);
-  return run_stages(capture, stages, observer);
+  return run_stages(capture, stages, kSeedsOrder, observer);
 }
 
 }  // namespace cousin

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "calibration/board_detection.h"
@@ -12,11 +12,11 @@
 #include "perception/cloud/fuse.h"
 #include "perception/cloud/measure_traits.h"
 #include "perception/mvs/plane_sweep.h"
+#include "perception/pipelines/estimate.h"
 #include "perception/pipelines/seeds_splats.h"
 #include "perception/segment/green.h"
 #include "perception/silhouette/outlines.h"
 #include "perception/silhouette/surface_fit.h"
-#include "perception/splats/splat_model.h"
 #include "perception/stereo/sensor_depth.h"
 
 namespace cousin {
@@ -66,38 +66,13 @@ struct SeedsPipelineConfig {
 Fields fields(SeedsPipelineConfig& config);
 void validate(const SeedsPipelineConfig& config);
 
-/// Everything between capture and traits, in the order it is made.
-struct SeedsEstimate {
-  Corners corners;
-  Poses poses;
-  SplatModel splats;
-  Depths depths;
-  Cloud cloud;
-  Clusters clusters;
-  Silhouettes silhouettes;
-  Surfaces surfaces;
-  Traits traits;
-  std::vector<StageTiming> timings;
-};
-
-/// The seams, in order. Each takes the capture and all earlier results; a stage may be replaced by
-/// files, a program or truth.
-struct SeedsStages {
-  std::function<Corners(const Capture&, const SeedsEstimate&)> corners;
-  std::function<Poses(const Capture&, const SeedsEstimate&)> poses;
-  std::function<SplatModel(const Capture&, const SeedsEstimate&)> splats;
-  std::function<Depths(const Capture&, const SeedsEstimate&)> depth;
-  std::function<Cloud(const Capture&, const SeedsEstimate&)> cloud;
-  std::function<Clusters(const Capture&, const SeedsEstimate&)> clusters;
-  std::function<Silhouettes(const Capture&, const SeedsEstimate&)> masks;
-  std::function<Surfaces(const Capture&, const SeedsEstimate&)> surfaces;
-  std::function<Traits(const Capture&, const SeedsEstimate&)> traits;
-};
-
 /// @param watch  of the training of Gaussians
 /// @throws std::invalid_argument if a config is not valid.
-SeedsStages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
-                         const SplatWatch& watch = {});
+Stages seeds_stages(const SeedsPipelineConfig& config, std::uint64_t seed,
+                    const SplatWatch& watch = {});
+
+/// All stages that any of its methods has, in order.
+StageOrder seeds_stage_order();
 
 /// The board a configuration and a capture agree on; without a word from either, the one with
 /// markers.
@@ -105,13 +80,6 @@ SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config);
 
 /// The part of the world that is reconstructed, in the board's frame.
 SweepVolume volume_of(const SeedsPipelineConfig& config, const SeedBoard& board);
-
-/// A stage failed: ours, a user's program, or a file that does not fit. Nested: the cause.
-class StageError : public std::runtime_error {
- public:
-  StageError(const std::string& stage_name, const std::string& what);
-  std::string stage;
-};
 
 /// Which of a capture's images and which stages a configuration reads; what is not listed is left
 /// out.
@@ -128,16 +96,10 @@ bool needs_sfm(const SeedsPipelineConfig& config);
 void require_images(const Capture& capture, const SeedsPipelineConfig& config);
 std::string_view to_string(SeedsMethod method);
 
-/// Called before and after each stage, for progress and for writing seams as soon as they exist.
-using StageObserver =
-    std::function<void(const std::string& stage, bool finished, const SeedsEstimate&)>;
-
-/// Runs the stages that there are, in order. @throws StageError; std::invalid_argument without
-/// frames
-SeedsEstimate run_stages(const Capture& capture, const SeedsStages& stages,
-                         const StageObserver& observer = {});
-/// The same, having checked that the capture has what the configuration reads.
-SeedsEstimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config,
-                        const SeedsStages& stages, const StageObserver& observer = {});
+/// Runs the stages that there are, having checked that the capture has what the configuration
+/// reads.
+/// @throws as run_stages
+Estimate run_seeds(const Capture& capture, const SeedsPipelineConfig& config, const Stages& stages,
+                   const StageObserver& observer = {});
 
 }  // namespace cousin

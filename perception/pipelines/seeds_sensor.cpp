@@ -37,7 +37,7 @@ double window_reach_m(const SeedsPipelineConfig& config, const Poses& poses) {
 
 /// What the cloud says of its own noise on the board.
 BoardNoise noise_of(const SeedsPipelineConfig& config, const Capture& capture,
-                    const SeedsEstimate& so_far) {
+                    const Estimate& so_far) {
   constexpr double kLeastPatch_m = 0.001;
   const double patch_m = std::max(kLeastPatch_m, 2 * window_reach_m(config, so_far.poses));
   return board_noise(so_far.cloud, board_of(capture, config).plate_m, patch_m);
@@ -75,7 +75,7 @@ FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths) {
 }
 
 BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Capture& capture,
-                                const SeedsEstimate& so_far) {
+                                const Estimate& so_far) {
   BoardClusterConfig clusters = config.clusters;
   // Depth of Gaussians has no smears between objects: their sides are theirs down to the board.
   constexpr int kJoinRounds = 8;
@@ -97,7 +97,7 @@ BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Capture
 }
 
 SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& capture,
-                             const SeedsEstimate& so_far) {
+                             const Estimate& so_far) {
   SurfaceFitConfig surface = config.surface;
   if (!reads_sensor_depth(config)) return surface;
   surface.degree = degree_for(surface.degree, pixel_at_board_m(so_far.poses));
@@ -125,7 +125,7 @@ MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m) {
 }
 
 Traits without_noise(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
-                     const SeedsEstimate& so_far) {
+                     const Estimate& so_far) {
   if (!reads_sensor_depth(config)) return traits;
   const BoardNoise noise = noise_of(config, capture, so_far);
   for (SpecimenTraits& specimen : traits) {
@@ -145,7 +145,7 @@ Traits without_noise(Traits traits, const SeedsPipelineConfig& config, const Cap
 }
 
 Traits with_point_sigmas(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
-                         const SeedsEstimate& so_far) {
+                         const Estimate& so_far) {
   const double reach_m = window_reach_m(config, so_far.poses);
   const double size_m = reach_m > 0 ? 3 * reach_m : kNaN;
   const double height_m = 4 * noise_of(config, capture, so_far).sigma_m;

@@ -16,14 +16,14 @@ FuseConfig fuse_for(const SeedsPipelineConfig& config, const Depths& depths);
 
 /// Of a sensor's depth, what rises above the board by less than the cloud's noise is no object.
 BoardClusterConfig clusters_for(const SeedsPipelineConfig& config, const Capture& capture,
-                                const SeedsEstimate& so_far);
+                                const Estimate& so_far);
 
 /// A sensor's depth as measurements of a surface: points within a matching window of an object's
 /// rim are smeared with the board's and left out; what is left errs together over a window, and
 /// all over an object, by as much as the board's patches do. Harmonics finer than the outlines'
 /// pixels are left out.
 SurfaceFitConfig surface_for(const SeedsPipelineConfig& config, const Capture& capture,
-                             const SeedsEstimate& so_far);
+                             const Estimate& so_far);
 
 /// Sigmas of sizes beyond the fit's, in pixels as all of them.
 MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m);
@@ -31,7 +31,7 @@ MeshTraitConfig traits_for(const SeedsPipelineConfig& config, double pixel_m);
 /// Not solved, with the reason, is what rises above the board by less than `agreement_sigmas` of
 /// its cloud's noise or of the height's own sigma: nothing supports that it is there.
 Traits without_noise(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
-                     const SeedsEstimate& so_far);
+                     const Estimate& so_far);
 
 /// Traits of clusters of a sensor's points with sigmas: nothing undoes the matching window there,
 /// so lengths and widths may be off by one and a half of what it covers on the board, heights by 4
@@ -39,6 +39,6 @@ Traits without_noise(Traits traits, const SeedsPipelineConfig& config, const Cap
 /// open below (the scatter of rendered maize before a D405 at 0.15 m, seed 1). Unknown (NaN) where
 /// the window or the noise is.
 Traits with_point_sigmas(Traits traits, const SeedsPipelineConfig& config, const Capture& capture,
-                         const SeedsEstimate& so_far);
+                         const Estimate& so_far);
 
 }  // namespace cousin

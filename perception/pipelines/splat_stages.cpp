@@ -9,24 +9,23 @@
 namespace cousin {
 namespace {
 
-SeedsStages stages_of_ours(SeedsPipelineConfig config, std::uint64_t seed) {
+Stages stages_of_ours(SeedsPipelineConfig config, std::uint64_t seed) {
   config.method = SeedsMethod::ours;
   return seeds_stages(config, seed);
 }
 
 /// The plane sweep's cloud on the same poses.
-SeedsEstimate found_by_sweep(const SeedsStages& ours, const Capture& capture,
-                             const SeedsEstimate& so_far) {
-  SeedsEstimate found = so_far;
+Estimate found_by_sweep(const Stages& ours, const Capture& capture, const Estimate& so_far) {
+  Estimate found = so_far;
   found.depths = ours.depth(capture, found);
   found.cloud = ours.cloud(capture, found);
   return found;
 }
 
 /// What the method `ours` finds on the same poses, up to its closed surfaces.
-SeedsEstimate found_without_splats(const SeedsStages& stages, const Capture& capture,
-                                   const SeedsEstimate& so_far) {
-  SeedsEstimate found = found_by_sweep(stages, capture, so_far);
+Estimate found_without_splats(const Stages& stages, const Capture& capture,
+                              const Estimate& so_far) {
+  Estimate found = found_by_sweep(stages, capture, so_far);
   found.clusters = stages.clusters(capture, found);
   if (found.clusters.count == 0) return found;
   found.silhouettes = stages.masks(capture, found);
@@ -51,7 +50,7 @@ SplatTrainConfig training_of(const SeedsSplatConfig& config) {
 /// The reference starts from the points that structure from motion leaves. COLMAP's own are used
 /// where it gave the poses, else as many of the plane sweep's.
 std::vector<StartPoint> start_as_paper(const SeedsPipelineConfig& config, std::uint64_t seed,
-                                       const Capture& capture, const SeedsEstimate& so_far,
+                                       const Capture& capture, const Estimate& so_far,
                                        const std::vector<StartPoint>& tracks) {
   std::vector<StartPoint> start = tracks;
   if (start.empty()) {
@@ -67,7 +66,7 @@ std::vector<StartPoint> start_as_paper(const SeedsPipelineConfig& config, std::u
 }
 
 SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t seed,
-                            const Capture& capture, const SeedsEstimate& so_far,
+                            const Capture& capture, const Estimate& so_far,
                             const std::vector<StartPoint>& tracks, const SplatWatch& watch) {
   const SweepVolume volume = volume_of(config, board_of(capture, config));
   const SeedsSplatConfig& splats = config.splats;
@@ -84,14 +83,14 @@ SplatModel trained_as_paper(const SeedsPipelineConfig& config, std::uint64_t see
 }
 
 SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed,
-                           const Capture& capture, const SeedsEstimate& so_far,
+                           const Capture& capture, const Estimate& so_far,
                            const SplatWatch& watch) {
   const SweepVolume volume = volume_of(config, board_of(capture, config));
   const SeedsSplatConfig& splats = config.splats;
   SplatTrainConfig training = training_of(splats);
   training.seed = Rng(seed).fork("splats")();
   const Rng rng = Rng(seed).fork("splat_start");
-  const SeedsEstimate found = found_without_splats(stages_of_ours(config, seed), capture, so_far);
+  const Estimate found = found_without_splats(stages_of_ours(config, seed), capture, so_far);
   std::vector<StartPoint> start =
       start_on_surfaces(found.clusters, found.cloud, found.surfaces, splats, rng);
   fill_start(volume, splats.start_points, rng, start);
@@ -103,7 +102,7 @@ SplatModel trained_as_ours(const SeedsPipelineConfig& config, std::uint64_t seed
       volume);
 }
 
-SeedsEstimate seen_in_training(const SeedsPipelineConfig& config, SeedsEstimate so_far) {
+Estimate seen_in_training(const SeedsPipelineConfig& config, Estimate so_far) {
   so_far.poses = training_poses(config.splats, std::move(so_far.poses));
   return so_far;
 }
@@ -111,35 +110,34 @@ SeedsEstimate seen_in_training(const SeedsPipelineConfig& config, SeedsEstimate 
 }  // namespace
 
 void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, const SplatWatch& watch,
-                 SeedsStages& stages) {
+                 Stages& stages) {
   // COLMAP's points, from the stage that finds the poses to the one that trains on them.
   const auto tracks = std::make_shared<std::vector<StartPoint>>();
   if (needs_sfm(config)) {
     SfmConfig sfm = config.splats.poses == SplatPoses::sfm ? paper_sfm_config() : SfmConfig{};
     sfm.colmap.folder = watch.sfm_folder.string();
     stages.poses = [config, sfm, tracks, posed = watch.posed](const Capture& capture,
-                                                              const SeedsEstimate& so_far) {
+                                                              const Estimate& so_far) {
       const SeedBoard board = board_of(capture, config);
       return poses_by_sfm(capture, so_far.corners, board, volume_of(config, board), sfm, *tracks,
                           posed);
     };
   }
   if (config.method == SeedsMethod::splats_paper) {
-    stages.splats = [config, seed, tracks, watch](const Capture& capture,
-                                                  const SeedsEstimate& so_far) {
+    stages.splats = [config, seed, tracks, watch](const Capture& capture, const Estimate& so_far) {
       return trained_as_paper(config, seed, capture, seen_in_training(config, so_far), *tracks,
                               watch);
     };
     stages.depth = nullptr;
-    stages.cloud = [config](const Capture&, const SeedsEstimate& so_far) {
+    stages.cloud = [config](const Capture&, const Estimate& so_far) {
       return splat_centres(so_far.splats, config.splats.least_opacity);
     };
     return;
   }
-  stages.splats = [config, seed, watch](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.splats = [config, seed, watch](const Capture& capture, const Estimate& so_far) {
     return trained_as_ours(config, seed, capture, seen_in_training(config, so_far), watch);
   };
-  stages.depth = [config](const Capture& capture, const SeedsEstimate& so_far) {
+  stages.depth = [config](const Capture& capture, const Estimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses,
                             volume_of(config, board_of(capture, config)),
                             config.splats.low_pass_px2);

@@ -11,6 +11,6 @@ namespace cousin {
 /// `ours` finds (photographs alone leave Gaussians of plain surfaces where they begin), and their
 /// depth in place of the plane sweep's. Private to perception/pipelines.
 void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, const SplatWatch& watch,
-                 SeedsStages& stages);
+                 Stages& stages);
 
 }  // namespace cousin

@@ -385,31 +385,38 @@ bool is_held_out(const ViewsPipelineConfig& config, std::size_t place) {
   return every > 1 && place % every == 0;
 }
 
-SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
-                         const SplatWatch& watch, std::shared_ptr<ViewsFindings> findings,
-                         std::vector<Image<std::uint8_t>> masks) {
+namespace {
+constexpr auto kViewsOrder =
+    std::to_array<std::string_view>({"poses", "splats", "depth", "cloud", "surfaces"});
+}
+
+StageOrder views_stage_order() { return kViewsOrder; }
+
+Stages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
+                    const SplatWatch& watch, std::shared_ptr<ViewsFindings> findings,
+                    std::vector<Image<std::uint8_t>> masks) {
   validate(config);
-  SeedsStages stages;
+  Stages stages;
   // From the stage that finds the poses to the one that begins on their tracks.
   if (!findings) findings = std::make_shared<ViewsFindings>();
-  stages.poses = [config, &full, findings, watch](const Capture&, const SeedsEstimate&) {
+  stages.poses = [config, &full, findings, watch](const Capture&, const Estimate&) {
     return reduced(place(full, config, watch, *findings), full, config.largest_side_px);
   };
   stages.splats = [config, seed, findings, watch, masks = std::move(masks)](
-                      const Capture& capture, const SeedsEstimate& so_far) {
+                      const Capture& capture, const Estimate& so_far) {
     return train(config, capture, so_far.poses, masks, *findings, seed, watch);
   };
-  stages.depth = [normals = config.normals](const Capture&, const SeedsEstimate& so_far) {
+  stages.depth = [normals = config.normals](const Capture&, const Estimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses, everywhere(), so_far.splats.low_pass_px2,
                             normals);
   };
   if (config.cloud_views > 0) {
-    stages.cloud = [config](const Capture& capture, const SeedsEstimate& so_far) {
+    stages.cloud = [config](const Capture& capture, const Estimate& so_far) {
       return views_cloud(config, capture, so_far);
     };
   }
   if (config.mesh_cells > 0) {
-    stages.surfaces = [config](const Capture&, const SeedsEstimate& so_far) {
+    stages.surfaces = [config](const Capture&, const Estimate& so_far) {
       return views_mesh(config, so_far);
     };
   }

@@ -95,7 +95,9 @@ struct ViewsFindings {
 ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
                        const ViewsFindings& findings);
 
-/// Stages `poses`, `splats`, `depth`, `cloud` and `surfaces`, the others are none. They run on
+StageOrder views_stage_order();
+
+/// Stages of views_stage_order(), the others are none. They run on
 /// `reduced(full, config.largest_side_px)`, whose cameras `poses` has. The unit is the capture's
 /// own: metres where its poses or a board give them. `splats` is empty where training had nothing
 /// to learn; `surfaces` is one closed mesh, `empty` where depths agree on none.
@@ -104,8 +106,8 @@ ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
 /// @param findings  out, once the stages have run
 /// @param masks     empty, or one for each frame, of the reduced photographs' size or empty: what
 /// `config.masks` holds
-SeedsStages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
-                         const SplatWatch& watch = {}, std::shared_ptr<ViewsFindings> findings = {},
-                         std::vector<Image<std::uint8_t>> masks = {});
+Stages views_stages(const ViewsPipelineConfig& config, const Capture& full, std::uint64_t seed,
+                    const SplatWatch& watch = {}, std::shared_ptr<ViewsFindings> findings = {},
+                    std::vector<Image<std::uint8_t>> masks = {});
 
 }  // namespace cousin

@@ -93,8 +93,7 @@ Eigen::AlignedBox3d middle_of(const std::vector<Eigen::Vector3d>& points_m) {
 }
 
 /// The cloud's points; where no cloud was wanted, some of the depths'.
-std::vector<Eigen::Vector3d> points_of(const ViewsPipelineConfig& config,
-                                       const SeedsEstimate& so_far) {
+std::vector<Eigen::Vector3d> points_of(const ViewsPipelineConfig& config, const Estimate& so_far) {
   std::vector<Eigen::Vector3d> points_m;
   for (const CloudPoint& point : so_far.cloud) points_m.push_back(point.position_m.cast<double>());
   if (config.cloud_views > 0 || !points_m.empty()) return points_m;
@@ -110,7 +109,7 @@ std::vector<Eigen::Vector3d> points_of(const ViewsPipelineConfig& config,
 }  // namespace
 
 Cloud views_cloud(const ViewsPipelineConfig& config, const Capture& capture,
-                  const SeedsEstimate& so_far) {
+                  const Estimate& so_far) {
   const double span_m = median_span_m(so_far.poses, so_far.depths);
   if (!std::isfinite(span_m)) return {};
   std::vector<std::size_t> with_depth;
@@ -139,7 +138,7 @@ Cloud views_cloud(const ViewsPipelineConfig& config, const Capture& capture,
   return cloud;
 }
 
-Surfaces views_mesh(const ViewsPipelineConfig& config, const SeedsEstimate& so_far) {
+Surfaces views_mesh(const ViewsPipelineConfig& config, const Estimate& so_far) {
   constexpr std::size_t kLeastPoints = 100;
   Surface surface;
   std::vector<Eigen::Vector3d> points_m = points_of(config, so_far);

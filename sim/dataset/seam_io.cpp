@@ -292,6 +292,29 @@ void write_poses(const fs::path& dir, const Poses& poses) {
 }
 Poses read_poses(const fs::path& dir) { return read_json(dir, "poses.json", poses_from_json); }
 
+void write_boxes(const fs::path& dir, const Boxes& boxes, int scene_index) {
+  write_file(dir / "boxes.json", boxes_to_json(boxes, scene_index));
+}
+Boxes read_boxes(const fs::path& dir, const DetectionImages& images) {
+  return read_json(dir, "boxes.json", [&](const std::string& text, const std::string& name) {
+    return boxes_from_json(text, name, images);
+  });
+}
+
+void write_keypoints(const fs::path& dir, const Keypoints& keypoints, int scene_index) {
+  write_file(dir / "keypoints.json", keypoints_to_json(keypoints, scene_index));
+}
+Keypoints read_keypoints(const fs::path& dir, const DetectionImages& images) {
+  return read_json(dir, "keypoints.json", [&](const std::string& text, const std::string& name) {
+    return keypoints_from_json(text, name, images);
+  });
+}
+
+void write_fits(const fs::path& dir, const Fits& fits) {
+  write_file(dir / "fits.json", fits_to_json(fits));
+}
+Fits read_fits(const fs::path& dir) { return read_json(dir, "fits.json", fits_from_json); }
+
 void write_silhouettes(const fs::path& dir, const Silhouettes& silhouettes, int scene_index) {
   write_file(dir / "masks.json", silhouettes_to_json(silhouettes, scene_index));
 }

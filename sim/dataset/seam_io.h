@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "sim/types/seams.h"
@@ -33,6 +34,19 @@ struct MaskImages {
 };
 /// Polygons and run lengths. @throws std::runtime_error also where a mask is not of `images`.
 Silhouettes read_silhouettes(const std::filesystem::path& dir, const MaskImages& images = {});
+/// What boxes and keypoints may be of.
+struct DetectionImages {
+  int scene = -1;  ///< -1: any
+  /// Width and height of each image, by frame and sensor; empty: not known.
+  std::map<std::pair<int, int>, Eigen::Vector2i> size_px;
+};
+/// boxes.json and keypoints.json, COCO results; see seam_detections.cpp.
+void write_boxes(const std::filesystem::path& dir, const Boxes& boxes, int scene_index);
+Boxes read_boxes(const std::filesystem::path& dir, const DetectionImages& images = {});
+void write_keypoints(const std::filesystem::path& dir, const Keypoints& keypoints, int scene_index);
+Keypoints read_keypoints(const std::filesystem::path& dir, const DetectionImages& images = {});
+void write_fits(const std::filesystem::path& dir, const Fits& fits);  // fits.json
+Fits read_fits(const std::filesystem::path& dir);
 void write_surfaces(const std::filesystem::path& dir,
                     const Surfaces& surfaces);  // meshes/000000.ply, surfaces.json
 Surfaces read_surfaces(const std::filesystem::path& dir);

@@ -8,9 +8,9 @@
 
 namespace cousin {
 
-/// Private to sim/dataset: the JSON seams as text; the schemas are in seam_json.cpp and
-/// seam_masks.cpp. Readers take the text and the name that errors show. @throws std::runtime_error
-/// naming file, key, value and limit.
+/// Private to sim/dataset: the JSON seams as text; the schemas are in seam_json.cpp,
+/// seam_masks.cpp, seam_detections.cpp and seam_fits.cpp. Readers take the text and the name that
+/// errors show. @throws std::runtime_error naming file, key, value and limit.
 
 std::string corners_to_json(const Corners& corners);
 Corners corners_from_json(std::string_view text, const std::string& name);
@@ -23,5 +23,13 @@ std::vector<StageTiming> timings_from_json(std::string_view text, const std::str
 std::string silhouettes_to_json(const Silhouettes& silhouettes, int scene_index);
 Silhouettes silhouettes_from_json(std::string_view text, const std::string& name,
                                   const MaskImages& images = {});
+std::string boxes_to_json(const Boxes& boxes, int scene_index);
+Boxes boxes_from_json(std::string_view text, const std::string& name,
+                      const DetectionImages& images = {});
+std::string keypoints_to_json(const Keypoints& keypoints, int scene_index);
+Keypoints keypoints_from_json(std::string_view text, const std::string& name,
+                              const DetectionImages& images = {});
+std::string fits_to_json(const Fits& fits);
+Fits fits_from_json(std::string_view text, const std::string& name);
 
 }  // namespace cousin

@@ -18,6 +18,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/dataset/coco_entries.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/mask_codes.h"
 #include "sim/dataset/seam_json.h"
@@ -26,10 +27,7 @@
 namespace cousin {
 namespace {
 
-constexpr std::int64_t kFramesPerScene = 1'000'000;
 constexpr std::size_t kMaxMasks = 10'000'000;
-constexpr std::size_t kMaxPoints = 1'000'000;  ///< of one outline
-constexpr double kMaxPixel = 1e6;
 constexpr float kPixelSigma_px = 0.288675F;  ///< of a border that was rounded to whole pixels
 
 Json floats(const std::vector<OutlinePoint>& outline, const Eigen::Vector2f OutlinePoint::*member,
@@ -71,7 +69,7 @@ void read_vectors(const JsonNode& node, double shift, Eigen::Vector2f OutlinePoi
                   std::vector<OutlinePoint>& outline) {
   const std::vector<double> values = node.numbers(2 * outline.size(), 2 * outline.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::abs(values[i]) > kMaxPixel) node[i].fail("is outside [-1e6, 1e6]");
+    if (std::abs(values[i]) > kMaxCocoPixel) node[i].fail("is outside [-1e6, 1e6]");
     (outline[i / 2].*member)[static_cast<Eigen::Index>(i % 2)] =
         static_cast<float>(values[i] + shift);
   }
@@ -91,13 +89,14 @@ void read_outline_details(const JsonNode& node, std::vector<OutlinePoint>& outli
   if (node.has("sigma_px")) {
     const std::vector<double> sigmas = node["sigma_px"].numbers(outline.size(), outline.size());
     for (std::size_t i = 0; i < sigmas.size(); ++i) {
-      if (sigmas[i] < 0 || sigmas[i] > kMaxPixel) node["sigma_px"][i].fail("is outside [0, 1e6]");
+      if (sigmas[i] < 0 || sigmas[i] > kMaxCocoPixel)
+        node["sigma_px"][i].fail("is outside [0, 1e6]");
       outline[i].sigma_px = static_cast<float>(sigmas[i]);
     }
   }
   if (node.has("on_object")) {
     const JsonNode flags = node["on_object"];
-    if (flags.size(kMaxPoints) != outline.size())
+    if (flags.size(kMaxOutlinePoints) != outline.size())
       flags.fail("does not have one entry for each point");
     for (std::size_t i = 0; i < outline.size(); ++i) outline[i].on_object = flags[i].boolean();
   }
@@ -144,7 +143,7 @@ std::vector<OutlinePoint> outline_of(const PlacedMask& placed, const Eigen::Vect
     point.on_object = false;
     outline.push_back(point);
   };
-  for (const PixelRing& ring : rings_of(placed.mask, placed.x, placed.y, kMaxPoints)) {
+  for (const PixelRing& ring : rings_of(placed.mask, placed.x, placed.y, kMaxOutlinePoints)) {
     const std::vector<OutlinePoint> points = points_of(ring, image_px);
     const bool is_first = outline.empty();
     outline.insert(outline.end(), points.begin(), points.end());
@@ -154,70 +153,8 @@ std::vector<OutlinePoint> outline_of(const PlacedMask& placed, const Eigen::Vect
   return outline;
 }
 
-/// What a mask's codes hold; errors of theirs become the node's.
-template <class Decode>
-PlacedMask decoded(const JsonNode& node, const Decode& decode) {
-  try {
-    return decode();
-  } catch (const std::invalid_argument& error) {
-    node.fail(error.what());
-  }
-}
-
-PlacedMask read_runs(const JsonNode& node, Eigen::Vector2i& image_px) {
-  node.expect_keys({"size", "counts"});
-  const JsonNode size = node["size"], counts = node["counts"];
-  if (size.size(2) != 2) size.fail("is not [height, width]");
-  const Eigen::Vector2i own_px(static_cast<int>(size[1].integer(1, 65535)),
-                               static_cast<int>(size[std::size_t{0}].integer(1, 65535)));
-  if (image_px.x() > 0 && own_px != image_px) {
-    size.fail("[" + std::to_string(own_px.y()) + ", " + std::to_string(own_px.x()) +
-              "] is not the image's [height, width] = [" + std::to_string(image_px.y()) + ", " +
-              std::to_string(image_px.x()) + "]");
-  }
-  image_px = own_px;
-  std::vector<std::int64_t> runs;
-  if (counts.is_array()) {
-    for (const JsonNode& run : counts.elements(std::size_t{1} << 26))
-      runs.push_back(run.integer(0, std::int64_t{65535} * 65535));
-  } else {
-    const std::string text = counts.text(std::size_t{1} << 28);
-    decoded(counts, [&] {
-      runs = runs_of_coco(text);
-      return PlacedMask{};
-    });
-  }
-  return decoded(counts, [&] { return mask_of_runs(runs, own_px.x(), own_px.y()); });
-}
-
-std::vector<Eigen::Vector2d> read_polygon(const JsonNode& node) {
-  const std::vector<double> values = node.numbers(6, 2 * kMaxPoints);
-  if (values.size() % 2 != 0) node.fail("does not have an even number of coordinates");
-  std::vector<Eigen::Vector2d> polygon;
-  for (std::size_t i = 0; i < values.size(); i += 2) {
-    if (std::abs(values[i]) > kMaxPixel) node[i].fail("is outside [-1e6, 1e6]");
-    if (std::abs(values[i + 1]) > kMaxPixel) node[i + 1].fail("is outside [-1e6, 1e6]");
-    polygon.emplace_back(values[i], values[i + 1]);
-  }
-  return polygon;
-}
-
-/// Several polygons are one mask. Without a word on the image it ends where they end.
-PlacedMask read_polygons(const JsonNode& node, const Eigen::Vector2i& image_px) {
-  std::vector<std::vector<Eigen::Vector2d>> polygons;
-  Eigen::Vector2d high(1, 1);
-  for (const JsonNode& part : node.elements(kMaxPoints)) {
-    polygons.push_back(read_polygon(part));
-    for (const Eigen::Vector2d& point : polygons.back()) high = high.cwiseMax(point);
-  }
-  const Eigen::Vector2i size =
-      image_px.x() > 0 ? image_px
-                       : Eigen::Vector2i(high.array().ceil().min(65535).matrix().cast<int>());
-  return decoded(node, [&] { return mask_of_polygons(polygons, size.x(), size.y()); });
-}
-
 void read_one_polygon(const JsonNode& node, bool is_ours, std::vector<OutlinePoint>& outline) {
-  const std::size_t coordinates = node.size(2 * kMaxPoints);
+  const std::size_t coordinates = node.size(2 * kMaxOutlinePoints);
   if (coordinates % 2 != 0) node.fail("does not have an even number of coordinates");
   if (coordinates < 6 && !is_ours) node.fail("has fewer than 3 points");
   outline.resize(coordinates / 2);
@@ -229,7 +166,7 @@ void read_segmentation(const JsonNode& node, const Eigen::Vector2i& image_px, Si
   const JsonNode segmentation = node["segmentation"];
   const bool is_ours = node.has("cousin");
   const bool is_runs = segmentation.is_object();
-  const std::size_t polygons = is_runs ? 0 : segmentation.size(kMaxPoints);
+  const std::size_t polygons = is_runs ? 0 : segmentation.size(kMaxOutlinePoints);
   if (is_ours && (is_runs || polygons > 1))
     node["cousin"].fail("comes beside a segmentation that is not one polygon");
   if (polygons == 1) {
@@ -241,7 +178,7 @@ void read_segmentation(const JsonNode& node, const Eigen::Vector2i& image_px, Si
   if (is_ours) read_outline_details(node["cousin"], result.outline);
   Eigen::Vector2i size = image_px;
   const PlacedMask mask =
-      is_runs ? read_runs(segmentation, size) : read_polygons(segmentation, image_px);
+      is_runs ? mask_of_runs(segmentation, size) : mask_of_polygons(segmentation, image_px);
   if (mask.mask.empty()) return;
   // The mask, its edges twice, and the part of each pixel.
   constexpr std::uint64_t kPixelBytes = 3 + sizeof(int);
@@ -251,9 +188,9 @@ void read_segmentation(const JsonNode& node, const Eigen::Vector2i& image_px, Si
   } catch (const std::invalid_argument& error) {
     segmentation.fail(error.what());
   }
-  if (result.outline.size() > kMaxPoints) {
+  if (result.outline.size() > kMaxOutlinePoints) {
     segmentation.fail("has an outline of " + std::to_string(result.outline.size()) +
-                      " points; the limit is " + std::to_string(kMaxPoints));
+                      " points; the limit is " + std::to_string(kMaxOutlinePoints));
   }
 }
 
@@ -272,16 +209,8 @@ void check_entry_keys(const JsonNode& node) {
 Silhouette read_silhouette(const JsonNode& node, const MaskImages& images, std::int64_t& scene) {
   check_entry_keys(node);
   Silhouette silhouette;
-  const std::int64_t image = node["image_id"].integer(0, kFramesPerScene * kFramesPerScene - 1);
-  const std::int64_t own_scene = image / kFramesPerScene;
-  if (scene >= 0 && own_scene != scene)
-    node["image_id"].fail("is of another scene than the first entry");
-  if (images.scene >= 0 && own_scene != images.scene) {
-    node["image_id"].fail("is of scene " + std::to_string(own_scene) + ", not of scene " +
-                          std::to_string(images.scene) + "; image_id is 1000000 scene + frame");
-  }
-  scene = own_scene;
-  silhouette.frame = static_cast<int>(image % kFramesPerScene);
+  const CocoImage image = image_of(node["image_id"], images.scene, scene);
+  silhouette.frame = image.frame;
   silhouette.instance = static_cast<int>(node["instance_id"].integer(0, 1'000'000'000));
   Eigen::Vector2i image_px(0, 0);
   if (!images.size_px.empty()) {

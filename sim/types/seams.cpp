@@ -22,6 +22,12 @@ std::string_view to_string(SurfaceStatus status) {
   return kNames.at(static_cast<std::size_t>(status));
 }
 
+std::string_view to_string(FitStatus status) {
+  constexpr std::array<std::string_view, 4> kNames = {"ok", "too_few_points", "degenerate",
+                                                      "not_converged"};
+  return kNames.at(static_cast<std::size_t>(status));
+}
+
 std::string_view to_string(TraitStatus status) {
   return status == TraitStatus::ok ? "ok" : "not_solved";
 }

@@ -60,6 +60,38 @@ struct FramePose {
 };
 using Poses = std::vector<FramePose>;  ///< one for each frame, same order
 
+// ---- boxes.json, keypoints.json (COCO results) --------------------------------------------------
+/// What a detector finds in one image of one sensor.
+struct Detection {
+  int frame = 0;
+  int sensor = 0;     ///< of the rig: a stereo pair has two images of a frame
+  int id = 0;         ///< unique among the seam's entries
+  int instance = -1;  ///< the same in all images; -1 = not known
+  int category = 1;   ///< in categories.json
+  double score = 1;   ///< confidence, 0 to 1
+};
+struct Box : Detection {
+  Eigen::Vector2d low_px = Eigen::Vector2d::Zero();   ///< edges left and above, from pixel centres
+  Eigen::Vector2d high_px = Eigen::Vector2d::Zero();  ///< right and below
+  /// Pixels of the object, 255 inside, of a part of the image; empty if only the box is known.
+  Image<std::uint8_t> mask;
+  Eigen::Vector2i mask_at_px = Eigen::Vector2i::Zero();  ///< its first pixel in the image
+  Eigen::Vector2i image_px = Eigen::Vector2i::Zero();    ///< width and height; beside a mask
+};
+using Boxes = std::vector<Box>;
+
+enum class KeypointStatus { missing, hidden, seen };  ///< COCO's v: 0, 1, 2
+struct DetectedKeypoint {
+  KeypointStatus status = KeypointStatus::missing;
+  Eigen::Vector2d pixel_px = Eigen::Vector2d::Constant(kNaN);  ///< NaN if missing
+  /// Standard deviation per axis; NaN = not given.
+  double sigma_px = kNaN;
+};
+struct KeypointDetection : Detection {
+  std::vector<DetectedKeypoint> points;  ///< in the order of its category's names
+};
+using Keypoints = std::vector<KeypointDetection>;
+
 // ---- depth/*.exr ------------------------------------------------------------------------------
 struct FrameDepth {
   int frame = 0;
@@ -99,6 +131,24 @@ struct Silhouette {
 };
 using Silhouettes = std::vector<Silhouette>;
 
+// ---- fits.json ----------------------------------------------------------------------------------
+enum class FitStatus { ok, too_few_points, degenerate, not_converged };
+struct FitParameter {
+  std::string name;  ///< "centre_x", "radius", ...
+  std::string unit;  ///< m, rad, 1
+  double value = kNaN;
+};
+/// A shape of few parameters that stands for an object: a sphere, a line, a plant's axis.
+struct ObjectFit {
+  int instance = 0;
+  std::string model;  ///< "sphere", "line", ...
+  FitStatus status = FitStatus::not_converged;
+  std::string reason;  ///< why it is not ok
+  std::vector<FitParameter> parameters;
+  Eigen::MatrixXd covariance;  ///< of the parameters in their order; empty = not given
+};
+using Fits = std::vector<ObjectFit>;
+
 // ---- meshes/*.ply -------------------------------------------------------------------------------
 enum class SurfaceStatus { ok, too_few_views, empty, not_converged, touching, not_watertight };
 struct Surface {
@@ -131,6 +181,7 @@ using Traits = std::vector<SpecimenTraits>;
 /// Names used in files and tables.
 std::string_view to_string(BoardStatus status);
 std::string_view to_string(PoseStatus status);
+std::string_view to_string(FitStatus status);
 std::string_view to_string(SurfaceStatus status);
 std::string_view to_string(TraitStatus status);
 

@@ -74,7 +74,7 @@ TEST(AppCommandLine, MistakesNameWhatIsWrong) {
   EXPECT_THAT(refusal({"run"}), HasSubstr("SCENE is required"));
   EXPECT_THAT(refusal({"perceive"}), HasSubstr("DATASET is required"));
   EXPECT_THAT(refusal({"calibrate"}), HasSubstr("FOLDER is required"));
-  EXPECT_THAT(refusal({"score", "dataset"}), HasSubstr("ESTIMATE_DIR"));
+  EXPECT_THAT(refusal({"score", "dataset"}), HasSubstr("DATASET ESTIMATE"));
   EXPECT_THAT(refusal({"import", "folder"}), HasSubstr("--format is required"));
   EXPECT_THAT(refusal({"run", "seeds", "--threads", "99999"}),
               AllOf(HasSubstr("--threads"), HasSubstr("99999")));

@@ -82,7 +82,7 @@ TEST(AppPerceiveViews, ASceneAsAWholeIsScoredAgainstItsTruth) {
   const SceneTruth truth = box_on_bench();
   write_capture(program.path("box/000000"), cube_capture());  // of as many frames
   write_truth(program.path("box/000000"), truth);
-  const SeedsEstimate estimate = measured_box(truth, 0.0005F);
+  const Estimate estimate = measured_box(truth, 0.0005F);
   fs::create_directories(program.path("est/000000"));
   write_cloud(program.path("est/000000"), estimate.cloud);
   const Outcome raw = program.run(

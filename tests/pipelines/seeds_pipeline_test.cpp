@@ -32,7 +32,7 @@ TEST(SeedsPipeline, PlanOfOursReadsOutlinesAndThePapersDoesNot) {
 
 TEST(SeedsPipeline, AViewWithoutABoardGivesAStatusAndNoSeeds) {
   const SeedsPipelineConfig config;
-  const SeedsEstimate estimate = run_seeds(one_grey_view(), config, seeds_stages(config, 1));
+  const Estimate estimate = run_seeds(one_grey_view(), config, seeds_stages(config, 1));
   ASSERT_EQ(estimate.corners.size(), 1U);
   EXPECT_NE(estimate.corners[0].status, BoardStatus::ok);
   EXPECT_EQ(estimate.poses.at(0).status, PoseStatus::no_board);
@@ -43,15 +43,15 @@ TEST(SeedsPipeline, AViewWithoutABoardGivesAStatusAndNoSeeds) {
 
 TEST(SeedsPipeline, AStageThatThrowsIsNamedAndEarlierResultsWereHandedOver) {
   const SeedsPipelineConfig config;
-  SeedsStages stages = seeds_stages(config, 1);
-  stages.depth = [](const Capture&, const SeedsEstimate&) -> Depths {
+  Stages stages = seeds_stages(config, 1);
+  stages.depth = [](const Capture&, const Estimate&) -> Depths {
     throw std::runtime_error("no texture");
   };
   std::vector<std::string> finished;
   try {
     run_seeds(one_grey_view(), config, stages,
-              [&](const std::string& stage, bool is_finished, const SeedsEstimate&) {
-                if (is_finished) finished.push_back(stage);
+              [&](std::string_view stage, bool is_finished, const Estimate&) {
+                if (is_finished) finished.emplace_back(stage);
               });
     FAIL() << "the failing stage was not reported";
   } catch (const StageError& error) {
@@ -70,8 +70,8 @@ TEST(SeedsPipeline, PosesInAnotherOrderThanTheFramesAreRefused) {
     capture.frames.push_back(frame);
   }
   for (const std::vector<int>& ids : {std::vector{0, 2, 1}, std::vector{0, 1}}) {
-    SeedsStages stages;
-    stages.poses = [&ids](const Capture&, const SeedsEstimate&) {
+    Stages stages;
+    stages.poses = [&ids](const Capture&, const Estimate&) {
       Poses poses;
       for (const int id : ids) {
         poses.emplace_back();
@@ -93,7 +93,7 @@ TEST(SeedsPipeline, PosesInAnotherOrderThanTheFramesAreRefused) {
 
 TEST(SeedsPipeline, SigmasOfLengthsFollowTheMedianViewsPixel) {
   const SeedsPipelineConfig config;
-  SeedsEstimate estimate;
+  Estimate estimate;
   for (const double distance_m : {0.3, 0.5, 0.8, 90.0}) {
     FramePose pose;
     pose.status = distance_m > 1 ? PoseStatus::not_converged : PoseStatus::ok;

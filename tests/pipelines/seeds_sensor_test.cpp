@@ -12,7 +12,7 @@ namespace {
 /// A capture of the marked board, posed at 0.4 m by f = 400 px: a pixel spans 1 mm.
 struct Seen {
   Capture capture;
-  SeedsEstimate estimate;
+  Estimate estimate;
 };
 Seen board_with_noise(double sigma_m) {
   Seen seen;
@@ -91,7 +91,7 @@ TEST(SeedsSensor, SizesOfPointsAreKnownToTheMatchingWindow) {
   EXPECT_NEAR(known[0].traits[2].sigma, 0.004, 0.0008);
   EXPECT_NEAR(known[0].traits[3].sigma, 1.5 * 0.022, 1e-6);  // three quarters and three quarters
   EXPECT_NEAR(known[0].traits[4].sigma, std::pow(0.022, 3), 1e-12);
-  SeedsEstimate unposed = seen.estimate;
+  Estimate unposed = seen.estimate;
   unposed.poses.clear();
   EXPECT_TRUE(
       std::isnan(with_point_sigmas({specimen}, config, seen.capture, unposed)[0].traits[0].sigma));

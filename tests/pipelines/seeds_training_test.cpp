@@ -161,7 +161,7 @@ TEST(SeedsSplats, WhatIsHeldOutChangesNothing) {
   config.splats.hold_out_every = 3;
   config.splats.reference_steps = 20;
   config.splats.reference_points = 500;
-  SeedsEstimate so_far;
+  Estimate so_far;
   so_far.poses = made.poses;
   std::vector<int> taken;
   const auto model_of = [&] {
@@ -194,7 +194,7 @@ TEST(SeedsSplats, TheReferenceIsLeftAfterTheStepsThatAreAskedFor) {
   config.method = SeedsMethod::splats_paper;
   config.splats.reference_steps = 17;
   config.splats.reference_points = 100;
-  SeedsEstimate so_far;
+  Estimate so_far;
   so_far.poses = made.poses;
   SplatWatch watch;
   int last = 0;

@@ -63,7 +63,7 @@ TEST_F(CaptureStore, ASecondRunReadsWhatTheFirstRendered) {
   EXPECT_FALSE(first.timings.empty());
   EXPECT_TRUE(again.timings.empty());  // nothing was simulated
   // Scores of the same estimate are the same.
-  SeedsEstimate estimate;
+  Estimate estimate;
   for (const TrueView& view : first.truth.views) {
     FramePose pose;
     pose.frame = view.frame;

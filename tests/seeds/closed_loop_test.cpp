@@ -126,8 +126,8 @@ TEST(ClosedLoop, AFrameDoesNotDependOnWhichFramesCameBefore) {
 TEST(ClosedLoop, TruthInEverySeamScoresPerfectly) {
   const SimulatedRun run = simulate(2, truth_stage_needs());
   const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
-  const SeedsStages truth = truth_stages(run, board_of(run.capture, pipeline));
-  const SeedsEstimate estimate = run_seeds(run.capture, pipeline, truth);
+  const Stages truth = truth_stages(run, board_of(run.capture, pipeline));
+  const Estimate estimate = run_seeds(run.capture, pipeline, truth);
   const SeedsScores scores = score_run(run.truth, estimate, {});
   ASSERT_EQ(scores.specimens.size(), 10U);
   for (const SpecimenRow& row : scores.specimens) EXPECT_EQ(row.measured, row.truth) << row.trait;
@@ -174,7 +174,7 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
   pipeline.method = SeedsMethod::splats;
   pipeline.splats.steps = 800;
   pipeline.splats.most_splats = 12000;
-  const SeedsEstimate whole = perceive_seeds(run.capture, pipeline, 3, {}, 0, {});
+  const Estimate whole = perceive_seeds(run.capture, pipeline, 3, {}, 0, {});
   const SeedsScores splats = score_run(run.truth, whole, {.method = "splats"});
   ASSERT_EQ(splats.specimens.size(), 10U);
   EXPECT_LT(worst_length_m(splats), 2e-3);
@@ -192,7 +192,7 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
   const Progress watch = [&least](const std::string& what, int done, int) {
     if (what.find("splats, step") != std::string::npos) least = std::min(least, done);
   };
-  const SeedsEstimate rest = perceive_seeds(run.capture, pipeline, 3, {}, 0, folder, watch);
+  const Estimate rest = perceive_seeds(run.capture, pipeline, 3, {}, 0, folder, watch);
   EXPECT_GE(least, 500);
   EXPECT_FALSE(fs::exists(folder / "splats.unfinished"));
   write_splat_ply(folder / "whole.ply", whole.splats);
@@ -226,12 +226,12 @@ TEST(ClosedLoop, APlainBoardsFrameIsTurnedToTheTruths) {
   sets.insert(sets.end(), {"markers=false", "views=3"});
   const SeedsRunConfig config = seeds_run_config(sets);
   const SimulatedRun run = simulate_seeds(config, 3, 0, truth_stage_needs());
-  const SeedsEstimate exact = run_seeds(run.capture, config.pipeline,
-                                        truth_stages(run, board_of(run.capture, config.pipeline)));
+  const Estimate exact = run_seeds(run.capture, config.pipeline,
+                                   truth_stages(run, board_of(run.capture, config.pipeline)));
   for (int count = 0; count < 4; ++count) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5 * M_PI * count, Eigen::Vector3d::UnitZ()));
     for (const bool with_poses : {true, false}) {
-      SeedsEstimate turned = exact;
+      Estimate turned = exact;
       for (FramePose& pose : turned.poses) {
         pose.camera_from_world = pose.camera_from_world * inverse(Pose{turn, {0, 0, 0}});
       }
@@ -255,9 +255,9 @@ TEST(ClosedLoop, AttributionExplainsTheStagesThatRan) {
   const SimulatedRun run = simulate(2, truth_stage_needs());
   const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
   // A user's masks that see nothing: only the truth in their place (and later) measures a seed.
-  SeedsStages own = stages_of(pipeline, 3, {}, 0);
-  own.masks = [](const Capture&, const SeedsEstimate&) { return Silhouettes{}; };
-  const SeedsEstimate estimate = run_seeds(run.capture, pipeline, own);
+  Stages own = stages_of(pipeline, 3, {}, 0);
+  own.masks = [](const Capture&, const Estimate&) { return Silhouettes{}; };
+  const Estimate estimate = run_seeds(run.capture, pipeline, own);
   const std::vector<SeamStep> steps = attribute_seeds(run, pipeline, own, {}, &estimate);
   ASSERT_EQ(steps.size(), 9U);
   for (const SeamStep& step : steps) {
@@ -305,9 +305,9 @@ TEST(ClosedLoop, GaussiansThatAreNoneAreLeftOutAloud) {
          "nan 0 0  0 0 0  1  -5 -5 -5  1 0 0 0\n"
          "0 0 0  0 0 0  1  -5 -5 -5  0 0 0 0\n";
   std::vector<std::string> warnings;
-  const SeedsStages stages =
-      with_stage_sources({}, {parse_stage_source("splats=dir:" + folder.string())}, 0,
-                         [&](const std::string& text) { warnings.push_back(text); });
+  const Stages stages = with_stage_sources(
+      {}, {parse_stage_source("splats=dir:" + folder.string())}, seeds_stage_order(), 0,
+      [&](const std::string& text) { warnings.push_back(text); });
   EXPECT_EQ(stages.splats({}, {}).splats.size(), 1U);
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_THAT(warnings[0],
@@ -315,17 +315,30 @@ TEST(ClosedLoop, GaussiansThatAreNoneAreLeftOutAloud) {
                     HasSubstr("1 with a rotation of length zero")));
 }
 
+TEST(ClosedLoop, EachStageHasATruthRowOrSaysWhyNot) {
+  for (const StageRow& stage : stage_table()) {
+    const TruthRow& row = truth_row(stage.name);
+    EXPECT_NE(row.put == nullptr, row.why_none.empty()) << stage.name;
+    if (!row.put) continue;
+    Stages stages;
+    row.put(stages, SimulatedRun{}, SeedBoard{});
+    EXPECT_TRUE(stage.is_there(stages)) << stage.name;
+  }
+  EXPECT_EQ(truth_table().size(), stage_table().size());
+}
+
 TEST(ClosedLoop, SeedsOfFilesAndPrograms) {
   const SimulatedRun run = simulate(2, truth_stage_needs());
   const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
-  const SeedsStages truth = truth_stages(run, board_of(run.capture, pipeline));
-  const SeedsEstimate perfect = run_seeds(run.capture, pipeline, truth);
+  const Stages truth = truth_stages(run, board_of(run.capture, pipeline));
+  const Estimate perfect = run_seeds(run.capture, pipeline, truth);
   const fs::path folder = fresh_folder("seam") / "000000";
   write_traits(folder, perfect.traits);
 
   // dir: the seam's file in place of the stage.
-  const auto from_files = with_stage_sources(
-      truth, {parse_stage_source("traits=dir:" + folder.parent_path().string())}, 0);
+  const auto from_files =
+      with_stage_sources(truth, {parse_stage_source("traits=dir:" + folder.parent_path().string())},
+                         seeds_stage_order(), 0);
   EXPECT_EQ(from_files.traits(run.capture, perfect).size(), perfect.traits.size());
 
   // exec: a program that copies a prepared file; it must see the capture and earlier seams, and no
@@ -335,8 +348,8 @@ TEST(ClosedLoop, SeedsOfFilesAndPrograms) {
                             "-e \"$1/truth\" ] && cp "
                          << (folder / "traits.json").string() << " \"$2\"/\n";
   fs::permissions(program, fs::perms::owner_all);
-  const auto from_program =
-      with_stage_sources(truth, {parse_stage_source("traits=exec:" + program.string())}, 0);
+  const auto from_program = with_stage_sources(
+      truth, {parse_stage_source("traits=exec:" + program.string())}, seeds_stage_order(), 0);
   EXPECT_EQ(from_program.traits(run.capture, perfect).size(), perfect.traits.size());
 
   std::ofstream(program) << "#!/bin/sh\nexit 3\n";
@@ -443,7 +456,7 @@ TEST(ClosedLoop, AStoppedTrainingGoesOnWithThePosesThatColmapFoundForIt) {
   const Progress watch = [&least](const std::string& what, int done, int) {
     if (what.find("splats, step") != std::string::npos) least = std::min(least, done);
   };
-  const SeedsEstimate rest = perceive_seeds(run.capture, pipeline, 3, {}, 0, out, watch);
+  const Estimate rest = perceive_seeds(run.capture, pipeline, 3, {}, 0, out, watch);
   EXPECT_GE(least, 500);
   ASSERT_EQ(rest.poses.size(), first.size());
   for (std::size_t i = 0; i < first.size(); ++i) {

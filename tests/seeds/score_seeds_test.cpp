@@ -11,6 +11,7 @@
 #include "benchmarks/seeds/attribution.h"
 #include "benchmarks/seeds/truth_stages.h"
 #include "sim/geometry/measure.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
@@ -52,8 +53,8 @@ SceneTruth three_boxes() {
 }
 
 /// What a perfect pipeline hands over, moved and scaled as asked.
-SeedsEstimate estimate_of(const SceneTruth& truth, double offset_m, double sigma_m) {
-  SeedsEstimate estimate;
+Estimate estimate_of(const SceneTruth& truth, double offset_m, double sigma_m) {
+  Estimate estimate;
   for (const Instance* seed : specimens_of(truth.scene)) {
     SpecimenTraits traits;
     traits.instance = static_cast<int>(estimate.traits.size());
@@ -117,7 +118,7 @@ TEST(ScoreSeeds, AKnownOffsetScoresItselfAndItsCoverage) {
 
 TEST(ScoreSeeds, AMissedSeedIsNotSolvedAndAStrangerIsSpurious) {
   const SceneTruth truth = three_boxes();
-  SeedsEstimate estimate = estimate_of(truth, 0, 1e-5);
+  Estimate estimate = estimate_of(truth, 0, 1e-5);
   estimate.traits[1].centroid_in_world_m += Eigen::Vector3d(0, 0.02, 0);
   const SeedsScores scores = score_run(truth, estimate, {});
   EXPECT_EQ(row_of(scores.rows, "run", "specimens.missed").value, 1);
@@ -129,7 +130,7 @@ TEST(ScoreSeeds, AMissedSeedIsNotSolvedAndAStrangerIsSpurious) {
 TEST(ScoreSeeds, ALargeSpecimenIsFoundByItsUpperSurfaceAlone) {
   SceneTruth truth = three_boxes();
   truth.scene.instances.resize(1);
-  SeedsEstimate estimate = estimate_of(truth, 0, 1e-5);
+  Estimate estimate = estimate_of(truth, 0, 1e-5);
   estimate.traits[0].centroid_in_world_m.z() += 0.0055;  // the centroid of a half sphere of 22 mm
   EXPECT_EQ(row_of(score_run(truth, estimate, {}).rows, "run", "specimens.found").value, 0);
   for (TrueTrait& trait : truth.scene.instances[0].traits) {
@@ -141,7 +142,7 @@ TEST(ScoreSeeds, ALargeSpecimenIsFoundByItsUpperSurfaceAlone) {
 
 TEST(ScoreSeeds, WhatAnEstimateCouldNotMeasureIsUnsolvedWhereverItStands) {
   const SceneTruth truth = three_boxes();
-  SeedsEstimate estimate = estimate_of(truth, 0, 1e-5);
+  Estimate estimate = estimate_of(truth, 0, 1e-5);
   for (const std::size_t i : {0, 1}) estimate.traits[i].status = TraitStatus::not_solved;
   estimate.traits[1].centroid_in_world_m += Eigen::Vector3d(0, 0.02, 0);
   const SeedsScores scores = score_run(truth, estimate, {});
@@ -190,7 +191,7 @@ TEST(ScoreSeeds, RatioOfTwoMethodsIsTheirOffsetsRatio) {
 
 TEST(ScoreSeeds, PosesAreMatchedByTheirFrames) {
   SceneTruth truth = three_boxes();
-  SeedsEstimate estimate;
+  Estimate estimate;
   for (int i = 0; i < 12; ++i) {
     TrueView view;
     view.frame = i;
@@ -232,7 +233,7 @@ TEST(ScoreSeeds, CloudsAreScoredAgainstWhatCouldBeSeenToo) {
         view.camera_from_world_end = {down, down * -Eigen::Vector3d(0.02 * i, 0, 0.3)};
     truth.views.push_back(view);
   }
-  SeedsEstimate estimate;
+  Estimate estimate;
   for (const Instance* seed : specimens_of(truth.scene)) {
     const Eigen::Vector3d at_m = seed->world_from_object.translation_m;
     const double half_x_m = 0.5 * seed->traits[0].value, half_z_m = 0.5 * seed->traits[2].value;
@@ -269,12 +270,12 @@ TEST(ScoreSeeds, CloudsAreScoredAgainstWhatCouldBeSeenToo) {
 
 TEST(Attribution, StepsAreComparedOverTheSpecimensThatAllSolve) {
   const SceneTruth truth = three_boxes();
-  SeedsEstimate hard = estimate_of(truth, 1e-4, 1e-5), easy = hard;
+  Estimate hard = estimate_of(truth, 1e-4, 1e-5), easy = hard;
   hard.traits.back().status = TraitStatus::not_solved;
   for (Trait& trait : easy.traits.back().traits) trait.value += 1;  // the third seed is far off
   const std::vector<SeamStep> steps = {{"none", score_run(truth, hard, {}), 1},
                                        {"corners", score_run(truth, easy, {}), 1},
-                                       {"poses", score_run(truth, SeedsEstimate{}, {}), 1}};
+                                       {"poses", score_run(truth, Estimate{}, {}), 1}};
   std::map<std::string, const ScoreRow*> rmse;
   const std::vector<ScoreRow> rows = attribution_rows(steps, {});
   for (const ScoreRow& row : rows) {

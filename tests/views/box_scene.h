@@ -49,8 +49,8 @@ inline SceneTruth box_on_bench() {
 }
 
 /// True poses, and points `off_m` above the tops of bench and box and before the box's sides.
-inline SeedsEstimate measured_box(const SceneTruth& truth, float off_m) {
-  SeedsEstimate estimate;
+inline Estimate measured_box(const SceneTruth& truth, float off_m) {
+  Estimate estimate;
   for (const TrueView& view : truth.views)
     estimate.poses.push_back({.frame = view.frame,
                               .status = PoseStatus::ok,

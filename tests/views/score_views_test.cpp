@@ -13,7 +13,7 @@
 namespace cousin {
 namespace {
 
-std::vector<ScoreRow> score(const SceneTruth& truth, const SeedsEstimate& estimate,
+std::vector<ScoreRow> score(const SceneTruth& truth, const Estimate& estimate,
                             PoseAlignment alignment = PoseAlignment::none) {
   return score_views(truth, estimate, alignment, !estimate.cloud.empty(),
                      {.suite = "t", .scene = "box", .method = "m"});
@@ -21,7 +21,7 @@ std::vector<ScoreRow> score(const SceneTruth& truth, const SeedsEstimate& estima
 
 TEST(ScoreViews, ACloudIsAsFarOffAsItWasPut) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate = measured_box(truth, 0.0005F);
+  Estimate estimate = measured_box(truth, 0.0005F);
   estimate.poses[3].camera = reduced(estimate.poses[3].camera, 2);  // as `views` makes them
   const auto rows = score(truth, estimate);
   EXPECT_EQ(value_of(rows, "views.posed"), 1);
@@ -43,7 +43,7 @@ TEST(ScoreViews, ACloudIsAsFarOffAsItWasPut) {
 
 TEST(ScoreViews, WhatIsMissingCostsRecallAlone) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate = measured_box(truth, 0);
+  Estimate estimate = measured_box(truth, 0);
   std::erase_if(estimate.cloud,
                 [](const CloudPoint& point) { return point.position_m.z() > 0.1F; });
   const auto rows = score(truth, estimate);
@@ -55,7 +55,7 @@ TEST(ScoreViews, WhatIsMissingCostsRecallAlone) {
 
 TEST(ScoreViews, FogFarFromSpecimensIsTheScenesAlone) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate = measured_box(truth, 0);
+  Estimate estimate = measured_box(truth, 0);
   const auto clear = score(truth, estimate);
   CloudPoint fog;
   for (int i = 0; i < 20000; ++i) {
@@ -71,7 +71,7 @@ TEST(ScoreViews, FogFarFromSpecimensIsTheScenesAlone) {
 
 TEST(ScoreViews, AMeshIsScoredBesideTheCloud) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate;
+  Estimate estimate;
   Surface surface;
   surface.status = SurfaceStatus::ok;
   surface.mesh = truth.scene.models[1].mesh;
@@ -87,7 +87,7 @@ TEST(ScoreViews, AMeshIsScoredBesideTheCloud) {
 
 TEST(ScoreViews, AForeignFrameAndUnitAreTakenOut) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate = measured_box(truth, 0.0005F);
+  Estimate estimate = measured_box(truth, 0.0005F);
   WorldSimilarity own_from_world;
   own_from_world.scale = 7;
   own_from_world.rotation = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized());
@@ -106,7 +106,7 @@ TEST(ScoreViews, AForeignFrameAndUnitAreTakenOut) {
 
 TEST(ScoreViews, WithoutCamerasThereIsNoFrame) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate = measured_box(truth, 0);
+  Estimate estimate = measured_box(truth, 0);
   estimate.poses.resize(2);
   const auto rows = score(truth, estimate, PoseAlignment::similarity);
   EXPECT_TRUE(std::isnan(value_of(rows, "specimens.cloud_seen.recall_1000um")));
@@ -121,7 +121,7 @@ TEST(ScoreViews, WithoutCamerasThereIsNoFrame) {
 
 TEST(ScoreViews, EachNumberSaysHowManyPointsItIsOver) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate = measured_box(truth, 0.0005F);
+  Estimate estimate = measured_box(truth, 0.0005F);
   const std::size_t seen = estimate.cloud.size();
   for (int i = 0; i < 500; ++i) {  // on the underside, which nobody sees
     CloudPoint under;
@@ -143,7 +143,7 @@ TEST(ScoreViews, EachNumberSaysHowManyPointsItIsOver) {
 
 TEST(ScoreViews, AMeshWithoutAreaIsNoSurface) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate;
+  Estimate estimate;
   Surface surface;
   surface.status = SurfaceStatus::ok;
   surface.mesh.vertices_m = {{0, 0, 0.1}, {0.01, 0, 0.1}, {0.02, 0, 0.1}};
@@ -154,7 +154,7 @@ TEST(ScoreViews, AMeshWithoutAreaIsNoSurface) {
 
 TEST(ScoreViews, WhatWasNotFoundIsRecallOfNothing) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate = measured_box(truth, 0);
+  Estimate estimate = measured_box(truth, 0);
   std::erase_if(estimate.cloud, [](const CloudPoint& p) {
     return std::abs(p.position_m.x()) < 0.2F && std::abs(p.position_m.y()) < 0.2F;
   });
@@ -168,7 +168,7 @@ TEST(ScoreViews, WhatWasNotFoundIsRecallOfNothing) {
 
 TEST(ScoreViews, ABenchIsNoPartOfASpecimensMesh) {
   const SceneTruth truth = box_on_bench();
-  SeedsEstimate estimate;
+  Estimate estimate;
   Surface surface;
   surface.status = SurfaceStatus::ok;
   surface.mesh = truth.scene.models[0].mesh;  // of two triangles a face
@@ -184,7 +184,7 @@ TEST(ScoreViews, FocalLengthsAreOfTheSizeThatPhotographsHave) {
     view.camera.width_px = 1920;
     view.camera.fx_px = 1500;
   }
-  SeedsEstimate estimate = measured_box(truth, 0);
+  Estimate estimate = measured_box(truth, 0);
   estimate.cloud.clear();
   estimate.poses[1].camera.width_px = 1280;
   estimate.poses[1].camera.fx_px = 1000;

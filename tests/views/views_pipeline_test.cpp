@@ -31,8 +31,9 @@ ViewsPipelineConfig quick() {
   return config;
 }
 
-SeedsEstimate run(const Capture& capture, const ViewsPipelineConfig& config) {
-  return run_stages(reduced(capture, config.largest_side_px), views_stages(config, capture, 1));
+Estimate run(const Capture& capture, const ViewsPipelineConfig& config) {
+  return run_stages(reduced(capture, config.largest_side_px), views_stages(config, capture, 1),
+                    views_stage_order());
 }
 
 bool same(const SplatModel& a, const SplatModel& b) {
@@ -47,7 +48,7 @@ bool same(const SplatModel& a, const SplatModel& b) {
 
 TEST(ViewsPipeline, GaussiansDepthCloudAndMeshOfPosedPhotographs) {
   const Capture capture = cube_capture();
-  const SeedsEstimate estimate = run(capture, quick());
+  const Estimate estimate = run(capture, quick());
   EXPECT_GT(estimate.splats.splats.size(), 600U);
   ASSERT_EQ(estimate.depths.size(), 12U);
   EXPECT_EQ(estimate.depths[3].depth_m.width(), cube_camera().width_px);
@@ -95,7 +96,7 @@ TEST(ViewsPipeline, TheSameBytesOnAnyNumberOfThreads) {
     tbb::task_arena arena(threads);  // as many on a machine of fewer cores
     return arena.execute([&] { return run(capture, config); });
   };
-  const SeedsEstimate one = on(1), four = on(4);
+  const Estimate one = on(1), four = on(4);
   EXPECT_TRUE(same(one.splats, four.splats));
   ASSERT_EQ(one.cloud.size(), four.cloud.size());
   for (std::size_t i = 0; i < one.cloud.size(); ++i) {
@@ -111,7 +112,7 @@ TEST(ViewsPipeline, TheReferencesScheduleIsLeftEarly) {
   config.method = ViewsMethod::splats_paper;
   config.reference_steps = 50;
   config.cloud_views = config.mesh_cells = 0;
-  const SeedsEstimate estimate = run(cube_capture(), config);
+  const Estimate estimate = run(cube_capture(), config);
   EXPECT_FALSE(estimate.splats.splats.empty());
   EXPECT_EQ(estimate.splats.low_pass_px2, 0.3);
   EXPECT_TRUE(estimate.cloud.empty());
@@ -139,7 +140,7 @@ TEST(ViewsPipeline, SmallerPhotographsKeepWhereRaysGo) {
   EXPECT_NEAR(less.y(), (large.y() + 0.5) / 3 - 0.5, 1e-9);
   EXPECT_EQ(reduced(capture, 0).frames[0].sensors[0].color.width(), 108);
   EXPECT_EQ(reduced(capture, 108).frames[0].sensors[0].color.width(), 108);
-  const SeedsEstimate estimate = [&] {
+  const Estimate estimate = [&] {
     ViewsPipelineConfig config = quick();
     config.steps = 20;
     config.largest_side_px = 40;
@@ -195,10 +196,10 @@ TEST(ViewsPipeline, TheUnitOfLengthDoesNotMatter) {
   const Capture capture = cube_capture();
   ViewsPipelineConfig config = quick();
   config.steps = 60;
-  const SeedsEstimate metres = run(capture, config);
+  const Estimate metres = run(capture, config);
   Capture large = capture;  // the same in millimetres
   for (Frame& frame : large.frames) frame.rig_from_world->translation_m *= 1000;
-  const SeedsEstimate millimetres = run(large, config);
+  const Estimate millimetres = run(large, config);
   ASSERT_GT(metres.cloud.size(), 100U);
   EXPECT_NEAR(static_cast<double>(millimetres.cloud.size()),
               static_cast<double>(metres.cloud.size()),
@@ -206,7 +207,7 @@ TEST(ViewsPipeline, TheUnitOfLengthDoesNotMatter) {
   EXPECT_NEAR(mass_properties(millimetres.surfaces.at(0).mesh).area_m2,
               1e6 * mass_properties(metres.surfaces.at(0).mesh).area_m2, 2e6);
   for (Frame& frame : large.frames) frame.rig_from_world->translation_m *= 1e5;
-  const SeedsEstimate hundreds_of_nanometres = run(large, config);  // steps of millions of units
+  const Estimate hundreds_of_nanometres = run(large, config);  // steps of millions of units
   EXPECT_EQ(hundreds_of_nanometres.surfaces.at(0).status, SurfaceStatus::ok);
 }
 
@@ -221,14 +222,14 @@ Capture moved_by(Capture capture, const Eigen::Vector3d& shift_m) {
 TEST(ViewsPipeline, AFarOriginIsRefusedBeforeTheTraining) {
   ViewsPipelineConfig config = quick();
   config.steps = 60;
-  const SeedsEstimate near = run(moved_by(cube_capture(), {300, 0, 0}), config);
+  const Estimate near = run(moved_by(cube_capture(), {300, 0, 0}), config);
   EXPECT_GT(near.cloud.size(), 100U);
   EXPECT_EQ(near.surfaces.at(0).status, SurfaceStatus::ok);
   const Capture far = moved_by(cube_capture(), {0, 5e6, 0});
-  const auto before = [](const std::string& stage, bool finished, const SeedsEstimate&) {
+  const auto before = [](std::string_view stage, bool finished, const Estimate&) {
     EXPECT_FALSE(finished && stage == "splats");
   };
-  EXPECT_THAT([&] { run_stages(far, views_stages(config, far, 1), before); },
+  EXPECT_THAT([&] { run_stages(far, views_stages(config, far, 1), views_stage_order(), before); },
               ThrowsMessage<StageError>(HasSubstr("from the origin of the poses")));
   config.cloud_views = config.mesh_cells = 0;
   EXPECT_FALSE(run(far, config).splats.splats.empty());
@@ -281,7 +282,7 @@ TEST(ViewsPipeline, SomebodysPointsAreTheStart) {
 TEST(ViewsPipeline, AMeshNeedsNoCloud) {
   ViewsPipelineConfig config = quick();
   config.cloud_views = 0;
-  const SeedsEstimate estimate = run(cube_capture(), config);
+  const Estimate estimate = run(cube_capture(), config);
   EXPECT_TRUE(estimate.cloud.empty());
   ASSERT_EQ(estimate.surfaces.at(0).status, SurfaceStatus::ok);
   EXPECT_GT(mass_properties(estimate.surfaces[0].mesh).volume_m3, 0.1);
@@ -289,26 +290,26 @@ TEST(ViewsPipeline, AMeshNeedsNoCloud) {
 
 TEST(ViewsPipeline, StagesSayOneThingOfEachFrame) {
   const Capture capture = cube_capture();
-  SeedsStages stages = views_stages(quick(), capture, 1);
-  stages.splats = [](const Capture&, const SeedsEstimate&) { return cube_of_splats(); };
-  SeedsStages no_depth = stages, no_poses = stages;
-  no_depth.depth = [](const Capture&, const SeedsEstimate&) { return Depths(); };
-  EXPECT_TRUE(run_stages(capture, no_depth).cloud.empty());
-  no_poses.poses = [](const Capture&, const SeedsEstimate&) { return Poses(); };
-  EXPECT_THROW(run_stages(capture, no_poses), StageError);
+  Stages stages = views_stages(quick(), capture, 1);
+  stages.splats = [](const Capture&, const Estimate&) { return cube_of_splats(); };
+  Stages no_depth = stages, no_poses = stages;
+  no_depth.depth = [](const Capture&, const Estimate&) { return Depths(); };
+  EXPECT_TRUE(run_stages(capture, no_depth, views_stage_order()).cloud.empty());
+  no_poses.poses = [](const Capture&, const Estimate&) { return Poses(); };
+  EXPECT_THROW(run_stages(capture, no_poses, views_stage_order()), StageError);
   // Depth of a frame whose place nobody knows is no length.
-  SeedsStages one_lost = stages;
-  one_lost.poses = [&](const Capture& of, const SeedsEstimate& so_far) {
+  Stages one_lost = stages;
+  one_lost.poses = [&](const Capture& of, const Estimate& so_far) {
     Poses poses = stages.poses(of, so_far);
     poses[2] = {.frame = poses[2].frame, .status = PoseStatus::no_board};
     return poses;
   };
-  one_lost.depth = [&](const Capture& of, const SeedsEstimate& so_far) {
-    SeedsEstimate all = so_far;
+  one_lost.depth = [&](const Capture& of, const Estimate& so_far) {
+    Estimate all = so_far;
     all.poses = reported_poses(of);
     return stages.depth(of, all);
   };
-  EXPECT_GT(run_stages(capture, one_lost).cloud.size(), 300U);
+  EXPECT_GT(run_stages(capture, one_lost, views_stage_order()).cloud.size(), 300U);
 }
 
 TEST(ViewsPipeline, FewReportedPosesAreNotTheBest) {
@@ -328,7 +329,7 @@ TEST(ViewsPipeline, PlacingSaysWhereThePosesAreFrom) {
   const Capture capture = cube_capture();
   const auto placing = std::make_shared<ViewsFindings>();
   placing->is_metric = false;
-  const SeedsStages stages = views_stages(quick(), capture, 1, {}, placing);
+  const Stages stages = views_stages(quick(), capture, 1, {}, placing);
   EXPECT_EQ(stages.poses(capture, {}).size(), 12U);
   EXPECT_FALSE(placing->by_tracks);
   EXPECT_TRUE(placing->is_metric);
@@ -337,7 +338,7 @@ TEST(ViewsPipeline, PlacingSaysWhereThePosesAreFrom) {
 TEST(ViewsPipeline, BlackPhotographsGiveNoSurface) {
   Capture capture = cube_capture();
   for (Frame& frame : capture.frames) frame.sensors[0].color = Image<Rgb8>(108, 75, {0, 0, 0});
-  const SeedsEstimate estimate = run(capture, quick());
+  const Estimate estimate = run(capture, quick());
   EXPECT_TRUE(estimate.cloud.empty());
   EXPECT_TRUE(estimate.surfaces.empty() || estimate.surfaces[0].status == SurfaceStatus::empty);
 }
@@ -363,9 +364,9 @@ TEST(ViewsPipeline, ExposuresAreMeasuredAndTakenOut) {
   config.cloud_views = config.mesh_cells = 0;
   const auto findings = std::make_shared<ViewsFindings>();
   const auto trained = [&] {
-    return run_stages(capture, views_stages(config, capture, 1, {}, findings));
+    return run_stages(capture, views_stages(config, capture, 1, {}, findings), views_stage_order());
   };
-  const SeedsEstimate even = trained();
+  const Estimate even = trained();
   ASSERT_EQ(findings->exposures.status, ExposureStatus::ok);
   ASSERT_EQ(findings->exposed_frames, (std::vector<int>{1, 2, 3, 5, 6, 7}));
   for (std::size_t v = 1; v < 6; ++v) {

@@ -2,8 +2,9 @@
 //   OUT/images/train/000000_000003.png     scene and frame
 //   OUT/annotations/train.json             and val.json, test.json
 // Boxes and polygons count from the image's corner, keypoints are pixels, whose centres are
-// integers; visibility 0 not labelled, 1 hidden, 2 seen. Annotations have three keys more:
-// "visible_fraction" (of the amodal mask), "instance_id" (of scene.json) and "instance_name".
+// integers; visibility 0 not labelled, 1 hidden, 2 seen. Annotations have four keys more:
+// "visible_fraction" (of the amodal mask), "instance_id" (of scene.json), "instance_name", and
+// "attributes": the specimen's traits by name, in SI units.
 
 #include <cmath>
 
@@ -58,6 +59,12 @@ void add_keypoints(const LabelledObject& object, Json& annotation) {
   annotation["keypoints"] = list;
 }
 
+Json attributes_of(const Instance& instance) {
+  Json attributes = Json::object();
+  for (const TrueTrait& trait : instance.traits) attributes[trait.name] = trait.value;
+  return attributes;
+}
+
 Json annotation_of(const LabelledObject& object, std::int64_t image, const Camera& camera,
                    MaskCode code) {
   Json annotation = {
@@ -70,7 +77,8 @@ Json annotation_of(const LabelledObject& object, std::int64_t image, const Camer
       {"segmentation", segmentation(object, camera, code)},
       {"visible_fraction", object.visible_fraction},
       {"instance_id", object.instance->id},
-      {"instance_name", object.instance->name}};
+      {"instance_name", object.instance->name},
+      {"attributes", attributes_of(*object.instance)}};
   add_keypoints(object, annotation);
   return annotation;
 }

@@ -40,6 +40,7 @@ ExportTruth read_export_truth(const fs::path& scene_dir) {
     }
   }
   keypoints_from_json(text("keypoints.json"), name("keypoints.json"), truth.scene);
+  true_traits_from_json(text("traits.json"), name("traits.json"), truth.scene);
   if (!fs::exists(dir / "scene_gt_info.json")) return truth;
   truth.labels.resize(truth.views.size());
   scene_gt_info_from_json(text("scene_gt_info.json"), name("scene_gt_info.json"), truth.views,

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "perception/splats/splat_model.h"
+#include "sim/types/capture.h"
+#include "sim/types/seams.h"
+
+namespace cousin {
+
+/// Everything between a capture and its traits: what the stages of a pipeline made, the seams of
+/// stages that there are not being empty.
+struct Estimate {
+  Corners corners;
+  Poses poses;
+  SplatModel splats;
+  Boxes boxes;
+  Keypoints keypoints;
+  Depths depths;
+  Cloud cloud;
+  Clusters clusters;
+  Silhouettes silhouettes;
+  Fits fits;
+  Surfaces surfaces;
+  Traits traits;
+  std::vector<StageTiming> timings;
+};
+
+/// Makes one seam of the capture and all earlier results.
+template <class Value>
+using Stage = std::function<Value(const Capture&, const Estimate&)>;
+
+/// The stages of a pipeline; those that it has not are null. Any may be replaced by files, a
+/// program or truth (stage_table.h).
+struct Stages {
+  Stage<Corners> corners;
+  Stage<Poses> poses;
+  Stage<SplatModel> splats;
+  Stage<Boxes> boxes;
+  Stage<Keypoints> keypoints;
+  Stage<Depths> depth;
+  Stage<Cloud> cloud;
+  Stage<Clusters> clusters;
+  Stage<Silhouettes> masks;
+  Stage<Fits> fits;
+  Stage<Surfaces> surfaces;
+  Stage<Traits> traits;
+};
+
+/// Names of stages in the order in which a pipeline runs them.
+using StageOrder = std::span<const std::string_view>;
+
+/// A stage failed: ours, a user's program, or a file that does not fit. Nested: the cause.
+class StageError : public std::runtime_error {
+ public:
+  StageError(const std::string& stage_name, const std::string& what);
+  std::string stage;
+};
+
+/// Called before and after each stage, for progress and for writing seams as soon as they exist.
+using StageObserver = std::function<void(std::string_view stage, bool finished, const Estimate&)>;
+
+/// Runs those of the stages that there are, in this order.
+/// @throws StageError; std::invalid_argument without frames, or for a name that is of no stage
+Estimate run_stages(const Capture& capture, const Stages& stages, StageOrder order,
+                    const StageObserver& observer = {});
+
+}  // namespace cousin
