@@ -59,7 +59,7 @@ Estimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
 
 /// A file, or a folder of text files: what a detector writes.
 bool is_detections(const fs::path& path) {
-  if (fs::is_regular_file(path)) return true;
+  if (fs::is_regular_file(path) || path.extension() == ".json") return true;
   if (!fs::is_directory(path) || fs::exists(path / "000000")) return false;
   if (fs::is_directory(path / "labels")) return true;
   for (const auto& entry : fs::directory_iterator(path)) {

@@ -18,6 +18,7 @@ inline constexpr auto kJobVerbs = std::to_array<Verb>({
     {"run", command_run},
     {"verify", command_verify, Reads::input},
     {"report", command_report, Reads::input},
+    {"ledger", command_ledger, Reads::input},
 });
 
 }  // namespace cousin

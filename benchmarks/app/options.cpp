@@ -79,6 +79,13 @@ void add_calibrate(CLI::App& verb, Options& o) {
   add_set(verb, o);
 }
 
+constexpr const char* kLedgerHelp =
+    "Say what a real capture will give before it is measured, and keep what came of it.\n\n"
+    "  ledger show                            predictions, outcomes, and what they are worth\n"
+    "  ledger predict ID SET WHAT LOW HIGH    with --unit and --why\n"
+    "  ledger outcome ID VALUE COMMAND        what the command printed\n"
+    "  ledger seen SET                        with --why: its results are known already\n\n"
+    "The file only grows. An outcome counts where its line's commit is after its prediction's.";
 constexpr const char* kImportHelp =
     "Make a dataset of another program's capture.\n\n"
     "  nerfstudio   transforms.json of nerfstudio, instant-ngp or Blender, with its images\n"
@@ -407,6 +414,12 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   takes(verb("verify", "Re-hash a dataset"), "DATASET", "Dataset folder", 1, 1);
   takes(verb("report", "Make the HTML report of a folder of scores"), "FOLDER",
         "Folder of a run or benchmark", 1, 1);
+
+  CLI::App* ledger = verb("ledger", kLedgerHelp);
+  takes(ledger, "WORDS", "As above; none: show", 0, 6);
+  ledger->add_option("--file", o.ledger_file, "The ledger")->capture_default_str();
+  ledger->add_option("--unit", o.ledger_unit, "Of a prediction: SI, 1 for ratios");
+  ledger->add_option("--why", o.ledger_why, "Of a prediction or a seen set: the reason");
 
   const std::vector<const char*> words = without_help_verb(argc, argv);
   const auto leave_without_verb = [&] {

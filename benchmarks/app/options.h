@@ -21,11 +21,13 @@ struct Options {
   bool json = false;
   bool quiet = false;
   int scenes = 1;
-  int frames = 0;            ///< views of each scene; 0 = the scene's own number
-  std::string shard;         ///< "i/n"
-  std::string lpips;         ///< TorchScript file; empty = images are not scored by a network
-  std::string only;          ///< part of the names of the jobs that `bench` runs; empty = all
-  bool list = false;         ///< print these jobs in place of running them
+  int frames = 0;     ///< views of each scene; 0 = the scene's own number
+  std::string shard;  ///< "i/n"
+  std::string lpips;  ///< TorchScript file; empty = images are not scored by a network
+  std::string only;   ///< part of the names of the jobs that `bench` runs; empty = all
+  bool list = false;  ///< print these jobs in place of running them
+  std::string ledger_file = "docs/ledger.jsonl";  ///< of `ledger`, as the next two
+  std::string ledger_unit, ledger_why;
   std::string class_map;     ///< `score` of detections: "0=low,1=high"; "" = the dataset's order
   double confidence = 0.25;  ///< `score` of detections: those from here on are counted
   std::string truth_for;     ///< export format whose truth `render` writes too

@@ -1,6 +1,7 @@
 #include "benchmarks/seeds/result_folder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -80,10 +81,17 @@ std::string summary_table(const std::vector<ScoreRow>& rows) {
   char line[200];
   std::snprintf(line, sizeof line, "%-18s %-18s %-12s %-7s %4s %18s %9s %8s %7s %8s\n", "suite",
                 "case", "method", "trait", "n", "RMSE", "bias", "MAPE %", "slope", "cover 95");
+  const std::string head = line;
+  // One cultivar is its species too: each number once.
+  std::set<std::tuple<std::string, std::string, std::string, std::int64_t, double>> shown_before;
   for (const auto& [key, metrics] : table) {
     const auto& [suite, case_name, method, trait] = key;
     const auto found = metrics.find("rmse");
     if (found == metrics.end() || !metrics.contains("slope")) continue;
+    const double rmse = found->second->value;
+    if (!std::isnan(rmse) &&
+        !shown_before.emplace(suite, method, trait, found->second->n, rmse).second)
+      continue;
     const auto value = [&](const char* metric) {
       const auto it = metrics.find(metric);
       return it == metrics.end() ? ScoreRow::kNone : it->second->value;
@@ -102,7 +110,7 @@ std::string summary_table(const std::vector<ScoreRow>& rows) {
         value("bias") * shown.factor, value("mape") * 100, value("slope"), value("coverage_95"));
     text += line;
   }
-  return text;
+  return text.empty() ? text : head + text;
 }
 
 }  // namespace cousin

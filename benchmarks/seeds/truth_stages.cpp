@@ -80,7 +80,7 @@ Boxes true_boxes(const SimulatedRun& run) {
         }
       }
       if (high.x() < 0) continue;
-      Box box;
+      DetectedBox box;
       box.frame = run.truth.views[f].frame;
       box.id = static_cast<int>(result.size());
       box.instance = static_cast<int>(k);

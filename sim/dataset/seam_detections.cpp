@@ -69,7 +69,7 @@ Eigen::Vector2i size_of(const DetectionImages& images, const Detection& detectio
   return known == images.size_px.end() ? Eigen::Vector2i(0, 0) : known->second;
 }
 
-void read_segmentation(const JsonNode& node, const DetectionImages& images, Box& box) {
+void read_segmentation(const JsonNode& node, const DetectionImages& images, DetectedBox& box) {
   const JsonNode segmentation = node["segmentation"];
   box.image_px = size_of(images, box);
   const bool is_runs = segmentation.is_object();
@@ -84,7 +84,7 @@ void read_segmentation(const JsonNode& node, const DetectionImages& images, Box&
   box.mask = std::move(placed.mask);
 }
 
-Json segmentation_of(const Box& box) {
+Json segmentation_of(const DetectedBox& box) {
   return {{"size", {box.image_px.y(), box.image_px.x()}},
           {"counts", coco_run_lengths(box.mask, box.mask_at_px.x(), box.mask_at_px.y(),
                                       box.image_px.x(), box.image_px.y())}};
@@ -92,7 +92,7 @@ Json segmentation_of(const Box& box) {
 
 constexpr double kHalf = 0.5;  ///< from the image's corner to the first pixel's centre
 
-void read_box(const JsonNode& node, Box& box) {
+void read_box(const JsonNode& node, DetectedBox& box) {
   const Eigen::Vector4d bbox = node.vector<4>();
   if (bbox.cwiseAbs().maxCoeff() > kMaxCocoPixel) node.fail("is outside [-1e6, 1e6]");
   if (bbox[2] < 0 || bbox[3] < 0) node.fail("has a negative width or height");
@@ -139,7 +139,7 @@ std::vector<JsonNode> entries_of(const JsonNode& root, const char* what) {
 
 std::string boxes_to_json(const Boxes& boxes, int scene_index) {
   Json root = Json::array();
-  for (const Box& box : boxes) {
+  for (const DetectedBox& box : boxes) {
     Json entry = entry_of(box, scene_index);
     const Eigen::Vector2d size_px = box.high_px - box.low_px;
     entry["bbox"] = {box.low_px.x() + kHalf, box.low_px.y() + kHalf, size_px.x(), size_px.y()};
@@ -160,12 +160,12 @@ Boxes boxes_from_json(std::string_view text, const std::string& name,
         {"image_id", "category_id", "bbox"},
         {"sensor", "id", "score", "instance_id", "segmentation", "area", "iscrowd", "num_keypoints",
          "visible_fraction", "instance_name", "attributes", "ignore"});
-    Box& box = boxes.emplace_back();
+    DetectedBox& box = boxes.emplace_back();
     read_entry(node, boxes.size() - 1, images, before, box);
     read_box(node["bbox"], box);
     if (node.has("segmentation")) read_segmentation(node, images, box);
     pixels += box.mask.size();
-    check_memory(name, pixels + boxes.size() * sizeof(Box), "the boxes and their masks");
+    check_memory(name, pixels + boxes.size() * sizeof(DetectedBox), "the boxes and their masks");
   }
   return boxes;
 }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxFits = 10'000'000;
 constexpr std::size_t kMaxParameters = 1000;  ///< of one fit
-constexpr int kMaxInstance = 1'000'000'000;
+constexpr int kMaxFitInstance = 1'000'000'000;
 
 /// @param factors  out: of the parameters' units
 void read_parameters(const JsonNode& node, Eigen::VectorXd& factors, ObjectFit& fit) {
@@ -67,7 +67,7 @@ void read_covariance(const JsonNode& node, const Eigen::VectorXd& factors, Objec
 ObjectFit read_fit(const JsonNode& node) {
   node.expect_keys({"instance", "model", "status", "parameters"}, {"reason", "covariance"});
   ObjectFit fit;
-  fit.instance = static_cast<int>(node["instance"].integer(0, kMaxInstance));
+  fit.instance = static_cast<int>(node["instance"].integer(0, kMaxFitInstance));
   fit.model = node["model"].text(256);
   fit.status = node["status"].choice(
       {FitStatus::ok, FitStatus::too_few_points, FitStatus::degenerate, FitStatus::not_converged});

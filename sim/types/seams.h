@@ -70,7 +70,7 @@ struct Detection {
   int category = 1;   ///< in categories.json
   double score = 1;   ///< confidence, 0 to 1
 };
-struct Box : Detection {
+struct DetectedBox : Detection {
   Eigen::Vector2d low_px = Eigen::Vector2d::Zero();   ///< edges left and above, from pixel centres
   Eigen::Vector2d high_px = Eigen::Vector2d::Zero();  ///< right and below
   /// Pixels of the object, 255 inside, of a part of the image; empty if only the box is known.
@@ -78,7 +78,7 @@ struct Box : Detection {
   Eigen::Vector2i mask_at_px = Eigen::Vector2i::Zero();  ///< its first pixel in the image
   Eigen::Vector2i image_px = Eigen::Vector2i::Zero();    ///< width and height; beside a mask
 };
-using Boxes = std::vector<Box>;
+using Boxes = std::vector<DetectedBox>;
 
 enum class KeypointStatus { missing, hidden, seen };  ///< COCO's v: 0, 1, 2
 struct DetectedKeypoint {

@@ -15,14 +15,14 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 Boxes two_boxes() {
-  Box plain;
+  DetectedBox plain;
   plain.frame = 3;
   plain.sensor = 1;
   plain.id = 7;
   plain.score = 0.25;
   plain.low_px = {-0.5, 2};
   plain.high_px = {9.75, 12.125};
-  Box with_mask;
+  DetectedBox with_mask;
   with_mask.id = 8;
   with_mask.instance = 4;
   with_mask.category = 2;

@@ -42,7 +42,7 @@ Estimate something() {
   for (const auto& [x, y] : {std::pair(0.F, 0.F), {1.F, 0.F}, {1.F, 1.F}})
     mask.outline.push_back({{x, y}, {1, 0}, 0.1F, true});
   estimate.silhouettes = {mask};
-  Box box;
+  DetectedBox box;
   box.high_px = {1, 1};
   estimate.boxes = {box};
   estimate.keypoints.resize(1);
