@@ -155,7 +155,13 @@ void add_export(CLI::App& verb, Options& o) {
   verb.add_option("--task", o.task, "yolo: detect, segment or pose")->capture_default_str();
   verb.add_option("--least-visible", o.least_visible,
                   "coco, yolo: leave out objects of which a smaller share is seen")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(CLI::Range(0.0, 1.0) & CLI::Validator(
+                                         [](const std::string& text) {
+                                           return text.find_first_of("nN") == std::string::npos
+                                                      ? std::string()
+                                                      : "is no number";
+                                         },
+                                         ""))
       ->capture_default_str();
 }
 
@@ -213,15 +219,28 @@ std::string with_last_name(std::string path) {
   return last == "." || last == ".." ? std::filesystem::weakly_canonical(path).string() : path;
 }
 
-}  // namespace
+/// The words without a name.
+void takes(CLI::App& verb, Options& o, const char* name, const char* help, int least, int most) {
+  verb.add_option(name, o.arguments, help)->expected(least, most)->required(least > 0);
+}
 
-ParsedOptions parse_options(int argc, const char* const* argv) {
-  ParsedOptions result;
-  Options& o = result.options;
-  CLI::App app{
-      "Cousin: a simulation-first testbed for plant perception. Scenes whose every dimension is "
-      "known are\n"
-      "photographed by virtual cameras, measured, and scored against the truth."};
+constexpr const char* kFitSensorHelp =
+    "Fit a sensor preset to your own recordings of a flat wall and of even light. Writes\n"
+    "preset.toml, scores and report.html; exit code 1 and no preset if the model is rejected.\n\n"
+    "FOLDER holds\n"
+    "  wall_0.60m/*.png   16-bit depth of a flat wall, a folder a distance: at least 4 "
+    "distances\n"
+    "                     of 4 frames, camera and wall at rest, the wall turned by about 5 "
+    "degrees\n"
+    "  dark/*.png         raw linear frames with the lens covered, grey PNG of 8 or 16 bits\n"
+    "  flat_*/*.png       raw frames of an even field, at least 3 brightnesses of 2 frames\n"
+    "  recordings.toml    optional: depth_unit_m, focal_px, baseline_m, distance_sigma_m,\n"
+    "                     region_px, albedo, light, color_bits; [\"wall_0.60m\"] with "
+    "distance_m,\n"
+    "                     distance_sigma_m, albedo, light\n"
+    "Either the walls or dark and flat fields may be missing. See docs/fit_sensor.md.";
+
+void add_global(CLI::App& app, Options& o) {
   app.name("cousin");
   app.formatter(std::make_shared<HelpText>());
   app.footer(
@@ -246,15 +265,164 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
       ->capture_default_str();
   app.add_flag("--json", o.json, "Print results as JSON");
   app.add_flag("--quiet", o.quiet, "Print nothing but results and errors");
+}
 
+void add_render(CLI::App& verb, Options& o) {
+  takes(verb, o, "SCENE", "Scene, see `cousin scenes`", 1, 1);
+  verb.add_option("--scenes", o.scenes, "How many scenes")
+      ->check(whole_number(1, 999999))
+      ->capture_default_str();
+  verb.add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
+      ->check(whole_number(0, 100000));
+  verb.add_option("--shard", o.shard, "i/n: part i (from 0) of n of the list of scenes and frames");
+  verb.add_flag("--plan", o.plan,
+                "Print what will be rendered and written, what is left out and why, and leave");
+  add_config(verb, o);
+  verb.add_option("--streams", o.streams,
+                  "Images of the rig: all (default), or of color,raw,infrared,depth those "
+                  "listed; no pass of the others runs");
+  verb.add_option(
+      "--truth", o.truth,
+      "Truth images: all, none, or of depth,normal,instance,part,position,coverage,visibility,"
+      "shares,keypoints,leaf_area,flow,disparity,noise_free_depth,invalid_reason those listed; "
+      "default: visibility, and of a depth sensor noise_free_depth,invalid_reason, of boards "
+      "keypoints");
+  verb.add_option("--for", o.truth_for,
+                  "Also the truth that `cousin export --format` coco, yolo or bop needs");
+  add_set(verb, o);
+}
+
+void add_perceive(CLI::App& verb, Options& o) {
+  takes(verb, o, "DATASET", "Dataset folder", 0, 1);
+  verb.add_option("--pipeline", o.pipeline,
+                  "seeds, or views: Gaussians of photographs of anything (docs/splats.md); "
+                  "needed for a real capture");
+  verb.add_option("--lpips", o.lpips, kLpipsOfViews);
+  add_stages(verb, o);
+  add_config(verb, o);
+  add_set(verb, o);
+}
+
+void add_score(CLI::App& verb, Options& o) {
+  takes(verb, o, "DATASET ESTIMATE",
+        "Dataset folder, and a folder of estimates, or a detector's results: a JSON file of COCO "
+        "results (Ultralytics' predictions.json) or a folder of YOLO's text files",
+        2, 2);
+  verb.add_option("--class-map", o.class_map,
+                  "Of detections: what the file's classes are in the dataset, 0=low,1=high; "
+                  "default: the dataset's classes in their order");
+  verb.add_option("--confidence", o.confidence,
+                  "Of detections: precision, recall and pictures are of those from here on")
+      ->check(CLI::Range(0.0, 1.0) & CLI::Validator(
+                                         [](const std::string& text) {
+                                           return text.find_first_of("nN") == std::string::npos
+                                                      ? std::string()
+                                                      : "is no number";
+                                         },
+                                         ""))
+      ->capture_default_str();
+  verb.add_flag("--align", o.align,
+                "Of estimates without traits.json: turn, move and scale them so that camera "
+                "centres come nearest to the true ones");
+  verb.add_option("--gate", o.gates,
+                  "'metric<=x' or 'metric>=x': exit code 1 if it does not hold; repeatable")
+      ->type_size(1)
+      ->allow_extra_args(false);
+}
+
+void add_run(CLI::App& verb, Options& o) {
+  takes(verb, o, "SCENE", "Scene, see `cousin scenes`", 1, 1);
+  verb.add_option("--scenes", o.scenes, "How many scenes")
+      ->check(whole_number(1, 9999))
+      ->capture_default_str();
+  verb.add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
+      ->check(whole_number(0, 100000));
+  verb.add_option("--pipeline", o.pipeline,
+                  "seeds, or views: Gaussians of any scene's photographs (docs/splats.md), whose "
+                  "keys --set names with \"pipeline.\" before them; the scene's own if not given");
+  verb.add_option("--pipeline-config", o.pipeline_config,
+                  "--pipeline views: TOML file of the pipeline's keys, as config.toml of an "
+                  "estimate; --config is the scene's");
+  verb.add_flag("--align", o.align,
+                "--pipeline views: turn, move and scale the estimate so that camera centres come "
+                "nearest to the true ones, as poses by COLMAP need");
+  verb.add_option("--lpips", o.lpips, kLpipsOfViews);
+  verb.add_flag("--plan", o.plan, "Print what will run, what is left out and why, and leave");
+  verb.add_flag("--attribution", o.attribution, "Also put truth in place of each seam in turn");
+  verb.add_option("--gate", o.gates,
+                  "'metric<=x' or 'metric>=x': exit code 1 if it does not hold; repeatable")
+      ->type_size(1)
+      ->allow_extra_args(false);
+  add_stages(verb, o);
+  add_config(verb, o);
+  add_set(verb, o);
+}
+
+void add_fit_sensor(CLI::App& verb, Options& o) {
+  takes(verb, o, "FOLDER", "Folder of recordings", 1, 1);
+  verb.add_option("--rig", o.rig,
+                  "Preset that the numbers go into, see `cousin rigs`, or the path of a TOML file")
+      ->required();
+}
+
+void add_bench(CLI::App& verb, Options& o) {
+  takes(verb, o, "SUITE",
+        "seeds, seedlings, stability, render, renderers, sensors, cousins, scenes, plants, "
+        "calibration, "
+        "sfm, splats, real, program; "
+        "none = "
+        "all",
+        0, -1);
+  verb.add_flag("--quick", o.quick,
+                "Smaller samples: each suite ends within ten minutes, same columns");
+  verb.add_flag("--attribution", o.attribution, "Put truth in place of each seam in turn");
+  verb.add_option(
+          "--runs", o.runs,
+          "Of each point: seeds and calibration, 5 unless given; trays a light of seedlings, "
+          "3 unless given. Runs that were finished in the same --out are taken as they "
+          "are")
+      ->check(whole_number(1, 1000));
+  verb.add_option("--shard", o.shard, "i/n: only part i (from 0) of n of the suite's jobs");
+  verb.add_option("--lpips", o.lpips,
+                  "TorchScript network that images of `seeds` and `seedlings` are scored by too: "
+                  "LPIPS, or any of two images of 1 x 3 x height x width from -1 to 1");
+  verb.add_option(
+      "--only", o.only,
+      "Only jobs whose names hold this text, or one of several, as \"_ours,_ngp\": the page is of "
+      "them alone");
+  verb.add_flag("--list", o.list,
+                "Print the jobs that --only and --shard choose, with what --out holds of each "
+                "(finished, begun), and run none");
+  verb.add_option(
+      "--captures", o.captures,
+      "Folder that keeps what `seeds` renders (15 GB in full): a later run with another "
+      "--out measures the same images again. Remove it when the simulator's code "
+      "changes. --attribution needs more truth and renders its own");
+  add_set(verb, o);
+}
+
+void add_ledger(CLI::App& verb, Options& o) {
+  takes(verb, o, "WORDS", "As above; none: show", 0, 6);
+  verb.add_option("--file", o.ledger_file, "The ledger")->capture_default_str();
+  verb.add_option("--unit", o.ledger_unit, "Of a prediction: SI, 1 for ratios");
+  verb.add_option("--why", o.ledger_why, "Of a prediction or a seen set: the reason");
+}
+
+}  // namespace
+
+ParsedOptions parse_options(int argc, const char* const* argv) {
+  ParsedOptions result;
+  Options& o = result.options;
+  CLI::App app{
+      "Cousin: a simulation-first testbed for plant perception. Scenes whose every dimension is "
+      "known are\n"
+      "photographed by virtual cameras, measured, and scored against the truth."};
+  add_global(app, o);
   const auto verb = [&](const char* name, const char* help) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->callback([&o, name] { o.verb = name; });
     sub->footer(closing_text(name));
     return sub;
-  };
-  const auto takes = [&](CLI::App* sub, const char* name, const char* help, int least, int most) {
-    sub->add_option(name, o.arguments, help)->expected(least, most)->required(least > 0);
   };
 
   verb("scenes", "List the scenes");
@@ -262,165 +430,26 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   verb("methods", "List the methods of each pipeline and which are built in");
   verb("doctor", "Say what this machine lacks");
 
-  CLI::App* render = verb("render", "Write a dataset: images, reported calibration and truth");
-  takes(render, "SCENE", "Scene, see `cousin scenes`", 1, 1);
-  render->add_option("--scenes", o.scenes, "How many scenes")
-      ->check(whole_number(1, 999999))
-      ->capture_default_str();
-  render->add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
-      ->check(whole_number(0, 100000));
-  render->add_option("--shard", o.shard,
-                     "i/n: part i (from 0) of n of the list of scenes and frames");
-  render->add_flag("--plan", o.plan,
-                   "Print what will be rendered and written, what is left out and why, and leave");
-  add_config(*render, o);
-  render->add_option("--streams", o.streams,
-                     "Images of the rig: all (default), or of color,raw,infrared,depth those "
-                     "listed; no pass of the others runs");
-  render->add_option(
-      "--truth", o.truth,
-      "Truth images: all, none, or of depth,normal,instance,part,position,coverage,visibility,"
-      "shares,keypoints,leaf_area,flow,disparity,noise_free_depth,invalid_reason those listed; "
-      "default: visibility, and of a depth sensor noise_free_depth,invalid_reason, of boards "
-      "keypoints");
-  render->add_option("--for", o.truth_for,
-                     "Also the truth that `cousin export --format` coco, yolo or bop needs");
-  add_set(*render, o);
-
+  add_render(*verb("render", "Write a dataset: images, reported calibration and truth"), o);
   CLI::App* perceive =
       verb("perceive", "Run a pipeline on a simulated or real dataset; reads no truth");
-  takes(perceive, "DATASET", "Dataset folder", 0, 1);
-  perceive->add_option("--pipeline", o.pipeline,
-                       "seeds, or views: Gaussians of photographs of anything (docs/splats.md); "
-                       "needed for a real capture");
-  perceive->add_option("--lpips", o.lpips, kLpipsOfViews);
-  add_stages(*perceive, o);
-  add_config(*perceive, o);
-  add_set(*perceive, o);
-
-  CLI::App* score = verb("score", "Score estimates, ours or anybody's, against a dataset's truth");
-  takes(score, "DATASET ESTIMATE",
-        "Dataset folder, and a folder of estimates, or a detector's results: a JSON file of COCO "
-        "results (Ultralytics' predictions.json) or a folder of YOLO's text files",
-        2, 2);
-  score->add_option("--class-map", o.class_map,
-                    "Of detections: what the file's classes are in the dataset, 0=low,1=high; "
-                    "default: the dataset's classes in their order");
-  score
-      ->add_option("--confidence", o.confidence,
-                   "Of detections: precision, recall and pictures are of those from here on")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  score->add_flag("--align", o.align,
-                  "Of estimates without traits.json: turn, move and scale them so that camera "
-                  "centres come nearest to the true ones");
-  score
-      ->add_option("--gate", o.gates,
-                   "'metric<=x' or 'metric>=x': exit code 1 if it does not hold; repeatable")
-      ->type_size(1)
-      ->allow_extra_args(false);
-
-  CLI::App* run = verb("run", "Render, perceive, score and report in one go");
-  takes(run, "SCENE", "Scene, see `cousin scenes`", 1, 1);
-  run->add_option("--scenes", o.scenes, "How many scenes")
-      ->check(whole_number(1, 9999))
-      ->capture_default_str();
-  run->add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
-      ->check(whole_number(0, 100000));
-  run->add_option("--pipeline", o.pipeline,
-                  "seeds, or views: Gaussians of any scene's photographs (docs/splats.md), whose "
-                  "keys --set names with \"pipeline.\" before them; the scene's own if not given");
-  run->add_option("--pipeline-config", o.pipeline_config,
-                  "--pipeline views: TOML file of the pipeline's keys, as config.toml of an "
-                  "estimate; --config is the scene's");
-  run->add_flag("--align", o.align,
-                "--pipeline views: turn, move and scale the estimate so that camera centres come "
-                "nearest to the true ones, as poses by COLMAP need");
-  run->add_option("--lpips", o.lpips, kLpipsOfViews);
-  run->add_flag("--plan", o.plan, "Print what will run, what is left out and why, and leave");
-  run->add_flag("--attribution", o.attribution, "Also put truth in place of each seam in turn");
-  run->add_option("--gate", o.gates,
-                  "'metric<=x' or 'metric>=x': exit code 1 if it does not hold; repeatable")
-      ->type_size(1)
-      ->allow_extra_args(false);
-  add_stages(*run, o);
-  add_config(*run, o);
-  add_set(*run, o);
-
+  add_perceive(*perceive, o);
+  add_score(*verb("score", "Score estimates, ours or anybody's, against a dataset's truth"), o);
+  add_run(*verb("run", "Render, perceive, score and report in one go"), o);
   CLI::App* calibrate = verb("calibrate", kCalibrateHelp);
   add_calibrate(*calibrate, o);
 
-  CLI::App* fit = verb(
-      "fit-sensor",
-      "Fit a sensor preset to your own recordings of a flat wall and of even light. Writes\n"
-      "preset.toml, scores and report.html; exit code 1 and no preset if the model is rejected.\n\n"
-      "FOLDER holds\n"
-      "  wall_0.60m/*.png   16-bit depth of a flat wall, a folder a distance: at least 4 "
-      "distances\n"
-      "                     of 4 frames, camera and wall at rest, the wall turned by about 5 "
-      "degrees\n"
-      "  dark/*.png         raw linear frames with the lens covered, grey PNG of 8 or 16 bits\n"
-      "  flat_*/*.png       raw frames of an even field, at least 3 brightnesses of 2 frames\n"
-      "  recordings.toml    optional: depth_unit_m, focal_px, baseline_m, distance_sigma_m,\n"
-      "                     region_px, albedo, light, color_bits; [\"wall_0.60m\"] with "
-      "distance_m,\n"
-      "                     distance_sigma_m, albedo, light\n"
-      "Either the walls or dark and flat fields may be missing. See docs/fit_sensor.md.");
-  takes(fit, "FOLDER", "Folder of recordings", 1, 1);
-  fit->add_option("--rig", o.rig,
-                  "Preset that the numbers go into, see `cousin rigs`, or the path of a TOML file")
-      ->required();
-
-  CLI::App* bench = verb("bench", "The papers' tables, error against time, stability cases");
-  takes(bench, "SUITE",
-        "seeds, seedlings, stability, render, renderers, sensors, cousins, scenes, plants, "
-        "calibration, "
-        "sfm, splats, real, program; "
-        "none = "
-        "all",
-        0, -1);
-  bench->add_flag("--quick", o.quick,
-                  "Smaller samples: each suite ends within ten minutes, same columns");
-  bench->add_flag("--attribution", o.attribution, "Put truth in place of each seam in turn");
-  bench
-      ->add_option(
-          "--runs", o.runs,
-          "Of each point: seeds and calibration, 5 unless given; trays a light of seedlings, "
-          "3 unless given. Runs that were finished in the same --out are taken as they "
-          "are")
-      ->check(whole_number(1, 1000));
-  bench->add_option("--shard", o.shard, "i/n: only part i (from 0) of n of the suite's jobs");
-  bench->add_option("--lpips", o.lpips,
-                    "TorchScript network that images of `seeds` and `seedlings` are scored by too: "
-                    "LPIPS, or any of two images of 1 x 3 x height x width from -1 to 1");
-  bench->add_option(
-      "--only", o.only,
-      "Only jobs whose names hold this text, or one of several, as \"_ours,_ngp\": the page is of "
-      "them alone");
-  bench->add_flag("--list", o.list,
-                  "Print the jobs that --only and --shard choose, with what --out holds of each "
-                  "(finished, begun), and run none");
-  bench->add_option(
-      "--captures", o.captures,
-      "Folder that keeps what `seeds` renders (15 GB in full): a later run with another "
-      "--out measures the same images again. Remove it when the simulator's code "
-      "changes. --attribution needs more truth and renders its own");
-  add_set(*bench, o);
-
+  add_fit_sensor(*verb("fit-sensor", kFitSensorHelp), o);
+  add_bench(*verb("bench", "The papers' tables, error against time, stability cases"), o);
   add_import(*verb("import", kImportHelp), o);
 
   add_export(*verb("export", kExportHelp), o);
 
-  takes(verb("verify", "Re-hash a dataset"), "DATASET", "Dataset folder", 1, 1);
-  takes(verb("report", "Make the HTML report of a folder of scores"), "FOLDER",
+  takes(*verb("verify", "Re-hash a dataset"), o, "DATASET", "Dataset folder", 1, 1);
+  takes(*verb("report", "Make the HTML report of a folder of scores"), o, "FOLDER",
         "Folder of a run or benchmark", 1, 1);
 
-  CLI::App* ledger = verb("ledger", kLedgerHelp);
-  takes(ledger, "WORDS", "As above; none: show", 0, 6);
-  ledger->add_option("--file", o.ledger_file, "The ledger")->capture_default_str();
-  ledger->add_option("--unit", o.ledger_unit, "Of a prediction: SI, 1 for ratios");
-  ledger->add_option("--why", o.ledger_why, "Of a prediction or a seen set: the reason");
-
+  add_ledger(*verb("ledger", kLedgerHelp), o);
   const std::vector<const char*> words = without_help_verb(argc, argv);
   const auto leave_without_verb = [&] {
     result.leave = true;
