@@ -60,16 +60,17 @@ ExitCode show(const Options& o, const fs::path& file) {
   nlohmann::json list = nlohmann::json::array();
   for (const LedgerRow& row : rows) {
     const Prediction& p = row.prediction;
-    list.push_back({{"prediction", p.id},
-                    {"set", p.set},
-                    {"what", p.what},
-                    {"unit", p.unit},
-                    {"low", p.low},
-                    {"high", p.high},
-                    {"why", p.why},
-                    {"outcome", std::isnan(row.outcome) ? nlohmann::json() : nlohmann::json(row.outcome)},
-                    {"command", row.command},
-                    {"status", to_string(row.status)}});
+    list.push_back(
+        {{"prediction", p.id},
+         {"set", p.set},
+         {"what", p.what},
+         {"unit", p.unit},
+         {"low", p.low},
+         {"high", p.high},
+         {"why", p.why},
+         {"outcome", std::isnan(row.outcome) ? nlohmann::json() : nlohmann::json(row.outcome)},
+         {"command", row.command},
+         {"status", to_string(row.status)}});
   }
   print_json(list);
   return ExitCode::done;
@@ -84,12 +85,13 @@ ExitCode command_ledger(const JobContext& context) {
   if (what == "show") return show(o, file);
   if (what == "predict") {
     expect_words(o, 6, "ID SET WHAT LOW HIGH, with --unit and --why");
-    append_to_ledger(file, Prediction{o.arguments[1], o.arguments[2], o.arguments[3], o.ledger_unit,
-                                      number_of(o.arguments[4]), number_of(o.arguments[5]),
-                                      o.ledger_why});
+    append_to_ledger(
+        file, Prediction{o.arguments[1], o.arguments[2], o.arguments[3], o.ledger_unit,
+                         number_of(o.arguments[4]), number_of(o.arguments[5]), o.ledger_why});
   } else if (what == "outcome") {
     expect_words(o, 4, "ID VALUE COMMAND");
-    append_to_ledger(file, LedgerOutcome{o.arguments[1], number_of(o.arguments[2]), o.arguments[3]});
+    append_to_ledger(file,
+                     LedgerOutcome{o.arguments[1], number_of(o.arguments[2]), o.arguments[3]});
   } else if (what == "seen") {
     expect_words(o, 2, "SET, with --why");
     append_to_ledger(file, SeenSet{o.arguments[1], o.ledger_why});

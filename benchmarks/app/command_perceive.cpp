@@ -13,6 +13,7 @@
 #include "benchmarks/app/specimens_text.h"
 #include "benchmarks/app/terminal.h"
 #include "benchmarks/app/views_options.h"
+#include "benchmarks/report/shown_numbers.h"
 #include "benchmarks/scenes/scene_table.h"
 #include "benchmarks/seeds/perceive.h"
 #include "benchmarks/seeds/run_config.h"
@@ -20,7 +21,6 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
-#include "sim/types/trait_table.h"
 #include "sim/types/utf8.h"
 
 namespace cousin {
@@ -85,10 +85,10 @@ void print_traits(const std::string& scene, const Traits& traits) {
         std::string(to_string(specimen.status)).c_str(),
         specimen.reason.empty() ? "" : (" (" + terminal_text(specimen.reason) + ")").c_str());
     for (const Trait& trait : specimen.traits) {
-      const TraitRow* row = find_trait(trait.name);
-      const std::string unit(row ? row->shown : trait.unit);
-      std::printf("  %s %.3f %s", terminal_text(trait.name).c_str(),
-                  trait.value * (row ? row->factor : 1), terminal_text(unit).c_str());
+      const ShownUnit shown = shown_unit(trait.unit, trait.name);
+      std::printf(shown.factor == 1 ? "  %s %.6g %s" : "  %s %.3f %s",
+                  terminal_text(trait.name).c_str(), trait.value * shown.factor,
+                  terminal_text(shown.name).c_str());
     }
     std::printf("\n");
   }
@@ -171,6 +171,7 @@ ExitCode command_perceive(const JobContext& context) {
   std::vector<StageSource> sources;
   for (const std::string& stage : o.stages)
     sources.push_back(parse_stage_source(stage, o.stage_time_limit_s));
+  check_stages(sources, seeds_stage_order(), "seeds");
 
   if (needs_sfm(config) && !replaces(sources, "poses")) require_sfm();
   const PerceivePlaces places = perceive_places(o);

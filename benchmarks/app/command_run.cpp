@@ -263,6 +263,7 @@ ExitCode command_run(const JobContext& context) {
   std::vector<StageSource> sources;
   for (const std::string& stage : o.stages)
     sources.push_back(parse_stage_source(stage, o.stage_time_limit_s));
+  check_stages(sources, seeds_stage_order(), "seeds");
   const std::vector<PlanEntry> plan = seeds_plan(config, o.attribution, sources);
   if (o.plan) {
     print_plan(o, plan);

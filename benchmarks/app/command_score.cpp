@@ -57,10 +57,13 @@ Estimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
   return estimate;
 }
 
-/// A file, or a folder of text files: what a detector writes.
-bool is_detections(const fs::path& path) {
-  if (fs::is_regular_file(path) || path.extension() == ".json") return true;
-  if (!fs::is_directory(path) || fs::exists(path / "000000")) return false;
+/// A file, or a folder of text files without one of a scene: what a detector writes.
+bool is_detections(const fs::path& path, const fs::path& dataset) {
+  if (fs::is_regular_file(path)) return true;
+  if (!fs::is_directory(path)) return path.extension() == ".json";
+  for (const fs::path& scene : scene_folders(dataset)) {
+    if (fs::exists(path / scene.filename())) return false;
+  }
   if (fs::is_directory(path / "labels")) return true;
   for (const auto& entry : fs::directory_iterator(path)) {
     if (entry.path().extension() == ".txt") return true;
@@ -124,7 +127,7 @@ ExitCode command_score(const JobContext& context) {
   const Options& o = context.options;
   const fs::path dataset = o.arguments.at(0);
   const fs::path estimates = o.arguments.at(1);
-  if (is_detections(estimates)) return command_score_detections(context);
+  if (is_detections(estimates, dataset)) return command_score_detections(context);
   refuse_given(o, {"--class-map", "--confidence"}, "is of a detector's results");
   for (const std::string& gate : o.gates) parse_gate(gate);
   const fs::path out = o.out.empty() ? estimates : fs::path(o.out);

@@ -10,18 +10,6 @@
 namespace cousin {
 namespace {
 
-/// Stages that the pipeline has not would be read and never used.
-void check_stages(const std::vector<StageSource>& sources) {
-  const StageOrder order = views_stage_order();
-  for (const StageSource& source : sources) {
-    if (std::find(order.begin(), order.end(), source.stage) != order.end()) continue;
-    std::string all;
-    for (const std::string_view stage : order)
-      all += (all.empty() ? "" : ", ") + std::string(stage);
-    throw std::invalid_argument("--stage " + source.stage + ": pipeline views has " + all);
-  }
-}
-
 std::string number_of(const std::vector<ScoreRow>& rows, const std::string& metric) {
   for (const ScoreRow& row : rows) {
     if (row.metric != metric) continue;
@@ -52,7 +40,7 @@ std::vector<StageSource> views_sources(const Options& options) {
   std::vector<StageSource> sources;
   for (const std::string& stage : options.stages)
     sources.push_back(parse_stage_source(stage, options.stage_time_limit_s));
-  check_stages(sources);
+  check_stages(sources, views_stage_order(), "views");
   return sources;
 }
 

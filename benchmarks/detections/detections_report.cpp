@@ -102,12 +102,17 @@ std::string share(double value) { return table_cell(value, 100, 1); }
 
 ReportTable table_of(const char* title, const std::vector<ScoreRow>& rows,
                      const std::vector<std::string>& metrics) {
+  const auto is_wanted = [&](const std::string& metric) {
+    return std::any_of(metrics.begin(), metrics.end(), [&](const std::string& wanted) {
+      return metric == wanted || metric.starts_with(wanted + ".");
+    });
+  };
   ReportTable table;
   table.title = title;
   table.caption = "per cent, with 95 % intervals over plants";
   table.columns = {"of", "metric", "%", "from", "to", "objects"};
   for (const ScoreRow& row : rows) {
-    if (std::find(metrics.begin(), metrics.end(), row.metric) == metrics.end()) continue;
+    if (!is_wanted(row.metric)) continue;
     table.lines.push_back({row.case_name, row.metric, share(row.value), share(row.ci_low),
                            share(row.ci_high), std::to_string(row.n)});
   }
@@ -205,9 +210,8 @@ ReportInput detections_report(const TruePictures& truth, const FoundFile& found,
       report.headlines.push_back(
           {metric, {row->value, row->ci_low, row->ci_high}, "%", "", row->status, "boxes"});
   }
-  report.tables.push_back(
-      table_of("Boxes", detections.rows,
-               {"AP50", "AP75", "AP50_95", "precision", "f1", "f1_best", "f1_best.confidence"}));
+  report.tables.push_back(table_of("Boxes", detections.rows,
+                                   {"AP50", "AP75", "AP50_95", "precision", "f1", "f1_best"}));
   if (found.has_masks)
     report.tables.push_back(
         table_of("Masks", detections.rows, {"mask_AP50", "mask_AP75", "mask_AP50_95"}));

@@ -19,6 +19,7 @@ using nlohmann::json;
 constexpr std::size_t kFileLimit_bytes = std::size_t{1} << 30;
 constexpr std::size_t kMostFound = 10'000'000;
 constexpr double kMostPixel = 1e6;
+constexpr int kDeepest = 16;  ///< that JSON is nested
 
 /// A place in a file for messages.
 class Place {
@@ -32,14 +33,22 @@ class Place {
   std::string text_;
 };
 
+/// Of scene and frame; the others are numbers.
+std::string longest_name(const PictureNames& pictures) {
+  std::string longest;
+  for (const auto& [name, size] : pictures) {
+    if (name.size() > longest.size()) longest = name;
+  }
+  return longest;
+}
+
 const PictureSize& picture_of(const PictureNames& pictures, const std::string& name,
                               const Place& place) {
   const auto found = pictures.find(name);
   if (found != pictures.end()) return found->second;
   place.fail("is of picture \"" + name +
              "\", which the dataset has not; its pictures are named as \"" +
-             (pictures.empty() ? "" : pictures.begin()->first) +
-             "\" (scene and frame), as `cousin export` names them");
+             longest_name(pictures) + "\" (scene and frame), as `cousin export` names them");
 }
 
 // ---- COCO
@@ -117,7 +126,9 @@ PlacedMask mask_of(const json& segmentation, const PictureSize& picture, const P
 
 FoundObject object_of(const json& entry, const PictureSize& picture, const Place& place) {
   FoundObject object;
-  object.category = static_cast<int>(number(entry, "category_id", 0, 1e6, place));
+  const double category = number(entry, "category_id", 0, 1e6, place);
+  if (category != std::floor(category)) place.fail("category_id is no whole number");
+  object.category = static_cast<int>(category);
   object.score = number(entry, "score", 0, 1, place);
   if (entry.contains("segmentation") && !entry["segmentation"].is_null())
     object.mask = mask_of(entry["segmentation"], picture, place);
@@ -147,7 +158,11 @@ json parsed(const fs::path& file) {
   // What nlohmann's values take of a list of small objects.
   check_memory(file, bytes_times(text.size(), 16), "its JSON");
   try {
-    return json::parse(text);
+    return json::parse(text, [&](int depth, json::parse_event_t, json&) {
+      if (depth > kDeepest)
+        throw std::runtime_error(file.string() + ": its JSON is nested too deep");
+      return true;
+    });
   } catch (const json::exception& error) {
     throw std::runtime_error(file.string() + ": is not JSON: " + error.what());
   }
@@ -188,6 +203,7 @@ FoundObject object_of(const std::vector<double>& numbers, const PictureSize& pic
   }
   const double w = picture.width_px, h = picture.height_px;
   if (numbers.size() == kBox) {
+    if (numbers[3] < 0 || numbers[4] < 0) place.fail("has a negative width or height");
     object.box = {(numbers[1] - 0.5 * numbers[3]) * w, (numbers[2] - 0.5 * numbers[4]) * h,
                   numbers[3] * w, numbers[4] * h};
     return object;

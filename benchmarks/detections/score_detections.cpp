@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/types/memory_limit.h"
 #include "sim/types/rng.h"
 
 namespace cousin {
@@ -22,13 +23,15 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 // ---- Overlaps
 // -------------------------------------------------------------------------------------
 
-/// Pixels that two masks share over those of either.
-double mask_overlap(const PlacedMask& a, const PlacedMask& b) {
-  std::int64_t shared = 0, either = 0;
-  const auto count = [](const PlacedMask& m) {
-    return std::count_if(m.mask.data(), m.mask.data() + m.mask.size(),
-                         [](std::uint8_t v) { return v != 0; });
-  };
+std::int64_t pixels_of(const PlacedMask& mask) {
+  return std::count_if(mask.mask.data(), mask.mask.data() + mask.mask.size(),
+                       [](std::uint8_t v) { return v != 0; });
+}
+
+/// Pixels that two masks share over those of either, whose own pixels are counted already.
+double mask_overlap(const PlacedMask& a, std::int64_t pixels_a, const PlacedMask& b,
+                    std::int64_t pixels_b) {
+  std::int64_t shared = 0;
   const int left = std::max(a.x, b.x), top = std::max(a.y, b.y);
   const int right = std::min(a.x + a.mask.width(), b.x + b.mask.width());
   const int bottom = std::min(a.y + a.mask.height(), b.y + b.mask.height());
@@ -36,16 +39,17 @@ double mask_overlap(const PlacedMask& a, const PlacedMask& b) {
     for (int x = left; x < right; ++x)
       shared += a.mask(x - a.x, y - a.y) != 0 && b.mask(x - b.x, y - b.y) != 0;
   }
-  either = count(a) + count(b) - shared;
+  const std::int64_t either = pixels_a + pixels_b - shared;
   return either > 0 ? static_cast<double>(shared) / static_cast<double>(either) : 0;
 }
 
 /// A picture, its objects and what was found in it.
 struct Pair {
   const TruePicture* picture = nullptr;
-  std::vector<FoundObject> found;
+  std::span<const FoundObject> found;
   std::vector<int> found_class, object_class;  ///< into the list of classes
-  std::vector<std::vector<double>> box, mask;  ///< overlaps of each detection with each object
+  /// Overlaps of each detection with each object; `mask` is empty where the file has none.
+  std::vector<std::vector<double>> box, mask;
 };
 
 /// Those of one class, or of all as one.
@@ -74,13 +78,17 @@ struct PictureCurve {
   std::size_t objects = 0;
 };
 
+constexpr std::size_t kMostOfCoco = 100;  ///< detections of a picture that its curve is of
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+
 std::vector<PictureCurve> curves_of(const std::vector<Pair>& pairs, std::optional<int> only,
                                     double threshold,
-                                    std::vector<std::vector<double>> Pair::*overlap) {
+                                    std::vector<std::vector<double>> Pair::*overlap,
+                                    std::size_t most) {
   std::vector<PictureCurve> curves;
   for (const Pair& pair : pairs) {
     const DetectedImage image = image_of(pair, only, pair.*overlap);
-    const DetectionMatches matches = match_detections(image, threshold);
+    const DetectionMatches matches = match_detections(image, threshold, MatchRule::coco, most);
     PictureCurve& curve = curves.emplace_back();
     curve.objects = image.is_object_ignored.size();
     for (std::size_t i = 0; i < matches.order.size(); ++i)
@@ -192,8 +200,22 @@ int class_of(int category, const DetectionScoreConfig& config, std::size_t known
   return category - first;
 }
 
+/// What the overlaps of all detections with all objects of their pictures take.
+void check_overlap_memory(const TruePictures& truth, const FoundFile& found) {
+  const std::uint64_t kinds = found.has_masks ? 2 : 1;
+  std::uint64_t bytes = 0;
+  for (const auto& [picture, objects] : found.of_picture) {
+    // Again for the matching of one class, and of all.
+    const std::uint64_t overlaps =
+        bytes_times(objects.size(), truth.pictures[picture].objects.size());
+    bytes = bytes_plus(bytes, bytes_times(overlaps, (kinds + 1) * sizeof(double)));
+  }
+  check_memory("detections", bytes, "their overlaps with the objects of their pictures");
+}
+
 std::vector<Pair> pairs_of(const TruePictures& truth, const FoundFile& found,
                            const DetectionScoreConfig& config, std::vector<std::string>& classes) {
+  check_overlap_memory(truth, found);
   const std::size_t known = classes.size();
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < truth.pictures.size(); ++i) {
@@ -201,16 +223,21 @@ std::vector<Pair> pairs_of(const TruePictures& truth, const FoundFile& found,
     pair.picture = &truth.pictures[i];
     if (const auto of = found.of_picture.find(i); of != found.of_picture.end())
       pair.found = of->second;
-    for (const TrueObject& object : pair.picture->objects)
+    std::vector<std::int64_t> pixels;
+    for (const TrueObject& object : pair.picture->objects) {
       pair.object_class.push_back(place_of(object.category, classes));
+      pixels.push_back(pixels_of(object.mask));
+    }
     for (const FoundObject& object : pair.found) {
       pair.found_class.push_back(class_of(object.category, config, known, classes));
       std::vector<double>& box = pair.box.emplace_back();
-      std::vector<double>& mask = pair.mask.emplace_back();
-      for (const TrueObject& is : pair.picture->objects) {
+      for (const TrueObject& is : pair.picture->objects)
         box.push_back(box_overlap(object.box, is.box));
-        mask.push_back(found.has_masks ? mask_overlap(object.mask, is.mask) : 0);
-      }
+      if (!found.has_masks) continue;
+      std::vector<double>& mask = pair.mask.emplace_back();
+      const std::int64_t own = pixels_of(object.mask);
+      for (std::size_t o = 0; o < pixels.size(); ++o)
+        mask.push_back(mask_overlap(object.mask, own, pair.picture->objects[o].mask, pixels[o]));
     }
   }
   return pairs;
@@ -228,7 +255,7 @@ PictureOutcome outcome_of(const Pair& pair, std::size_t place, const DetectionSc
     if (pair.found[d].score < config.confidence)
       std::fill(image.overlap[d].begin(), image.overlap[d].end(), 0.0);
   }
-  const DetectionMatches matches = match_detections(image, config.overlap);
+  const DetectionMatches matches = match_detections(image, config.overlap, MatchRule::coco, kAll);
   outcome.detection_of.assign(pair.object_class.size(), -1);
   for (std::size_t i = 0; i < matches.order.size(); ++i) {
     const std::size_t d = matches.order[i];
@@ -326,7 +353,8 @@ class Rows {
     const auto add_class = [&](std::optional<int> only, const std::string& name) {
       auto& of_class = curves.emplace_back();
       for (std::size_t t = 0; t < of_class.size(); ++t)
-        of_class[t] = curves_of(pairs_, only, 0.5 + 0.05 * static_cast<double>(t), overlap);
+        of_class[t] =
+            curves_of(pairs_, only, 0.5 + 0.05 * static_cast<double>(t), overlap, kMostOfCoco);
       std::int64_t n = 0;
       for (const PictureCurve& curve : of_class[0]) n += static_cast<std::int64_t>(curve.objects);
       objects.push_back(n);
@@ -363,7 +391,9 @@ class Rows {
       add("mean of classes", name, bootstrap_.of(mean, name), objects.back());
       for (std::size_t c = 0; c < curves.size(); ++c) {
         if (class_count == 1 && c == class_count) continue;  // the same again
-        add(cases[c], name,
+        // Names of their own: a gate on AP50 is on the mean alone.
+        const std::string of = c == class_count ? ".as_one_class" : ".of_class";
+        add(cases[c], name + of,
             bootstrap_.of([&](std::span<const std::size_t> p) { return of_class(c, p); },
                           cases[c] + name),
             objects[c]);
@@ -375,7 +405,7 @@ class Rows {
     std::vector<std::vector<PictureCurve>> curves;
     std::int64_t n = 0;
     for (const auto& [place, name] : classes_)
-      curves.push_back(curves_of(pairs_, place, config_.overlap, &Pair::box));
+      curves.push_back(curves_of(pairs_, place, config_.overlap, &Pair::box, kAll));
     for (const Pair& pair : pairs_) n += static_cast<std::int64_t>(pair.object_class.size());
     // Of classes that the dataset does not show: found, and never right.
     std::vector<PictureCurve> others;
@@ -421,7 +451,7 @@ class Rows {
       double n = 0;
       for (const auto& count : counts) n += count.second;
       const std::string case_name = what + " " + name;
-      add(case_name, "recall",
+      add(case_name, "recall." + what,
           bootstrap_.of(
               [&, &of = counts](std::span<const std::size_t> pictures) {
                 double found = 0, objects = 0;

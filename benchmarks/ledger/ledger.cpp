@@ -26,7 +26,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kLimit_bytes = std::size_t{1} << 26;
 constexpr double kGitLimit_s = 60;
 
-// ---- Lines ---------------------------------------------------------------------------------------
+// ---- Lines
+// ---------------------------------------------------------------------------------------
 
 /// A line of the file, for messages.
 class Line {
@@ -116,14 +117,16 @@ std::vector<LedgerEntry> entries_of(const std::string& text, const std::string& 
     if (const auto* p = std::get_if<Prediction>(&entries.back())) {
       if (!ids.insert(p->id).second) line.fail("has the prediction \"" + p->id + "\" again");
     } else if (const auto* o = std::get_if<LedgerOutcome>(&entries.back())) {
-      if (!ids.contains(o->id)) line.fail("is the outcome of no prediction above, \"" + o->id + "\"");
+      if (!ids.contains(o->id))
+        line.fail("is the outcome of no prediction above, \"" + o->id + "\"");
       if (!ended.insert(o->id).second) line.fail("is a second outcome of \"" + o->id + "\"");
     }
   }
   return entries;
 }
 
-// ---- git -----------------------------------------------------------------------------------------
+// ---- git
+// -----------------------------------------------------------------------------------------
 
 /// What git prints. @param allowed  an exit code that is an answer too
 std::string git(const fs::path& folder, std::vector<std::string> words, int allowed = 0,
@@ -174,6 +177,7 @@ std::vector<LedgerEntry> read_ledger(const fs::path& file) {
 
 void append_to_ledger(const fs::path& file, const LedgerEntry& entry) {
   const std::string before = fs::exists(file) ? read_file(file, kLimit_bytes) : std::string();
+  entries_of(before, file.string());  // whose faults are not the new line's
   const std::string line = (before.empty() || before.back() == '\n' ? "" : "\n") + text_of(entry);
   try {
     entries_of(before + line, file.string());
@@ -187,12 +191,24 @@ void append_to_ledger(const fs::path& file, const LedgerEntry& entry) {
   const int problem = errno;
   if (out >= 0) ::close(out);
   if (!is_written)
-    throw std::runtime_error(file.string() + ": cannot be written: " +
-                             std::system_category().message(problem));
+    throw std::runtime_error(file.string() +
+                             ": cannot be written: " + std::system_category().message(problem));
 }
 
 std::vector<std::string> commits_of_lines(const fs::path& file) {
-  const std::string blame = git(folder_of(file), {"blame", "--line-porcelain", "--", file.filename().string()});
+  const std::string name = file.filename().string();
+  int code = -1;
+  git(folder_of(file), {"rev-parse", "--verify", "-q", "HEAD"}, 1,
+      &code);  // says if there is no git
+  const bool is_known =
+      code == 0 && !git(folder_of(file), {"ls-tree", "--name-only", "HEAD", "--", name}).empty();
+  if (!is_known) {
+    const std::string text = read_file(file, kLimit_bytes);
+    const auto lines = std::count(text.begin(), text.end(), '\n');
+    return std::vector<std::string>(static_cast<std::size_t>(lines));
+  }
+  const std::string blame =
+      git(folder_of(file), {"blame", "--line-porcelain", "--", file.filename().string()});
   std::vector<std::string> commits;
   std::istringstream lines(blame);
   std::string commit;
@@ -201,7 +217,8 @@ std::vector<std::string> commits_of_lines(const fs::path& file) {
       const bool is_none = commit.find_first_not_of('0') == std::string::npos;
       commits.push_back(is_none ? "" : commit);
     } else if (const std::size_t blank = line.find(' ');
-               blank == 40 && line.find_first_not_of("0123456789abcdef") == blank) {
+               (blank == 40 || blank == 64) &&
+               line.find_first_not_of("0123456789abcdef") == blank) {
       commit = line.substr(0, blank);
     }
   }
@@ -223,35 +240,42 @@ std::vector<LedgerRow> judge_ledger(const std::vector<LedgerEntry>& entries,
   if (commits.size() != entries.size())
     throw std::invalid_argument("a ledger of " + std::to_string(entries.size()) + " lines has " +
                                 std::to_string(commits.size()) + " commits");
-  std::vector<LedgerRow> rows;
-  std::vector<std::string> predicted;  // commits of the rows
-  std::map<std::string, std::size_t> place;
-  std::set<std::string> seen;
+  // A line tells of its set's results from its commit on; of one commit, from its place on.
+  const auto is_before = [&](std::size_t a, std::size_t b) {
+    if (commits[a] == commits[b]) return a < b;
+    return commits[b].empty() || (!commits[a].empty() && is_older(commits[a], commits[b]));
+  };
+  std::map<std::string, std::size_t> predicted;  // places by id
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    if (const auto* set = std::get_if<SeenSet>(&entries[i])) {
-      seen.insert(set->set);
-    } else if (const auto* p = std::get_if<Prediction>(&entries[i])) {
-      LedgerRow row;
-      row.prediction = *p;
-      row.status = seen.contains(p->set) ? LedgerStatus::seen
-                   : commits[i].empty()  ? LedgerStatus::not_committed
-                                         : LedgerStatus::open;
-      place[p->id] = rows.size();
-      rows.push_back(std::move(row));
-      predicted.push_back(commits[i]);
-    } else {
-      const auto& o = std::get<LedgerOutcome>(entries[i]);
-      const std::size_t at = place.at(o.id);
-      LedgerRow& row = rows[at];
-      row.outcome = o.value;
-      row.command = o.command;
-      seen.insert(row.prediction.set);  // known from here on
-      if (row.status != LedgerStatus::open) continue;
-      const bool counts = commits[i].empty() || is_older(predicted[at], commits[i]);
-      const bool is_inside = o.value >= row.prediction.low && o.value <= row.prediction.high;
-      row.status = !counts     ? LedgerStatus::not_older
-                   : is_inside ? LedgerStatus::kept
-                               : LedgerStatus::missed;
+    if (const auto* p = std::get_if<Prediction>(&entries[i])) predicted[p->id] = i;
+  }
+  const auto set_told_by = [&](std::size_t i) -> std::string {
+    if (const auto* seen = std::get_if<SeenSet>(&entries[i])) return seen->set;
+    if (const auto* o = std::get_if<LedgerOutcome>(&entries[i]))
+      return std::get<Prediction>(entries[predicted.at(o->id)]).set;
+    return {};
+  };
+  std::vector<LedgerRow> rows;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const auto* p = std::get_if<Prediction>(&entries[i]);
+    if (!p) continue;
+    LedgerRow& row = rows.emplace_back();
+    row.prediction = *p;
+    if (commits[i].empty()) row.status = LedgerStatus::not_committed;
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      const auto* o = std::get_if<LedgerOutcome>(&entries[k]);
+      if (o && o->id == p->id) {
+        row.outcome = o->value;
+        row.command = o->command;
+        if (row.status != LedgerStatus::open) continue;
+        const bool counts = commits[k].empty() || is_older(commits[i], commits[k]);
+        const bool is_inside = o->value >= p->low && o->value <= p->high;
+        row.status = !counts     ? LedgerStatus::not_older
+                     : is_inside ? LedgerStatus::kept
+                                 : LedgerStatus::missed;
+      } else if (set_told_by(k) == p->set && is_before(k, i)) {
+        row.status = LedgerStatus::seen;
+      }
     }
   }
   return rows;

@@ -115,6 +115,18 @@ StageSource parse_stage_source(const std::string& text, double time_limit_s) {
   return source;
 }
 
+void check_stages(const std::vector<StageSource>& sources, StageOrder order,
+                  std::string_view pipeline) {
+  for (const StageSource& source : sources) {
+    if (std::find(order.begin(), order.end(), source.stage) != order.end()) continue;
+    std::string all;
+    for (const std::string_view stage : order)
+      all += (all.empty() ? "" : ", ") + std::string(stage);
+    throw std::invalid_argument("--stage " + source.stage + ": pipeline " + std::string(pipeline) +
+                                " has " + all);
+  }
+}
+
 bool replaces(const std::vector<StageSource>& sources, std::string_view stage) {
   return std::any_of(sources.begin(), sources.end(),
                      [&](const StageSource& source) { return source.stage == stage; });

@@ -21,6 +21,11 @@ struct StageSource {
 /// folder or program that does not.
 StageSource parse_stage_source(const std::string& text, double time_limit_s = 21600);
 
+/// Stages that a pipeline has not would be read and never used.
+/// @throws std::invalid_argument naming the stage, the pipeline and what it has
+void check_stages(const std::vector<StageSource>& sources, StageOrder order,
+                  std::string_view pipeline);
+
 /// Whether one of them stands in place of the stage.
 bool replaces(const std::vector<StageSource>& sources, std::string_view stage);
 std::string to_text(const StageSource& source);  ///< "exec:./mine"

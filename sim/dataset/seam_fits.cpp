@@ -46,6 +46,7 @@ void read_covariance(const JsonNode& node, const Eigen::VectorXd& factors, Objec
   const Eigen::Index n = factors.size();
   const auto count = static_cast<std::size_t>(n * n);
   const std::vector<double> values = node.numbers(count, count);
+  if (n == 0) return;
   fit.covariance = Eigen::Map<const Eigen::MatrixXd>(values.data(), n, n);
   if ((fit.covariance - fit.covariance.transpose()).cwiseAbs().maxCoeff() >
       1e-9 * fit.covariance.cwiseAbs().maxCoeff())

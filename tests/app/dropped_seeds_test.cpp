@@ -8,6 +8,7 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/manifest.h"
 #include "sim/dataset/seam_io.h"
 #include "tests/app/program.h"
 #include "tests/app/specimen_files.h"
@@ -194,9 +195,11 @@ TEST(AppDroppedSeeds, AShardOfABenchSaysHowManyJobsAreNotThereYet) {
   EXPECT_TRUE(fs::exists(scenes / "quick_zhengdan958/scene.json"));
   const auto written = fs::last_write_time(scenes / "quick_zhengdan958/scene.json");
   // A scene of the whole suite, as that suite leaves it.
-  write_file(scenes / "zhengdan958_run0/scene.json", R"({"name": "x", "pictures": 3})");
+  const std::string scene = R"({"name": "x", "pictures": 3})";
+  write_file(scenes / "zhengdan958_run0/scene.json", scene);
   const fs::path list = program.path("b/seeds/.cousin.bench");
-  write_file(list, read_file(list) + "+ * report/zhengdan958_run0/scene.json\n");
+  write_file(list,
+             read_file(list) + "+ " + sha256_hex(scene) + " report/zhengdan958_run0/scene.json\n");
   const Outcome second = program.run(bench + Words{"--shard", "1/2"});
   EXPECT_EQ(second.code, 0) << second.err;
   EXPECT_THAT(second.err, Not(HasSubstr("not there yet")));

@@ -38,7 +38,7 @@ TEST_F(AppScoreDetections, BoxesBecomeNumbersAndAPage) {
   const std::string page = read_file(program_.path("out/found_scores/report.html"));
   EXPECT_THAT(page, AllOf(HasSubstr("Every object that was missed"), HasSubstr("000000_000001")));
   const std::string rows = read_file(program_.path("out/found_scores/scores.csv"));
-  EXPECT_THAT(rows, AllOf(HasSubstr("score,data,class apple,found.json,AP50,1,"),
+  EXPECT_THAT(rows, AllOf(HasSubstr("score,data,class apple,found.json,AP50.of_class,1,"),
                           HasSubstr("score,data,all classes,found.json,recall,0.5,")));
   // The same again replaces it; anything else there is in the way.
   EXPECT_EQ(score(kApples).code, 0);
@@ -69,6 +69,10 @@ TEST_F(AppScoreDetections, MistakesAreNamed) {
   const Outcome folder = program_.run({"score", "data", "est", "--class-map", "0=apple"});
   EXPECT_EQ(folder.code, 2);
   EXPECT_THAT(folder.err, HasSubstr("--class-map"));
+  EXPECT_EQ(score(kApples, {"--confidence", "nan"}).code, 2);
+  const Outcome unread = program_.run({"run", "seeds", "--plan", "--stage", "boxes=dir:data"});
+  EXPECT_EQ(unread.code, 2);
+  EXPECT_THAT(unread.err, HasSubstr("pipeline seeds has corners"));
   fs::remove_all(program_.path("data/000000/truth/instance"));
   const Outcome poor = score(kApples);
   EXPECT_EQ(poor.code, 3);

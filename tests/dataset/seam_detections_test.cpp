@@ -154,6 +154,11 @@ TEST(SeamFits, ParametersAndCovarianceComeBackInSiUnits) {
   EXPECT_EQ(again[0].covariance, fits[0].covariance);
   EXPECT_EQ(again[0].parameters[1].value, fits[0].parameters[1].value);
   EXPECT_EQ(again[1].reason, "3 points");
+  EXPECT_EQ(fits_from_json(R"({"fits": [{"instance": 1, "model": "none", "status": "degenerate",
+                              "parameters": [], "covariance": []}]})",
+                           "fits.json")
+                .size(),
+            1U);
 }
 
 TEST(SeamFits, NameWhatIsWrong) {

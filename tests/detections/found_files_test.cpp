@@ -75,6 +75,10 @@ TEST_F(FoundFiles, WhatIsNoCocoResultIsNamed) {
                      "segmentation": {"size": [40, 30], "counts": [1200]}})"),
               HasSubstr("not the picture's [height, width] = [30,40]"));
   EXPECT_THAT(coco_error("3"), HasSubstr("is no object"));
+  EXPECT_THAT(coco_error(R"({"image_id": 1, "category_id": 1.5, "bbox": [0,0,1,1], "score": 1})"),
+              HasSubstr("no whole number"));
+  const std::string deep = std::string(100000, '[') + std::string(100000, ']');
+  EXPECT_THAT(coco_error(R"({"image_id": )" + deep + "}"), HasSubstr("nested too deep"));
   EXPECT_THAT(error_of([&] { coco(R"({"images": [], "annotations": []})"); }),
               HasSubstr("a file of COCO annotations"));
   EXPECT_THAT(error_of([&] { coco("["); }), HasSubstr("is not JSON"));
@@ -107,6 +111,7 @@ TEST_F(FoundFiles, WhatIsNoDetectionOfYoloIsNamedWithItsLine) {
   EXPECT_THAT(yolo_error("a 0.5 0.5 0.25 0.2 1\n"), HasSubstr("\"a\" is no number"));
   EXPECT_THAT(yolo_error("0.5 0.5 0.5 0.25 0.2 1\n"), HasSubstr("no whole number"));
   EXPECT_THAT(yolo_error("0 0.5 0.5 0.25 0.2 1.5\n"), HasSubstr("confidence outside [0, 1]"));
+  EXPECT_THAT(yolo_error("0 0.5 0.5 -0.1 0.2 1\n"), HasSubstr("negative width"));
   EXPECT_THAT(yolo_error("0 250 0.5 0.25 0.2 1\n"), HasSubstr("not near [0, 1]"));
   fs::rename(folder_.path() / "y/000000_000001.txt", folder_.path() / "y/other.txt");
   EXPECT_THAT(error_of([&] { read_found(folder_.path() / "y", names_); }),

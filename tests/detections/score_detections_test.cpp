@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "benchmarks/detections/detections_report.h"
+#include "sim/types/memory_limit.h"
 #include "tests/dataset/small_dataset.h"
 #include "tests/dataset/temporary_folder.h"
 
@@ -78,7 +79,7 @@ TEST_F(ScoreDetections, WhatIsAllRightScoresOne) {
     EXPECT_EQ(value(scores, "mean of classes", metric), 1) << metric;
   for (const char* metric : {"precision", "recall", "f1", "f1_best"})
     EXPECT_EQ(value(scores, "all classes", metric), 1) << metric;
-  EXPECT_EQ(value(scores, "visible 0.5 to 0.75", "recall"), 1);
+  EXPECT_EQ(value(scores, "visible 0.5 to 0.75", "recall.visible"), 1);
   EXPECT_EQ(value(scores, "is apple, found as apple", "confusion"), 4);
   EXPECT_EQ(scores.outcomes[0].errors(), 0U);
 }
@@ -98,9 +99,26 @@ TEST_F(ScoreDetections, MissedWrongAndOtherClassesAreCounted) {
   EXPECT_EQ(scores.outcomes[1].errors(), 1U);  // found, as another class
   EXPECT_EQ(scores.outcomes[2].errors(), 1U);
   // Apples: scores .9 .9 .9 right, .9 (a zea) and .8 wrong, .1 right: by hand.
-  const double apples = value(scores, "class apple", "AP50");
+  const double apples = value(scores, "class apple", "AP50.of_class");
   EXPECT_GT(apples, 0.75);
   EXPECT_LT(apples, 1);
+}
+
+TEST_F(ScoreDetections, OnlyAveragePrecisionStopsAtAHundredDetectionsOfAPicture) {
+  FoundFile found;
+  for (int i = 0; i < 150; ++i) found.of_picture[0].push_back({1, 0.9, {30, 2, 2, 2}, {}});
+  found.of_picture[0].push_back({1, 0.5, truth_.pictures[0].objects[0].box, {}});
+  const DetectionScores scores = score(found);
+  EXPECT_EQ(value(scores, "is nothing, found as apple", "confusion"), 150);
+  EXPECT_EQ(value(scores, "is apple, found as apple", "confusion"), 1);
+  EXPECT_EQ(value(scores, "class apple", "AP50.of_class"), 0);
+}
+
+TEST_F(ScoreDetections, OverlapsAreBoundedByTheMemoryLimit) {
+  const FoundFile found = perfect();
+  set_memory_limit(100);
+  EXPECT_THAT(error_of([&] { score(found); }), HasSubstr("their overlaps with the objects"));
+  set_memory_limit(0);
 }
 
 TEST_F(ScoreDetections, ClassesOfTheFileAreNamedOrRefused) {

@@ -102,9 +102,17 @@ TEST(Ledger, APredictionOfASetThatWasSeenIsNotBlind) {
               ElementsAre(LedgerStatus::kept, LedgerStatus::seen));
 }
 
+/// A line that was put above others later is not older than they are.
+TEST(Ledger, APlaceInTheFileIsNoDate) {
+  const LedgerEntry outcome = LedgerOutcome{"fox-depth", 0.5, "c"};
+  const LedgerEntry late = LedgerOutcome{"again", 0.5, "c"};
+  EXPECT_THAT(statuses({fox("again"), fox(), outcome, late}, {"c", "a", "b", "d"}),
+              ElementsAre(LedgerStatus::seen, LedgerStatus::kept));
+}
+
 bool git(const fs::path& folder, std::vector<std::string> words) {
-  std::vector<std::string> all = {"git", "-C", folder.string(), "-c", "user.name=a",
-                                  "-c",  "user.email=a@b.c"};
+  std::vector<std::string> all = {"git",         "-C", folder.string(),   "-c",
+                                  "user.name=a", "-c", "user.email=a@b.c"};
   all.insert(all.end(), words.begin(), words.end());
   return succeeded(run_program({.words = all, .log = folder / "log"}));
 }
@@ -115,6 +123,7 @@ TEST(Ledger, CommitsOfLinesAreGits) {
   const fs::path file = folder.path() / "ledger.jsonl";
   ASSERT_TRUE(git(folder.path(), {"init", "-q"}));
   append_to_ledger(file, fox());
+  EXPECT_THAT(commits_of_lines(file), ElementsAre(""));  // before there is any commit
   ASSERT_TRUE(git(folder.path(), {"add", "ledger.jsonl"}));
   ASSERT_TRUE(git(folder.path(), {"commit", "-q", "-m", "predicted"}));
   append_to_ledger(file, LedgerOutcome{"fox-depth", 0.5, "c"});
