@@ -284,15 +284,18 @@ TEST(TruthIo, ADepthSensorsImagesMustFitItsOwnCamera) {
 TEST(TruthIo, ImagesThatDoNotFitIntoMemoryAreRefusedBeforeTheyAreRead) {
   const TemporaryFolder folder;
   write_truth(folder.path(), sample_truth());
-  // Its JSON takes memory too, one file after the other; images come last and take more.
-  std::string message;
-  for (std::uint64_t limit = 8000; limit < 100'000; limit += 500) {
-    set_memory_limit(limit);
-    message = error_of([&] { read_truth(folder.path()); });
-    if (message.find("the truth images") != std::string::npos) break;
-  }
-  EXPECT_THAT(message,
-              AllOf(HasSubstr("truth/camera.json"), HasSubstr("the truth images up to frame")));
+  // As if the views were of large images, whose files are small.
+  const fs::path cameras = folder.path() / "truth/camera.json";
+  std::string text = read_file(cameras);
+  const std::string width = "\"width_px\": " + std::to_string(kWidth);
+  ASSERT_NE(text.find(width), std::string::npos);
+  for (std::size_t at = 0; (at = text.find(width, at)) != std::string::npos; ++at)
+    text.replace(at, width.size(), "\"width_px\": 16000");
+  write_file(cameras, text);
+  set_memory_limit(1'000'000);
+  EXPECT_THAT(error_of([&] { read_truth(folder.path()); }),
+              AllOf(HasSubstr("truth/camera.json"), HasSubstr("the truth images up to frame"),
+                    HasSubstr("the limit is 1000000 bytes")));
   set_memory_limit(0);
 }
 
