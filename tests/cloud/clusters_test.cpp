@@ -7,6 +7,8 @@
 #include <numbers>
 #include <set>
 
+#include "sim/types/not_built.h"
+
 namespace cousin {
 namespace {
 
@@ -318,7 +320,7 @@ TEST(PaperClusters, TooManyVoxelsIsAnError) {
 }
 #else
 TEST(PaperClusters, SayThatTheyAreNotBuiltIn) {
-  EXPECT_THROW(cluster_as_paper({}, {}, Rng(1)), std::runtime_error);
+  EXPECT_THROW(cluster_as_paper({}, {}, Rng(1)), NotBuilt);
 }
 #endif
 
