@@ -1,13 +1,3 @@
-// OUT/.cousin.VERB, a record a line; a line that a kill cut off counts for nothing:
-//   = VERB CONFIG VERSION     who writes from here on; CONFIG is SHA-256, or - for any
-//   + SHA-256 PATH            a file is about to get its name
-//   / PATH                    a folder is the verb's with all it holds
-//   - PATH                    a file or such a folder was removed
-// In PATH a line's end is \n and a backslash is \\. SHA-256 is * for timings.json, which may
-// change. A path may have several hashes: a process that was killed between the line and the rename
-// leaves the file as it was. A file is of the configuration that the last = before its last +
-// names.
-
 #include "sim/dataset/output_folder.h"
 
 #include <fcntl.h>
@@ -30,150 +20,13 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/for_each_frame.h"
-#include "sim/dataset/manifest.h"
+#include "sim/dataset/output_list.h"
 #include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
-using Listed = std::vector<std::pair<std::string, std::string>>;
-
-constexpr std::string_view kListPrefix = ".cousin.";
-constexpr std::size_t kListLimit_bytes = std::size_t{1} << 32;
-
-std::string escaped(const std::string& path) {
-  std::string text;
-  for (const char c : path) text += c == '\n' ? "\\n" : c == '\\' ? "\\\\" : std::string(1, c);
-  return text;
-}
-
-std::string unescaped(const std::string& text) {
-  std::string path;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool is_escape = text[i] == '\\' && i + 1 < text.size();
-    path += !is_escape ? text[i] : text[i + 1] == 'n' ? '\n' : text[i + 1];
-    if (is_escape) ++i;
-  }
-  return path;
-}
-
-struct ListedFile {
-  std::set<std::string> hashes;
-  std::string config;  ///< of the claim that wrote it last
-};
-
-struct OutputList {
-  std::string config, version;  ///< of the last claim
-  std::map<std::string, ListedFile> files;
-  std::set<std::string> folders;
-};
-
-/// Whether a path leads to a place below the folder, however it is written.
-bool is_inside(const fs::path& path) {
-  return !path.empty() && path.is_relative() && path == path.lexically_normal() &&
-         *path.begin() != ".." && *path.begin() != ".";
-}
-
-OutputList parse_list(const std::string& text) {
-  OutputList list;
-  std::istringstream lines(text.substr(0, text.rfind('\n') + 1));
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string kind, hash, path;
-    words >> kind;
-    if (kind == "=") {
-      std::string verb;
-      words >> verb >> list.config;
-      words.get();
-      std::getline(words, list.version);
-      continue;
-    }
-    if (kind == "+") words >> hash;
-    words.get();
-    if (!std::getline(words, path)) continue;
-    path = unescaped(path);
-    if (!is_inside(path)) continue;
-    if (kind == "+") {
-      list.files[path].hashes.insert(hash);
-      list.files[path].config = list.config;
-    }
-    if (kind == "/") list.folders.insert(path);
-    if (kind != "-") continue;
-    list.files.erase(path);
-    list.folders.erase(path);
-  }
-  return list;
-}
-
-/// As lists have it.
-std::string config_of(const FolderClaim& claim) {
-  return claim.config.empty() ? "-" : claim.config;
-}
-
-std::string claim_line(const std::string& verb, const std::string& config,
-                       const std::string& version) {
-  return "= " + verb + " " + config + " " + version + "\n";
-}
-std::string claim_line(const FolderClaim& claim) {
-  return claim_line(claim.verb, config_of(claim), claim.version);
-}
-
-/// Whether a file is of another configuration than the claim's, which the claim's replaces.
-bool is_of_other_config(const ListedFile& file, const FolderClaim& claim) {
-  return !claim.config.empty() && file.config != claim.config;
-}
-
-std::string file_line(const std::string& hash, const std::string& path) {
-  return "+ " + hash + " " + escaped(path) + "\n";
-}
-
-/// Seconds change with every run: the name is enough.
-bool is_by_name(const fs::path& path) { return path.filename() == "timings.json"; }
-
-std::string hash_of(const fs::path& path, std::string_view bytes) {
-  return is_by_name(path) ? "*" : sha256_hex(bytes);
-}
-
-fs::path list_file(const fs::path& folder, const std::string& verb) {
-  return folder / (std::string(kListPrefix) + verb);
-}
-
-/// The text of a verb's list; empty if there is none.
-/// @throws std::invalid_argument where something else has its name
-std::string text_of_list(const fs::path& folder, const std::string& verb) {
-  const fs::path file = list_file(folder, verb);
-  const fs::file_type type = fs::symlink_status(file).type();
-  if (type == fs::file_type::not_found) return {};
-  std::string text;
-  if (type == fs::file_type::regular) text = read_file(file, kListLimit_bytes);
-  const std::string first = "= " + verb + " ";  // of which a kill may have left a part
-  if (type == fs::file_type::regular &&
-      (text.starts_with(first) || first.starts_with(std::string_view(text))))
-    return text;
-  throw std::invalid_argument(file.string() +
-                              " is in the way: it is not the list of files that `cousin " + verb +
-                              "` keeps there. Move it away, or choose another --out");
-}
-
-/// Empty if there is no list.
-OutputList read_list(const fs::path& folder, const FolderClaim& claim, const Listed& also_own) {
-  OutputList list = parse_list(text_of_list(folder, claim.verb));
-  for (const auto& [path, hash] : also_own) {
-    ListedFile& file = list.files[path];
-    file.hashes.insert(hash);
-    if (file.config.empty()) file.config = config_of(claim);
-  }
-  return list;
-}
-
-bool is_in_own_folder(const OutputList& list, const std::string& path) {
-  fs::path above = path;
-  while (!above.empty() && !list.folders.contains(above.generic_string()))
-    above = above.parent_path();
-  return !above.empty();
-}
-
 bool matches(std::string_view name, std::string_view pattern) {
   if (pattern.empty()) return name.empty();
   if (pattern.front() == '*')
@@ -182,19 +35,6 @@ bool matches(std::string_view name, std::string_view pattern) {
   const bool is_digit = name.front() >= '0' && name.front() <= '9';
   return (pattern.front() == '#' ? is_digit : pattern.front() == name.front()) &&
          matches(name.substr(1), pattern.substr(1));
-}
-
-/// Another verb whose list has the file; empty if there is none.
-std::string other_owner(const fs::path& folder, const std::string& path, const std::string& verb) {
-  std::error_code unreadable;
-  for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
-    const std::string name = entry.path().filename().string();
-    if (!is_output_list(name) || name.substr(kListPrefix.size()) == verb) continue;
-    if (!fs::is_regular_file(fs::symlink_status(entry.path()))) continue;  // no list of ours
-    if (parse_list(read_file(entry.path(), kListLimit_bytes)).files.contains(path))
-      return name.substr(kListPrefix.size());
-  }
-  return {};
 }
 
 [[noreturn]] void refuse(const fs::path& folder, const std::string& path, const std::string& verb,
@@ -293,10 +133,7 @@ class Look {
     const auto listed = list.files.find(path);
     if (listed == list.files.end())
       return is_in_own_folder(list, path) ? "" : not_written(claim_.verb);
-    const std::set<std::string>& hashes = listed->second.hashes;
-    if (!claim_.check_bytes || (is_by_name(path) && hashes.contains("*")) ||
-        hashes.contains(sha256_hex_of_file(file)))
-      return {};
+    if (!claim_.check_bytes || has_listed_bytes(listed->second, path, file)) return {};
     return "it was changed since `cousin " + claim_.verb + "` wrote it";
   }
 
@@ -381,7 +218,7 @@ struct OutputFolder::Impl final : FolderGuard {
           text += claim_line(claim.verb, config, whole.version) + of_config;
       }
       text += claim_line(claim.verb, whole.config, whole.version);
-      for (const std::string& path : whole.folders) text += "/ " + escaped(path) + "\n";
+      for (const std::string& path : whole.folders) text += folder_line(path);
       text += lines[whole.config];
       if (is_empty) {
         ::unlink(file.c_str());
@@ -505,7 +342,7 @@ struct OutputFolder::Impl final : FolderGuard {
     const std::lock_guard lock(mutex);
     if (list.files.erase(path) + list.folders.erase(path) == 0) return;
     written.erase(path);
-    append("- " + escaped(path) + "\n");
+    append(removed_line(path));
   }
 
   void own_all_in(const fs::path& below) override {
@@ -514,7 +351,7 @@ struct OutputFolder::Impl final : FolderGuard {
     const std::lock_guard lock(mutex);
     if (is_in_own_folder(list, path)) return;
     list.folders.insert(path);
-    append("/ " + escaped(path) + "\n");
+    append(folder_line(path));
   }
 
   /// Whether a file is as it was listed: a list may be a stranger's, and a file changed since.
@@ -522,9 +359,7 @@ struct OutputFolder::Impl final : FolderGuard {
     const fs::path file = folder / path;
     if (fs::symlink_status(file).type() != fs::file_type::regular) return false;
     const auto listed = list.files.find(path);
-    if (listed == list.files.end()) return false;
-    const std::set<std::string>& hashes = listed->second.hashes;
-    return (is_by_name(path) && hashes.contains("*")) || hashes.contains(sha256_hex_of_file(file));
+    return listed != list.files.end() && has_listed_bytes(listed->second, path, file);
   }
 
   /// Removes files that are as they were listed, and folders that hold nothing then.
