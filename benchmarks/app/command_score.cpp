@@ -5,6 +5,7 @@
 #include <string>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/dataset_check.h"
 #include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/perceive_places.h"
 #include "benchmarks/app/result_output.h"
@@ -100,27 +101,6 @@ ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path&
   return file;
 }
 
-/// What the scene is, where its cameras were and what is true of its pictures must be what one run
-/// wrote: an estimate of another one's pictures would be scored without a word. The pictures
-/// themselves are not read here; `cousin verify` does.
-/// @throws std::runtime_error naming the file that the manifest lists with other bytes
-void check_unchanged(const fs::path& dataset, const Manifest& manifest, const std::string& scene) {
-  for (const auto& [path, hash] : manifest.files) {
-    const fs::path name = path;
-    const std::string ending = name.extension().string();
-    const bool is_image = ending == ".png" || ending == ".exr" || ending == ".jpg";
-    const bool is_truth =
-        std::next(name.begin()) != name.end() && *std::next(name.begin()) == "truth";
-    const bool is_read = !is_image || is_truth;
-    if (*name.begin() != scene || !is_read || !fs::is_regular_file(dataset / name)) continue;
-    if (sha256_hex_of_file(resolve_inside(dataset, name)) == hash) continue;
-    throw std::runtime_error((dataset / name).string() +
-                             ": its SHA-256 is not the one in manifest.json; the dataset was "
-                             "changed since it was rendered, and its truth may be of other "
-                             "pictures. Render it again (`cousin verify` lists every change)");
-  }
-}
-
 }  // namespace
 
 ExitCode command_score(const JobContext& context) {
@@ -164,7 +144,7 @@ ExitCode command_score(const JobContext& context) {
     try {
       if (!fs::is_directory(scene_dir / "truth"))
         throw std::runtime_error(scene_dir.string() + ": there is no truth/ to score against");
-      if (manifest) check_unchanged(dataset, *manifest, labels.scene);
+      if (manifest) check_unchanged(dataset, *manifest, scene_dir.filename());
       const SceneTruth truth = read_truth(scene_dir);
       labels.seed = truth.seed;
       append(score_scene(o, truth, estimate_dir, labels, context.progress), file);

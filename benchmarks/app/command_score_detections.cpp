@@ -1,8 +1,10 @@
 // score DATASET FILE: boxes and masks that somebody's detector found.
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "benchmarks/app/commands.h"
+#include "benchmarks/app/dataset_check.h"
 #include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
@@ -10,6 +12,7 @@
 #include "benchmarks/seeds/result_folder.h"
 #include "benchmarks/seeds/score_seeds.h"
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/output_folder.h"
 
@@ -34,6 +37,10 @@ ExitCode command_score_detections(const JobContext& context) {
                           .names = result_names({"report.html"})};
   check_output_folder(out, claim);
   require_writable(out);
+  if (const std::optional<Manifest> manifest = read_manifest(dataset)) {
+    for (const fs::path& scene : scene_folders(dataset))
+      check_unchanged(dataset, *manifest, scene.filename());
+  }
   const TruePictures truth = read_true_pictures(
       dataset, [&](int done, int all) { context.progress.function()("read labels", done, all); });
   const FoundFile found = read_found(path, truth.names);

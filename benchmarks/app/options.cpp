@@ -133,6 +133,17 @@ constexpr const char* kExportHelp =
     "  gltf, blend  000000.glb or .blend: meshes, materials, lights, the first view's camera\n\n"
     "docs/formats.md says what each can and cannot hold.";
 
+/// A number from 0 to 1; CLI11's range takes NaN for one.
+CLI::Validator share() {
+  return CLI::Range(0.0, 1.0) & CLI::Validator(
+                                    [](const std::string& text) {
+                                      return text.find_first_of("nN") == std::string::npos
+                                                 ? std::string()
+                                                 : "is no number";
+                                    },
+                                    "");
+}
+
 void add_export(CLI::App& verb, Options& o) {
   verb.add_option("DATASET", o.arguments, "Dataset, simulated or imported")
       ->expected(1, 1)
@@ -155,13 +166,7 @@ void add_export(CLI::App& verb, Options& o) {
   verb.add_option("--task", o.task, "yolo: detect, segment or pose")->capture_default_str();
   verb.add_option("--least-visible", o.least_visible,
                   "coco, yolo: leave out objects of which a smaller share is seen")
-      ->check(CLI::Range(0.0, 1.0) & CLI::Validator(
-                                         [](const std::string& text) {
-                                           return text.find_first_of("nN") == std::string::npos
-                                                      ? std::string()
-                                                      : "is no number";
-                                         },
-                                         ""))
+      ->check(share())
       ->capture_default_str();
 }
 
@@ -313,13 +318,7 @@ void add_score(CLI::App& verb, Options& o) {
                   "default: the dataset's classes in their order");
   verb.add_option("--confidence", o.confidence,
                   "Of detections: precision, recall and pictures are of those from here on")
-      ->check(CLI::Range(0.0, 1.0) & CLI::Validator(
-                                         [](const std::string& text) {
-                                           return text.find_first_of("nN") == std::string::npos
-                                                      ? std::string()
-                                                      : "is no number";
-                                         },
-                                         ""))
+      ->check(share())
       ->capture_default_str();
   verb.add_flag("--align", o.align,
                 "Of estimates without traits.json: turn, move and scale them so that camera "

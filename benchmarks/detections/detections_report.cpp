@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "benchmarks/report/pictures.h"
 #include "sim/imaging/image_io.h"
 
 namespace cousin {
@@ -36,33 +37,10 @@ PictureBox scaled(const PictureBox& box, double factor) {
   return {box.x * factor, box.y * factor, box.width * factor, box.height * factor};
 }
 
-/// Smaller by a whole number, each pixel the mean of those that it covers.
-Image<Rgb8> smaller(const Image<Rgb8>& image, int by) {
-  Image<Rgb8> small(image.width() / by, image.height() / by);
-  for (int y = 0; y < small.height(); ++y) {
-    for (int x = 0; x < small.width(); ++x) {
-      int r = 0, g = 0, b = 0;
-      for (int dy = 0; dy < by; ++dy) {
-        for (int dx = 0; dx < by; ++dx) {
-          const Rgb8& p = image(x * by + dx, y * by + dy);
-          r += p.r, g += p.g, b += p.b;
-        }
-      }
-      const int n = by * by;
-      small(x, y) = {static_cast<std::uint8_t>(r / n), static_cast<std::uint8_t>(g / n),
-                     static_cast<std::uint8_t>(b / n)};
-    }
-  }
-  return small;
-}
-
 ReportImage picture_of(const TruePicture& picture, const std::vector<FoundObject>& found,
                        const PictureOutcome& outcome) {
-  Image<Rgb8> image = read_color(picture.file);
-  const int by = std::max(
-      1, (std::max(image.width(), image.height()) + kLargestSide_px - 1) / kLargestSide_px);
-  image = smaller(image, by);
-  const double factor = 1.0 / by;
+  Image<Rgb8> image = shrunk(read_color(picture.file), kLargestSide_px);
+  const double factor = static_cast<double>(image.width()) / picture.width_px;
   std::size_t missed = 0, other = 0, nothing = 0, right = 0;
   for (std::size_t o = 0; o < picture.objects.size(); ++o) {
     if (outcome.detection_of[o] >= 0) continue;

@@ -7,7 +7,7 @@
 
 namespace cousin {
 
-/// Of the table of what was missed, the last one.
+/// Title of the last table, which lists what was missed.
 inline constexpr const char* kMissedTitle = "Every object that was missed";
 
 /// The page of a file of detections: precisions and recalls, the twenty pictures with the most

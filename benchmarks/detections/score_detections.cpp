@@ -12,65 +12,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/types/memory_limit.h"
-#include "sim/types/rng.h"
+#include "benchmarks/detections/detection_pairs.h"
+#include "benchmarks/detections/plant_bootstrap.h"
 
 namespace cousin {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-// ---- Overlaps
-// -------------------------------------------------------------------------------------
-
-std::int64_t pixels_of(const PlacedMask& mask) {
-  return std::count_if(mask.mask.data(), mask.mask.data() + mask.mask.size(),
-                       [](std::uint8_t v) { return v != 0; });
-}
-
-/// Pixels that two masks share over those of either, whose own pixels are counted already.
-double mask_overlap(const PlacedMask& a, std::int64_t pixels_a, const PlacedMask& b,
-                    std::int64_t pixels_b) {
-  std::int64_t shared = 0;
-  const int left = std::max(a.x, b.x), top = std::max(a.y, b.y);
-  const int right = std::min(a.x + a.mask.width(), b.x + b.mask.width());
-  const int bottom = std::min(a.y + a.mask.height(), b.y + b.mask.height());
-  for (int y = top; y < bottom; ++y) {
-    for (int x = left; x < right; ++x)
-      shared += a.mask(x - a.x, y - a.y) != 0 && b.mask(x - b.x, y - b.y) != 0;
-  }
-  const std::int64_t either = pixels_a + pixels_b - shared;
-  return either > 0 ? static_cast<double>(shared) / static_cast<double>(either) : 0;
-}
-
-/// A picture, its objects and what was found in it.
-struct Pair {
-  const TruePicture* picture = nullptr;
-  std::span<const FoundObject> found;
-  std::vector<int> found_class, object_class;  ///< into the list of classes
-  /// Overlaps of each detection with each object; `mask` is empty where the file has none.
-  std::vector<std::vector<double>> box, mask;
-};
-
-/// Those of one class, or of all as one.
-DetectedImage image_of(const Pair& pair, std::optional<int> only,
-                       const std::vector<std::vector<double>>& overlap) {
-  DetectedImage image;
-  std::vector<std::size_t> objects;
-  for (std::size_t o = 0; o < pair.object_class.size(); ++o) {
-    if (!only || pair.object_class[o] == *only) objects.push_back(o);
-  }
-  image.is_object_ignored.assign(objects.size(), 0);
-  image.is_crowd.assign(objects.size(), 0);
-  for (std::size_t d = 0; d < pair.found.size(); ++d) {
-    if (only && pair.found_class[d] != *only) continue;
-    image.score.push_back(pair.found[d].score);
-    image.is_detection_ignored.push_back(0);
-    std::vector<double>& row = image.overlap.emplace_back();
-    for (const std::size_t o : objects) row.push_back(overlap[d][o]);
-  }
-  return image;
-}
 
 /// Of one class at one threshold: what each picture gives to the curve.
 struct PictureCurve {
@@ -81,12 +29,12 @@ struct PictureCurve {
 constexpr std::size_t kMostOfCoco = 100;  ///< detections of a picture that its curve is of
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
-std::vector<PictureCurve> curves_of(const std::vector<Pair>& pairs, std::optional<int> only,
+std::vector<PictureCurve> curves_of(const std::vector<PicturePair>& pairs, std::optional<int> only,
                                     double threshold,
-                                    std::vector<std::vector<double>> Pair::*overlap,
+                                    std::vector<std::vector<double>> PicturePair::*overlap,
                                     std::size_t most) {
   std::vector<PictureCurve> curves;
-  for (const Pair& pair : pairs) {
+  for (const PicturePair& pair : pairs) {
     const DetectedImage image = image_of(pair, only, pair.*overlap);
     const DetectionMatches matches = match_detections(image, threshold, MatchRule::coco, most);
     PictureCurve& curve = curves.emplace_back();
@@ -110,144 +58,11 @@ double average_precision_of(const std::vector<PictureCurve>& curves,
   return average_precision(std::move(detections), objects);
 }
 
-// ---- Intervals over plants
-// -------------------------------------------------------------------------
-
-/// Pictures of the same plants are drawn together.
-class PlantBootstrap {
- public:
-  PlantBootstrap(const std::vector<Pair>& pairs, const DetectionScoreConfig& config)
-      : resamples_(config.resamples), rng_(Rng(config.seed).fork("detections")) {
-    std::map<std::string, std::vector<std::size_t>> plants;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      plants[pairs[i].picture->plant].push_back(i);
-      all_.push_back(i);
-    }
-    for (auto& [name, pictures] : plants) clusters_.push_back(std::move(pictures));
-    // Of one plant the pictures are drawn: the interval then misses what they share.
-    if (clusters_.size() == 1) {
-      clusters_.clear();
-      for (const std::size_t i : all_) clusters_.push_back({i});
-    }
-  }
-
-  using Statistic = std::function<double(std::span<const std::size_t> pictures)>;
-  WithInterval of(const Statistic& statistic, const std::string& name) const {
-    WithInterval result;
-    result.value = statistic(all_);
-    if (clusters_.size() < 2 || std::isnan(result.value)) return result;
-    Rng rng = Rng(rng_).fork(name);
-    std::vector<double> values;
-    std::vector<std::size_t> drawn;
-    for (int r = 0; r < resamples_; ++r) {
-      drawn.clear();
-      for (std::size_t c = 0; c < clusters_.size(); ++c) {
-        const auto& cluster = clusters_[rng() % clusters_.size()];
-        drawn.insert(drawn.end(), cluster.begin(), cluster.end());
-      }
-      const double value = statistic(drawn);
-      if (!std::isnan(value)) values.push_back(value);
-    }
-    if (values.size() < 20) return result;
-    std::sort(values.begin(), values.end());
-    const auto at = [&](double share) {
-      return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-    };
-    result.low = at(0.025);
-    result.high = at(0.975);
-    return result;
-  }
-
- private:
-  int resamples_;
-  Rng rng_;
-  std::vector<std::vector<std::size_t>> clusters_;
-  std::vector<std::size_t> all_;
-};
-
-// ---- Classes
-// -------------------------------------------------------------------------------------
-
-/// Place of a name in the list, which grows by names that it has not.
-int place_of(const std::string& name, std::vector<std::string>& classes) {
-  const auto found = std::find(classes.begin(), classes.end(), name);
-  if (found != classes.end()) return static_cast<int>(found - classes.begin());
-  classes.push_back(name);
-  return static_cast<int>(classes.size()) - 1;
-}
-
-std::string list_of(const std::vector<std::string>& names, int first) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    text += (i > 0 ? ", " : "") + std::to_string(static_cast<int>(i) + first) + " " + names[i];
-  return text;
-}
-
-/// Place of a class of the file. A class that `classes` names and the dataset has not is kept as
-/// one of its own: it is found nowhere.
-int class_of(int category, const DetectionScoreConfig& config, std::size_t known,
-             std::vector<std::string>& classes) {
-  if (const auto named = config.classes.find(category); named != config.classes.end())
-    return place_of(named->second, classes);
-  const int first = config.is_from_zero ? 0 : 1;
-  if (!config.classes.empty() || category < first || category >= first + static_cast<int>(known)) {
-    classes.resize(known);
-    throw std::invalid_argument(
-        "class " + std::to_string(category) + " of the detections is none of the dataset's (" +
-        list_of(classes, first) + "); name the file's classes with --class-map, such as 0=" +
-        (classes.empty() ? "fruit" : classes.front()));
-  }
-  return category - first;
-}
-
-/// What the overlaps of all detections with all objects of their pictures take.
-void check_overlap_memory(const TruePictures& truth, const FoundFile& found) {
-  const std::uint64_t kinds = found.has_masks ? 2 : 1;
-  std::uint64_t bytes = 0;
-  for (const auto& [picture, objects] : found.of_picture) {
-    // Again for the matching of one class, and of all.
-    const std::uint64_t overlaps =
-        bytes_times(objects.size(), truth.pictures[picture].objects.size());
-    bytes = bytes_plus(bytes, bytes_times(overlaps, (kinds + 1) * sizeof(double)));
-  }
-  check_memory("detections", bytes, "their overlaps with the objects of their pictures");
-}
-
-std::vector<Pair> pairs_of(const TruePictures& truth, const FoundFile& found,
-                           const DetectionScoreConfig& config, std::vector<std::string>& classes) {
-  check_overlap_memory(truth, found);
-  const std::size_t known = classes.size();
-  std::vector<Pair> pairs;
-  for (std::size_t i = 0; i < truth.pictures.size(); ++i) {
-    Pair& pair = pairs.emplace_back();
-    pair.picture = &truth.pictures[i];
-    if (const auto of = found.of_picture.find(i); of != found.of_picture.end())
-      pair.found = of->second;
-    std::vector<std::int64_t> pixels;
-    for (const TrueObject& object : pair.picture->objects) {
-      pair.object_class.push_back(place_of(object.category, classes));
-      pixels.push_back(pixels_of(object.mask));
-    }
-    for (const FoundObject& object : pair.found) {
-      pair.found_class.push_back(class_of(object.category, config, known, classes));
-      std::vector<double>& box = pair.box.emplace_back();
-      for (const TrueObject& is : pair.picture->objects)
-        box.push_back(box_overlap(object.box, is.box));
-      if (!found.has_masks) continue;
-      std::vector<double>& mask = pair.mask.emplace_back();
-      const std::int64_t own = pixels_of(object.mask);
-      for (std::size_t o = 0; o < pixels.size(); ++o)
-        mask.push_back(mask_overlap(object.mask, own, pair.picture->objects[o].mask, pixels[o]));
-    }
-  }
-  return pairs;
-}
-
-// ---- Outcomes at a confidence
-// --------------------------------------------------------------------
+// ---- Outcomes at a confidence ----
 
 /// Matched whatever the class, so that a fruit that is found as another is no miss.
-PictureOutcome outcome_of(const Pair& pair, std::size_t place, const DetectionScoreConfig& config) {
+PictureOutcome outcome_of(const PicturePair& pair, std::size_t place,
+                          const DetectionScoreConfig& config) {
   PictureOutcome outcome;
   outcome.picture = place;
   DetectedImage image = image_of(pair, {}, pair.box);
@@ -280,7 +95,7 @@ struct Counts {
   double f1() const { return found + objects > 0 ? 2 * right / (found + objects) : kNone; }
 };
 
-/// Of all classes, each matched by itself, of detections from a confidence on.
+/// Counts over all classes, each matched by itself. Detections below the confidence do not count.
 Counts counts_at(const std::vector<std::vector<PictureCurve>>& curves,
                  std::span<const std::size_t> pictures, double confidence) {
   Counts counts;
@@ -323,16 +138,25 @@ std::pair<double, double> best_f1(const std::vector<std::vector<PictureCurve>>& 
   return best;
 }
 
-// ---- Rows
-// ----------------------------------------------------------------------------------------
+// ---- Rows ----
+
+std::vector<std::string> plants_of(const std::vector<PicturePair>& pairs) {
+  std::vector<std::string> plants;
+  for (const PicturePair& pair : pairs) plants.push_back(pair.picture->plant);
+  return plants;
+}
 
 class Rows {
  public:
-  Rows(const std::vector<Pair>& pairs, const std::vector<std::string>& classes,
+  Rows(const std::vector<PicturePair>& pairs, const std::vector<std::string>& classes,
        const DetectionScoreConfig& config, const ScoreRow& base)
-      : pairs_(pairs), config_(config), base_(base), bootstrap_(pairs, config) {
+      : pairs_(pairs),
+        config_(config),
+        base_(base),
+        bootstrap_(plants_of(pairs), config.resamples, config.seed) {
     std::set<int> shown;
-    for (const Pair& pair : pairs) shown.insert(pair.object_class.begin(), pair.object_class.end());
+    for (const PicturePair& pair : pairs)
+      shown.insert(pair.object_class.begin(), pair.object_class.end());
     for (const int c : shown) classes_.emplace_back(c, classes[static_cast<std::size_t>(c)]);
   }
 
@@ -345,7 +169,8 @@ class Rows {
   }
 
   /// Average precisions of boxes or of masks.
-  void add_precisions(const std::string& prefix, std::vector<std::vector<double>> Pair::*overlap) {
+  void add_precisions(const std::string& prefix,
+                      std::vector<std::vector<double>> PicturePair::*overlap) {
     // [class][threshold]; all as one class last.
     std::vector<std::array<std::vector<PictureCurve>, 10>> curves;
     std::vector<std::string> cases;
@@ -405,11 +230,11 @@ class Rows {
     std::vector<std::vector<PictureCurve>> curves;
     std::int64_t n = 0;
     for (const auto& [place, name] : classes_)
-      curves.push_back(curves_of(pairs_, place, config_.overlap, &Pair::box, kAll));
-    for (const Pair& pair : pairs_) n += static_cast<std::int64_t>(pair.object_class.size());
+      curves.push_back(curves_of(pairs_, place, config_.overlap, &PicturePair::box, kAll));
+    for (const PicturePair& pair : pairs_) n += static_cast<std::int64_t>(pair.object_class.size());
     // Of classes that the dataset does not show: found, and never right.
     std::vector<PictureCurve> others;
-    for (const Pair& pair : pairs_) {
+    for (const PicturePair& pair : pairs_) {
       PictureCurve& curve = others.emplace_back();
       for (std::size_t d = 0; d < pair.found.size(); ++d) {
         const bool is_shown = std::any_of(classes_.begin(), classes_.end(), [&](const auto& c) {
@@ -466,7 +291,7 @@ class Rows {
   std::vector<ScoreRow> rows;
 
  private:
-  const std::vector<Pair>& pairs_;
+  const std::vector<PicturePair>& pairs_;
   const DetectionScoreConfig& config_;
   const ScoreRow& base_;
   PlantBootstrap bootstrap_;
@@ -492,7 +317,8 @@ std::string maturity_group(const TruePicture&, const TrueObject& object) {
   return kNames.at(static_cast<std::size_t>(std::clamp(maturity->second, 0.0, 2.0)));
 }
 
-void add_confusion(const std::vector<Pair>& pairs, const std::vector<PictureOutcome>& outcomes,
+void add_confusion(const std::vector<PicturePair>& pairs,
+                   const std::vector<PictureOutcome>& outcomes,
                    const std::vector<std::string>& classes, Rows& rows) {
   const std::size_t nothing = classes.size();
   std::vector<std::vector<std::int64_t>> count(nothing + 1, std::vector<std::int64_t>(nothing + 1));
@@ -552,12 +378,12 @@ DetectionScores score_detections(const TruePictures& truth, const FoundFile& fou
                                  const DetectionScoreConfig& config, const ScoreRow& base) {
   DetectionScores scores;
   scores.classes = truth.categories;
-  const std::vector<Pair> pairs = pairs_of(truth, found, config, scores.classes);
+  const std::vector<PicturePair> pairs = pairs_of(truth, found, config, scores.classes);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     scores.outcomes.push_back(outcome_of(pairs[i], i, config));
   Rows rows(pairs, scores.classes, config, base);
-  rows.add_precisions("", &Pair::box);
-  if (found.has_masks) rows.add_precisions("mask_", &Pair::mask);
+  rows.add_precisions("", &PicturePair::box);
+  if (found.has_masks) rows.add_precisions("mask_", &PicturePair::mask);
   rows.add_counts();
   rows.add_recall_by("visible", scores.outcomes, visible_group);
   rows.add_recall_by("size", scores.outcomes, size_group);

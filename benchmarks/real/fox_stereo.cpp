@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "benchmarks/metrics/order_statistics.h"
-#include "benchmarks/real/pictures.h"
+#include "benchmarks/report/pictures.h"
 #include "perception/cloud/fuse.h"
 #include "sim/dataset/import.h"
 #include "sim/geometry/mesh_io.h"

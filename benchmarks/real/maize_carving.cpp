@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "benchmarks/real/pictures.h"
+#include "benchmarks/report/pictures.h"
 #include "perception/carve/visual_hull.h"
 #include "sim/dataset/import.h"
 #include "sim/geometry/mesh_io.h"

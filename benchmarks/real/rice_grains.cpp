@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "benchmarks/metrics/order_statistics.h"
-#include "benchmarks/real/pictures.h"
+#include "benchmarks/report/pictures.h"
 #include "perception/segment/grains.h"
 #include "scenes/seeds/cultivar.h"
 #include "sim/imaging/image_io.h"

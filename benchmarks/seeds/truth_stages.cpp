@@ -64,7 +64,7 @@ Poses true_poses(const SimulatedRun& run) {
   return result;
 }
 
-/// Of the first sensor, where the image shows a specimen: the pixels that it sees.
+/// Boxes and masks of the pixels that show a specimen. The first sensor's images only.
 Boxes true_boxes(const SimulatedRun& run) {
   Boxes result;
   const auto objects = specimens_of(run.truth.scene);
@@ -99,7 +99,7 @@ Boxes true_boxes(const SimulatedRun& run) {
   return result;
 }
 
-/// Of the first sensor, in the order of each specimen's model.
+/// Keypoints in the order of each specimen's model. The first sensor's images only.
 Keypoints true_keypoints(const SimulatedRun& run) {
   Keypoints result;
   const auto objects = specimens_of(run.truth.scene);

@@ -4,8 +4,8 @@
 #include <limits>
 #include <string>
 
-#include "benchmarks/real/pictures.h"
 #include "benchmarks/renderers/leafy_scene.h"
+#include "benchmarks/report/pictures.h"
 #include "benchmarks/sensors/sensors_page.h"
 #include "sim/imaging/image_io.h"
 #include "sim/render/ray_scene.h"

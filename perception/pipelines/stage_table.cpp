@@ -113,7 +113,7 @@ void require_frames(std::string_view stage, const Capture& capture, const Estima
   }
 }
 
-/// Who puts what follows from a seam in its place may leave it empty.
+/// Corners and depths may be empty where a later stage is replaced.
 template <auto kSeam>
 void require_frames_if_any(std::string_view stage, const Capture& capture,
                            const Estimate& estimate) {

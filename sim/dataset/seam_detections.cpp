@@ -37,7 +37,7 @@ Json entry_of(const Detection& detection, int scene_index) {
           {"instance_id", detection.instance}};
 }
 
-/// What is known of the entries before one.
+/// The scene and the ids of earlier entries.
 struct Before {
   std::int64_t scene = -1;
   std::set<int> ids;

@@ -4,7 +4,7 @@
 
 namespace cousin {
 
-/// What is asked for is not in this build of the program: wrong usage, wherever it shows.
+/// This build of the program lacks what the user asks for. The exit code is that of wrong usage.
 class NotBuilt : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;

@@ -13,7 +13,7 @@ enum class TraitScoring {
   angle      ///< by its error modulo a turn
 };
 
-/// What is known of a trait by its name, wherever it is measured, scored or shown.
+/// A trait's unit and how it is scored and shown.
 struct TraitRow {
   std::string_view name;
   std::string_view unit;   ///< SI, as files have it

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/manifest.h"
 #include "tests/app/program.h"
 #include "tests/dataset/small_dataset.h"
 
@@ -50,6 +51,16 @@ TEST_F(AppScoreDetections, BoxesBecomeNumbersAndAPage) {
 TEST_F(AppScoreDetections, AGateSetsTheExitCode) {
   EXPECT_EQ(score(kApples, {"--gate", "recall>=0.9"}).code, 1);
   EXPECT_EQ(score(kApples, {"--gate", "precision>=0.9"}).code, 0);
+}
+
+TEST_F(AppScoreDetections, TruthThatWasChangedSinceItWasRenderedIsRefused) {
+  const fs::path truth = program_.path("data/000000/truth/scene.json");
+  write_manifest(program_.path("data"), {.config_hash = sha256_hex("a")});
+  EXPECT_EQ(score(kApples).code, 0);
+  write_file(truth, read_file(truth) + " ");
+  const Outcome changed = score(kApples);
+  EXPECT_EQ(changed.code, 3);
+  EXPECT_THAT(changed.err, HasSubstr("scene.json: its SHA-256 is not the one in manifest.json"));
 }
 
 TEST_F(AppScoreDetections, MistakesAreNamed) {

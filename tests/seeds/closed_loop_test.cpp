@@ -315,18 +315,6 @@ TEST(ClosedLoop, GaussiansThatAreNoneAreLeftOutAloud) {
                     HasSubstr("1 with a rotation of length zero")));
 }
 
-TEST(ClosedLoop, EachStageHasATruthRowOrSaysWhyNot) {
-  for (const StageRow& stage : stage_table()) {
-    const TruthRow& row = truth_row(stage.name);
-    EXPECT_NE(row.put == nullptr, row.why_none.empty()) << stage.name;
-    if (!row.put) continue;
-    Stages stages;
-    row.put(stages, SimulatedRun{}, SeedBoard{});
-    EXPECT_TRUE(stage.is_there(stages)) << stage.name;
-  }
-  EXPECT_EQ(truth_table().size(), stage_table().size());
-}
-
 TEST(ClosedLoop, SeedsOfFilesAndPrograms) {
   const SimulatedRun run = simulate(2, truth_stage_needs());
   const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;

@@ -1,4 +1,4 @@
-#include "benchmarks/real/pictures.h"
+#include "benchmarks/report/pictures.h"
 
 #include <tbb/parallel_for.h>
 
