@@ -30,7 +30,15 @@ MAY_INCLUDE = {
     "scenes": ["sim/truth", "sim/geometry", "sim/plant", "sim/physics", "sim/render", "sim/config"],
     "calibration": ["sim/types", "sim/imaging", "sim/config", "sim/dataset"],
     "perception": ["sim/types", "sim/imaging", "sim/config", "sim/geometry", "sim/dataset", "sim/process", "calibration"],
-    "benchmarks": ["sim", "sim/dataset/truth", "scenes", "calibration", "perception"],
+    "benchmarks/score": ["sim/types", "sim/truth", "sim/geometry", "sim/imaging", "sim/config"],
+    "benchmarks/score/learned": ["benchmarks/score"],
+    "benchmarks/report": ["benchmarks/score"],
+    "benchmarks/study": ["benchmarks/score", "sim/config", "sim/dataset"],
+    "benchmarks/loop": ["benchmarks/score", "benchmarks/score/learned", "benchmarks/report", "benchmarks/study", "sim", "sim/dataset/truth",
+                        "scenes", "calibration", "perception"],
+    "benchmarks/tools": ["benchmarks/loop"],
+    "benchmarks/suites": ["benchmarks/loop", "benchmarks/tools"],
+    "benchmarks/app": ["benchmarks/suites"],
 }
 # Files of the dataset's truth target; the rest of sim/dataset must not see the truth.
 TRUTH_FILES = (

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "benchmarks/seedlings/seedlings_page.h"
-#include "benchmarks/seeds/paper_tables.h"
+#include "benchmarks/suites/seedlings/seedlings_page.h"
+#include "benchmarks/suites/seeds/paper_tables.h"
 #include "sim/types/utf8.h"
 
 namespace cousin {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "benchmarks/metrics/scores.h"
+#include "benchmarks/score/scores.h"
 #include "benchmarks/report/report.h"
 
 namespace cousin {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "benchmarks/app/suite_plots.h"
-#include "benchmarks/seeds/result_folder.h"
-#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/loop/result_folder.h"
+#include "benchmarks/loop/score_seeds.h"
 #include "perception/sfm/colmap_run.h"
 
 namespace cousin {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "benchmarks/app/commands.h"
-#include "benchmarks/seeds/seeds_report.h"
-#include "benchmarks/shards/shard_scores.h"
+#include "benchmarks/loop/seeds_report.h"
+#include "benchmarks/study/shard_scores.h"
 
 namespace cousin {
 

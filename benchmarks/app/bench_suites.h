@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "benchmarks/app/commands.h"
-#include "benchmarks/shards/shard_scores.h"
+#include "benchmarks/study/shard_scores.h"
 
 namespace cousin {
 

@@ -12,8 +12,8 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
-#include "benchmarks/seeds/result_folder.h"
-#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/loop/result_folder.h"
+#include "benchmarks/loop/score_seeds.h"
 #include "sim/dataset/output_folder.h"
 
 namespace cousin {

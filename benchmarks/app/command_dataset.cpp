@@ -10,13 +10,13 @@
 #include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
-#include "benchmarks/scenes/render_plan.h"
-#include "benchmarks/scenes/scene_table.h"
-#include "benchmarks/seeds/result_folder.h"
-#include "benchmarks/seeds/simulate.h"
-#include "benchmarks/seeds/stage_files.h"
-#include "benchmarks/seeds/truth_choice.h"
-#include "benchmarks/shards/shard.h"
+#include "benchmarks/loop/render_plan.h"
+#include "benchmarks/loop/scene_table.h"
+#include "benchmarks/loop/result_folder.h"
+#include "benchmarks/loop/simulate.h"
+#include "benchmarks/loop/stage_files.h"
+#include "benchmarks/loop/truth_choice.h"
+#include "benchmarks/study/shard.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/manifest.h"
@@ -187,7 +187,9 @@ ExitCode command_render(const JobContext& context) {
   if (o.frames > 0) keys.push_back({"--frames", "views", std::to_string(o.frames)});
   if (!o.streams.empty()) keys.push_back({"--streams", "streams", o.streams});
   const SceneJob job =
-      read_config(o, keys, [&] { return entry.configure(assignments_of(o, keys), o.config); });
+      read_config(o, keys, [&] {
+        return entry.configure({.assignments = assignments_of(o, keys), .file = o.config});
+      });
   if (o.keys) {
     std::printf("%s", job.keys.c_str());
     return ExitCode::done;

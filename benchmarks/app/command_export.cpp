@@ -10,8 +10,8 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/result_output.h"
-#include "benchmarks/scenes/scene_table.h"
-#include "benchmarks/seeds/result_folder.h"
+#include "benchmarks/loop/scene_table.h"
+#include "benchmarks/loop/result_folder.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/export/export_dataset.h"
@@ -92,7 +92,7 @@ Scene shaded_scene(const SceneTruth& truth, const fs::path& scene_dir, ProgressP
   std::string why;
   try {
     const SceneJob job =
-        scene_entry(truth.scene.name).configure({}, scene_dir / "truth" / "config.toml");
+        scene_entry(truth.scene.name).configure({.file = scene_dir / "truth" / "config.toml"});
     const int index = std::stoi(scene_dir.filename().string());
     Scene made = *job.build(truth.seed, index).scene;
     if (same_places(made, truth.scene)) return made;

@@ -5,7 +5,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/result_output.h"
-#include "benchmarks/import/import_capture.h"
+#include "benchmarks/tools/import/import_capture.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/output_folder.h"

@@ -11,7 +11,7 @@
 #include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
-#include "benchmarks/ledger/ledger.h"
+#include "benchmarks/tools/ledger/ledger.h"
 #include "benchmarks/report/report.h"
 
 namespace cousin {

@@ -42,12 +42,12 @@ constexpr Closing kClosings[] = {
      "  cousin render maize --set stage=V10 --truth keypoints,part --out out/maize"},
     {"perceive", "DATASET_estimate",
      "  cousin perceive out/data --out out/est\n"
-     "  cousin perceive out/posed --pipeline views"},
+     "  cousin perceive out/posed --pipeline scene"},
     {"score", "ESTIMATE_DIR", "  cousin score out/data out/est --gate 'length.rmse<=0.0001'"},
-    {"run", "out/seeds; of --pipeline views out/SCENE_views",
+    {"run", "out/seeds; of --pipeline scene out/SCENE_views",
      "  cousin run seeds --plan\n"
      "  cousin run seeds --set cultivar=jimai22 --out out/wheat\n"
-     "  cousin run seedlings --pipeline views --set knows_pose=true"},
+     "  cousin run seedlings --pipeline scene --set knows_pose=true"},
     {"calibrate", "out/calibrate",
      "  cousin calibrate photos --board chessboard:6x4:0.030 --out calibration"},
     {"fit-sensor", "out/fit_sensor", "  cousin fit-sensor desk --rig d457 --out fit"},

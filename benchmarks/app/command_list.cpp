@@ -4,13 +4,16 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/report/javascript_libraries.h"
-#include "benchmarks/scenes/scene_table.h"
+#include "benchmarks/loop/scene_table.h"
+#include "perception/pipelines/pipeline_table.h"
 #include "perception/sfm/colmap_run.h"
 #include "sim/process/program_run.h"
 #include "sim/sensors/active_stereo.h"
@@ -50,8 +53,11 @@ std::string built(bool is_built, const char* option) {
 
 ExitCode command_scenes(const JobContext& context) {
   std::vector<Entry> entries;
-  for (const SceneEntry& scene : scene_table())
-    entries.push_back({scene.name, scene.status, scene.help});
+  for (const SceneEntry& scene : scene_table()) {
+    const bool only_renders = scene.status == "built in" && !pipeline_of_scene(scene.name);
+    entries.push_back(
+        {scene.name, scene.status + (only_renders ? "; no pipeline yet" : ""), scene.help});
+  }
   print(entries, context.options.json);
   return ExitCode::done;
 }
@@ -137,32 +143,32 @@ ExitCode command_rigs(const JobContext& context) {
   return ExitCode::done;
 }
 
+namespace {
+
+/// Options of the build, and whether they are ON.
+constexpr std::pair<std::string_view, bool> kOptions[] = {
+    {"CERES", COUSIN_WITH_CERES}, {"PCL", COUSIN_WITH_PCL}};
+
+/// "built in", or which option is missing.
+std::string method_status(const MethodRow& method) {
+  for (const std::string_view wanted : method.options) {
+    for (const auto& [option, is_on] : kOptions) {
+      if (option == wanted && !is_on) return built(false, ("WITH_" + std::string(option)).c_str());
+    }
+  }
+  return built(true, "");
+}
+
+}  // namespace
+
 ExitCode command_methods(const JobContext& context) {
-  print(
-      {{"seeds/ours", built(COUSIN_WITH_CERES, "WITH_CERES"),
-        "board poses, plane sweep, sub-pixel outlines, closed surface per seed, minimum-volume "
-        "box"},
-       {"seeds/paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
-        "the paper's steps: outlier removal, voxel grid, RANSAC plane, clusters, PCA box, alpha "
-        "shape"},
-       {"seeds/sensor_depth", built(COUSIN_WITH_CERES, "WITH_CERES"),
-        "ours with a depth camera's own depth in place of the plane sweep; reads color,depth "
-        "(--set rig=d405)"},
-       {"seeds/depth_only", "built in",
-        "a depth camera on an arm that knows its poses: points, PCA box, alpha shape; reads depth "
-        "(--set rig=d405 --set knows_pose=true)"},
-       {"seeds/splats", built(COUSIN_WITH_CERES, "WITH_CERES"),
-        "Gaussians that begin on the closed surfaces of ours, trained on the board's part of each "
-        "photograph, their depth fused; then outlines, closed surfaces and boxes as ours"},
-       {"seeds/splats_paper", built(COUSIN_WITH_PCL && COUSIN_WITH_CERES, "WITH_PCL or WITH_CERES"),
-        "the paper's chain: Gaussians trained as their reference does, their centres, the paper's "
-        "steps (perceive --set splats.poses=sfm, run --set pipeline.splats.poses=sfm: poses by "
-        "COLMAP; adjusted: by our adjustment of its tracks)"},
-       {"views/splats", "built in",
-        "perceive --pipeline views, of photographs of anything: poses of the capture or by COLMAP, "
-        "Gaussians, their depth, cloud and closed mesh, PSNR of views trained on and held out"},
-       {"views/splats_paper", "built in", "the same by the reference's schedule"}},
-      context.options.json);
+  std::vector<Entry> entries;
+  for (const PipelineRow* pipeline : pipeline_table()) {
+    for (const MethodRow& method : pipeline->methods)
+      entries.push_back({std::string(pipeline->name) + "/" + std::string(method.name),
+                         method_status(method), std::string(method.help)});
+  }
+  print(entries, context.options.json);
   return ExitCode::done;
 }
 
@@ -218,7 +224,7 @@ std::vector<Want> wants() {
               "images scored by a network of yours (--lpips)"),
       found_or_missing(
           "colmap", colmap_status(), "colmap",
-          "poses without a board (perceive --pipeline views, bench sfm; splats.poses=sfm or "
+          "poses without a board (perceive --pipeline scene, bench sfm; splats.poses=sfm or "
           "adjusted of the methods splats and splats_paper); tested with 3.8"),
       program("blender", "scenes for others (export --format gltf or blend), bench renderers"),
       found_or_missing(

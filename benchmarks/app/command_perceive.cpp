@@ -1,5 +1,4 @@
-#include <algorithm>
-#include <cmath>
+// perceive: from a dataset's images to estimates. Reads no truth.
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -9,14 +8,12 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/perceive_places.h"
+#include "benchmarks/app/pipeline_options.h"
 #include "benchmarks/app/result_output.h"
-#include "benchmarks/app/specimens_text.h"
 #include "benchmarks/app/terminal.h"
-#include "benchmarks/app/views_options.h"
+#include "benchmarks/loop/pipeline_run.h"
+#include "benchmarks/loop/specimens_text.h"
 #include "benchmarks/report/shown_numbers.h"
-#include "benchmarks/scenes/scene_table.h"
-#include "benchmarks/seeds/perceive.h"
-#include "benchmarks/seeds/run_config.h"
 #include "perception/sfm/sfm_poses.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
@@ -27,29 +24,34 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-std::string pipeline_of(const Options& options, const Capture& capture, const fs::path& dataset) {
-  std::string name = options.pipeline;
-  if (name.empty()) {
-    const auto manifest = read_manifest(dataset);
-    name = manifest ? manifest->pipeline : capture.pipeline;
+// ---- Which pipeline, and how it is configured ----------------------------------------------------
+
+std::string pipelines_of_anything() {
+  std::string names;
+  for (const PipelineRow* each : pipeline_table()) {
+    const PipelineRow& row = *each;
+    if (row.scenes.empty())
+      names += "; --pipeline " + std::string(row.name) + " takes any photographs";
   }
-  if (name.empty())
-    throw std::invalid_argument("a real capture names no pipeline: give --pipeline seeds or views");
-  for (const SceneEntry& scene : scene_table()) {
-    if (scene.name != name || scene.has_pipeline) continue;
-    throw std::invalid_argument(dataset.string() + " is of scene \"" + name +
-                                "\", which has no pipeline yet; --pipeline views trains "
-                                "Gaussians on any photographs");
-  }
-  if (name != "seeds")
-    throw std::invalid_argument("--pipeline \"" + name + "\" is not one of: seeds, views");
-  return name;
+  return names;
 }
 
-SeedsPipelineConfig seeds_config(const Options& o) {
+/// The pipeline that a dataset says it is for.
+const PipelineRow& row_of_dataset(const fs::path& dataset, const Capture& capture) {
+  const auto manifest = read_manifest(dataset);
+  const std::string scene = manifest ? manifest->pipeline : capture.pipeline;
+  if (scene.empty())
+    throw std::invalid_argument("a real capture names no pipeline: give --pipeline, one of " +
+                                pipeline_names());
+  if (const PipelineRow* row = pipeline_of_scene(scene)) return *row;
+  throw std::invalid_argument(dataset.string() + " is of scene \"" + scene +
+                              "\", which has no pipeline yet" + pipelines_of_anything());
+}
+
+PipelineConfig configured(const Options& o, const PipelineRow& row) {
   const KeyOption method{"--method", "method", o.method};
   return read_config(o, {method}, [&] {
-    SeedsPipelineConfig config;
+    PipelineConfig config = row.defaults();
     if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
     if (!method.value.empty()) set_field(fields(config), method.assignment());
     for (const std::string& assignment : o.sets) {
@@ -62,6 +64,32 @@ SeedsPipelineConfig seeds_config(const Options& o) {
   });
 }
 
+/// The pipeline, and all that it is told.
+struct PerceiveJob {
+  const PipelineRow* row = nullptr;
+  PipelineConfig config;
+  std::vector<StageSource> sources;
+};
+
+PerceiveJob perceive_job(const Options& o, const PipelineRow& row) {
+  refuse_foreign_options(o, row);
+  return {&row, configured(o, row), stage_sources(o, row)};
+}
+
+/// Stages that nobody gives.
+void require_outside(const PerceiveJob& job) {
+  for (const std::string_view stage : job.row->from_outside) {
+    if (replaces(job.sources, stage)) continue;
+    const std::string name(stage);
+    throw std::invalid_argument("pipeline " + std::string(job.row->name) +
+                                " has no stage of its own for " + name + ": give --stage " + name +
+                                "=dir:FOLDER or " + name + "=exec:PROGRAM (`cousin run` takes the "
+                                "true ones)");
+  }
+}
+
+// ---- What is printed -----------------------------------------------------------------------------
+
 nlohmann::json to_rows(const std::string& scene, const Traits& traits) {
   nlohmann::json rows = nlohmann::json::array();
   for (const SpecimenTraits& specimen : traits) {
@@ -69,11 +97,13 @@ nlohmann::json to_rows(const std::string& scene, const Traits& traits) {
     for (const Trait& trait : specimen.traits) {
       values[trait.name] = {{"value", trait.value}, {"sigma", trait.sigma}, {"unit", trait.unit}};
     }
-    rows.push_back({{"scene", scene},
-                    {"instance", specimen.instance},
-                    {"status", to_string(specimen.status)},
-                    {"reason", specimen.reason},
-                    {"traits", values}});
+    nlohmann::json row = {{"scene", scene},
+                          {"instance", specimen.instance},
+                          {"status", to_string(specimen.status)},
+                          {"reason", specimen.reason},
+                          {"traits", values}};
+    if (specimen.frame >= 0) row["frame"] = specimen.frame;
+    rows.push_back(std::move(row));
   }
   return rows;
 }
@@ -81,7 +111,7 @@ nlohmann::json to_rows(const std::string& scene, const Traits& traits) {
 void print_traits(const std::string& scene, const Traits& traits) {
   for (const SpecimenTraits& specimen : traits) {
     std::printf(
-        "%s seed %d: %s%s", terminal_text(scene).c_str(), specimen.instance,
+        "%s %s: %s%s", terminal_text(scene).c_str(), name_of(specimen).c_str(),
         std::string(to_string(specimen.status)).c_str(),
         specimen.reason.empty() ? "" : (" (" + terminal_text(specimen.reason) + ")").c_str());
     for (const Trait& trait : specimen.traits) {
@@ -94,123 +124,83 @@ void print_traits(const std::string& scene, const Traits& traits) {
   }
 }
 
-/// Where all of the views are, and nothing was found from Gaussians.
-std::string why_no_splats(const Estimate& estimate, const SeedsPipelineConfig& config) {
-  const std::string count = std::to_string(estimate.splats.splats.size());
-  if (estimate.splats.splats.empty()) return no_gaussians_text(estimate.splats);
-  if (config.method == SeedsMethod::splats_paper)
-    return "of " + count + " Gaussians none has its centre in the volume and an opacity of " +
-           "splats.least_opacity";
-  return "the depths of " + count + " Gaussians agree in no views";
-}
+/// What all scenes gave, as it is printed at the end.
+struct Printed {
+  nlohmann::json traits = nlohmann::json::array();
+  ScoreFile rows;
+  std::vector<std::string> nothing_found;
+};
 
-/// Which stage found nothing first, if there is no specimen.
-std::string why_nothing(const Estimate& estimate, const SeedsPipelineConfig& config, int posed) {
-  if (!estimate.cloud.empty() || !estimate.clusters.cloud.empty())
-    return estimate.traits.empty() ? "nothing stands on the board"
-                                   : "no object has enough points of the cloud";
-  if (posed == 0) {
-    const auto seen = std::count_if(
-        estimate.corners.begin(), estimate.corners.end(),
-        [](const FrameCorners& corners) { return corners.status == BoardStatus::ok; });
-    const bool no_image = std::all_of(
-        estimate.corners.begin(), estimate.corners.end(),
-        [](const FrameCorners& corners) { return corners.status == BoardStatus::no_image; });
-    if (!estimate.corners.empty() && no_image) return "the capture has no colour images";
-    return seen == 0 ? "no view shows the board"
-                     : std::to_string(seen) + " views show the board, but none could be posed";
+void keep(const Options& o, const std::string& name, const PerceivedScene& made, bool has_traits,
+          Printed& printed) {
+  append({.scores = made.rows}, printed.rows);
+  if (!has_traits) return;
+  if (o.json) {
+    for (auto& row : to_rows(name, made.estimate.traits)) printed.traits.push_back(std::move(row));
+  } else {
+    print_traits(name, made.estimate.traits);
   }
-  if (config.method == SeedsMethod::splats || config.method == SeedsMethod::splats_paper)
-    return why_no_splats(estimate, config);
-  const bool some_depth =
-      std::any_of(estimate.depths.begin(), estimate.depths.end(), [](const FrameDepth& frame) {
-        return std::any_of(frame.depth_m.begin(), frame.depth_m.end(),
-                           [](float depth_m) { return !std::isnan(depth_m); });
-      });
-  return some_depth ? "the views agree on no depth"
-                    : "no view has depth, which takes more views beside it";
 }
 
-/// Whether no stage found anything that could be measured; what is only seen has no cluster.
-bool found_nothing(const Estimate& estimate) {
-  if (estimate.traits.empty()) return true;
-  const std::vector<int>& instance = estimate.clusters.instance;
-  return std::all_of(instance.begin(), instance.end(), [](int i) { return i < 0; }) &&
-         std::none_of(estimate.traits.begin(), estimate.traits.end(),
-                      [](const SpecimenTraits& s) { return s.status == TraitStatus::ok; });
-}
-
-/// Says which views have no pose and why; the number of those that have one.
-int count_posed(const Poses& poses, const Corners& corners, ProgressPrinter& progress) {
-  int posed = 0;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (poses[i].status == PoseStatus::ok) {
-      ++posed;
-      continue;
-    }
-    std::string why(to_string(poses[i].status));
-    if (i < corners.size() && corners[i].status != BoardStatus::ok) {
-      why += " (" + std::string(to_string(corners[i].status)) + ")";
-    }
-    progress.line("warning: view " + std::to_string(poses[i].frame) + " has no pose: " + why);
+void print_end(const Options& o, const Printed& printed, bool has_traits) {
+  if (has_traits) {
+    if (o.json) print_json(printed.traits);
+  } else if (o.json) {
+    std::printf("%s\n", to_json(printed.rows).c_str());
+  } else {
+    print_rows(printed.rows.scores);
   }
-  return posed;
 }
 
 }  // namespace
 
 ExitCode command_perceive(const JobContext& context) {
   const Options& o = context.options;
-  if (o.pipeline == "views") return command_perceive_views(context);
-  refuse_given(o, {"--lpips"}, "is of --pipeline views");
-  SeedsPipelineConfig config = seeds_config(o);
+  std::optional<PerceiveJob> job;
+  // Without a name the dataset says which; of keys alone those of the first row are meant.
+  if (!o.pipeline.empty() || o.keys)
+    job = perceive_job(o, o.pipeline.empty() ? *pipeline_table().front() : pipeline_row(o.pipeline));
   if (o.keys) {
-    std::printf("%s", describe(fields(config)).c_str());
+    std::printf("%s", describe(fields(job->config)).c_str());
     return ExitCode::done;
   }
-  std::vector<StageSource> sources;
-  for (const std::string& stage : o.stages)
-    sources.push_back(parse_stage_source(stage, o.stage_time_limit_s));
-  check_stages(sources, seeds_stage_order(), "seeds");
-
-  if (needs_sfm(config) && !replaces(sources, "poses")) require_sfm();
+  const std::shared_ptr<const LearnedDistance> learned = learned_of(o);
   const PerceivePlaces places = perceive_places(o);
-  const fs::path& dataset = places.dataset;
-  const fs::path& out = places.out;
   const Warn warn = [&](const std::string& text) { context.progress.line("warning: " + text); };
   std::optional<OutputFolder> folder;  // taken when the first scene is known to be one of ours
-  std::vector<std::string> nothing_found;
-  nlohmann::json rows = nlohmann::json::array();
+  Printed printed;
   for (const fs::path& scene_dir : places.scenes) {
     const Capture capture = read_capture(scene_dir);
-    pipeline_of(o, capture, dataset);
-    board_of(capture, config);  // throws here, before any work, if there is none
+    if (!job) job = perceive_job(o, row_of_dataset(places.dataset, capture));
+    require_outside(*job);
+    if (needs_sfm(capture, job->config) && !replaces(job->sources, "poses")) require_sfm();
+    check_capture(capture, job->config);  // throws here, before any work
     for (const std::string& warning : capture.warnings) warn(warning);
     const std::string name = scene_dir.filename().string();
     const int index = scene_index_of(scene_dir);
-    const fs::path estimate_dir = out / scene_id(index);
+    const fs::path estimate_dir = places.out / scene_id(index);
     if (!folder) folder.emplace(estimate_folder(places));
-    write_file(estimate_dir / "config.toml", to_toml(fields(config)));
-    const Estimate estimate = perceive_seeds(capture, config, o.seed, sources, index, estimate_dir,
-                                             context.progress.function(), warn);
-    const int posed = count_posed(estimate.poses, estimate.corners, context.progress);
-    std::string summary = std::to_string(posed) + " of " + std::to_string(capture.frames.size()) +
-                          " views posed, " + specimens_text(estimate.traits);
-    const bool nothing = found_nothing(estimate);
-    if (nothing) summary += ": " + why_nothing(estimate, config, posed);
-    context.progress.line(name + ": " + summary);
-    for (const std::string& text : unmeasured_lines(estimate.traits)) context.progress.line(text);
-    if (nothing) nothing_found.push_back(scene_dir.string() + ": " + summary);
-    if (o.json) {
-      for (auto& row : to_rows(name, estimate.traits)) rows.push_back(std::move(row));
-    } else {
-      print_traits(name, estimate.traits);
-    }
+    PipelineConfig written = job->config;
+    write_file(estimate_dir / "config.toml", to_toml(fields(written)));
+    const PerceivedScene made = perceive_scene({.capture = capture,
+                                                .config = job->config,
+                                                .seed = o.seed,
+                                                .sources = job->sources,
+                                                .scene_index = index,
+                                                .name = name,
+                                                .estimate_dir = estimate_dir,
+                                                .learned = learned.get()},
+                                               context.progress.function(), warn);
+    context.progress.line(name + ": " + made.summary);
+    for (const std::string& text : made.unmeasured) context.progress.line(text);
+    keep(o, name, made, !job->row->traits.empty(), printed);
+    if (!made.nothing.empty())
+      printed.nothing_found.push_back(scene_dir.string() + ": " + made.summary);
   }
-  if (o.json) print_json(rows);
-  context.progress.line("estimates: " + out.string());
-  for (const std::string& text : nothing_found) print_message("cousin: " + text);
-  return nothing_found.empty() ? ExitCode::done : ExitCode::bad_input;
+  print_end(o, printed, !job->row->traits.empty());
+  context.progress.line("estimates: " + places.out.string());
+  for (const std::string& text : printed.nothing_found) print_message("cousin: " + text);
+  return printed.nothing_found.empty() ? ExitCode::done : ExitCode::bad_input;
 }
 
 }  // namespace cousin

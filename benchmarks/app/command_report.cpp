@@ -6,7 +6,7 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/suite_plots.h"
-#include "benchmarks/seeds/result_folder.h"
+#include "benchmarks/loop/result_folder.h"
 #include "sim/dataset/output_folder.h"
 
 namespace cousin {

@@ -1,4 +1,5 @@
 // score: from a dataset and estimates, ours or anybody's, to numbers.
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
@@ -10,10 +11,10 @@
 #include "benchmarks/app/perceive_places.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
-#include "benchmarks/seeds/result_folder.h"
-#include "benchmarks/seeds/score_seeds.h"
-#include "benchmarks/shards/shard.h"
-#include "benchmarks/views/score_views.h"
+#include "benchmarks/loop/result_folder.h"
+#include "benchmarks/loop/score_boxes.h"
+#include "benchmarks/study/shard.h"
+#include "benchmarks/loop/score_views.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/links.h"
@@ -38,6 +39,27 @@ bool is_whole_scene(const fs::path& estimate_dir) {
   return false;
 }
 
+/// Colour images of all sensors.
+DetectionImages images_of(const fs::path& dir, const SceneTruth& truth) {
+  DetectionImages images;
+  images.scene = scene_index_of(dir);
+  const auto add = [&](const std::vector<TrueView>& views, int sensor) {
+    for (const TrueView& view : views)
+      images.size_px[{view.frame, sensor}] = {view.camera.width_px, view.camera.height_px};
+  };
+  add(truth.views, 0);
+  for (std::size_t s = 0; s < truth.other_sensors.size(); ++s)
+    add(truth.other_sensors[s].views, static_cast<int>(s) + 1);
+  return images;
+}
+
+/// What the traits are of, as they say themselves.
+TraitsOf traits_of(const Estimate& estimate) {
+  const bool of_boxes = std::any_of(estimate.traits.begin(), estimate.traits.end(),
+                                    [](const SpecimenTraits& t) { return t.frame >= 0; });
+  return of_boxes ? TraitsOf::boxes : TraitsOf::specimens;
+}
+
 /// The seams that scores are of.
 Estimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
   Estimate estimate;
@@ -54,6 +76,7 @@ Estimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
       images.size_px[view.frame] = {view.camera.width_px, view.camera.height_px};
     estimate.silhouettes = read_silhouettes(dir, images);
   }
+  if (fs::exists(dir / "boxes.json")) estimate.boxes = read_boxes(dir, images_of(dir, truth));
   if (fs::exists(dir / "timings.json")) estimate.timings = read_timings(dir);
   return estimate;
 }
@@ -91,7 +114,7 @@ ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path&
           score_views(truth, estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
                       fs::exists(estimate_dir / "cloud.ply"), labelled_row(labels));
     } else {
-      SeedsScores scores = score_run(truth, estimate, labels);
+      SeedsScores scores = score_estimate(traits_of(estimate), truth, estimate, labels);
       file.scores = std::move(scores.rows);
       file.specimens = std::move(scores.specimens);
     }

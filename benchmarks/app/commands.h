@@ -23,11 +23,9 @@ ExitCode command_methods(const JobContext& context);
 ExitCode command_doctor(const JobContext& context);
 ExitCode command_render(const JobContext& context);
 ExitCode command_perceive(const JobContext& context);
-ExitCode command_perceive_views(const JobContext& context);  ///< perceive --pipeline views
 ExitCode command_score(const JobContext& context);
 ExitCode command_score_detections(const JobContext& context);  ///< score DATASET FILE
 ExitCode command_run(const JobContext& context);
-ExitCode command_run_views(const JobContext& context);  ///< run --pipeline views
 ExitCode command_calibrate(const JobContext& context);
 ExitCode command_fit_sensor(const JobContext& context);
 ExitCode command_bench(const JobContext& context);

@@ -18,7 +18,7 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/terminal.h"
-#include "benchmarks/seeds/stage_files.h"
+#include "benchmarks/loop/stage_files.h"
 #include "perception/pipelines/seeds.h"
 #include "sim/process/interruption.h"
 #include "sim/types/last_read.h"

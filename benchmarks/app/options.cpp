@@ -47,7 +47,7 @@ void add_stages(CLI::App& verb, Options& o) {
 }
 
 constexpr const char* kLpipsOfViews =
-    "--pipeline views: TorchScript network that images are scored by too: LPIPS, or any of two "
+    "--pipeline scene: TorchScript network that images are scored by too: LPIPS, or any of two "
     "images of 1 x 3 x height x width from -1 to 1";
 constexpr const char* kCalibrateHelp =
     "Calibrate cameras from images of a board, and say what the calibration is worth. Writes\n"
@@ -300,7 +300,7 @@ void add_render(CLI::App& verb, Options& o) {
 void add_perceive(CLI::App& verb, Options& o) {
   takes(verb, o, "DATASET", "Dataset folder", 0, 1);
   verb.add_option("--pipeline", o.pipeline,
-                  "seeds, or views: Gaussians of photographs of anything (docs/splats.md); "
+                  "As `cousin methods` lists them before the /; the dataset's own if not given; "
                   "needed for a real capture");
   verb.add_option("--lpips", o.lpips, kLpipsOfViews);
   add_stages(verb, o);
@@ -337,13 +337,13 @@ void add_run(CLI::App& verb, Options& o) {
   verb.add_option("--frames", o.frames, "Views of each scene; 0 = the scene's own")
       ->check(whole_number(0, 100000));
   verb.add_option("--pipeline", o.pipeline,
-                  "seeds, or views: Gaussians of any scene's photographs (docs/splats.md), whose "
-                  "keys --set names with \"pipeline.\" before them; the scene's own if not given");
+                  "As `cousin methods` lists them before the /; the scene's own if not given. Its "
+                  "keys --set names with \"pipeline.\" before them");
   verb.add_option("--pipeline-config", o.pipeline_config,
-                  "--pipeline views: TOML file of the pipeline's keys, as config.toml of an "
-                  "estimate; --config is the scene's");
+                  "TOML file of the pipeline's keys, as config.toml of an estimate; --config is "
+                  "the scene's, whose table [pipeline] comes after it");
   verb.add_flag("--align", o.align,
-                "--pipeline views: turn, move and scale the estimate so that camera centres come "
+                "--pipeline scene: turn, move and scale the estimate so that camera centres come "
                 "nearest to the true ones, as poses by COLMAP need");
   verb.add_option("--lpips", o.lpips, kLpipsOfViews);
   verb.add_flag("--plan", o.plan, "Print what will run, what is left out and why, and leave");

@@ -36,7 +36,7 @@ struct Options {
   std::string captures;  ///< where `bench seeds` keeps what it renders; empty = nowhere
   std::string method;
   std::string pipeline;
-  std::string pipeline_config;  ///< run --pipeline views: TOML file of the pipeline; empty = none
+  std::string pipeline_config;  ///< run --pipeline scene: TOML file of the pipeline; empty = none
   std::vector<std::string> stages;  ///< NAME=dir:…|exec:…
   std::vector<std::string> gates;
   std::string format;

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "benchmarks/seeds/stage_files.h"
+#include "benchmarks/loop/stage_files.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/links.h"
 

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "benchmarks/app/parts.h"
-#include "benchmarks/scenes/plant_scenes.h"
+#include "benchmarks/loop/plant_scenes.h"
 
 namespace cousin {
 
@@ -14,7 +14,7 @@ std::vector<SceneEntry> plant_scenes() {
         {.name = text.name,
          .status = how,
          .help = text.help,
-         .configure = [name = std::string(text.name), how](const auto&, const auto&) -> SceneJob {
+         .configure = [name = std::string(text.name), how](const SceneRequest&) -> SceneJob {
            throw std::invalid_argument("scene \"" + name + "\" is " + how);
          }});
   }

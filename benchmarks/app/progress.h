@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "benchmarks/seeds/simulate.h"
+#include "benchmarks/loop/simulate.h"
 
 namespace cousin {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "benchmarks/app/terminal.h"
-#include "benchmarks/seeds/result_folder.h"
-#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/loop/result_folder.h"
+#include "benchmarks/loop/score_seeds.h"
 #include "sim/types/utf8.h"
 
 namespace cousin {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "benchmarks/app/options.h"
-#include "benchmarks/metrics/scores.h"
-#include "benchmarks/seeds/plan.h"
+#include "benchmarks/score/scores.h"
+#include "benchmarks/loop/plan.h"
 
 namespace cousin {
 

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "benchmarks/seeds/seeds_report.h"
-#include "benchmarks/seeds/stage_files.h"
+#include "benchmarks/loop/seeds_report.h"
+#include "benchmarks/loop/stage_files.h"
 #include "sim/dataset/manifest.h"
 #include "sim/types/whole_file.h"
 

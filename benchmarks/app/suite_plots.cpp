@@ -1,13 +1,13 @@
 #include "benchmarks/app/suite_plots.h"
 
 #include "benchmarks/app/bench_output.h"
-#include "benchmarks/calibration/studies.h"
-#include "benchmarks/renderers/renderers_page.h"
-#include "benchmarks/seedlings/seedlings_page.h"
-#include "benchmarks/seeds/cousins_suite.h"
-#include "benchmarks/seeds/trained_plots.h"
-#include "benchmarks/sensors/sensors_page.h"
-#include "benchmarks/splats/splats_page.h"
+#include "benchmarks/suites/calibration/studies.h"
+#include "benchmarks/suites/renderers/renderers_page.h"
+#include "benchmarks/suites/seedlings/seedlings_page.h"
+#include "benchmarks/suites/seeds/cousins_suite.h"
+#include "benchmarks/suites/seeds/trained_plots.h"
+#include "benchmarks/suites/sensors/sensors_page.h"
+#include "benchmarks/suites/splats/splats_page.h"
 
 namespace cousin {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "benchmarks/seeds/seeds_report.h"
+#include "benchmarks/loop/seeds_report.h"
 
 namespace cousin {
 

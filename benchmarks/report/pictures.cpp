@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/score/order_statistics.h"
 
 namespace cousin {
 namespace {

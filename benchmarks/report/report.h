@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/metrics/scores.h"
+#include "benchmarks/score/scores.h"
 #include "sim/types/image.h"
 #include "sim/types/seams.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "benchmarks/metrics/trait_statistics.h"
+#include "benchmarks/score/trait_statistics.h"
 
 namespace cousin {
 

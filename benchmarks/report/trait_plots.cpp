@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "benchmarks/metrics/distributions.h"
+#include "benchmarks/score/distributions.h"
 #include "benchmarks/report/plots.h"
 #include "benchmarks/report/shown_numbers.h"
 #include "benchmarks/report/vega_parts.h"

@@ -13,6 +13,7 @@
 #include "perception/cloud/measure_traits.h"
 #include "perception/mvs/plane_sweep.h"
 #include "perception/pipelines/estimate.h"
+#include "perception/pipelines/pipeline_needs.h"
 #include "perception/pipelines/seeds_splats.h"
 #include "perception/segment/green.h"
 #include "perception/silhouette/outlines.h"
@@ -81,13 +82,6 @@ SeedBoard board_of(const Capture& capture, const SeedsPipelineConfig& config);
 /// The part of the world that is reconstructed, in the board's frame.
 SweepVolume volume_of(const SeedsPipelineConfig& config, const SeedBoard& board);
 
-/// Which of a capture's images and which stages a configuration reads; what is not listed is left
-/// out.
-struct PipelineNeeds {
-  std::vector<std::string> images;  ///< of "color", "raw", "infrared", "depth"
-  std::vector<std::string> stages;
-  std::vector<std::pair<std::string, std::string>> left_out;  ///< stage, why
-};
 PipelineNeeds needs(const SeedsPipelineConfig& config);
 /// Whether the stage poses asks structure from motion.
 bool needs_sfm(const SeedsPipelineConfig& config);
@@ -95,6 +89,15 @@ bool needs_sfm(const SeedsPipelineConfig& config);
 /// the capture lacks. Without colour the stages that read it find nothing.
 void require_images(const Capture& capture, const SeedsPipelineConfig& config);
 std::string_view to_string(SeedsMethod method);
+
+// What its row of the table of pipelines goes by (pipeline_table.h).
+struct PipelineRow;
+const PipelineRow& row_of(const SeedsPipelineConfig& config);
+bool needs_sfm(const Capture& capture, const SeedsPipelineConfig& config);
+void check_capture(const Capture& capture, const SeedsPipelineConfig& config);
+std::vector<std::string> unused_settings(const SeedsPipelineConfig& config);
+Stages stages_for(const SeedsPipelineConfig& config, const Capture& capture, std::uint64_t seed,
+                  const SplatWatch& watch);
 
 /// Runs the stages that there are, having checked that the capture has what the configuration
 /// reads.

@@ -97,6 +97,13 @@ ColorPlanes as_exposed(ColorPlanes image, const SplatView& photograph,
 
 StageOrder views_stage_order();
 
+// What its row of the table of pipelines goes by (pipeline_table.h).
+struct PipelineRow;
+const PipelineRow& row_of(const ViewsPipelineConfig& config);
+PipelineNeeds needs(const ViewsPipelineConfig& config);
+Stages stages_for(const ViewsPipelineConfig& config, const Capture& capture, std::uint64_t seed,
+                  const SplatWatch& watch);
+
 /// Stages of views_stage_order(), the others are none. They run on
 /// `reduced(full, config.largest_side_px)`, whose cameras `poses` has. The unit is the capture's
 /// own: metres where its poses or a board give them. `splats` is empty where training had nothing

@@ -9,10 +9,11 @@
 //   POSE and CAMERA as in rig.json. A frame that is not ok has frame and status, and maybe camera,
 //   rms_px and corner_count.
 // traits.json
-//   {"specimens": [{"instance": 0, "status": "ok", "reason": "",
+//   {"specimens": [{"instance": 0, "frame": 12, "status": "ok", "reason": "",
 //                   "centroid_in_world_m": [3] or null,
 //                   "traits": [{"name": "length", "unit": "m", "value": number or null,
 //                               "sigma": number or null}]}]}
+//   "frame" only where one frame alone was measured: "instance" is then the id of its box.
 //   Values of any unit that units.h knows are converted to its SI unit, others are refused.
 // timings.json
 //   {"stages": [{"stage": "poses", "wall_s", "cpu_s", "peak_rss_mb",
@@ -133,9 +134,10 @@ Trait read_trait(const JsonNode& entry) {
 }
 
 SpecimenTraits read_specimen(const JsonNode& node) {
-  node.expect_keys({"instance", "status", "traits"}, {"reason", "centroid_in_world_m"});
+  node.expect_keys({"instance", "status", "traits"}, {"frame", "reason", "centroid_in_world_m"});
   SpecimenTraits specimen;
   specimen.instance = static_cast<int>(node["instance"].integer(0, kMaxInstance));
+  if (node.has("frame")) specimen.frame = static_cast<int>(node["frame"].integer(0, kMaxInstance));
   specimen.status = node["status"].choice({TraitStatus::ok, TraitStatus::not_solved});
   if (node.has("reason")) specimen.reason = node["reason"].text();
   if (node.has("centroid_in_world_m") && !node["centroid_in_world_m"].is_null()) {
@@ -220,12 +222,14 @@ std::string traits_to_json(const Traits& traits) {
                          {"sigma", nan_to_null(trait.sigma)}});
     }
     const bool known = specimen.centroid_in_world_m.allFinite();
-    specimens.push_back(
-        {{"instance", specimen.instance},
-         {"status", to_string(specimen.status)},
-         {"reason", specimen.reason},
-         {"centroid_in_world_m", known ? to_json(specimen.centroid_in_world_m) : Json(nullptr)},
-         {"traits", entries}});
+    Json entry = {
+        {"instance", specimen.instance},
+        {"status", to_string(specimen.status)},
+        {"reason", specimen.reason},
+        {"centroid_in_world_m", known ? to_json(specimen.centroid_in_world_m) : Json(nullptr)},
+        {"traits", entries}};
+    if (specimen.frame >= 0) entry["frame"] = specimen.frame;
+    specimens.push_back(std::move(entry));
   }
   return to_text(one_key("specimens", specimens));
 }
@@ -235,10 +239,10 @@ Traits traits_from_json(std::string_view text, const std::string& name) {
   const JsonNode root = document.root();
   root.expect_keys({"specimens"});
   Traits traits;
-  std::set<int> seen;
+  std::set<std::pair<int, int>> seen;
   for (const JsonNode& node : root["specimens"].elements(kMaxSpecimens)) {
     traits.push_back(read_specimen(node));
-    if (!seen.insert(traits.back().instance).second)
+    if (!seen.insert({traits.back().frame, traits.back().instance}).second)
       node["instance"].fail("is an instance that occurs twice");
   }
   return traits;

@@ -170,10 +170,13 @@ struct Trait {
   double sigma = kNaN;  ///< standard deviation; NaN = not given
 };
 struct SpecimenTraits {
+  /// Where `frame` is one, the id of the box that was measured: what is measured in one image is
+  /// not yet the same in the next.
   int instance = 0;
+  int frame = -1;  ///< measured in this frame alone, in its first sensor; -1: over all frames
   TraitStatus status = TraitStatus::not_solved;
   std::string reason;  ///< why not solved
-  Eigen::Vector3d centroid_in_world_m = Eigen::Vector3d::Constant(kNaN);
+  Eigen::Vector3d centroid_in_world_m = Eigen::Vector3d::Constant(kNaN);  ///< NaN: not known
   std::vector<Trait> traits;
 };
 using Traits = std::vector<SpecimenTraits>;

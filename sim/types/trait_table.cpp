@@ -21,6 +21,7 @@ std::span<const TraitRow> trait_table() {
       {"point_x", "m", "mm", 1e3, TraitScoring::absolute},
       {"point_y", "m", "mm", 1e3, TraitScoring::absolute},
       {"point_z", "m", "mm", 1e3, TraitScoring::absolute},
+      {"distance", "m", "mm", 1e3, TraitScoring::absolute},
   });
   return kRows;
 }

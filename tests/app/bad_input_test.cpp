@@ -202,7 +202,7 @@ TEST_F(AppBadInput, AnEmptyMaskIsASeedThatIsNotSolved) {
   const Outcome outcome =
       perceive(seam_stages({"corners", "poses", "depth", "cloud", "clusters", "masks"}));
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("000000 seed 0: not_solved (surface: too_few_views)"));
+  EXPECT_THAT(outcome.out, HasSubstr("000000 specimen 0: not_solved (surface: too_few_views)"));
 }
 
 TEST_F(AppBadInput, TouchingSeedsAreNotSolved) {
@@ -213,7 +213,7 @@ TEST_F(AppBadInput, TouchingSeedsAreNotSolved) {
   const Outcome outcome = perceive(
       seam_stages({"corners", "poses", "depth", "cloud", "clusters", "masks", "surfaces"}));
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("000000 seed 0: not_solved (surface: touching)"));
+  EXPECT_THAT(outcome.out, HasSubstr("000000 specimen 0: not_solved (surface: touching)"));
 }
 
 // In the program, not in a test's executable: there PCL's libraries are neighbours of all others.
@@ -235,7 +235,7 @@ TEST_F(AppBadInput, ThePapersStepsMeasureACloudOfFiles) {
                seam_stages({"corners", "poses", "depth", "cloud"}));
   if (methods.out.find("not built") != std::string::npos) GTEST_SKIP() << "built without PCL";
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("000000 seed 0: ok"));
+  EXPECT_THAT(outcome.out, HasSubstr("000000 specimen 0: ok"));
 }
 
 // The paper's steps make no outlines and fewer meshes: `score` would rate the other method's.

@@ -106,7 +106,7 @@ TEST(AppDroppedSeeds, SeedsThatAreSeenAndHaveNoPointsAreNothingMeasured) {
   EXPECT_EQ(outcome.code, 3) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("0 of at least 2 objects measured: no object has enough "
                                      "points of the cloud"));
-  EXPECT_THAT(outcome.err, HasSubstr("seed 1 is not measured: seen in "));
+  EXPECT_THAT(outcome.err, HasSubstr("specimen 1 is not measured: seen in "));
 }
 
 TEST(AppDroppedSeeds, AMeshInMillimetresNamesItsSizeAndTheKeyThatScalesIt) {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/fit_sensor/hidden_device.h"
+#include "benchmarks/tools/fit_sensor/hidden_device.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/output_folder.h"
 #include "tests/app/program.h"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/metrics/scores.h"
+#include "benchmarks/score/scores.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/types/utf8.h"

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "benchmarks/fit_sensor/hidden_device.h"
+#include "benchmarks/tools/fit_sensor/hidden_device.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/manifest.h"
@@ -57,7 +57,7 @@ std::vector<Case> cases() {
           {{"perceive", "data", "--pipeline", "seeds"},
            {"000000/traits.json", "000000/depth/000009.exr", "000000/meshes/000007_samples.ply",
             "000000/rig.json"}},
-          {{"perceive", "data", "--pipeline", "views"}, {"000000/pictures/000000.png"}},
+          {{"perceive", "data", "--pipeline", "scene"}, {"000000/pictures/000000.png"}},
           {{"calibrate", "photos", "--board", "chessboard:6x4:0.03"},
            {"opencv/CMakeLists.txt", "ros/src/node.py", "kalibr/camchain.yaml", "mrcal/a",
             "colmap/database.db", "scores.csv", "calibration.json", "report.html"}},

@@ -65,12 +65,12 @@ TEST(AppParts, TheFirstPartAloneNamesThePartThatHasOtherScenesAndPosesByColmap) 
                        "--set", "rig.width_px=64", "--set", "rig.height_px=36"};  // no physics
   std::vector<Words> cases = {
       {"render", "maize", "--frames", "1"},
-      {"run", "strawberries", "--pipeline", "views"},
+      {"run", "strawberries", "--pipeline", "scene"},
       Words{"run", "seeds", "--method", "splats", "--set", "pipeline.splats.poses=sfm"} + small};
   int listed = -1;
   const bool has_physics =
       program.say({"scenes"}, listed).find("WITH_MUJOCO is OFF") == std::string::npos;
-  if (has_physics) cases.push_back(Words{"run", "seeds", "--pipeline", "views"} + small);
+  if (has_physics) cases.push_back(Words{"run", "seeds", "--pipeline", "scene"} + small);
   for (const Words& words : cases) {
     int code = -1;
     const std::string text = program.say(words, code);

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 Words few_steps(const char* steps = "150") {
-  return {"--pipeline", "views",           "--set", std::string("steps=") + steps,
+  return {"--pipeline", "scene",           "--set", std::string("steps=") + steps,
           "--set",      "most_splats=900", "--set", "start_points=500",
           "--set",      "mesh_cells=30",   "--set", "hold_out_every=4"};
 }
@@ -140,7 +140,7 @@ TEST(AppRunViews, AnySceneBecomesGaussiansNumbersAndAPage) {
   const Program program;
   const Words tray = tiny_tray() + Words{"--frames", "8", "--set", "knows_pose=true"};
   const Words words =
-      Words{"run", "seedlings", "--pipeline", "views", "--out", "tray", "--scenes", "2"} + tray +
+      Words{"run", "seedlings", "--pipeline", "scene", "--out", "tray", "--scenes", "2"} + tray +
       Words{"--set", "pipeline.steps=60",         "--set", "pipeline.most_splats=900",
             "--set", "pipeline.start_points=500", "--set", "pipeline.mesh_cells=30",
             "--set", "pipeline.hold_out_every=4"};
@@ -161,7 +161,7 @@ TEST(AppRunViews, AnySceneBecomesGaussiansNumbersAndAPage) {
   // The same as its parts: render, perceive.
   ASSERT_EQ(program.run(Words{"render", "seedlings", "--out", "data"} + tray).code, 0);
   ASSERT_EQ(program
-                .run({"perceive", "data", "--pipeline", "views", "--out", "est", "--set",
+                .run({"perceive", "data", "--pipeline", "scene", "--out", "est", "--set",
                       "steps=60", "--set", "most_splats=900", "--set", "start_points=500", "--set",
                       "mesh_cells=30", "--set", "hold_out_every=4"})
                 .code,
@@ -172,7 +172,7 @@ TEST(AppRunViews, AnySceneBecomesGaussiansNumbersAndAPage) {
         << file;
   // And again by what it wrote.
   const Outcome again =
-      program.run({"run", "seedlings", "--pipeline", "views", "--out", "again", "--config",
+      program.run({"run", "seedlings", "--pipeline", "scene", "--out", "again", "--config",
                    "tray/config.toml", "--pipeline-config", "tray/estimate/000000/config.toml"});
   ASSERT_EQ(again.code, 0) << again.err;
   EXPECT_EQ(contents(program.path("again/estimate/000000")).at("splats.ply"),
@@ -185,7 +185,7 @@ TEST(AppRunViews, AnySceneBecomesGaussiansNumbersAndAPage) {
     if (pass["pass"] == "splats") EXPECT_TRUE(pass["runs"]) << plan.out;
   }
   EXPECT_EQ(program.run(words + Words{"--attribution"}).code, 2);
-  const Outcome keys = program.run({"run", "seedlings", "--pipeline", "views", "--keys"});
+  const Outcome keys = program.run({"run", "seedlings", "--pipeline", "scene", "--keys"});
   EXPECT_THAT(keys.out, AllOf(HasSubstr("hold_out_every"), HasSubstr("tray")));
   const Outcome unknown = program.run({"run", "seedlings", "--pipeline", "plants"});
   EXPECT_EQ(unknown.code, 2);
@@ -197,7 +197,7 @@ TEST(AppPerceiveViews, MistakesAreNamed) {
   write_capture(program.path("cube/000000"), cube_capture());
   const auto refusal = [&](const Words& words) {
     const Outcome outcome =
-        program.run(Words{"perceive", "cube", "--pipeline", "views", "--out", "est"} + words);
+        program.run(Words{"perceive", "cube", "--pipeline", "scene", "--out", "est"} + words);
     EXPECT_EQ(outcome.code, 2);
     return outcome.err;
   };
@@ -207,7 +207,7 @@ TEST(AppPerceiveViews, MistakesAreNamed) {
   EXPECT_THAT(refusal({"--set", "voxel_px=0"}), HasSubstr("voxel_px = 0: must be in"));
   EXPECT_THAT(refusal({"--set", "clusters.join_rounds=2"}), HasSubstr("unknown key"));
   const Outcome inside =
-      program.run({"perceive", "cube/000000", "--pipeline", "views", "--out", "cube"});
+      program.run({"perceive", "cube/000000", "--pipeline", "scene", "--out", "cube"});
   EXPECT_EQ(inside.code, 2);
   EXPECT_THAT(inside.err, HasSubstr("would lie in the scene itself"));
 }

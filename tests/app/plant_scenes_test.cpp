@@ -96,7 +96,7 @@ TEST(PlantScenes, SeedlingsAreRenderedVerifiedAndRefusedByThePipelines) {
   EXPECT_THAT(perceived.err, HasSubstr("is of scene \"seedlings\", which has no pipeline yet"));
   const Outcome run = program.run({"run", "seedlings"});
   EXPECT_EQ(run.code, 2);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("no pipeline of its own yet"), HasSubstr("--pipeline views"),
+  EXPECT_THAT(run.err, AllOf(HasSubstr("no pipeline of its own yet"), HasSubstr("--pipeline scene"),
                              HasSubstr("cousin render seedlings")));
   const Outcome plan = program.run({"run", "seedlings", "--plan"});
   EXPECT_EQ(plan.code, 0);

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "benchmarks/scenes/stand_cache.h"
+#include "benchmarks/loop/stand_cache.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/apples/small_orchard.h"
 

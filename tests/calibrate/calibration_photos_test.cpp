@@ -1,5 +1,5 @@
-// benchmarks/calibrate/calibration_photos.h: boards by name, folders into cameras and frames.
-#include "benchmarks/calibrate/calibration_photos.h"
+// benchmarks/tools/calibrate/calibration_photos.h: boards by name, folders into cameras and frames.
+#include "benchmarks/tools/calibrate/calibration_photos.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

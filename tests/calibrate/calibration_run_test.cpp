@@ -1,5 +1,5 @@
-// benchmarks/calibrate/calibration_run.h: photographs to cameras, and what is refused.
-#include "benchmarks/calibrate/calibration_run.h"
+// benchmarks/tools/calibrate/calibration_run.h: photographs to cameras, and what is refused.
+#include "benchmarks/tools/calibrate/calibration_run.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/calibrate/calibration_output.h"
+#include "benchmarks/tools/calibrate/calibration_output.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/color.h"
 #include "sim/imaging/image_io.h"

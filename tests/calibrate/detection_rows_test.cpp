@@ -1,5 +1,5 @@
-// benchmarks/calibration/detection_rows.h: targets in rendered boards, held against the truth.
-#include "benchmarks/calibration/detection_rows.h"
+// benchmarks/suites/calibration/detection_rows.h: targets in rendered boards, held against the truth.
+#include "benchmarks/suites/calibration/detection_rows.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// benchmarks/calibrate on a depth camera's dataset: infrared pictures, the device's registration.
-#include "benchmarks/calibrate/device_report.h"
+// benchmarks/tools/calibrate on a depth camera's dataset: infrared pictures, the device's registration.
+#include "benchmarks/tools/calibrate/device_report.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/calibrate/calibration_output.h"
-#include "benchmarks/calibrate/device_output.h"
+#include "benchmarks/tools/calibrate/calibration_output.h"
+#include "benchmarks/tools/calibrate/device_output.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/imaging/color.h"
 #include "tests/calibration/synthetic_target.h"

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "benchmarks/calibrate/calibration_run.h"
+#include "benchmarks/tools/calibrate/calibration_run.h"
 #include "tests/places/places.h"
 
 namespace cousin {

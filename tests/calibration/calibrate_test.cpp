@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "benchmarks/calibration/corner_views.h"
+#include "benchmarks/suites/calibration/corner_views.h"
 #include "calibration/calibration_uncertainty.h"
 
 namespace cousin {

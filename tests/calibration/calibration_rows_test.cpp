@@ -5,11 +5,11 @@
 #include <cstdio>
 #include <string>
 
-#include "benchmarks/calibration/calibration_causes.h"
-#include "benchmarks/calibration/cause_rows.h"
-#include "benchmarks/calibration/choice_rows.h"
-#include "benchmarks/calibration/exhibit_rows.h"
-#include "benchmarks/calibration/reprojection.h"
+#include "benchmarks/suites/calibration/calibration_causes.h"
+#include "benchmarks/suites/calibration/cause_rows.h"
+#include "benchmarks/suites/calibration/choice_rows.h"
+#include "benchmarks/suites/calibration/exhibit_rows.h"
+#include "benchmarks/suites/calibration/reprojection.h"
 
 namespace cousin {
 namespace {

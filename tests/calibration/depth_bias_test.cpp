@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "benchmarks/calibration/corner_views.h"
+#include "benchmarks/suites/calibration/corner_views.h"
 
 namespace cousin {
 namespace {

@@ -1,4 +1,4 @@
-#include "benchmarks/calibration/fruit_positions.h"
+#include "benchmarks/suites/calibration/fruit_positions.h"
 
 #include <gtest/gtest.h>
 

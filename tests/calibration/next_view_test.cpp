@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "benchmarks/calibration/corner_views.h"
+#include "benchmarks/suites/calibration/corner_views.h"
 #include "calibration/calibrate.h"
 
 namespace cousin {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "benchmarks/calibration/corner_views.h"
+#include "benchmarks/suites/calibration/corner_views.h"
 
 namespace cousin {
 namespace {

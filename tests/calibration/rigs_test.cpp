@@ -6,8 +6,8 @@
 #include <map>
 #include <numbers>
 
-#include "benchmarks/calibration/corner_views.h"
-#include "benchmarks/calibration/hand_eye_views.h"
+#include "benchmarks/suites/calibration/corner_views.h"
+#include "benchmarks/suites/calibration/hand_eye_views.h"
 #include "calibration/calibrate.h"
 #include "calibration/hand_eye.h"
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "benchmarks/calibration/corner_views.h"
+#include "benchmarks/suites/calibration/corner_views.h"
 #include "calibration/calibration_uncertainty.h"
 
 namespace cousin {

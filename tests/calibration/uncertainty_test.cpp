@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "benchmarks/calibration/corner_views.h"
-#include "benchmarks/calibration/coverage.h"
+#include "benchmarks/suites/calibration/corner_views.h"
+#include "benchmarks/suites/calibration/coverage.h"
 #include "calibration/calibration_uncertainty.h"
 
 namespace cousin {

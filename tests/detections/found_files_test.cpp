@@ -1,5 +1,5 @@
 // Files of detections, as COCO's and YOLO's programs write them, and what is refused.
-#include "benchmarks/detections/found_files.h"
+#include "benchmarks/tools/detections/found_files.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,12 +1,12 @@
 // Somebody's boxes against a dataset: what is right, missed, another class, nothing.
-#include "benchmarks/detections/score_detections.h"
+#include "benchmarks/tools/detections/score_detections.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "benchmarks/detections/detections_report.h"
+#include "benchmarks/tools/detections/detections_report.h"
 #include "sim/types/memory_limit.h"
 #include "tests/dataset/small_dataset.h"
 #include "tests/dataset/temporary_folder.h"

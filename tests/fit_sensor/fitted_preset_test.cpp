@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "benchmarks/fit_sensor/hidden_device.h"
+#include "benchmarks/tools/fit_sensor/hidden_device.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/sensors/device.h"
 #include "tests/dataset/temporary_folder.h"

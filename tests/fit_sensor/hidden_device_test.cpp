@@ -1,5 +1,5 @@
 // Devices whose numbers the fit does not know, and models that it must reject.
-#include "benchmarks/fit_sensor/hidden_device.h"
+#include "benchmarks/tools/fit_sensor/hidden_device.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "benchmarks/fit_sensor/rounding.h"
+#include "benchmarks/tools/fit_sensor/rounding.h"
 
 namespace cousin {
 namespace {

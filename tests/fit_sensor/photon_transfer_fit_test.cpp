@@ -1,11 +1,11 @@
-#include "benchmarks/fit_sensor/photon_transfer_fit.h"
+#include "benchmarks/tools/fit_sensor/photon_transfer_fit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "benchmarks/fit_sensor/hidden_device.h"
+#include "benchmarks/tools/fit_sensor/hidden_device.h"
 
 namespace cousin {
 namespace {

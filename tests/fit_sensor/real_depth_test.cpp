@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "benchmarks/fit_sensor/depth_law.h"
+#include "benchmarks/tools/fit_sensor/depth_law.h"
 #include "sim/imaging/image_io.h"
 #include "tests/places/places.h"
 

@@ -1,11 +1,11 @@
 // The folder that a user hands over: what is read, and what is said of mistakes in it.
-#include "benchmarks/fit_sensor/recordings.h"
+#include "benchmarks/tools/fit_sensor/recordings.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "benchmarks/fit_sensor/preset_patch.h"
-#include "benchmarks/fit_sensor/sensor_fit.h"
+#include "benchmarks/tools/fit_sensor/preset_patch.h"
+#include "benchmarks/tools/fit_sensor/sensor_fit.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/image_io.h"
 #include "tests/dataset/temporary_folder.h"

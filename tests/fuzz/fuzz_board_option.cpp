@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "benchmarks/calibrate/calibration_photos.h"
+#include "benchmarks/tools/calibrate/calibration_photos.h"
 
 /// Any text: a board that is valid or std::invalid_argument, nothing else.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

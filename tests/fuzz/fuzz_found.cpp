@@ -1,6 +1,6 @@
 #include <stdexcept>
 
-#include "benchmarks/detections/found_files.h"
+#include "benchmarks/tools/detections/found_files.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 /// Any bytes as COCO results and as a file of YOLO's: detections or std::runtime_error, nothing

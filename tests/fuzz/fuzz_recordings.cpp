@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "benchmarks/fit_sensor/recordings.h"
+#include "benchmarks/tools/fit_sensor/recordings.h"
 
 /// Any bytes as recordings.toml beside a few folders: an index, or std::runtime_error, nothing
 /// else.

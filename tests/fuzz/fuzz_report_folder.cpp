@@ -1,6 +1,6 @@
 #include <stdexcept>
 
-#include "benchmarks/seeds/report_scene.h"
+#include "benchmarks/loop/report_scene.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 /// Any bytes as the list of a report's pictures: scenes, or std::runtime_error, nothing else.

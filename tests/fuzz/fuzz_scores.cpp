@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "benchmarks/metrics/scores.h"
+#include "benchmarks/score/scores.h"
 
 /// Any bytes as scores.csv, specimens.csv and scores.json: rows that can be written and read again,
 /// or std::runtime_error, nothing else.

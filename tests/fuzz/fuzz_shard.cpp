@@ -1,7 +1,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "benchmarks/shards/shard.h"
+#include "benchmarks/study/shard.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 /// Any bytes as a finished part of long work: taken as it is or made anew, and nothing is thrown.

@@ -1,10 +1,10 @@
-#include "benchmarks/import/import_capture.h"
+#include "benchmarks/tools/import/import_capture.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "benchmarks/import/unknown_lens.h"
-#include "benchmarks/import/video_frames.h"
+#include "benchmarks/tools/import/unknown_lens.h"
+#include "benchmarks/tools/import/video_frames.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/image_io.h"
 #include "sim/process/program_run.h"

@@ -1,4 +1,4 @@
-#include "benchmarks/learned/learned_distance.h"
+#include "benchmarks/score/learned/learned_distance.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

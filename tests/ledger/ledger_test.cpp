@@ -1,5 +1,5 @@
 // The ledger: a file that only grows, whose lines are as old as the commits that added them.
-#include "benchmarks/ledger/ledger.h"
+#include "benchmarks/tools/ledger/ledger.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Average precision: by hand, and against reference values of other programs.
-#include "benchmarks/metrics/average_precision.h"
+#include "benchmarks/score/average_precision.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/best_exposed.h"
+#include "benchmarks/score/best_exposed.h"
 
 #include <gtest/gtest.h>
 

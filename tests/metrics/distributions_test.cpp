@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/distributions.h"
+#include "benchmarks/score/distributions.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "benchmarks/metrics/order_statistics.h"
+#include "benchmarks/score/order_statistics.h"
 
 namespace cousin {
 namespace {

@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/image_fidelity.h"
+#include "benchmarks/score/image_fidelity.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "benchmarks/metrics/separable_filter.h"
+#include "benchmarks/score/separable_filter.h"
 #include "sim/types/rng.h"
 
 namespace cousin {

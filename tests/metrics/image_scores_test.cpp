@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/image_scores.h"
+#include "benchmarks/score/image_scores.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/rank_correlation.h"
+#include "benchmarks/score/rank_correlation.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/scores.h"
+#include "benchmarks/score/scores.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/specimens.h"
+#include "benchmarks/score/specimens.h"
 
 #include <gtest/gtest.h>
 

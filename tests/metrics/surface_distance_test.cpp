@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/surface_distance.h"
+#include "benchmarks/score/surface_distance.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/trait_statistics.h"
+#include "benchmarks/score/trait_statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "benchmarks/metrics/distributions.h"
+#include "benchmarks/score/distributions.h"
 
 namespace cousin {
 namespace {

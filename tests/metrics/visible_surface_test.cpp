@@ -1,4 +1,4 @@
-#include "benchmarks/metrics/visible_surface.h"
+#include "benchmarks/score/visible_surface.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "benchmarks/splats/kept_training.h"
+#include "benchmarks/suites/splats/kept_training.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/sealed_file.h"
 #include "sim/types/rng.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/metrics/surface_distance.h"
+#include "benchmarks/score/surface_distance.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/physics/settle.h"
 

@@ -1,4 +1,4 @@
-#include "benchmarks/scenes/plant_run.h"
+#include "benchmarks/loop/plant_run.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "benchmarks/plants/plants_suite.h"
+#include "benchmarks/suites/plants/plants_suite.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "benchmarks/program/program_suite.h"
+#include "benchmarks/suites/program/program_suite.h"
 
 #include <gtest/gtest.h>
 

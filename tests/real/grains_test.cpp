@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "benchmarks/real/rice_grains.h"
+#include "benchmarks/suites/real/rice_grains.h"
 #include "sim/imaging/color.h"
 #include "sim/imaging/image_io.h"
 #include "tests/places/places.h"

@@ -1,4 +1,4 @@
-#include "benchmarks/real/real_suite.h"
+#include "benchmarks/suites/real/real_suite.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "benchmarks/real/fox_stereo.h"
-#include "benchmarks/real/maize_carving.h"
-#include "benchmarks/real/rice_grains.h"
+#include "benchmarks/suites/real/fox_stereo.h"
+#include "benchmarks/suites/real/maize_carving.h"
+#include "benchmarks/suites/real/rice_grains.h"
 #include "tests/places/places.h"
 
 namespace cousin {

@@ -1,4 +1,4 @@
-#include "benchmarks/render/corner_position.h"
+#include "benchmarks/suites/render/corner_position.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "benchmarks/renderers/closed_forms.h"
-#include "benchmarks/renderers/leafy_scene.h"
+#include "benchmarks/suites/renderers/closed_forms.h"
+#include "benchmarks/suites/renderers/leafy_scene.h"
 #include "tests/render/test_scenes.h"
 
 namespace cousin::test {

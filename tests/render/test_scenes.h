@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "benchmarks/render/corner_position.h"
+#include "benchmarks/suites/render/corner_position.h"
 #include "sim/truth/scene.h"
 #include "sim/truth/truth_images.h"
 

@@ -1,4 +1,4 @@
-#include "benchmarks/renderers/image_error.h"
+#include "benchmarks/suites/renderers/image_error.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "benchmarks/renderers/reference_store.h"
+#include "benchmarks/suites/renderers/reference_store.h"
 
 namespace cousin {
 namespace {

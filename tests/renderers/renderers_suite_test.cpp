@@ -1,4 +1,4 @@
-#include "benchmarks/renderers/renderers_suite.h"
+#include "benchmarks/suites/renderers/renderers_suite.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "benchmarks/renderers/renderers_page.h"
+#include "benchmarks/suites/renderers/renderers_page.h"
 #include "sim/render/cycles/cycles.h"
 
 namespace cousin {

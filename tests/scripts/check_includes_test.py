@@ -33,7 +33,7 @@ class CheckIncludes(unittest.TestCase):
                 "sim/truth/scene.h": '#include "sim/types/pose.h"\n',
                 "perception/mvs/sweep.cpp": '#include "sim/types/pose.h"\n#include "perception/mvs/sweep.h"\n',
                 "perception/mvs/sweep.h": "",
-                "benchmarks/seeds/score.cpp": '#include "sim/truth/scene.h"\n#include "perception/mvs/sweep.h"\n',
+                "benchmarks/loop/score.cpp": '#include "sim/truth/scene.h"\n#include "perception/mvs/sweep.h"\n',
             }
         )
         self.assertEqual(result.returncode, 0, result.stdout)

@@ -1,4 +1,4 @@
-#include "benchmarks/seedlings/exact_surface.h"
+#include "benchmarks/suites/seedlings/exact_surface.h"
 
 #include <gtest/gtest.h>
 

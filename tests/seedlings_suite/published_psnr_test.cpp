@@ -1,10 +1,10 @@
-#include "benchmarks/seedlings/published_psnr.h"
+#include "benchmarks/suites/seedlings/published_psnr.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "benchmarks/seedlings/seedlings_rows.h"
+#include "benchmarks/suites/seedlings/seedlings_rows.h"
 
 namespace cousin {
 namespace {

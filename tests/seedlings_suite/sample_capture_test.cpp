@@ -1,4 +1,4 @@
-#include "benchmarks/seedlings/sample_capture.h"
+#include "benchmarks/suites/seedlings/sample_capture.h"
 
 #include <gtest/gtest.h>
 

@@ -6,12 +6,12 @@
 #include <map>
 #include <set>
 
-#include "benchmarks/seedlings/field_training.h"
-#include "benchmarks/seedlings/sample_pictures.h"
-#include "benchmarks/seedlings/seedlings_jobs.h"
-#include "benchmarks/seedlings/seedlings_rows.h"
-#include "benchmarks/seedlings/seedlings_suite.h"
-#include "benchmarks/seeds/report_scene.h"
+#include "benchmarks/suites/seedlings/field_training.h"
+#include "benchmarks/suites/seedlings/sample_pictures.h"
+#include "benchmarks/suites/seedlings/seedlings_jobs.h"
+#include "benchmarks/suites/seedlings/seedlings_rows.h"
+#include "benchmarks/suites/seedlings/seedlings_suite.h"
+#include "benchmarks/loop/report_scene.h"
 
 namespace cousin {
 namespace {

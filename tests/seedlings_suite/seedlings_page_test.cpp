@@ -1,13 +1,13 @@
-#include "benchmarks/seedlings/seedlings_page.h"
+#include "benchmarks/suites/seedlings/seedlings_page.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
 
-#include "benchmarks/seedlings/field_training.h"
-#include "benchmarks/seedlings/published_psnr.h"
-#include "benchmarks/seedlings/seedlings_rows.h"
+#include "benchmarks/suites/seedlings/field_training.h"
+#include "benchmarks/suites/seedlings/published_psnr.h"
+#include "benchmarks/suites/seedlings/seedlings_rows.h"
 
 namespace cousin {
 namespace {

@@ -1,4 +1,4 @@
-#include "benchmarks/seedlings/seedlings_rows.h"
+#include "benchmarks/suites/seedlings/seedlings_rows.h"
 
 #include <gtest/gtest.h>
 

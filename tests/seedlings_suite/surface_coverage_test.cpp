@@ -1,4 +1,4 @@
-#include "benchmarks/seedlings/surface_coverage.h"
+#include "benchmarks/suites/seedlings/surface_coverage.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "benchmarks/seedlings/view_sets.h"
+#include "benchmarks/suites/seedlings/view_sets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "benchmarks/seeds/capture_store.h"
+#include "benchmarks/suites/seeds/capture_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <map>
 
-#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/loop/score_seeds.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/geometry/mesh_io.h"
 #include "tests/dataset/temporary_folder.h"

@@ -8,14 +8,14 @@
 #include <filesystem>
 #include <fstream>
 
-#include "benchmarks/seeds/attribution.h"
-#include "benchmarks/seeds/perceive.h"
-#include "benchmarks/seeds/plan.h"
-#include "benchmarks/seeds/score_seeds.h"
-#include "benchmarks/seeds/simulate.h"
-#include "benchmarks/seeds/suite.h"
-#include "benchmarks/seeds/trained_models.h"
-#include "benchmarks/seeds/truth_stages.h"
+#include "benchmarks/loop/attribution.h"
+#include "benchmarks/loop/perceive.h"
+#include "benchmarks/loop/plan.h"
+#include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/loop/simulate.h"
+#include "benchmarks/suites/seeds/suite.h"
+#include "benchmarks/suites/seeds/trained_models.h"
+#include "benchmarks/loop/truth_stages.h"
 #include "perception/splats/splat_ply.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/seam_io.h"
@@ -79,7 +79,7 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 
 void perceive_into(const Capture& capture, const fs::path& folder, std::size_t threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  perceive_seeds(capture, seeds_run_config(small_scene()).pipeline, 3, {}, 0, folder);
+  perceive(capture, seeds_run_config(small_scene()).pipeline, 3, {}, 0, folder);
 }
 
 TEST(ClosedLoop, ImagesAndEstimatesAreTheSameOnOneTwoAndSevenThreads) {
@@ -159,7 +159,7 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
   const SimulatedRun run = simulate_seeds(config, 3, 0, {});
   SeedsPipelineConfig pipeline = config.pipeline;
   const SeedsScores ours =
-      score_run(run.truth, perceive_seeds(run.capture, pipeline, 3, {}, 0, {}), {});
+      score_run(run.truth, perceive(run.capture, pipeline, 3, {}, 0, {}), {});
   ASSERT_EQ(ours.specimens.size(), 10U);
   EXPECT_LT(worst_length_m(ours), 3e-4);  // a pixel spans 0.37 mm
   for (const ScoreRow& row : ours.rows) {
@@ -169,12 +169,12 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
   }
   pipeline.method = SeedsMethod::paper;
   const SeedsScores paper = score_run(
-      run.truth, perceive_seeds(run.capture, pipeline, 3, {}, 0, {}), {.method = "paper"});
+      run.truth, perceive(run.capture, pipeline, 3, {}, 0, {}), {.method = "paper"});
   EXPECT_LT(worst_length_m(paper), 3e-3);
   pipeline.method = SeedsMethod::splats;
   pipeline.splats.steps = 800;
   pipeline.splats.most_splats = 12000;
-  const Estimate whole = perceive_seeds(run.capture, pipeline, 3, {}, 0, {});
+  const Estimate whole = perceive(run.capture, pipeline, 3, {}, 0, {});
   const SeedsScores splats = score_run(run.truth, whole, {.method = "splats"});
   ASSERT_EQ(splats.specimens.size(), 10U);
   EXPECT_LT(worst_length_m(splats), 2e-3);
@@ -186,13 +186,13 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
     if (what.find("splats, step") != std::string::npos && done >= 600)
       throw std::runtime_error("stopped");
   };
-  EXPECT_THROW((void)perceive_seeds(run.capture, pipeline, 3, {}, 0, folder, stop), StageError);
+  EXPECT_THROW((void)perceive(run.capture, pipeline, 3, {}, 0, folder, stop), StageError);
   EXPECT_TRUE(fs::exists(folder / "splats.unfinished"));
   int least = pipeline.splats.steps;
   const Progress watch = [&least](const std::string& what, int done, int) {
     if (what.find("splats, step") != std::string::npos) least = std::min(least, done);
   };
-  const Estimate rest = perceive_seeds(run.capture, pipeline, 3, {}, 0, folder, watch);
+  const Estimate rest = perceive(run.capture, pipeline, 3, {}, 0, folder, watch);
   EXPECT_GE(least, 500);
   EXPECT_FALSE(fs::exists(folder / "splats.unfinished"));
   write_splat_ply(folder / "whole.ply", whole.splats);
@@ -255,10 +255,10 @@ TEST(ClosedLoop, AttributionExplainsTheStagesThatRan) {
   const SimulatedRun run = simulate(2, truth_stage_needs());
   const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
   // A user's masks that see nothing: only the truth in their place (and later) measures a seed.
-  Stages own = stages_of(pipeline, 3, {}, 0);
+  Stages own = stages_of(pipeline, run.capture, 3, {}, 0);
   own.masks = [](const Capture&, const Estimate&) { return Silhouettes{}; };
   const Estimate estimate = run_seeds(run.capture, pipeline, own);
-  const std::vector<SeamStep> steps = attribute_seeds(run, pipeline, own, {}, &estimate);
+  const std::vector<SeamStep> steps = attribute(run, pipeline, own, {}, &estimate);
   ASSERT_EQ(steps.size(), 9U);
   for (const SeamStep& step : steps) {
     const bool after = step.stage == "masks" || step.stage == "surfaces" || step.stage == "traits";
@@ -429,7 +429,7 @@ TEST(ClosedLoop, AStoppedTrainingGoesOnWithThePosesThatColmapFoundForIt) {
       throw std::runtime_error("stopped");
   };
   const fs::path out = folder / "out";
-  EXPECT_THROW((void)perceive_seeds(run.capture, pipeline, 3, {}, 0, out, stop), StageError);
+  EXPECT_THROW((void)perceive(run.capture, pipeline, 3, {}, 0, out, stop), StageError);
   EXPECT_TRUE(fs::exists(out / "splats.unfinished.colmap"));
   const Poses first = read_poses(out);
   ASSERT_EQ(first.size(), run.truth.views.size());
@@ -444,7 +444,7 @@ TEST(ClosedLoop, AStoppedTrainingGoesOnWithThePosesThatColmapFoundForIt) {
   const Progress watch = [&least](const std::string& what, int done, int) {
     if (what.find("splats, step") != std::string::npos) least = std::min(least, done);
   };
-  const Estimate rest = perceive_seeds(run.capture, pipeline, 3, {}, 0, out, watch);
+  const Estimate rest = perceive(run.capture, pipeline, 3, {}, 0, out, watch);
   EXPECT_GE(least, 500);
   ASSERT_EQ(rest.poses.size(), first.size());
   for (std::size_t i = 0; i < first.size(); ++i) {

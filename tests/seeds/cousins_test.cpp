@@ -3,8 +3,8 @@
 
 #include <stdexcept>
 
-#include "benchmarks/seeds/cousins_suite.h"
-#include "benchmarks/seeds/run_config.h"
+#include "benchmarks/suites/seeds/cousins_suite.h"
+#include "benchmarks/loop/run_config.h"
 
 namespace cousin {
 namespace {

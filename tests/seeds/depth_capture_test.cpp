@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "benchmarks/seeds/perceive.h"
-#include "benchmarks/seeds/simulate.h"
-#include "benchmarks/seeds/truth_choice.h"
+#include "benchmarks/loop/perceive.h"
+#include "benchmarks/loop/simulate.h"
+#include "benchmarks/loop/truth_choice.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/truth_io.h"
 #include "tests/dataset/sample_capture.h"
@@ -169,7 +169,7 @@ TEST(DepthCaptures, AMethodThatReadsDepthSaysWhatTheCaptureLacks) {
   SeedsPipelineConfig pipeline;
   pipeline.method = SeedsMethod::sensor_depth;
   const auto message = [&] {
-    return refusal_of([&] { perceive_seeds(run.capture, pipeline, 1, {}, 0, {}); });
+    return refusal_of([&] { perceive(run.capture, pipeline, 1, {}, 0, {}); });
   };
   EXPECT_EQ(message(),
             "method sensor_depth reads the depth images of a depth camera; the capture has none");

@@ -1,10 +1,10 @@
-#include "benchmarks/seeds/limits.h"
+#include "benchmarks/loop/limits.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/loop/score_seeds.h"
 #include "scenes/seeds/seeds_scene.h"
 
 namespace cousin {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "benchmarks/seeds/simulate.h"
+#include "benchmarks/loop/simulate.h"
 
 namespace cousin {
 namespace {

@@ -1,10 +1,10 @@
-#include "benchmarks/seeds/report_scene.h"
+#include "benchmarks/loop/report_scene.h"
 
 #include <gmock/gmock.h>
 
 #include <set>
 
-#include "benchmarks/seeds/seeds_report.h"
+#include "benchmarks/loop/seeds_report.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/image_io.h"
 #include "tests/dataset/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "benchmarks/seeds/run_config.h"
+#include "benchmarks/loop/run_config.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <variant>
 
-#include "benchmarks/seeds/plan.h"
-#include "benchmarks/seeds/stage_files.h"
-#include "benchmarks/seeds/truth_choice.h"
+#include "benchmarks/loop/plan.h"
+#include "benchmarks/loop/stage_files.h"
+#include "benchmarks/loop/truth_choice.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/dataset/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/loop/score_seeds.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "benchmarks/seeds/attribution.h"
-#include "benchmarks/seeds/truth_stages.h"
+#include "benchmarks/loop/attribution.h"
+#include "benchmarks/loop/truth_stages.h"
 #include "sim/geometry/measure.h"
 #include "sim/truth/specimens.h"
 
@@ -277,7 +277,7 @@ TEST(Attribution, StepsAreComparedOverTheSpecimensThatAllSolve) {
                                        {"corners", score_run(truth, easy, {}), 1},
                                        {"poses", score_run(truth, Estimate{}, {}), 1}};
   std::map<std::string, const ScoreRow*> rmse;
-  const std::vector<ScoreRow> rows = attribution_rows(steps, {});
+  const std::vector<ScoreRow> rows = attribution_rows(steps, kSeedTraits, {});
   for (const ScoreRow& row : rows) {
     if (row.metric == "length.rmse") rmse[row.case_name] = &row;
   }

@@ -1,4 +1,4 @@
-#include "benchmarks/seeds/splat_images.h"
+#include "benchmarks/loop/splat_images.h"
 
 #include <gtest/gtest.h>
 

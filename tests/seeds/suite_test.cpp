@@ -1,4 +1,4 @@
-#include "benchmarks/seeds/suite.h"
+#include "benchmarks/suites/seeds/suite.h"
 
 #include <gmock/gmock.h>
 
@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "benchmarks/seeds/paper_tables.h"
-#include "benchmarks/seeds/result_folder.h"
-#include "benchmarks/seeds/score_seeds.h"
+#include "benchmarks/suites/seeds/paper_tables.h"
+#include "benchmarks/loop/result_folder.h"
+#include "benchmarks/loop/score_seeds.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/dataset/temporary_folder.h"

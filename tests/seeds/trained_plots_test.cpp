@@ -1,4 +1,4 @@
-#include "benchmarks/seeds/trained_plots.h"
+#include "benchmarks/suites/seeds/trained_plots.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "benchmarks/seeds/truth_stages.h"
+#include "benchmarks/loop/truth_stages.h"
 
 namespace cousin {
 namespace {

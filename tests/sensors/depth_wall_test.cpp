@@ -1,4 +1,4 @@
-#include "benchmarks/sensors/depth_wall.h"
+#include "benchmarks/suites/sensors/depth_wall.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "benchmarks/sensors/sensors_suite.h"
+#include "benchmarks/suites/sensors/sensors_suite.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/sensors/colour_rows.h"
-#include "benchmarks/sensors/depth_rows.h"
-#include "benchmarks/sensors/fit_sensor_rows.h"
-#include "benchmarks/sensors/flat_fields.h"
-#include "benchmarks/sensors/moving_edge.h"
+#include "benchmarks/suites/sensors/colour_rows.h"
+#include "benchmarks/suites/sensors/depth_rows.h"
+#include "benchmarks/suites/sensors/fit_sensor_rows.h"
+#include "benchmarks/suites/sensors/flat_fields.h"
+#include "benchmarks/suites/sensors/moving_edge.h"
 #include "sim/sensors/rig.h"
 
 namespace cousin {

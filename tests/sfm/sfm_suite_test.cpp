@@ -1,4 +1,4 @@
-#include "benchmarks/sfm/sfm_suite.h"
+#include "benchmarks/suites/sfm/sfm_suite.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iomanip>
 
-#include "benchmarks/sfm/sfm_rows.h"
+#include "benchmarks/suites/sfm/sfm_rows.h"
 #include "sim/imaging/image_io.h"
 #include "tests/dataset/temporary_folder.h"
 #include "tests/sfm/plant_views.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/renderers/leafy_scene.h"
-#include "benchmarks/shards/shard.h"
+#include "benchmarks/suites/renderers/leafy_scene.h"
+#include "benchmarks/study/shard.h"
 #include "sim/dataset/manifest.h"
 #include "sim/render/path_tracer.h"
 #include "sim/render/truth_pass.h"

@@ -1,4 +1,4 @@
-#include "benchmarks/shards/shard_scores.h"
+#include "benchmarks/study/shard_scores.h"
 
 #include <gtest/gtest.h>
 

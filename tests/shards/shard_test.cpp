@@ -1,4 +1,4 @@
-#include "benchmarks/shards/shard.h"
+#include "benchmarks/study/shard.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

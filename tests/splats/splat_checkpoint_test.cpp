@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "benchmarks/splats/kept_training.h"
+#include "benchmarks/suites/splats/kept_training.h"
 #include "perception/splats/splat_checkpoint_io.h"
 #include "perception/splats/splat_ply.h"
 #include "perception/splats/train_splats.h"

@@ -1,4 +1,4 @@
-#include "benchmarks/splats/splats_suite.h"
+#include "benchmarks/suites/splats/splats_suite.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <fstream>
 #include <set>
 
-#include "benchmarks/splats/ngp_kernel_rows.h"
-#include "benchmarks/splats/posed_set.h"
-#include "benchmarks/splats/splats_page.h"
-#include "benchmarks/splats/training_rows.h"
+#include "benchmarks/suites/splats/ngp_kernel_rows.h"
+#include "benchmarks/suites/splats/posed_set.h"
+#include "benchmarks/suites/splats/splats_page.h"
+#include "benchmarks/suites/splats/training_rows.h"
 #include "sim/imaging/image_io.h"
 #include "tests/places/places.h"
 

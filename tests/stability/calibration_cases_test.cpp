@@ -1,4 +1,4 @@
-#include "benchmarks/stability/calibration_cases.h"
+#include "benchmarks/suites/stability/calibration_cases.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
-#include "benchmarks/stability/ray_cases.h"
-#include "benchmarks/stability/suite.h"
+#include "benchmarks/suites/stability/ray_cases.h"
+#include "benchmarks/suites/stability/suite.h"
 #include "scenes/seeds/seeds_scene.h"
 
 namespace cousin {

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "benchmarks/scenes/leaf_crossing.h"
-#include "benchmarks/scenes/stand_cache.h"
+#include "benchmarks/suites/scenes/leaf_crossing.h"
+#include "benchmarks/loop/stand_cache.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/strawberries/small_stretch.h"
 

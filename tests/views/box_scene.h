@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "benchmarks/stability/splat_cube.h"
+#include "benchmarks/suites/stability/splat_cube.h"
 #include "perception/pipelines/seeds.h"
 #include "sim/dataset/truth_io.h"
 #include "tests/physics/solids.h"

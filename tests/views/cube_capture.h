@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "benchmarks/stability/splat_cube.h"
+#include "benchmarks/suites/stability/splat_cube.h"
 #include "perception/splats/splat_render.h"
 #include "sim/types/capture.h"
 

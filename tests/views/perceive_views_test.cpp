@@ -1,4 +1,4 @@
-#include "benchmarks/views/perceive_views.h"
+#include "benchmarks/loop/perceive_views.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

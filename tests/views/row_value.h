@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/metrics/scores.h"
+#include "benchmarks/score/scores.h"
 
 namespace cousin {
 

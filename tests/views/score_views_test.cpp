@@ -1,4 +1,4 @@
-#include "benchmarks/views/score_views.h"
+#include "benchmarks/loop/score_views.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

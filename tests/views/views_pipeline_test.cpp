@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "benchmarks/metrics/image_fidelity.h"
+#include "benchmarks/score/image_fidelity.h"
 #include "perception/pipelines/views.h"
 #include "perception/splats/splat_render.h"
 #include "sim/dataset/atomic_file.h"

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "benchmarks/app/options.h"
+#include "benchmarks/loop/stage_files.h"
+#include "benchmarks/score/learned/learned_distance.h"
+#include "perception/pipelines/pipeline_table.h"
+
+namespace cousin {
+
+/// --stage of the command line, each of which the pipeline has.
+/// @throws std::invalid_argument naming one that it has not: it would be read and never used
+std::vector<StageSource> stage_sources(const Options& options, const PipelineRow& row);
+
+/// Refuses options that this pipeline does not read, naming those that do.
+/// @throws std::invalid_argument
+void refuse_foreign_options(const Options& options, const PipelineRow& row);
+
+/// Refuses those of pipelines that score a scene as a whole. @throws std::invalid_argument
+void refuse_whole_scene_options(const Options& options);
+
+/// The network of --lpips; null where it is not given.
+std::shared_ptr<const LearnedDistance> learned_of(const Options& options);
+
+}  // namespace cousin

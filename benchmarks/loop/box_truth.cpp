@@ -1,0 +1,75 @@
+#include "benchmarks/loop/box_truth.h"
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "sim/truth/specimens.h"
+
+namespace cousin {
+namespace {
+
+/// Its surface at the pixel nearest to the middle of its box.
+Eigen::Vector3d middle_point_m(const TrueBox& box, int id, const TrueView& view,
+                               const TruthImages& images) {
+  const Eigen::Vector2d middle = 0.5 * (box.low_px + box.high_px);
+  // As a program indexes an image: of an even number of pixels the one before the middle.
+  const Eigen::Vector2d wanted = middle.array().floor();
+  double nearest = std::numeric_limits<double>::infinity();
+  Eigen::Vector2d pixel = wanted;
+  for (int y = static_cast<int>(box.low_px.y() + 1); y < box.high_px.y(); ++y) {
+    for (int x = static_cast<int>(box.low_px.x() + 1); x < box.high_px.x(); ++x) {
+      const Eigen::Vector2d at(x, y);
+      const double away = (at - wanted).squaredNorm();
+      if (images.instance(x, y) != id || away >= nearest) continue;
+      nearest = away;
+      pixel = at;
+    }
+  }
+  const auto depth_m = static_cast<double>(
+      images.depth_m(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())));
+  const auto ray = unproject(view.camera, pixel);
+  if (!ray) throw std::runtime_error("a true lens has no ray at a pixel that shows a specimen");
+  return *ray * (depth_m / ray->z());
+}
+
+}  // namespace
+
+std::vector<TrueBox> true_boxes_of(const SceneTruth& truth) {
+  const auto objects = specimens_of(truth.scene);
+  std::map<int, int> place_of;
+  for (std::size_t k = 0; k < objects.size(); ++k) place_of[objects[k]->id] = static_cast<int>(k);
+  std::vector<TrueBox> result;
+  for (std::size_t f = 0; f < truth.views.size(); ++f) {
+    if (f >= truth.images.size() || truth.images[f].instance.empty() ||
+        truth.images[f].depth_m.empty())
+      throw std::invalid_argument(
+          "boxes need true depth and instances of every view: render with --truth "
+          "depth,instance");
+    const TruthImages& images = truth.images[f];
+    std::map<int, TrueBox> boxes;
+    for (int y = 0; y < images.instance.height(); ++y) {
+      for (int x = 0; x < images.instance.width(); ++x) {
+        const auto place = place_of.find(images.instance(x, y));
+        if (place == place_of.end()) continue;
+        const Eigen::Vector2d low(x - 0.5, y - 0.5), high(x + 0.5, y + 0.5);
+        const auto [found, is_new] = boxes.try_emplace(place->second);
+        TrueBox& box = found->second;
+        if (is_new)
+          box = {truth.views[f].frame, place->second, low, high, 0, Eigen::Vector3d::Zero()};
+        box.low_px = box.low_px.cwiseMin(low);
+        box.high_px = box.high_px.cwiseMax(high);
+        ++box.pixels;
+      }
+    }
+    for (auto& [specimen, box] : boxes) {
+      const int id = objects[static_cast<std::size_t>(specimen)]->id;
+      box.point_m = middle_point_m(box, id, truth.views[f], images);
+      result.push_back(box);
+    }
+  }
+  return result;
+}
+
+}  // namespace cousin

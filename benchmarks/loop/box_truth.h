@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "sim/dataset/truth_io.h"
+
+namespace cousin {
+
+/// A specimen as one image of the first sensor shows it.
+struct TrueBox {
+  int frame = 0;
+  int specimen = 0;  ///< place in specimens_of()
+  Eigen::Vector2d low_px = Eigen::Vector2d::Zero(), high_px = Eigen::Vector2d::Zero();
+  int pixels = 0;  ///< that show it
+  /// The surface under the middle of the box, or where something else is there, at the nearest
+  /// pixel that shows the specimen: in that camera's axes, by its true lens.
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+};
+/// Of all views, in their order. @throws std::invalid_argument without true depth and instances
+std::vector<TrueBox> true_boxes_of(const SceneTruth& truth);
+
+}  // namespace cousin

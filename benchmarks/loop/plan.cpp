@@ -1,0 +1,209 @@
+#include "benchmarks/loop/plan.h"
+
+#include <algorithm>
+
+#include "benchmarks/loop/simulator_plan.h"
+#include "benchmarks/loop/truth_stages.h"
+
+namespace cousin {
+
+TruthNeeds planned_truth(const PipelineConfig& pipeline, bool attribution) {
+  const PipelineRow& row = row_of(pipeline);
+  const bool reads_truth = row.traits_of == TraitsOf::boxes || !row.from_outside.empty();
+  return attribution || reads_truth ? truth_stage_needs() : TruthNeeds{};
+}
+
+TruthNeeds planned_truth(bool attribution) {
+  return planned_truth(SeedsPipelineConfig{}, attribution);
+}
+
+namespace {
+
+/// Longest readout of a rig's colour cameras.
+double readout_s(const DeviceConfig& rig) {
+  if (const auto* phone = std::get_if<PhoneConfig>(&rig)) return phone->readout_s;
+  if (const auto* device = std::get_if<ActiveStereoConfig>(&rig))
+    return device->color.photosites.readout_s;
+  const auto* range = std::get_if<RangeRigConfig>(&rig);
+  double longest_s = 0;
+  for (const RigSensor& sensor : range ? range->body.sensors : std::get<RigConfig>(rig).sensors)
+    longest_s = std::max(longest_s, sensor.camera.photosites.readout_s);
+  return longest_s;
+}
+
+/// Which renderer makes the light, and how much it spends.
+std::string renderer_of(const SeedsRunConfig& config) {
+  if (config.radiance == RadianceBy::cached) {
+    return "cached, " + std::to_string(config.render.pixel_samples) + " samples a pixel, " +
+           std::to_string(config.render.edge_samples) + " at edges";
+  }
+  const PathConfig& paths = config.paths;
+  std::string text = "paths, " + std::to_string(paths.pixel_samples) + " samples a pixel";
+  if (paths.adaptive) text += " on average, more where the error is larger";
+  return text;
+}
+
+void add_rig_passes(const SeedsRunConfig& config, const StreamReader* reader,
+                    std::vector<PlanEntry>& plan) {
+  const Streams there_are = streams_of(config.rig);
+  const Streams streams = streams_for(config.streams, there_are, config.scene.rig, reader);
+  const bool is_dataset = reader == nullptr;
+  const Streams needed = is_dataset ? Streams{} : reader->needed;
+  const std::string nobody =
+      is_dataset ? "streams=" + config.streams + " leaves out " : "no stage reads ";
+  const bool light = streams.color || streams.raw;
+  const auto add = [&](const char* pass, bool runs, const std::string& why) {
+    plan.push_back({pass, runs, why});
+  };
+  const std::string rig = "rig " + config.scene.rig;
+  const auto why = [&](bool runs, bool is_needed, const std::string& what) {
+    if (!runs) return nobody + what;
+    if (is_dataset && config.streams == "auto")
+      return "a dataset holds all that the rig has: " + what;
+    return (is_needed ? "the pipeline reads " : "asked for: ") + what;
+  };
+  const bool rolling = readout_s(config.rig) > 0;
+  add("row poses", light && rolling,
+      !light    ? nobody + "colour"
+      : rolling ? "a rolling shutter: each row is read where the rig is then"
+                : rig + " has a global shutter: one pose an image");
+  const bool by_paths = config.radiance == RadianceBy::paths;
+  add("light cache", light && !by_paths,
+      !light     ? "no light is traced: " + nobody + "colour"
+      : by_paths ? "radiance = paths: each pixel follows its own"
+                 : "the scene is static: diffuse light is computed once for all views");
+  add("radiance", light,
+      why(light, needed.color || needed.raw, "colour") + (light ? "; " + renderer_of(config) : ""));
+  add("sensor", light, light ? "lens, noise and processing of the camera" : nobody + "colour");
+  add("raw", streams.raw,
+      there_are.raw ? why(streams.raw, needed.raw, "raw images") : rig + " hands over none");
+  const bool matched =
+      streams.depth && there_are.infrared && config.capture.depth_by == DepthBy::matched;
+  add("infrared", streams.infrared || matched,
+      !there_are.infrared ? rig + " has no infrared pair"
+      : streams.infrared  ? why(true, needed.infrared, "infrared images")
+      : matched           ? "the sensor's depth is matched from it"
+      : streams.depth     ? "depth is by the fast model"
+                          : nobody + "infrared or the sensor's depth");
+  add("sensor depth", streams.depth,
+      !there_are.depth ? rig + " has no depth sensor"
+                       : why(streams.depth, needed.depth, "the sensor's depth"));
+}
+
+}  // namespace
+
+Streams left_out_streams(const SeedsRunConfig& config) {
+  const Streams there_are = streams_of(config.rig), streams = planned_streams(config);
+  return {.color = there_are.color && !streams.color,
+          .raw = there_are.raw && !streams.raw,
+          .infrared = there_are.infrared && !streams.infrared,
+          .depth = there_are.depth && !streams.depth};
+}
+
+std::vector<PlanEntry> simulator_plan(const SeedsRunConfig& config, const StreamReader* reader) {
+  std::vector<PlanEntry> plan;
+  const bool sphere = config.scene.sphere;
+  plan.push_back({"scene", true, "board, screen, specimens"});
+  plan.push_back(
+      {"physics", !sphere,
+       sphere ? "a sphere is placed on the board" : "seeds are dropped and settle on the board"});
+  plan.push_back({"motion", false, "the scene is static: nothing in it has samples over time"});
+  add_rig_passes(config, reader, plan);
+  return plan;
+}
+
+std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution,
+                                  const std::vector<StageSource>& sources) {
+  const StreamReader own = reader_of(config.pipeline);
+  std::vector<PlanEntry> plan = simulator_plan(config, &own);
+  add_pipeline_plan(config.pipeline, attribution, sources, plan);
+  return plan;
+}
+
+namespace {
+
+/// Truth images by their names in a plan.
+std::vector<std::pair<const char*, bool>> truth_passes(const TruthNeeds& truth) {
+  return {{"depth", truth.depth},
+          {"instance", truth.instance},
+          {"normal", truth.normal},
+          {"position", truth.position},
+          {"part", truth.part},
+          {"coverage", truth.coverage},
+          {"visibility", truth.visibility},
+          {"shares", truth.shares},
+          {"keypoints", truth.keypoints},
+          {"flow", truth.flow},
+          {"disparity", truth.disparity},
+          {"noise-free depth", truth.noise_free_depth},
+          {"invalid reason", truth.invalid_reason}};
+}
+
+bool has(const auto& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Why a stage runs, or is left out.
+std::string why_stage(std::string_view stage, const PipelineRow& row, const PipelineNeeds& needed,
+                      const std::vector<StageSource>& sources) {
+  std::string why = row.traits.empty() ? "the scene as a whole" : "needed for the traits";
+  if (has(row.from_outside, stage)) why = "true ones: the pipeline has no stage of its own for it";
+  for (const auto& [name, reason] : needed.left_out) {
+    if (name == stage) why = reason;
+  }
+  for (const StageSource& source : sources) {
+    if (source.stage == stage) why = "yours: " + to_text(source);
+  }
+  return why;
+}
+
+const char* score_text(TraitsOf what) {
+  switch (what) {
+    case TraitsOf::specimens:
+      return "traits, cloud and poses against the truth";
+    case TraitsOf::boxes:
+      return "what each box shows against the true surface under its middle";
+    case TraitsOf::nothing:
+      break;
+  }
+  return "photographs against images of the model; poses and shapes against the scene";
+}
+
+}  // namespace
+
+void add_pipeline_plan(const PipelineConfig& pipeline, bool attribution,
+                       const std::vector<StageSource>& sources, std::vector<PlanEntry>& plan) {
+  const PipelineRow& row = row_of(pipeline);
+  const PipelineNeeds needed = needs(pipeline);
+  const char* nobody = row.traits_of == TraitsOf::nothing
+                           ? "no score reads it: the scene's own shapes and cameras do"
+                           : "no score reads it: traits come from the exact meshes";
+  const char* reads = attribution || row.traits_of != TraitsOf::boxes
+                          ? "true seams are put into the pipeline"
+                          : "true boxes and the points under their middles";
+  for (const auto& [pass, runs] : truth_passes(planned_truth(pipeline, attribution)))
+    plan.push_back({std::string("truth: ") + pass, runs, runs ? reads : nobody});
+  for (const std::string_view stage : row.order) {
+    plan.push_back({"perceive: " + std::string(stage), has(needed.stages, stage),
+                    why_stage(stage, row, needed, sources)});
+  }
+  plan.push_back({"score", true, score_text(row.traits_of)});
+}
+
+std::string describe(const std::vector<PlanEntry>& plan) {
+  std::string text;
+  std::size_t width = 0;
+  for (const PlanEntry& entry : plan) width = std::max(width, entry.pass.size());
+  for (const bool runs : {true, false}) {
+    text += runs ? "runs:\n" : "left out:\n";
+    for (const PlanEntry& entry : plan) {
+      if (entry.runs != runs) continue;
+      std::string pass = entry.pass;
+      pass.resize(width, ' ');
+      text += "  " + pass + " " + entry.why + "\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace cousin

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "benchmarks/loop/run_config.h"
+#include "sim/dataset/truth_io.h"
+#include "sim/types/capture.h"
+#include "sim/types/seams.h"
+
+namespace cousin {
+
+/// Called as work goes on: what is being done, steps finished, steps in all.
+using Progress = std::function<void(const std::string& what, int done, int total)>;
+
+/// One scene of the virtual world, ready to be photographed. A frame is a pure function of
+/// (configuration, seed, scene index, frame index): any subset may be rendered, in any order.
+class SeedsSimulation {
+ public:
+  /// Builds and settles the scene, draws the rig's unit. Cached light is computed on the first
+  /// photograph.
+  SeedsSimulation(const SeedsRunConfig& config, std::uint64_t seed, int scene_index);
+  ~SeedsSimulation();
+  SeedsSimulation(SeedsSimulation&&) noexcept;
+
+  const Scene& scene() const;
+  const RayScene& rays() const;
+  const std::vector<TrueView>& views() const;  ///< of the rig's first sensor
+
+  /// Linear radiance of one view, before the sensor, by the renderer that the configuration names.
+  /// `repeat` draws other Monte-Carlo samples of the same view and of the light cache, to measure
+  /// the renderer's own noise.
+  Image<Rgbf> radiance(int frame, std::uint64_t repeat = 0) const;
+  const RigCapture& rig() const;
+  /// The same for a rig; the first call fills the light cache. The simulation must outlive it.
+  RadianceRenderer renderer() const;
+  /// What the rig hands over for one view, of the streams asked for, and what is true of its depth.
+  /// @param repeat  another number: the same with other noise of the colour
+  RigFrame take(int frame, const Streams& streams, std::uint64_t repeat = 0) const;
+  /// What the first sensor sees. The depth sensor's truth comes with take().
+  TruthImages truth(int frame, const TruthNeeds& needs) const;
+
+  /// The capture without frames: rig, pipeline, board.
+  Capture capture_header() const;
+  /// Truth without images.
+  SceneTruth scene_truth() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What the rig's first sensor sees in one frame, of what is asked for; the depth sensor's truth
+/// comes with RigCapture::take.
+TruthImages true_images(const RayScene& rays, const Scene& scene, const RigCapture& rig, int frame,
+                        const TruthNeeds& needs);
+
+/// All frames of a scene and the truth that `needs` asks for, in memory, with the seconds of each
+/// pass. Streams are those of planned_streams().
+struct SimulatedRun {
+  Capture capture;
+  SceneTruth truth;
+  std::vector<StageTiming> timings;
+  StageTiming radiance;  ///< part of `render`: "radiance_by_cached" or "radiance_by_paths"
+};
+SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, int scene_index,
+                            const TruthNeeds& needs, const Progress& progress = {});
+/// The same of the streams that are asked for.
+SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, int scene_index,
+                            const Streams& streams, const TruthNeeds& needs,
+                            const Progress& progress = {});
+
+}  // namespace cousin

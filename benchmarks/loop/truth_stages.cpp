@@ -1,0 +1,345 @@
+#include "benchmarks/loop/truth_stages.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "benchmarks/loop/true_outline.h"
+#include "sim/geometry/measure.h"
+#include "sim/truth/specimens.h"
+
+namespace cousin {
+namespace {
+
+std::optional<std::int32_t> instance_at(const TruthImages& truth, const Eigen::Vector2d& pixel) {
+  const int x = static_cast<int>(std::lround(pixel.x()));
+  const int y = static_cast<int>(std::lround(pixel.y()));
+  if (!truth.instance.contains(x, y)) return std::nullopt;
+  return truth.instance(x, y);
+}
+
+int board_id(const Scene& scene) {
+  for (const Instance& instance : scene.instances) {
+    if (instance.category == "board") return instance.id;
+  }
+  return -2;  // no board: no pixel carries this id
+}
+
+Corners true_corners(const SimulatedRun& run, const SeedBoard& board) {
+  const int id = board_id(run.truth.scene);
+  Corners result;
+  for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
+    const TrueView& view = run.truth.views[f];
+    FrameCorners frame;
+    frame.frame = view.frame;
+    for (int row = 0; row < board.squares - 1; ++row) {
+      for (int column = 0; column < board.squares - 1; ++column) {
+        if (!corner_exists(board, column, row)) continue;
+        const auto pixel = project_rolling(view, corner_in_world_m(board, column, row));
+        if (!pixel || instance_at(run.truth.images[f], *pixel) != id) continue;
+        frame.corners.push_back({column, row, *pixel, isotropic_px2(0.01)});
+      }
+    }
+    frame.status = frame.corners.size() >= 12 ? BoardStatus::ok : BoardStatus::too_few_corners;
+    result.push_back(std::move(frame));
+  }
+  return result;
+}
+
+Poses true_poses(const SimulatedRun& run) {
+  Poses result;
+  for (const TrueView& view : run.truth.views) {
+    FramePose pose;
+    pose.frame = view.frame;
+    pose.status = PoseStatus::ok;
+    pose.camera_from_world = middle_pose(view);
+    pose.camera = view.camera;
+    pose.rms_px = 0;
+    result.push_back(pose);
+  }
+  return result;
+}
+
+/// Boxes and masks of the pixels that show a specimen. The first sensor's images only.
+Boxes true_boxes(const SimulatedRun& run) {
+  Boxes result;
+  const auto objects = specimens_of(run.truth.scene);
+  for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
+    const Image<std::int32_t>& seen = run.truth.images[f].instance;
+    for (std::size_t k = 0; k < objects.size(); ++k) {
+      Eigen::Vector2i low(seen.width(), seen.height()), high(-1, -1);
+      for (int y = 0; y < seen.height(); ++y) {
+        for (int x = 0; x < seen.width(); ++x) {
+          if (seen(x, y) != objects[k]->id) continue;
+          low = low.cwiseMin(Eigen::Vector2i(x, y));
+          high = high.cwiseMax(Eigen::Vector2i(x, y));
+        }
+      }
+      if (high.x() < 0) continue;
+      DetectedBox box;
+      box.frame = run.truth.views[f].frame;
+      box.id = static_cast<int>(result.size());
+      box.instance = static_cast<int>(k);
+      box.low_px = low.cast<double>().array() - 0.5;
+      box.high_px = high.cast<double>().array() + 0.5;
+      box.image_px = {seen.width(), seen.height()};
+      box.mask_at_px = low;
+      box.mask = Image<std::uint8_t>(high.x() - low.x() + 1, high.y() - low.y() + 1);
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int x = low.x(); x <= high.x(); ++x)
+          box.mask(x - low.x(), y - low.y()) = seen(x, y) == objects[k]->id ? 255 : 0;
+      }
+      result.push_back(std::move(box));
+    }
+  }
+  return result;
+}
+
+/// Keypoints in the order of each specimen's model. The first sensor's images only.
+Keypoints true_keypoints(const SimulatedRun& run) {
+  Keypoints result;
+  const auto objects = specimens_of(run.truth.scene);
+  for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
+    for (std::size_t k = 0; k < objects.size(); ++k) {
+      KeypointDetection detection;
+      detection.frame = run.truth.views[f].frame;
+      detection.id = static_cast<int>(result.size());
+      detection.instance = static_cast<int>(k);
+      for (const KeypointView& view : run.truth.images[f].keypoints) {
+        if (view.instance != objects[k]->id) continue;
+        const bool is_seen = view.state == PointState::visible;
+        const bool is_inside = is_seen || view.state == PointState::occluded;
+        detection.points.push_back({is_seen     ? KeypointStatus::seen
+                                    : is_inside ? KeypointStatus::hidden
+                                                : KeypointStatus::missing,
+                                    view.pixel_px, 0});
+      }
+      if (!detection.points.empty()) result.push_back(std::move(detection));
+    }
+  }
+  return result;
+}
+
+Depths true_depths(const SimulatedRun& run) {
+  Depths result;
+  for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
+    result.push_back({run.truth.views[f].frame, run.truth.images[f].depth_m, {}});
+  }
+  return result;
+}
+
+/// Whether a view sees the point: its depth there is the first surface's, within half a per mille.
+bool sees(const TrueView& view, const TruthImages& truth, const Eigen::Vector3d& point_in_world_m) {
+  const auto pixel = project_rolling(view, point_in_world_m);
+  if (!pixel) return false;
+  const int x = static_cast<int>(std::lround(pixel->x()));
+  const int y = static_cast<int>(std::lround(pixel->y()));
+  if (!truth.depth_m.contains(x, y)) return false;
+  const double depth_m = (pose_at_row(view, pixel->y()) * point_in_world_m).z();
+  return std::abs(truth.depth_m(x, y) - depth_m) < 5e-4 * depth_m;
+}
+
+/// Points of the specimens' true surfaces that at least two views see, with exact normals; about
+/// one a quarter millimetre.
+Clusters true_clusters(const SimulatedRun& run) {
+  constexpr double kSpacing_m = 0.00025;
+  Clusters result;
+  const auto objects = specimens_of(run.truth.scene);
+  for (std::size_t k = 0; k < objects.size(); ++k) {
+    const Mesh mesh = mesh_in_world(run.truth.scene, *objects[k]);
+    std::map<std::array<int, 3>, bool> taken;
+    for (const auto& t : mesh.triangles) {
+      const Eigen::Vector3d a = mesh.vertices_m[t[0]], b = mesh.vertices_m[t[1]],
+                            c = mesh.vertices_m[t[2]];
+      const Eigen::Vector3d point = (a + b + c) / 3;
+      const std::array<int, 3> cell = {static_cast<int>(std::floor(point.x() / kSpacing_m)),
+                                       static_cast<int>(std::floor(point.y() / kSpacing_m)),
+                                       static_cast<int>(std::floor(point.z() / kSpacing_m))};
+      if (taken[cell]) continue;
+      const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
+      int seen = 0;
+      for (std::size_t f = 0; f < run.truth.views.size() && seen < 2; ++f) {
+        const Eigen::Vector3d to_camera =
+            centre_in_world_m(run.truth.views[f].camera_from_world) - point;
+        if (normal.dot(to_camera) > 0.2 * to_camera.norm() &&
+            sees(run.truth.views[f], run.truth.images[f], point)) {
+          ++seen;
+        }
+      }
+      if (seen < 2) continue;
+      taken[cell] = true;
+      result.cloud.push_back({point.cast<float>(), normal.cast<float>(), {128, 128, 128}, 1e-5F});
+      result.instance.push_back(static_cast<int>(k));
+    }
+  }
+  result.count = static_cast<int>(objects.size());
+  return result;
+}
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Outer boundary of the contour as seen from its middle: the farthest crossing along each
+/// direction.
+std::vector<Eigen::Vector2d> outer_boundary(const std::vector<TrueOutlineSegment>& segments,
+                                            int directions) {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const TrueOutlineSegment& s : segments)
+    middle += (s[0] + s[1]) / (2.0 * static_cast<double>(segments.size()));
+  std::vector<double> radius(static_cast<std::size_t>(directions), 0);
+  const double step = 2 * std::numbers::pi / directions;
+  for (const TrueOutlineSegment& s : segments) {
+    const Eigen::Vector2d a = s[0] - middle, b = s[1] - middle;
+    double from = std::atan2(a.y(), a.x()), to = std::atan2(b.y(), b.x());
+    if (from > to) std::swap(from, to);
+    if (to - from > std::numbers::pi) {  // across the cut of atan2
+      std::swap(from, to);
+      to += 2 * std::numbers::pi;
+    }
+    for (int i = static_cast<int>(std::ceil(from / step));
+         i <= static_cast<int>(std::floor(to / step)); ++i) {
+      const Eigen::Vector2d d(std::cos(i * step), std::sin(i * step));
+      const double denominator = cross(d, b - a);
+      if (std::abs(denominator) < 1e-15) continue;
+      double& r = radius[static_cast<std::size_t>(((i % directions) + directions) % directions)];
+      r = std::max(r, cross(a, b - a) / denominator);
+    }
+  }
+  std::vector<Eigen::Vector2d> boundary;
+  for (int i = 0; i < directions; ++i) {
+    const double r = radius[static_cast<std::size_t>(i)];
+    if (r > 0)
+      boundary.push_back(middle + r * Eigen::Vector2d(std::cos(i * step), std::sin(i * step)));
+  }
+  return boundary;
+}
+
+Silhouettes true_silhouettes(const SimulatedRun& run) {
+  Silhouettes result;
+  const auto objects = specimens_of(run.truth.scene);
+  for (std::size_t k = 0; k < objects.size(); ++k) {
+    const Mesh mesh = mesh_in_world(run.truth.scene, *objects[k]);
+    for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
+      const TrueView& view = run.truth.views[f];
+      const std::vector<TrueOutlineSegment> contour = true_contour(mesh, view);
+      if (contour.size() < 3) continue;
+      const std::vector<Eigen::Vector2d> boundary = outer_boundary(contour, 240);
+      Silhouette silhouette{view.frame, static_cast<int>(k), {}};
+      for (std::size_t i = 0; i < boundary.size(); ++i) {
+        const Eigen::Vector2d& next = boundary[(i + 1) % boundary.size()];
+        const Eigen::Vector2d& previous = boundary[(i + boundary.size() - 1) % boundary.size()];
+        const Eigen::Vector2d along = (next - previous).normalized();
+        const Eigen::Vector2d normal(along.y(),
+                                     -along.x());  // the angle grows from x to y: outward
+        OutlinePoint point{boundary[i].cast<float>(), normal.cast<float>(), 0.01F, true};
+        const auto inside = instance_at(run.truth.images[f], boundary[i] - 1.5 * normal);
+        const auto outside = instance_at(run.truth.images[f], boundary[i] + 1.5 * normal);
+        const auto is_other = [&](std::int32_t id) {
+          return std::any_of(objects.begin(), objects.end(),
+                             [&](const Instance* o) { return o->id == id && o != objects[k]; });
+        };
+        point.on_object = inside && outside && !is_other(*inside) && !is_other(*outside);
+        silhouette.outline.push_back(point);
+      }
+      result.push_back(std::move(silhouette));
+    }
+  }
+  return result;
+}
+
+Surfaces true_surfaces(const SimulatedRun& run) {
+  Surfaces result;
+  for (const Instance* object : specimens_of(run.truth.scene)) {
+    Surface surface;
+    surface.instance = static_cast<int>(result.size());
+    surface.status = SurfaceStatus::ok;
+    surface.mesh = mesh_in_world(run.truth.scene, *object);
+    surface.points_m = surface.mesh.vertices_m;
+    result.push_back(std::move(surface));
+  }
+  return result;
+}
+
+Traits true_traits(const SimulatedRun& run) {
+  Traits result;
+  for (const Instance* object : specimens_of(run.truth.scene)) {
+    SpecimenTraits traits;
+    traits.instance = static_cast<int>(result.size());
+    traits.status = TraitStatus::ok;
+    traits.centroid_in_world_m =
+        mass_properties(mesh_in_world(run.truth.scene, *object)).centroid_m;
+    for (const TrueTrait& trait : object->traits) {
+      traits.traits.push_back({trait.name, trait.unit, trait.value, 0});
+    }
+    result.push_back(std::move(traits));
+  }
+  return result;
+}
+
+/// The row of a stage whose seam is a function of the run alone.
+template <auto kStage, auto kTrue>
+constexpr TruthRow row_of(std::string_view stage) {
+  return {stage, [](Stages& stages, const SimulatedRun& run, const SeedBoard&) {
+            stages.*kStage = [&run](const Capture&, const Estimate&) { return kTrue(run); };
+          }};
+}
+
+Cloud true_cloud(const SimulatedRun& run) { return true_clusters(run).cloud; }
+
+void put_corners(Stages& stages, const SimulatedRun& run, const SeedBoard& board) {
+  stages.corners = [&run, board](const Capture&, const Estimate&) {
+    return true_corners(run, board);
+  };
+}
+
+}  // namespace
+
+TruthNeeds truth_stage_needs() {
+  TruthNeeds needs;
+  needs.depth = true;
+  needs.instance = true;
+  return needs;
+}
+
+std::span<const TruthRow> truth_table() {
+  static constexpr auto kRows = std::to_array<TruthRow>({
+      {"corners", put_corners},
+      row_of<&Stages::poses, true_poses>("poses"),
+      {"splats", nullptr, "no set of Gaussians is the true one"},
+      row_of<&Stages::boxes, true_boxes>("boxes"),
+      row_of<&Stages::keypoints, true_keypoints>("keypoints"),
+      row_of<&Stages::depth, true_depths>("depth"),
+      row_of<&Stages::cloud, true_cloud>("cloud"),
+      row_of<&Stages::clusters, true_clusters>("clusters"),
+      row_of<&Stages::masks, true_silhouettes>("masks"),
+      {"fits", nullptr, "a fit's model is its pipeline's own"},
+      row_of<&Stages::surfaces, true_surfaces>("surfaces"),
+      row_of<&Stages::traits, true_traits>("traits"),
+  });
+  return kRows;
+}
+
+const TruthRow& truth_row(std::string_view stage) {
+  for (const TruthRow& row : truth_table()) {
+    if (row.stage == stage) return row;
+  }
+  throw std::logic_error("stage \"" + std::string(stage) + "\" has no truth row");
+}
+
+Stages truth_stages(const SimulatedRun& run, const SeedBoard& board) {
+  if (run.truth.images.size() != run.truth.views.size()) {
+    throw std::invalid_argument("true seams need truth images of every view");
+  }
+  Stages stages;
+  for (const TruthRow& row : truth_table()) {
+    if (row.put) row.put(stages, run, board);
+  }
+  return stages;
+}
+
+}  // namespace cousin

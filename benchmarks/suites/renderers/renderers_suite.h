@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "benchmarks/score/scores.h"
+#include "benchmarks/loop/report_scene.h"
+#include "benchmarks/loop/simulate.h"
+#include "sim/config/fields.h"
+
+namespace cousin {
+
+struct RenderersConfig {
+  std::uint64_t seed = 1;
+  std::filesystem::path folder;  ///< for Blender's files (cycles/) and references (references/)
+  int threads = 2;               ///< of Cycles
+  int width_px = 640, height_px = 480;
+  std::vector<double> samples = {4, 16, 64};             ///< a pixel, of both renderers
+  std::vector<double> adaptive_samples = {32, 64, 128};  ///< a pixel on average, of ours
+  std::vector<double> thresholds = {0.05, 0.02, 0.01};   ///< of Cycles' adaptive sampling
+  int most_samples = 1024;                               ///< a pixel, of Cycles' adaptive sampling
+  int reference_passes = 4;     ///< of each renderer's converged image; below 2: none
+  int reference_samples = 256;  ///< a pixel of a pass
+  int closed_form_samples = 1 << 20;
+};
+Fields fields(RenderersConfig& config);
+/// Fewer samples, no reference.
+RenderersConfig quick(RenderersConfig config);
+
+struct RenderersResult {
+  ScoreFile file;
+  ReportScene pictures;  ///< ours, Cycles', their differences in light and in depth
+};
+
+/// The path tracer against closed forms, and beside Cycles on the leafy scene: agreement of
+/// geometry and mean radiance, error against seconds at several sample counts, plain and adaptive,
+/// and the ratio of the times to one error. An image's error is against its renderer's own
+/// converged image, which shows noise and bias, and beside it from pairs of images, which shows
+/// noise alone. The converged images' passes are kept in references/ and rendered once; a pass is
+/// minutes. Without Blender the rows beside it say `not_built`.
+RenderersResult renderers_suite(const RenderersConfig& config, const Progress& progress = {});
+
+}  // namespace cousin

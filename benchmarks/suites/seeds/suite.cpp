@@ -1,0 +1,310 @@
+#include "benchmarks/suites/seeds/suite.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <optional>
+#include <utility>
+
+#include "benchmarks/loop/attribution.h"
+#include "benchmarks/suites/seeds/capture_store.h"
+#include "benchmarks/loop/perceive.h"
+#include "benchmarks/loop/plan.h"
+#include "benchmarks/suites/seeds/render_noise.h"
+#include "benchmarks/loop/report_scene.h"
+#include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/suites/seeds/suite_jobs.h"
+#include "benchmarks/suites/seeds/trained_models.h"
+#include "benchmarks/loop/truth_stages.h"
+#include "perception/sfm/colmap_run.h"
+#include "sim/dataset/manifest.h"
+
+namespace cousin {
+namespace {
+
+Capture subset(const Capture& capture, int views) {
+  Capture part = capture;
+  part.frames.clear();
+  const int all = static_cast<int>(capture.frames.size());
+  for (int i = 0; i < views; ++i)
+    part.frames.push_back(capture.frames[static_cast<std::size_t>(i * all / views)]);
+  return part;
+}
+
+SceneTruth subset(const SceneTruth& truth, int views) {
+  SceneTruth part = truth;
+  part.views.clear();
+  part.images.clear();
+  const int all = static_cast<int>(truth.views.size());
+  for (int i = 0; i < views; ++i)
+    part.views.push_back(truth.views[static_cast<std::size_t>(i * all / views)]);
+  return part;
+}
+
+/// The paper's steps on the cloud that ours made: same poses, depth and points.
+Estimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineConfig& config,
+                             std::uint64_t seed, const Estimate& ours) {
+  SeedsPipelineConfig paper = config;
+  paper.method = SeedsMethod::paper;
+  Stages stages = seeds_stages(paper, seed);
+  stages.corners = nullptr;
+  stages.poses = nullptr;
+  stages.depth = nullptr;
+  stages.cloud = [&ours](const Capture&, const Estimate&) { return ours.cloud; };
+  Estimate estimate = run_seeds(capture, paper, stages);
+  estimate.poses = ours.poses;
+  // Its seconds include those of the stages it shares.
+  std::vector<StageTiming> timings;
+  for (const StageTiming& t : ours.timings) {
+    if (t.stage == "corners" || t.stage == "poses" || t.stage == "depth" || t.stage == "cloud")
+      timings.push_back(t);
+  }
+  for (const StageTiming& t : estimate.timings) {
+    if (t.stage != "cloud") timings.push_back(t);
+  }
+  estimate.timings = timings;
+  return estimate;
+}
+
+/// Corners and poses, and nothing after them.
+Estimate posed_alone(const Capture& capture, const SeedsPipelineConfig& config,
+                     std::uint64_t seed) {
+  const Stages all = seeds_stages(config, seed);
+  Stages stages;
+  stages.corners = all.corners;
+  stages.poses = all.poses;
+  return run_seeds(capture, config, stages);
+}
+
+/// Measures by models trained on all views of a capture. @return what our Gaussians found
+Estimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
+                             ScoreFile& file) {
+  MeasuredModel reference, ours;
+  if (job.trained.reference) {
+    task.at = job.trained.reference_at;
+    reference = measure_by_splats(task, SeedsMethod::splats_paper);
+    if (!job.pooled) reference.file.specimens.clear();
+    append(reference.file, file);
+    if (task.pipeline.splats.poses != SplatPoses::board) task.posed_by = &reference.estimate;
+  }
+  if (job.trained.ours) {
+    task.at = job.trained.ours_at;
+    ours = measure_by_splats(task, SeedsMethod::splats);
+    if (!job.pooled) ours.file.specimens.clear();
+    append(ours.file, file);
+  }
+  task.at = {};
+  for (const int steps : job.trained.ours_steps) {
+    SeedsTrainingTask own = task;
+    own.pipeline.splats.steps = steps;
+    if (!own.unfinished.empty()) own.unfinished /= "splats" + std::to_string(steps);
+    MeasuredModel model = measure_by_splats(own, SeedsMethod::splats);
+    model.file.specimens.clear();
+    append(model.file, file);
+  }
+  for (const int steps : job.trained.images_steps)
+    append({.scores = measure_for_images(task, steps)}, file);
+  task.at = job.trained.ngp_at;
+  const bool lacks_poses = !task.at.empty() && poses.empty();
+  const Poses used =
+      lacks_poses ? posed_alone(task.run->capture, task.pipeline, task.stage_seed).poses : poses;
+  append({.scores = measure_by_ngp(task, used)}, file);
+  return std::move(ours.estimate);
+}
+
+/// What structure from motion said, if it was that which failed.
+std::optional<SfmStatus> why_no_poses(const StageError& error) {
+  try {
+    std::rethrow_if_nested(error);
+  } catch (const NoPosesError& none) {
+    return none.status;
+  } catch (...) {  // something else: the caller has the error
+  }
+  return {};
+}
+
+/// The same by poses that COLMAP finds once for all of them, where the job has these; where it
+/// found none for these photographs a row says so. What the machine did to it is an error: another
+/// try may end well.
+Estimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
+                     ScoreFile& file) {
+  const SplatPoses from = job.config.pipeline.splats.poses;
+  if (from == SplatPoses::board) return measured_by_trained(job, std::move(task), poses, file);
+  task.labels.case_name += kPosesOf + std::string(to_string(from));
+  if (!task.unfinished.empty()) task.sfm_folder = task.unfinished / "colmap";
+  ScoreRow row = labelled_row(task.labels);
+  try {
+    return measured_by_trained(job, std::move(task), poses, file);
+  } catch (const StageError& error) {
+    const std::optional<SfmStatus> why = why_no_poses(error);
+    if (!why || *why == SfmStatus::program_failed || *why == SfmStatus::timed_out) throw;
+    row.method = to_string(SeedsMethod::splats_paper);
+    row.metric = "poses: " + std::string(to_string(*why));
+    row.status = *why == SfmStatus::not_built ? ScoreStatus::not_built : ScoreStatus::not_solved;
+    file.scores.push_back(row);
+    return {};
+  }
+}
+
+/// Where a job's trainings go on from; nowhere if it has none.
+std::filesystem::path unfinished_of(const SuiteJob& job, const SeedsSuiteConfig& suite) {
+  if (!job.trained.splats || suite.unfinished.empty()) return {};
+  return suite.unfinished / std::filesystem::path(job.name).stem();
+}
+
+ScoreFile noise_of(const SuiteJob& job) {
+  const SeedsSimulation simulation(job.config, job.seed, job.run);
+  SeedsScoreLabels labels;
+  labels.suite = kSplatsSuite;
+  labels.scene = job.config.scene.cultivar;
+  labels.seed = job.seed;
+  labels.method = "photographs";
+  const Camera& camera = simulation.capture_header().rig.front().camera;
+  labels.case_name = labels.scene + " run " + std::to_string(job.run) + " " +
+                     std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px);
+  const NoiseFloor floor =
+      measure_noise_floor(simulation, job.config.pipeline.green, job.noise_views);
+  ScoreFile file;
+  for (const auto& [metric, value] : {std::pair("noise_floor.psnr", floor.psnr_db),
+                                      std::pair("noise_floor.psnr_object", floor.psnr_object_db),
+                                      std::pair("noise_floor.psnr_whole", floor.psnr_whole_db)}) {
+    ScoreRow row = labelled_row(labels);
+    row.metric = metric;
+    row.value = value;
+    row.unit = "dB";
+    row.n = job.noise_views;
+    file.scores.push_back(row);
+  }
+  return file;
+}
+
+std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
+                    const LearnedDistance* learned, const Progress& progress) {
+  if (job.noise_views > 0) return to_json(noise_of(job));
+  const SimulatedRun run = stored_seeds(suite.captures, job.config, job.seed, job.run,
+                                        planned_truth(job.attribution), progress);
+  ScoreFile file;
+  file.header.program_version = COUSIN_VERSION;
+  file.header.config_hash = config_hash(job.config, job.seed);
+  SeedsScoreLabels labels;
+  if (job.config.scene.spread == SizeSpread::paper) labels.suite = kPaperSpread;
+  if (job.trained.splats) labels.suite = kSplatsSuite;
+  labels.scene = job.config.scene.sphere ? "sphere" : job.config.scene.cultivar;
+  labels.run = std::to_string(job.run);
+  labels.seed = job.seed;
+  const Camera& camera = run.capture.rig.front().camera;
+  const std::string size = std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px);
+  const std::uint64_t stage_seed = Rng(job.seed).fork(static_cast<std::uint64_t>(job.run))();
+  for (const int views : job.view_counts) {
+    const bool all = views == static_cast<int>(run.capture.frames.size());
+    const Capture capture = subset(run.capture, views);
+    const SceneTruth truth = subset(run.truth, views);
+    labels.case_name =
+        labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " + size;
+    if (const int every = job.config.pipeline.splats.hold_out_every; every > 1)
+      labels.case_name += ", one in " + std::to_string(every) + " held out";
+    const SeedsTrainingTask training{.run = &run,
+                                     .pipeline = job.config.pipeline,
+                                     .stage_seed = stage_seed,
+                                     .labels = labels,
+                                     .learned = learned,
+                                     .progress = progress,
+                                     .unfinished = unfinished_of(job, suite)};
+    if (job.only_trained) {
+      add_trained(job, training, {}, file);
+      continue;
+    }
+    const Estimate ours =
+        perceive(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
+    const Estimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
+    for (const auto& [method, estimate] : {std::pair{"ours", &ours}, std::pair{"paper", &paper}}) {
+      labels.method = method;
+      SeedsScores scores = score_run(truth, *estimate, labels);
+      add_curve_rows(scores, *estimate, labels, file.scores);
+      file.scores.insert(file.scores.end(), scores.rows.begin(), scores.rows.end());
+      if (all && job.pooled) {
+        file.specimens.insert(file.specimens.end(), scores.specimens.begin(),
+                              scores.specimens.end());
+      }
+    }
+    const Estimate* shown = &ours;
+    Estimate by_splats;
+    if (all && job.trained.splats) {
+      by_splats = add_trained(job, training, ours.poses, file);
+      shown = &by_splats;
+    }
+    if (all && job.shown && !suite.report.empty())
+      write_report_scene(suite.report,
+                         report_scene(std::filesystem::path(job.name).stem(), run, *shown));
+    if (all && job.attribution) {
+      labels.method = "ours";
+      const auto steps = attribute(run, job.config.pipeline,
+                                         stages_of(job.config.pipeline, capture, stage_seed, {}, 0), labels,
+                                         &ours, progress);
+      for (ScoreRow& row : attribution_rows(steps, kSeedTraits, labels)) {
+        row.scene = labels.scene;
+        file.scores.push_back(std::move(row));
+      }
+    }
+  }
+  for (const StageTiming& timing : run.timings) {
+    ScoreRow row = labelled_row(labels);
+    row.case_name = labels.scene + " run " + labels.run + " " + size;
+    row.method = "simulator";
+    row.metric = "seconds." + timing.stage;
+    row.value = timing.wall_s;
+    row.unit = "s";
+    row.n = static_cast<std::int64_t>(run.capture.frames.size());
+    row.wall_s = timing.wall_s;
+    row.cpu_s = timing.cpu_s;
+    row.peak_rss_mb = timing.peak_rss_mb;
+    row.peak_above_start_mb = timing.peak_above_start_mb;
+    file.scores.push_back(std::move(row));
+  }
+  return to_json(file);
+}
+
+}  // namespace
+
+std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Progress& progress) {
+  std::shared_ptr<const LearnedDistance> learned;
+  std::string network;
+  if (!config.lpips.empty()) {
+    learned = load_learned_distance(config.lpips);
+    network = "/" + sha256_hex_of_file(config.lpips);
+  }
+  std::vector<ShardJob> jobs;
+  const std::string colmap = "/colmap " + colmap_version() +
+                             (COUSIN_WITH_CERES ? " adjusted, lens judged" : " without adjustment");
+  for (const SuiteJob& job : seeds_jobs(config)) {
+    std::string key =
+        std::string(COUSIN_VERSION) + resolved_toml(job.config) + std::to_string(job.seed) + "/" +
+        std::to_string(job.run) + (job.attribution ? "/attribution" : "") +
+        (job.trained.splats ? training_text(job.trained, job.config) + network : "") +
+        (job.trained.splats && job.config.pipeline.splats.poses != SplatPoses::board ? colmap
+                                                                                     : "") +
+        (job.noise_views > 0 ? "/noise 4 " + std::to_string(job.noise_views) : "") +
+        user_files_hash(job.config.scene) + built_in_tables();
+    for (const int views : job.view_counts) key += "/" + std::to_string(views);
+    jobs.push_back(
+        {job.name, key,
+         [job, config, learned, progress] { return run_job(job, config, learned.get(), progress); },
+         unfinished_of(job, config)});
+  }
+  return jobs;
+}
+
+std::string suite_toml(const SeedsSuiteConfig& config) {
+  const std::vector<SuiteJob> jobs = seeds_jobs(config);
+  std::string text = "# " + jobs.front().name + "\n" + resolved_toml(jobs.front().config) +
+                     "\n# All jobs: --seed " + std::to_string(config.seed) + "\n";
+  for (const SuiteJob& job : jobs) {
+    text += "# " + job.name + ", run " + std::to_string(job.run) + ":";
+    for (const std::string& set : job.sets) text += " --set " + set;
+    for (const std::string& set : config.sets) text += " --set " + set;
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace cousin

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "benchmarks/loop/run_config.h"
+#include "benchmarks/suites/seeds/suite.h"
+
+namespace cousin {
+
+/// Models that are trained on all views of a capture, and the steps after which they are measured
+/// beside their ends; none of a method without steps.
+struct TrainedJob {
+  bool splats = false;    ///< any of these
+  bool reference = true;  ///< the paper's way
+  bool ours = true;       ///< ours for surfaces
+  std::vector<int> reference_at, ours_at, ngp_at;
+  /// Of trainings of ours for surfaces and for images, each one of its own: they are on small
+  /// photographs first, so that one on its way is not one that ends there.
+  std::vector<int> ours_steps, images_steps;
+};
+
+/// One capture and what is measured on it.
+struct SuiteJob {
+  std::string name;
+  std::vector<std::string> sets;  ///< its own, before the user's
+  SeedsRunConfig config;
+  std::uint64_t seed = 0;
+  int run = 0;
+  std::vector<int>
+      view_counts;      ///< evenly spread subsets of the views; the last one is all of them
+  bool pooled = false;  ///< its specimens (all views) enter a table of many runs
+  bool attribution = false;
+  bool shown = false;  ///< the page has pictures of it
+  TrainedJob trained;
+  bool only_trained = false;  ///< all views by trained models, and by nothing else
+  int noise_views = 0;        ///< photographed twice, and nothing else is done
+};
+
+/// The suite's jobs in the order in which they run; equal ones once.
+std::vector<SuiteJob> seeds_jobs(const SeedsSuiteConfig& suite);
+
+/// What decides the trainings of a job, beside its configuration; empty: it has none.
+std::string training_text(const TrainedJob& job, SeedsRunConfig config);
+
+}  // namespace cousin

@@ -1,0 +1,91 @@
+#include "benchmarks/tools/detections/true_pictures.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "sim/config/toml_peek.h"
+#include "sim/dataset/capture_io.h"
+#include "sim/dataset/export/export_dataset.h"
+#include "sim/dataset/export/labels.h"
+#include "sim/dataset/links.h"
+
+namespace cousin {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::int64_t kFramesPerScene = 1'000'000;
+
+TrueObject object_of(const LabelledObject& labelled, const std::vector<Category>& categories) {
+  TrueObject object;
+  object.instance = labelled.instance->id;
+  object.name = labelled.instance->name;
+  object.category = categories[static_cast<std::size_t>(labelled.category) - 1].name;
+  object.mask = {labelled.box_x, labelled.box_y, labelled.mask};
+  object.box = {static_cast<double>(labelled.box_x), static_cast<double>(labelled.box_y),
+                static_cast<double>(labelled.mask.width()),
+                static_cast<double>(labelled.mask.height())};
+  object.area_px = labelled.area_px;
+  object.visible_fraction = labelled.visible_fraction;
+  for (const TrueTrait& trait : labelled.instance->traits) object.traits[trait.name] = trait.value;
+  return object;
+}
+
+/// The names that a file may call a picture: scene and frame, COCO's number, and the frame alone
+/// where there is one scene.
+void add_names(const ExportScene& scene, int frame, const std::string& name, bool is_only_scene,
+               const PictureSize& size, PictureNames& names) {
+  names.emplace(name, size);
+  names.emplace(std::to_string(kFramesPerScene * scene.number + frame), size);
+  if (is_only_scene) names.emplace(name.substr(name.size() - 6), size);
+}
+
+/// Scenes that show the same plants are one.
+std::string plant_of(const ExportScene& scene) {
+  const std::vector<std::string>& shared = scene.truth->shared_plants;
+  return shared.empty() ? "scene " + std::to_string(scene.number) : shared.front();
+}
+
+}  // namespace
+
+TruePictures read_true_pictures(const fs::path& dataset,
+                                const std::function<void(int, int)>& progress) {
+  const std::vector<fs::path> folders = scene_folders(dataset);
+  if (folders.empty())
+    throw std::runtime_error(dataset.string() + ": holds no scene (000000/rig.json)");
+  std::vector<ExportScene> scenes;
+  for (const fs::path& folder : folders) {
+    refuse_links_out(dataset, folder.filename());
+    scenes.push_back(read_export_scene(folder));
+    if (!scenes.back().truth)
+      throw std::runtime_error(folder.string() + ": there is no truth/ to score against");
+    require_labels(scenes.back(), false);
+  }
+  const std::vector<Category> categories = categories_of(scenes);
+  TruePictures all;
+  for (const Category& category : categories) all.categories.push_back(category.name);
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    const ExportScene& scene = scenes[s];
+    if (progress) progress(static_cast<int>(s), static_cast<int>(scenes.size()));
+    const fs::path config = scene.folder / "truth/config.toml";
+    std::string light = fs::exists(config) ? toml_text_of(config, "scene", "light") : "";
+    if (light == "drawn") light.clear();  // another one each scene, which truth does not name
+    for (const ExportPicture* picture : labelled_pictures(scene)) {
+      TruePicture one;
+      one.file = picture->file;
+      one.name = picture_name(scene, *picture);
+      one.light = light;
+      one.plant = plant_of(scene);
+      const Camera camera = camera_of(scene, *picture, false).camera;
+      one.width_px = camera.width_px;
+      one.height_px = camera.height_px;
+      for (const LabelledObject& object : labels_of(scene, *picture, categories, {}))
+        one.objects.push_back(object_of(object, categories));
+      add_names(scene, scene.capture.frames[picture->frame].id, one.name, scenes.size() == 1,
+                {all.pictures.size(), one.width_px, one.height_px}, all.names);
+      all.pictures.push_back(std::move(one));
+    }
+  }
+  return all;
+}
+
+}  // namespace cousin

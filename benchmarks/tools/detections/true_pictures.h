@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "benchmarks/tools/detections/found_files.h"
+
+namespace cousin {
+
+/// A specimen as a picture shows it.
+struct TrueObject {
+  int instance = 0;
+  std::string name;      ///< "fruit 03"
+  std::string category;  ///< as in the scene: maturity, variety, cultivar
+  PictureBox box;        ///< of what is seen
+  PlacedMask mask;       ///< of what is seen
+  std::int64_t area_px = 0;
+  double visible_fraction = 0;
+  std::map<std::string, double> traits;  ///< SI
+};
+
+/// A picture of the first sensor, with what it shows.
+struct TruePicture {
+  std::filesystem::path file;
+  std::string name;   ///< "000001_000012": scene and frame
+  std::string light;  ///< as the scene's configuration names it; empty if it does not
+  std::string plant;  ///< pictures of the same plants share it: intervals are over plants
+  int width_px = 0, height_px = 0;
+  std::vector<TrueObject> objects;
+};
+
+struct TruePictures {
+  std::vector<TruePicture> pictures;
+  std::vector<std::string> categories;  ///< sorted; a class of a file is a place, from 1
+  PictureNames names;                   ///< that files of detections may use
+};
+
+/// @param progress  called with scenes done and in all
+/// @throws std::runtime_error naming the scene and the truth that `render` must write
+TruePictures read_true_pictures(const std::filesystem::path& dataset,
+                                const std::function<void(int, int)>& progress = {});
+
+}  // namespace cousin

@@ -1,0 +1,65 @@
+#include "perception/pipelines/pipeline_table.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace cousin {
+
+// Each is in its pipeline's own file.
+const PipelineRow& seeds_pipeline();
+const PipelineRow& strawberries_pipeline();
+const PipelineRow& views_pipeline();
+
+std::vector<const PipelineRow*> pipeline_table() {
+  return {&seeds_pipeline(), &strawberries_pipeline(), &views_pipeline()};
+}
+
+Fields fields(PipelineConfig& config) { return config.own_->keys(); }
+void validate(const PipelineConfig& config) { config.own_->check(); }
+std::string_view method_of(const PipelineConfig& config) { return config.own_->method(); }
+PipelineNeeds needs(const PipelineConfig& config) { return config.own_->reads(); }
+bool needs_sfm(const Capture& capture, const PipelineConfig& config) {
+  return config.own_->asks_sfm(capture);
+}
+void check_capture(const Capture& capture, const PipelineConfig& config) {
+  config.own_->check_images(capture);
+}
+std::vector<std::string> unused_settings(const PipelineConfig& config) {
+  return config.own_->unused();
+}
+Stages stages_for(const PipelineConfig& config, const Capture& capture, std::uint64_t seed,
+                  const SplatWatch& watch) {
+  return config.own_->make(capture, seed, watch);
+}
+const PipelineRow& row_of(const PipelineConfig& config) { return config.own_->row(); }
+
+Estimate run_pipeline(const Capture& capture, const PipelineConfig& config, const Stages& stages,
+                      const StageObserver& observer) {
+  validate(config);
+  if (!capture.frames.empty()) check_capture(capture, config);
+  return run_stages(capture, stages, row_of(config).order, observer);
+}
+
+std::string pipeline_names() {
+  std::string names;
+  for (const PipelineRow* row : pipeline_table())
+    names += (names.empty() ? "" : ", ") + std::string(row->name);
+  return names;
+}
+
+const PipelineRow& pipeline_row(std::string_view name) {
+  for (const PipelineRow* row : pipeline_table()) {
+    if (row->name == name || (!name.empty() && row->old_name == name)) return *row;
+  }
+  throw std::invalid_argument("pipeline \"" + std::string(name) + "\" is not one of: " +
+                              pipeline_names());
+}
+
+const PipelineRow* pipeline_of_scene(std::string_view scene) {
+  for (const PipelineRow* row : pipeline_table()) {
+    if (std::find(row->scenes.begin(), row->scenes.end(), scene) != row->scenes.end()) return row;
+  }
+  return nullptr;
+}
+
+}  // namespace cousin
