@@ -31,7 +31,7 @@ Depths aligned_depths(const Capture& capture, const SensorDepthConfig& config) {
   return depths_of_sensor(capture, cameras, all, config);
 }
 
-SpecimenTraits traits_of(const DetectedBox& box, const SurfacePoint& point) {
+SpecimenTraits traits_of(const DetectedBox& box, const FruitPoint& point) {
   SpecimenTraits traits;
   traits.instance = box.id;
   traits.frame = box.frame;

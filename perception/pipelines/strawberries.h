@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "perception/fruit/surface_point.h"
+#include "perception/fruit/fruit_point.h"
 #include "perception/pipelines/estimate.h"
 #include "perception/pipelines/pipeline_needs.h"
 #include "perception/pipelines/seeds_splats.h"
@@ -20,7 +20,7 @@ enum class StrawberriesMethod { ours, paper };
 struct StrawberriesPipelineConfig {
   StrawberriesMethod method = StrawberriesMethod::ours;
   SensorDepthConfig sensor_depth{.max_sigma_m = 0.05, .level_on_plate = false};
-  SurfacePointConfig point;
+  FruitPointConfig point;
 };
 Fields fields(StrawberriesPipelineConfig& config);
 void validate(const StrawberriesPipelineConfig& config);

@@ -214,7 +214,7 @@ TEST(AppCommandLine, AConfigurationFileThatIsWrongIsWrongUsage) {
   EXPECT_EQ(wrong.code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("bad.toml:3: unknown key 'scene.sedes'; the nearest key is "
                                    "'scene.seeds'"));
-  const Outcome absent = program.run({"perceive", "data", "--config", "absent.toml"});
+  const Outcome absent = program.run({"perceive", "data", "--pipeline", "seeds", "--config", "absent.toml"});
   EXPECT_EQ(absent.code, 2);
   EXPECT_THAT(absent.err, HasSubstr("absent.toml: no such file"));
   const Outcome rig = program.run({"run", "seeds", "--plan", "--set", "rig=bad.toml"});
@@ -243,7 +243,8 @@ TEST(AppCommandLine, SetNamesKeyValueAndLimit) {
     EXPECT_THAT(refusal(verb + Words{"--set", "rig.distortion=[-5,0,0,0,0]"}),
                 HasSubstr("distortion folds inside the image"));
   }
-  EXPECT_THAT(refusal({"perceive", "dataset", "--set", "green.sedes=3"}), HasSubstr("green.sedes"));
+  EXPECT_THAT(refusal({"perceive", "dataset", "--pipeline", "seeds", "--set", "green.sedes=3"}),
+              HasSubstr("green.sedes"));
   EXPECT_THAT(refusal({"bench", "stability", "--set", "seeds=3"}),
               HasSubstr("suite \"stability\" takes no --set"));
   EXPECT_THAT(refusal({"bench", "--set", "sedes=3"}), HasSubstr("unknown key 'sedes'"));

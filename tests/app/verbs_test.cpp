@@ -221,10 +221,10 @@ TEST(AppVerbs, AFolderOfImagesIsImported) {
   EXPECT_EQ(program.run({"verify", "real"}).code, 0);
   const Outcome unnamed = program.run({"perceive", "real", "--out", "est"});
   EXPECT_EQ(unnamed.code, 2);
-  EXPECT_THAT(unnamed.err, HasSubstr("give --pipeline seeds"));
+  EXPECT_THAT(unnamed.err, HasSubstr("give --pipeline, one of seeds"));
   const Outcome other = program.run({"perceive", "real", "--out", "est", "--pipeline", "roots"});
   EXPECT_EQ(other.code, 2);
-  EXPECT_THAT(other.err, HasSubstr("--pipeline \"roots\""));
+  EXPECT_THAT(other.err, HasSubstr("pipeline \"roots\" is not one of: seeds"));
 
   const Outcome no_file = program.run(import + Words{"--intrinsics", "camera.yaml"});
   EXPECT_EQ(no_file.code, 3);

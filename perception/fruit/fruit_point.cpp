@@ -1,4 +1,4 @@
-#include "perception/fruit/surface_point.h"
+#include "perception/fruit/fruit_point.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -77,8 +77,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-SurfacePoint none(const std::string& why) {
-  SurfacePoint point;
+FruitPoint none(const std::string& why) {
+  FruitPoint point;
   point.why_none = why;
   return point;
 }
@@ -89,7 +89,7 @@ struct Patch {
   double kept = 0;  ///< sum of the weights
 };
 
-Patch fit_patch(const std::vector<DepthSample>& samples, const SurfacePointConfig& config) {
+Patch fit_patch(const std::vector<DepthSample>& samples, const FruitPointConfig& config) {
   constexpr int kRounds = 12;
   constexpr double kTukey = 4.685;       // 95 % as sharp as least squares where errors are normal
   constexpr double kLeastScale_m = 1e-4;  // steps of the sensor's own numbers
@@ -136,7 +136,7 @@ Patch fit_patch(const std::vector<DepthSample>& samples, const SurfacePointConfi
 
 }  // namespace
 
-Fields fields(SurfacePointConfig& c) {
+Fields fields(FruitPointConfig& c) {
   return {
       {"paper_window_px", &c.paper_window_px,
        "method paper: side of the window where the middle of a box has no depth", 1, 101},
@@ -153,13 +153,13 @@ Fields fields(SurfacePointConfig& c) {
       {"lens_sigma_px", &c.lens_sigma_px, "sigma of what the reported lens is off", 0, 100}};
 }
 
-void validate(const SurfacePointConfig& config) {
-  SurfacePointConfig copy = config;
+void validate(const FruitPointConfig& config) {
+  FruitPointConfig copy = config;
   check_limits(fields(copy), "point");
 }
 
-SurfacePoint point_by_paper(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                            const SurfacePointConfig& config) {
+FruitPoint point_by_paper(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
+                            const FruitPointConfig& config) {
   if (depth.depth_m.empty()) return none("the frame has no depth");
   const Eigen::Vector2i at = middle_px(box);
   double z_m = kNaN;
@@ -175,14 +175,14 @@ SurfacePoint point_by_paper(const FrameDepth& depth, const Camera& camera, const
     z_m = 0;
     for (const double z : found) z_m += z / static_cast<double>(found.size());
   }
-  SurfacePoint point;
+  FruitPoint point;
   point.point_m = {(at.x() - camera.cx_px) * z_m / camera.fx_px,
                    (at.y() - camera.cy_px) * z_m / camera.fy_px, z_m};
   return point;
 }
 
-SurfacePoint point_by_patch(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                            const SurfacePointConfig& config) {
+FruitPoint point_by_patch(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
+                            const FruitPointConfig& config) {
   if (depth.depth_m.empty()) return none("the frame has no depth");
   const Eigen::Vector2d size_px = box.high_px - box.low_px;
   const int side_px = std::max(config.least_window_px,
@@ -205,7 +205,7 @@ SurfacePoint point_by_patch(const FrameDepth& depth, const Camera& camera, const
   for (const DepthSample& s : samples) {
     if (std::isfinite(s.sigma_m)) unit_m = std::max(unit_m, config.unit_sigmas * s.sigma_m);
   }
-  SurfacePoint point;
+  FruitPoint point;
   point.point_m = patch.depth_m * way;
   const double lens_m = config.lens_sigma_px * patch.depth_m / camera.fx_px;
   const double along_m = std::hypot(patch.sigma_m, unit_m);

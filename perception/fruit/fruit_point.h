@@ -9,7 +9,7 @@
 namespace cousin {
 
 /// Where a fruit's surface is under the middle of its box, from depth aligned to the colour image.
-struct SurfacePointConfig {
+struct FruitPointConfig {
   /// The paper's rule: side of the window where the pixel itself has no depth, and how far from
   /// its median depths may be [Strawberries 2.6; the distance is free].
   int paper_window_px = 5;
@@ -27,11 +27,11 @@ struct SurfacePointConfig {
   double unit_sigmas = 1;
   double lens_sigma_px = 1;
 };
-Fields fields(SurfacePointConfig& config);
-void validate(const SurfacePointConfig& config);
+Fields fields(FruitPointConfig& config);
+void validate(const FruitPointConfig& config);
 
 /// A point of a surface in a camera's axes, or why there is none.
-struct SurfacePoint {
+struct FruitPoint {
   std::string why_none;  ///< empty: it is found
   Eigen::Vector3d point_m = Eigen::Vector3d::Constant(kNaN);
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Constant(kNaN);  ///< NaN: not given
@@ -39,15 +39,15 @@ struct SurfacePoint {
 
 /// Depth at the middle pixel, or the mean of a window's where it has none, back-projected by a
 /// pinhole: X = (u - cx) Z / fx [Strawberries, equation 4]. It says nothing of its error.
-SurfacePoint point_by_paper(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                            const SurfacePointConfig& config = {});
+FruitPoint point_by_paper(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
+                            const FruitPointConfig& config = {});
 
 /// A curved patch z = a + b x + c y + d (x^2 + y^2) through the depths of a window, those of the
 /// box's mask where it has one, by least squares with Tukey's weights: what stands before or
 /// behind the fruit has no part in it. The point is the patch's under the middle of the box, or
 /// where the mask shows something else there, at its nearest pixel, on the lens's own ray.
 /// @param depth  with sigmas or without; without, the spread about the patch stands alone
-SurfacePoint point_by_patch(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                            const SurfacePointConfig& config = {});
+FruitPoint point_by_patch(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
+                            const FruitPointConfig& config = {});
 
 }  // namespace cousin
