@@ -1,14 +1,12 @@
 #include "benchmarks/loop/limits.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <string>
 #include <tuple>
 #include <utility>
 
-#include "benchmarks/score/equal_time.h"
 #include "benchmarks/loop/score_seeds.h"
 #include "perception/cloud/measure_traits.h"
 #include "scenes/seeds/seeds_scene.h"
@@ -29,48 +27,30 @@ bool is_trait(const std::string& trait) {
   return is_length(trait) || trait == "area" || trait == "volume";
 }
 
-std::string number(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-ScoreLimit at_most(double high, const std::string& text) {
-  ScoreLimit limit;
-  limit.high = high;
-  limit.text = "at most " + text;
-  return limit;
-}
-
 ScoreLimit rmse_limit(const std::string& species) {
-  const double limit_m = species == "maize" ? 0.00015 : 0.00008;
-  return at_most(limit_m, number("%.2f mm", limit_m * 1e3));
+  return at_most(species == "maize" ? 0.00015 : 0.00008);
 }
 
 /// Of a species, over its runs.
 std::optional<ScoreLimit> species_limit(const std::string& species, const std::string& trait,
                                         const std::string& statistic) {
-  if (trait == "length" && statistic == "solved") {  // what is not measured must not raise a score
-    ScoreLimit limit;
-    limit.low = 0.9;
-    limit.text = "at least 90 %";
-    return limit;
-  }
+  // What is not measured must not raise a score.
+  if (trait == "length" && statistic == "solved") return at_least(0.9);
   if (is_length(trait)) {
     if (statistic == "rmse") return rmse_limit(species);
-    if (statistic == "bias") return ScoreLimit{-0.00003, 0.00003, "within 0.03 mm"};
-    if (statistic == "slope") return ScoreLimit{0.97, 1.03, "1 ± 0.03"};
+    if (statistic == "bias") return about(0, 0.00003);
+    if (statistic == "slope") return between(0.97, 1.03);
   }
-  if (trait == "area" && statistic == "mape") return at_most(0.04, "4 %");
-  if (trait == "volume" && statistic == "mape") return at_most(0.05, "5 %");
-  if (trait == "views" && statistic == "posed") {
-    ScoreLimit limit;
-    limit.low = 0.95;
-    limit.text = "at least 95 %";
-    return limit;
-  }
-  if (trait == "camera" && statistic == "centre_rms") return at_most(0.0003, "0.30 mm");
+  if (trait == "area" && statistic == "mape") return at_most(0.04);
+  if (trait == "volume" && statistic == "mape") return at_most(0.05);
+  if (trait == "views" && statistic == "posed") return at_least(0.95);
+  if (trait == "camera" && statistic == "centre_rms") return at_most(0.0003);
   return std::nullopt;
+}
+
+/// Sixty views of 1280 x 720.
+bool is_of_sixty_small(const ScoreRow& row) {
+  return row.views == 60 && row.width_px == 1280 && row.height_px == 720;
 }
 
 /// Of models that are trained on the views.
@@ -80,31 +60,19 @@ std::optional<ScoreLimit> trained_limit(const ScoreRow& row) {
     const bool is_compared = row.method == "splats/splats_paper" && row.case_name == "all";
     const bool is_ratio =
         row.metric.ends_with(".rmse_ratio") && is_trait(row.metric.substr(0, row.metric.find('.')));
-    return is_compared && is_ratio ? std::optional(at_most(0.5, "0.5")) : std::nullopt;
+    return is_compared && is_ratio ? std::optional(at_most(0.5)) : std::nullopt;
   }
-  if (row.case_name.find(" 60 views 1280x720") == std::string::npos || is_posed_by_tracks(row) ||
-      row.scene == kSphere)
+  if (!is_of_sixty_small(row) || is_posed_by_tracks(row) || row.scene == kSphere)
     return std::nullopt;
   // With some views held out ours is trained for other numbers of steps too, for the curve.
-  const bool is_of_surfaces =
-      row.method == "splats" && row.case_name.find(" held out") == std::string::npos;
-  if (is_of_surfaces && row.metric == "cloud_seen.accuracy_mean") return at_most(0.0001, "0.10 mm");
-  if (is_of_surfaces && row.metric == "specimens.found") {
-    ScoreLimit limit;  // of one grain a cloud is easily good
-    limit.low = 9;
-    limit.text = "at least nine of ten";
-    return limit;
-  }
+  const bool is_of_surfaces = row.method == "splats" && row.held_out_every == 0;
+  if (is_of_surfaces && row.metric == "cloud_seen.accuracy_mean") return at_most(0.0001);
+  // Of one grain a cloud is easily good.
+  if (is_of_surfaces && row.metric == "specimens.found") return at_least(9);
   const bool is_gap = row.metric == "psnr_whole.train_less_held_out" ||
                       row.metric == "psnr_object.train_less_held_out";
-  if (is_gap && row.method == "splats_images" && steps_of(row.case_name) == kStepsOfImages)
-    return at_most(1.5, "1.5 dB");
-  if (row.metric == "train.psnr_whole_gain_at_equal_cpu_seconds") {
-    ScoreLimit limit;
-    limit.low = 1;
-    limit.text = "at least 1 dB";
-    return limit;
-  }
+  if (is_gap && row.method == "splats_images" && row.steps == kStepsOfImages) return at_most(1.5);
+  if (row.metric == "train.psnr_whole_gain_at_equal_cpu_seconds") return at_least(1);
   return std::nullopt;
 }
 
@@ -119,22 +87,21 @@ std::optional<ScoreLimit> seeds_limit(const ScoreRow& row) {
   if (row.scene == "pooled" && row.method == "ours") {
     if (is_species(row.case_name)) return species_limit(row.case_name, trait, statistic);
     if (row.case_name == kSphere && statistic == "mape" && (trait == "area" || trait == "volume"))
-      return at_most(0.01, "1 %");
+      return at_most(0.01);
     // Over all seeds: of sixty, as a species has, even exact sigmas leave 90-98 % one time in five.
     if (row.case_name == "all" && is_trait(trait) && statistic == "coverage_95")
-      return ScoreLimit{0.90, 0.98, "90-98 %"};
+      return between(0.90, 0.98);
   }
   if (row.scene == "pooled" && row.method == "ours/paper" && is_species(row.case_name) &&
       statistic == "rmse_ratio") {
-    return at_most(0.5, "0.5");
+    return at_most(0.5);
   }
   // A capture of its own, one run a cultivar.
-  const bool many_views = row.case_name.find(" 270 views 1920x1080") != std::string::npos;
+  const bool many_views = row.views == 270 && row.width_px == 1920 && row.height_px == 1080;
   if (many_views && row.method == "ours" && statistic == "rmse" && trait.starts_with("curve.") &&
       is_length(trait.substr(6))) {
     ScoreLimit limit = rmse_limit(species_of(row.scene));
     limit.least_n = 9;  // of ten
-    limit.text += ", nine of ten seeds measured";
     return limit;
   }
   return std::nullopt;
@@ -158,13 +125,13 @@ void add_missing_gaps(std::vector<ScoreRow>& rows) {
   std::set<std::string> there;
   for (const ScoreRow& row : rows) {
     if (row.suite != kSplatsSuite || row.method != "splats_images") continue;
-    const std::string model = row.scene + "/" + row.case_name;
-    if (row.metric.ends_with(".train_less_held_out")) there.insert(model + row.metric);
-    if (row.case_name.find(" held out") == std::string::npos) continue;
+    const std::string model = photographs_of(row);
+    if (row.metric.ends_with(".train_less_held_out") && row.steps == kStepsOfImages)
+      there.insert(model + row.metric);
+    if (row.held_out_every == 0) continue;
     ScoreRow held = row;
-    held.case_name = row.case_name.substr(0, row.case_name.rfind(", ")) + ", " +
-                     std::to_string(kStepsOfImages) + " steps";
-    trained.emplace(held.scene + "/" + held.case_name, std::move(held));
+    held.steps = kStepsOfImages;
+    trained.emplace(model, std::move(held));
   }
   for (const auto& [model, row] : trained) {
     for (const char* metric :
@@ -180,9 +147,8 @@ void add_missing_of_trained(std::vector<ScoreRow>& rows) {
   std::map<std::string, ScoreRow> trained;  // a row of each cultivar's 60 views
   for (const ScoreRow& row : rows) {
     if (row.suite == kSplatsSuite && row.method == "splats_paper" &&
-        row.case_name.find(" 60 views 1280x720, ") != std::string::npos &&
-        row.case_name.find("held out") == std::string::npos && !is_posed_by_tracks(row) &&
-        row.scene != kSphere)
+        is_of_sixty_small(row) && row.steps > 0 && row.held_out_every == 0 &&
+        !is_posed_by_tracks(row) && row.scene != kSphere)
       trained.emplace(row.scene, row);
   }
   for (auto& [cultivar, row] : trained) {
@@ -241,12 +207,12 @@ void hold_trained_to_limits(std::vector<ScoreRow>& rows) {
   const auto training = [](const ScoreRow& row) {  // one capture by one method
     return row.scene + "/" + row.method + "/" + row.metric;
   };
-  std::map<std::string, int> most_steps;
+  std::map<std::string, std::int64_t> most_steps;
   std::set<std::string> cultivars;
   for (const ScoreRow& row : rows) {
     if (row.suite != kSplatsSuite || row.scene == "pooled" || !trained_limit(row)) continue;
-    int& most = most_steps[training(row)];
-    most = std::max(most, steps_of(row.case_name));
+    std::int64_t& most = most_steps[training(row)];
+    most = std::max(most, row.steps);
     cultivars.insert(row.scene);
   }
   const std::vector<std::string> all = cultivar_names();
@@ -257,9 +223,16 @@ void hold_trained_to_limits(std::vector<ScoreRow>& rows) {
     if (row.suite != kSplatsSuite) continue;
     const std::optional<ScoreLimit> limit = trained_limit(row);
     if (!limit || (row.scene == "pooled" && !is_whole)) continue;
-    if (row.scene != "pooled" && steps_of(row.case_name) < most_steps[training(row)]) continue;
-    const bool holds = row.value >= limit->low && row.value <= limit->high;
-    row.status = holds ? ScoreStatus::pass : ScoreStatus::fail;
+    if (row.scene != "pooled" && row.steps < most_steps[training(row)]) continue;
+    row = limited(row, *limit);
+  }
+}
+
+void add_limits_of_schema_1(std::vector<ScoreRow>& rows) {
+  for (ScoreRow& row : rows) {
+    const bool was_held = row.status == ScoreStatus::pass || row.status == ScoreStatus::fail;
+    if (!was_held || has_limit(row)) continue;
+    if (const auto limit = seeds_limit(row)) row = limited(row, *limit);
   }
 }
 
@@ -275,8 +248,7 @@ void hold_to_limits(std::vector<ScoreRow>& rows, const std::set<std::string>& cu
     if (row.suite == kSplatsSuite) continue;
     const std::optional<ScoreLimit> limit = seeds_limit(row);
     if (!limit || (row.scene == "pooled" && !is_whole(row.case_name))) continue;
-    const bool holds = row.value >= limit->low && row.value <= limit->high;
-    row.status = holds && row.n >= limit->least_n ? ScoreStatus::pass : ScoreStatus::fail;
+    row = limited(row, *limit);
   }
 }
 

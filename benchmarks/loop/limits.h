@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <limits>
 #include <optional>
 #include <set>
 #include <string>
@@ -10,14 +8,6 @@
 #include "benchmarks/score/scores.h"
 
 namespace cousin {
-
-/// What a number is held to: low <= value <= high.
-struct ScoreLimit {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  std::string text;          ///< for people: "at most 0.15 mm"
-  std::int64_t least_n = 0;  ///< of as many at least: what is not measured must not raise a score
-};
 
 /// The limit of a row of `bench seeds` at the paper's imaging (1920 x 1080, 60 or 270 views): of
 /// our method's pooled rows, of its ratio to the paper's, and of the runs with 270 views; and of
@@ -33,6 +23,9 @@ void add_missing(std::vector<ScoreRow>& rows, ScoreRow base, const std::string& 
 /// over a species, or over all, are held to theirs only where each of its cultivars was measured.
 /// @param cultivars  that were
 void hold_to_limits(std::vector<ScoreRow>& rows, const std::set<std::string>& cultivars);
+
+/// Limits of rows that kept or broke one and do not say which: files of schema 1 have none.
+void add_limits_of_schema_1(std::vector<ScoreRow>& rows);
 
 /// The same of suite seeds_splats: of each capture and method the model of most steps is held, and
 /// ratios over all where each cultivar is there.

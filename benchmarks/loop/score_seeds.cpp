@@ -39,6 +39,7 @@ ScoreRow labelled_row(const SeedsScoreLabels& labels) {
   row.case_name = labels.case_name;
   row.method = labels.method;
   row.seed = labels.seed;
+  static_cast<ScoreSettings&>(row) = labels.settings;
   return row;
 }
 

@@ -20,6 +20,7 @@ struct SeedsScoreLabels {
   std::string method = "ours";
   std::string run = "000000";
   std::uint64_t seed = 0;
+  ScoreSettings settings = {};
 };
 
 /// A row with these labels and no metric yet.
@@ -68,11 +69,8 @@ inline constexpr const char* kPaperSpread = "seeds_paper_spread";
 /// Suite and dataset of the captures on which Gaussians are trained as well, at 1280 x 720. They
 /// are pooled on their own.
 inline constexpr const char* kSplatsSuite = "seeds_splats";
-/// In a case whose views have poses by structure from motion, before which: ", poses sfm".
-inline constexpr const char* kPosesOf = ", poses ";
-inline bool is_posed_by_tracks(const ScoreRow& row) {
-  return row.case_name.find(kPosesOf) != std::string::npos;
-}
+/// Whether its views have poses by structure from motion.
+inline bool is_posed_by_tracks(const ScoreRow& row) { return !row.poses.empty(); }
 
 /// maize, wheat, rice; other names stand for themselves.
 std::string species_of(const std::string& cultivar);

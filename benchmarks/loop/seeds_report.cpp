@@ -9,6 +9,7 @@
 #include "benchmarks/loop/limits.h"
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/report/shown_numbers.h"
 #include "perception/cloud/measure_traits.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/links.h"
@@ -142,8 +143,8 @@ std::vector<Headline> headlines_of(const std::vector<ScoreRow>& rows) {
       headline.value = {row.value, row.ci_low, row.ci_high};
       headline.unit = by_size ? "%" : "m";
       headline.status = row.status;
-      if (const auto limit = seeds_limit(row); limit && row.status != ScoreStatus::ok)
-        headline.limit = limit->text;
+      if (row.status != ScoreStatus::ok)
+        headline.limit = limit_text(row, shown_unit(headline.unit, row.metric));
       found.emplace_back(static_cast<int>(i) * 10 + rank_of(row.case_name), std::move(headline));
     }
   }
@@ -154,12 +155,13 @@ std::vector<Headline> headlines_of(const std::vector<ScoreRow>& rows) {
   return result;
 }
 
-/// Every number that has a limit, ordered by what it is, then by group.
+bool is_of_seeds(const ScoreRow& row) { return row.suite == "seeds" || row.suite == kSplatsSuite; }
+
+/// Every number of seeds that has a limit, ordered by what it is, then by group.
 std::vector<Headline> limits_of(const std::vector<ScoreRow>& rows) {
   std::vector<Headline> result;
   for (const ScoreRow& row : rows) {
-    const auto limit = seeds_limit(row);
-    if (!limit || row.status == ScoreStatus::ok) continue;
+    if (!has_limit(row) || row.status == ScoreStatus::ok || !is_of_seeds(row)) continue;
     Headline headline;
     headline.label = row.metric;
     headline.group = row.case_name;
@@ -175,7 +177,7 @@ std::vector<Headline> limits_of(const std::vector<ScoreRow>& rows) {
     const bool share = row.metric.ends_with("mape") || row.metric.ends_with("coverage_95") ||
                        row.metric.ends_with(".solved") || row.metric == "views.posed";
     headline.unit = share ? "%" : row.unit;
-    headline.limit = limit->text;
+    headline.limit = limit_text(row, shown_unit(headline.unit, row.metric));
     headline.status = row.status;
     result.push_back(std::move(headline));
   }
@@ -191,10 +193,15 @@ std::vector<Headline> limits_of(const std::vector<ScoreRow>& rows) {
   return result;
 }
 
-/// What a case says after the scene and the run.
-std::string setting_of(const std::string& case_name) {
-  const std::size_t run = case_name.find(" run ");
-  return run == std::string::npos ? case_name : case_name.substr(case_name.find(' ', run + 5) + 1);
+/// What a point was measured under, but the scene and the run.
+std::string setting_of(const ScoreRow& row) {
+  if (row.views == 0) return row.case_name;
+  std::string text = std::to_string(row.views) + " views " + std::to_string(row.width_px) + "x" +
+                     std::to_string(row.height_px);
+  if (row.held_out_every > 0) text += ", one in " + std::to_string(row.held_out_every) + " held out";
+  if (!row.poses.empty()) text += ", poses " + row.poses;
+  if (row.steps > 0) text += ", " + std::to_string(row.steps) + " steps";
+  return text;
 }
 
 std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
@@ -204,7 +211,7 @@ std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
     for (const std::string& trait : kTraits) {
       if (row.metric != "curve." + trait + ".rmse" || !(row.wall_s > 0)) continue;
       // One point a setting: further runs, and other spreads of sizes, are other seeds.
-      if (row.suite == kPaperSpread || row.case_name.find(" run 0 ") == std::string::npos) continue;
+      if (row.suite == kPaperSpread || row.run != 0) continue;
       // Gaussians' smaller images have plots of their own beside others.
       const std::string apart = is_apart(row.suite) ? ", trained models" : "";
       ErrorTimeCurve& curve = curves[apart + trait + "/" + row.scene];
@@ -212,7 +219,7 @@ std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
       curve.metric = "RMSE of " + trait;
       curve.unit = trait_row(trait).unit;
       curve.points.push_back({row.method,
-                              setting_of(row.case_name),
+                              setting_of(row),
                               row.wall_s,
                               {row.value, row.ci_low, row.ci_high}});
     }
@@ -335,6 +342,7 @@ SeedsReport read_report_folder(const std::filesystem::path& folder) {
     refuse_links_out(folder, part);
   SeedsReport report;
   report.scores = read_result_tables(folder);
+  add_limits_of_schema_1(report.scores.scores);
   const auto& more = report.scores.header.more;
   if (const auto title = more.find("title"); title != more.end()) {
     report.title = title->second;

@@ -44,6 +44,28 @@ std::string shown_precisely(double value) {
   return buffer.data();
 }
 
+std::string limit_text(const ScoreRow& row, const ShownUnit& unit) {
+  if (!has_limit(row)) return {};
+  const auto shown = [&](double value) {
+    std::array<char, 32> buffer{};
+    std::snprintf(buffer.data(), buffer.size(), "%.4g", value * unit.factor);
+    return std::string(buffer.data());
+  };
+  const std::string name = unit.name.empty() ? "" : " " + unit.name;
+  std::string text;
+  if (std::isnan(row.limit_low)) {
+    text = "at most " + shown(row.limit_high) + name;
+  } else if (std::isnan(row.limit_high)) {
+    text = "at least " + shown(row.limit_low) + name;
+  } else if (row.limit_low == -row.limit_high) {
+    text = "within " + shown(row.limit_high) + name;
+  } else {
+    text = shown(row.limit_low) + " to " + shown(row.limit_high) + name;
+  }
+  if (row.limit_n > 0) text += ", of " + std::to_string(row.limit_n) + " at least";
+  return text;
+}
+
 std::string shown_interval(const WithInterval& value, double factor) {
   std::string text = shown_number(factor * value.value);
   if (std::isfinite(value.low) && std::isfinite(value.high)) {

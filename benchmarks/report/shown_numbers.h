@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "benchmarks/score/trait_statistics.h"
+#include "benchmarks/score/scores.h"
 
 namespace cousin {
 
@@ -20,6 +20,9 @@ std::string shown_number(double value);
 /// For cards: two decimals of numbers from ten to ten thousand that are not whole, so that
 /// 120.04 mm can be held against a publication; others as shown_number.
 std::string shown_precisely(double value);
+/// "at most 0.15 mm", "at least 90 %", "0.97 to 1.03", "within 0.03 mm" of a limit of a value whose
+/// unit is shown so; "" without one.
+std::string limit_text(const ScoreRow& row, const ShownUnit& unit);
 /// "0.123 [0.101, 0.145]"; without the bracket where there is no interval.
 std::string shown_interval(const WithInterval& value, double factor);
 

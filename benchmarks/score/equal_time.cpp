@@ -1,10 +1,8 @@
 #include "benchmarks/score/equal_time.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <set>
-#include <tuple>
 #include <utility>
 
 namespace cousin {
@@ -47,32 +45,23 @@ std::string training_of(const ScoreRow& row) {
   return row.scene + "\n" + row.method + "\n" + row.case_name;
 }
 
-int steps_of(const std::string& case_name) {
-  if (!case_name.ends_with(" steps")) return 0;
-  const std::size_t begin = case_name.rfind(", ");
-  if (begin == std::string::npos) return 0;
-  int steps = 0;
-  std::from_chars(case_name.data() + begin + 2, case_name.data() + case_name.size(), steps);
-  return steps;
-}
-
 std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows,
                                       const EqualTimeQuestion& question) {
-  std::set<std::pair<std::string, std::string>> failed;  // scenes, photographs
+  std::set<std::string> failed;  // photographs
   for (const ScoreRow& row : rows) {
     if (row.method == question.reference && row.status == ScoreStatus::not_solved &&
         row.metric.starts_with("training: "))
-      failed.emplace(row.scene, row.case_name);
+      failed.insert(photographs_of(row));
   }
-  std::map<std::tuple<std::string, std::string, std::string>, Sweeps> all;
+  std::map<std::pair<std::string, std::string>, Sweeps> all;
   for (const ScoreRow& row : rows) {
-    const int own = steps_of(row.case_name);
+    const std::int64_t own = row.steps;
     if (own == 0 || std::find(question.metrics.begin(), question.metrics.end(), row.metric) ==
                         question.metrics.end())
       continue;
-    const std::string photographs = row.case_name.substr(0, row.case_name.rfind(", "));
-    if (failed.contains({row.scene, photographs})) continue;
-    Sweeps& sweeps = all[{row.scene, photographs, row.metric}];
+    const std::string photographs = photographs_of(row);
+    if (failed.contains(photographs)) continue;
+    Sweeps& sweeps = all[{photographs, row.metric}];
     if (row.method == question.reference && own <= question.reference_steps)
       sweeps.reference.push_back(&row);
     if (row.method == question.ours) sweeps.ours.push_back(&row);

@@ -8,9 +8,6 @@
 
 namespace cousin {
 
-/// Steps that a case's name ends with, as in "sample 0, 30 views, 7000 steps"; 0 without.
-int steps_of(const std::string& case_name);
-
 /// What a training's rows have in common: scene, method and case.
 std::string training_of(const ScoreRow& row);
 /// Machines that trainings ran on, by training_of; empty or absent: not known.

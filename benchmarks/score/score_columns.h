@@ -35,6 +35,12 @@ void check_number(const Column<Row>& column, const Value& value) {
 }
 
 const std::vector<Column<ScoreRow>>& score_columns();
+/// Those of schema 1: the first of them.
+inline constexpr std::size_t kColumnsOfSchema1 = 16;
+/// What schema 1 says in names alone: fills settings from "RUN 0 60 views 1920x1080, one in 8 held
+/// out, poses sfm, 7000 steps" and "sample 0, 30 views, 400x300, 7000 steps". Limits are not known.
+/// Nothing else reads names.
+void settings_of_schema_1(ScoreRow& row);
 const std::vector<Column<SpecimenRow>>& specimen_columns();
 
 }  // namespace cousin

@@ -1,6 +1,7 @@
 #include "benchmarks/score/scores.h"
 
 #include <array>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -60,6 +61,18 @@ const std::vector<Column<ScoreRow>>& score_columns() {
       {"peak_above_start_mb", &ScoreRow::peak_above_start_mb},
       {"seed", &ScoreRow::seed},
       {"status", &ScoreRow::status},
+      {"limit_low", &ScoreRow::limit_low},
+      {"limit_high", &ScoreRow::limit_high},
+      {"limit_n", &ScoreRow::limit_n},
+      {"run", &ScoreRow::run},
+      {"views", &ScoreRow::views},
+      {"width_px", &ScoreRow::width_px},
+      {"height_px", &ScoreRow::height_px},
+      {"steps", &ScoreRow::steps},
+      {"held_out_every", &ScoreRow::held_out_every},
+      {"view_set", &ScoreRow::view_set},
+      {"poses", &ScoreRow::poses},
+      {"light", &ScoreRow::light},
   };
   return columns;
 }
@@ -77,8 +90,21 @@ const std::vector<Column<SpecimenRow>>& specimen_columns() {
   return columns;
 }
 
-ScoreRow limited(ScoreRow row, bool passes) {
-  row.status = passes ? ScoreStatus::pass : ScoreStatus::fail;
+std::string photographs_of(const ScoreRow& row) {
+  std::string text = row.scene;
+  for (const std::int64_t number :
+       {row.run, row.views, row.width_px, row.height_px, row.held_out_every})
+    text += "\n" + std::to_string(number);
+  return text + "\n" + row.view_set + "\n" + row.poses + "\n" + row.light;
+}
+
+ScoreRow limited(ScoreRow row, const ScoreLimit& limit) {
+  row.limit_low = limit.low;
+  row.limit_high = limit.high;
+  row.limit_n = limit.least_n;
+  const bool holds = !std::isnan(row.value) && !(row.value < limit.low) &&
+                     !(row.value > limit.high) && row.n >= limit.least_n;
+  row.status = holds ? ScoreStatus::pass : ScoreStatus::fail;
   return row;
 }
 

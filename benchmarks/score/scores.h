@@ -19,8 +19,22 @@ std::string_view to_string(ScoreStatus status);
 /// @throws std::invalid_argument naming the text and the names that exist.
 ScoreStatus score_status_from_string(std::string_view text);
 
+/// What a number was measured under, so that nobody has to read it out of names. What it has not,
+/// and what rows of several settings pool, is -1, 0 or empty.
+struct ScoreSettings {
+  std::int64_t run = -1;      ///< repetition with other random numbers, from 0
+  std::int64_t views = 0;     ///< of the capture
+  std::int64_t width_px = 0;  ///< of its images
+  std::int64_t height_px = 0;
+  std::int64_t steps = 0;           ///< of a training
+  std::int64_t held_out_every = 0;  ///< one view in so many has no part in the training
+  std::string view_set;             ///< which views of the capture, if not spread evenly: "one side"
+  std::string poses;                ///< by structure from motion: "sfm", "adjusted"
+  std::string light;                ///< as the scene's configuration names it
+};
+
 /// One number of scores.csv. NaN = not measured, an empty cell.
-struct ScoreRow {
+struct ScoreRow : ScoreSettings {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::string suite, scene, case_name, method, metric;  ///< `case_name` is the column "case"
   double value = kNone;
@@ -32,6 +46,8 @@ struct ScoreRow {
   double peak_above_start_mb = kNone;  ///< above the memory at the program's start
   std::uint64_t seed = 0;
   ScoreStatus status = ScoreStatus::ok;
+  double limit_low = kNone, limit_high = kNone;  ///< what `value` is held to; NaN: no such limit
+  std::int64_t limit_n = 0;                      ///< least `n`: what is missing raises no score
 };
 
 /// One measured trait of specimens.csv, for anyone's statistics.
@@ -63,8 +79,27 @@ struct ScoreFile {
 /// Puts the rows and specimens of `part` behind those of `all`, whose header stays.
 void append(const ScoreFile& part, ScoreFile& all);
 
-/// The row with a limit that it kept or broke.
-ScoreRow limited(ScoreRow row, bool passes);
+/// Which photographs a row is of: scene and settings but the steps of a training.
+std::string photographs_of(const ScoreRow& row);
+
+/// What a value is held to: low <= value <= high; NaN is no limit on that side.
+struct ScoreLimit {
+  double low = ScoreRow::kNone;
+  double high = ScoreRow::kNone;
+  std::int64_t least_n = 0;
+};
+inline ScoreLimit at_most(double high) { return {.high = high}; }
+inline ScoreLimit at_least(double low) { return {.low = low}; }
+inline ScoreLimit between(double low, double high) { return {low, high}; }
+/// `middle` and no farther than `half` from it.
+inline ScoreLimit about(double middle, double half) { return {middle - half, middle + half}; }
+
+inline bool has_limit(const ScoreRow& row) {
+  return row.limit_low == row.limit_low || row.limit_high == row.limit_high;  // NaN: none
+}
+
+/// The row with the limit, which its value keeps or breaks; NaN breaks it, and so do too few.
+ScoreRow limited(ScoreRow row, const ScoreLimit& limit);
 
 /// A row of a statistic with its interval.
 ScoreRow with_interval(ScoreRow row, std::string metric, std::string unit,
@@ -91,22 +126,23 @@ std::vector<TraitPair> trait_pairs(std::span<const SpecimenRow> rows, std::strin
   return pairs;
 }
 
-/// scores.csv and specimens.csv: a header line with the names above, RFC 4180 quoting, "\n" line
-/// ends, doubles in their shortest form that reads back equal.
+/// scores.csv and specimens.csv: a header line with the names above, settings last, RFC 4180
+/// quoting, "\n" line ends, doubles in their shortest form that reads back equal.
 std::string to_csv(std::span<const ScoreRow> rows);
 std::string to_csv(std::span<const SpecimenRow> rows);
 
 /// Strict readers: exactly these columns in this order, every number whole, every status known, no
-/// NUL bytes, texts up to 64 KiB; "\r\n" is accepted. @param name of the file, for messages.
+/// NUL bytes, texts up to 64 KiB; "\r\n" is accepted. Of scores the columns up to `status` alone
+/// are schema 1, see settings_of_schema_1. @param name of the file, for messages.
 /// @throws std::runtime_error naming file, line, column and what was expected.
 std::vector<ScoreRow> scores_from_csv(std::string_view text, std::string_view name);
 std::vector<SpecimenRow> specimens_from_csv(std::string_view text, std::string_view name);
 
-/// scores.json: {"schema": 1, "header": {...}, "scores": [{...}], "specimens": [{...}]}, keys as
+/// scores.json: {"schema": 2, "header": {...}, "scores": [{...}], "specimens": [{...}]}, keys as
 /// the columns, null for a number that was not measured.
 std::string to_json(const ScoreFile& file);
-/// Strict: unknown or missing keys, wrong types, another schema are errors. @throws
-/// std::runtime_error naming file and key.
+/// Strict: unknown or missing keys, wrong types, another schema are errors; schema 1 is read as
+/// settings_of_schema_1 says. @throws std::runtime_error naming file and key.
 ScoreFile scores_from_json(std::string_view text, std::string_view name);
 
 }  // namespace cousin

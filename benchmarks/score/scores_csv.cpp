@@ -1,5 +1,6 @@
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 #include "benchmarks/score/score_columns.h"
@@ -151,7 +152,7 @@ class Parser {
 
 template <class Row>
 std::vector<Row> read(std::string_view text, std::string_view name,
-                      const std::vector<Column<Row>>& columns) {
+                      std::span<const Column<Row>> columns) {
   Parser parser(text, name);
   const std::vector<std::string> header = parser.record();
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -193,10 +194,18 @@ std::string to_csv(std::span<const ScoreRow> rows) { return write(rows, score_co
 std::string to_csv(std::span<const SpecimenRow> rows) { return write(rows, specimen_columns()); }
 
 std::vector<ScoreRow> scores_from_csv(std::string_view text, std::string_view name) {
-  return read(text, name, score_columns());
+  const std::span<const Column<ScoreRow>> columns = score_columns();
+  const std::string_view header = text.substr(0, text.find('\n'));
+  const bool is_old = header.find("limit_low") == std::string_view::npos;
+  std::vector<ScoreRow> rows =
+      read(text, name, is_old ? columns.first(kColumnsOfSchema1) : columns);
+  if (is_old) {
+    for (ScoreRow& row : rows) settings_of_schema_1(row);
+  }
+  return rows;
 }
 std::vector<SpecimenRow> specimens_from_csv(std::string_view text, std::string_view name) {
-  return read(text, name, specimen_columns());
+  return read(text, name, std::span<const Column<SpecimenRow>>(specimen_columns()));
 }
 
 }  // namespace cousin

@@ -12,7 +12,7 @@ namespace cousin {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int kSchema = 1;
+constexpr int kSchema = 2, kOldSchema = 1;
 
 Json json_of(const std::string& value) { return value; }
 Json json_of(std::int64_t value) { return value; }
@@ -97,7 +97,7 @@ void reject_unknown(const Json& object, std::size_t known, const auto& is_known,
 
 template <class Row>
 std::vector<Row> rows_from_json(const Json& root, const char* key,
-                                const std::vector<Column<Row>>& columns, std::string_view name) {
+                                std::span<const Column<Row>> columns, std::string_view name) {
   const Json& list = member(root, key, name, "top level");
   if (!list.is_array()) fail(name, key, "expected a list");
   std::vector<Row> rows;
@@ -158,7 +158,10 @@ ScoreFile scores_from_json(std::string_view text, std::string_view name) {
     fail(name, "not JSON", error.what());
   }
   const Json& schema = member(root, "schema", name, "top level");
-  if (schema != kSchema) fail(name, "schema", "expected " + std::to_string(kSchema));
+  const bool is_old = schema == kOldSchema;
+  if (schema != kSchema && !is_old)
+    fail(name, "schema",
+         "expected " + std::to_string(kSchema) + " or " + std::to_string(kOldSchema));
 
   ScoreFile file;
   const Json& header = member(root, "header", name, "top level");
@@ -186,8 +189,14 @@ ScoreFile scores_from_json(std::string_view text, std::string_view name) {
       },
       name, "header");
 
-  file.scores = rows_from_json(root, "scores", score_columns(), name);
-  file.specimens = rows_from_json(root, "specimens", specimen_columns(), name);
+  const std::span<const Column<ScoreRow>> columns = score_columns();
+  file.scores =
+      rows_from_json(root, "scores", is_old ? columns.first(kColumnsOfSchema1) : columns, name);
+  if (is_old) {
+    for (ScoreRow& row : file.scores) settings_of_schema_1(row);
+  }
+  file.specimens = rows_from_json(
+      root, "specimens", std::span<const Column<SpecimenRow>>(specimen_columns()), name);
   reject_unknown(
       root, 4,
       [](const std::string& k) {

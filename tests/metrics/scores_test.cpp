@@ -28,7 +28,10 @@ ScoreFile example() {
   row.ci_low = 5e-324;
   row.ci_high = 1.7976931348623157e308;
   row.seed = 18446744073709551615U;
-  row.status = ScoreStatus::fail;
+  row = limited(row, at_most(0.2));
+  row.run = 4;
+  row.steps = 7000;
+  row.poses = "sfm";
   file.scores = {row, ScoreRow{}};
   SpecimenRow specimen;
   specimen.dataset = "d";
@@ -54,7 +57,8 @@ std::string error_of(const auto& call) {
 TEST(ScoresCsv, HasTheColumnsOfTheDesign) {
   EXPECT_EQ(to_csv(std::span<const ScoreRow>{}),
             "suite,scene,case,method,metric,value,unit,n,ci_low,ci_high,wall_s,cpu_s,peak_rss_mb,"
-            "peak_above_start_mb,seed,status\n");
+            "peak_above_start_mb,seed,status,limit_low,limit_high,limit_n,run,views,width_px,"
+            "height_px,steps,held_out_every,view_set,poses,light\n");
   EXPECT_EQ(
       to_csv(std::span<const SpecimenRow>{}),
       "dataset,scene,frame,instance,cultivar,run,method,trait,unit,true,measured,sigma,status\n");
@@ -72,6 +76,10 @@ TEST(ScoresCsv, WhatIsWrittenReadsBackEqual) {
   EXPECT_EQ(back[0].ci_low, 5e-324);
   EXPECT_EQ(back[0].seed, 18446744073709551615U);
   EXPECT_EQ(back[0].status, ScoreStatus::fail);
+  EXPECT_EQ(back[0].limit_high, 0.2);
+  EXPECT_TRUE(std::isnan(back[0].limit_low));
+  EXPECT_EQ(back[0].steps, 7000);
+  EXPECT_EQ(back[0].poses, "sfm");
   EXPECT_TRUE(std::isnan(back[0].wall_s));
   const std::string specimens = to_csv(file.specimens);
   EXPECT_EQ(to_csv(specimens_from_csv(specimens, "specimens.csv")), specimens);
@@ -127,6 +135,48 @@ TEST(ScoresJson, WhatIsWrittenReadsBackEqual) {
   EXPECT_TRUE(std::isnan(back.specimens[0].measured));
 }
 
+TEST(Scores, ALimitIsKeptByWhatIsThere) {
+  ScoreRow row;
+  row.n = 10;
+  const auto status = [&](double value, const ScoreLimit& limit) {
+    row.value = value;
+    return limited(row, limit).status;
+  };
+  EXPECT_EQ(status(2, at_most(2)), ScoreStatus::pass);
+  EXPECT_EQ(status(2.1, at_most(2)), ScoreStatus::fail);
+  EXPECT_EQ(status(1.9, at_least(2)), ScoreStatus::fail);
+  EXPECT_EQ(status(-0.1, about(0, 0.1)), ScoreStatus::pass);
+  EXPECT_EQ(status(0.2, about(0, 0.1)), ScoreStatus::fail);
+  EXPECT_EQ(status(ScoreRow::kNone, at_most(2)), ScoreStatus::fail);
+  EXPECT_EQ(status(1, {.high = 2, .least_n = 11}), ScoreStatus::fail);
+  EXPECT_FALSE(has_limit(row));
+  EXPECT_TRUE(has_limit(limited(row, at_least(0))));
+}
+
+/// What the program wrote before rows had limits and settings.
+constexpr const char* kSchema1Csv =
+    "suite,scene,case,method,metric,value,unit,n,ci_low,ci_high,wall_s,cpu_s,peak_rss_mb,"
+    "peak_above_start_mb,seed,status\n"
+    "seeds_splats,zhengdan958,\"zhengdan958 run 2 60 views 1280x720, one in 8 held out, 900 steps\","
+    "splats,psnr,31.5,dB,60,,,10,20,,,7,pass\n";
+
+TEST(Scores, Schema1IsReadAndItsNamesBecomeSettings) {
+  const std::vector<ScoreRow> rows = scores_from_csv(kSchema1Csv, "old.csv");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].run, 2);
+  EXPECT_EQ(rows[0].views, 60);
+  EXPECT_EQ(rows[0].width_px, 1280);
+  EXPECT_EQ(rows[0].held_out_every, 8);
+  EXPECT_EQ(rows[0].steps, 900);
+  EXPECT_EQ(rows[0].status, ScoreStatus::pass);
+  EXPECT_FALSE(has_limit(rows[0]));
+  ScoreFile file;
+  file.scores = rows;
+  std::string json = to_json(file);
+  json.replace(json.find("\"schema\": 2"), 11, "\"schema\": 1");
+  EXPECT_THAT(error_of([&] { scores_from_json(json, "new.json"); }), HasSubstr("is unknown"));
+}
+
 TEST(ScoresJson, KeepsInfinity) {
   ScoreFile file = example();
   file.scores[0].value = INFINITY;
@@ -146,7 +196,7 @@ TEST(ScoresJson, RejectsWhatIsNotExact) {
     text.replace(at, from.size(), to);
     return error_of([&] { scores_from_json(text, "scores.json"); });
   };
-  EXPECT_THAT(read_with("\"schema\": 1", "\"schema\": 2"), HasSubstr("schema: expected 1"));
+  EXPECT_THAT(read_with("\"schema\": 2", "\"schema\": 3"), HasSubstr("schema: expected 2 or 1"));
   EXPECT_THAT(read_with("\"n\": 50", "\"n\": \"50\""),
               HasSubstr("scores[0].n: expected a whole number"));
   EXPECT_THAT(read_with("\"n\": 50", "\"n\": 50.5"), HasSubstr("scores[0].n"));

@@ -12,7 +12,7 @@ namespace {
 const ScoreRow& mean_of(const std::vector<ScoreRow>& rows, const std::string& light,
                         const std::string& method, int steps) {
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& r) {
-    return r.scene == light && r.method == method && steps_of(r.case_name) == steps;
+    return r.scene == light && r.method == method && r.steps == steps;
   });
   if (row == rows.end()) throw std::runtime_error("no mean of " + light + " " + method);
   return *row;

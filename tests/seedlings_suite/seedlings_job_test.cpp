@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "benchmarks/score/score_columns.h"
 #include "benchmarks/suites/seedlings/field_training.h"
 #include "benchmarks/suites/seedlings/sample_pictures.h"
 #include "benchmarks/suites/seedlings/seedlings_jobs.h"
@@ -290,6 +291,7 @@ TEST(SeedlingsSuite, OursIsHeldToTheReferenceAndToWhatItDidNotSee) {
     row.suite = "seedlings";
     row.scene = "D1";
     row.case_name = "sample 0, 30 views, 400x300, " + std::to_string(steps) + " steps";
+    settings_of_schema_1(row);
     row.method = method;
     row.metric = metric;
     row.value = value;
@@ -310,7 +312,7 @@ TEST(SeedlingsSuite, OursIsHeldToTheReferenceAndToWhatItDidNotSee) {
   const ScoreFile pooled = pool_seedlings_suite({result}, {});
   for (const ScoreRow& row : pooled.scores) {
     if (row.status == ScoreStatus::pass || row.status == ScoreStatus::fail)
-      found[row.metric + std::to_string(steps_of(row.case_name))] = row.status;
+      found[row.metric + std::to_string(row.steps)] = row.status;
   }
   EXPECT_EQ(found, (std::map<std::string, ScoreStatus>{
                        {"train.psnr_gain_at_equal_cpu_seconds7000", ScoreStatus::pass},

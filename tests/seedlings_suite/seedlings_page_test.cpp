@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "benchmarks/score/score_columns.h"
 #include "benchmarks/suites/seedlings/field_training.h"
 #include "benchmarks/suites/seedlings/published_psnr.h"
 #include "benchmarks/suites/seedlings/seedlings_rows.h"
@@ -18,6 +19,7 @@ ScoreRow row_of(const std::string& case_name, const std::string& method, const s
   row.suite = kSeedlingsSuite;
   row.scene = "D1";
   row.case_name = case_name;
+  settings_of_schema_1(row);
   row.method = method;
   row.metric = metric;
   row.value = value;

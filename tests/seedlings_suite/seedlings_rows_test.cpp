@@ -1,3 +1,4 @@
+#include "benchmarks/score/score_columns.h"
 #include "benchmarks/suites/seedlings/seedlings_rows.h"
 
 #include <gtest/gtest.h>
@@ -14,6 +15,7 @@ ScoreRow row_of(const std::string& case_name, const std::string& method, double 
   row.suite = kSeedlingsSuite;
   row.scene = "D1";
   row.case_name = case_name;
+  settings_of_schema_1(row);
   row.method = method;
   row.metric = "held_out.psnr";
   row.unit = "dB";
@@ -24,10 +26,25 @@ ScoreRow row_of(const std::string& case_name, const std::string& method, double 
   return row;
 }
 
-TEST(SeedlingsRows, StepsAreTheEndOfASnapshotsCase) {
-  EXPECT_EQ(steps_of("sample 0, 30 views, 400x300, 7000 steps"), 7000);
-  EXPECT_EQ(steps_of("sample 0, 30 views, 400x300"), 0);
-  EXPECT_EQ(steps_of(""), 0);
+TEST(SeedlingsRows, NamesOfSchema1GiveTheSettings) {
+  const ScoreRow row = row_of("sample 2, 30 views, 400x300, 7000 steps", kOurs, 1, 1);
+  EXPECT_EQ(row.run, 2);
+  EXPECT_EQ(row.views, 30);
+  EXPECT_EQ(row.width_px, 400);
+  EXPECT_EQ(row.height_px, 300);
+  EXPECT_EQ(row.steps, 7000);
+  EXPECT_EQ(row_of("sample 0, 30 views, 400x300", kOurs, 1, 1).steps, 0);
+  const ScoreRow seeds =
+      row_of("zhengdan958 run 3 60 views 1280x720, one in 8 held out, poses sfm, 900 steps", kOurs,
+             1, 1);
+  EXPECT_EQ(seeds.run, 3);
+  EXPECT_EQ(seeds.views, 60);
+  EXPECT_EQ(seeds.height_px, 720);
+  EXPECT_EQ(seeds.held_out_every, 8);
+  EXPECT_EQ(seeds.poses, "sfm");
+  EXPECT_EQ(seeds.steps, 900);
+  EXPECT_EQ(row_of("", kOurs, 1, 1).views, 0);
+  EXPECT_EQ(row_of("x run y views, poses ", kOurs, 1, 1).run, -1);
 }
 
 TEST(SeedlingsRows, MeansThatStandBesideOneAnotherAreOfTheSameSamples) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "benchmarks/score/score_columns.h"
 #include "benchmarks/suites/seeds/paper_tables.h"
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/score_seeds.h"
@@ -45,6 +46,7 @@ ShardResult finished(const std::string& cultivar, int run, double error_m, doubl
     row.suite = suite;
     row.scene = cultivar;
     row.case_name = cultivar + " run " + std::to_string(run) + " 60 views 1920x1080";
+    settings_of_schema_1(row);
     row.method = "ours";
     row.metric = metric;
     row.value = value;
@@ -197,6 +199,7 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
       row.suite = kSplatsSuite;
       row.scene = cultivar;
       row.case_name = cultivar + " run 0 60 views 1280x720, " + std::to_string(steps) + " steps";
+      settings_of_schema_1(row);
       row.method = method;
       row.metric = metric;
       row.value = value;
@@ -310,6 +313,7 @@ TEST(SeedsSuite, PublishedLinesAreShownOnlyBesideLinesOfOurOwn) {
   row.suite = kSplatsSuite;
   row.scene = "jimai22";
   row.case_name = "jimai22 run 0 60 views 1280x720, 7000 steps";
+  settings_of_schema_1(row);
   row.method = "instant-ngp";
   row.metric = "train.psnr_whole_small";
   row.value = 53;
@@ -333,6 +337,7 @@ TEST(SeedsSuite, PosesByColmapHaveATableAndNoLineInThePapers) {
     row.scene = "zhengdan958";
     row.case_name =
         std::string("zhengdan958 run 0 ") + photographs + ", " + std::to_string(steps) + " steps";
+    settings_of_schema_1(row);
     row.method = "splats_paper";
     row.metric = metric;
     row.value = value;
@@ -381,6 +386,7 @@ TEST(SeedsSuite, AGapThatIsMissingWhereViewsWereHeldOutIsAFailure) {
   for (const int steps : {1000, 3000}) {
     row.case_name = "zhengdan958 run 0 60 views 1280x720, one in 8 held out, " +
                     std::to_string(steps) + " steps";
+    settings_of_schema_1(row);
     for (const auto& [metric, value] :
          {std::pair("train.psnr_whole", 42.0), std::pair("held_out.psnr_whole", 41.0),
           std::pair("train.psnr_object", 41.0)}) {

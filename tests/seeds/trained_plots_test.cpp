@@ -1,3 +1,4 @@
+#include "benchmarks/score/score_columns.h"
 #include "benchmarks/suites/seeds/trained_plots.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@ ScoreRow row_of(const char* method, const char* case_name, const char* metric, d
   ScoreRow row;
   row.method = method;
   row.case_name = case_name;
+  settings_of_schema_1(row);
   row.metric = metric;
   row.wall_s = wall_s;
   row.value = value;

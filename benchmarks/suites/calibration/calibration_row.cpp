@@ -24,7 +24,7 @@ ScoreRow at_most(ScoreRow row, const std::string& metric, const std::string& uni
   row.metric = metric + text;
   row.unit = unit;
   row.value = value;
-  return limited(row, value <= limit);
+  return limited(row, at_most(limit));
 }
 
 ScoreRow not_built(ScoreRow row, const std::string& reason) {

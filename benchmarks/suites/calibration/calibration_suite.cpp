@@ -165,10 +165,10 @@ void coverage_rows(Rows& rows, std::uint64_t seed, bool quick) {
     }
     row.metric = "within 95 % intervals (0.93..0.97)";
     row.value = found.within_95;
-    rows.push_back(limited(row, found.within_95 >= 0.93 && found.within_95 <= 0.97));
+    rows.push_back(limited(row, between(0.93, 0.97)));
     row.metric = "within 68 % intervals (0.65..0.71)";
     row.value = found.within_68;
-    rows.push_back(limited(row, found.within_68 >= 0.65 && found.within_68 <= 0.71));
+    rows.push_back(limited(row, between(0.65, 0.71)));
   }
 }
 

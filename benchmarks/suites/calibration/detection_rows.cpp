@@ -141,13 +141,13 @@ ScoreRow row_of(const std::string& board, const char* method, std::uint64_t seed
 }
 
 ScoreRow held(ScoreRow row, const char* metric, const char* unit, double value, double limit,
-              bool at_most) {
+              bool is_upper) {
   char text[40];
-  std::snprintf(text, sizeof text, at_most ? " (at most %g)" : " (at least %g)", limit);
+  std::snprintf(text, sizeof text, is_upper ? " (at most %g)" : " (at least %g)", limit);
   row.metric = std::string(metric) + text;
   row.unit = unit;
   row.value = value;
-  return limited(row, at_most ? value <= limit : value >= limit);
+  return limited(row, is_upper ? at_most(limit) : at_least(limit));
 }
 
 void kind_rows(std::vector<ScoreRow>& rows, const std::string& name, double distance_m,

@@ -93,9 +93,9 @@ void deviation_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool quick)
   std::snprintf(text, sizeof text, "over the true scatter (within %.2g of %.3f, as derived)",
                 allowed * factor, factor);
   rows.push_back(
-      limited(number(row, text, "1", reported), std::abs(reported / factor - 1) <= allowed));
+      limited(number(row, text, "1", reported), about(factor, allowed * factor)));
   std::snprintf(text, sizeof text, "corrected, over the true scatter (within %.2g of 1)", allowed);
-  rows.push_back(limited(number(row, text, "1", corrected), std::abs(corrected - 1) <= allowed));
+  rows.push_back(limited(number(row, text, "1", corrected), about(1, allowed)));
 }
 
 template <class Get>
@@ -140,13 +140,13 @@ void blind_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool quick) {
   const double blind = std::abs(rms_px[0] / rms_px[1] - 1);
   rows.push_back(
       limited(number(row, "reprojection error, relative difference (at most 0.02)", "1", blind),
-              blind <= 0.02));
+              at_most(0.02)));
   const double worse = error_px[0] / error_px[1];
   rows.push_back(
-      limited(number(row, "true projection error, ratio (at least 5)", "1", worse), worse >= 5));
+      limited(number(row, "true projection error, ratio (at least 5)", "1", worse), at_least(5)));
   const double told = predicted[0] / predicted[1];
   rows.push_back(
-      limited(number(row, "predicted deviation, ratio (at least 5)", "1", told), told >= 5));
+      limited(number(row, "predicted deviation, ratio (at least 5)", "1", told), at_least(5)));
 }
 
 /// Whether the lens folds before the image's farthest corner.
@@ -208,7 +208,7 @@ void fold_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool quick) {
     } else {
       rows.push_back(limited(number(of_folded, "of those, refused: not determined (1)", "1",
                                     static_cast<double>(refused) / folded),
-                             refused == folded));
+                             at_least(1)));
     }
   }
 }

@@ -37,7 +37,7 @@ std::vector<ScoreRow> hand_eye_rows(std::uint64_t seed, bool quick) {
     row.metric = "share refused (1)";
     row.unit = "1";
     row.value = refused[k] / arms;
-    rows.push_back(limited(row, refused[k] == arms));
+    rows.push_back(limited(row, at_least(1)));
   }
   return rows;
 }

@@ -33,7 +33,7 @@ void range_row(std::vector<ScoreRow>& rows, ScoreRow row, const char* metric, do
   row.metric = metric;
   row.value = value;
   row.n = kDraws;
-  rows.push_back(limited(row, value >= low && value <= high));
+  rows.push_back(limited(row, between(low, high)));
 }
 
 void published_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
@@ -57,7 +57,7 @@ void published_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
   row.metric = "divergence of leaves (2.513, a 2/5 spiral: Darrow, The Strawberry, 1966)";
   row.unit = "rad";
   row.value = angle_rad;
-  rows.push_back(limited(row, std::abs(angle_rad - 2.51327) < 1e-3));
+  rows.push_back(limited(row, about(2.51327, 1e-3)));
 }
 
 double bed_trait(const Scene& scene, const char* what, int view) {
@@ -112,11 +112,11 @@ void occlusion_rows(std::vector<ScoreRow>& rows, const StandRest& rest,
     row.value = static_cast<double>(met) / config.views;
     row.wall_s = time.wall_s;
     row.cpu_s = time.cpu_s;
-    rows.push_back(limited(row, row.value >= 0.8));
+    rows.push_back(limited(row, at_least(0.8)));
     row.n = met;
     row.metric = "largest off what was asked, of those met (at most 0.03)";
     row.value = off;
-    rows.push_back(limited(row, off <= 0.03));
+    rows.push_back(limited(row, at_most(0.03)));
   }
 }
 

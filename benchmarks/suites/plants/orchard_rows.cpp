@@ -45,7 +45,7 @@ void tree_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
   const std::string in_leaf = "tree in full leaf, " + std::to_string(config.fruits) + " fruits";
   ScoreRow row = base_row(in_leaf, seed);
   set_seconds(row, "seconds, building without settling (at most 2)", grown.wall_s, grown.cpu_s);
-  rows.push_back(limited(row, row.value <= 2));
+  rows.push_back(limited(row, at_most(2)));
   row = base_row(in_leaf, seed);
   row.metric = "leaves";
   row.value = static_cast<double>(unbent.tree.leaves.size());
@@ -62,12 +62,12 @@ void tree_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
     return;
   }
   set_seconds(row, "seconds, building and settling (at most 10)", hung.wall_s, hung.cpu_s);
-  rows.push_back(limited(row, row.value <= 10));
+  rows.push_back(limited(row, at_most(10)));
   row = base_row("tree under its fruits", seed);
   row.metric = "branches that do not come to rest (none)";
   row.value = bent.tree.rest.not_at_rest;
   row.n = bent.tree.rest.branches;
-  rows.push_back(limited(row, row.value == 0));
+  rows.push_back(limited(row, at_most(0)));
   row.metric = "fruits thinned for their overlap";
   row.value = bent.tree.rest.thinned;
   row.n = static_cast<std::int64_t>(bent.tree.fruits.size()) + bent.tree.rest.thinned;
@@ -76,7 +76,7 @@ void tree_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
   row.metric = "deepest overlap of fruits with fruits and wood (at most 0.0005; negative: a gap)";
   row.unit = "m";
   row.value = bent.tree.rest.deepest_m;
-  rows.push_back(limited(row, row.value <= 5e-4));
+  rows.push_back(limited(row, at_most(5e-4)));
   row.metric = "farthest way of a branch's tip";
   row.value = bent.tree.rest.sag_m;
   row.status = ScoreStatus::ok;
@@ -124,7 +124,7 @@ void published_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int trees) 
     row.unit = unit;
     row.value = value;
     row.n = trees;
-    rows.push_back(limited(row, value >= low && value <= high));
+    rows.push_back(limited(row, between(low, high)));
   };
   const auto& tree = config.orchard.tree;
   add("height (below 3.5)", "m", height, 0, 3.5);
@@ -170,7 +170,7 @@ void crossing_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int trees) {
   row.n = trees;
   row.metric = "share of the leaf area that crosses other leaves (at most 0.01)";
   row.value = crossed_m2 / area_m2;
-  rows.push_back(limited(row, row.value <= 0.01));
+  rows.push_back(limited(row, at_most(0.01)));
 }
 
 double tree_trait(const Scene& scene, const char* what, int view) {
@@ -229,11 +229,11 @@ void occlusion_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool quick)
     row.value = static_cast<double>(met) / views;
     row.wall_s = time.wall_s;
     row.cpu_s = time.cpu_s;
-    rows.push_back(limited(row, row.value >= 0.8));
+    rows.push_back(limited(row, at_least(0.8)));
     row.n = met;
     row.metric = "largest off what was asked, of those met (at most 0.03)";
     row.value = off;
-    rows.push_back(limited(row, off <= 0.03));
+    rows.push_back(limited(row, at_most(0.03)));
   }
 }
 

@@ -57,7 +57,7 @@ ScoreRow published_mean(ScoreRow row, const std::string& metric, const std::stri
   const double half = kSigmas95 * drawn.sigma / std::sqrt(static_cast<double>(kDraws));
   row.ci_low = drawn.mean - half;
   row.ci_high = drawn.mean + half;
-  return limited(row, std::abs(drawn.mean - published) <= half);
+  return limited(row, about(published, half));
 }
 
 /// A value that the source gives as a range.
@@ -66,7 +66,7 @@ ScoreRow published_range(ScoreRow row, const std::string& metric, double value, 
   row.metric = metric;
   row.value = value;
   row.n = kDraws;
-  return limited(row, value >= low && value <= high);
+  return limited(row, between(low, high));
 }
 
 void size_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
@@ -122,7 +122,7 @@ void maturity_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
     row.metric = metric;
     row.n = all;
     row.value = static_cast<double>(counts[k]) / static_cast<double>(all);
-    rows.push_back(limited(row, std::abs(row.value - kPaper[k]) <= 0.05));
+    rows.push_back(limited(row, about(kPaper[k], 0.05)));
   }
 }
 
@@ -144,7 +144,7 @@ void built_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int count) {
   const StageTiming berry_time = berries.finish();
   berry.metric = "red share, largest off what was asked (at most 0.005)";
   berry.value = off;
-  rows.push_back(limited(berry, off <= 0.005));
+  rows.push_back(limited(berry, at_most(0.005)));
   berry.metric = "seconds";
   berry.unit = "s";
   berry.value = berry.wall_s = berry_time.wall_s / count;
@@ -177,11 +177,11 @@ void truss_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, int fruits) {
   }
   row.metric = "comes to rest, status " + std::string(to_string(truss.status));
   row.value = truss.status == PlantStatus::ok ? 1 : 0;
-  rows.push_back(limited(row, truss.status == PlantStatus::ok));
+  rows.push_back(limited(row, at_least(1)));
   row.metric = "deepest overlap of fruits, stalks and bed (at most 0.0005)";
   row.unit = "m";
   row.value = truss.sag.max_penetration_m;
-  rows.push_back(limited(row, row.value <= 5e-4));
+  rows.push_back(limited(row, at_most(5e-4)));
   row.metric = "largest stress over strength";
   row.unit = "1";
   row.value = truss.sag.strain.ratio;

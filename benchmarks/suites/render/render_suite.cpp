@@ -42,8 +42,8 @@ void add_leaf_cloud_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool q
                        const std::string& unit, std::int64_t n, double limit, bool is_upper) {
     ScoreRow row = row_of(name, metric, value, unit, n, seed);
     row.scene = "leaf cloud";
-    const bool passes = is_upper ? value <= limit : value >= limit;
-    rows.push_back(std::isnan(limit) || std::isnan(value) ? row : limited(row, passes));
+    const bool is_held = !std::isnan(limit) && !std::isnan(value);
+    rows.push_back(is_held ? limited(row, is_upper ? at_most(limit) : at_least(limit)) : row);
   };
   constexpr double kShown = std::numeric_limits<double>::quiet_NaN();
   const LeafCloudSpeed speed = measure_leaf_cloud({}, quick ? 5 : 15);
@@ -124,7 +124,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
     file.scores.push_back(
         row_of(name, "truth_rays_per_second", t.truth_rays_per_s, "1/s", rays, seed));
     file.scores.push_back(
-        limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), t.share >= 0.6));
+        limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), at_least(0.6)));
   }
 
   say("radiance", 2, 8);
@@ -151,7 +151,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
     const std::string name = "Monte-Carlo noise, view " + std::to_string(view);
     file.scores.push_back(limited(row_of(name, "mean_variance_over_sensor_variance",
                                          noise.mean_ratio, "1", noise.pixels, seed),
-                                  noise.mean_ratio <= 0.25));
+                                  at_most(0.25)));
     file.scores.push_back(row_of(name, "median_variance_over_sensor_variance", noise.median_ratio,
                                  "1", noise.pixels, seed));
   }
@@ -172,7 +172,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
     const std::string name = "board corners, " + std::string(to_string(model));
     file.scores.push_back(
         limited(row_of(name, "corner.bias", found.bias_px.norm(), "px", found.corners, seed),
-                found.bias_px.norm() <= 0.02));
+                at_most(0.02)));
     file.scores.push_back(row_of(name, "corner.rms", found.rms_px, "px", found.corners, seed));
   }
   say("leaf cloud", 6, 8);

@@ -72,7 +72,7 @@ void add_build_rows(ScoreFile& file, const BuildCase& c, int repeats, std::uint6
   row.value = row.wall_s = quantile(seconds, 0.5);
   row.cpu_s = quantile(cpu, 0.5);
   row.n = repeats;
-  file.scores.push_back(limited(row, row.value <= c.limit_s));
+  file.scores.push_back(limited(row, at_most(c.limit_s)));
   row = row_of(c.scene, c.name, "triangles", "1", seed);
   row.value = triangles;
   row.n = 1;
@@ -108,7 +108,7 @@ void add_crossing_rows(ScoreFile& file, const BuildCase& c, int trays, std::uint
   ScoreRow row = row_of(c.scene, c.name, "leaf_crossing.share", "1", seed);
   row.value = crossed_m2 / area_m2;
   row.n = trays;
-  file.scores.push_back(limited(row, row.value <= kCrossingLimit));
+  file.scores.push_back(limited(row, at_most(kCrossingLimit)));
   row = row_of(c.scene, c.name, "leaf_crossing.pairs", "1", seed);
   row.value = pairs / trays;
   row.n = trays;
@@ -182,7 +182,7 @@ void add_published_rows(ScoreFile& file, const std::string& scene, const std::st
     row.value = (mean(values) - published.mean) / published.sigma;
     row.n = static_cast<std::int64_t>(values.size());
     constexpr double kNormal95 = 1.96;
-    file.scores.push_back(limited(row, std::abs(row.value) <= kNormal95));
+    file.scores.push_back(limited(row, about(0, kNormal95)));
   }
 }
 

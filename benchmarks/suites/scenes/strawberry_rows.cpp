@@ -58,7 +58,7 @@ void paper_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
       row_of("as the paper's images", "fruits a scene (8627 in 1158: 7.45 within 5 %)", "1", seed);
   row.n = kDraws;
   row.value = static_cast<double>(all) / kDraws;
-  rows.push_back(limited(row, std::abs(row.value - kMean) <= 0.05 * kMean));
+  rows.push_back(limited(row, about(kMean, 0.05 * kMean)));
   constexpr std::array<const char*, 3> kNames = {
       "share of low maturity (4776 of 8627: 0.554 +- 0.05)",
       "share of medium maturity (2452 of 8627: 0.284 +- 0.05)",
@@ -68,7 +68,7 @@ void paper_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
     row.metric = kNames[k];
     row.n = all;
     row.value = static_cast<double>(counts[k]) / static_cast<double>(all);
-    rows.push_back(limited(row, std::abs(row.value - kPaper[k]) <= 0.05));
+    rows.push_back(limited(row, about(kPaper[k], 0.05)));
   }
 }
 
@@ -106,7 +106,7 @@ void stretch_rows(std::vector<ScoreRow>& rows, const StrawberriesSceneConfig& co
     ScoreRow row = row_of("stretch of bed", metric, unit, seed);
     row.n = count;
     row.value = value;
-    rows.push_back(limited(row, value <= limit));
+    rows.push_back(limited(row, at_most(limit)));
   };
   add("seconds.settle, longest (at most 10)", "s",
       *std::max_element(settle_s.begin(), settle_s.end()), kSettle_s);
@@ -180,7 +180,7 @@ void image_rows(std::vector<ScoreRow>& rows, const PlantRunConfig& config, std::
   row.n = count;
   row.value = row.wall_s = mean_of([](const ImageSeconds& s) { return s.all(); });
   row.cpu_s = mean_of([](const ImageSeconds& s) { return s.cpu; });
-  rows.push_back(limited(row, row.value <= kImage_s));
+  rows.push_back(limited(row, at_most(kImage_s)));
   row.wall_s = row.cpu_s = ScoreRow::kNone;
   row.status = ScoreStatus::ok;
   const auto part = [&](const char* metric, double value, const char* unit) {

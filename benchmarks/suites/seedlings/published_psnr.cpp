@@ -62,21 +62,25 @@ constexpr double kMinute_s = 60;
 std::vector<ScoreRow> published_rows() {
   struct Column {
     const char* method;
-    const char* steps;  ///< the paper gives none of Instant-NGP
+    int steps;  ///< the paper gives none of Instant-NGP
   };
-  constexpr Column kColumns[] = {{kPublishedGaussians, ", 7000 steps"},
-                                 {kPublishedGaussians, ", 30000 steps"},
-                                 {kPublishedNgp, ""}};
+  constexpr Column kColumns[] = {
+      {kPublishedGaussians, 7000}, {kPublishedGaussians, 30000}, {kPublishedNgp, 0}};
   std::vector<ScoreRow> rows;
   for (const PublishedSample& line : kPublished) {
     for (std::size_t i = 0; i < line.numbers.size(); ++i) {
       ScoreRow row;
       row.suite = kSeedlingsSuite;
       row.scene = line.light;
-      row.case_name = "sample S" + std::to_string(line.sample) + ", 30 photographs, RTX 4090" +
-                      kColumns[i].steps;
+      row.case_name = "sample S" + std::to_string(line.sample) + ", 30 photographs, RTX 4090";
+      if (kColumns[i].steps > 0)
+        row.case_name += ", " + std::to_string(kColumns[i].steps) + " steps";
       row.method = kColumns[i].method;
       row.metric = "psnr";
+      row.run = line.sample;
+      row.views = 30;
+      row.light = line.light;
+      row.steps = kColumns[i].steps;
       row.value = line.numbers[i].psnr_db;
       row.unit = "dB";
       row.n = 1;

@@ -1,7 +1,6 @@
 #include "benchmarks/suites/seedlings/seedlings_page.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
@@ -16,11 +15,15 @@ namespace {
 
 constexpr const char* kTimeSection = "PSNR over time";
 constexpr const char* kCoverageSection = "PSNR over view coverage";
-constexpr const char* kAll = "mean, 30 views, ";  ///< cases of the full set of photographs
+
+/// Of the full set of photographs, over the samples.
+bool is_of_all(const ScoreRow& row) {
+  return row.run < 0 && row.views == 30 && row.view_set.empty();
+}
 
 bool is_mean_of(const ScoreRow& row, const std::string& light, const std::string& metric) {
   return row.suite == kSeedlingsSuite && row.scene == light && row.metric == metric &&
-         row.case_name.starts_with(kAll) && steps_of(row.case_name) > 0 && row.wall_s > 0;
+         is_of_all(row) && row.steps > 0 && row.wall_s > 0;
 }
 
 std::set<std::string> lights_of(const std::vector<ScoreRow>& rows) {
@@ -39,7 +42,7 @@ LineSeries published_series(const std::vector<ScoreRow>& rows, const std::string
   series.name = "published: 3DGS (RTX 4090)";
   for (const ScoreRow& row : rows) {
     if (row.suite == kSeedlingsSuite && row.scene == light && row.method == kPublishedGaussians &&
-        row.case_name.starts_with("mean, "))
+        row.run < 0)
       series.points.push_back({row.wall_s, interval_of(row)});
   }
   return series;
@@ -79,20 +82,18 @@ LinePlot time_plot(const std::vector<ScoreRow>& rows, const std::string& light,
   return plot;
 }
 
-/// "20 views" of "sample 0, 20 views, 400x300".
-std::string set_of(const std::string& case_name) {
-  const std::size_t begin = case_name.find(", ") + 2;
-  return case_name.substr(begin, case_name.find(", ", begin) - begin);
+/// "20 views", "30 views, one side".
+std::string set_of(const ScoreRow& row) {
+  return std::to_string(row.views) + " views" +
+         (row.view_set.empty() ? "" : ", " + row.view_set);
 }
 
 /// The last snapshot of every set of photographs that all of them have.
 int common_steps(const std::vector<ScoreRow>& rows) {
   std::map<std::string, std::set<int>> of_photographs;
   for (const ScoreRow& row : rows) {
-    const int steps = steps_of(row.case_name);
-    if (row.suite == kSeedlingsSuite && row.method == kReference && steps > 0 &&
-        row.case_name.starts_with("sample "))
-      of_photographs[row.scene + row.case_name.substr(0, row.case_name.rfind(", "))].insert(steps);
+    if (row.suite == kSeedlingsSuite && row.method == kReference && row.steps > 0 && row.run >= 0)
+      of_photographs[photographs_of(row)].insert(static_cast<int>(row.steps));
   }
   int common = 0;
   for (const auto& [photographs, steps] : of_photographs) {
@@ -118,16 +119,15 @@ LinePlot coverage_plot(const std::vector<ScoreRow>& rows, const std::string& met
   plot.y_label = "PSNR (dB)";
   std::map<std::string, LineSeries> by_set;
   for (const ScoreRow& covered : rows) {
-    if (covered.suite != kSeedlingsSuite || !covered.case_name.starts_with("sample ") ||
+    if (covered.suite != kSeedlingsSuite || covered.run < 0 ||
         covered.metric != "coverage.seen_by_" + std::to_string(kEnoughViews))
       continue;
-    const std::string wanted = covered.case_name + ", " + std::to_string(steps) + " steps";
     const auto row = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& r) {
-      return r.suite == kSeedlingsSuite && r.scene == covered.scene && r.method == kReference &&
-             r.metric == metric && r.case_name == wanted;
+      return r.suite == kSeedlingsSuite && r.method == kReference && r.metric == metric &&
+             r.steps == steps && photographs_of(r) == photographs_of(covered);
     });
     if (row == rows.end()) continue;
-    const std::string name = set_of(covered.case_name);
+    const std::string name = set_of(covered);
     LineSeries& series = by_set[name];
     series.name = name;
     series.is_joined = false;
@@ -139,13 +139,6 @@ LinePlot coverage_plot(const std::vector<ScoreRow>& rows, const std::string& met
     plot.series.push_back(std::move(series));
   }
   return plot;
-}
-
-/// 30 of "30 views"; 0 of any other set.
-int views_of(const std::string& set) {
-  int views = 0;
-  const auto [end, error] = std::from_chars(set.data(), set.data() + set.size(), views);
-  return error == std::errc() && std::string_view(end) == " views" ? views : 0;
 }
 
 /// PSNR of ours over the number of photographs that it was trained on.
@@ -165,11 +158,10 @@ LinePlot views_plot(const std::vector<ScoreRow>& rows) {
       series.name = light + ", " + what;
       for (const ScoreRow& row : rows) {
         if (row.suite != kSeedlingsSuite || row.scene != light || row.method != kOurs ||
-            row.metric != metric || !row.case_name.starts_with("sample 0, ") ||
-            steps_of(row.case_name) != kMoreViewsSteps)
+            row.metric != metric || row.run != 0 || row.steps != kMoreViewsSteps ||
+            row.views == 0 || !row.view_set.empty())
           continue;
-        const int views = views_of(set_of(row.case_name));
-        if (views > 0) series.points.push_back({static_cast<double>(views), interval_of(row)});
+        series.points.push_back({static_cast<double>(row.views), interval_of(row)});
       }
       if (series.points.size() > 1) plot.series.push_back(std::move(series));
     }
@@ -213,8 +205,8 @@ std::string cell_of(const ScoreRow* row, int decimals) {
 const ScoreRow* row_of(const std::vector<ScoreRow>& rows, const ScoreRow& of,
                        const std::string& metric) {
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& row) {
-    return row.suite == of.suite && row.scene == of.scene && row.case_name == of.case_name &&
-           row.method == of.method && row.metric == metric;
+    return row.suite == of.suite && photographs_of(row) == photographs_of(of) &&
+           row.steps == of.steps && row.method == of.method && row.metric == metric;
   });
   return found == rows.end() ? nullptr : &*found;
 }
@@ -224,9 +216,8 @@ std::vector<std::string> line_of(const std::vector<ScoreRow>& rows, const ScoreR
   const auto cell = [&](const char* metric, int decimals) {
     return cell_of(row_of(rows, row, metric), decimals);
   };
-  const int steps = steps_of(row.case_name);
   return {row.method,
-          steps > 0 ? std::to_string(steps) : "",
+          row.steps > 0 ? std::to_string(row.steps) : "",
           std::to_string(row.n),
           cell(is_published ? "psnr" : "train.psnr", 1),
           cell("held_out.psnr", 1),
@@ -252,13 +243,13 @@ ReportTable table_of_light(const std::vector<ScoreRow>& rows, const std::string&
     std::vector<const ScoreRow*> of_method;
     for (const ScoreRow& row : rows) {
       const bool is_line = is_published
-                               ? row.metric == "psnr" && row.case_name.starts_with("mean, ")
-                               : row.metric == "train.psnr" && row.case_name.starts_with(kAll);
+                               ? row.metric == "psnr" && row.run < 0
+                               : row.metric == "train.psnr" && is_of_all(row);
       if (row.suite == kSeedlingsSuite && row.scene == light && row.method == method && is_line)
         of_method.push_back(&row);
     }
     std::sort(of_method.begin(), of_method.end(), [](const ScoreRow* a, const ScoreRow* b) {
-      return steps_of(a->case_name) < steps_of(b->case_name);
+      return a->steps < b->steps;
     });
     for (const ScoreRow* row : of_method) table.lines.push_back(line_of(rows, *row, is_published));
   }
@@ -275,16 +266,16 @@ ReportTable coverage_table(const std::vector<ScoreRow>& rows) {
                      "held out", "of these covered", "not covered"},
                     {}};
   for (const ScoreRow& covered : rows) {
-    if (covered.suite != kSeedlingsSuite || !covered.case_name.starts_with("sample 0, ") ||
+    if (covered.suite != kSeedlingsSuite || covered.run != 0 ||
         covered.metric != "coverage.seen_by_" + std::to_string(kEnoughViews))
       continue;
     ScoreRow of = covered;
     of.method = kReference;
-    of.case_name += ", " + std::to_string(steps) + " steps";
+    of.steps = steps;
     const auto cell = [&](const char* metric) {
       return table_cell(row_of(rows, of, metric), 1, 1);
     };
-    table.lines.push_back({covered.scene, set_of(covered.case_name), table_cell(&covered, 100, 1),
+    table.lines.push_back({covered.scene, set_of(covered), table_cell(&covered, 100, 1),
                            cell("train.psnr"), cell("held_out.psnr"), cell("held_out.psnr_covered"),
                            cell("held_out.psnr_uncovered")});
   }
@@ -312,7 +303,7 @@ std::vector<ErrorTimeCurve> seedlings_curves(const std::vector<ScoreRow>& rows) 
       if (!is_mean_of(row, light, "held_out.psnr")) continue;
       const auto error = [](double psnr_db) { return std::pow(10, -psnr_db / 20); };
       curve.points.push_back({row.method,
-                              std::to_string(steps_of(row.case_name)) + " steps",
+                              std::to_string(row.steps) + " steps",
                               row.wall_s,
                               {error(row.value), error(row.ci_high), error(row.ci_low)}});
     }

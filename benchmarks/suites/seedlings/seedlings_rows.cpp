@@ -22,6 +22,12 @@ ScoreRow base_row(const SeedlingsJob& job, std::uint64_t seed) {
   row.case_name = job.case_name();
   row.method = job.plan.method;
   row.seed = seed;
+  row.run = job.sample.number;
+  row.views = job.set.views;
+  row.view_set = job.set.one_side ? "one side" : "";
+  row.width_px = job.sample.width_px;
+  row.height_px = job.sample.height_px;
+  row.light = job.sample.light;
   return row;
 }
 
@@ -59,6 +65,7 @@ void add_view_scores(const ScoreRow& row, const std::string& set, const ViewScor
 
 void add_field_scores(ScoreRow row, const FieldScores& scores, std::vector<ScoreRow>& rows) {
   row.case_name += ", " + std::to_string(scores.steps) + " steps";
+  row.steps = scores.steps;
   row.wall_s = scores.wall_s;
   row.cpu_s = scores.cpu_s;
   add_view_scores(row, "train", scores.train, rows);
@@ -87,33 +94,34 @@ void add_coverage(ScoreRow row, const FieldViews& views, std::vector<ScoreRow>& 
   }
 }
 
-/// "30 views, ..." of "sample 0, 30 views, ..."; empty if it is of no sample.
-std::string without_sample(const std::string& case_name) {
-  const std::size_t comma = case_name.find(", ");
-  return case_name.starts_with("sample ") && comma != std::string::npos
-             ? case_name.substr(comma + 2)
-             : std::string();
+/// A row as if it were of all samples; their cases begin with the sample's name and a comma.
+ScoreRow of_all_samples(ScoreRow row) {
+  row.run = -1;
+  row.case_name = "mean" + row.case_name.substr(std::min(row.case_name.find(", "),
+                                                         row.case_name.size()));
+  return row;
+}
+
+/// What means are of: photographs but the sample, steps, metric.
+std::string case_of(const ScoreRow& row) {
+  ScoreRow all = row;
+  all.run = -1;
+  return photographs_of(all) + "\n" + std::to_string(row.steps) + "\n" + row.metric;
 }
 
 /// Rows with numbers of samples, one of each case, method and metric (two jobs may score the same
 /// steps), without those of samples for which another method has no number of that case and metric:
 /// means stand beside one another.
 std::vector<const ScoreRow*> of_samples_in_common(const std::vector<ScoreRow>& rows) {
-  using Case = std::tuple<std::string, std::string, std::string>;
-  std::map<Case, std::map<std::string, std::set<std::string>>> samples;  // by method
+  std::map<std::string, std::map<std::string, std::set<std::int64_t>>> samples;  // by method
   std::vector<const ScoreRow*> numbers;
-  const auto case_of = [](const ScoreRow& row) {
-    return Case(row.scene, row.metric, without_sample(row.case_name));
-  };
   for (const ScoreRow& row : rows) {
-    if (without_sample(row.case_name).empty() || row.status != ScoreStatus::ok ||
-        !std::isfinite(row.value))
-      continue;
-    if (samples[case_of(row)][row.method].insert(row.case_name).second) numbers.push_back(&row);
+    if (row.run < 0 || row.status != ScoreStatus::ok || !std::isfinite(row.value)) continue;
+    if (samples[case_of(row)][row.method].insert(row.run).second) numbers.push_back(&row);
   }
   const auto is_missing = [&](const ScoreRow* row) {
     for (const auto& [method, own] : samples[case_of(*row)]) {
-      if (!own.contains(row->case_name)) return true;
+      if (!own.contains(row->run)) return true;
     }
     return false;
   };
@@ -148,6 +156,7 @@ std::vector<ScoreRow> shape_job_rows(const SeedlingsJob& job, std::uint64_t seed
   if (field.status != "ok" || field.scores.empty()) return {unsolved_row(row, field.status)};
   const FieldScores& last = field.scores.back();
   row.case_name += ", " + std::to_string(last.steps) + " steps";
+  row.steps = last.steps;
   row.wall_s = last.wall_s;
   row.cpu_s = last.cpu_s;
   return shape_rows(job.sample, seed, field.splats, views, row);
@@ -189,12 +198,10 @@ std::vector<ScoreRow> sample_rows(const SeedlingsJob& job, std::uint64_t seed,
 std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows) {
   const std::vector<const ScoreRow*> compared = of_samples_in_common(rows);
   std::vector<std::vector<const ScoreRow*>> groups;  // in the order of their first rows
-  std::map<std::tuple<std::string, std::string, std::string, std::string>, std::size_t> index;
+  std::map<std::pair<std::string, std::string>, std::size_t> index;
   for (const ScoreRow* const one : compared) {
     const ScoreRow& row = *one;
-    const std::string rest = without_sample(row.case_name);
-    const auto [at, is_new] =
-        index.try_emplace({row.scene, row.method, row.metric, rest}, groups.size());
+    const auto [at, is_new] = index.try_emplace({row.method, case_of(row)}, groups.size());
     if (is_new) groups.emplace_back();
     groups[at->second].push_back(&row);
   }
@@ -202,8 +209,7 @@ std::vector<ScoreRow> mean_rows(const std::vector<ScoreRow>& rows) {
   for (const auto& group : groups) {
     std::vector<double> values;
     for (const ScoreRow* row : group) values.push_back(row->value);
-    ScoreRow row = *group.front();
-    row.case_name = "mean, " + without_sample(row.case_name);
+    ScoreRow row = of_all_samples(*group.front());
     row.wall_s = column_mean(group, &ScoreRow::wall_s);
     row.cpu_s = column_mean(group, &ScoreRow::cpu_s);
     means.push_back(with_interval(row, row.metric, row.unit, student_mean(values),
@@ -216,7 +222,7 @@ std::vector<ScoreRow> equal_time_rows(const std::vector<ScoreRow>& rows, int ste
                                       const TrainingMachines& machines) {
   std::vector<ScoreRow> of_samples;
   for (const ScoreRow& row : rows) {
-    if (!without_sample(row.case_name).empty()) of_samples.push_back(row);
+    if (row.run >= 0) of_samples.push_back(row);
   }
   return equal_time_rows(
       of_samples, {kReference,

@@ -19,6 +19,7 @@ constexpr int kComparedSteps = 7000;
 /// of CPU, and views held out within 1.5 dB of those trained on (both after the best exposure of
 /// each), as psnr_exposed.train_less_held_out.
 constexpr double kLeastGain_db = 1, kMostGap_db = 1.5;
+constexpr int kAllViews = 30;
 
 /// A gain that is missing where both methods were trained on all 30 photographs fails.
 void add_missing_gains(std::vector<ScoreRow>& means) {
@@ -26,12 +27,11 @@ void add_missing_gains(std::vector<ScoreRow>& means) {
   std::vector<ScoreRow> missing;
   for (const ScoreRow& row : means) {
     if (row.method != kReference || row.metric != "train.psnr" ||
-        !row.case_name.starts_with("mean, 30 views, ") || steps_of(row.case_name) != kComparedSteps)
+        row.run >= 0 || row.views != kAllViews || row.steps != kComparedSteps)
       continue;
-    const std::string photographs = row.case_name.substr(0, row.case_name.rfind(", "));
     const auto is_of = [&](const ScoreRow& other, const char* metric) {
-      return other.scene == row.scene && other.method == kOurs && other.metric == metric &&
-             other.case_name.starts_with(photographs + ", ");
+      return other.method == kOurs && other.metric == metric &&
+             photographs_of(other) == photographs_of(row);
     };
     const bool has_ours = std::any_of(means.begin(), means.end(), [&](const ScoreRow& other) {
       return is_of(other, "train.psnr");
@@ -44,8 +44,7 @@ void add_missing_gains(std::vector<ScoreRow>& means) {
     none.metric = kGain;
     none.value = none.ci_low = none.ci_high = ScoreRow::kNone;
     none.n = 0;
-    none.status = ScoreStatus::fail;
-    missing.push_back(std::move(none));
+    missing.push_back(limited(none, at_least(kLeastGain_db)));
   }
   means.insert(means.end(), missing.begin(), missing.end());
 }
@@ -54,19 +53,18 @@ void hold_to_limits(std::vector<ScoreRow>& means) {
   std::vector<ScoreRow> gaps;
   for (ScoreRow& row : means) {
     if (row.metric == "train.psnr_gain_at_equal_cpu_seconds")
-      row.status = row.value >= kLeastGain_db ? ScoreStatus::pass : ScoreStatus::fail;
+      row = limited(row, at_least(kLeastGain_db));
     if (row.method != kOurs || row.metric != "train.psnr_exposed") continue;
     const auto held_out = std::find_if(means.begin(), means.end(), [&](const ScoreRow& other) {
       return other.metric == "held_out.psnr_exposed" && other.method == row.method &&
-             other.scene == row.scene && other.case_name == row.case_name;
+             photographs_of(other) == photographs_of(row) && other.steps == row.steps;
     });
     if (held_out == means.end()) continue;
     ScoreRow gap = row;
     gap.metric = "psnr_exposed.train_less_held_out";
     gap.value = row.value - held_out->value;
     gap.ci_low = gap.ci_high = ScoreRow::kNone;
-    gap.status = gap.value <= kMostGap_db ? ScoreStatus::pass : ScoreStatus::fail;
-    gaps.push_back(std::move(gap));
+    gaps.push_back(limited(gap, at_most(kMostGap_db)));
   }
   means.insert(means.end(), gaps.begin(), gaps.end());
   add_missing_gains(means);

@@ -33,7 +33,7 @@ constexpr Method kTraitMethods[] = {{kPublished, "published: 3DGS"},
                                     {"ours", "MVS, ours"}};
 
 bool is_held_out(const ScoreRow& row) {
-  return row.case_name.find(" held out") != std::string::npos;
+  return row.held_out_every > 0;
 }
 bool is_trained(const ScoreRow& row) { return row.suite == kSplatsSuite; }
 bool is_published(std::string_view method) { return method.starts_with("published"); }
@@ -42,7 +42,7 @@ const ScoreRow* pooled_row(const std::vector<ScoreRow>& rows, const std::string&
                            std::string_view method, const std::string& metric) {
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& row) {
     const bool is_place = is_published(method)
-                              ? row.scene == cultivar && steps_of(row.case_name) == 0
+                              ? row.scene == cultivar && row.steps == 0
                               : row.scene == "pooled" && row.case_name == cultivar;
     return is_trained(row) && is_place && row.method == method && row.metric == metric;
   });
@@ -56,7 +56,7 @@ const ScoreRow* model_row(const std::vector<ScoreRow>& rows, const std::string& 
   const ScoreRow* best = nullptr;
   for (const ScoreRow& row : rows) {
     if (!is_trained(row) || row.scene != cultivar || row.method != method || row.metric != metric ||
-        steps_of(row.case_name) != steps || is_posed_by_tracks(row))
+        row.steps != steps || is_posed_by_tracks(row))
       continue;
     if (best == nullptr || (is_held_out(*best) && !is_held_out(row))) best = &row;
   }
@@ -68,8 +68,8 @@ std::vector<int> steps_there(const std::vector<ScoreRow>& rows, const std::strin
   std::vector<int> steps;
   for (const ScoreRow& row : rows) {
     if (is_trained(row) && row.scene == cultivar && row.method == method && row.metric == metric &&
-        steps_of(row.case_name) > 0 && !is_posed_by_tracks(row))
-      steps.push_back(steps_of(row.case_name));
+        row.steps > 0 && !is_posed_by_tracks(row))
+      steps.push_back(row.steps);
   }
   std::sort(steps.begin(), steps.end());
   steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
@@ -105,7 +105,7 @@ ReportTable reconstructions(const std::vector<ScoreRow>& rows) {
       return other.method == row.method && other.case_name == row.case_name &&
              other.metric == "reconstruction.points";
     });
-    const int steps = steps_of(row.case_name);
+    const int steps = row.steps;
     lines.push_back({row.method, steps > 0 ? std::to_string(steps) : "", table_cell(&row, 1, 0), "",
                      table_cell(points == rows.end() ? nullptr : &*points, 1, 0), "", "", ""});
   }
@@ -170,24 +170,6 @@ ReportTable traits(const std::vector<ScoreRow>& rows, const std::string& title,
   return table;
 }
 
-/// The part of a case's name after `from` and before the next comma; nothing if it has none.
-std::string part_of_case(const std::string& case_name, const std::string& from) {
-  const std::size_t at = case_name.find(from);
-  if (at == std::string::npos) return "";
-  const std::size_t begin = at + from.size();
-  return case_name.substr(begin, case_name.find(',', begin) - begin);
-}
-
-/// How many photographs a case is of: the number before " views"; 0 if it names none.
-int views_of(const std::string& case_name) {
-  const std::size_t end = case_name.find(" views");
-  if (end == std::string::npos || end == 0) return 0;
-  const std::size_t begin = case_name.rfind(' ', end - 1) + 1;
-  int views = 0;
-  std::from_chars(case_name.data() + begin, case_name.data() + end, views);
-  return views;
-}
-
 /// What poses and photographs change: trained models of one capture each, by poses of the board and
 /// of COLMAP; nothing where all are of the board.
 ReportTable sizes_by_poses(const std::vector<ScoreRow>& rows) {
@@ -203,13 +185,11 @@ ReportTable sizes_by_poses(const std::vector<ScoreRow>& rows) {
   std::vector<const ScoreRow*> lengths;
   for (const ScoreRow& row : rows) {
     if (is_trained(row) && row.scene == kPaperCultivar && !is_held_out(row) &&
-        row.metric == "curve.length.rmse" && steps_of(row.case_name) > 0)
+        row.metric == "curve.length.rmse" && row.steps > 0)
       lengths.push_back(&row);
   }
   const auto place = [](const ScoreRow* row) {
-    return std::tuple(views_of(row->case_name), part_of_case(row->case_name, " run "),
-                      part_of_case(row->case_name, kPosesOf), row->method,
-                      steps_of(row->case_name));
+    return std::tuple(row->views, row->run, row->width_px, row->poses, row->method, row->steps);
   };
   std::stable_sort(lengths.begin(), lengths.end(),
                    [&](const ScoreRow* a, const ScoreRow* b) { return place(a) < place(b); });
@@ -222,14 +202,13 @@ ReportTable sizes_by_poses(const std::vector<ScoreRow>& rows) {
       });
       return found == rows.end() ? nullptr : &*found;
     };
-    const std::string capture = part_of_case(length.case_name, " run ");
-    const std::string poses = part_of_case(length.case_name, kPosesOf);
     table.lines.push_back(
-        {capture.substr(std::min(capture.size(), capture.find(' ') + 1)),
-         poses.empty() ? "board" : poses, table_cell(row("views.posed"), 100, 0),
+        {std::to_string(length.views) + " views " + std::to_string(length.width_px) + "x" +
+             std::to_string(length.height_px),
+         length.poses.empty() ? "board" : length.poses, table_cell(row("views.posed"), 100, 0),
          table_cell(row("camera.centre_rms"), 1000, 2),
          length.method == "splats" ? "3DGS, ours" : "3DGS, the paper's way",
-         std::to_string(steps_of(length.case_name)), table_cell(length.wall_s, 1, 0),
+         std::to_string(length.steps), table_cell(length.wall_s, 1, 0),
          table_cell(row("specimens.found"), 1, 0), table_cell(&length, 1000, 3),
          table_cell(row("curve.width.rmse"), 1000, 3),
          table_cell(row("curve.height.rmse"), 1000, 3),
@@ -321,7 +300,7 @@ ReportTable three_methods(const std::vector<ScoreRow>& rows) {
     const auto published = [&](const char* method, int steps) -> const ScoreRow* {
       for (const ScoreRow& row : rows) {
         if (is_trained(row) && row.scene == cultivar && row.method == method &&
-            row.metric == "psnr" && steps_of(row.case_name) == steps)
+            row.metric == "psnr" && row.steps == steps)
           return &row;
       }
       return nullptr;

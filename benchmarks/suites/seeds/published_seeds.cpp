@@ -80,6 +80,10 @@ ScoreRow base_row(const char* scene, const char* method, int steps) {
   row.scene = scene;
   row.case_name = "270 photographs 1920x1080, RTX 4060 Ti";
   if (steps > 0) row.case_name += ", " + std::to_string(steps) + " steps";
+  row.views = 270;
+  row.width_px = 1920;
+  row.height_px = 1080;
+  row.steps = steps;
   row.method = method;
   return row;
 }

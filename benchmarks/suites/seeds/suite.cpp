@@ -130,7 +130,8 @@ Estimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& p
                      ScoreFile& file) {
   const SplatPoses from = job.config.pipeline.splats.poses;
   if (from == SplatPoses::board) return measured_by_trained(job, std::move(task), poses, file);
-  task.labels.case_name += kPosesOf + std::string(to_string(from));
+  task.labels.case_name += ", poses " + std::string(to_string(from));
+  task.labels.settings.poses = to_string(from);
   if (!task.unfinished.empty()) task.sfm_folder = task.unfinished / "colmap";
   ScoreRow row = labelled_row(task.labels);
   try {
@@ -201,8 +202,13 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
     const SceneTruth truth = subset(run.truth, views);
     labels.case_name =
         labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " + size;
-    if (const int every = job.config.pipeline.splats.hold_out_every; every > 1)
-      labels.case_name += ", one in " + std::to_string(every) + " held out";
+    const int every = job.config.pipeline.splats.hold_out_every;
+    if (every > 1) labels.case_name += ", one in " + std::to_string(every) + " held out";
+    labels.settings = {.run = job.run,
+                       .views = views,
+                       .width_px = camera.width_px,
+                       .height_px = camera.height_px,
+                       .held_out_every = every > 1 ? every : 0};
     const SeedsTrainingTask training{.run = &run,
                                      .pipeline = job.config.pipeline,
                                      .stage_seed = stage_seed,

@@ -41,7 +41,7 @@ std::vector<const ScoreRow*> rows_of_runs(const std::vector<ScoreRow>& of_runs,
   std::vector<const ScoreRow*> result;
   for (const ScoreRow& row : of_runs) {
     if (row.suite == suite && row.method == method && row.metric == metric &&
-        cultivars.contains(row.scene) && row.case_name.ends_with(" 60 views 1920x1080")) {
+        cultivars.contains(row.scene) && row.views == 60 && row.width_px == 1920 && row.height_px == 1080 && row.steps == 0) {
       result.push_back(&row);
     }
   }

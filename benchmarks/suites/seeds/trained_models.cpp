@@ -100,6 +100,7 @@ void add_rows(const SeedsTrainingTask& task, const SeedsPipelineConfig& config,
 
 SeedsScoreLabels after_steps(SeedsScoreLabels labels, int steps) {
   labels.case_name += ", " + std::to_string(steps) + " steps";
+  labels.settings.steps = steps;
   return labels;
 }
 

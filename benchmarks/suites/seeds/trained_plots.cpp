@@ -16,9 +16,14 @@ struct Kind {
 constexpr Kind kKinds[] = {{"train.psnr_whole_small", "views trained on"},
                            {"held_out.psnr_whole_small", "views held out"}};
 
-/// The case without its steps, which tell one training's points apart.
-std::string capture_of(const std::string& case_name) {
-  return case_name.ends_with(" steps") ? case_name.substr(0, case_name.rfind(", ")) : case_name;
+/// The photographs as a title says them: steps tell one training's points apart.
+std::string title_of(const ScoreRow& row) {
+  std::string title = row.scene + " run " + std::to_string(row.run) + " " +
+                      std::to_string(row.views) + " views " + std::to_string(row.width_px) + "x" +
+                      std::to_string(row.height_px);
+  if (row.held_out_every > 0)
+    title += ", one in " + std::to_string(row.held_out_every) + " held out";
+  return title;
 }
 
 void add_point(const ScoreRow& row, LinePlot& plot) {
@@ -41,7 +46,7 @@ std::vector<LinePlot> trained_plots(const std::vector<ScoreRow>& rows) {
       if (row.metric != kind.metric || !(row.wall_s > 0)) continue;
       // Where COLMAP's points are the start, its seconds are of poses, and there is one point each.
       if (is_posed_by_tracks(row)) continue;
-      const std::string capture = capture_of(row.case_name);
+      const std::string capture = title_of(row);
       LinePlot& plot = of_captures[capture];
       plot.section = "PSNR over time";
       plot.title = capture + ": PSNR over training time, " + kind.views;

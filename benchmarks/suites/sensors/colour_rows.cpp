@@ -43,10 +43,10 @@ void photon_transfer_rows(const SensorRows& of, std::uint64_t stream,
   const double slope_error = t.slope / k - 1, intercept_error = t.intercept / expected - 1;
   rows.push_back(row("slope", t.slope, "DN/e"));
   rows.push_back(limited(row("slope.relative_error", slope_error, "1"),
-                         std::abs(slope_error) <= effort.slope_limit));
+                         about(0, effort.slope_limit)));
   rows.push_back(row("intercept", t.intercept, "DN2"));
   rows.push_back(limited(row("intercept.relative_error", intercept_error, "1"),
-                         std::abs(intercept_error) <= effort.intercept_limit));
+                         about(0, effort.intercept_limit)));
 }
 
 void fixed_pattern_rows(const SensorRows& of, std::uint64_t stream, const CameraSensorConfig& flat,
@@ -64,7 +64,7 @@ void fixed_pattern_rows(const SensorRows& of, std::uint64_t stream, const Camera
     measured.ci_high = value + 1.96 * sigma;
     rows.push_back(measured);
     rows.push_back(limited(row((name + ".relative_error").c_str(), value / truth - 1, "1"),
-                           std::abs(value - truth) <= 5 * sigma + 0.0015 * truth));
+                           about(0, 5 * sigma / truth + 0.0015)));
   };
   pair("prnu", p.prnu, p.prnu_sigma, p.true_prnu, "1");
   pair("dsnu", p.dsnu_e, p.dsnu_sigma_e, p.true_dsnu_e, "e");
@@ -74,12 +74,12 @@ void optics_rows(const SensorRows& of, std::uint64_t stream, const CameraSensorC
                  const Effort& effort, Rows& rows) {
   const double deviation = vignetting_deviation(config, effort.frames, stream + 2000);
   rows.push_back(limited(sensor_row(of, "vignetting", "largest_ring_deviation", deviation, "1", 16),
-                         deviation <= effort.ring_limit));
+                         at_most(effort.ring_limit)));
   const LateralColour colour = measure_lateral_colour(config);
   rows.push_back(
       sensor_row(of, "lateral colour", "largest_displacement", colour.displacement_px, "px", 1));
   rows.push_back(limited(sensor_row(of, "lateral colour", "error", colour.error_px, "px", 1),
-                         colour.error_px <= 0.005));
+                         at_most(0.005)));
 }
 
 /// Exact geometry: what is left is the float positions of the truth pass.
@@ -88,7 +88,7 @@ void motion_rows(const SensorRows& of, const RigConfig& rig, Rows& rows) {
   const auto pair = [&](const char* name, double value, double expected) {
     rows.push_back(sensor_row(of, name, "length", value, "px", 1));
     rows.push_back(limited(sensor_row(of, name, "error", value - expected, "px", 1),
-                           std::abs(value - expected) <= 0.01));
+                           about(0, 0.01)));
   };
   pair("rolling-shutter skew", edge.skew_px, edge.expected_skew_px);
   pair("motion blur", edge.blur_px, edge.expected_blur_px);

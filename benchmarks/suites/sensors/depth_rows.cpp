@@ -105,7 +105,7 @@ void add_distance_rows(const Device& device, std::vector<ScoreRow>& rows) {
         0.5 * (device.config.match.census_width_px + device.config.match.block_px);
     rows.push_back(
         limited(device.row(name, "band_over_disparity", s.band_px - s.disparity_px, "px", s.pixels),
-                std::abs(s.band_px - s.disparity_px) <= window));
+                about(0, window)));
     sigmas_m.push_back(s.sigma_m);
     const double unit = device.config.depth_unit_m;
     matched_m.push_back(std::sqrt(std::max(0.0, s.sigma_m * s.sigma_m - unit * unit / 12)));
@@ -115,7 +115,7 @@ void add_distance_rows(const Device& device, std::vector<ScoreRow>& rows) {
   const double exponent = fit_exponent(distances, matched_m);
   rows.push_back(limited(
       device.row("walls over distance", "sigma_z_exponent", exponent, "1", distances.size()),
-      std::abs(exponent - 2) <= 0.1));
+      about(2, 0.1)));
 }
 
 void add_light_rows(const Device& device, std::vector<ScoreRow>& rows) {
@@ -140,7 +140,7 @@ void add_incidence_rows(const Device& device, std::vector<ScoreRow>& rows) {
     rows.push_back(device.row(name, "sigma_d", s.sigma_px, "px", s.pixels));
     // Users see an "egg carton" of some hundredths of a pixel; a tenth would be a defect.
     rows.push_back(limited(device.row(name, "ripple_d", s.ripple_px, "px", s.pixels),
-                           std::abs(s.ripple_px) <= 0.1));
+                           about(0, 0.1)));
   }
 }
 
@@ -162,9 +162,9 @@ void add_mode_rows(const Device& device, std::vector<ScoreRow>& rows) {
     const auto [beyond, n] = right(1.05);
     const auto [before, m] = right(0.97);
     rows.push_back(
-        limited(mode.row(name, "right_beyond_least_depth", beyond, "1", n), beyond >= 0.9));
+        limited(mode.row(name, "right_beyond_least_depth", beyond, "1", n), at_least(0.9)));
     rows.push_back(
-        limited(mode.row(name, "right_before_least_depth", before, "1", m), before <= 0.05));
+        limited(mode.row(name, "right_before_least_depth", before, "1", m), at_most(0.05)));
   }
 }
 
@@ -173,7 +173,7 @@ void add_edge_rows(const Device& device, std::vector<ScoreRow>& rows) {
   const double half_window =
       0.5 * (device.config.match.census_width_px + device.config.match.block_px - 1);
   rows.push_back(limited(device.row("plate before a wall", "growth", edges.growth_px, "px", 4),
-                         std::abs(edges.growth_px) <= half_window));
+                         about(0, half_window)));
   rows.push_back(device.row("plate before a wall", "rim_without_depth", edges.rim_px, "px", 4));
 }
 
@@ -196,21 +196,21 @@ void add_model_rows(const Device& device, bool quick, std::vector<ScoreRow>& row
     const double difference = c.fast.fill - c.full.fill;
     fill_squares += difference * difference;
     rows.push_back(limited(device.row(name, "fill_difference", difference, "1", c.full.pixels),
-                           std::abs(difference) <= 0.02));
+                           about(0, 0.02)));
     if (c.full.fill < 0.1 || c.fast.fill < 0.1) continue;  // too few to tell a spread
     const double ratio = c.fast.sigma_px / c.full.sigma_px;
     ratio_squares += std::pow(std::log(ratio), 2);
     ratios += 1;
     rows.push_back(limited(device.row(name, "sigma_ratio", ratio, "1", c.full.pixels),
-                           ratio >= 0.9 && ratio <= 1.1));
+                           between(0.9, 1.1)));
   }
   const auto n = static_cast<double>(compared.size());
   rows.push_back(limited(device.row("fast model, all walls", "sigma_ratio_rms",
                                     std::sqrt(ratio_squares / std::max(ratios, 1.0)), "1", n),
-                         ratio_squares <= 0.01 * ratios));
+                         at_most(0.1)));
   rows.push_back(limited(device.row("fast model, all walls", "fill_difference_rms",
                                     std::sqrt(fill_squares / n), "1", n),
-                         fill_squares <= 0.0004 * n));
+                         at_most(0.02)));
 }
 
 /// Images a second, with the seconds of one image by the clock and by all processors.
@@ -224,7 +224,7 @@ ScoreRow speed_row(const Device& device, const std::string& case_name, int image
   ScoreRow row = device.row(case_name, "images_per_second", images / timing.wall_s, "1/s", images);
   row.wall_s = timing.wall_s / images;
   row.cpu_s = timing.cpu_s / images;
-  return limited(row, row.value >= least);
+  return limited(row, at_least(least));
 }
 
 void add_speed_rows(const Device& device, bool quick, std::vector<ScoreRow>& rows) {
@@ -243,7 +243,7 @@ void add_speed_rows(const Device& device, bool quick, std::vector<ScoreRow>& row
   rows.push_back(limited(device.row("infrared pair", "render_variance_over_sensor", share, "1",
                                     static_cast<std::int64_t>(device.unit.imager.width_px) *
                                         device.unit.imager.height_px),
-                         share <= 0.25));
+                         at_most(0.25)));
   DepthModelInputs inputs;
   rows.push_back(speed_row(device, "fast model and its rendering", 4 * images, 5, [&](int i) {
     inputs = depth_model_inputs(rays, wall.scene, wall.rig_from_world, device.config, device.unit,

@@ -59,12 +59,12 @@ void add_coverage(const SensorRows& of, int devices, std::vector<ScoreRow>& rows
   row.ci_high = share.high;
   row.wall_s = wall_s;
   // 95 % of what is stated; the binomial's own spread is 1.5 % for the 200 numbers of ten devices.
-  rows.push_back(limited(std::move(row), share.share >= 0.9));
+  rows.push_back(limited(std::move(row), at_least(0.9)));
   rows.push_back(
-      limited(sensor_row(of, name, "fit_sensor.solved", solved, "1", devices), solved == devices));
+      limited(sensor_row(of, name, "fit_sensor.solved", solved, "1", devices), at_least(devices)));
   rows.push_back(
       limited(sensor_row(of, name, "fit_sensor.held_out_sigma_worst", worst, "1", devices * 6),
-              worst <= kHeldOutLimit));
+              at_most(kHeldOutLimit)));
 }
 
 /// Recordings that no stereo camera of this kind makes.
@@ -90,7 +90,7 @@ void add_wrong_models(const SensorRows& of, std::vector<ScoreRow>& rows) {
         fit_frames(frames, geometry_of(device, wrong.plan), rig_choice(kRig), "a wrong model");
     const double rejected = fit.problems.empty() ? 0 : 1;
     rows.push_back(limited(sensor_row(of, wrong.name, "fit_sensor.rejected", rejected, "1", 1),
-                           rejected == 1));
+                           at_least(1)));
   }
 }
 
@@ -120,7 +120,7 @@ void add_full_model(const SensorRows& of, int frames, std::vector<ScoreRow>& row
       fit_frames(recorded, geometry_of(device, plan), rig_choice(kRig), "the full model");
   const std::string name = "the full model as a device";
   rows.push_back(limited(sensor_row(of, name, "fit_sensor.solved", fit.problems.empty(), "1", 1),
-                         fit.problems.empty()));
+                         at_least(1)));
   ScoreRow exponent = sensor_row(of, name, "fit_sensor.sigma_z_exponent",
                                  fit.depth->sigma_z_exponent.value, "1", 5);
   exponent.ci_low = fit.depth->sigma_z_exponent.low;
@@ -128,7 +128,7 @@ void add_full_model(const SensorRows& of, int frames, std::vector<ScoreRow>& row
   rows.push_back(std::move(exponent));
   rows.push_back(limited(
       sensor_row(of, name, "fit_sensor.held_out_sigma_rms", fit.depth->held_out_rms, "1", 5),
-      fit.depth->held_out_rms <= kHeldOutLimit));
+      at_most(kHeldOutLimit)));
   if (!fit.problems.empty()) return;
   ActiveStereoConfig fitted;
   read_toml_text(fit.preset_toml, "fitted preset", fields(fitted), MissingKeys::error);
@@ -138,7 +138,7 @@ void add_full_model(const SensorRows& of, int frames, std::vector<ScoreRow>& row
   const double ratio = fast.sigma_px / full.sigma_px;
   rows.push_back(limited(sensor_row(of, "its fitted preset at 1.70 m, not recorded",
                                     "fit_sensor.sigma_ratio", ratio, "1", full.pixels),
-                         ratio >= 0.9 && ratio <= 1.1));
+                         between(0.9, 1.1)));
   rows.push_back(sensor_row(of, "its fitted preset at 1.70 m, not recorded",
                             "fit_sensor.fill_difference", fast.fill - full.fill, "1", full.pixels));
 }

@@ -125,7 +125,7 @@ std::vector<ScoreRow> passive_stereo_rows(std::uint64_t seed, bool quick) {
     // Census costs pull disparities towards whole pixels by up to a tenth, with either sign.
     rows.push_back(
         limited(sensor_row(of, name, "disparity.bias", depth.bias_px, "px", depth.pixels),
-                std::abs(depth.bias_px) <= 0.1));
+                about(0, 0.1)));
     const double x = std::log(z_m), y = std::log(depth.sigma_m);
     sum_x += x;
     sum_y += y;
@@ -136,7 +136,7 @@ std::vector<ScoreRow> passive_stereo_rows(std::uint64_t seed, bool quick) {
   const double exponent = (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
   rows.push_back(limited(sensor_row(of, "passive stereo, walls", "sigma_z.exponent", exponent, "1",
                                     static_cast<std::int64_t>(distances_m.size())),
-                         std::abs(exponent - 2) <= 0.25));
+                         about(2, 0.25)));
   const WallDepth wrong = measure_wall(1, false, seed);
   const std::string name = "passive stereo, wall at 1.0 m, reported calibration";
   rows.push_back(sensor_row(of, name, "disparity.bias", wrong.bias_px, "px", wrong.pixels));
@@ -144,7 +144,7 @@ std::vector<ScoreRow> passive_stereo_rows(std::uint64_t seed, bool quick) {
       sensor_row(of, name, "disparity.bias.predicted", wrong.predicted_px, "px", wrong.pixels));
   rows.push_back(limited(sensor_row(of, name, "disparity.bias.unexplained",
                                     wrong.bias_px - wrong.predicted_px, "px", wrong.pixels),
-                         std::abs(wrong.bias_px - wrong.predicted_px) <= 0.1));
+                         about(0, 0.1)));
   return rows;
 }
 

@@ -100,7 +100,7 @@ void add_time_of_flight(const std::string& name, std::uint64_t seed, bool quick,
     // First-order propagation; above a thousand pixels chance leaves 2 %.
     const double ratio = s.sigma_m() / s.expected_m();
     rows.push_back(limited(sensor_row(of, wall_name(wall), "sigma_over_theory", ratio, "1", n),
-                           std::abs(ratio - 1) <= 0.05));
+                           about(1, 0.05)));
   }
   double least = 0, most = 0;
   for (int i = 0; i < (quick ? 4 : 12); ++i) {
@@ -161,7 +161,7 @@ void add_structured_light(const std::string& name, std::uint64_t seed, bool quic
       // Turned walls hold all fractions of a code, so that rounding adds a twelfth of its square.
       const double ratio = s.sigma_m() / s.expected_m();
       rows.push_back(limited(sensor_row(of, where, "sigma_over_published", ratio, "1", n),
-                             std::abs(ratio - 1) <= 0.05));
+                             about(1, 0.05)));
     }
   }
 }

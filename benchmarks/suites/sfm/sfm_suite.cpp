@@ -44,7 +44,7 @@ ScoreRow at_most(ScoreRow row, const std::string& metric, double value, const st
                  std::int64_t n, double limit) {
   char text[48];
   std::snprintf(text, sizeof text, " (at most %.3g)", limit);
-  return limited(numbered(std::move(row), metric + text, value, unit, n), value <= limit);
+  return limited(numbered(std::move(row), metric + text, value, unit, n), at_most(limit));
 }
 
 std::vector<ScoreRow> pose_rows(const ScoreRow& row, const PoseScore& score) {

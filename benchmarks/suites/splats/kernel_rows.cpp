@@ -114,7 +114,7 @@ void pair_rows(std::vector<ScoreRow>& rows, const SplatKernels& kernels, const S
     if (held) {
       row.metric +=
           " (at most " + std::to_string(static_cast<int>(std::lround(limit * 1e9))) + " ns)";
-      row = limited(row, value <= limit);
+      row = limited(row, at_most(limit));
     }
     rows.push_back(row);
   };
@@ -157,7 +157,7 @@ void step_row(std::vector<ScoreRow>& rows, const SplatModel& model, const Pose& 
                         "seconds.step (at most 0.03 s)", median, "s", kSteps);
   row.wall_s = timing.wall_s / kSteps;
   row.cpu_s = timing.cpu_s / kSteps;
-  rows.push_back(limited(row, median <= kStepLimit_s));
+  rows.push_back(limited(row, at_most(kStepLimit_s)));
 }
 
 }  // namespace

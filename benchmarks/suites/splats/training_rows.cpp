@@ -101,11 +101,11 @@ void training_rows(std::vector<ScoreRow>& rows, const PosedSet& set, const Goal&
   char text[64];
   std::snprintf(text, sizeof text, "held_out.psnr (at least %g dB)", goal.psnr_db);
   ScoreRow* held_out = add(text, psnr, "dB", set.test.size());
-  *held_out = limited(*held_out, psnr >= goal.psnr_db);
+  *held_out = limited(*held_out, at_least(goal.psnr_db));
   add("held_out.ssim", similarity, "1", set.test.size());
   std::snprintf(text, sizeof text, "seconds.wall (at most %g s)", goal.wall_s);
   ScoreRow* wall = add(text, timing.wall_s, "s", 1);
-  *wall = limited(*wall, timing.wall_s <= goal.wall_s);
+  *wall = limited(*wall, at_most(goal.wall_s));
   add("gaussians", static_cast<double>(training.model.splats.size()), "1", 1);
   add("steps", goal.steps, "1", 1);
   // The limit is for 26,000 Gaussians; more need more.
@@ -115,7 +115,7 @@ void training_rows(std::vector<ScoreRow>& rows, const PosedSet& set, const Goal&
   }
   std::snprintf(text, sizeof text, "memory.above_start (at most %g MB)", kMemoryLimit_mb);
   ScoreRow* memory = add(text, row.peak_above_start_mb, "MB", 1);
-  *memory = limited(*memory, row.peak_above_start_mb <= kMemoryLimit_mb);
+  *memory = limited(*memory, at_most(kMemoryLimit_mb));
 }
 
 }  // namespace

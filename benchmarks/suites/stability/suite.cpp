@@ -90,13 +90,13 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       char limit[64];
       std::snprintf(limit, sizeof limit, " (%s %.3g)", row.upper ? "at most" : "at least",
                     row.limit);
-      const bool limited = !std::isnan(row.limit);
-      score.metric = limited ? row.quantity + limit : row.quantity;
+      const bool is_held = !std::isnan(row.limit);
+      score.metric = is_held ? row.quantity + limit : row.quantity;
       score.value = row.value;
       score.unit = row.unit.empty() ? "1" : row.unit;
       score.n = 1;
-      if (limited) {
-        score.status = row.pass ? ScoreStatus::pass : ScoreStatus::fail;
+      if (is_held) {
+        score = limited(score, row.upper ? at_most(row.limit) : at_least(row.limit));
       } else {
         score.status = std::isnan(row.value) ? ScoreStatus::not_built : ScoreStatus::ok;
       }
