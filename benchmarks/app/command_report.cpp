@@ -1,4 +1,4 @@
-// report: makes a page anew from the tables in its folder.
+// report: makes a page anew from the tables in its folder, or an index of folders of results.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -7,7 +7,10 @@
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/suite_plots.h"
 #include "benchmarks/loop/result_folder.h"
+#include "benchmarks/loop/results_index.h"
+#include "sim/dataset/atomic_file.h"
 #include "sim/dataset/output_folder.h"
+#include "sim/types/whole_file.h"
 
 namespace cousin {
 namespace fs = std::filesystem;
@@ -23,10 +26,35 @@ OutputFolder page_folder(const fs::path& folder) {
            .names = {"report.html"}}};
 }
 
+/// README.md and its plot, of a folder of folders of results.
+ExitCode index_of_results(const JobContext& context, const fs::path& folder) {
+  const std::vector<KeptResults> results = kept_results(folder);
+  if (results.empty())
+    throw std::runtime_error(folder.string() +
+                             ": holds no scores.json, and no folder with scores.csv");
+  const fs::path out = context.options.out.empty() ? folder : fs::path(context.options.out);
+  // The folder is a person's, and stays as it is beside these: what they replace is an index too.
+  const auto put = [&](const char* name, const std::string& text) {
+    const fs::path file = out / name;
+    const std::string begin = text.substr(0, text.find('\n'));
+    if (fs::exists(file) && !read_file(file).starts_with(begin.substr(0, 14)))
+      throw std::invalid_argument(file.string() +
+                                  " is in the way: it is no index that `cousin report` wrote");
+    write_file(file, text);
+  };
+  put("README.md", results_index(results));
+  put("limits.svg", results_plot(results));
+  if (context.options.json) print_json({{"index", (out / "README.md").string()}});
+  context.progress.line("index: " + (out / "README.md").string());
+  return ExitCode::done;
+}
+
 }  // namespace
 
 ExitCode command_report(const JobContext& context) {
   const fs::path folder = context.options.arguments.at(0);
+  if (fs::is_directory(folder) && !fs::exists(folder / "scores.json"))
+    return index_of_results(context, folder);
   SeedsReport report = read_report_folder(folder);
   require_plots(report);
   if (context.options.out.empty() && report.title == kRealTitle) {

@@ -445,7 +445,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   add_export(*verb("export", kExportHelp), o);
 
   takes(*verb("verify", "Re-hash a dataset"), o, "DATASET", "Dataset folder", 1, 1);
-  takes(*verb("report", "Make the HTML report of a folder of scores"), o, "FOLDER",
+  takes(*verb("report", "Make the HTML report of a folder of scores, or an index of folders of them"), o, "FOLDER",
         "Folder of a run or benchmark", 1, 1);
 
   add_ledger(*verb("ledger", kLedgerHelp), o);

@@ -1,12 +1,14 @@
 #include "benchmarks/loop/report_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 
+#include "benchmarks/loop/true_outline.h"
 #include "benchmarks/loop/truth_stages.h"
 #include "perception/splats/splat_ply.h"
 #include "sim/dataset/atomic_file.h"
@@ -195,6 +197,51 @@ Image<Rgb8> with_boxes(Image<Rgb8> image, int frame, const Camera& camera,
   return image;
 }
 
+/// Digits of 3 by 5 dots, a bit each, rows from above.
+constexpr std::array<std::array<int, 5>, 10> kDigits = {{{7, 5, 5, 5, 7},
+                                                         {2, 6, 2, 2, 7},
+                                                         {7, 1, 7, 4, 7},
+                                                         {7, 1, 7, 1, 7},
+                                                         {5, 5, 7, 1, 1},
+                                                         {7, 4, 7, 1, 7},
+                                                         {7, 4, 7, 5, 7},
+                                                         {7, 1, 1, 2, 2},
+                                                         {7, 5, 7, 5, 7},
+                                                         {7, 5, 7, 1, 7}}};
+
+/// White digits on black about a pixel.
+void write_number(Image<Rgb8>& image, int number, const Eigen::Vector2d& at_px, int dot_px) {
+  const std::string text = std::to_string(std::max(0, number));
+  const int width = dot_px * (4 * static_cast<int>(text.size()) + 1), height = dot_px * 7;
+  const int x0 = static_cast<int>(std::lround(at_px.x())) - width / 2,
+            y0 = static_cast<int>(std::lround(at_px.y())) - height / 2;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      if (!image.contains(x0 + x, y0 + y)) continue;
+      const int column = x / dot_px - 1, row = y / dot_px - 1;
+      const bool is_inside = column >= 0 && column % 4 < 3 && row >= 0 && row < 5;
+      const auto digit = static_cast<std::size_t>(text[static_cast<std::size_t>(
+                             std::max(0, column) / 4)] - '0');
+      const bool is_dot =
+          is_inside && (kDigits[digit][static_cast<std::size_t>(row)] >> (2 - column % 4) & 1) != 0;
+      image(x0 + x, y0 + y) = is_dot ? Rgb8{255, 255, 255} : Rgb8{0, 0, 0};
+    }
+  }
+}
+
+/// The image with each specimen's number at its middle, as specimens.csv has it.
+Image<Rgb8> with_numbers(Image<Rgb8> image, const SceneTruth& truth, const TrueView& view) {
+  const int dot_px = std::max(1, image.width() / 480);
+  for (const Instance* object : specimens_of(truth.scene)) {
+    const Mesh mesh = mesh_in_world(truth.scene, *object);
+    if (mesh.triangles.empty()) continue;
+    const auto pixel = project_rolling(view, mass_properties(mesh).centroid_m);
+    if (pixel && image.contains(static_cast<int>(pixel->x()), static_cast<int>(pixel->y())))
+      write_number(image, object->id, *pixel, dot_px);
+  }
+  return image;
+}
+
 /// What the rig hands over at one instant.
 void add_views(const Frame& frame, const std::vector<SensorReport>& rig,
                std::vector<ReportPicture>& pictures) {
@@ -248,6 +295,15 @@ ReportScene report_scene(const std::string& name, const SimulatedRun& run,
          "magenta: boxes; blue crosses: where the measured points are seen",
          encode_png(enlarged(with_boxes(seen.color, frames[i].id, seen.reported, estimate), 2))});
   }
+  const std::size_t middle = count / 2;
+  if (middle < count && middle < run.truth.views.size() &&
+      !frames[middle].sensors[0].color.empty() && !specimens_of(run.truth.scene).empty())
+    scene.pictures.push_back(
+        {"Specimens by number, view " + std::to_string(frames[middle].id),
+         "the numbers of specimens.csv (instance), each at its specimen's true middle",
+         encode_jpeg(with_numbers(frames[middle].sensors[0].color, run.truth,
+                                  run.truth.views[middle]),
+                     kJpegQuality)});
   scene.cloud = estimate.cloud;
   std::vector<Mesh> measured, truth;
   for (const Surface& surface : estimate.surfaces) {

@@ -310,7 +310,7 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   }
   const auto& more = report.scores.header.more;
   if (const auto note = more.find("note"); note != more.end()) input.notes.push_back(note->second);
-  if (!report.plan.empty()) input.notes.push_back("Plan:\n" + report.plan);
+  input.plan = report.plan;
   write_file(file, make_report(input));
 }
 

@@ -10,6 +10,7 @@
 #include "benchmarks/report/javascript_libraries.h"
 #include "benchmarks/report/plots.h"
 #include "benchmarks/report/report_assets.h"
+#include "benchmarks/report/verdict.h"
 #include "benchmarks/report/shape_json.h"
 #include "benchmarks/report/shown_numbers.h"
 
@@ -251,6 +252,9 @@ void add_sources(Page& page, const ReportInput& input) {
       "</dl>\n<p>Data: " + download("scores.csv", "text/csv", to_csv(input.scores.scores)) + " · " +
       download("specimens.csv", "text/csv", to_csv(input.scores.specimens)) + " · " +
       download("scores.json", "application/json", to_json(input.scores)) + "</p>\n";
+  if (!input.plan.empty())
+    page.html += "<details><summary>Plan: what ran, what was left out, and why</summary><pre>" +
+                 html_text(input.plan) + "</pre></details>\n";
   if (!input.config_toml.empty()) {
     page.html += "<details><summary>Configuration</summary><pre>" + html_text(input.config_toml) +
                  "</pre></details>\n";
@@ -407,6 +411,8 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
           html_style(kReportCss) + html_script(kErrorsJs) +
           "</head>\n<body>\n<main>\n<header class=\"page\"><div><h1>" + html_text(input.title) +
           "</h1>";
+  if (const std::string first = verdict(input.scores); !first.empty())
+    html += "<p class=\"verdict\">" + html_text(first) + "</p>";
   if (!input.summary.empty()) html += "<p>" + html_text(input.summary) + "</p>";
   html += navigation(page) + "</div><button id=\"theme\">Dark</button></header>\n" + page.html +
           "</main>\n";

@@ -128,7 +128,8 @@ std::string table_text(const ReportTable& table);
 
 struct ReportInput {
   std::string title;
-  std::string summary;                ///< a paragraph of plain text
+  std::string summary;                ///< a paragraph of plain text, after the verdict
+  std::string plan;                   ///< what ran and what was left out, folded; empty: none
   std::vector<std::string> commands;  ///< that made what is shown
   std::string config_toml;
   ScoreFile scores;
