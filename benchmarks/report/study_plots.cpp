@@ -10,16 +10,15 @@ namespace cousin {
 
 using namespace vega_parts;
 
-Plot error_time_plot(const ErrorTimeCurve& curve) {
-  const ShownUnit unit = shown_unit(curve.unit, curve.metric);
+namespace {
+
+/// The points that a logarithmic axis has a place for.
+Json error_time_points(const ErrorTimeCurve& curve, const ShownUnit& unit) {
   const std::vector<bool> front = pareto_front(curve.points);
   Json points = Json::array();
-  std::vector<std::string> methods;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const ErrorTimePoint& p = curve.points[i];
-    if (std::find(methods.begin(), methods.end(), p.method) == methods.end())
-      methods.push_back(p.method);
-    if (!(p.error.value > 0)) continue;  // a logarithmic axis has no place for it
+    if (!(p.error.value > 0)) continue;
     Json point = {
         {"s", p.wall_s},
         {"e", unit.factor * p.error.value},
@@ -34,19 +33,34 @@ Plot error_time_plot(const ErrorTimeCurve& curve) {
     }
     points.push_back(std::move(point));
   }
-  Json spec = specification(560, 300);
-  spec["data"] = {{{"name", "points"}, {"values", points}},
-                  {{"name", "bars"},
-                   {"source", "points"},
-                   {"transform", {{{"type", "filter"}, {"expr", "isValid(datum.low)"}}}}},
-                  {{"name", "front"},
-                   {"source", "points"},
-                   {"transform",
-                    {{{"type", "filter"}, {"expr", "datum.front"}},
-                     {{"type", "collect"}, {"sort", {{"field", "s"}}}}}}},
-                  {{"name", "sorted"},
-                   {"source", "points"},
-                   {"transform", {{{"type", "collect"}, {"sort", {{"field", "s"}}}}}}}};
+  return points;
+}
+
+std::vector<std::string> methods_of_curve(const ErrorTimeCurve& curve) {
+  std::vector<std::string> methods;
+  for (const ErrorTimePoint& p : curve.points) {
+    if (std::find(methods.begin(), methods.end(), p.method) == methods.end())
+      methods.push_back(p.method);
+  }
+  return methods;
+}
+
+Json error_time_data(const Json& points) {
+  return {{{"name", "points"}, {"values", points}},
+          {{"name", "bars"},
+           {"source", "points"},
+           {"transform", {{{"type", "filter"}, {"expr", "isValid(datum.low)"}}}}},
+          {{"name", "front"},
+           {"source", "points"},
+           {"transform",
+            {{{"type", "filter"}, {"expr", "datum.front"}},
+             {{"type", "collect"}, {"sort", {{"field", "s"}}}}}}},
+          {{"name", "sorted"},
+           {"source", "points"},
+           {"transform", {{{"type", "collect"}, {"sort", {{"field", "s"}}}}}}}};
+}
+
+Json error_time_scales(const Json& points, const std::vector<std::string>& methods) {
   // The axis leaves room left and right of the points: half of the smallest time to twice the
   // largest.
   double fastest = std::numeric_limits<double>::infinity();
@@ -59,22 +73,23 @@ Plot error_time_plot(const ErrorTimeCurve& curve) {
     least = std::min(least, p.value("low", p["e"].get<double>()));
     most = std::max(most, p.value("high", p["e"].get<double>()));
   }
-  spec["scales"] = {
-      {{"name", "x"},
-       {"type", "log"},
-       {"range", "width"},
-       {"domain", {fastest / 1.4, slowest * 1.8}},
-       {"nice", false}},
-      {{"name", "y"},
-       {"type", "log"},
-       {"range", "height"},
-       {"domain", {least / 1.2, most * 1.2}},
-       {"nice", false}},
-      {{"name", "color"}, {"type", "ordinal"}, {"domain", methods}, {"range", kPalette}}};
-  spec["axes"] = {axis("x", "bottom", "wall time (s)"),
-                  axis("y", "left", with_unit(curve.metric, unit.name))};
+  return {{{"name", "x"},
+           {"type", "log"},
+           {"range", "width"},
+           {"domain", {fastest / 1.4, slowest * 1.8}},
+           {"nice", false}},
+          {{"name", "y"},
+           {"type", "log"},
+           {"range", "height"},
+           {"domain", {least / 1.2, most * 1.2}},
+           {"nice", false}},
+          {{"name", "color"}, {"type", "ordinal"}, {"domain", methods}, {"range", kPalette}}};
+}
+
+Json error_time_axes(const std::string& error) {
+  Json axes = {axis("x", "bottom", "wall time (s)"), axis("y", "left", error)};
   // 1, 2 and 5 of each decade are labelled.
-  for (Json& a : spec["axes"]) {
+  for (Json& a : axes) {
     a["encode"] = {
         {"labels",
          {{"update",
@@ -83,7 +98,11 @@ Plot error_time_plot(const ErrorTimeCurve& curve) {
                "indexof([1,2,5], round(datum.value / pow(10, floor(log(datum.value)/LN10 + "
                "1e-9)))) >= 0 ? format(datum.value, '~r') : ''"}}}}}}}};
   }
-  spec["legends"].push_back(legend("fill", "color"));
+  return axes;
+}
+
+/// The Pareto front's steps, and a line through the points of each method.
+void add_error_time_lines(Json& spec) {
   spec["marks"].push_back({{"type", "line"},
                            {"from", {{"data", "front"}}},
                            {"encode",
@@ -106,6 +125,9 @@ Plot error_time_plot(const ErrorTimeCurve& curve) {
               {"y", field("y", "e")},
               {"stroke", field("color", "method")},
               {"strokeWidth", value(1.5)}}}}}}}}});
+}
+
+void add_error_time_symbols(Json& spec) {
   spec["marks"].push_back(rule({{"x", field("x", "s")},
                                 {"y", field("y", "low")},
                                 {"y2", field("y", "high")},
@@ -135,17 +157,16 @@ Plot error_time_plot(const ErrorTimeCurve& curve) {
                                {"text", {{"field", "setting"}}},
                                {"fontSize", value(10)},
                                {"fill", ink()}}}}}});
-  return {curve.title,
-          {"Each point is one setting of a method; bars are 95 % intervals. Ringed points and the "
-           "dashed line are the "
-           "Pareto front: no other setting is both faster and better."},
-          std::move(spec)};
 }
 
-Plot waterfall_plot(const Attribution& attribution) {
-  const ShownUnit unit = shown_unit(attribution.unit, attribution.metric);
+/// Levels of the error, and the stages in their order.
+struct WaterfallBars {
   Json bars = Json::array();
   Json order = Json::array();
+};
+
+WaterfallBars waterfall_bars(const Attribution& attribution, const ShownUnit& unit) {
+  WaterfallBars result;
   const auto add = [&](const std::string& stage, double from, double to, const char* color,
                        const std::string& label, const WithInterval& interval) {
     Json bar = {{"stage", stage}, {"from", from}, {"to", to}, {"color", color}, {"label", label}};
@@ -153,8 +174,8 @@ Plot waterfall_plot(const Attribution& attribution) {
       bar["low"] = unit.factor * interval.low;
       bar["high"] = unit.factor * interval.high;
     }
-    bars.push_back(std::move(bar));
-    order.push_back(stage);
+    result.bars.push_back(std::move(bar));
+    result.order.push_back(stage);
   };
   const auto& steps = attribution.steps;
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -171,25 +192,10 @@ Plot waterfall_plot(const Attribution& attribution) {
     const double rest = unit.factor * steps.back().error.value;
     add("what remains", 0, rest, kTotal, shown_number(rest), steps.back().error);
   }
-  Json spec = specification(std::max(320, 78 * static_cast<int>(order.size())), 260);
-  spec["data"] = {{{"name", "bars"}, {"values", bars}},
-                  {{"name", "intervals"},
-                   {"source", "bars"},
-                   {"transform", {{{"type", "filter"}, {"expr", "isValid(datum.low)"}}}}}};
-  spec["scales"] = {
-      {{"name", "x"}, {"type", "band"}, {"range", "width"}, {"domain", order}, {"padding", 0.25}},
-      linear_scale("y", "height",
-                   {{"fields",
-                     {{{"data", "bars"}, {"field", "from"}},
-                      {{"data", "bars"}, {"field", "to"}},
-                      {{"data", "intervals"}, {"field", "high"}}}}},
-                   true)};
-  spec["scales"][1]["nice"] = true;
-  spec["axes"] = {axis("x", "bottom", "truth put in place of, one after another"),
-                  axis("y", "left", with_unit(attribution.metric, unit.name))};
-  spec["axes"][0]["grid"] = false;
-  spec["axes"][0]["labelOverlap"] = false;
-  spec["axes"][0]["labelLimit"] = 76;
+  return result;
+}
+
+void add_waterfall_marks(Json& spec) {
   spec["marks"].push_back({{"type", "rect"},
                            {"from", {{"data", "bars"}}},
                            {"encode",
@@ -222,6 +228,50 @@ Plot waterfall_plot(const Attribution& attribution) {
            {"text", {{"field", "label"}}},
            {"fontSize", value(11)},
            {"fill", ink()}}}}}});
+}
+
+}  // namespace
+
+Plot error_time_plot(const ErrorTimeCurve& curve) {
+  const ShownUnit unit = shown_unit(curve.unit, curve.metric);
+  const Json points = error_time_points(curve, unit);
+  Json spec = specification(560, 300);
+  spec["data"] = error_time_data(points);
+  spec["scales"] = error_time_scales(points, methods_of_curve(curve));
+  spec["axes"] = error_time_axes(with_unit(curve.metric, unit.name));
+  spec["legends"].push_back(legend("fill", "color"));
+  add_error_time_lines(spec);
+  add_error_time_symbols(spec);
+  return {curve.title,
+          {"Each point is one setting of a method; bars are 95 % intervals. Ringed points and the "
+           "dashed line are the "
+           "Pareto front: no other setting is both faster and better."},
+          std::move(spec)};
+}
+
+Plot waterfall_plot(const Attribution& attribution) {
+  const ShownUnit unit = shown_unit(attribution.unit, attribution.metric);
+  const auto [bars, order] = waterfall_bars(attribution, unit);
+  Json spec = specification(std::max(320, 78 * static_cast<int>(order.size())), 260);
+  spec["data"] = {{{"name", "bars"}, {"values", bars}},
+                  {{"name", "intervals"},
+                   {"source", "bars"},
+                   {"transform", {{{"type", "filter"}, {"expr", "isValid(datum.low)"}}}}}};
+  spec["scales"] = {
+      {{"name", "x"}, {"type", "band"}, {"range", "width"}, {"domain", order}, {"padding", 0.25}},
+      linear_scale("y", "height",
+                   {{"fields",
+                     {{{"data", "bars"}, {"field", "from"}},
+                      {{"data", "bars"}, {"field", "to"}},
+                      {{"data", "intervals"}, {"field", "high"}}}}},
+                   true)};
+  spec["scales"][1]["nice"] = true;
+  spec["axes"] = {axis("x", "bottom", "truth put in place of, one after another"),
+                  axis("y", "left", with_unit(attribution.metric, unit.name))};
+  spec["axes"][0]["grid"] = false;
+  spec["axes"][0]["labelOverlap"] = false;
+  spec["axes"][0]["labelLimit"] = 76;
+  add_waterfall_marks(spec);
   return {attribution.title,
           {"The first bar is the pipeline as it is. Each next one has truth in that seam and in "
            "all before it, and shows "
