@@ -10,9 +10,9 @@
 #include "benchmarks/report/javascript_libraries.h"
 #include "benchmarks/report/plots.h"
 #include "benchmarks/report/report_assets.h"
-#include "benchmarks/report/verdict.h"
 #include "benchmarks/report/shape_json.h"
 #include "benchmarks/report/shown_numbers.h"
+#include "benchmarks/report/verdict.h"
 
 namespace cousin {
 namespace {
@@ -341,6 +341,64 @@ void add_line_plots(Page& page, const std::vector<LinePlot>& lines) {
   }
 }
 
+void add_notes(Page& page, const ReportInput& input, const JavascriptLibraries& libraries) {
+  std::vector<std::string> notes = input.notes;
+  if (!libraries.missing.empty()) {
+    notes.push_back(
+        "When this page was made, these files were missing, so plots or turning shapes are "
+        "reduced: " +
+        libraries.missing);
+  }
+  for (const std::string& note : notes)
+    page.html += "<p class=\"note\">" + html_text(note) + "</p>\n";
+}
+
+void add_all_plots(Page& page, const ReportInput& input) {
+  add_plots(page, "traits", "Measured against true", scatter_plots(input.plotted), false);
+  add_plots(page, "errors", "Distribution of errors", error_histograms(input.plotted), false);
+  std::vector<Plot> plots;
+  for (const Distribution& distribution : input.distributions) {
+    if (can_draw(distribution)) plots.push_back(distribution_plot(distribution));
+  }
+  add_plots(page, "distributions", "Distributions", plots, true);
+  add_line_plots(page, input.lines);
+  plots.clear();
+  for (const Attribution& attribution : input.attributions) {
+    if (can_draw(attribution)) plots.push_back(waterfall_plot(attribution));
+  }
+  add_plots(page, "attribution", "Where the error comes from", plots, true);
+  plots.clear();
+  for (const ErrorTimeCurve& curve : input.curves) {
+    if (can_draw(curve)) plots.push_back(error_time_plot(curve));
+  }
+  add_plots(page, "time", "Error against run time", plots, true);
+  if (!input.timings.empty())
+    add_plots(page, "stages", "Run time", {timing_plot(input.timings)}, true);
+}
+
+/// The whole file around the page's body.
+std::string whole_page(const Page& page, const ReportInput& input,
+                       const JavascriptLibraries& libraries) {
+  Html html(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>");
+  html += html_text(input.title) + "</title>\n<link rel=\"icon\" href=\"data:,\">\n" +
+          html_style(kReportCss) + html_script(kErrorsJs) +
+          "</head>\n<body>\n<main>\n<header class=\"page\"><div><h1>" + html_text(input.title) +
+          "</h1>";
+  if (const std::string first = verdict(input.scores); !first.empty())
+    html += "<p class=\"verdict\">" + html_text(first) + "</p>";
+  if (!input.summary.empty()) html += "<p>" + html_text(input.summary) + "</p>";
+  html += navigation(page) + "</div><button id=\"theme\">Dark</button></header>\n" + page.html +
+          "</main>\n";
+  for (const std::string& script : {libraries.vega, libraries.three, std::string(kView3dJs),
+                                    std::string(kSplats3dJs), std::string(kReportJs)}) {
+    if (!script.empty()) html += html_script(script + "\n");
+  }
+  html += "</body>\n</html>\n";
+  return html.str();
+}
+
 }  // namespace
 
 std::vector<bool> pareto_front(const std::vector<ErrorTimePoint>& points) {
@@ -367,61 +425,16 @@ std::string make_report(const ReportInput& input, const ReportConfig& config) {
   std::vector<Headline> first = input.headlines;
   if (folds) std::erase_if(first, [](const Headline& h) { return !failed(h); });
   add_headlines(page, first);
-  std::vector<std::string> notes = input.notes;
-  if (!libraries.missing.empty()) {
-    notes.push_back(
-        "When this page was made, these files were missing, so plots or turning shapes are "
-        "reduced: " +
-        libraries.missing);
-  }
-  for (const std::string& note : notes)
-    page.html += "<p class=\"note\">" + html_text(note) + "</p>\n";
+  add_notes(page, input, libraries);
   add_limits(page, input.limits);
   add_tables(page, input.tables);
   add_images(page, input.images);
   add_shapes(page, input.shapes, config.max_points);
-  add_plots(page, "traits", "Measured against true", scatter_plots(input.plotted), false);
-  add_plots(page, "errors", "Distribution of errors", error_histograms(input.plotted), false);
-  std::vector<Plot> plots;
-  for (const Distribution& distribution : input.distributions) {
-    if (can_draw(distribution)) plots.push_back(distribution_plot(distribution));
-  }
-  add_plots(page, "distributions", "Distributions", plots, true);
-  add_line_plots(page, input.lines);
-  plots.clear();
-  for (const Attribution& attribution : input.attributions) {
-    if (can_draw(attribution)) plots.push_back(waterfall_plot(attribution));
-  }
-  add_plots(page, "attribution", "Where the error comes from", plots, true);
-  plots.clear();
-  for (const ErrorTimeCurve& curve : input.curves) {
-    if (can_draw(curve)) plots.push_back(error_time_plot(curve));
-  }
-  add_plots(page, "time", "Error against run time", plots, true);
-  if (!input.timings.empty())
-    add_plots(page, "stages", "Run time", {timing_plot(input.timings)}, true);
+  add_all_plots(page, input);
   if (folds) add_folded_headlines(page, input.headlines);
   add_score_table(page, input.scores.scores);
   add_sources(page, input);
-
-  Html html(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>");
-  html += html_text(input.title) + "</title>\n<link rel=\"icon\" href=\"data:,\">\n" +
-          html_style(kReportCss) + html_script(kErrorsJs) +
-          "</head>\n<body>\n<main>\n<header class=\"page\"><div><h1>" + html_text(input.title) +
-          "</h1>";
-  if (const std::string first = verdict(input.scores); !first.empty())
-    html += "<p class=\"verdict\">" + html_text(first) + "</p>";
-  if (!input.summary.empty()) html += "<p>" + html_text(input.summary) + "</p>";
-  html += navigation(page) + "</div><button id=\"theme\">Dark</button></header>\n" + page.html +
-          "</main>\n";
-  for (const std::string& script : {libraries.vega, libraries.three, std::string(kView3dJs),
-                                    std::string(kSplats3dJs), std::string(kReportJs)}) {
-    if (!script.empty()) html += html_script(script + "\n");
-  }
-  html += "</body>\n</html>\n";
-  return html.str();
+  return whole_page(page, input, libraries);
 }
 
 }  // namespace cousin
