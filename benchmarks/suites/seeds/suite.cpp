@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "benchmarks/loop/attribution.h"
-#include "benchmarks/suites/seeds/capture_store.h"
 #include "benchmarks/loop/perceive.h"
 #include "benchmarks/loop/plan.h"
-#include "benchmarks/suites/seeds/render_noise.h"
 #include "benchmarks/loop/report_scene.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/loop/truth_stages.h"
+#include "benchmarks/suites/seeds/capture_store.h"
+#include "benchmarks/suites/seeds/render_noise.h"
 #include "benchmarks/suites/seeds/suite_jobs.h"
 #include "benchmarks/suites/seeds/trained_models.h"
-#include "benchmarks/loop/truth_stages.h"
 #include "perception/sfm/colmap_run.h"
 #include "sim/dataset/manifest.h"
 
@@ -179,80 +179,62 @@ ScoreFile noise_of(const SuiteJob& job) {
   return file;
 }
 
-std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
-                    const LearnedDistance* learned, const Progress& progress) {
-  if (job.noise_views > 0) return to_json(noise_of(job));
-  const SimulatedRun run = stored_seeds(suite.captures, job.config, job.seed, job.run,
-                                        planned_truth(job.attribution), progress);
-  ScoreFile file;
-  file.header.program_version = COUSIN_VERSION;
-  file.header.config_hash = config_hash(job.config, job.seed);
+SeedsScoreLabels job_labels(const SuiteJob& job) {
   SeedsScoreLabels labels;
   if (job.config.scene.spread == SizeSpread::paper) labels.suite = kPaperSpread;
   if (job.trained.splats) labels.suite = kSplatsSuite;
   labels.scene = job.config.scene.sphere ? "sphere" : job.config.scene.cultivar;
   labels.run = std::to_string(job.run);
   labels.seed = job.seed;
-  const Camera& camera = run.capture.rig.front().camera;
-  const std::string size = std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px);
-  const std::uint64_t stage_seed = Rng(job.seed).fork(static_cast<std::uint64_t>(job.run))();
-  for (const int views : job.view_counts) {
-    const bool all = views == static_cast<int>(run.capture.frames.size());
-    const Capture capture = subset(run.capture, views);
-    const SceneTruth truth = subset(run.truth, views);
-    labels.case_name =
-        labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " + size;
-    const int every = job.config.pipeline.splats.hold_out_every;
-    if (every > 1) labels.case_name += ", one in " + std::to_string(every) + " held out";
-    labels.settings = {.run = job.run,
-                       .views = views,
-                       .width_px = camera.width_px,
-                       .height_px = camera.height_px,
-                       .held_out_every = every > 1 ? every : 0};
-    const SeedsTrainingTask training{.run = &run,
-                                     .pipeline = job.config.pipeline,
-                                     .stage_seed = stage_seed,
-                                     .labels = labels,
-                                     .learned = learned,
-                                     .progress = progress,
-                                     .unfinished = unfinished_of(job, suite)};
-    if (job.only_trained) {
-      add_trained(job, training, {}, file);
-      continue;
-    }
-    const Estimate ours =
-        perceive(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
-    const Estimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
-    for (const auto& [method, estimate] : {std::pair{"ours", &ours}, std::pair{"paper", &paper}}) {
-      labels.method = method;
-      SeedsScores scores = score_run(truth, *estimate, labels);
-      add_curve_rows(scores, *estimate, labels, file.scores);
-      file.scores.insert(file.scores.end(), scores.rows.begin(), scores.rows.end());
-      if (all && job.pooled) {
-        file.specimens.insert(file.specimens.end(), scores.specimens.begin(),
-                              scores.specimens.end());
-      }
-    }
-    const Estimate* shown = &ours;
-    Estimate by_splats;
-    if (all && job.trained.splats) {
-      by_splats = add_trained(job, training, ours.poses, file);
-      shown = &by_splats;
-    }
-    if (all && job.shown && !suite.report.empty())
-      write_report_scene(suite.report,
-                         report_scene(std::filesystem::path(job.name).stem(), run, *shown));
-    if (all && job.attribution) {
-      labels.method = "ours";
-      const auto steps = attribute(run, job.config.pipeline,
-                                         stages_of(job.config.pipeline, capture, stage_seed, {}, 0), labels,
-                                         &ours, progress);
-      for (ScoreRow& row : attribution_rows(steps, kSeedTraits, labels)) {
-        row.scene = labels.scene;
-        file.scores.push_back(std::move(row));
-      }
+  return labels;
+}
+
+std::string size_text(const Camera& camera) {
+  return std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px);
+}
+
+void label_views(const SuiteJob& job, const Camera& camera, int views, SeedsScoreLabels& labels) {
+  labels.case_name = labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " +
+                     size_text(camera);
+  const int every = job.config.pipeline.splats.hold_out_every;
+  if (every > 1) labels.case_name += ", one in " + std::to_string(every) + " held out";
+  labels.settings = {.run = job.run,
+                     .views = views,
+                     .width_px = camera.width_px,
+                     .height_px = camera.height_px,
+                     .held_out_every = every > 1 ? every : 0};
+}
+
+/// Specimens count where the job's are pooled and all views are measured.
+void add_both_methods(const SceneTruth& truth, const Estimate& ours, const Estimate& paper,
+                      bool has_specimens, SeedsScoreLabels& labels, ScoreFile& file) {
+  for (const auto& [method, estimate] : {std::pair{"ours", &ours}, std::pair{"paper", &paper}}) {
+    labels.method = method;
+    SeedsScores scores = score_run(truth, *estimate, labels);
+    add_curve_rows(scores, *estimate, labels, file.scores);
+    file.scores.insert(file.scores.end(), scores.rows.begin(), scores.rows.end());
+    if (has_specimens) {
+      file.specimens.insert(file.specimens.end(), scores.specimens.begin(), scores.specimens.end());
     }
   }
+}
+
+void add_attribution(const SuiteJob& job, const SimulatedRun& run, const Capture& capture,
+                     std::uint64_t stage_seed, const Estimate& ours, SeedsScoreLabels& labels,
+                     const Progress& progress, ScoreFile& file) {
+  labels.method = "ours";
+  const auto steps = attribute(run, job.config.pipeline,
+                               stages_of(job.config.pipeline, capture, stage_seed, {}, 0), labels,
+                               &ours, progress);
+  for (ScoreRow& row : attribution_rows(steps, kSeedTraits, labels)) {
+    row.scene = labels.scene;
+    file.scores.push_back(std::move(row));
+  }
+}
+
+void add_simulator_seconds(const SimulatedRun& run, const SeedsScoreLabels& labels,
+                           ScoreFile& file) {
+  const std::string size = size_text(run.capture.rig.front().camera);
   for (const StageTiming& timing : run.timings) {
     ScoreRow row = labelled_row(labels);
     row.case_name = labels.scene + " run " + labels.run + " " + size;
@@ -267,6 +249,51 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
     row.peak_above_start_mb = timing.peak_above_start_mb;
     file.scores.push_back(std::move(row));
   }
+}
+
+std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
+                    const LearnedDistance* learned, const Progress& progress) {
+  if (job.noise_views > 0) return to_json(noise_of(job));
+  const SimulatedRun run = stored_seeds(suite.captures, job.config, job.seed, job.run,
+                                        planned_truth(job.attribution), progress);
+  ScoreFile file;
+  file.header.program_version = COUSIN_VERSION;
+  file.header.config_hash = config_hash(job.config, job.seed);
+  SeedsScoreLabels labels = job_labels(job);
+  const Camera& camera = run.capture.rig.front().camera;
+  const std::uint64_t stage_seed = Rng(job.seed).fork(static_cast<std::uint64_t>(job.run))();
+  for (const int views : job.view_counts) {
+    const bool all = views == static_cast<int>(run.capture.frames.size());
+    const Capture capture = subset(run.capture, views);
+    const SceneTruth truth = subset(run.truth, views);
+    label_views(job, camera, views, labels);
+    const SeedsTrainingTask training{.run = &run,
+                                     .pipeline = job.config.pipeline,
+                                     .stage_seed = stage_seed,
+                                     .labels = labels,
+                                     .learned = learned,
+                                     .progress = progress,
+                                     .unfinished = unfinished_of(job, suite)};
+    if (job.only_trained) {
+      add_trained(job, training, {}, file);
+      continue;
+    }
+    const Estimate ours = perceive(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
+    const Estimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
+    add_both_methods(truth, ours, paper, all && job.pooled, labels, file);
+    const Estimate* shown = &ours;
+    Estimate by_splats;
+    if (all && job.trained.splats) {
+      by_splats = add_trained(job, training, ours.poses, file);
+      shown = &by_splats;
+    }
+    if (all && job.shown && !suite.report.empty())
+      write_report_scene(suite.report,
+                         report_scene(std::filesystem::path(job.name).stem(), run, *shown));
+    if (all && job.attribution)
+      add_attribution(job, run, capture, stage_seed, ours, labels, progress, file);
+  }
+  add_simulator_seconds(run, labels, file);
   return to_json(file);
 }
 
