@@ -41,28 +41,10 @@ CauseOutcome run_one(const CalibrationCause& cause, double amount, const Rng& rn
 /// Tilts as small as the amount, in degrees.
 void tilt(double degrees, CornerViewsConfig& views) { views.tilt_rad = degrees * kDegree; }
 
-}  // namespace
-
-CornerViewsConfig strawberry_views() {
-  CornerViewsConfig views;
-  views.columns = 5;
-  views.rows = 8;
-  views.pitch_m = 0.025;
-  views.frames = 30;
-  views.tilt_rad = 20 * kDegree;
-  views.noise_px = 0.1;
-  return views;
-}
-
-Camera strawberry_camera() {
-  Camera camera{LensModel::opencv5, 640, 480, 390, 390, 319.5, 239.5, {}, {}};
-  camera.distortion = {-0.0557, 0.0603, -0.00098, -0.00085, -0.0161};
-  return camera;
-}
-
-const std::vector<CalibrationCause>& calibration_causes() {
+/// How many photographs there are, how good, and from where.
+std::vector<CalibrationCause> causes_of_views() {
   using Views = CornerViewsConfig;
-  static const std::vector<CalibrationCause> causes = {
+  return {
       {"corner noise", "px", {0.04, 0.1, 0.22, 0.5}, [](double v, Views& c) { c.noise_px = v; }},
       {"few photographs", "1", {5, 10}, [](double v, Views& c) { c.frames = static_cast<int>(v); }},
       {"largest tilt", "deg", {2, 3, 4, 5, 10, 45}, tilt},
@@ -93,6 +75,13 @@ const std::vector<CalibrationCause>& calibration_causes() {
          c.near_m = v;
          c.far_m = v + 0.3;
        }},
+  };
+}
+
+/// What is wrong with the board: bent, lifted, stretched or sheared.
+std::vector<CalibrationCause> causes_of_board() {
+  using Views = CornerViewsConfig;
+  return {
       {"paper bent along its length",
        "m",
        {0.0005, 0.001, 0.002, 0.004},
@@ -145,6 +134,13 @@ const std::vector<CalibrationCause>& calibration_causes() {
          c.flaws.twist_m = v;
          tilt(5, c);
        }},
+  };
+}
+
+/// Where corners are found, the board being right.
+std::vector<CalibrationCause> causes_of_corners() {
+  using Views = CornerViewsConfig;
+  return {
       {"rows read one after another in the hand, turn",
        "rad",
        {0.0005, 0.002, 0.005},
@@ -163,6 +159,34 @@ const std::vector<CalibrationCause>& calibration_causes() {
          c.outlier_px = 15;
        }},
   };
+}
+
+}  // namespace
+
+CornerViewsConfig strawberry_views() {
+  CornerViewsConfig views;
+  views.columns = 5;
+  views.rows = 8;
+  views.pitch_m = 0.025;
+  views.frames = 30;
+  views.tilt_rad = 20 * kDegree;
+  views.noise_px = 0.1;
+  return views;
+}
+
+Camera strawberry_camera() {
+  Camera camera{LensModel::opencv5, 640, 480, 390, 390, 319.5, 239.5, {}, {}};
+  camera.distortion = {-0.0557, 0.0603, -0.00098, -0.00085, -0.0161};
+  return camera;
+}
+
+const std::vector<CalibrationCause>& calibration_causes() {
+  static const std::vector<CalibrationCause> causes = [] {
+    std::vector<CalibrationCause> all = causes_of_views();
+    for (const auto& more : {causes_of_board(), causes_of_corners()})
+      all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }();
   return causes;
 }
 
