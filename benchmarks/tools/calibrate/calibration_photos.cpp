@@ -123,6 +123,78 @@ int sensor_of_depth(const std::vector<SensorReport>& rig, const SensorFrame& ima
   return static_cast<int>(depth);
 }
 
+CalibrationTarget target_of_scene(const Capture& capture, const fs::path& scene,
+                                  const std::string& board) {
+  CalibrationTarget target;
+  if (capture.board.find(' ') == std::string::npos) {
+    if (board.empty())
+      throw std::runtime_error((scene / "rig.json").string() + ": /board = \"" + capture.board +
+                               "\" names no calibration target; give --board");
+    target = target_from_option(board);
+  } else {
+    target = target_from_text(capture.board);
+    if (!board.empty() && !(target_from_option(board) == target))
+      throw std::runtime_error((scene / "rig.json").string() + ": /board = \"" + to_text(target) +
+                               "\" is not the board of --board, \"" +
+                               to_text(target_from_option(board)) + "\"");
+  }
+  return target;
+}
+
+/// @throws std::runtime_error if the scene's sensors are not those of the first
+void check_sensors(const Capture& capture, const CalibrationPhotos& photos, const fs::path& scene,
+                   const std::string& first_scene) {
+  std::vector<std::string> cameras;
+  for (const SensorReport& sensor : capture.rig) cameras.push_back(sensor.name);
+  if (cameras != photos.cameras)
+    throw std::runtime_error((scene / "rig.json").string() +
+                             ": the sensors are not those of scene " + first_scene);
+}
+
+/// Photographs and depths of a scene, whose frames and seconds follow on those before it.
+void add_scene_frames(const Capture& capture, const fs::path& scene, int first_frame,
+                      double first_s, CalibrationPhotos& result) {
+  for (const Frame& frame : capture.frames) {
+    for (std::size_t s = 0; s < frame.sensors.size(); ++s) {
+      const SensorFrame& image = frame.sensors[s];
+      if (!image.depth.empty())
+        result.depths.push_back({scene / depth_folder(capture.rig[s], s) / file_name(frame.id),
+                                 sensor_of_depth(capture.rig, image, s), first_frame + frame.id,
+                                 image.depth_unit_m});
+      if (image.color.empty() && image.grey.empty()) continue;
+      fs::path path = scene / capture.rig[s].name / file_name(frame.id);
+      if (!fs::exists(path)) path.replace_extension(".jpg");  // of a real capture
+      result.photos.push_back(
+          {path,
+           scene.filename().string() + "/" + capture.rig[s].name + "/" + path.filename().string(),
+           static_cast<int>(s), first_frame + frame.id, image.color.empty(),
+           image.time_s.value_or(frame.time_s) + first_s});
+    }
+  }
+}
+
+/// Sensors without images, such as depth, are no cameras.
+void keep_cameras(const fs::path& dataset, CalibrationPhotos& result) {
+  std::vector<int> number(result.cameras.size(), -1);
+  std::vector<std::string> kept;
+  std::vector<SensorReport> reported;
+  for (std::size_t s = 0; s < result.cameras.size(); ++s) {
+    const bool used =
+        std::any_of(result.photos.begin(), result.photos.end(),
+                    [&](const CalibrationPhoto& p) { return p.camera == static_cast<int>(s); });
+    if (!used) continue;
+    number[s] = static_cast<int>(kept.size());
+    kept.push_back(result.cameras[s]);
+    reported.push_back(result.reported[s]);
+  }
+  if (kept.empty()) throw std::runtime_error(dataset.string() + ": no colour or grey image");
+  result.cameras = kept;
+  result.reported = reported;
+  for (CalibrationPhoto& p : result.photos) p.camera = number[static_cast<std::size_t>(p.camera)];
+  for (CalibrationDepth& d : result.depths) d.camera = number[static_cast<std::size_t>(d.camera)];
+  std::erase_if(result.depths, [](const CalibrationDepth& d) { return d.camera < 0; });
+}
+
 }  // namespace
 
 CalibrationTarget target_from_option(const std::string& text) {
@@ -239,19 +311,7 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
   double first_s = 0;  // scenes follow each other with a gap that no video has
   for (const fs::path& scene : scenes) {
     const Capture capture = read_capture(scene);
-    CalibrationTarget target;
-    if (capture.board.find(' ') == std::string::npos) {
-      if (board.empty())
-        throw std::runtime_error((scene / "rig.json").string() + ": /board = \"" + capture.board +
-                                 "\" names no calibration target; give --board");
-      target = target_from_option(board);
-    } else {
-      target = target_from_text(capture.board);
-      if (!board.empty() && !(target_from_option(board) == target))
-        throw std::runtime_error((scene / "rig.json").string() + ": /board = \"" + to_text(target) +
-                                 "\" is not the board of --board, \"" +
-                                 to_text(target_from_option(board)) + "\"");
-    }
+    const CalibrationTarget target = target_of_scene(capture, scene, board);
     if (first_scene.empty()) {
       result.target = target;
       first_scene = scene.filename().string();
@@ -262,28 +322,8 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
       throw std::runtime_error((scene / "rig.json").string() + ": /board = \"" + to_text(target) +
                                "\"; scene " + first_scene + " has \"" + to_text(result.target) +
                                "\"");
-    std::vector<std::string> cameras;
-    for (const SensorReport& sensor : capture.rig) cameras.push_back(sensor.name);
-    if (cameras != result.cameras)
-      throw std::runtime_error((scene / "rig.json").string() +
-                               ": the sensors are not those of scene " + first_scene);
-    for (const Frame& frame : capture.frames) {
-      for (std::size_t s = 0; s < frame.sensors.size(); ++s) {
-        const SensorFrame& image = frame.sensors[s];
-        if (!image.depth.empty())
-          result.depths.push_back({scene / depth_folder(capture.rig[s], s) / file_name(frame.id),
-                                   sensor_of_depth(capture.rig, image, s), first_frame + frame.id,
-                                   image.depth_unit_m});
-        if (image.color.empty() && image.grey.empty()) continue;
-        fs::path path = scene / capture.rig[s].name / file_name(frame.id);
-        if (!fs::exists(path)) path.replace_extension(".jpg");  // of a real capture
-        result.photos.push_back(
-            {path,
-             scene.filename().string() + "/" + capture.rig[s].name + "/" + path.filename().string(),
-             static_cast<int>(s), first_frame + frame.id, image.color.empty(),
-             image.time_s.value_or(frame.time_s) + first_s});
-      }
-    }
+    check_sensors(capture, result, scene, first_scene);
+    add_scene_frames(capture, scene, first_frame, first_s, result);
     for (const Frame& frame : capture.frames) first_frame = std::max(first_frame, frame.id + 1);
     double last_s = first_s;
     for (const CalibrationPhoto& p : result.photos) last_s = std::max(last_s, p.time_s);
@@ -292,25 +332,7 @@ CalibrationPhotos photos_of_dataset(const fs::path& dataset, const std::string& 
     if (result.photos.size() > kMostPhotos)
       throw std::runtime_error(dataset.string() + ": more than 5000 images");
   }
-  // Sensors without images, such as depth, are no cameras.
-  std::vector<int> number(result.cameras.size(), -1);
-  std::vector<std::string> kept;
-  std::vector<SensorReport> reported;
-  for (std::size_t s = 0; s < result.cameras.size(); ++s) {
-    const bool used =
-        std::any_of(result.photos.begin(), result.photos.end(),
-                    [&](const CalibrationPhoto& p) { return p.camera == static_cast<int>(s); });
-    if (!used) continue;
-    number[s] = static_cast<int>(kept.size());
-    kept.push_back(result.cameras[s]);
-    reported.push_back(result.reported[s]);
-  }
-  if (kept.empty()) throw std::runtime_error(dataset.string() + ": no colour or grey image");
-  result.cameras = kept;
-  result.reported = reported;
-  for (CalibrationPhoto& p : result.photos) p.camera = number[static_cast<std::size_t>(p.camera)];
-  for (CalibrationDepth& d : result.depths) d.camera = number[static_cast<std::size_t>(d.camera)];
-  std::erase_if(result.depths, [](const CalibrationDepth& d) { return d.camera < 0; });
+  keep_cameras(dataset, result);
   std::stable_sort(result.photos.begin(), result.photos.end(),
                    [](const CalibrationPhoto& a, const CalibrationPhoto& b) {
                      return a.camera != b.camera ? a.camera < b.camera : a.frame < b.frame;
