@@ -90,6 +90,81 @@ void add_leave_out_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool qu
   add("seconds_saved.no_infrared_and_depth", seconds.views * seconds.depth_matched_s);
 }
 
+/// Of a view of each ring: the share of rays that hit the board changes with elevation.
+void add_throughput_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulation,
+                         const PhoneConfig& phone, std::uint64_t seed, bool quick) {
+  const int views = static_cast<int>(simulation.views().size());
+  for (const int view : {views / 6, views / 2, 5 * views / 6}) {
+    const TruthThroughput t = measure_truth_throughput(
+        simulation.rays(), simulation.scene(), simulation.views()[static_cast<std::size_t>(view)],
+        quick ? 7 : 21);
+    const std::string name = "truth pass, view " + std::to_string(view);
+    const std::int64_t rays = static_cast<std::int64_t>(phone.width_px) * phone.height_px;
+    rows.push_back(row_of(name, "raw_rays_per_second", t.raw_rays_per_s, "1/s", rays, seed));
+    rows.push_back(row_of(name, "truth_rays_per_second", t.truth_rays_per_s, "1/s", rays, seed));
+    rows.push_back(limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), at_least(0.6)));
+  }
+}
+
+void add_radiance_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulation,
+                       std::uint64_t seed, bool quick) {
+  const int views = static_cast<int>(simulation.views().size());
+  const StageClock first_clock("first");
+  simulation.radiance(0);
+  const double first_s = first_clock.finish().wall_s;
+  std::vector<double> seconds;
+  for (int i = 0; i < (quick ? 2 : 6); ++i) {
+    const StageClock clock("view");
+    simulation.radiance(i * views / 6);
+    seconds.push_back(clock.finish().wall_s);
+  }
+  std::sort(seconds.begin(), seconds.end());
+  const double median_s = seconds[seconds.size() / 2];
+  rows.push_back(row_of("radiance pass", "seconds.view", median_s, "s",
+                        static_cast<std::int64_t>(seconds.size()), seed));
+  rows.push_back(row_of("radiance pass", "seconds.light_cache", std::max(0.0, first_s - median_s),
+                        "s", 1, seed));
+}
+
+void add_noise_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulation,
+                    const PhoneConfig& phone, std::uint64_t seed, bool quick) {
+  const int views = static_cast<int>(simulation.views().size());
+  for (const int view : quick ? std::vector<int>{views / 2}
+                              : std::vector<int>{views / 6, views / 2, 5 * views / 6}) {
+    const RenderNoise noise = measure_render_noise(simulation, phone, view);
+    const std::string name = "Monte-Carlo noise, view " + std::to_string(view);
+    rows.push_back(limited(row_of(name, "mean_variance_over_sensor_variance", noise.mean_ratio, "1",
+                                  noise.pixels, seed),
+                           at_most(0.25)));
+    rows.push_back(row_of(name, "median_variance_over_sensor_variance", noise.median_ratio, "1",
+                          noise.pixels, seed));
+  }
+}
+
+void add_cached_light_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulation,
+                           int max_bounces, std::uint64_t seed, bool quick) {
+  const int views = static_cast<int>(simulation.views().size());
+  for (const CachedLightError& e :
+       compare_cached_light(simulation, views / 2, quick ? 16 : 64, max_bounces + 1)) {
+    const std::string name = "cached light against paths, " + e.category;
+    rows.push_back(row_of(name, "mean_ratio", e.mean_ratio, "1", e.pixels, seed));
+    rows.push_back(row_of(name, "rms", e.rms, "1", e.pixels, seed));
+  }
+}
+
+void add_corner_rows(std::vector<ScoreRow>& rows, std::uint64_t seed) {
+  for (const LensModel model :
+       {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
+        LensModel::kannala_brandt4, LensModel::splined_stereographic}) {
+    const CornerPositions found = measure_corner_positions(model);
+    const std::string name = "board corners, " + std::string(to_string(model));
+    rows.push_back(
+        limited(row_of(name, "corner.bias", found.bias_px.norm(), "px", found.corners, seed),
+                at_most(0.02)));
+    rows.push_back(row_of(name, "corner.rms", found.rms_px, "px", found.corners, seed));
+  }
+}
+
 }  // namespace
 
 ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets, bool quick,
@@ -109,72 +184,16 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   const SeedsSimulation simulation(config, seed, 0);
   const StageTiming scene = scene_clock.finish();
   file.scores.push_back(row_of("seeds scene", "seconds.scene", scene.wall_s, "s", 1, seed));
-
   say("truth throughput", 1, 8);
-  // A view of each ring: the share of rays that hit the board changes with elevation.
-  const int views = static_cast<int>(simulation.views().size());
-  std::vector<double> shares;
-  for (const int view : {views / 6, views / 2, 5 * views / 6}) {
-    const TruthThroughput t = measure_truth_throughput(
-        simulation.rays(), simulation.scene(), simulation.views()[static_cast<std::size_t>(view)],
-        quick ? 7 : 21);
-    const std::string name = "truth pass, view " + std::to_string(view);
-    const std::int64_t rays = static_cast<std::int64_t>(phone->width_px) * phone->height_px;
-    file.scores.push_back(row_of(name, "raw_rays_per_second", t.raw_rays_per_s, "1/s", rays, seed));
-    file.scores.push_back(
-        row_of(name, "truth_rays_per_second", t.truth_rays_per_s, "1/s", rays, seed));
-    file.scores.push_back(
-        limited(row_of(name, "share_of_raw", t.share, "1", rays, seed), at_least(0.6)));
-  }
-
+  add_throughput_rows(file.scores, simulation, *phone, seed, quick);
   say("radiance", 2, 8);
-  const StageClock first_clock("first");
-  simulation.radiance(0);
-  const double first_s = first_clock.finish().wall_s;
-  std::vector<double> seconds;
-  for (int i = 0; i < (quick ? 2 : 6); ++i) {
-    const StageClock clock("view");
-    simulation.radiance(i * views / 6);
-    seconds.push_back(clock.finish().wall_s);
-  }
-  std::sort(seconds.begin(), seconds.end());
-  const double median_s = seconds[seconds.size() / 2];
-  file.scores.push_back(row_of("radiance pass", "seconds.view", median_s, "s",
-                               static_cast<std::int64_t>(seconds.size()), seed));
-  file.scores.push_back(row_of("radiance pass", "seconds.light_cache",
-                               std::max(0.0, first_s - median_s), "s", 1, seed));
-
+  add_radiance_rows(file.scores, simulation, seed, quick);
   say("noise", 3, 8);
-  for (const int view : quick ? std::vector<int>{views / 2}
-                              : std::vector<int>{views / 6, views / 2, 5 * views / 6}) {
-    const RenderNoise noise = measure_render_noise(simulation, *phone, view);
-    const std::string name = "Monte-Carlo noise, view " + std::to_string(view);
-    file.scores.push_back(limited(row_of(name, "mean_variance_over_sensor_variance",
-                                         noise.mean_ratio, "1", noise.pixels, seed),
-                                  at_most(0.25)));
-    file.scores.push_back(row_of(name, "median_variance_over_sensor_variance", noise.median_ratio,
-                                 "1", noise.pixels, seed));
-  }
-
+  add_noise_rows(file.scores, simulation, *phone, seed, quick);
   say("cached light", 4, 8);
-  for (const CachedLightError& e : compare_cached_light(simulation, views / 2, quick ? 16 : 64,
-                                                        config.render.max_bounces + 1)) {
-    const std::string name = "cached light against paths, " + e.category;
-    file.scores.push_back(row_of(name, "mean_ratio", e.mean_ratio, "1", e.pixels, seed));
-    file.scores.push_back(row_of(name, "rms", e.rms, "1", e.pixels, seed));
-  }
-
+  add_cached_light_rows(file.scores, simulation, config.render.max_bounces, seed, quick);
   say("corners", 5, 8);
-  for (const LensModel model :
-       {LensModel::pinhole, LensModel::opencv5, LensModel::opencv8, LensModel::opencv12,
-        LensModel::kannala_brandt4, LensModel::splined_stereographic}) {
-    const CornerPositions found = measure_corner_positions(model);
-    const std::string name = "board corners, " + std::string(to_string(model));
-    file.scores.push_back(
-        limited(row_of(name, "corner.bias", found.bias_px.norm(), "px", found.corners, seed),
-                at_most(0.02)));
-    file.scores.push_back(row_of(name, "corner.rms", found.rms_px, "px", found.corners, seed));
-  }
+  add_corner_rows(file.scores, seed);
   say("leaf cloud", 6, 8);
   add_leaf_cloud_rows(file.scores, seed, quick);
   say("what leaving out saves", 7, 8);
