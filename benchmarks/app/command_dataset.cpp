@@ -11,8 +11,8 @@
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
 #include "benchmarks/loop/render_plan.h"
-#include "benchmarks/loop/scene_table.h"
 #include "benchmarks/loop/result_folder.h"
+#include "benchmarks/loop/scene_table.h"
 #include "benchmarks/loop/simulate.h"
 #include "benchmarks/loop/stage_files.h"
 #include "benchmarks/loop/truth_choice.h"
@@ -178,25 +178,16 @@ std::vector<fs::path> index_files(const fs::path& scene_dir) {
   return files;
 }
 
-}  // namespace
-
-ExitCode command_render(const JobContext& context) {
-  const Options& o = context.options;
-  const SceneEntry& entry = scene_entry(o.arguments.at(0));
+SceneJob scene_job(const Options& o, const SceneEntry& entry) {
   std::vector<KeyOption> keys;
   if (o.frames > 0) keys.push_back({"--frames", "views", std::to_string(o.frames)});
   if (!o.streams.empty()) keys.push_back({"--streams", "streams", o.streams});
-  const SceneJob job =
-      read_config(o, keys, [&] {
-        return entry.configure({.assignments = assignments_of(o, keys), .file = o.config});
-      });
-  if (o.keys) {
-    std::printf("%s", job.keys.c_str());
-    return ExitCode::done;
-  }
-  const Shard shard = parse_shard(o.shard);
-  const fs::path dataset =
-      o.out.empty() ? fs::path("out") / (entry.name + "_dataset") : fs::path(o.out);
+  return read_config(o, keys, [&] {
+    return entry.configure({.assignments = assignments_of(o, keys), .file = o.config});
+  });
+}
+
+Contents contents_of(const Options& o, const SceneEntry& entry, const SceneJob& job) {
   Contents contents;
   contents.streams = job.streams;
   contents.truth =
@@ -204,6 +195,54 @@ ExitCode command_render(const JobContext& context) {
                       : truth_needs_from_string(o.truth, truth_there_is(job.rig, contents.streams));
   if (o.truth.empty() && entry.has_points) contents.truth.keypoints = true;
   if (!o.truth_for.empty()) contents.truth = truth_needs_for(o.truth_for, contents.truth);
+  return contents;
+}
+
+/// Adds the files below the dataset that a shard writes of a scene's frames.
+void add_shard_files(const BuiltScene& built, const fs::path& scene_dir, int from, int to,
+                     const Contents& contents, std::vector<fs::path>& written) {
+  const auto add = [&](const std::vector<fs::path>& files) {
+    for (const fs::path& file : files) written.push_back(scene_dir.filename() / file);
+  };
+  for (int frame = from; frame < to; ++frame) add(frame_files(built, frame, contents));
+  if (from == 0) add(index_files(scene_dir));
+}
+
+/// The shard's manifest, or the dataset's where there are no shards.
+/// @return whether the dataset is complete
+bool write_manifests(const fs::path& dataset, const Manifest& header, const Shard& shard,
+                     const std::vector<fs::path>& written, const OutputFolder& folder) {
+  if (shard.count > 1) write_shard_manifest(dataset, header, shard.index, shard.count, written);
+  const bool is_complete = shard.count <= 1 || fs::exists(dataset / "manifest.json");
+  if (shard.count <= 1) write_manifest(dataset, header, dataset_files(dataset, folder));
+  return is_complete;
+}
+
+void print_dataset(const fs::path& dataset, bool is_complete,
+                   const std::vector<StageTiming>& timings,
+                   const std::vector<std::string>& warnings) {
+  nlohmann::json seconds = nlohmann::json::object();
+  for (const StageTiming& timing : timings) seconds[timing.stage] = timing.wall_s;
+  print_json({{"dataset", dataset.string()},
+              {"complete", is_complete},
+              {"seconds", seconds},
+              {"warnings", warnings}});
+}
+
+}  // namespace
+
+ExitCode command_render(const JobContext& context) {
+  const Options& o = context.options;
+  const SceneEntry& entry = scene_entry(o.arguments.at(0));
+  const SceneJob job = scene_job(o, entry);
+  if (o.keys) {
+    std::printf("%s", job.keys.c_str());
+    return ExitCode::done;
+  }
+  const Shard shard = parse_shard(o.shard);
+  const fs::path dataset =
+      o.out.empty() ? fs::path("out") / (entry.name + "_dataset") : fs::path(o.out);
+  const Contents contents = contents_of(o, entry, job);
   const int frames = job.views;
   const auto [first, end] = shard_range(shard, o.scenes * frames);
   if (o.plan) {
@@ -237,13 +276,7 @@ ExitCode command_render(const JobContext& context) {
     render_frames(built, scene_dir, from, to, contents, context.progress);
     // The shard that renders a scene's first frame writes its index and truth.
     if (from == 0) write_index(built, scene_dir, contents);
-    const auto add = [&](const std::vector<fs::path>& files) {
-      for (const fs::path& file : files) written.push_back(fs::path(scene_id(scene)) / file);
-    };
-    if (shard.count > 1) {
-      for (int frame = from; frame < to; ++frame) add(frame_files(built, frame, contents));
-      if (from == 0) add(index_files(scene_dir));
-    }
+    if (shard.count > 1) add_shard_files(built, scene_dir, from, to, contents, written);
     timings.push_back(clock.finish());
   }
   take_folder();  // a shard may have nothing to render
@@ -251,19 +284,10 @@ ExitCode command_render(const JobContext& context) {
   header.program_version = COUSIN_VERSION;
   header.config_hash = hash;
   header.pipeline = entry.name;
-  if (shard.count > 1) write_shard_manifest(dataset, header, shard.index, shard.count, written);
-  const bool complete = shard.count <= 1 || fs::exists(dataset / "manifest.json");
-  if (shard.count <= 1) write_manifest(dataset, header, dataset_files(dataset, *folder));
+  const bool complete = write_manifests(dataset, header, shard, written, *folder);
   write_timings(dataset, timings);
   if (complete) folder->release();  // last: the folder is never without an owner
-  if (o.json) {
-    nlohmann::json seconds = nlohmann::json::object();
-    for (const StageTiming& timing : timings) seconds[timing.stage] = timing.wall_s;
-    print_json({{"dataset", dataset.string()},
-                {"complete", complete},
-                {"seconds", seconds},
-                {"warnings", warnings}});
-  }
+  if (o.json) print_dataset(dataset, complete, timings, warnings);
   context.progress.line((complete ? "dataset: " : "shard of dataset: ") + dataset.string());
   return ExitCode::done;
 }
