@@ -13,8 +13,8 @@
 #include "benchmarks/app/terminal.h"
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/score_boxes.h"
-#include "benchmarks/study/shard.h"
 #include "benchmarks/loop/score_views.h"
+#include "benchmarks/study/shard.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/links.h"
@@ -124,32 +124,29 @@ ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path&
   return file;
 }
 
-}  // namespace
-
-ExitCode command_score(const JobContext& context) {
-  const Options& o = context.options;
-  const fs::path dataset = o.arguments.at(0);
-  const fs::path estimates = o.arguments.at(1);
-  if (is_detections(estimates, dataset)) return command_score_detections(context);
-  refuse_given(o, {"--class-map", "--confidence"}, "is of a detector's results");
-  for (const std::string& gate : o.gates) parse_gate(gate);
-  const fs::path out = o.out.empty() ? estimates : fs::path(o.out);
-  const FolderClaim claim{
-      .verb = "score", .version = COUSIN_VERSION, .config = {}, .names = result_names()};
-  check_output_folder(out, claim);
+ScoreFile file_of_dataset(const fs::path& dataset, const std::optional<Manifest>& manifest) {
   ScoreFile file;
   file.header.program_version = COUSIN_VERSION;
   file.header.machine = machine_text();
-  const std::optional<Manifest> manifest = read_manifest(dataset);
   if (manifest) {
     file.header.dataset_hash = sha256_hex_of_file(dataset / "manifest.json");
     file.header.config_hash = manifest->config_hash;
   }
-  SeedsScoreLabels labels;
-  labels.suite = dataset.filename().string();
-  labels.method = "estimate";
+  return file;
+}
+
+/// How many scenes were scored, and why others could not be.
+struct ScoredScenes {
   int scored = 0;
   std::vector<std::string> failures;
+};
+
+ScoredScenes add_scene_scores(const JobContext& context, const std::optional<Manifest>& manifest,
+                              SeedsScoreLabels& labels, ScoreFile& file) {
+  const Options& o = context.options;
+  const fs::path dataset = o.arguments.at(0);
+  const fs::path estimates = o.arguments.at(1);
+  ScoredScenes result;
   const std::vector<fs::path> scenes = scene_folders(dataset);
   refuse_links_out(dataset, "manifest.json");
   for (const fs::path& scene_dir : scenes) {
@@ -171,11 +168,33 @@ ExitCode command_score(const JobContext& context) {
       const SceneTruth truth = read_truth(scene_dir);
       labels.seed = truth.seed;
       append(score_scene(o, truth, estimate_dir, labels, context.progress), file);
-      ++scored;
+      ++result.scored;
     } catch (const std::runtime_error& error) {  // of its files; the others' scores are kept
-      failures.emplace_back(error.what());
+      result.failures.emplace_back(error.what());
     }
   }
+  return result;
+}
+
+}  // namespace
+
+ExitCode command_score(const JobContext& context) {
+  const Options& o = context.options;
+  const fs::path dataset = o.arguments.at(0);
+  const fs::path estimates = o.arguments.at(1);
+  if (is_detections(estimates, dataset)) return command_score_detections(context);
+  refuse_given(o, {"--class-map", "--confidence"}, "is of a detector's results");
+  for (const std::string& gate : o.gates) parse_gate(gate);
+  const fs::path out = o.out.empty() ? estimates : fs::path(o.out);
+  const FolderClaim claim{
+      .verb = "score", .version = COUSIN_VERSION, .config = {}, .names = result_names()};
+  check_output_folder(out, claim);
+  const std::optional<Manifest> manifest = read_manifest(dataset);
+  ScoreFile file = file_of_dataset(dataset, manifest);
+  SeedsScoreLabels labels;
+  labels.suite = dataset.filename().string();
+  labels.method = "estimate";
+  const auto [scored, failures] = add_scene_scores(context, manifest, labels, file);
   if (scored == 0 && !failures.empty()) throw std::runtime_error(failures.front());
   if (scored == 0)
     throw std::runtime_error(estimates.string() + ": holds no estimate of any scene of " +
