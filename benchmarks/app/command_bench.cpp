@@ -90,10 +90,9 @@ FolderClaim bench_claim() {
           .sharing = FolderClaim::Sharing::shards};
 }
 
-}  // namespace
-
-ExitCode command_bench(const JobContext& context) {
-  const Options& o = context.options;
+/// @throws std::invalid_argument naming a suite that there is not, or an option that one does not
+/// read
+std::vector<const BenchSuite*> wanted_suites(const Options& o) {
   std::vector<std::string> names = o.arguments;
   if (names.empty() && (!o.only.empty() || !o.shard.empty())) {
     throw std::invalid_argument(std::string(o.only.empty() ? "--shard" : "--only") +
@@ -116,6 +115,25 @@ ExitCode command_bench(const JobContext& context) {
     if (!o.arguments.empty()) check_takes(*suite, o);
     wanted.push_back(&*suite);
   }
+  return wanted;
+}
+
+void print_suite_scores(const BenchSuite& suite, const std::vector<ScoreRow>& scores) {
+  if (std::string_view(suite.name) == "seeds") {
+    std::printf("%s", summary_table(scores).c_str());
+    print_papers_tables(scores);
+  } else if (std::string_view(suite.name) == "seedlings") {
+    print_papers_tables(scores);
+  } else {
+    print_scores(scores);
+  }
+}
+
+}  // namespace
+
+ExitCode command_bench(const JobContext& context) {
+  const Options& o = context.options;
+  const std::vector<const BenchSuite*> wanted = wanted_suites(o);
   SeedsRunConfig config = seeds_run_config(o.sets);  // a wrong key ends here, not hours later
   if (o.keys) {
     std::printf("%s", describe(fields(config)).c_str());
@@ -141,13 +159,8 @@ ExitCode command_bench(const JobContext& context) {
       if (list) std::printf("%s", suite == wanted.front() ? "[" : ",");
       std::printf("%s", to_json(file).c_str());
       if (list && suite == wanted.back()) std::printf("]\n");
-    } else if (std::string_view(suite->name) == "seeds") {
-      std::printf("%s", summary_table(file.scores).c_str());
-      print_papers_tables(file.scores);
-    } else if (std::string_view(suite->name) == "seedlings") {
-      print_papers_tables(file.scores);
     } else {
-      print_scores(file.scores);
+      print_suite_scores(*suite, file.scores);
     }
     failed = failed || std::any_of(file.scores.begin(), file.scores.end(), [](const ScoreRow& row) {
                return row.status == ScoreStatus::fail || row.status == ScoreStatus::error;
