@@ -407,16 +407,13 @@ void add_ledger(CLI::App& verb, Options& o) {
   verb.add_option("--why", o.ledger_why, "Of a prediction or a seen set: the reason");
 }
 
-}  // namespace
+/// Verbs whose words are needed unless they only list their keys.
+struct KeyedVerbs {
+  CLI::App* perceive = nullptr;
+  CLI::App* calibrate = nullptr;
+};
 
-ParsedOptions parse_options(int argc, const char* const* argv) {
-  ParsedOptions result;
-  Options& o = result.options;
-  CLI::App app{
-      "Cousin: a simulation-first testbed for plant perception. Scenes whose every dimension is "
-      "known are\n"
-      "photographed by virtual cameras, measured, and scored against the truth."};
-  add_global(app, o);
+KeyedVerbs add_verbs(CLI::App& app, Options& o) {
   const auto verb = [&](const char* name, const char* help) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->callback([&o, name] { o.verb = name; });
@@ -445,10 +442,40 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   add_export(*verb("export", kExportHelp), o);
 
   takes(*verb("verify", "Re-hash a dataset"), o, "DATASET", "Dataset folder", 1, 1);
-  takes(*verb("report", "Make the HTML report of a folder of scores, or an index of folders of them"), o, "FOLDER",
-        "Folder of a run or benchmark", 1, 1);
+  takes(
+      *verb("report", "Make the HTML report of a folder of scores, or an index of folders of them"),
+      o, "FOLDER", "Folder of a run or benchmark", 1, 1);
 
   add_ledger(*verb("ledger", kLedgerHelp), o);
+  return {perceive, calibrate};
+}
+
+void parse_words(CLI::App& app, const std::vector<const char*>& words, const KeyedVerbs& keyed,
+                 Options& o) {
+  app.parse(static_cast<int>(words.size()), words.data());
+  o.given = given_options(app);
+  refuse_empty_words(app);
+  for (const CLI::App* sub : app.get_subcommands()) refuse_empty_words(*sub);
+  if (!o.out.empty() && !writes_files(o.verb))
+    throw CLI::ValidationError("--out", "`cousin " + o.verb + "` writes no files");
+  // What keys these have does not depend on what they are given.
+  for (const auto& [sub, name] :
+       {std::pair(keyed.perceive, "DATASET"), std::pair(keyed.calibrate, "FOLDER")}) {
+    if (sub->parsed() && o.arguments.empty() && !o.keys) throw CLI::RequiredError(name);
+  }
+}
+
+}  // namespace
+
+ParsedOptions parse_options(int argc, const char* const* argv) {
+  ParsedOptions result;
+  Options& o = result.options;
+  CLI::App app{
+      "Cousin: a simulation-first testbed for plant perception. Scenes whose every dimension is "
+      "known are\n"
+      "photographed by virtual cameras, measured, and scored against the truth."};
+  add_global(app, o);
+  const KeyedVerbs keyed = add_verbs(app, o);
   const std::vector<const char*> words = without_help_verb(argc, argv);
   const auto leave_without_verb = [&] {
     result.leave = true;
@@ -458,17 +485,7 @@ ParsedOptions parse_options(int argc, const char* const* argv) {
   };
   if (words.size() < 2) return leave_without_verb();
   try {
-    app.parse(static_cast<int>(words.size()), words.data());
-    o.given = given_options(app);
-    refuse_empty_words(app);
-    for (const CLI::App* sub : app.get_subcommands()) refuse_empty_words(*sub);
-    if (!o.out.empty() && !writes_files(o.verb))
-      throw CLI::ValidationError("--out", "`cousin " + o.verb + "` writes no files");
-    // What keys these have does not depend on what they are given.
-    for (const auto& [sub, name] :
-         {std::pair(perceive, "DATASET"), std::pair(calibrate, "FOLDER")}) {
-      if (sub->parsed() && o.arguments.empty() && !o.keys) throw CLI::RequiredError(name);
-    }
+    parse_words(app, words, keyed, o);
   } catch (const CLI::ParseError& error) {
     result.leave = true;
     // CLI11 shows the program's help where an unknown word stands beside --help.
