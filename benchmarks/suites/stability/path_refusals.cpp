@@ -113,21 +113,23 @@ double named(const std::function<void()>& call, const std::string& name) {
   return 0;
 }
 
-void add_refusal_rows(std::vector<StabilityRow>& rows) {
+/// A scene with an error, and what its message must hold.
+struct SpoiledScene {
+  const char* name;
+  std::function<void(Scene&)> spoil;
+  const char* must_name;
+};
+
+std::vector<SpoiledScene> spoiled_lights() {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
-  struct Spoiled {
-    const char* name;
-    std::function<void(Scene&)> spoil;
-    const char* must_name;
-  };
   const auto lamp = [](const Vector3d& u, const Vector3d& v, float radiance) {
     return [=](Scene& s) {
       s.lights.emplace_back(Lamp{{0, 0, 1}, u, v, {radiance, radiance, radiance}});
     };
   };
   const Vector3d x(0.1, 0, 0), y(0, 0.1, 0), zero = Vector3d::Zero();
-  const std::vector<Spoiled> cases = {
+  return {
       {"lamp without area", lamp(x, zero, 1), "light 1 (lamp): area"},
       {"lamp whose axes are parallel", lamp(x, 2 * x, 1), "light 1 (lamp): area"},
       {"lamp of infinite power", lamp(x, y, infinity), "light 1 (lamp): radiance = inf"},
@@ -150,6 +152,12 @@ void add_refusal_rows(std::vector<StabilityRow>& rows) {
          s.lights.emplace_back(Environment{Image<Rgbf>(4, 2, {1, nan, 1})});
        },
        "light 1 (environment): radiance = nan"},
+  };
+}
+
+std::vector<SpoiledScene> spoiled_surfaces() {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  return {
       {"albedo above 1", [](Scene& s) { s.materials[0].albedo.g = 1.5F; },
        "\"matt\": albedo = 1.5"},
       {"flesh of a mean free path that is no number",
@@ -177,7 +185,10 @@ void add_refusal_rows(std::vector<StabilityRow>& rows) {
        [](Scene& s) { s.instances[0].world_from_object.rotation.coeffs().setZero(); },
        "instance \"square 0\": its pose's rotation"},
   };
-  for (const Spoiled& c : cases) {
+}
+
+void add_refusal_rows(const std::vector<SpoiledScene>& cases, std::vector<StabilityRow>& rows) {
+  for (const SpoiledScene& c : cases) {
     Scene scene;
     scene.name = "spoiled";
     add(scene, square(1), matt(0.5F), {0, 0, 0});
@@ -258,7 +269,8 @@ void add_file_rows(std::vector<StabilityRow>& rows) {
 }  // namespace
 
 void add_path_refusals(std::vector<StabilityRow>& rows) {
-  add_refusal_rows(rows);
+  add_refusal_rows(spoiled_lights(), rows);
+  add_refusal_rows(spoiled_surfaces(), rows);
   add_view_rows(rows);
   add_file_rows(rows);
 }
