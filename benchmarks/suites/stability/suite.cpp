@@ -42,30 +42,52 @@ struct Module {
   std::function<std::vector<StabilityRow>()> run;
 };
 
-}  // namespace
-
-ScoreFile stability_suite(bool quick, const Progress& progress) {
+std::vector<Module> stability_modules(bool quick) {
   RayCasesConfig rays;
   if (quick) {
     rays.watertight_rays = 500'000;
     rays.offset_rays = 4'000;
   }
-  const std::vector<Module> modules = {
-      {"geometry", geometry_cases},
-      {"lenses and light", lens_cases},
-      {"bundles", [&] { return bundle_cases(quick); }},
-      {"calibration", calibration_cases},
-      {"structure from motion", sfm_cases},
-      {"depths and fusion", depth_cases},
-      {"rays", [&] { return ray_cases(rays, Rng(1)); }},
-      {"rays at bad meshes", mesh_ray_cases},
-      {"light at its limits", [&] { return path_cases(quick); }},
-      {"watertight seeds", [&] { return watertight_seeds(quick); }},
-      {"splats", splat_cases},
-      {"training of splats", [&] { return splat_train_cases(quick); }},
-      {"radiance fields", ngp_cases},
-      {"contacts", [&] { return contact_cases(quick); }},
-      {"stems", [&] { return stem_cases(quick); }}};
+  return {{"geometry", geometry_cases},
+          {"lenses and light", lens_cases},
+          {"bundles", [quick] { return bundle_cases(quick); }},
+          {"calibration", calibration_cases},
+          {"structure from motion", sfm_cases},
+          {"depths and fusion", depth_cases},
+          {"rays", [rays] { return ray_cases(rays, Rng(1)); }},
+          {"rays at bad meshes", mesh_ray_cases},
+          {"light at its limits", [quick] { return path_cases(quick); }},
+          {"watertight seeds", [quick] { return watertight_seeds(quick); }},
+          {"splats", splat_cases},
+          {"training of splats", [quick] { return splat_train_cases(quick); }},
+          {"radiance fields", ngp_cases},
+          {"contacts", [quick] { return contact_cases(quick); }},
+          {"stems", [quick] { return stem_cases(quick); }}};
+}
+
+/// @param base  what all rows of the module share
+ScoreRow score_of(const StabilityRow& row, const ScoreRow& base) {
+  ScoreRow score = base;
+  score.case_name = row.case_name;
+  char limit[64];
+  std::snprintf(limit, sizeof limit, " (%s %.3g)", row.upper ? "at most" : "at least", row.limit);
+  const bool is_held = !std::isnan(row.limit);
+  score.metric = is_held ? row.quantity + limit : row.quantity;
+  score.value = row.value;
+  score.unit = row.unit.empty() ? "1" : row.unit;
+  score.n = 1;
+  if (is_held) {
+    score = limited(score, row.upper ? at_most(row.limit) : at_least(row.limit));
+  } else {
+    score.status = std::isnan(row.value) ? ScoreStatus::not_built : ScoreStatus::ok;
+  }
+  return score;
+}
+
+}  // namespace
+
+ScoreFile stability_suite(bool quick, const Progress& progress) {
+  const std::vector<Module> modules = stability_modules(quick);
   ScoreFile file;
   for (std::size_t i = 0; i < modules.size(); ++i) {
     if (progress) progress(modules[i].name, static_cast<int>(i), static_cast<int>(modules.size()));
@@ -84,24 +106,7 @@ ScoreFile stability_suite(bool quick, const Progress& progress) {
       file.scores.push_back(base);
       continue;
     }
-    for (const StabilityRow& row : rows) {
-      ScoreRow score = base;
-      score.case_name = row.case_name;
-      char limit[64];
-      std::snprintf(limit, sizeof limit, " (%s %.3g)", row.upper ? "at most" : "at least",
-                    row.limit);
-      const bool is_held = !std::isnan(row.limit);
-      score.metric = is_held ? row.quantity + limit : row.quantity;
-      score.value = row.value;
-      score.unit = row.unit.empty() ? "1" : row.unit;
-      score.n = 1;
-      if (is_held) {
-        score = limited(score, row.upper ? at_most(row.limit) : at_least(row.limit));
-      } else {
-        score.status = std::isnan(row.value) ? ScoreStatus::not_built : ScoreStatus::ok;
-      }
-      file.scores.push_back(std::move(score));
-    }
+    for (const StabilityRow& row : rows) file.scores.push_back(score_of(row, base));
     ScoreRow seconds = base;
     seconds.case_name = modules[i].name;
     seconds.metric = "seconds";
