@@ -83,14 +83,7 @@ double box_response_m(const std::string& cultivar, double sigma_m) {
   return worst_m;
 }
 
-}  // namespace
-
-std::vector<StabilityRow> geometry_cases() {
-  std::vector<StabilityRow> rows;
-  const Points solid = ellipsoid_points(2000);
-  const OrientedBox reference_box = minimum_volume_box(solid);
-  const double reference_volume = alpha_shape(solid, 0.0015).volume_m3;
-
+void add_flat_rows(std::vector<StabilityRow>& rows) {
   struct Flat {
     const char* name;
     Points points;
@@ -117,39 +110,64 @@ std::vector<StabilityRow> geometry_cases() {
           return shape.volume_m3 + shape.area_m2;
         }));
   }
+}
+
+/// Points of a seed's size, their box and their volume.
+struct SolidPoints {
+  Points points;
+  OrientedBox box;
+  double volume_m3 = 0;
+};
+
+void add_far_rows(const SolidPoints& solid, std::vector<StabilityRow>& rows) {
   for (const double offset_m : {1.0, 1e3, 1e6}) {
     // Coordinates carry a rounding of 2^-53 of the offset each; sizes and volumes can be no better
     // than a few of those.
     const double rounding_m = offset_m * 0x1p-52;
-    const Points far = moved(solid, {offset_m, -offset_m, offset_m});
+    const Points far = moved(solid.points, {offset_m, -offset_m, offset_m});
     const std::string name =
         "2000 points " + std::to_string(static_cast<long>(offset_m)) + " m away";
     rows.push_back(row("box, " + name, "change of a size", "m", 1e-12 + 4 * rounding_m,
-                       [&] { return worst_size_error(minimum_volume_box(far), reference_box); }));
+                       [&] { return worst_size_error(minimum_volume_box(far), solid.box); }));
     rows.push_back(row("alpha shape, " + name, "relative change of the volume", "1",
                        1e-9 + 40 * rounding_m / 0.002, [&] {
-                         return std::abs(alpha_shape(far, 0.0015).volume_m3 / reference_volume - 1);
+                         return std::abs(alpha_shape(far, 0.0015).volume_m3 / solid.volume_m3 - 1);
                        }));
   }
+}
+
+void add_repeated_and_scaled_rows(const SolidPoints& solid, std::vector<StabilityRow>& rows) {
   rows.push_back(row("box, every point twice", "change of a size", "m", 1e-15, [&] {
-    Points twice = solid;
-    twice.insert(twice.end(), solid.begin(), solid.end());
-    return worst_size_error(minimum_volume_box(twice), reference_box);
+    Points twice = solid.points;
+    twice.insert(twice.end(), solid.points.begin(), solid.points.end());
+    return worst_size_error(minimum_volume_box(twice), solid.box);
   }));
   rows.push_back(
       row("alpha shape, every point twice", "relative change of the volume", "1", 1e-12, [&] {
-        Points twice = solid;
-        twice.insert(twice.end(), solid.begin(), solid.end());
-        return std::abs(alpha_shape(twice, 0.0015).volume_m3 / reference_volume - 1);
+        Points twice = solid.points;
+        twice.insert(twice.end(), solid.points.begin(), solid.points.end());
+        return std::abs(alpha_shape(twice, 0.0015).volume_m3 / solid.volume_m3 - 1);
       }));
   rows.push_back(
       row("box, unit change to kilometres and back", "relative change of a size", "1", 1e-9, [&] {
-        Points scaled = solid;
+        Points scaled = solid.points;
         for (Eigen::Vector3d& p : scaled) p *= 1e-3;
         OrientedBox box = minimum_volume_box(scaled);
         box.size_m *= 1e3;
-        return worst_size_error(box, reference_box) / reference_box.size_m.z();
+        return worst_size_error(box, solid.box) / solid.box.size_m.z();
       }));
+}
+
+}  // namespace
+
+std::vector<StabilityRow> geometry_cases() {
+  std::vector<StabilityRow> rows;
+  const Points points = ellipsoid_points(2000);
+  const SolidPoints solid{points, minimum_volume_box(points),
+                          alpha_shape(points, 0.0015).volume_m3};
+  add_flat_rows(rows);
+  add_far_rows(solid, rows);
+  add_repeated_and_scaled_rows(solid, rows);
   for (const std::string& cultivar : cultivar_names()) {
     constexpr double kSigma_m = 5e-6, kLimit_m = 1e-4;
     rows.push_back(row("box, " + cultivar + ", vertices moved by 5 um", "largest change of a size",
