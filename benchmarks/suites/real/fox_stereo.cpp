@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "benchmarks/score/order_statistics.h"
 #include "benchmarks/report/pictures.h"
+#include "benchmarks/score/order_statistics.h"
 #include "perception/cloud/fuse.h"
 #include "sim/dataset/import.h"
 #include "sim/geometry/mesh_io.h"
@@ -138,6 +138,54 @@ void write_pictures(const fs::path& out, const Capture& capture, const Depths& d
   }
 }
 
+MvsConfig fox_depths(bool quick) {
+  MvsConfig mvs;
+  mvs.max_references = quick ? 8 : 12;
+  mvs.min_angle_rad = 0.03;
+  mvs.consistent_views = 0;      // what the views confirm is counted afterwards
+  mvs.consistency_depth = 0.01;  // largest standard deviation that is kept, relative
+  return mvs;
+}
+
+/// What the photographs of the fox gave, and in how long.
+struct FoxRun {
+  std::size_t warnings = 0;
+  std::int64_t frames = 0, references = 0, points = 0;
+  double stereo_s = 0, fuse_s = 0;
+};
+
+std::vector<ScoreRow> fox_rows(const FoxRun& run, const Agreement& agreement, const Bending& bent) {
+  const auto row = [&](const std::string& metric, double value, const std::string& unit,
+                       std::int64_t n) {
+    return real_row(kScene, kCase, "plane sweep and slanted refinement", metric, value, unit, n);
+  };
+  const auto share = [](std::int64_t a, std::int64_t b) {
+    return b == 0 ? ScoreRow::kNone : static_cast<double>(a) / static_cast<double>(b);
+  };
+  const auto at = [&](double p) {
+    return agreement.relative.empty() ? ScoreRow::kNone : quantile(agreement.relative, p);
+  };
+  const auto pairs = static_cast<std::int64_t>(agreement.relative.size());
+  return {row("frames", static_cast<double>(run.frames), "1", run.frames),
+          row("reader_warnings", static_cast<double>(run.warnings), "1", run.frames),
+          row("undistortion.largest_shift", bent.largest_shift_px, "px", 1),
+          row("undistortion.valid_pixels", bent.valid_share, "1", 1),
+          row("views_with_depth", static_cast<double>(run.references), "1", run.frames),
+          row("pixels_with_depth", share(agreement.with_depth, agreement.pixels), "1",
+              agreement.pixels),
+          row("pixels_with_confirmed_depth", share(agreement.confirmed, agreement.pixels), "1",
+              agreement.pixels),
+          row("depths_seen_by_another_view", share(agreement.compared, agreement.with_depth), "1",
+              agreement.with_depth),
+          row("seen_depths_within_1_percent", share(agreement.confirmed, agreement.compared), "1",
+              agreement.compared),
+          row("depth_difference.median_relative", at(0.5), "1", pairs),
+          row("depth_difference.p90_relative", at(0.9), "1", pairs),
+          row("points", static_cast<double>(run.points), "1", run.points),
+          row("seconds.stereo", run.stereo_s, "s", run.references),
+          row("seconds.fuse", run.fuse_s, "s", run.references)};
+}
+
 }  // namespace
 
 Poses poses_of(const Capture& capture) {
@@ -215,13 +263,8 @@ RealPart fox_stereo(const fs::path& real_data, const fs::path& out, bool quick) 
   // depth.
   const SweepVolume volume = volume_looked_at(poses, 0.7);
 
-  MvsConfig mvs;
-  mvs.max_references = quick ? 8 : 12;
-  mvs.min_angle_rad = 0.03;
-  mvs.consistent_views = 0;      // what the views confirm is counted below
-  mvs.consistency_depth = 0.01;  // largest standard deviation that is kept, relative
   const StageClock clock("stereo");
-  const Depths depths = estimate_depths(capture, poses, volume, mvs);
+  const Depths depths = estimate_depths(capture, poses, volume, fox_depths(quick));
   const double stereo_s = clock.finish().wall_s;
   const double side = volume.high_m.x() - volume.low_m.x();
   FuseConfig fuse;
@@ -240,40 +283,15 @@ RealPart fox_stereo(const fs::path& real_data, const fs::path& out, bool quick) 
                                     as_seen_from(poses[capture.frames.size() / 4], cloud)));
   const SensorFrame& first = capture.frames.front().sensors[0];
   const Bending bent = bending(undistort(first.color, first.reported), first.reported);
-
-  const auto row = [&](const std::string& metric, double value, const std::string& unit,
-                       std::int64_t n) {
-    return real_row(kScene, kCase, "plane sweep and slanted refinement", metric, value, unit, n);
-  };
-  const auto share = [](std::int64_t a, std::int64_t b) {
-    return b == 0 ? ScoreRow::kNone : static_cast<double>(a) / static_cast<double>(b);
-  };
-  const auto at = [&](double p) {
-    return agreement.relative.empty() ? ScoreRow::kNone : quantile(agreement.relative, p);
-  };
-  const auto pairs = static_cast<std::int64_t>(agreement.relative.size());
-  const auto frames = static_cast<std::int64_t>(capture.frames.size());
   const auto references = std::count_if(depths.begin(), depths.end(),
                                         [](const FrameDepth& d) { return !d.depth_m.empty(); });
-  part.rows = {row("frames", static_cast<double>(frames), "1", frames),
-               row("reader_warnings", static_cast<double>(whole.warnings.size()), "1", frames),
-               row("undistortion.largest_shift", bent.largest_shift_px, "px", 1),
-               row("undistortion.valid_pixels", bent.valid_share, "1", 1),
-               row("views_with_depth", static_cast<double>(references), "1", frames),
-               row("pixels_with_depth", share(agreement.with_depth, agreement.pixels), "1",
-                   agreement.pixels),
-               row("pixels_with_confirmed_depth", share(agreement.confirmed, agreement.pixels), "1",
-                   agreement.pixels),
-               row("depths_seen_by_another_view", share(agreement.compared, agreement.with_depth),
-                   "1", agreement.with_depth),
-               row("seen_depths_within_1_percent", share(agreement.confirmed, agreement.compared),
-                   "1", agreement.compared),
-               row("depth_difference.median_relative", at(0.5), "1", pairs),
-               row("depth_difference.p90_relative", at(0.9), "1", pairs),
-               row("points", static_cast<double>(cloud.size()), "1",
-                   static_cast<std::int64_t>(cloud.size())),
-               row("seconds.stereo", stereo_s, "s", references),
-               row("seconds.fuse", fuse_s, "s", references)};
+  part.rows = fox_rows({.warnings = whole.warnings.size(),
+                        .frames = static_cast<std::int64_t>(capture.frames.size()),
+                        .references = references,
+                        .points = static_cast<std::int64_t>(cloud.size()),
+                        .stereo_s = stereo_s,
+                        .fuse_s = fuse_s},
+                       agreement, bent);
   return part;
 }
 
