@@ -27,17 +27,41 @@ void add(std::vector<ScoreRow> more, std::vector<ScoreRow>& rows) {
   rows.insert(rows.end(), more.begin(), more.end());
 }
 
-PairsRun run_pairs(const SfmSuiteConfig& suite, const Capture& capture, PairChoice choice) {
-  PairsRun result;
-  const std::string name(to_string(choice));
-  const ScoreRow row = sfm_row(suite, "neutral", name + " pairs");
+SfmConfig pairs_config(const SfmSuiteConfig& suite, PairChoice choice) {
   SfmConfig config;
   config.pairs.choice = choice;
   config.scale = SfmScale::none;
   config.colmap.program = suite.program;
   config.colmap.threads = suite.threads;
   config.colmap.match_lost = false;  // what the pairs alone are worth
-  config.colmap.folder = (suite.folder / ("neutral_" + name)).string();
+  config.colmap.folder = (suite.folder / ("neutral_" + std::string(to_string(choice)))).string();
+  return config;
+}
+
+void add_adjusted_rows(const ScoreRow& row, const SfmEstimate& estimate, const Capture& capture,
+                       const std::vector<Pose>& truth, bool refine, std::vector<ScoreRow>& rows) {
+  ScoreRow own = row;
+  own.method += refine ? ", our adjustment" : ", COLMAP's own";
+  if (!has_poses(estimate.status)) {
+    rows.push_back(unsolved_row(own, estimate.reason, estimate.status));
+    return;
+  }
+  own.wall_s = estimate.timings.back().wall_s;
+  own.cpu_s = estimate.timings.back().cpu_s;
+  const auto n = static_cast<std::int64_t>(capture.frames.size());
+  add(pose_rows(own, score_poses(estimate.poses, truth, {}, PoseAlignment::similarity)), rows);
+  rows.push_back(numbered(own, "focal length, relative error",
+                          estimate.lens.fx_px / capture.rig.front().camera.fx_px - 1, "1", n));
+  if (refine) {
+    rows.push_back(numbered(own, "sighting's deviation", estimate.feature_sigma_px, "px", n));
+  }
+}
+
+PairsRun run_pairs(const SfmSuiteConfig& suite, const Capture& capture, PairChoice choice) {
+  PairsRun result;
+  const std::string name(to_string(choice));
+  const ScoreRow row = sfm_row(suite, "neutral", name + " pairs");
+  SfmConfig config = pairs_config(suite, choice);
   ColmapInput input;
   std::vector<int> frames;
   for (const Frame& frame : capture.frames) {
@@ -71,23 +95,7 @@ PairsRun run_pairs(const SfmSuiteConfig& suite, const Capture& capture, PairChoi
   for (const bool refine : {false, true}) {
     config.refine = refine;
     const SfmEstimate estimate = refine_sfm(run.model, frames, lens, {}, {}, config);
-    ScoreRow own = row;
-    own.method += refine ? ", our adjustment" : ", COLMAP's own";
-    if (!has_poses(estimate.status)) {
-      result.rows.push_back(unsolved_row(own, estimate.reason, estimate.status));
-      continue;
-    }
-    own.wall_s = estimate.timings.back().wall_s;
-    own.cpu_s = estimate.timings.back().cpu_s;
-    add(pose_rows(own, score_poses(estimate.poses, truth, {}, PoseAlignment::similarity)),
-        result.rows);
-    result.rows.push_back(numbered(own, "focal length, relative error",
-                                   estimate.lens.fx_px / capture.rig.front().camera.fx_px - 1, "1",
-                                   n));
-    if (refine) {
-      result.rows.push_back(
-          numbered(own, "sighting's deviation", estimate.feature_sigma_px, "px", n));
-    }
+    add_adjusted_rows(row, estimate, capture, truth, refine, result.rows);
   }
   return result;
 }
