@@ -6,10 +6,10 @@
 #include <sstream>
 #include <utility>
 
+#include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/score/best_exposed.h"
 #include "benchmarks/score/image_fidelity.h"
 #include "benchmarks/score/order_statistics.h"
-#include "benchmarks/loop/score_seeds.h"
 #include "perception/splats/splat_geometry.h"
 #include "perception/splats/splat_render.h"
 #include "sim/dataset/atomic_file.h"
@@ -213,6 +213,34 @@ void remove_earlier(const fs::path& estimate_dir) {
   for (const fs::path& picture : files) remove_own(picture);  // others are somebody's own
 }
 
+void warn_of_lengths(const ViewsFindings& findings, bool are_somebodys, bool is_metric,
+                     const Warn& warn) {
+  if (warn && !findings.sfm_doubts.empty()) warn("structure from motion: " + findings.sfm_doubts);
+  if (warn && !is_metric)
+    warn(are_somebodys ? "poses are somebody's: lengths are in their unit"
+                       : "poses are of COLMAP and no board gave them a scale: lengths are in its "
+                         "model's own unit");
+}
+
+ScoreRow views_row(const std::string& name, const ViewsPipelineConfig& config, std::uint64_t seed) {
+  ScoreRow base;
+  base.suite = "views";
+  base.scene = name;
+  base.case_name = "photographs";
+  base.method = to_string(config.method);
+  base.seed = seed;
+  return base;
+}
+
+void add_mesh_rows(const Estimate& estimate, bool is_metric, const ScoreRow& base,
+                   std::vector<ScoreRow>& rows) {
+  for (const Surface& surface : estimate.surfaces) {
+    if (surface.status == SurfaceStatus::ok)
+      add_row("mesh.area", mass_properties(surface.mesh).area_m2, is_metric ? "m2" : "unit2", 1,
+              base, rows);
+  }
+}
+
 }  // namespace
 
 ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& config,
@@ -252,18 +280,9 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
                   [](const StageSource& source) { return source.stage == "poses"; });
   // What unit somebody's poses have is not known.
   const bool is_metric = findings->is_metric && !are_somebodys;
-  if (warn && !findings->sfm_doubts.empty()) warn("structure from motion: " + findings->sfm_doubts);
-  if (warn && !is_metric)
-    warn(are_somebodys ? "poses are somebody's: lengths are in their unit"
-                       : "poses are of COLMAP and no board gave them a scale: lengths are in its "
-                         "model's own unit");
+  warn_of_lengths(*findings, are_somebodys, is_metric, warn);
   const Estimate& estimate = run.estimate;
-  ScoreRow base;
-  base.suite = "views";
-  base.scene = name;
-  base.case_name = "photographs";
-  base.method = to_string(config.method);
-  base.seed = seed;
+  const ScoreRow base = views_row(name, config, seed);
   if (estimate.splats.splats.empty() && !estimate.splats.why_none.empty())
     run.rows.push_back(untrained_row(base, estimate.splats));
   if (!estimate.splats.splats.empty()) {
@@ -272,11 +291,7 @@ ViewsRun perceive_views(const Capture& capture, const ViewsPipelineConfig& confi
     if (!estimate_dir.empty()) write_exposures(file("exposures.csv"), small, *findings);
   }
   add_row("cloud.points", static_cast<double>(estimate.cloud.size()), "1", 1, base, run.rows);
-  for (const Surface& surface : estimate.surfaces) {
-    if (surface.status == SurfaceStatus::ok)
-      add_row("mesh.area", mass_properties(surface.mesh).area_m2, is_metric ? "m2" : "unit2", 1,
-              base, run.rows);
-  }
+  add_mesh_rows(estimate, is_metric, base, run.rows);
   score_timings(estimate, base, run.rows);
   if (!estimate_dir.empty()) write_file(file("scores.csv"), to_csv(run.rows));
   return run;
