@@ -34,6 +34,7 @@ double deviation_of(const std::vector<double>& values) {
   for (const double v : values) squares += (v - mean) * (v - mean);
   return std::sqrt(squares / std::max(1.0, static_cast<double>(values.size()) - 1));
 }
+
 /// Bins of one width, from `first` steps on.
 struct DistributionBins {
   double step = 0;
@@ -96,7 +97,6 @@ double add_distribution_bars(Json& bars, const DistributionGroup& group, const s
 DistributionParts distribution_parts(const Distribution& distribution, const DistributionBins& bins,
                                      const ShownUnit& unit) {
   DistributionParts parts;
-
   for (const DistributionGroup& group : distribution.groups) {
     if (group.values.empty()) continue;
     const double mean = unit.factor * mean_of(group.values);
