@@ -146,7 +146,7 @@ PointsOfBoth points_of_both(const CalibrationProblem& problem) {
   return both;
 }
 
-Pose right_from_left(const cv::Mat& rotation, const cv::Mat& translation) {
+Pose stereo_pose_of_cv(const cv::Mat& rotation, const cv::Mat& translation) {
   Eigen::Matrix3d r;
   Eigen::Vector3d t;
   for (int i = 0; i < 3; ++i) {
@@ -204,7 +204,7 @@ SolverRun solve_stereo_with_opencv(CalibrationProblem& problem, CalibrationState
       "cv::stereoCalibrate: per point of both cameras, sqrt(2) of the RMS per coordinate";
   state.lenses = {left.parameters(state.lenses[0].size()),
                   right.parameters(state.lenses[1].size())};
-  state.cameras[1] = pose_vector(right_from_left(rotation, translation));
+  state.cameras[1] = pose_vector(stereo_pose_of_cv(rotation, translation));
   refine_frames(problem, state);
   return run;
 }
