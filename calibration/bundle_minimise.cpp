@@ -184,6 +184,34 @@ void add_lens(const BundleProblem& problem, std::size_t i, double* at, ceres::Pr
     to.AddResidualBlock(new LensPrior(problem.prior_mean[i], problem.prior_sigma[i]), nullptr, at);
 }
 
+/// @param inner  the points that are solved on their own after each step
+ceres::Solver::Options bundle_options(
+    const BundleProblem& problem, const std::shared_ptr<ceres::ParameterBlockOrdering>& ordering,
+    const std::shared_ptr<ceres::ParameterBlockOrdering>& inner) {
+  ceres::Solver::Options options;
+  constexpr std::size_t kDenseImages = 120;
+  options.linear_solver_type =
+      problem.poses.size() > kDenseImages ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
+  options.linear_solver_ordering = ordering;
+  // A redescending loss leaves few points of a COLMAP model between sightings that contradict each
+  // other: there the cost bends the other way, steps of all parameters at once are many times too
+  // short, and cost falls by some 1e-7 a step for hundreds of them. Each point solved on its own
+  // after each step [Ruhe & Wedin, SIAM Review 1980] gets to its valley at once.
+  options.use_inner_iterations = !inner->group_to_elements().empty();
+  options.inner_iteration_ordering = inner;
+  options.inner_iteration_tolerance = problem.config.tolerance;
+  options.num_threads = 1;  // fixed: the sums' order must not depend on the caller's threads
+  // Damping alone makes up for a free frame: with a larger radius than this the normal equations
+  // are singular to rounding, and each second step fails.
+  options.max_trust_region_radius = 1e10;
+  options.max_num_iterations = problem.config.max_iterations;
+  options.function_tolerance = problem.config.tolerance;
+  options.parameter_tolerance = 1e-15;
+  options.gradient_tolerance = 1e-30;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
 }  // namespace
 
 std::string minimise_bundle(BundleProblem& problem, int& iterations) {
@@ -230,29 +258,8 @@ std::string minimise_bundle(BundleProblem& problem, int& iterations) {
     ordering->AddElementToGroup(packed.point(point), tied.contains(point) ? 1 : 0);
     if (!tied.contains(point)) inner->AddElementToGroup(packed.point(point), 0);
   }
-  ceres::Solver::Options options;
-  constexpr std::size_t kDenseImages = 120;
-  options.linear_solver_type =
-      problem.poses.size() > kDenseImages ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
-  options.linear_solver_ordering = ordering;
-  // A redescending loss leaves few points of a COLMAP model between sightings that contradict each
-  // other: there the cost bends the other way, steps of all parameters at once are many times too
-  // short, and cost falls by some 1e-7 a step for hundreds of them. Each point solved on its own
-  // after each step [Ruhe & Wedin, SIAM Review 1980] gets to its valley at once.
-  options.use_inner_iterations = !inner->group_to_elements().empty();
-  options.inner_iteration_ordering = inner;
-  options.inner_iteration_tolerance = problem.config.tolerance;
-  options.num_threads = 1;  // fixed: the sums' order must not depend on the caller's threads
-  // Damping alone makes up for a free frame: with a larger radius than this the normal equations
-  // are singular to rounding, and each second step fails.
-  options.max_trust_region_radius = 1e10;
-  options.max_num_iterations = problem.config.max_iterations;
-  options.function_tolerance = problem.config.tolerance;
-  options.parameter_tolerance = 1e-15;
-  options.gradient_tolerance = 1e-30;
-  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &to, &summary);
+  ceres::Solve(bundle_options(problem, ordering, inner), &to, &summary);
   packed.unpack(problem);
   iterations += static_cast<int>(summary.iterations.size());
   if (summary.termination_type == ceres::CONVERGENCE) return "";

@@ -124,6 +124,38 @@ SolverRun lenses_alone(const CalibrationProblem& problem, std::vector<Eigen::Vec
   return worst;
 }
 
+/// Points that both cameras see as OpenCV takes them, per frame.
+struct PointsOfBoth {
+  std::vector<std::vector<cv::Point3f>> target;
+  std::vector<std::vector<cv::Point2f>> pixels[2];  ///< of each camera
+};
+
+PointsOfBoth points_of_both(const CalibrationProblem& problem) {
+  PointsOfBoth both;
+  for (const ProblemView& view : problem.views) {
+    std::vector<cv::Point3f> points;
+    std::vector<cv::Point2f> seen;
+    for (const ProblemPoint& p : view.points) {
+      const Eigen::Vector3f x = problem.target[static_cast<std::size_t>(p.id)].cast<float>();
+      points.emplace_back(x.x(), x.y(), x.z());
+      seen.emplace_back(static_cast<float>(p.pixel_px.x()), static_cast<float>(p.pixel_px.y()));
+    }
+    if (view.camera == 0) both.target.push_back(std::move(points));
+    both.pixels[view.camera].push_back(std::move(seen));
+  }
+  return both;
+}
+
+Pose stereo_pose_of_cv(const cv::Mat& rotation, const cv::Mat& translation) {
+  Eigen::Matrix3d r;
+  Eigen::Vector3d t;
+  for (int i = 0; i < 3; ++i) {
+    t(i) = translation.at<double>(i);
+    for (int j = 0; j < 3; ++j) r(i, j) = rotation.at<double>(i, j);
+  }
+  return {Eigen::Quaterniond(r).normalized(), t};
+}
+
 }  // namespace
 
 SolverRun solve_stereo_with_opencv(CalibrationProblem& problem, CalibrationState& state) {
@@ -151,27 +183,15 @@ SolverRun solve_stereo_with_opencv(CalibrationProblem& problem, CalibrationState
     run.not_determined = {"camera1.pose"};
     return run;
   }
-  std::vector<std::vector<cv::Point3f>> target;
-  std::vector<std::vector<cv::Point2f>> pixels[2];
-  for (const ProblemView& view : problem.views) {
-    std::vector<cv::Point3f> points;
-    std::vector<cv::Point2f> seen;
-    for (const ProblemPoint& p : view.points) {
-      const Eigen::Vector3f x = problem.target[static_cast<std::size_t>(p.id)].cast<float>();
-      points.emplace_back(x.x(), x.y(), x.z());
-      seen.emplace_back(static_cast<float>(p.pixel_px.x()), static_cast<float>(p.pixel_px.y()));
-    }
-    if (view.camera == 0) target.push_back(std::move(points));
-    pixels[view.camera].push_back(std::move(seen));
-  }
+  const PointsOfBoth points = points_of_both(problem);
   CvLens left(state.lenses[0]), right(state.lenses[1]);
   const Camera& like = problem.lenses.front().like;
   cv::Mat rotation, translation, essential, fundamental;
   try {
     run.rms_px = cv::stereoCalibrate(
-        target, pixels[0], pixels[1], left.matrix, left.distortion, right.matrix, right.distortion,
-        cv::Size(like.width_px, like.height_px), rotation, translation, essential, fundamental,
-        flags | cv::CALIB_USE_INTRINSIC_GUESS,
+        points.target, points.pixels[0], points.pixels[1], left.matrix, left.distortion,
+        right.matrix, right.distortion, cv::Size(like.width_px, like.height_px), rotation,
+        translation, essential, fundamental, flags | cv::CALIB_USE_INTRINSIC_GUESS,
         cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS,
                          problem.config.max_iterations, std::numeric_limits<double>::epsilon()));
   } catch (const cv::Exception& error) {
@@ -184,13 +204,7 @@ SolverRun solve_stereo_with_opencv(CalibrationProblem& problem, CalibrationState
       "cv::stereoCalibrate: per point of both cameras, sqrt(2) of the RMS per coordinate";
   state.lenses = {left.parameters(state.lenses[0].size()),
                   right.parameters(state.lenses[1].size())};
-  Eigen::Matrix3d r;
-  Eigen::Vector3d t;
-  for (int i = 0; i < 3; ++i) {
-    t(i) = translation.at<double>(i);
-    for (int j = 0; j < 3; ++j) r(i, j) = rotation.at<double>(i, j);
-  }
-  state.cameras[1] = pose_vector({Eigen::Quaterniond(r).normalized(), t});
+  state.cameras[1] = pose_vector(stereo_pose_of_cv(rotation, translation));
   refine_frames(problem, state);
   return run;
 }

@@ -142,6 +142,25 @@ Sensitivity mean_frames_sensitivity(const CalibrationResult& result, int camera,
   return s;
 }
 
+/// Differences of the pixels that remain after the motion between the cameras.
+/// @param points  seen by the first camera at each pixel
+void measure_difference(const Lens& of_b, const std::vector<std::optional<Eigen::Vector3d>>& points,
+                        ProjectionDifference& result) {
+  double sum = 0, count = 0;
+  result.max_px = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto seen = points[i] ? of_b.project(result.b_from_a * *points[i]) : std::nullopt;
+    result.difference_px.emplace_back(
+        seen ? Eigen::Vector2d(*seen - result.pixel_px[i])
+             : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
+    if (!seen) continue;
+    sum += result.difference_px.back().squaredNorm();
+    result.max_px = std::max(result.max_px, result.difference_px.back().norm());
+    ++count;
+  }
+  result.rms_px = std::sqrt(sum / count);
+}
+
 }  // namespace
 
 std::vector<Eigen::Matrix2d> projection_uncertainty_at(const CalibrationResult& result, int camera,
@@ -269,19 +288,7 @@ ProjectionDifference projection_difference(const Camera& a, const Camera& b,
     result.b_from_a = move * result.b_from_a;
     if (step.norm() < 1e-14) break;
   }
-  double sum = 0, count = 0;
-  result.max_px = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto seen = points[i] ? of_b.project(result.b_from_a * *points[i]) : std::nullopt;
-    result.difference_px.emplace_back(
-        seen ? Eigen::Vector2d(*seen - result.pixel_px[i])
-             : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
-    if (!seen) continue;
-    sum += result.difference_px.back().squaredNorm();
-    result.max_px = std::max(result.max_px, result.difference_px.back().norm());
-    ++count;
-  }
-  result.rms_px = std::sqrt(sum / count);
+  measure_difference(of_b, points, result);
   return result;
 }
 

@@ -111,6 +111,42 @@ void place_part(const Image<std::uint8_t>& image, const TargetGrid& grid, const 
   result.found = std::move(part.found);
 }
 
+/// OpenCV's search, by clusters first. @returns whether it found a lattice
+bool find_lattice(const cv::Mat& image, const TargetGrid& grid,
+                  const cv::Ptr<cv::FeatureDetector>& detector, std::vector<cv::Point2f>& centres) {
+  const bool staggered = grid.target().kind == TargetKind::asymmetric_circles;
+  const int flags = (staggered ? cv::CALIB_CB_ASYMMETRIC_GRID : cv::CALIB_CB_SYMMETRIC_GRID) |
+                    cv::CALIB_CB_CLUSTERING;
+  const cv::Size size(grid.columns(), grid.rows());
+  return cv::findCirclesGrid(image, size, centres, flags, detector) ||
+         cv::findCirclesGrid(image, size, centres, flags & ~cv::CALIB_CB_CLUSTERING, detector);
+}
+
+/// Ways to count a lattice that show the grid's face: staggered rows allow one way only; of even
+/// rows two do.
+std::vector<FoundPixels> ways_with_face(const TargetGrid& grid,
+                                        const std::vector<cv::Point2f>& centres) {
+  const bool staggered = grid.target().kind == TargetKind::asymmetric_circles;
+  std::vector<FoundPixels> ways;
+  for (const bool rows_back : {false, true}) {
+    for (const bool columns_back : {false, true}) {
+      if (staggered && (rows_back || columns_back)) continue;
+      FoundPixels way = counted(grid, centres, rows_back, columns_back);
+      if (is_face_seen(grid, way)) ways.push_back(std::move(way));
+    }
+  }
+  return ways;
+}
+
+/// The way whose last row is farthest below its first in the image.
+const FoundPixels& most_upright(const TargetGrid& grid, const std::vector<FoundPixels>& ways) {
+  return *std::max_element(ways.begin(), ways.end(),
+                           [&](const FoundPixels& a, const FoundPixels& b) {
+                             return mean_y(grid, a, grid.rows() - 1) - mean_y(grid, a, 0) <
+                                    mean_y(grid, b, grid.rows() - 1) - mean_y(grid, b, 0);
+                           });
+}
+
 }  // namespace
 
 CircleGrid find_circle_grid(const Image<std::uint8_t>& image, const TargetGrid& grid) {
@@ -138,14 +174,7 @@ CircleGrid find_circle_grid(const Image<std::uint8_t>& image, const TargetGrid& 
     return result;
   }
   std::vector<cv::Point2f> centres;
-  const int flags = (staggered ? cv::CALIB_CB_ASYMMETRIC_GRID : cv::CALIB_CB_SYMMETRIC_GRID) |
-                    cv::CALIB_CB_CLUSTERING;
-  const cv::Size size(grid.columns(), grid.rows());
-  bool is_found = cv::findCirclesGrid(source, size, centres, flags, detector);
-  if (!is_found)
-    is_found =
-        cv::findCirclesGrid(source, size, centres, flags & ~cv::CALIB_CB_CLUSTERING, detector);
-  if (!is_found || centres.size() != needed) {
+  if (!find_lattice(source, grid, detector, centres) || centres.size() != needed) {
     result.status = TargetStatus::wrong_target;
     result.reason = std::to_string(blobs.centres.size()) +
                     " dark discs are seen, which make no grid of " +
@@ -153,33 +182,21 @@ CircleGrid find_circle_grid(const Image<std::uint8_t>& image, const TargetGrid& 
     place_part(image, grid, blobs, result);
     return result;
   }
-  // Staggered rows allow one way only; even rows two that show the face.
-  std::vector<FoundPixels> ways;
-  for (const bool rows_back : {false, true}) {
-    for (const bool columns_back : {false, true}) {
-      if (staggered && (rows_back || columns_back)) continue;
-      FoundPixels way = counted(grid, centres, rows_back, columns_back);
-      if (is_face_seen(grid, way)) ways.push_back(std::move(way));
-    }
-  }
+  const std::vector<FoundPixels> ways = ways_with_face(grid, centres);
   if (ways.empty()) {
     result.status = TargetStatus::disordered;
     result.reason = "the grid is seen from behind: the image is mirrored";
     return result;
   }
-  const auto best =
-      std::max_element(ways.begin(), ways.end(), [&](const FoundPixels& a, const FoundPixels& b) {
-        return mean_y(grid, a, grid.rows() - 1) - mean_y(grid, a, 0) <
-               mean_y(grid, b, grid.rows() - 1) - mean_y(grid, b, 0);
-      });
-  const Beyond beyond = discs_beyond(grid, blobs.centres, *best);
+  const FoundPixels& best = most_upright(grid, ways);
+  const Beyond beyond = discs_beyond(grid, blobs.centres, best);
   if (4 * beyond.held > beyond.places) {
     result.status = TargetStatus::wrong_target;
     result.reason = "discs go on beyond a grid of " + std::to_string(grid.columns()) + " x " +
                     std::to_string(grid.rows());
     return result;
   }
-  result.found = *best;
+  result.found = best;
   result.status = symmetric ? TargetStatus::half_turn_unknown : TargetStatus::ok;
   if (symmetric) result.reason = "this grid of discs looks the same after half a turn";
   return result;

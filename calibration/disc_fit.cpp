@@ -97,70 +97,89 @@ bool descend(const std::vector<Pixel>& pixels, double most_shift_px, Vector& p, 
   return true;
 }
 
-}  // namespace
+/// Pixels looked at, both ends included.
+struct DiscWindow {
+  int x0, x1, y0, y1;
+};
 
-std::optional<DiscFit> fit_disc(const Image<float>& signal, const Eigen::Vector2d& start_px,
-                                double radius_px, double reach_px) {
-  const double half = 1.4 * radius_px + reach_px;
-  if (!start_px.allFinite() || !(radius_px > 1.5) || !(half < 4000)) return std::nullopt;
+DiscWindow window_about(const Eigen::Vector2d& start_px, double half) {
   const int x0 = static_cast<int>(std::floor(start_px.x() - half)),
             x1 = x0 + static_cast<int>(2 * half) + 1;
   const int y0 = static_cast<int>(std::floor(start_px.y() - half)),
             y1 = y0 + static_cast<int>(2 * half) + 1;
-  if (!signal.contains(static_cast<int>(start_px.x()), static_cast<int>(start_px.y())))
-    return std::nullopt;
-  // Levels, and the shape from the dark pixels' moments.
-  const double black =
+  return {x0, x1, y0, y1};
+}
+
+struct DiscLevels {
+  double black = 0, white = 0;
+};
+
+/// Black at the start, white as the brightest on a ring about it.
+DiscLevels disc_levels(const Image<float>& signal, const Eigen::Vector2d& start_px,
+                       double ring_px) {
+  DiscLevels levels;
+  levels.black =
       static_cast<double>(signal(static_cast<int>(std::lround(start_px.x())) < signal.width()
                                      ? static_cast<int>(std::lround(start_px.x()))
                                      : signal.width() - 1,
                                  static_cast<int>(std::lround(start_px.y())) < signal.height()
                                      ? static_cast<int>(std::lround(start_px.y()))
                                      : signal.height() - 1));
-  double white = black;
+  levels.white = levels.black;
   for (int k = 0; k < 16; ++k) {
     const double a = 2 * std::numbers::pi * k / 16;
-    const int x =
-        static_cast<int>(std::lround(start_px.x() + (radius_px + reach_px) * std::cos(a)));
-    const int y =
-        static_cast<int>(std::lround(start_px.y() + (radius_px + reach_px) * std::sin(a)));
-    if (signal.contains(x, y)) white = std::max(white, static_cast<double>(signal(x, y)));
+    const int x = static_cast<int>(std::lround(start_px.x() + ring_px * std::cos(a)));
+    const int y = static_cast<int>(std::lround(start_px.y() + ring_px * std::sin(a)));
+    if (signal.contains(x, y))
+      levels.white = std::max(levels.white, static_cast<double>(signal(x, y)));
   }
-  if (!(white > black)) return std::nullopt;
-  double mass = 0;
+  return levels;
+}
+
+/// Moments of the dark pixels.
+struct DarkMoments {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+};
+
+std::optional<DarkMoments> dark_moments(const Image<float>& signal, const Eigen::Vector2d& start_px,
+                                        double ring_px, const DiscLevels& levels,
+                                        const DiscWindow& window) {
+  const double black = levels.black, white = levels.white;
   const auto dark_at = [&](int x, int y) {
     const double away = (Eigen::Vector2d(x, y) - start_px).norm();
-    if (!signal.contains(x, y) || away > radius_px + reach_px) return 0.0;
+    if (!signal.contains(x, y) || away > ring_px) return 0.0;
     return std::clamp(
         (0.75 * white + 0.25 * black - static_cast<double>(signal(x, y))) / (white - black), 0.0,
         0.5);
   };
-  for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) {
+  double mass = 0;
+  DarkMoments moments;
+  for (int y = window.y0; y <= window.y1; ++y) {
+    for (int x = window.x0; x <= window.x1; ++x) {
       const double dark = dark_at(x, y);
       mass += dark;
-      mean += dark * Eigen::Vector2d(x, y);
+      moments.mean += dark * Eigen::Vector2d(x, y);
     }
   }
   if (!(mass > 2)) return std::nullopt;
-  mean /= mass;
-  for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) {
-      const Eigen::Vector2d away = Eigen::Vector2d(x, y) - mean;
-      second += dark_at(x, y) / mass * away * away.transpose();
+  moments.mean /= mass;
+  for (int y = window.y0; y <= window.y1; ++y) {
+    for (int x = window.x0; x <= window.x1; ++x) {
+      const Eigen::Vector2d away = Eigen::Vector2d(x, y) - moments.mean;
+      moments.second += dark_at(x, y) / mass * away * away.transpose();
     }
   }
-  // A uniform ellipse has a quarter of its squared half axes as second moments.
-  const Eigen::Matrix2d shape = (4 * second).inverse();
-  if (!shape.allFinite() || !(shape.determinant() > 0)) return std::nullopt;
-  const Eigen::LLT<Eigen::Matrix2d> llt(shape);
-  const Eigen::Matrix2d l = llt.matrixL();
+  return moments;
+}
 
+/// Pixels near the outline |l' (x - mean)| = 1, and some of the inside.
+std::vector<Pixel> pixels_near_outline(const Image<float>& signal, const DiscWindow& window,
+                                       const Eigen::Vector2d& mean, const Eigen::Matrix2d& l,
+                                       double reach_px) {
   std::vector<Pixel> pixels;
-  for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) {
+  for (int y = window.y0; y <= window.y1; ++y) {
+    for (int x = window.x0; x <= window.x1; ++x) {
       if (!signal.contains(x, y)) continue;
       const Eigen::Vector2d w = l.transpose() * (Eigen::Vector2d(x, y) - mean);
       const double q = std::max(1e-9, w.norm());
@@ -169,12 +188,11 @@ std::optional<DiscFit> fit_disc(const Image<float>& signal, const Eigen::Vector2
       pixels.push_back({Eigen::Vector2d(x, y), static_cast<double>(signal(x, y))});
     }
   }
-  if (static_cast<int>(pixels.size()) < 3 * kCount) return std::nullopt;
-  Vector p;
-  p << mean, l(0, 0), l(1, 0), l(1, 1), 1, black, white - black;
-  Sum sum;
-  if (!descend(pixels, 0.5 * radius_px, p, sum)) return std::nullopt;
+  return pixels;
+}
 
+/// What the unknowns and the sums at the minimum say; nothing if they do not fix the centre.
+std::optional<DiscFit> disc_fit_of(const Vector& p, const Sum& sum, int pixels) {
   const Matrix inverse = sum.jtj.ldlt().solve(Matrix::Identity());
   DiscFit fit;
   fit.centre_px = p.head<2>();
@@ -186,11 +204,41 @@ std::optional<DiscFit> fit_disc(const Image<float>& signal, const Eigen::Vector2
   if (!fit.unit_covariance_px2.allFinite() || !(fit.unit_covariance_px2(0, 0) > 0) ||
       !(sum.weights > 0))
     return std::nullopt;
-  fit.pixels = static_cast<int>(pixels.size());
+  fit.pixels = pixels;
   fit.noise = std::sqrt(sum.weighted / sum.weights * fit.pixels / (fit.pixels - kCount));
   fit.contrast = p(kRise);
   fit.blur_px = p(kBlur);
   return fit;
+}
+
+}  // namespace
+
+std::optional<DiscFit> fit_disc(const Image<float>& signal, const Eigen::Vector2d& start_px,
+                                double radius_px, double reach_px) {
+  const double half = 1.4 * radius_px + reach_px;
+  if (!start_px.allFinite() || !(radius_px > 1.5) || !(half < 4000)) return std::nullopt;
+  const DiscWindow window = window_about(start_px, half);
+  if (!signal.contains(static_cast<int>(start_px.x()), static_cast<int>(start_px.y())))
+    return std::nullopt;
+  // Levels, and the shape from the dark pixels' moments.
+  const double ring_px = radius_px + reach_px;
+  const DiscLevels levels = disc_levels(signal, start_px, ring_px);
+  if (!(levels.white > levels.black)) return std::nullopt;
+  const std::optional<DarkMoments> dark = dark_moments(signal, start_px, ring_px, levels, window);
+  if (!dark) return std::nullopt;
+  // A uniform ellipse has a quarter of its squared half axes as second moments.
+  const Eigen::Matrix2d shape = (4 * dark->second).inverse();
+  if (!shape.allFinite() || !(shape.determinant() > 0)) return std::nullopt;
+  const Eigen::LLT<Eigen::Matrix2d> llt(shape);
+  const Eigen::Matrix2d l = llt.matrixL();
+
+  const std::vector<Pixel> pixels = pixels_near_outline(signal, window, dark->mean, l, reach_px);
+  if (static_cast<int>(pixels.size()) < 3 * kCount) return std::nullopt;
+  Vector p;
+  p << dark->mean, l(0, 0), l(1, 0), l(1, 1), 1, levels.black, levels.white - levels.black;
+  Sum sum;
+  if (!descend(pixels, 0.5 * radius_px, p, sum)) return std::nullopt;
+  return disc_fit_of(p, sum, static_cast<int>(pixels.size()));
 }
 
 Eigen::Vector2d disc_centre_shift_px(const Eigen::Matrix3d& pixel_from_plane,

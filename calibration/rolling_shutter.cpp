@@ -180,6 +180,43 @@ void judge_delay(const RollingProblem& all, const RollingState& state,
   if (c.reason.empty()) c.reason = why.str();
 }
 
+/// As if all rows were read at once, outliers held back by a loss.
+CalibrationConfig all_rows_at_once(const CalibrationConfig& calibration) {
+  CalibrationConfig start = calibration;
+  start.reject_sigmas = 0;
+  if (calibration.reject_sigmas > 0 && start.solver == CalibrationSolver::ceres)
+    start.loss = RobustLoss::cauchy;
+  return start;
+}
+
+/// The start's poses in the problem's units; views of frames without one are left out.
+std::vector<Vector6d> take_start_poses(const CalibrationResult& start, RollingProblem& all) {
+  std::vector<Vector6d> poses(all.problem.frames.size());
+  std::vector<bool> known(poses.size(), false);
+  for (const CalibrationFrame& f : start.frames) {
+    const auto at = std::find(all.problem.frames.begin(), all.problem.frames.end(), f.frame);
+    const auto i = static_cast<std::size_t>(at - all.problem.frames.begin());
+    Pose pose = f.rig_from_target;
+    pose.translation_m = (pose * all.problem.centre_m) / all.problem.unit_m;
+    poses[i] = pose_vector(pose);
+    known[i] = true;
+  }
+  std::erase_if(all.problem.views, [&](const ProblemView& view) {
+    return !known[static_cast<std::size_t>(view.frame)];
+  });
+  return poses;
+}
+
+/// Names neighbours of one frame; empty if there are none.
+std::string views_of_one_frame(const std::vector<ProblemView>& views) {
+  for (std::size_t v = 1; v < views.size(); ++v) {
+    if (views[v].frame == views[v - 1].frame)
+      return "views " + std::to_string(views[v - 1].input_view) + " and " +
+             std::to_string(views[v].input_view) + " are of one frame";
+  }
+  return "";
+}
+
 }  // namespace
 
 Fields fields(RollingShutterConfig& c) {
@@ -220,36 +257,14 @@ RollingShutterResult calibrate_rolling_shutter(const CalibrationInput& input,
   const std::string unable = unsupported(input, calibration);
   if (!unable.empty()) return refuse(CalibrationStatus::bad_input, unable);
 
-  // The start: as if all rows were read at once, outliers held back by a loss.
-  CalibrationConfig start = calibration;
-  start.reject_sigmas = 0;
-  if (calibration.reject_sigmas > 0 && start.solver == CalibrationSolver::ceres)
-    start.loss = RobustLoss::cauchy;
-  c = calibrate(input, start);
+  c = calibrate(input, all_rows_at_once(calibration));
   if (c.cameras.empty() || c.frames.empty()) return result;
 
   std::string complaint;
   RollingProblem all = rolling_problem(make_problem(input, calibration, complaint), config);
-  std::vector<Vector6d> poses(all.problem.frames.size());
-  std::vector<bool> known(poses.size(), false);
-  for (const CalibrationFrame& f : c.frames) {
-    const auto at = std::find(all.problem.frames.begin(), all.problem.frames.end(), f.frame);
-    const auto i = static_cast<std::size_t>(at - all.problem.frames.begin());
-    Pose pose = f.rig_from_target;
-    pose.translation_m = (pose * all.problem.centre_m) / all.problem.unit_m;
-    poses[i] = pose_vector(pose);
-    known[i] = true;
-  }
-  std::erase_if(all.problem.views, [&](const ProblemView& view) {
-    return !known[static_cast<std::size_t>(view.frame)];
-  });
-  for (std::size_t v = 1; v < all.problem.views.size(); ++v) {
-    if (all.problem.views[v].frame == all.problem.views[v - 1].frame)
-      return refuse(CalibrationStatus::bad_input,
-                    "views " + std::to_string(all.problem.views[v - 1].input_view) + " and " +
-                        std::to_string(all.problem.views[v].input_view) + " are of one frame");
-  }
-  complaint = order_by_time(input, config, all, poses);
+  std::vector<Vector6d> poses = take_start_poses(c, all);
+  complaint = views_of_one_frame(all.problem.views);
+  if (complaint.empty()) complaint = order_by_time(input, config, all, poses);
   if (!complaint.empty()) return refuse(CalibrationStatus::bad_input, complaint);
   result.neighbours = static_cast<int>(
       std::count_if(all.gap_s.begin(), all.gap_s.end(), [](double gap) { return gap > 0; }));

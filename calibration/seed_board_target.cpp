@@ -45,6 +45,23 @@ SeedBoard seed_board(const CalibrationTarget& target) {
   return board;
 }
 
+/// One frame of a lens without distortion.
+Capture pinhole_capture(const Image<float>& light) {
+  Capture capture;
+  SensorFrame frame;
+  frame.color = grey_picture(light);
+  frame.reported.model = LensModel::pinhole;
+  frame.reported.width_px = light.width();
+  frame.reported.height_px = light.height();
+  frame.reported.fx_px = frame.reported.fy_px = light.width();
+  frame.reported.cx_px = 0.5 * (light.width() - 1);
+  frame.reported.cy_px = 0.5 * (light.height() - 1);
+  capture.rig.resize(1);
+  capture.frames.resize(1);
+  capture.frames.front().sensors = {std::move(frame)};
+  return capture;
+}
+
 }  // namespace
 
 TargetView find_seed_board(const Image<float>& light, const CalibrationTarget& target,
@@ -58,21 +75,10 @@ TargetView find_seed_board(const Image<float>& light, const CalibrationTarget& t
     view.reason = "a seed board without markers looks the same after a quarter turn";
     return view;
   }
-  Capture capture;
-  SensorFrame frame;
-  frame.color = grey_picture(light);
-  frame.reported.model = LensModel::pinhole;
-  frame.reported.width_px = light.width();
-  frame.reported.height_px = light.height();
-  frame.reported.fx_px = frame.reported.fy_px = light.width();
-  frame.reported.cx_px = 0.5 * (light.width() - 1);
-  frame.reported.cy_px = 0.5 * (light.height() - 1);
-  capture.rig.resize(1);
-  capture.frames.resize(1);
-  capture.frames.front().sensors = {std::move(frame)};
   BoardDetectionConfig detection;
   detection.max_sigma_px = config.max_sigma_px;
-  const FrameCorners found = detect_board(capture, seed_board(target), detection).front();
+  const FrameCorners found =
+      detect_board(pinhole_capture(light), seed_board(target), detection).front();
   switch (found.status) {
     case BoardStatus::ok:
       break;

@@ -92,6 +92,17 @@ double widest_angle(const std::vector<Vector3d>& directions) {
   return widest;
 }
 
+/// Takes a point (x/z, y/z, 1/z) of the first camera and its covariance to the world.
+void place_in_world(const Pose& first, const Vector3d& at, const Matrix3d& covariance,
+                    Triangulation& result) {
+  const double z = 1 / at.z();
+  Matrix3d slope;  // of the point by (x/z, y/z, 1/z)
+  slope << z, 0, -at.x() * z * z, 0, z, -at.y() * z * z, 0, 0, -z * z;
+  const Matrix3d to_world = first.rotation.conjugate().toRotationMatrix();
+  result.in_world_m = centre_in_world_m(first) + to_world * (z * Vector3d(at.x(), at.y(), 1));
+  result.covariance_m2 = to_world * slope * covariance * slope.transpose() * to_world.transpose();
+}
+
 }  // namespace
 
 std::string_view to_string(TriangulationStatus status) {
@@ -177,12 +188,7 @@ Triangulation triangulate(const std::vector<PointSighting>& sightings,
     result.status = TriangulationStatus::behind;
     return result;
   }
-  const double z = 1 / at.z();
-  Matrix3d slope;  // of the point by (x/z, y/z, 1/z)
-  slope << z, 0, -at.x() * z * z, 0, z, -at.y() * z * z, 0, 0, -z * z;
-  const Matrix3d to_world = first.rotation.conjugate().toRotationMatrix();
-  result.in_world_m = centre_in_world_m(first) + to_world * (z * Vector3d(at.x(), at.y(), 1));
-  result.covariance_m2 = to_world * slope * covariance * slope.transpose() * to_world.transpose();
+  place_in_world(first, at, covariance, result);
   result.status = TriangulationStatus::ok;
   return result;
 }

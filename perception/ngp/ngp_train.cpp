@@ -409,6 +409,33 @@ SavedNgpTraining begin_or_go_on(std::span<const NgpView> views, const NgpConfig&
   return saved;
 }
 
+bool any_pixel_counts(std::span<const NgpView> views) {
+  return std::any_of(views.begin(), views.end(), [](const NgpView& view) {
+    return view.mask.empty() ||
+           std::any_of(view.mask.begin(), view.mask.end(), [](std::uint8_t m) { return m != 0; });
+  });
+}
+
+/// What is told and written after an iteration.
+/// @param loss  of this iteration alone
+void keep_iteration(double loss, int iterations, const NgpSnapshots& snapshots,
+                    const std::function<void(int, int)>& progress, const NgpCheckpoint& checkpoint,
+                    SavedNgpTraining& saved) {
+  const int done = saved.state.iteration;
+  const bool is_last = done == iterations;
+  if ((done % 100 == 0 || is_last) && saved.loss_count > 0) {
+    saved.curve.push_back({done, saved.wall_s, saved.cpu_s, saved.loss_sum / saved.loss_count});
+    saved.loss_sum = 0;
+    saved.loss_count = 0;
+  }
+  if (progress) progress(done, iterations);
+  if (snapshots.take &&
+      std::find(snapshots.at.begin(), snapshots.at.end(), done) != snapshots.at.end())
+    snapshots.take({done, saved.wall_s, saved.cpu_s, loss}, saved.model);
+  if (!checkpoint.file.empty() && (done % checkpoint.every == 0 || is_last))
+    write_ngp_training(checkpoint.file, saved);
+}
+
 }  // namespace
 
 NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
@@ -429,11 +456,7 @@ NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
   };
   if (views.size() < 2)
     return refuse(NgpStatus::too_few_views, std::to_string(views.size()) + " views; at least 2");
-  const bool any = std::any_of(views.begin(), views.end(), [](const NgpView& view) {
-    return view.mask.empty() ||
-           std::any_of(view.mask.begin(), view.mask.end(), [](std::uint8_t m) { return m != 0; });
-  });
-  if (!any) return refuse(NgpStatus::no_pixels, "all masks are empty");
+  if (!any_pixel_counts(views)) return refuse(NgpStatus::no_pixels, "all masks are empty");
   SavedNgpTraining saved = begin_or_go_on(views, config, checkpoint);
   NgpModel& model = saved.model;
   NgpTrainState& state = saved.state;
@@ -462,18 +485,7 @@ NgpTraining train_ngp(std::span<const NgpView> views, const NgpConfig& config,
       return refuse(NgpStatus::not_finite,
                     "the loss is not finite at step " + std::to_string(done - 1));
     }
-    const bool is_last = done == config.iterations;
-    if ((done % 100 == 0 || is_last) && saved.loss_count > 0) {
-      saved.curve.push_back({done, saved.wall_s, saved.cpu_s, saved.loss_sum / saved.loss_count});
-      saved.loss_sum = 0;
-      saved.loss_count = 0;
-    }
-    if (progress) progress(done, config.iterations);
-    if (snapshots.take &&
-        std::find(snapshots.at.begin(), snapshots.at.end(), done) != snapshots.at.end())
-      snapshots.take({done, saved.wall_s, saved.cpu_s, loss}, model);
-    if (!checkpoint.file.empty() && (done % checkpoint.every == 0 || is_last))
-      write_ngp_training(checkpoint.file, saved);
+    keep_iteration(loss, config.iterations, snapshots, progress, checkpoint, saved);
   }
   training.curve = std::move(saved.curve);
   training.samples = state.samples;

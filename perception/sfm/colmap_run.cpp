@@ -322,6 +322,24 @@ bool map_lost(const std::vector<ImagePair>& pairs, const ColmapConfig& config,
   });
 }
 
+/// Tries again where the largest model lacks images; if that places more, its models are `found`.
+/// @returns false if a step of it failed; then the run says why.
+bool map_with_lost(const ColmapInput& input, const ColmapConfig& config, const fs::path& folder,
+                   Steps& steps, SfmModels& found) {
+  std::vector<SfmModel>& models = found.models;
+  if (models.empty()) return true;
+  const auto images = static_cast<int>(input.images.size());
+  const std::vector<ImagePair> pairs = pairs_of_lost(images, models.front().images, input.pairs);
+  if (pairs.empty()) return true;
+  // A second try that fails, which the reason tells, costs nothing of what the first found.
+  if (!map_lost(pairs, config, folder, steps)) return false;
+  SfmModels again = read_models(folder / "sparse_lost", images);
+  found.bent.insert(found.bent.end(), again.bent.begin(), again.bent.end());
+  if (!again.models.empty() && again.models.front().images.size() > models.front().images.size())
+    models = std::move(again.models);
+  return true;
+}
+
 /// Why models that mapping left are left out.
 std::string bent_text(const std::vector<std::string>& bent) {
   constexpr std::size_t kMostNamed = 3;
@@ -376,23 +394,10 @@ ColmapRun run_colmap(const ColmapInput& input, const ColmapConfig& config) {
     if (run.status == ColmapStatus::no_model) take_database(folder, images, run);
     return run;
   }
-  bool is_whole = true;  // a database that a step was stopped in may be anything
   SfmModels found = read_models(folder / "sparse", images);
   std::vector<SfmModel>& models = found.models;
-  if (config.match_lost && !models.empty()) {
-    const std::vector<ImagePair> pairs = pairs_of_lost(images, models.front().images, input.pairs);
-    if (!pairs.empty()) {
-      // A second try that fails, which the reason tells, costs nothing of what the first found.
-      is_whole = map_lost(pairs, config, folder, steps);
-      if (is_whole) {
-        SfmModels again = read_models(folder / "sparse_lost", images);
-        found.bent.insert(found.bent.end(), again.bent.begin(), again.bent.end());
-        if (!again.models.empty() &&
-            again.models.front().images.size() > models.front().images.size())
-          models = std::move(again.models);
-      }
-    }
-  }
+  // A database that a step was stopped in may be anything.
+  const bool is_whole = !config.match_lost || map_with_lost(input, config, folder, steps, found);
   if (models.empty()) {
     run.status = found.bent.empty() ? ColmapStatus::no_model : ColmapStatus::no_lens;
     run.reason = found.bent.empty() ? "COLMAP left no model" : bent_text(found.bent);

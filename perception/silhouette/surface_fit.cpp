@@ -169,6 +169,51 @@ double solidity(const Mesh& mesh) {
   return mass_properties(mesh).volume_m3 / mass_properties(hull).volume_m3;
 }
 
+SurfaceState sphere_in(const SurfaceFrame& frame, const SurfaceProblem& problem) {
+  SurfaceState state;
+  state.frame = frame;
+  state.radius = Eigen::VectorXd::Zero(problem.basis.harmonics.count());
+  state.view_shifts_px.assign(problem.views.size(), Eigen::Vector2d::Zero());
+  return state;
+}
+
+/// @returns false where the fit is lost
+bool fit_coarse(const SurfaceProblem& coarse, SurfaceState& state, ResidualScale& scale) {
+  for (int i = 0; i < kCoarseIterations; ++i) {
+    const double change = coarse.step(state, scale, kCoarseLimit_px);
+    if (!std::isfinite(change)) return false;
+    if (change < 0.01) break;
+  }
+  return true;
+}
+
+/// @returns the last change of the radius; not finite where the fit is lost
+double fit_fine(const SurfaceProblem& fine, SurfaceState& state, ResidualScale& scale) {
+  double change = 1;
+  for (int i = 0; i < fine.config.max_iterations && change > kConverged; ++i) {
+    // Matches and weights change with the surface: late steps are shortened, or they would go to
+    // and fro.
+    const double relaxation = i < kFullSteps ? 1 : 0.6;
+    change = fine.step(state, scale, i < 3 ? kCoarseLimit_px : kFineLimit_px, relaxation);
+    if (!std::isfinite(change)) break;
+  }
+  return change;
+}
+
+/// @param change  the fine fit's last, of the radius
+SurfaceStatus status_of_fit(const SurfaceProblem& fine, const SurfaceState& state,
+                            const ResidualScale& scale, double change) {
+  const SurfaceFitConfig& config = fine.config;
+  if ((fine.basis.values * state.radius).minCoeff() < -0.8) return SurfaceStatus::not_converged;
+  const bool poor = change > kLooselyConverged ||
+                    (config.use_outlines && (scale.matched < 0.7 || scale.inliers < 0.7));
+  // Far from convex says more than that the fit is poor, if it has a hold of the outlines at all.
+  const bool astray = change > 0.2 || (config.use_outlines && scale.matched < 0.4);
+  const bool touching = solidity(sample_surface(fine.basis, state).mesh) < config.min_solidity;
+  if (poor && (astray || !touching)) return SurfaceStatus::not_converged;
+  return touching ? SurfaceStatus::touching : SurfaceStatus::ok;
+}
+
 Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> points_m,
                 const Silhouettes& silhouettes, const SurfaceFitConfig& config,
                 const FitTables& tables, Rng rng) {
@@ -191,26 +236,15 @@ Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> p
   const auto patches = [&](const SurfaceFrame& frame, const std::vector<Eigen::Vector3d>& from) {
     return patches_of(from, frame, tables.patch_sphere, config.cloud_sigma_m);
   };
-  const auto start = [&](const SurfaceFrame& frame, const SurfaceBasis& basis) {
-    SurfaceState state;
-    state.frame = frame;
-    state.radius = Eigen::VectorXd::Zero(basis.harmonics.count());
-    state.view_shifts_px.assign(views.size(), Eigen::Vector2d::Zero());
-    return state;
-  };
 
   // Coarse shape from the cloud's box; it gives the frame of the fine one.
   const SurfaceFrame first = frame_of_points(surface.points_m);
   const std::vector<CloudPatch> first_cloud =
       config.use_outlines ? std::vector<CloudPatch>{} : patches(first, surface.points_m);
   SurfaceProblem coarse{tables.coarse, config, views, first_cloud};
-  SurfaceState state = start(first, tables.coarse);
+  SurfaceState state = sphere_in(first, coarse);
   ResidualScale scale;
-  for (int i = 0; i < kCoarseIterations; ++i) {
-    const double change = coarse.step(state, scale, kCoarseLimit_px);
-    if (!std::isfinite(change)) return surface;
-    if (change < 0.01) break;
-  }
+  if (!fit_coarse(coarse, state, scale)) return surface;
   const Mesh model = sample_surface(tables.coarse, state).mesh;
   const SurfaceFrame frame = frame_of_solid(model);
   if (!frame.centre_m.allFinite() || !frame.axes_m.allFinite()) return surface;
@@ -222,24 +256,12 @@ Surface fit_one(int instance, const Poses& poses, std::vector<Eigen::Vector3d> p
     cloud = patches(frame, well_inside(surface.points_m, model, config.cloud_rim_m));
   }
   SurfaceProblem fine{tables.fine, config, std::move(coarse.views), std::move(cloud)};
-  state = start(frame, tables.fine);
-  double change = 1;
-  for (int i = 0; i < config.max_iterations && change > kConverged; ++i) {
-    // Matches and weights change with the surface: late steps are shortened, or they would go to
-    // and fro.
-    const double relaxation = i < kFullSteps ? 1 : 0.6;
-    change = fine.step(state, scale, i < 3 ? kCoarseLimit_px : kFineLimit_px, relaxation);
-    if (!std::isfinite(change)) return surface;
-  }
-  if ((tables.fine.values * state.radius).minCoeff() < -0.8) return surface;
-  const bool poor = change > kLooselyConverged ||
-                    (config.use_outlines && (scale.matched < 0.7 || scale.inliers < 0.7));
-  // Far from convex says more than that the fit is poor, if it has a hold of the outlines at all.
-  const bool astray = change > 0.2 || (config.use_outlines && scale.matched < 0.4);
-  const bool touching = solidity(sample_surface(tables.fine, state).mesh) < config.min_solidity;
-  if (poor && (astray || !touching)) return surface;
-  fill_surface(fine, state, scale, tables.final_sphere, rng, surface);
-  surface.status = touching ? SurfaceStatus::touching : SurfaceStatus::ok;
+  state = sphere_in(frame, fine);
+  const double change = fit_fine(fine, state, scale);
+  if (!std::isfinite(change)) return surface;
+  surface.status = status_of_fit(fine, state, scale, change);
+  if (surface.status != SurfaceStatus::not_converged)
+    fill_surface(fine, state, scale, tables.final_sphere, rng, surface);
   return surface;
 }
 

@@ -59,6 +59,59 @@ SplatPlanes take_planes(ByteReader& reader, int size) {
   return planes;
 }
 
+/// @throws std::runtime_error for one that is out of its limits
+void take_counts(ByteReader& reader, const std::string& name, int most_splats,
+                 SavedTraining& saved) {
+  SplatTrainState& state = saved.state;
+  saved.loss_sum = reader.take<double>();
+  saved.loss_count = reader.take<int>();
+  saved.blind = reader.take<int>();
+  state.step = reader.take<int>();
+  state.rest_updates = reader.take<int>();
+  state.started_with = reader.take<int>();
+  const auto within = [&](const char* what, int value, int low, int high) {
+    if (value >= low && value <= high) return;
+    throw std::runtime_error(name + ": " + what + " = " + std::to_string(value) + " is not in " +
+                             std::to_string(low) + ".." + std::to_string(high));
+  };
+  within("step", state.step, 1, kMostSteps);
+  within("rest_updates", state.rest_updates, 0, state.step);
+  within("loss_count", saved.loss_count, 0, state.step);
+  within("blind", saved.blind, 0, state.step);
+  within("started_with", state.started_with, 1, most_splats);
+}
+
+/// Takes the near depths and checks them with the origin and the extent, which come before.
+/// @throws std::runtime_error naming what is wrong
+void take_near_depths(ByteReader& reader, const std::string& name, int views,
+                      SplatTrainState& state) {
+  if (views < 0 || static_cast<std::size_t>(views) * sizeof(double) > reader.left()) {
+    throw std::runtime_error(name + ": " + std::to_string(views) +
+                             " views do not fit the checkpoint's size");
+  }
+  state.near_m.resize(static_cast<std::size_t>(views));
+  reader.take(state.near_m.data(), state.near_m.size() * sizeof(double));
+  const auto is_near = [](double near_m) { return near_m >= 0 && std::isfinite(near_m); };
+  if (!state.origin_in_world_m.allFinite() || !(state.extent_m >= 0) ||
+      !std::isfinite(state.extent_m) ||
+      !std::all_of(state.near_m.begin(), state.near_m.end(), is_near)) {
+    throw std::runtime_error(name +
+                             ": the origin, the extent or a near depth is not finite, or negative");
+  }
+}
+
+void take_curve(ByteReader& reader, int points, std::vector<SplatTrainPoint>& curve) {
+  for (int i = 0; i < points; ++i) {
+    SplatTrainPoint p;
+    p.step = reader.take<int>();
+    p.wall_s = reader.take<double>();
+    p.cpu_s = reader.take<double>();
+    p.loss = reader.take<double>();
+    p.splats = reader.take<int>();
+    curve.push_back(p);
+  }
+}
+
 }  // namespace
 
 std::string training_fingerprint(std::span<const SplatView> views, const SplatModel& start,
@@ -108,22 +161,7 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
   saved.fingerprint.resize(kFingerprint);
   reader.take(saved.fingerprint.data(), kFingerprint);
   SplatTrainState& state = saved.state;
-  saved.loss_sum = reader.take<double>();
-  saved.loss_count = reader.take<int>();
-  saved.blind = reader.take<int>();
-  state.step = reader.take<int>();
-  state.rest_updates = reader.take<int>();
-  state.started_with = reader.take<int>();
-  const auto within = [&](const char* what, int value, int low, int high) {
-    if (value >= low && value <= high) return;
-    throw std::runtime_error(name + ": " + what + " = " + std::to_string(value) + " is not in " +
-                             std::to_string(low) + ".." + std::to_string(high));
-  };
-  within("step", state.step, 1, kMostSteps);
-  within("rest_updates", state.rest_updates, 0, state.step);
-  within("loss_count", saved.loss_count, 0, state.step);
-  within("blind", saved.blind, 0, state.step);
-  within("started_with", state.started_with, 1, most_splats);
+  take_counts(reader, name, most_splats, saved);
   reader.take(state.origin_in_world_m.data(), 3 * sizeof(double));
   state.extent_m = reader.take<double>();
   saved.wall_s = reader.take<double>();
@@ -131,19 +169,7 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
   const int size = reader.take<int>();
   const int points = reader.take<int>();
   const int views = reader.take<int>();
-  if (views < 0 || static_cast<std::size_t>(views) * sizeof(double) > reader.left()) {
-    throw std::runtime_error(name + ": " + std::to_string(views) +
-                             " views do not fit the checkpoint's size");
-  }
-  state.near_m.resize(static_cast<std::size_t>(views));
-  reader.take(state.near_m.data(), state.near_m.size() * sizeof(double));
-  const auto is_near = [](double near_m) { return near_m >= 0 && std::isfinite(near_m); };
-  if (!state.origin_in_world_m.allFinite() || !(state.extent_m >= 0) ||
-      !std::isfinite(state.extent_m) ||
-      !std::all_of(state.near_m.begin(), state.near_m.end(), is_near)) {
-    throw std::runtime_error(name +
-                             ": the origin, the extent or a near depth is not finite, or negative");
-  }
+  take_near_depths(reader, name, views, state);
   const std::size_t bytes_a_point = 2 * sizeof(int) + 3 * sizeof(double);
   if (size < 0 || points < 0 ||
       static_cast<std::size_t>(size) * a_splat + static_cast<std::size_t>(points) * bytes_a_point !=
@@ -151,15 +177,7 @@ SavedTraining read_training(const std::filesystem::path& file, int most_splats) 
     throw std::runtime_error(name + ": " + std::to_string(size) + " splats and " +
                              std::to_string(points) + " points do not fit the checkpoint's size");
   }
-  for (int i = 0; i < points; ++i) {
-    SplatTrainPoint p;
-    p.step = reader.take<int>();
-    p.wall_s = reader.take<double>();
-    p.cpu_s = reader.take<double>();
-    p.loss = reader.take<double>();
-    p.splats = reader.take<int>();
-    saved.curve.push_back(p);
-  }
+  take_curve(reader, points, saved.curve);
   state.values = take_planes(reader, size);
   hide_padding(state.values);
   state.first_moment = take_planes(reader, size);

@@ -167,6 +167,16 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
+/// @throws std::invalid_argument unless `pixels`, if there are any, have the image's size
+void check_as_image(const std::string& name, const char* what, const Image<std::uint8_t>& pixels,
+                    const Image<Rgb8>& image) {
+  if (pixels.empty()) return;
+  if (pixels.width() == image.width() && pixels.height() == image.height()) return;
+  throw std::invalid_argument(name + ": the " + what + " is " +
+                              size_text(pixels.width(), pixels.height()) + ", the image " +
+                              size_text(image.width(), image.height()));
+}
+
 }  // namespace
 
 void validate(const SplatViewsConfig& config) {
@@ -253,15 +263,8 @@ std::vector<SplatView> splat_views(const Capture& capture, const Poses& poses,
                                   size_text(image.width(), image.height()) + ", its camera " +
                                   size_text(camera.width_px, camera.height_px));
     }
-    const auto check = [&](const char* what, const std::vector<Image<std::uint8_t>>& images) {
-      if (images.empty() || images[i].empty()) return;
-      if (images[i].width() == image.width() && images[i].height() == image.height()) return;
-      throw std::invalid_argument(name + ": the " + what + " is " +
-                                  size_text(images[i].width(), images[i].height()) +
-                                  ", the image " + size_text(image.width(), image.height()));
-    };
-    check("mask", masks);
-    check("screen", screens);
+    if (!masks.empty()) check_as_image(name, "mask", masks[i], image);
+    if (!screens.empty()) check_as_image(name, "screen", screens[i], image);
     const double side = std::max(image.width(), image.height());
     const double scale =
         config.largest_side_px > 0 ? std::min(1.0, config.largest_side_px / side) : 1.0;

@@ -84,6 +84,148 @@ SplatModel learned(const SplatTrainer& trainer, const SplatTrainConfig& config) 
   return model;
 }
 
+/// Before the first step.
+SplatTrainStatus status_at_start(const SavedTraining& saved, std::span<const SplatView> views) {
+  if (saved.state.values.size() != 0)
+    return any_weight(views) ? SplatTrainStatus::ok : SplatTrainStatus::nothing_to_learn;
+  if (saved.state.step == 0) return SplatTrainStatus::no_start;
+  return saved.blind < saved.state.step ? SplatTrainStatus::nothing_left
+                                        : SplatTrainStatus::nothing_seen;
+}
+
+/// A training under way, which tells of itself and keeps itself.
+class SplatTrainingRun {
+ public:
+  /// @param saved  what it begins with, without its curve, which is the training's
+  SplatTrainingRun(std::span<const SplatView> views, const SplatTrainConfig& config,
+                   const SplatProgress& progress, const SplatCheckpoint& checkpoint,
+                   const SplatSnapshots& snapshots, SavedTraining saved, SplatTraining& training)
+      : views_(views),
+        config_(config),
+        progress_(progress),
+        checkpoint_(checkpoint),
+        snapshots_(snapshots),
+        trainer_(views, config, std::move(saved.state)),
+        saved_(std::move(saved)),
+        training_(training) {}
+
+  /// Tells of the point that a training goes on from, if it is at one.
+  void go_on() {
+    const SplatTrainPoint before =
+        training_.curve.empty() ? SplatTrainPoint{} : training_.curve.back();
+    if (progress_ && before.step > 0 && before.step == trainer_.state().step &&
+        before.step < config_.steps && !progress_(before)) {
+      training_.status = SplatTrainStatus::stopped;
+    }
+    if (is_ok()) judge();  // one that had ended says so again
+  }
+  bool goes_on() const { return is_ok() && trainer_.state().step < config_.steps; }
+
+  void step() {
+    SplatTrainer::Step step;
+    try {
+      step = trainer_.step();
+    } catch (const TooManyPairs&) {  // of what growth made, if it was due
+      training_.status = SplatTrainStatus::too_many_pairs;
+      return;
+    }
+    saved_.blind = step.shown == 0 ? saved_.blind + 1 : 0;
+    if (std::isfinite(step.loss))
+      judge();
+    else
+      training_.status = SplatTrainStatus::not_finite;
+    take_snapshot(step.loss);
+    add_to_curve(step.loss);
+    write_checkpoint(step.loss);
+  }
+
+  void finish() {
+    training_.seconds = trainer_.seconds();
+    training_.model = learned(trainer_, config_);
+    keeping([&] {
+      try {
+        training_.model.views_seen = trainer_.views_seen();
+      } catch (const TooManyPairs&) {  // of another view, or of what the last step made: not known
+      }
+    });
+    training_.seconds.kept = kept_.wall_s;
+    training_.seconds.kept_cpu = kept_.cpu_s;
+  }
+
+ private:
+  bool is_ok() const { return training_.status == SplatTrainStatus::ok; }
+
+  template <class Keep>
+  void keeping(const Keep& keep) {
+    const StageClock clock("kept");
+    keep();
+    const StageTiming took = clock.finish();
+    kept_.wall_s += took.wall_s;
+    kept_.cpu_s += took.cpu_s;
+  }
+
+  SplatTrainPoint point_now(double loss) const {
+    return SplatTrainPoint{trainer_.state().step, saved_.wall_s + trainer_.seconds().total,
+                           saved_.cpu_s + trainer_.seconds().total_cpu, loss,
+                           trainer_.state().values.size()};
+  }
+
+  /// By what the views showed.
+  void judge() {
+    const int done = trainer_.state().step;
+    const auto all = static_cast<int>(views_.size());
+    // To the end, a round of all views that showed none says as much as the patience with them.
+    const bool was_shown = saved_.blind < done;
+    const bool gives_up = saved_.blind >= patience(views_.size()) ||
+                          (!was_shown && done == config_.steps && done >= all);
+    if (trainer_.state().values.size() == 0 || gives_up)
+      training_.status =
+          was_shown ? SplatTrainStatus::nothing_left : SplatTrainStatus::nothing_seen;
+  }
+
+  void take_snapshot(double loss) {
+    const std::vector<int>& at = snapshots_.at;
+    if (snapshots_.take && is_ok() &&
+        std::find(at.begin(), at.end(), trainer_.state().step) != at.end()) {
+      keeping([&] { snapshots_.take(point_now(loss), learned(trainer_, config_)); });
+    }
+  }
+
+  void add_to_curve(double loss) {
+    const int done = trainer_.state().step;
+    saved_.loss_sum += loss;
+    ++saved_.loss_count;
+    if (done % config_.report_every != 0 && done != config_.steps) return;
+    training_.curve.push_back(point_now(saved_.loss_sum / saved_.loss_count));
+    saved_.loss_sum = 0;
+    saved_.loss_count = 0;
+    if (progress_ && is_ok() && !progress_(training_.curve.back()) && done < config_.steps)
+      training_.status = SplatTrainStatus::stopped;
+  }
+
+  void write_checkpoint(double loss) {
+    const int done = trainer_.state().step;
+    if (checkpoint_.file.empty() || training_.status == SplatTrainStatus::not_finite) return;
+    if (is_ok() && done % checkpoint_.every != 0 && done != config_.steps) return;
+    const SplatTrainPoint now = point_now(loss);
+    keeping([&] {
+      write_training(checkpoint_.file,
+                     {saved_.fingerprint, trainer_.state(), training_.curve, now.wall_s, now.cpu_s,
+                      saved_.loss_sum, saved_.loss_count, saved_.blind});
+    });
+  }
+
+  std::span<const SplatView> views_;
+  const SplatTrainConfig& config_;
+  const SplatProgress& progress_;
+  const SplatCheckpoint& checkpoint_;
+  const SplatSnapshots& snapshots_;
+  SplatTrainer trainer_;
+  SavedTraining saved_;  ///< its state is the trainer's, its curve the training's
+  SplatTraining& training_;
+  StageTiming kept_;  ///< what is not training: snapshots, checkpoints, who saw what
+};
+
 }  // namespace
 
 std::string to_string(SplatTrainStatus status) {
@@ -150,97 +292,13 @@ SplatTraining train_splats(std::span<const SplatView> views, const SplatModel& s
   check_views(views);
   SavedTraining saved = begin_or_go_on(views, start, config, checkpoint);
   training.curve = std::move(saved.curve);
-  training.status = saved.state.values.size() == 0
-                        ? saved.state.step == 0            ? SplatTrainStatus::no_start
-                          : saved.blind < saved.state.step ? SplatTrainStatus::nothing_left
-                                                           : SplatTrainStatus::nothing_seen
-                    : any_weight(views) ? SplatTrainStatus::ok
-                                        : SplatTrainStatus::nothing_to_learn;
+  training.status = status_at_start(saved, views);
   if (training.status != SplatTrainStatus::ok) return training;
   if (snapshots.begin && saved.state.step == 0) snapshots.begin();
-
-  const SplatTrainPoint before = training.curve.empty() ? SplatTrainPoint{} : training.curve.back();
-  SplatTrainer trainer(views, config, std::move(saved.state));
-  double loss_sum = saved.loss_sum;
-  int loss_count = saved.loss_count;
-  int blind = saved.blind;
-  StageTiming kept;  // what is not training: snapshots, checkpoints, who saw what
-  const auto keeping = [&kept](const auto& keep) {
-    const StageClock clock("kept");
-    keep();
-    const StageTiming took = clock.finish();
-    kept.wall_s += took.wall_s;
-    kept.cpu_s += took.cpu_s;
-  };
-  const auto point_now = [&](double loss) {
-    return SplatTrainPoint{trainer.state().step, saved.wall_s + trainer.seconds().total,
-                           saved.cpu_s + trainer.seconds().total_cpu, loss,
-                           trainer.state().values.size()};
-  };
-  if (progress && before.step > 0 && before.step == trainer.state().step &&
-      before.step < config.steps && !progress(before)) {
-    training.status = SplatTrainStatus::stopped;
-  }
-  const auto judge = [&] {  // by what the views showed
-    const int done = trainer.state().step;
-    const auto all = static_cast<int>(views.size());
-    // To the end, a round of all views that showed none says as much as the patience with them.
-    const bool was_shown = blind < done;
-    const bool gives_up =
-        blind >= patience(views.size()) || (!was_shown && done == config.steps && done >= all);
-    if (trainer.state().values.size() == 0 || gives_up)
-      training.status = was_shown ? SplatTrainStatus::nothing_left : SplatTrainStatus::nothing_seen;
-  };
-  if (training.status == SplatTrainStatus::ok) judge();  // one that had ended says so again
-  while (training.status == SplatTrainStatus::ok && trainer.state().step < config.steps) {
-    SplatTrainer::Step step;
-    try {
-      step = trainer.step();
-    } catch (const TooManyPairs&) {  // of what growth made, if it was due
-      training.status = SplatTrainStatus::too_many_pairs;
-      break;
-    }
-    const int done = trainer.state().step;
-    blind = step.shown == 0 ? blind + 1 : 0;
-    if (std::isfinite(step.loss))
-      judge();
-    else
-      training.status = SplatTrainStatus::not_finite;
-    if (snapshots.take && training.status == SplatTrainStatus::ok &&
-        std::find(snapshots.at.begin(), snapshots.at.end(), done) != snapshots.at.end()) {
-      keeping([&] { snapshots.take(point_now(step.loss), learned(trainer, config)); });
-    }
-    loss_sum += step.loss;
-    ++loss_count;
-    if (done % config.report_every == 0 || done == config.steps) {
-      training.curve.push_back(point_now(loss_sum / loss_count));
-      loss_sum = 0;
-      loss_count = 0;
-      if (progress && training.status == SplatTrainStatus::ok && !progress(training.curve.back()) &&
-          done < config.steps) {
-        training.status = SplatTrainStatus::stopped;
-      }
-    }
-    const bool stops = training.status != SplatTrainStatus::ok;
-    if (!checkpoint.file.empty() && training.status != SplatTrainStatus::not_finite &&
-        (stops || done % checkpoint.every == 0 || done == config.steps)) {
-      const SplatTrainPoint now = point_now(step.loss);
-      keeping([&] {
-        write_training(checkpoint.file, {saved.fingerprint, trainer.state(), training.curve,
-                                         now.wall_s, now.cpu_s, loss_sum, loss_count, blind});
-      });
-    }
-  }
-  training.seconds = trainer.seconds();
-  training.model = learned(trainer, config);
-  keeping([&] {
-    try {
-      training.model.views_seen = trainer.views_seen();
-    } catch (const TooManyPairs&) {  // of another view, or of what the last step made: not known
-    }
-  });
-  training.seconds.kept = kept.wall_s;
-  training.seconds.kept_cpu = kept.cpu_s;
+  SplatTrainingRun run(views, config, progress, checkpoint, snapshots, std::move(saved), training);
+  run.go_on();
+  while (run.goes_on()) run.step();
+  run.finish();
   return training;
 }
 

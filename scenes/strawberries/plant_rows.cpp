@@ -92,15 +92,9 @@ struct GrownPlant {
   std::vector<CutLeaf> leaves;
 };
 
-}  // namespace
-
-std::vector<LoneLeaf> add_strawberry_plants(Scene& scene, const StrawberryPlantConfig& config,
-                                            const StrawberryBedConfig& bed,
-                                            const TrussLeafRoom& room, const RowPlaces& rows,
-                                            bool apart, const Rng& rng) {
-  const int first_material = static_cast<int>(scene.materials.size());
-  for (Material& material : strawberry_materials(config))
-    scene.materials.push_back(std::move(material));
+/// Those of the near row, then the variants for all others.
+std::vector<Plant> grow_plants(const StrawberryPlantConfig& config, const StrawberryBedConfig& bed,
+                               const TrussLeafRoom& room, const RowPlaces& rows, const Rng& rng) {
   const std::size_t own = rows.near_m.size();
   const auto variants = static_cast<std::size_t>(bed.row.variants);
   const TrussLeafRoom bare{{}, room.bed, room.clear_m};
@@ -122,32 +116,20 @@ std::vector<LoneLeaf> add_strawberry_plants(Scene& scene, const StrawberryPlantC
       [&] {
         for (std::size_t i = own; i < grown.size(); ++i) grow(i, nullptr);
       });
-  std::vector<GrownPlant> plants(grown.size());
-  tbb::parallel_for(std::size_t{0}, plants.size(), [&](std::size_t i) {
-    if (apart && i < own) plants[i].leaves = cut_leaves(grown[i]);
-    plants[i].model = plant_model(grown[i]);
-  });
-  const int first_model = static_cast<int>(scene.models.size());
-  const auto model_index = [&](std::size_t i) { return first_model + static_cast<int>(i); };
-  for (const GrownPlant& plant : plants) scene.models.push_back(plant.model.model);
-  std::vector<LoneLeaf> leaves;
-  for (std::size_t i = 0; i < own; ++i) {
-    const std::string name = numbered("plant", i);
-    add(scene, instance_of(plants[i].model, model_index(i), first_material, rows.near_m[i]), name);
-    for (CutLeaf& leaf : plants[i].leaves) {
-      leaves.push_back({scene.instances.size(), leaf.blade_m});
-      add(scene,
-          instance_of(leaf.model, static_cast<int>(scene.models.size()), first_material,
-                      rows.near_m[i] + leaf.base_m),
-          name + " " + leaf.name);
-      scene.models.push_back(std::move(leaf.model.model));
-    }
-  }
+  return grown;
+}
+
+/// Variants in the far row and on the beds behind.
+void add_far_plants(Scene& scene, const StrawberryBedConfig& bed, const RowPlaces& rows,
+                    const std::vector<GrownPlant>& plants, int first_model, int first_material) {
+  const std::size_t own = rows.near_m.size();
+  const auto variants = static_cast<std::size_t>(bed.row.variants);
   // Behind the path's side of their own bed they face its other side.
   std::size_t count = 0;
   const auto behind = [&](const Vector3d& at_m, bool turned) {
     const std::size_t v = own + count % variants;
-    Instance instance = instance_of(plants[v].model, model_index(v), first_material, at_m);
+    Instance instance =
+        instance_of(plants[v].model, first_model + static_cast<int>(v), first_material, at_m);
     if (turned) {
       instance.world_from_object.rotation = Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitZ());
     }
@@ -159,6 +141,43 @@ std::vector<LoneLeaf> add_strawberry_plants(Scene& scene, const StrawberryPlantC
     for (const Vector3d& at_m : rows.near_m) behind(at_m + by_m, false);
     for (const Vector3d& at_m : rows.far_m) behind(at_m + by_m, true);
   }
+}
+
+}  // namespace
+
+std::vector<LoneLeaf> add_strawberry_plants(Scene& scene, const StrawberryPlantConfig& config,
+                                            const StrawberryBedConfig& bed,
+                                            const TrussLeafRoom& room, const RowPlaces& rows,
+                                            bool apart, const Rng& rng) {
+  const int first_material = static_cast<int>(scene.materials.size());
+  for (Material& material : strawberry_materials(config))
+    scene.materials.push_back(std::move(material));
+  const std::size_t own = rows.near_m.size();
+  std::vector<Plant> grown = grow_plants(config, bed, room, rows, rng);
+  std::vector<GrownPlant> plants(grown.size());
+  tbb::parallel_for(std::size_t{0}, plants.size(), [&](std::size_t i) {
+    if (apart && i < own) plants[i].leaves = cut_leaves(grown[i]);
+    plants[i].model = plant_model(grown[i]);
+  });
+  const int first_model = static_cast<int>(scene.models.size());
+  for (const GrownPlant& plant : plants) scene.models.push_back(plant.model.model);
+  std::vector<LoneLeaf> leaves;
+  for (std::size_t i = 0; i < own; ++i) {
+    const std::string name = numbered("plant", i);
+    add(scene,
+        instance_of(plants[i].model, first_model + static_cast<int>(i), first_material,
+                    rows.near_m[i]),
+        name);
+    for (CutLeaf& leaf : plants[i].leaves) {
+      leaves.push_back({scene.instances.size(), leaf.blade_m});
+      add(scene,
+          instance_of(leaf.model, static_cast<int>(scene.models.size()), first_material,
+                      rows.near_m[i] + leaf.base_m),
+          name + " " + leaf.name);
+      scene.models.push_back(std::move(leaf.model.model));
+    }
+  }
+  add_far_plants(scene, bed, rows, plants, first_model, first_material);
   return leaves;
 }
 

@@ -42,6 +42,24 @@ std::string cloud_bytes(const Cloud& cloud, const std::vector<int>* instance) {
   return bytes;
 }
 
+using SetValue = std::function<void(std::size_t, double)>;
+
+/// Calls set(point, value) for a column if the file has it; `low` and `high` bound its values.
+/// @returns whether the file has it
+bool set_each(const geometry::PlyElement& vertices, const fs::path& file, const char* name,
+              double low, double high, const SetValue& set) {
+  const std::vector<double>* column = vertices.column(name);
+  if (!column) return false;
+  for (std::size_t i = 0; i < column->size(); ++i) {
+    const double value = (*column)[i];
+    if (!(value >= low && value <= high))
+      throw std::runtime_error(file.string() + ": vertex " + std::to_string(i) + ": " + name +
+                               " = " + std::to_string(value) + " is out of range");
+    set(i, value);
+  }
+  return true;
+}
+
 }  // namespace
 
 void write_ply(const fs::path& file, const Mesh& mesh) {
@@ -84,19 +102,8 @@ Clusters read_cloud_ply(const fs::path& file) {
   Clusters result;
   result.cloud.resize(vertices->count);
   result.instance.assign(vertices->count, -1);
-  /// Calls set(point, value) for a column if the file has it; `low` and `high` bound its values.
-  const auto each = [&](const char* name, double low, double high,
-                        const std::function<void(std::size_t, double)>& set) {
-    const std::vector<double>* column = vertices->column(name);
-    if (!column) return false;
-    for (std::size_t i = 0; i < column->size(); ++i) {
-      const double value = (*column)[i];
-      if (!(value >= low && value <= high))
-        fail("vertex " + std::to_string(i) + ": " + name + " = " + std::to_string(value) +
-             " is out of range");
-      set(i, value);
-    }
-    return true;
+  const auto each = [&](const char* name, double low, double high, const SetValue& set) {
+    return set_each(*vertices, file, name, low, high, set);
   };
   constexpr double kAny = std::numeric_limits<float>::max();
   const char* const axes[3] = {"x", "y", "z"};

@@ -109,6 +109,14 @@ void set_softness(mjModel& model, double timeconst_s) {
   for (int i = 0; i < model.ngeom; ++i) model.geom_solref[mjNREF * i] = timeconst_s;
 }
 
+PlantStatus status_of_sag(const SagResult& result, bool at_rest, const SagConfig& config) {
+  if (result.warnings > 0) return PlantStatus::engine_warning;
+  if (result.strain.ratio > 1) return PlantStatus::broke;
+  if (!at_rest) return PlantStatus::not_at_rest;
+  if (result.max_penetration_m > config.max_penetration_m) return PlantStatus::penetrates;
+  return PlantStatus::ok;
+}
+
 }  // namespace
 
 SagResult sag(const BendingPlant& plant, const SagConfig& config) {
@@ -159,17 +167,7 @@ SagResult sag(const BendingPlant& plant, const SagConfig& config) {
   result.first_warning = watch.first_warning();
   result.strain = strain_of(largest_stress(plant, engine, *data));
   result.max_penetration_m = max_penetration_m(plant, result.bent);
-  if (result.warnings > 0) {
-    result.status = PlantStatus::engine_warning;
-  } else if (result.strain.ratio > 1) {
-    result.status = PlantStatus::broke;
-  } else if (quiet < hold && !plant.stems.empty()) {
-    result.status = PlantStatus::not_at_rest;
-  } else if (result.max_penetration_m > config.max_penetration_m) {
-    result.status = PlantStatus::penetrates;
-  } else {
-    result.status = PlantStatus::ok;
-  }
+  result.status = status_of_sag(result, quiet >= hold || plant.stems.empty(), config);
   return result;
 }
 
