@@ -132,6 +132,7 @@ SeedsScoreLabels run_labels(const RunJob& job, std::uint64_t seed) {
   labels.seed = seed;
   labels.suite = "run";
   labels.method = std::string(method_of(job.pipeline));
+  labels.settings.views = job.scene.views;
   return labels;
 }
 

@@ -131,6 +131,7 @@ void add_missing_gaps(std::vector<ScoreRow>& rows) {
     if (row.held_out_every == 0) continue;
     ScoreRow held = row;
     held.steps = kStepsOfImages;
+    held.case_name = case_text(held.scene, held);
     trained.emplace(model, std::move(held));
   }
   for (const auto& [model, row] : trained) {

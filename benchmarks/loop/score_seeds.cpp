@@ -32,6 +32,17 @@ ScoreRow untrained_row(ScoreRow base, const SplatModel& none) {
   return base;
 }
 
+std::string case_text(const std::string& scene, const ScoreSettings& settings) {
+  std::string text = scene + " run " + std::to_string(settings.run) + " " +
+                     std::to_string(settings.views) + " views " +
+                     std::to_string(settings.width_px) + "x" + std::to_string(settings.height_px);
+  if (settings.held_out_every > 0)
+    text += ", one in " + std::to_string(settings.held_out_every) + " held out";
+  if (!settings.poses.empty()) text += ", poses " + settings.poses;
+  if (settings.steps > 0) text += ", " + std::to_string(settings.steps) + " steps";
+  return text;
+}
+
 ScoreRow labelled_row(const SeedsScoreLabels& labels) {
   ScoreRow row;
   row.suite = labels.suite;

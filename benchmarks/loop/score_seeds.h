@@ -23,6 +23,10 @@ struct SeedsScoreLabels {
   ScoreSettings settings = {};
 };
 
+/// "zhengdan958 run 0 60 views 1280x720, one in 8 held out, poses sfm, 7000 steps": a case's name
+/// for people, of its settings.
+std::string case_text(const std::string& scene, const ScoreSettings& settings);
+
 /// A row with these labels and no metric yet.
 ScoreRow labelled_row(const SeedsScoreLabels& labels);
 /// Why a training left no Gaussian (SplatModel::why_none), not_solved.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "sim/config/limits.h"
@@ -91,7 +92,7 @@ struct Patch {
 
 Patch fit_patch(const std::vector<DepthSample>& samples, const FruitPointConfig& config) {
   constexpr int kRounds = 12;
-  constexpr double kTukey = 4.685;       // 95 % as sharp as least squares where errors are normal
+  constexpr double kTukey = 4.685;        // 95 % as sharp as least squares where errors are normal
   constexpr double kLeastScale_m = 1e-4;  // steps of the sensor's own numbers
   const auto n = static_cast<Eigen::Index>(samples.size());
   double half_px = 1;
@@ -137,20 +138,23 @@ Patch fit_patch(const std::vector<DepthSample>& samples, const FruitPointConfig&
 }  // namespace
 
 Fields fields(FruitPointConfig& c) {
-  return {
-      {"paper_window_px", &c.paper_window_px,
-       "method paper: side of the window where the middle of a box has no depth", 1, 101},
-      {"paper_outlier_m", &c.paper_outlier_m,
-       "method paper: depths farther from the window's median are left out", 1e-4, 10},
-      {"window_share", &c.window_share,
-       "side of the window of depths over the box's shorter side", 0.01, 1},
-      {"least_window_px", &c.least_window_px, "and at least this", 3, 101},
-      {"least_depths", &c.least_depths, "fewer depths in the window are no surface", 5, 10000},
-      {"least_share", &c.least_share, "and so is less of its pixels with depth", 0, 1},
+  return {{"paper_window_px", &c.paper_window_px,
+           "method paper: side of the window where the middle of a box has no depth", 1, 101},
+          {"paper_outlier_m", &c.paper_outlier_m,
+           "method paper: depths farther from the window's median are left out", 1e-4, 10},
+          {"window_share", &c.window_share,
+           "side of the window of depths over the box's shorter side", 0.01, 1},
+          {"least_window_px", &c.least_window_px, "and at least this", 3, 101},
+          {"least_depths", &c.least_depths, "fewer depths in the window are no surface", 5, 10000},
+          {"least_share", &c.least_share, "and so is less of its pixels with depth", 0, 1},
+          {"ring_px", &c.ring_px, "width of the ring about a mask that neighbours are looked for in", 1,
+       100},
+      {"beside_m", &c.beside_m, "a neighbour is as deep within this", 0, 1},
+      {"most_beside", &c.most_beside, "share of the ring that may be as deep; 1: all of it", 0, 1},
       {"correlated_px", &c.correlated_px, "depths within this err alike", 1, 100},
-      {"unit_sigmas", &c.unit_sigmas,
-       "sigma of what all depths of a unit are off, over the sigma of one", 0, 100},
-      {"lens_sigma_px", &c.lens_sigma_px, "sigma of what the reported lens is off", 0, 100}};
+          {"unit_sigmas", &c.unit_sigmas,
+           "sigma of what all depths of a unit are off, over the sigma of one", 0, 100},
+          {"lens_sigma_px", &c.lens_sigma_px, "sigma of what the reported lens is off", 0, 100}};
 }
 
 void validate(const FruitPointConfig& config) {
@@ -159,7 +163,7 @@ void validate(const FruitPointConfig& config) {
 }
 
 FruitPoint point_by_paper(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                            const FruitPointConfig& config) {
+                          const FruitPointConfig& config) {
   if (depth.depth_m.empty()) return none("the frame has no depth");
   const Eigen::Vector2i at = middle_px(box);
   double z_m = kNaN;
@@ -181,12 +185,52 @@ FruitPoint point_by_paper(const FrameDepth& depth, const Camera& camera, const D
   return point;
 }
 
+namespace {
+
+bool is_of_another(std::span<const DetectedBox> others, const DetectedBox& box, int x, int y) {
+  return std::any_of(others.begin(), others.end(), [&](const DetectedBox& other) {
+    if (other.id == box.id) return false;
+    if (!other.mask.empty()) return is_in_mask(other, x, y);
+    return x > other.low_px.x() && x < other.high_px.x() && y > other.low_px.y() &&
+           y < other.high_px.y();
+  });
+}
+
+/// Whether what is beside the object, and of no other, is as deep as the patch.
+bool has_like_neighbour(const FrameDepth& depth, const DetectedBox& box,
+                        std::span<const DetectedBox> others, double patch_m,
+                        const FruitPointConfig& config) {
+  if (box.mask.empty()) return false;
+  const int ring = config.ring_px;
+  const auto near_mask = [&](int x, int y) {
+    for (const auto& [dx, dy] : {std::pair(ring, 0), {-ring, 0}, {0, ring}, {0, -ring}}) {
+      if (is_in_mask(box, x + dx, y + dy)) return true;
+    }
+    return false;
+  };
+  int beside = 0, like = 0;
+  const Eigen::Vector2i low = box.low_px.array().ceil().cast<int>() - ring,
+                        high = box.high_px.array().floor().cast<int>() + ring;
+  for (int y = low.y(); y <= high.y(); ++y) {
+    for (int x = low.x(); x <= high.x(); ++x) {
+      if (!depth.depth_m.contains(x, y) || std::isnan(depth.depth_m(x, y))) continue;
+      if (is_in_mask(box, x, y) || !near_mask(x, y) || is_of_another(others, box, x, y)) continue;
+      ++beside;
+      if (std::abs(static_cast<double>(depth.depth_m(x, y)) - patch_m) < config.beside_m) ++like;
+    }
+  }
+  return like > config.most_beside * beside;
+}
+
+}  // namespace
+
 FruitPoint point_by_patch(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                            const FruitPointConfig& config) {
+                          std::span<const DetectedBox> others, const FruitPointConfig& config) {
   if (depth.depth_m.empty()) return none("the frame has no depth");
   const Eigen::Vector2d size_px = box.high_px - box.low_px;
-  const int side_px = std::max(config.least_window_px,
-                               static_cast<int>(std::lround(config.window_share * size_px.minCoeff())));
+  const int side_px =
+      std::max(config.least_window_px,
+               static_cast<int>(std::lround(config.window_share * size_px.minCoeff())));
   const Eigen::Vector2i at = seen_middle_px(box);
   const DepthWindow window = window_of(depth, box, at, side_px, true);
   const std::vector<DepthSample>& samples = window.samples;
@@ -198,6 +242,8 @@ FruitPoint point_by_patch(const FrameDepth& depth, const Camera& camera, const D
   const Patch patch = fit_patch(samples, config);
   if (!(patch.depth_m > 0) || patch.kept < 0.5 * config.least_depths)
     return none("the window's depths are of no one surface");
+  if (has_like_neighbour(depth, box, others, patch.depth_m, config))
+    return none("what is beside it is as deep: the depth may be a neighbour's");
   const auto ray = unproject(camera, at.cast<double>());
   if (!ray || !(ray->z() > 0)) return none("the lens shows no ray there");
   const Eigen::Vector3d way = *ray / ray->z();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <string>
 
 #include "sim/config/fields.h"
@@ -19,6 +20,12 @@ struct FruitPointConfig {
   int least_window_px = 5;
   int least_depths = 8;
   double least_share = 0.5;  ///< of the window's pixels that have depth; less is no surface
+  /// Ours: a leaf beside a fruit lends it its depth where the sensor's imagers see it before the
+  /// fruit. If of the pixels with depth in a ring about the mask, but those of other boxes, more
+  /// than this share is as deep as the patch, within so much, the depth may be theirs.
+  int ring_px = 6;
+  double beside_m = 0.01;
+  double most_beside = 0.3;
   /// Depths within this many pixels of each other err alike: the sensor's matching window.
   double correlated_px = 9;
   /// Ours: sigma of what all depths of a unit are off by, over the sigma of one of them, and sigma
@@ -40,14 +47,16 @@ struct FruitPoint {
 /// Depth at the middle pixel, or the mean of a window's where it has none, back-projected by a
 /// pinhole: X = (u - cx) Z / fx [Strawberries, equation 4]. It says nothing of its error.
 FruitPoint point_by_paper(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                            const FruitPointConfig& config = {});
+                          const FruitPointConfig& config = {});
 
 /// A curved patch z = a + b x + c y + d (x^2 + y^2) through the depths of a window, those of the
 /// box's mask where it has one, by least squares with Tukey's weights: what stands before or
 /// behind the fruit has no part in it. The point is the patch's under the middle of the box, or
 /// where the mask shows something else there, at its nearest pixel, on the lens's own ray.
 /// @param depth  with sigmas or without; without, the spread about the patch stands alone
+/// @param others  all boxes of this image; it may be among them
 FruitPoint point_by_patch(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                            const FruitPointConfig& config = {});
+                          std::span<const DetectedBox> others = {},
+                          const FruitPointConfig& config = {});
 
 }  // namespace cousin

@@ -55,6 +55,10 @@ Traits points_of(const Capture& capture, const Estimate& so_far,
                  const StrawberriesPipelineConfig& config) {
   std::map<int, std::size_t> places;
   for (std::size_t i = 0; i < capture.frames.size(); ++i) places[capture.frames[i].id] = i;
+  std::map<int, Boxes> of_image;
+  for (const DetectedBox& box : so_far.boxes) {
+    if (box.sensor == 0) of_image[box.frame].push_back(box);
+  }
   Traits traits;
   for (const DetectedBox& box : so_far.boxes) {
     if (box.sensor != 0) continue;  // depth is aligned to the first sensor's image
@@ -65,9 +69,10 @@ Traits points_of(const Capture& capture, const Estimate& so_far,
     const FrameDepth none;
     const FrameDepth& depth = so_far.depths.empty() ? none : so_far.depths[place->second];
     const Camera& camera = capture.frames[place->second].sensors.front().reported;
-    const auto measure =
-        config.method == StrawberriesMethod::paper ? point_by_paper : point_by_patch;
-    traits.push_back(traits_of(box, measure(depth, camera, box, config.point)));
+    traits.push_back(traits_of(
+        box, config.method == StrawberriesMethod::paper
+                 ? point_by_paper(depth, camera, box, config.point)
+                 : point_by_patch(depth, camera, box, of_image[box.frame], config.point)));
   }
   return traits;
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "sim/types/rng.h"
@@ -92,6 +93,23 @@ TEST(FruitPoint, WhereDepthIsMissingOursSaysSoAndThePaperTakesTheWindow) {
   EXPECT_EQ(point_by_paper(made.depth, kCamera, made.box).why_none, "the frame has no depth");
 }
 
+TEST(FruitPoint, ADepthThatANeighbourMayHaveLentIsNotAsserted) {
+  Ball made = ball({79, 59}, 0, Rng(1));
+  // The sensor has the depth of the leaf beside and on the fruit, at 0.4 m; the mask shows the
+  // fruit.
+  for (int y = 30; y < 90; ++y) {
+    for (int x = 50; x < 110; ++x) made.depth.depth_m(x, y) = 0.4F;
+  }
+  EXPECT_THAT(point_by_patch(made.depth, kCamera, made.box).why_none, HasSubstr("neighbour"));
+  // If what is beside it is another fruit in a box of its own, it is no neighbour to fear.
+  DetectedBox other = made.box;
+  other.id = made.box.id + 1;
+  other.mask = Image<std::uint8_t>(160, 120, 255);
+  other.mask_at_px = {0, 0};
+  const DetectedBox boxes[] = {made.box, other};
+  EXPECT_EQ(point_by_patch(made.depth, kCamera, made.box, boxes).why_none, "");
+}
+
 TEST(FruitPoint, ABoxOutOfTheImageIsNoPoint) {
   Ball made = ball({79, 59}, 0, Rng(1));
   made.box.mask = {};
@@ -111,7 +129,7 @@ TEST(FruitPoint, SigmasCoverWhatDepthsOfOneUnitAreOff) {
     Ball made = ball({79, 59}, kSigma_m, rng.fork("noise"));
     const auto off_m = static_cast<float>(kSigma_m * normal(rng));  // the unit's own
     for (float& z : made.depth.depth_m) z += off_m;
-    const FruitPoint point = point_by_patch(made.depth, kCamera, made.box, config);
+    const FruitPoint point = point_by_patch(made.depth, kCamera, made.box, {}, config);
     ASSERT_EQ(point.why_none, "");
     if (std::abs(point.point_m.z() - 0.5) < 1.96 * std::sqrt(point.covariance_m2(2, 2))) ++within;
   }

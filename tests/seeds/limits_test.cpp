@@ -101,6 +101,7 @@ TEST(SeedsLimits, SeedsThatAreNotMeasuredFail) {
 
 TEST(SeedsLimits, RunsOfManyViewsAreHeldToTheirSpeciesLimit) {
   ScoreRow row = pooled("jimai22 run 0 270 views 1920x1080", "curve.width.rmse", 0.00009);
+  settings_of_schema_1(row);
   row.scene = "jimai22";
   EXPECT_EQ(held(row), ScoreStatus::fail);
   row.scene = "zhengdan958";

@@ -18,12 +18,9 @@ constexpr Kind kKinds[] = {{"train.psnr_whole_small", "views trained on"},
 
 /// The photographs as a title says them: steps tell one training's points apart.
 std::string title_of(const ScoreRow& row) {
-  std::string title = row.scene + " run " + std::to_string(row.run) + " " +
-                      std::to_string(row.views) + " views " + std::to_string(row.width_px) + "x" +
-                      std::to_string(row.height_px);
-  if (row.held_out_every > 0)
-    title += ", one in " + std::to_string(row.held_out_every) + " held out";
-  return title;
+  ScoreSettings photographs = row;
+  photographs.steps = 0;
+  return case_text(row.scene, photographs);
 }
 
 void add_point(const ScoreRow& row, LinePlot& plot) {
