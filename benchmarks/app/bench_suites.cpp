@@ -10,6 +10,8 @@
 
 #include "benchmarks/app/bench_page.h"
 #include "benchmarks/app/suite_plots.h"
+#include "benchmarks/loop/result_folder.h"
+#include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/suites/calibration/calibration_suite.h"
 #include "benchmarks/suites/calibration/studies.h"
 #include "benchmarks/suites/plants/plants_suite.h"
@@ -21,8 +23,6 @@
 #include "benchmarks/suites/scenes/scenes_suite.h"
 #include "benchmarks/suites/seedlings/seedlings_suite.h"
 #include "benchmarks/suites/seeds/cousins_suite.h"
-#include "benchmarks/loop/result_folder.h"
-#include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/suites/seeds/suite.h"
 #include "benchmarks/suites/sensors/sensors_page.h"
 #include "benchmarks/suites/sensors/sensors_suite.h"

@@ -5,10 +5,10 @@
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/terminal.h"
+#include "benchmarks/loop/result_folder.h"
 #include "benchmarks/tools/fit_sensor/fit_report.h"
 #include "benchmarks/tools/fit_sensor/fit_rows.h"
 #include "benchmarks/tools/fit_sensor/sensor_fit.h"
-#include "benchmarks/loop/result_folder.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/output_folder.h"
 

@@ -11,8 +11,8 @@
 #include "benchmarks/app/option_keys.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
-#include "benchmarks/tools/ledger/ledger.h"
 #include "benchmarks/report/report.h"
+#include "benchmarks/tools/ledger/ledger.h"
 
 namespace cousin {
 namespace fs = std::filesystem;

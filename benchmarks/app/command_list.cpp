@@ -11,8 +11,8 @@
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/result_output.h"
-#include "benchmarks/report/javascript_libraries.h"
 #include "benchmarks/loop/scene_table.h"
+#include "benchmarks/report/javascript_libraries.h"
 #include "perception/pipelines/pipeline_table.h"
 #include "perception/sfm/colmap_run.h"
 #include "sim/process/program_run.h"
@@ -146,8 +146,8 @@ ExitCode command_rigs(const JobContext& context) {
 namespace {
 
 /// Options of the build, and whether they are ON.
-constexpr std::pair<std::string_view, bool> kOptions[] = {
-    {"CERES", COUSIN_WITH_CERES}, {"PCL", COUSIN_WITH_PCL}};
+constexpr std::pair<std::string_view, bool> kOptions[] = {{"CERES", COUSIN_WITH_CERES},
+                                                          {"PCL", COUSIN_WITH_PCL}};
 
 /// "built in", or which option is missing.
 std::string method_status(const MethodRow& method) {

@@ -24,7 +24,8 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
-// ---- Which pipeline, and how it is configured ----------------------------------------------------
+// ---- Which pipeline, and how it is configured
+// ----------------------------------------------------
 
 std::string pipelines_of_anything() {
   std::string names;
@@ -83,12 +84,14 @@ void require_outside(const PerceiveJob& job) {
     const std::string name(stage);
     throw std::invalid_argument("pipeline " + std::string(job.row->name) +
                                 " has no stage of its own for " + name + ": give --stage " + name +
-                                "=dir:FOLDER or " + name + "=exec:PROGRAM (`cousin run` takes the "
+                                "=dir:FOLDER or " + name +
+                                "=exec:PROGRAM (`cousin run` takes the "
                                 "true ones)");
   }
 }
 
-// ---- What is printed -----------------------------------------------------------------------------
+// ---- What is printed
+// -----------------------------------------------------------------------------
 
 nlohmann::json to_rows(const std::string& scene, const Traits& traits) {
   nlohmann::json rows = nlohmann::json::array();
@@ -159,7 +162,8 @@ ExitCode command_perceive(const JobContext& context) {
   std::optional<PerceiveJob> job;
   // Without a name the dataset says which; of keys alone those of the first row are meant.
   if (!o.pipeline.empty() || o.keys)
-    job = perceive_job(o, o.pipeline.empty() ? *pipeline_table().front() : pipeline_row(o.pipeline));
+    job =
+        perceive_job(o, o.pipeline.empty() ? *pipeline_table().front() : pipeline_row(o.pipeline));
   if (o.keys) {
     std::printf("%s", describe(fields(job->config)).c_str());
     return ExitCode::done;

@@ -53,7 +53,8 @@ std::vector<KeyOption> run_keys(const Options& o) {
   return keys;
 }
 
-// ---- What a run is configured by -----------------------------------------------------------------
+// ---- What a run is configured by
+// -----------------------------------------------------------------
 
 /// The pipeline that is named, or the scene's own; null where it has none.
 const PipelineRow* row_of_run(const Options& o, const SceneEntry& entry) {
@@ -125,7 +126,8 @@ bool asks_sfm(const Options& o, const RunJob& job) {
   return needs_sfm(outline_of(job.scene.build(o.seed, 0)), job.pipeline);
 }
 
-// ---- One scene -----------------------------------------------------------------------------------
+// ---- One scene
+// -----------------------------------------------------------------------------------
 
 SeedsScoreLabels run_labels(const RunJob& job, std::uint64_t seed) {
   SeedsScoreLabels labels;
@@ -240,14 +242,13 @@ ScoreFile run_scene(const JobContext& context, const RunJob& job, int scene, See
   // Without traits no row could say that nothing was solved.
   if (job.row.traits.empty() && !made.nothing.empty())
     throw std::runtime_error(labels.scene + ": " + made.nothing);
-  ScoreFile file =
-      score_scene(run, made, job.pipeline,
-                  o.align ? PoseAlignment::similarity : PoseAlignment::none, labels);
+  ScoreFile file = score_scene(run, made, job.pipeline,
+                               o.align ? PoseAlignment::similarity : PoseAlignment::none, labels);
   append({.scores = timing_rows(run, labels)}, file);
   if (o.attribution) {
-    const Stages own = with_outside(
-        stages_of(job.pipeline, run.capture, o.seed, job.sources, scene),
-        stages_from_truth(job, run), job.row);
+    const Stages own =
+        with_outside(stages_of(job.pipeline, run.capture, o.seed, job.sources, scene),
+                     stages_from_truth(job, run), job.row);
     const auto steps = attribute(run, job.pipeline, own, labels, &made.estimate, progress);
     append({.scores = attribution_rows(steps, job.row.traits, labels)}, file);
   }
@@ -258,7 +259,8 @@ ScoreFile run_scene(const JobContext& context, const RunJob& job, int scene, See
   return file;
 }
 
-// ---- All scenes ----------------------------------------------------------------------------------
+// ---- All scenes
+// ----------------------------------------------------------------------------------
 
 fs::path part_file(const fs::path& parts, int scene) { return parts / (scene_id(scene) + ".json"); }
 
@@ -388,8 +390,8 @@ std::string pipelines_of_anything(const std::string& scene) {
   for (const PipelineRow* each : pipeline_table()) {
     const PipelineRow& row = *each;
     if (!row.scenes.empty()) continue;
-    text += "`cousin run " + scene + " --pipeline " + std::string(row.name) + "`: " +
-            std::string(row.help) + "; ";
+    text += "`cousin run " + scene + " --pipeline " + std::string(row.name) +
+            "`: " + std::string(row.help) + "; ";
   }
   return text + "`cousin render " + scene + "` writes its images and truth";
 }

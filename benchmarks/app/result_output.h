@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "benchmarks/app/options.h"
-#include "benchmarks/score/scores.h"
 #include "benchmarks/loop/plan.h"
+#include "benchmarks/score/scores.h"
 
 namespace cousin {
 

@@ -4,9 +4,9 @@
 #include <set>
 #include <utility>
 
-#include "benchmarks/score/trait_statistics.h"
 #include "benchmarks/loop/score_boxes.h"
 #include "benchmarks/loop/truth_stages.h"
+#include "benchmarks/score/trait_statistics.h"
 #include "sim/types/trait_table.h"
 
 namespace cousin {
@@ -83,7 +83,8 @@ std::set<Measured> solved_in_all(const std::vector<SeamStep>& steps, const std::
   for (const SeamStep& step : steps) {
     std::set<Measured> own;
     for (const SpecimenRow& row : step.scores.specimens) {
-      if (row.trait == trait && row.status == ScoreStatus::ok) own.insert({row.frame, row.instance});
+      if (row.trait == trait && row.status == ScoreStatus::ok)
+        own.insert({row.frame, row.instance});
     }
     if (own.empty()) continue;
     if (is_first) common = own;
@@ -103,9 +104,8 @@ std::vector<ScoreRow> attribution_rows(const std::vector<SeamStep>& steps,
     for (const std::string_view trait : traits) {
       const std::string name(trait), unit(trait_row(trait).unit);
       const std::set<Measured> common = solved_in_all(steps, name);
-      const auto pairs = trait_pairs(
-          step.scores.specimens, trait,
-          [&](const SpecimenRow& specimen) {
+      const auto pairs =
+          trait_pairs(step.scores.specimens, trait, [&](const SpecimenRow& specimen) {
             return common.contains({specimen.frame, specimen.instance});
           });
       ScoreRow base;

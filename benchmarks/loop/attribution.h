@@ -26,8 +26,7 @@ struct SeamStep {
 /// not run again
 std::vector<SeamStep> attribute(const SimulatedRun& run, const PipelineConfig& config,
                                 const Stages& own, const SeedsScoreLabels& labels,
-                                const Estimate* estimate = nullptr,
-                                const Progress& progress = {});
+                                const Estimate* estimate = nullptr, const Progress& progress = {});
 
 /// Rows "length.rmse", "length.bias", ... of these traits and "camera.centre_rms" with case "truth
 /// up to STAGE" for each step.

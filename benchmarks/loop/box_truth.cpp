@@ -27,8 +27,8 @@ Eigen::Vector3d middle_point_m(const TrueBox& box, int id, const TrueView& view,
       pixel = at;
     }
   }
-  const auto depth_m = static_cast<double>(
-      images.depth_m(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())));
+  const auto depth_m =
+      static_cast<double>(images.depth_m(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())));
   const auto ray = unproject(view.camera, pixel);
   if (!ray) throw std::runtime_error("a true lens has no ray at a pixel that shows a specimen");
   return *ray * (depth_m / ray->z());

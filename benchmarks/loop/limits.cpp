@@ -147,9 +147,9 @@ void add_missing_gaps(std::vector<ScoreRow>& rows) {
 void add_missing_of_trained(std::vector<ScoreRow>& rows) {
   std::map<std::string, ScoreRow> trained;  // a row of each cultivar's 60 views
   for (const ScoreRow& row : rows) {
-    if (row.suite == kSplatsSuite && row.method == "splats_paper" &&
-        is_of_sixty_small(row) && row.steps > 0 && row.held_out_every == 0 &&
-        !is_posed_by_tracks(row) && row.scene != kSphere)
+    if (row.suite == kSplatsSuite && row.method == "splats_paper" && is_of_sixty_small(row) &&
+        row.steps > 0 && row.held_out_every == 0 && !is_posed_by_tracks(row) &&
+        row.scene != kSphere)
       trained.emplace(row.scene, row);
   }
   for (auto& [cultivar, row] : trained) {

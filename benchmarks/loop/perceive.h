@@ -33,8 +33,9 @@ Estimate perceive_with(const std::function<Stages(const SplatWatch&)>& stages_of
                        StageOrder order, const std::vector<StageSource>& sources, int scene_index,
                        const std::filesystem::path& estimate_dir, const Progress& progress);
 
-/// Runs a pipeline on one capture with the given stages in place of ours, and writes every seam into `estimate_dir` as soon as its stage is finished (nothing if the path is empty): what
-/// is done survives a later failure, and a training of Gaussians that was stopped goes on
+/// Runs a pipeline on one capture with the given stages in place of ours, and writes every seam
+/// into `estimate_dir` as soon as its stage is finished (nothing if the path is empty): what is
+/// done survives a later failure, and a training of Gaussians that was stopped goes on
 /// (`splats.unfinished` there, with COLMAP's folder `splats.unfinished.colmap`). Seams of
 /// an earlier method are removed there first, but for stages that are read from folders. `warn`
 /// hears of settings that the method does not use and of rows of files that are left out.

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/loop/perceive.h"
 #include "benchmarks/score/learned/learned_distance.h"
 #include "benchmarks/score/scores.h"
-#include "benchmarks/loop/perceive.h"
 #include "perception/pipelines/views.h"
 
 namespace cousin {

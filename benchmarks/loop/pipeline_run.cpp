@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- Of any pipeline -----------------------------------------------------------------------------
+// ---- Of any pipeline
+// -----------------------------------------------------------------------------
 
 /// Says which views have no pose and why; the number of those that have one.
 int count_posed(const Poses& poses, const Corners& corners, const Warn& warn) {
@@ -52,7 +53,8 @@ std::string no_gaussians_text(const SplatModel& none) {
   return "no Gaussians" + (none.why_none.empty() ? "" : ": " + none.why_none);
 }
 
-// ---- Why nothing was found -----------------------------------------------------------------------
+// ---- Why nothing was found
+// -----------------------------------------------------------------------
 
 /// Where all of the views are, and nothing was found from Gaussians.
 std::string why_no_splats(const Estimate& estimate, const SeedsPipelineConfig& config) {
@@ -65,9 +67,9 @@ std::string why_no_splats(const Estimate& estimate, const SeedsPipelineConfig& c
 }
 
 std::string why_no_poses(const Estimate& estimate) {
-  const auto seen = std::count_if(
-      estimate.corners.begin(), estimate.corners.end(),
-      [](const FrameCorners& corners) { return corners.status == BoardStatus::ok; });
+  const auto seen =
+      std::count_if(estimate.corners.begin(), estimate.corners.end(),
+                    [](const FrameCorners& corners) { return corners.status == BoardStatus::ok; });
   const bool no_image = std::all_of(
       estimate.corners.begin(), estimate.corners.end(),
       [](const FrameCorners& corners) { return corners.status == BoardStatus::no_image; });
@@ -99,7 +101,8 @@ std::string why_nothing(const Estimate& estimate, const PipelineConfig& config, 
   return estimate.boxes.empty() ? "no boxes" : "no box is measured";
 }
 
-// ---- What each kind of pipeline makes ------------------------------------------------------------
+// ---- What each kind of pipeline makes
+// ------------------------------------------------------------
 
 PerceivedScene perceive_traits(const PerceiveTask& task, const Progress& progress,
                                const Warn& warn) {
@@ -133,9 +136,8 @@ std::string number_of(const std::vector<ScoreRow>& rows, const std::string& metr
 
 PerceivedScene perceive_whole(const PerceiveTask& task, const ViewsPipelineConfig& config,
                               const Progress& progress, const Warn& warn) {
-  ViewsRun run =
-      perceive_views(task.capture, config, task.seed, task.sources, task.scene_index, task.name,
-                     task.estimate_dir, progress, warn, task.learned);
+  ViewsRun run = perceive_views(task.capture, config, task.seed, task.sources, task.scene_index,
+                                task.name, task.estimate_dir, progress, warn, task.learned);
   PerceivedScene made;
   made.estimate = std::move(run.estimate);
   made.rows = std::move(run.rows);
@@ -172,7 +174,8 @@ ScoreFile score_whole(const SimulatedRun& run, const PerceivedScene& made, PoseA
   file.scores =
       score_views(run.truth, made.estimate, alignment, !made.estimate.cloud.empty(), base);
   // The pipeline's own rows have its seconds too.
-  std::erase_if(file.scores, [](const ScoreRow& row) { return row.metric.starts_with("seconds."); });
+  std::erase_if(file.scores,
+                [](const ScoreRow& row) { return row.metric.starts_with("seconds."); });
   for (ScoreRow row : made.rows) {
     row.suite = base.suite;
     file.scores.push_back(std::move(row));
@@ -202,9 +205,8 @@ ScoreFile score_scene(const SimulatedRun& run, const PerceivedScene& made,
   return file;
 }
 
-ReportScene page_scene(const std::string& name, const SimulatedRun& run,
-                       const PerceivedScene& made, const PipelineConfig& config,
-                       const fs::path& estimate_dir) {
+ReportScene page_scene(const std::string& name, const SimulatedRun& run, const PerceivedScene& made,
+                       const PipelineConfig& config, const fs::path& estimate_dir) {
   if (row_of(config).traits_of == TraitsOf::nothing)
     return views_report_scene(estimate_dir, run.truth);
   return report_scene(name, run, made.estimate);

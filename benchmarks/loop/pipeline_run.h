@@ -41,9 +41,8 @@ ScoreFile score_scene(const SimulatedRun& run, const PerceivedScene& made,
                       const SeedsScoreLabels& labels);
 
 /// What a page shows of it. @param estimate_dir  where its seams were written
-ReportScene page_scene(const std::string& name, const SimulatedRun& run,
-                       const PerceivedScene& made, const PipelineConfig& config,
-                       const std::filesystem::path& estimate_dir);
+ReportScene page_scene(const std::string& name, const SimulatedRun& run, const PerceivedScene& made,
+                       const PipelineConfig& config, const std::filesystem::path& estimate_dir);
 
 /// Of the contents of folders that a pipeline's keys name; "" where they name none.
 std::string user_folders_hash(const PipelineConfig& config);

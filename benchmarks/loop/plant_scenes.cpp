@@ -101,14 +101,13 @@ std::vector<SceneEntry> plant_scenes() {
   std::vector<SceneEntry> scenes;
   for (const PlantSceneText& text : kPlantScenes) {
     const bool is_built = COUSIN_WITH_MUJOCO || !text.needs_physics;
-    scenes.push_back(
-        {.name = text.name,
-         .status = is_built ? "built in" : "not built in: WITH_MUJOCO is OFF",
-         .help = text.help,
-         .has_points = text.has_points,
-         .configure = [base = default_scene(text.name)](const SceneRequest& request) {
-           return configure_plants(base, request);
-         }});
+    scenes.push_back({.name = text.name,
+                      .status = is_built ? "built in" : "not built in: WITH_MUJOCO is OFF",
+                      .help = text.help,
+                      .has_points = text.has_points,
+                      .configure = [base = default_scene(text.name)](const SceneRequest& request) {
+                        return configure_plants(base, request);
+                      }});
   }
   return scenes;
 }

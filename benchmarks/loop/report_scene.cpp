@@ -220,8 +220,8 @@ void write_number(Image<Rgb8>& image, int number, const Eigen::Vector2d& at_px, 
       if (!image.contains(x0 + x, y0 + y)) continue;
       const int column = x / dot_px - 1, row = y / dot_px - 1;
       const bool is_inside = column >= 0 && column % 4 < 3 && row >= 0 && row < 5;
-      const auto digit = static_cast<std::size_t>(text[static_cast<std::size_t>(
-                             std::max(0, column) / 4)] - '0');
+      const auto digit =
+          static_cast<std::size_t>(text[static_cast<std::size_t>(std::max(0, column) / 4)] - '0');
       const bool is_dot =
           is_inside && (kDigits[digit][static_cast<std::size_t>(row)] >> (2 - column % 4) & 1) != 0;
       image(x0 + x, y0 + y) = is_dot ? Rgb8{255, 255, 255} : Rgb8{0, 0, 0};
@@ -301,9 +301,9 @@ ReportScene report_scene(const std::string& name, const SimulatedRun& run,
     scene.pictures.push_back(
         {"Specimens by number, view " + std::to_string(frames[middle].id),
          "the numbers of specimens.csv (instance), each at its specimen's true middle",
-         encode_jpeg(with_numbers(frames[middle].sensors[0].color, run.truth,
-                                  run.truth.views[middle]),
-                     kJpegQuality)});
+         encode_jpeg(
+             with_numbers(frames[middle].sensors[0].color, run.truth, run.truth.views[middle]),
+             kJpegQuality)});
   scene.cloud = estimate.cloud;
   std::vector<Mesh> measured, truth;
   for (const Surface& surface : estimate.surfaces) {

@@ -97,8 +97,7 @@ std::string summary_table(const std::vector<ScoreRow>& rows) {
       return it == metrics.end() ? ScoreRow::kNone : it->second->value;
     };
     char mape[16] = "-";  // of a trait that may be 0
-    if (metrics.contains("mape"))
-      std::snprintf(mape, sizeof mape, "%.2f", value("mape") * 100);
+    if (metrics.contains("mape")) std::snprintf(mape, sizeof mape, "%.2f", value("mape") * 100);
     const TraitRow& shown = trait_row(trait);
     std::string unit(shown.shown);
     const auto characters = std::count_if(unit.begin(), unit.end(), [](char c) {

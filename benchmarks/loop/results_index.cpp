@@ -81,9 +81,9 @@ std::string results_index(const std::vector<KeptResults>& results) {
                      "|---|---|---|---|---|\n";
   for (const KeptResults& each : results) {
     const std::string file = each.made_by.empty() ? kTable : kAbout;
-    text += "| [" + cell(each.name) + "](" + each.name + "/" + file + ") | " +
-            cell(each.made_by) + " | " + std::to_string(each.rows) + " | " + limits_text(each) +
-            " | " + std::to_string(each.unsolved) + " |\n";
+    text += "| [" + cell(each.name) + "](" + each.name + "/" + file + ") | " + cell(each.made_by) +
+            " | " + std::to_string(each.rows) + " | " + limits_text(each) + " | " +
+            std::to_string(each.unsolved) + " |\n";
   }
   return text;
 }
@@ -99,8 +99,9 @@ std::string results_plot(const std::vector<KeptResults>& results) {
   }
   // Suites have from three to hundreds of limits: bars grow with the logarithm.
   const auto width_px = [&](std::int64_t count) {
-    return std::to_string(static_cast<int>(std::lround(
-        kBars_px * std::log1p(static_cast<double>(count)) / std::log1p(static_cast<double>(most)))));
+    return std::to_string(
+        static_cast<int>(std::lround(kBars_px * std::log1p(static_cast<double>(count)) /
+                                     std::log1p(static_cast<double>(most)))));
   };
   const int height_px = kTop_px + kLine_px * static_cast<int>(shown.size()) + 8;
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +

@@ -123,9 +123,8 @@ StreamReader reader_of(const PipelineConfig& pipeline) {
 Streams streams_for(const std::string& streams, const Streams& there_are, const std::string& rig,
                     const StreamReader* reader) {
   if (reader && !within(reader->needed, there_are)) {
-    throw std::invalid_argument("method " + reader->method + " reads " +
-                                to_string(reader->needed) + "; rig " + rig + " has " +
-                                to_string(there_are));
+    throw std::invalid_argument("method " + reader->method + " reads " + to_string(reader->needed) +
+                                "; rig " + rig + " has " + to_string(there_are));
   }
   if (streams == "auto") return reader ? reader->needed : there_are;
   const Streams asked = streams_from_string(streams, there_are, rig);

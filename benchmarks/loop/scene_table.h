@@ -43,7 +43,7 @@ struct SceneJob {
   std::string toml;  ///< resolved, with the pipeline's keys
   Streams streams;   ///< that a capture holds
   DepthBy depth_by = DepthBy::matched;
-  int views = 0;    ///< of each scene
+  int views = 0;  ///< of each scene
   std::function<std::string(std::uint64_t seed)> hash;
   std::function<std::vector<PlanEntry>()> plan;  ///< of the simulator's passes
   std::function<BuiltScene(std::uint64_t seed, int scene_index)> build;
@@ -60,7 +60,7 @@ struct SceneEntry {
   std::string name;
   std::string status;  ///< "built in", or why not
   std::string help;
-  bool has_points = false;    ///< keypoints are what its views are for: part of the default truth
+  bool has_points = false;  ///< keypoints are what its views are for: part of the default truth
   /// @throws as seeds_run_config.
   std::function<SceneJob(const SceneRequest&)> configure;
 };

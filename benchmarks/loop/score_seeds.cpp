@@ -9,14 +9,14 @@
 #include <set>
 #include <stdexcept>
 
-#include "benchmarks/score/specimens.h"
-#include "benchmarks/score/surface_distance.h"
-#include "benchmarks/score/trait_statistics.h"
 #include "benchmarks/loop/board_turn.h"
 #include "benchmarks/loop/limits.h"
 #include "benchmarks/loop/score_geometry.h"
 #include "benchmarks/loop/true_outline.h"
 #include "benchmarks/loop/truth_stages.h"
+#include "benchmarks/score/specimens.h"
+#include "benchmarks/score/surface_distance.h"
+#include "benchmarks/score/trait_statistics.h"
 #include "perception/cloud/measure_traits.h"
 #include "sim/geometry/measure.h"
 #include "sim/truth/specimens.h"

@@ -11,12 +11,12 @@
 #include <string>
 #include <utility>
 
-#include "benchmarks/score/surface_distance.h"
-#include "benchmarks/score/visible_surface.h"
 #include "benchmarks/loop/board_turn.h"
 #include "benchmarks/loop/score_geometry.h"
 #include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/loop/true_outline.h"
+#include "benchmarks/score/surface_distance.h"
+#include "benchmarks/score/visible_surface.h"
 #include "sim/geometry/measure.h"
 #include "sim/geometry/similarity.h"
 #include "sim/truth/specimens.h"

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 
-#include "benchmarks/report/report.h"
 #include "benchmarks/loop/limits.h"
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/report/report.h"
 #include "benchmarks/report/shown_numbers.h"
 #include "perception/cloud/measure_traits.h"
 #include "sim/dataset/atomic_file.h"
@@ -198,7 +198,8 @@ std::string setting_of(const ScoreRow& row) {
   if (row.views == 0) return row.case_name;
   std::string text = std::to_string(row.views) + " views " + std::to_string(row.width_px) + "x" +
                      std::to_string(row.height_px);
-  if (row.held_out_every > 0) text += ", one in " + std::to_string(row.held_out_every) + " held out";
+  if (row.held_out_every > 0)
+    text += ", one in " + std::to_string(row.held_out_every) + " held out";
   if (!row.poses.empty()) text += ", poses " + row.poses;
   if (row.steps > 0) text += ", " + std::to_string(row.steps) + " steps";
   return text;
@@ -218,10 +219,8 @@ std::vector<ErrorTimeCurve> curves_of(const std::vector<ScoreRow>& rows) {
       curve.title = "Error against time: " + trait + ", " + row.scene + apart;
       curve.metric = "RMSE of " + trait;
       curve.unit = trait_row(trait).unit;
-      curve.points.push_back({row.method,
-                              setting_of(row),
-                              row.wall_s,
-                              {row.value, row.ci_low, row.ci_high}});
+      curve.points.push_back(
+          {row.method, setting_of(row), row.wall_s, {row.value, row.ci_low, row.ci_high}});
     }
   }
   std::vector<ErrorTimeCurve> result;

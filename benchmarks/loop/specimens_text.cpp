@@ -43,8 +43,7 @@ std::string unmeasured_sentence(const std::vector<SpecimenRow>& specimens) {
   }
   if (measured.size() == all.size()) return {};
   return std::to_string(measured.size()) + " of " + std::to_string(all.size()) +
-         (is_of_boxes ? " boxes" : " specimens") +
-         " are measured; errors are of these alone.";
+         (is_of_boxes ? " boxes" : " specimens") + " are measured; errors are of these alone.";
 }
 
 }  // namespace cousin

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "benchmarks/score/learned/learned_distance.h"
-#include "benchmarks/score/image_fidelity.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/score/image_fidelity.h"
+#include "benchmarks/score/learned/learned_distance.h"
 #include "perception/pipelines/seeds.h"
 
 namespace cousin {

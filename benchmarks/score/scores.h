@@ -28,9 +28,9 @@ struct ScoreSettings {
   std::int64_t height_px = 0;
   std::int64_t steps = 0;           ///< of a training
   std::int64_t held_out_every = 0;  ///< one view in so many has no part in the training
-  std::string view_set;             ///< which views of the capture, if not spread evenly: "one side"
-  std::string poses;                ///< by structure from motion: "sfm", "adjusted"
-  std::string light;                ///< as the scene's configuration names it
+  std::string view_set;  ///< which views of the capture, if not spread evenly: "one side"
+  std::string poses;     ///< by structure from motion: "sfm", "adjusted"
+  std::string light;     ///< as the scene's configuration names it
 };
 
 /// One number of scores.csv. NaN = not measured, an empty cell.

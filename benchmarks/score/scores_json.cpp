@@ -195,8 +195,8 @@ ScoreFile scores_from_json(std::string_view text, std::string_view name) {
   if (is_old) {
     for (ScoreRow& row : file.scores) settings_of_schema_1(row);
   }
-  file.specimens = rows_from_json(
-      root, "specimens", std::span<const Column<SpecimenRow>>(specimen_columns()), name);
+  file.specimens = rows_from_json(root, "specimens",
+                                  std::span<const Column<SpecimenRow>>(specimen_columns()), name);
   reject_unknown(
       root, 4,
       [](const std::string& k) {

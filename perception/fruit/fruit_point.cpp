@@ -138,23 +138,24 @@ Patch fit_patch(const std::vector<DepthSample>& samples, const FruitPointConfig&
 }  // namespace
 
 Fields fields(FruitPointConfig& c) {
-  return {{"paper_window_px", &c.paper_window_px,
-           "method paper: side of the window where the middle of a box has no depth", 1, 101},
-          {"paper_outlier_m", &c.paper_outlier_m,
-           "method paper: depths farther from the window's median are left out", 1e-4, 10},
-          {"window_share", &c.window_share,
-           "side of the window of depths over the box's shorter side", 0.01, 1},
-          {"least_window_px", &c.least_window_px, "and at least this", 3, 101},
-          {"least_depths", &c.least_depths, "fewer depths in the window are no surface", 5, 10000},
-          {"least_share", &c.least_share, "and so is less of its pixels with depth", 0, 1},
-          {"ring_px", &c.ring_px, "width of the ring about a mask that neighbours are looked for in", 1,
+  return {
+      {"paper_window_px", &c.paper_window_px,
+       "method paper: side of the window where the middle of a box has no depth", 1, 101},
+      {"paper_outlier_m", &c.paper_outlier_m,
+       "method paper: depths farther from the window's median are left out", 1e-4, 10},
+      {"window_share", &c.window_share, "side of the window of depths over the box's shorter side",
+       0.01, 1},
+      {"least_window_px", &c.least_window_px, "and at least this", 3, 101},
+      {"least_depths", &c.least_depths, "fewer depths in the window are no surface", 5, 10000},
+      {"least_share", &c.least_share, "and so is less of its pixels with depth", 0, 1},
+      {"ring_px", &c.ring_px, "width of the ring about a mask that neighbours are looked for in", 1,
        100},
       {"beside_m", &c.beside_m, "a neighbour is as deep within this", 0, 1},
       {"most_beside", &c.most_beside, "share of the ring that may be as deep; 1: all of it", 0, 1},
       {"correlated_px", &c.correlated_px, "depths within this err alike", 1, 100},
-          {"unit_sigmas", &c.unit_sigmas,
-           "sigma of what all depths of a unit are off, over the sigma of one", 0, 100},
-          {"lens_sigma_px", &c.lens_sigma_px, "sigma of what the reported lens is off", 0, 100}};
+      {"unit_sigmas", &c.unit_sigmas,
+       "sigma of what all depths of a unit are off, over the sigma of one", 0, 100},
+      {"lens_sigma_px", &c.lens_sigma_px, "sigma of what the reported lens is off", 0, 100}};
 }
 
 void validate(const FruitPointConfig& config) {

@@ -25,14 +25,14 @@ struct FruitPointConfig {
   /// than this share is as deep as the patch, within so much, the depth may be theirs.
   int ring_px = 6;
   double beside_m = 0.01;
-  double most_beside = 0.3;
+  double most_beside = 0.5;
   /// Depths within this many pixels of each other err alike: the sensor's matching window.
   double correlated_px = 9;
   /// Ours: sigma of what all depths of a unit are off by, over the sigma of one of them, and sigma
   /// of what the reported lens is off, in pixels. Fitted to units of the D457 that are drawn (seeds
   /// 101 to 103; scored on others).
   double unit_sigmas = 1;
-  double lens_sigma_px = 1;
+  double lens_sigma_px = 0.3;
 };
 Fields fields(FruitPointConfig& config);
 void validate(const FruitPointConfig& config);

@@ -51,8 +51,8 @@ const PipelineRow& pipeline_row(std::string_view name) {
   for (const PipelineRow* row : pipeline_table()) {
     if (row->name == name || (!name.empty() && row->old_name == name)) return *row;
   }
-  throw std::invalid_argument("pipeline \"" + std::string(name) + "\" is not one of: " +
-                              pipeline_names());
+  throw std::invalid_argument("pipeline \"" + std::string(name) +
+                              "\" is not one of: " + pipeline_names());
 }
 
 const PipelineRow* pipeline_of_scene(std::string_view scene) {

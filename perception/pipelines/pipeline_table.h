@@ -40,8 +40,8 @@ std::vector<std::string> unused_settings(const Config& /*config*/) {
 class PipelineConfig {
  public:
   template <class Config>
-    requires(!std::same_as<Config, PipelineConfig>)
-  PipelineConfig(Config config) : own_(std::make_unique<Of<Config>>(std::move(config))) {}
+  requires(!std::same_as<Config, PipelineConfig>) PipelineConfig(Config config)
+      : own_(std::make_unique<Of<Config>>(std::move(config))) {}
   PipelineConfig(const PipelineConfig& other) : own_(other.own_->copy()) {}
   PipelineConfig(PipelineConfig&&) noexcept = default;
   PipelineConfig& operator=(PipelineConfig other) noexcept {
@@ -104,8 +104,8 @@ class PipelineConfig {
   friend bool needs_sfm(const Capture& capture, const PipelineConfig& config);
   friend void check_capture(const Capture& capture, const PipelineConfig& config);
   friend std::vector<std::string> unused_settings(const PipelineConfig& config);
-  friend Stages stages_for(const PipelineConfig& config, const Capture& capture,
-                           std::uint64_t seed, const SplatWatch& watch);
+  friend Stages stages_for(const PipelineConfig& config, const Capture& capture, std::uint64_t seed,
+                           const SplatWatch& watch);
   friend const PipelineRow& row_of(const PipelineConfig& config);
 };
 
@@ -127,7 +127,8 @@ const PipelineRow& row_of(const PipelineConfig& config);
 Estimate run_pipeline(const Capture& capture, const PipelineConfig& config, const Stages& stages,
                       const StageObserver& observer = {});
 
-// ---- Rows ----------------------------------------------------------------------------------------
+// ---- Rows
+// ----------------------------------------------------------------------------------------
 
 /// A method of a pipeline, as --method takes it.
 struct MethodRow {

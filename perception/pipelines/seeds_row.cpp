@@ -24,8 +24,8 @@ std::vector<std::string> unused_settings(const SeedsPipelineConfig& config) {
           " is not used: it is of the methods splats and splats_paper"};
 }
 
-Stages stages_for(const SeedsPipelineConfig& config, const Capture& /*capture*/,
-                  std::uint64_t seed, const SplatWatch& watch) {
+Stages stages_for(const SeedsPipelineConfig& config, const Capture& /*capture*/, std::uint64_t seed,
+                  const SplatWatch& watch) {
   return seeds_stages(config, seed, watch);
 }
 

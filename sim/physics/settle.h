@@ -13,8 +13,8 @@ namespace cousin {
 
 /// Contacts of millimetre bodies in MuJoCo 2.2: a step of at most 0.5 ms, solref = 2 steps, solimp
 /// .99 .999 .0001, elliptic cones, Newton and no-slip iterations. With the engine's defaults a seed
-/// sinks 0.37 mm into the board whatever it weighs (benchmarks/suites/stability/contact_cases.h measures
-/// both).
+/// sinks 0.37 mm into the board whatever it weighs (benchmarks/suites/stability/contact_cases.h
+/// measures both).
 struct SettleConfig {
   double step_s = 0.0005;
   double friction = 0.5;

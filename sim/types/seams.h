@@ -175,7 +175,7 @@ struct SpecimenTraits {
   int instance = 0;
   int frame = -1;  ///< measured in this frame alone, in its first sensor; -1: over all frames
   TraitStatus status = TraitStatus::not_solved;
-  std::string reason;  ///< why not solved
+  std::string reason;                                                     ///< why not solved
   Eigen::Vector3d centroid_in_world_m = Eigen::Vector3d::Constant(kNaN);  ///< NaN: not known
   std::vector<Trait> traits;
 };

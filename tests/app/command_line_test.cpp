@@ -214,7 +214,8 @@ TEST(AppCommandLine, AConfigurationFileThatIsWrongIsWrongUsage) {
   EXPECT_EQ(wrong.code, 2);
   EXPECT_THAT(wrong.err, HasSubstr("bad.toml:3: unknown key 'scene.sedes'; the nearest key is "
                                    "'scene.seeds'"));
-  const Outcome absent = program.run({"perceive", "data", "--pipeline", "seeds", "--config", "absent.toml"});
+  const Outcome absent =
+      program.run({"perceive", "data", "--pipeline", "seeds", "--config", "absent.toml"});
   EXPECT_EQ(absent.code, 2);
   EXPECT_THAT(absent.err, HasSubstr("absent.toml: no such file"));
   const Outcome rig = program.run({"run", "seeds", "--plan", "--set", "rig=bad.toml"});

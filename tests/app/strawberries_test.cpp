@@ -41,8 +41,8 @@ double value_of(const std::vector<ScoreRow>& rows, const std::string& metric,
 
 TEST(AppStrawberries, OneCommandMeasuresThemAndFilesGiveTheSame) {
   const Program program;
-  const Outcome run = program.run(Words{"run", "strawberries", "--out", "berries", "--attribution"} +
-                                  small_bed());
+  const Outcome run =
+      program.run(Words{"run", "strawberries", "--out", "berries", "--attribution"} + small_bed());
   ASSERT_EQ(run.code, 0) << run.err;
   const ScoreFile file = scores_from_json(read_file(program.path("berries/scores.json")), "scores");
   const double found = value_of(file.scores, "boxes.found", "000000");

@@ -1,4 +1,5 @@
-// benchmarks/suites/calibration/detection_rows.h: targets in rendered boards, held against the truth.
+// benchmarks/suites/calibration/detection_rows.h: targets in rendered boards, held against the
+// truth.
 #include "benchmarks/suites/calibration/detection_rows.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,5 @@
-// benchmarks/tools/calibrate on a depth camera's dataset: infrared pictures, the device's registration.
+// benchmarks/tools/calibrate on a depth camera's dataset: infrared pictures, the device's
+// registration.
 #include "benchmarks/tools/calibrate/device_report.h"
 
 #include <gmock/gmock.h>

@@ -8,10 +8,10 @@
 #include <set>
 #include <stdexcept>
 
+#include "benchmarks/loop/plant_run.h"
 #include "benchmarks/suites/calibration/board_photographs.h"
 #include "benchmarks/suites/calibration/calibration_errors.h"
 #include "benchmarks/suites/calibration/study_points.h"
-#include "benchmarks/loop/plant_run.h"
 #include "calibration/target_detection.h"
 
 namespace cousin {

@@ -157,7 +157,8 @@ TEST(Scores, ALimitIsKeptByWhatIsThere) {
 constexpr const char* kSchema1Csv =
     "suite,scene,case,method,metric,value,unit,n,ci_low,ci_high,wall_s,cpu_s,peak_rss_mb,"
     "peak_above_start_mb,seed,status\n"
-    "seeds_splats,zhengdan958,\"zhengdan958 run 2 60 views 1280x720, one in 8 held out, 900 steps\","
+    "seeds_splats,zhengdan958,\"zhengdan958 run 2 60 views 1280x720, one in 8 held out, 900 "
+    "steps\","
     "splats,psnr,31.5,dB,60,,,10,20,,,7,pass\n";
 
 TEST(Scores, Schema1IsReadAndItsNamesBecomeSettings) {

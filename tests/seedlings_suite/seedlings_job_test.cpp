@@ -6,13 +6,13 @@
 #include <map>
 #include <set>
 
+#include "benchmarks/loop/report_scene.h"
 #include "benchmarks/score/score_columns.h"
 #include "benchmarks/suites/seedlings/field_training.h"
 #include "benchmarks/suites/seedlings/sample_pictures.h"
 #include "benchmarks/suites/seedlings/seedlings_jobs.h"
 #include "benchmarks/suites/seedlings/seedlings_rows.h"
 #include "benchmarks/suites/seedlings/seedlings_suite.h"
-#include "benchmarks/loop/report_scene.h"
 
 namespace cousin {
 namespace {

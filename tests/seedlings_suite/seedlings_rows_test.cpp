@@ -1,10 +1,11 @@
-#include "benchmarks/score/score_columns.h"
 #include "benchmarks/suites/seedlings/seedlings_rows.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "benchmarks/score/score_columns.h"
 
 namespace cousin {
 namespace {
@@ -34,9 +35,8 @@ TEST(SeedlingsRows, NamesOfSchema1GiveTheSettings) {
   EXPECT_EQ(row.height_px, 300);
   EXPECT_EQ(row.steps, 7000);
   EXPECT_EQ(row_of("sample 0, 30 views, 400x300", kOurs, 1, 1).steps, 0);
-  const ScoreRow seeds =
-      row_of("zhengdan958 run 3 60 views 1280x720, one in 8 held out, poses sfm, 900 steps", kOurs,
-             1, 1);
+  const ScoreRow seeds = row_of(
+      "zhengdan958 run 3 60 views 1280x720, one in 8 held out, poses sfm, 900 steps", kOurs, 1, 1);
   EXPECT_EQ(seeds.run, 3);
   EXPECT_EQ(seeds.views, 60);
   EXPECT_EQ(seeds.height_px, 720);

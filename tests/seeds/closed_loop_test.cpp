@@ -13,9 +13,9 @@
 #include "benchmarks/loop/plan.h"
 #include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/loop/truth_stages.h"
 #include "benchmarks/suites/seeds/suite.h"
 #include "benchmarks/suites/seeds/trained_models.h"
-#include "benchmarks/loop/truth_stages.h"
 #include "perception/splats/splat_ply.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/seam_io.h"
@@ -158,8 +158,7 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
   const SeedsRunConfig config = measured_scene();
   const SimulatedRun run = simulate_seeds(config, 3, 0, {});
   SeedsPipelineConfig pipeline = config.pipeline;
-  const SeedsScores ours =
-      score_run(run.truth, perceive(run.capture, pipeline, 3, {}, 0, {}), {});
+  const SeedsScores ours = score_run(run.truth, perceive(run.capture, pipeline, 3, {}, 0, {}), {});
   ASSERT_EQ(ours.specimens.size(), 10U);
   EXPECT_LT(worst_length_m(ours), 3e-4);  // a pixel spans 0.37 mm
   for (const ScoreRow& row : ours.rows) {
@@ -168,8 +167,8 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
     }
   }
   pipeline.method = SeedsMethod::paper;
-  const SeedsScores paper = score_run(
-      run.truth, perceive(run.capture, pipeline, 3, {}, 0, {}), {.method = "paper"});
+  const SeedsScores paper =
+      score_run(run.truth, perceive(run.capture, pipeline, 3, {}, 0, {}), {.method = "paper"});
   EXPECT_LT(worst_length_m(paper), 3e-3);
   pipeline.method = SeedsMethod::splats;
   pipeline.splats.steps = 800;

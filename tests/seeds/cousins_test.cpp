@@ -3,8 +3,8 @@
 
 #include <stdexcept>
 
-#include "benchmarks/suites/seeds/cousins_suite.h"
 #include "benchmarks/loop/run_config.h"
+#include "benchmarks/suites/seeds/cousins_suite.h"
 
 namespace cousin {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "benchmarks/score/score_columns.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/score/score_columns.h"
 #include "scenes/seeds/seeds_scene.h"
 
 namespace cousin {

@@ -98,10 +98,10 @@ TEST(BoxTruth, ThePointIsUnderTheMiddleOrAtTheNearestPixelThatShowsIt) {
   EXPECT_EQ(boxes[0].pixels, 81);
   EXPECT_EQ(boxes[0].low_px, Eigen::Vector2d(1.5, 2.5));
   EXPECT_EQ(boxes[0].high_px, Eigen::Vector2d(10.5, 11.5));
-  EXPECT_NEAR((boxes[0].point_m -
-               Eigen::Vector3d(0.35 * (6 - 19.5) / 50, 0.35 * (7 - 14.5) / 50, 0.35))
-                  .norm(),
-              0, 1e-7);
+  EXPECT_NEAR(
+      (boxes[0].point_m - Eigen::Vector3d(0.35 * (6 - 19.5) / 50, 0.35 * (7 - 14.5) / 50, 0.35))
+          .norm(),
+      0, 1e-7);
   // (24, 19) shows something else; (24, 17) is the nearest of the three that are two pixels off.
   EXPECT_EQ(boxes[1].specimen, 1);
   EXPECT_NEAR(boxes[1].point_m.x(), 0.45 * (24 - 19.5) / 50, 1e-7);
@@ -126,8 +126,8 @@ TEST(ScoreBoxes, PerfectPointsHaveNoErrorAndEachBoxItsRows) {
 TEST(ScoreBoxes, ErrorsMissedAndSpuriousBoxesAreCounted) {
   const SceneTruth truth = two_squares();
   Estimate estimate = perfect(truth);
-  estimate.traits[0].traits[2].value += 0.003;         // z of the first
-  estimate.boxes[1].low_px.x() -= 20;                  // overlaps its fruit by less than half
+  estimate.traits[0].traits[2].value += 0.003;          // z of the first
+  estimate.boxes[1].low_px.x() -= 20;                   // overlaps its fruit by less than half
   estimate.traits[2].status = TraitStatus::not_solved;  // matched and not measured
   const SeedsScores scores = score_boxes(truth, estimate, {});
   EXPECT_EQ(value_of(scores, "boxes.found"), 2);

@@ -8,10 +8,10 @@
 #include <string>
 #include <utility>
 
-#include "benchmarks/score/score_columns.h"
-#include "benchmarks/suites/seeds/paper_tables.h"
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/score/score_columns.h"
+#include "benchmarks/suites/seeds/paper_tables.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/dataset/temporary_folder.h"

@@ -1,9 +1,10 @@
-#include "benchmarks/score/score_columns.h"
 #include "benchmarks/suites/seeds/trained_plots.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "benchmarks/score/score_columns.h"
 
 namespace cousin {
 namespace {
@@ -23,13 +24,13 @@ ScoreRow row_of(const char* method, const char* case_name, const char* metric, d
 
 TEST(TrainedPlots, ATrainingIsOneLineInTheOrderOfItsSeconds) {
   const char* metric = "train.psnr_whole_small";
-  const std::vector<LinePlot> plots =
-      trained_plots({row_of("splats", "a run 0 60 views 8x6, 1200 steps", metric, 30, 40),
-                     row_of("splats", "a run 0 60 views 8x6, 300 steps", metric, 10, 35),
-                     row_of("instant-ngp", "a run 0 60 views 8x6, 500 steps", metric, 20, 33),
-                     row_of("splats", "b run 0 60 views 8x6, 300 steps", metric, 11, 36),
-                     row_of("splats", "b run 0 60 views 8x6, 300 steps", "held_out.psnr_whole_small", 11, 30),
-                     row_of("splats", "b run 0 60 views 8x6, 300 steps", "train.ssim", 11, 0.9)});
+  const std::vector<LinePlot> plots = trained_plots(
+      {row_of("splats", "a run 0 60 views 8x6, 1200 steps", metric, 30, 40),
+       row_of("splats", "a run 0 60 views 8x6, 300 steps", metric, 10, 35),
+       row_of("instant-ngp", "a run 0 60 views 8x6, 500 steps", metric, 20, 33),
+       row_of("splats", "b run 0 60 views 8x6, 300 steps", metric, 11, 36),
+       row_of("splats", "b run 0 60 views 8x6, 300 steps", "held_out.psnr_whole_small", 11, 30),
+       row_of("splats", "b run 0 60 views 8x6, 300 steps", "train.ssim", 11, 0.9)});
   ASSERT_EQ(plots.size(), 3U);
   ASSERT_EQ(plots[0].series.size(), 2U);
   const LineSeries& first = plots[0].series[0];

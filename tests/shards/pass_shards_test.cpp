@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/suites/renderers/leafy_scene.h"
 #include "benchmarks/study/shard.h"
+#include "benchmarks/suites/renderers/leafy_scene.h"
 #include "sim/dataset/manifest.h"
 #include "sim/render/path_tracer.h"
 #include "sim/render/truth_pass.h"

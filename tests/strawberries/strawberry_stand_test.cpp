@@ -4,8 +4,8 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "benchmarks/suites/scenes/leaf_crossing.h"
 #include "benchmarks/loop/stand_cache.h"
+#include "benchmarks/suites/scenes/leaf_crossing.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/strawberries/small_stretch.h"
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "benchmarks/suites/calibration/corner_views.h"
 #include "benchmarks/score/scores.h"
+#include "benchmarks/suites/calibration/corner_views.h"
 
 namespace cousin {
 

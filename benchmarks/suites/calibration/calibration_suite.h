@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "benchmarks/score/scores.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/score/scores.h"
 
 namespace cousin {
 

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <string>
 
-#include "benchmarks/suites/calibration/calibration_causes.h"
-#include "benchmarks/suites/calibration/calibration_row.h"
 #include "benchmarks/score/distributions.h"
 #include "benchmarks/score/order_statistics.h"
+#include "benchmarks/suites/calibration/calibration_causes.h"
+#include "benchmarks/suites/calibration/calibration_row.h"
 
 namespace cousin {
 namespace {

@@ -8,11 +8,11 @@
 #include <optional>
 #include <string>
 
+#include "benchmarks/score/distributions.h"
+#include "benchmarks/score/rank_correlation.h"
 #include "benchmarks/suites/calibration/calibration_causes.h"
 #include "benchmarks/suites/calibration/calibration_row.h"
 #include "benchmarks/suites/calibration/reprojection.h"
-#include "benchmarks/score/distributions.h"
-#include "benchmarks/score/rank_correlation.h"
 #include "calibration/calibration_uncertainty.h"
 
 namespace cousin {

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <string>
 
+#include "benchmarks/score/order_statistics.h"
 #include "benchmarks/suites/calibration/calibration_causes.h"
 #include "benchmarks/suites/calibration/calibration_row.h"
-#include "benchmarks/score/order_statistics.h"
 #include "calibration/calibration_uncertainty.h"
 
 namespace cousin {
@@ -92,8 +92,7 @@ void deviation_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool quick)
   char text[96];
   std::snprintf(text, sizeof text, "over the true scatter (within %.2g of %.3f, as derived)",
                 allowed * factor, factor);
-  rows.push_back(
-      limited(number(row, text, "1", reported), about(factor, allowed * factor)));
+  rows.push_back(limited(number(row, text, "1", reported), about(factor, allowed * factor)));
   std::snprintf(text, sizeof text, "corrected, over the true scatter (within %.2g of 1)", allowed);
   rows.push_back(limited(number(row, text, "1", corrected), about(1, allowed)));
 }

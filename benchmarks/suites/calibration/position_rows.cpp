@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/score/trait_statistics.h"
 #include "benchmarks/suites/calibration/calibration_row.h"
 #include "benchmarks/suites/calibration/fruit_positions.h"
-#include "benchmarks/score/trait_statistics.h"
 
 namespace cousin {
 namespace {

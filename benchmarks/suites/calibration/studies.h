@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "benchmarks/score/scores.h"
 #include "benchmarks/report/report.h"
+#include "benchmarks/score/scores.h"
 #include "benchmarks/study/shard.h"
 
 namespace cousin {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "benchmarks/suites/calibration/study_points.h"
 #include "benchmarks/loop/plant_run.h"
+#include "benchmarks/suites/calibration/study_points.h"
 
 namespace cousin {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/suites/calibration/study_points.h"
 #include "benchmarks/score/scores.h"
+#include "benchmarks/suites/calibration/study_points.h"
 
 namespace cousin {
 

@@ -124,8 +124,8 @@ ScoreFile program_suite(const std::filesystem::path& program, const std::filesys
   for (const ProcessCost& start : starts) {
     if (start.exit_code != 0) median.exit_code = start.exit_code;
   }
-  file.scores.push_back(row_of("cousin --help", "seconds.start", median.wall_s, "s", kStarts,
-                               kStartLimit_s, median));
+  file.scores.push_back(
+      row_of("cousin --help", "seconds.start", median.wall_s, "s", kStarts, kStartLimit_s, median));
   say("run seeds", 1);
   const std::filesystem::path folder = out / "run";
   remove_own_folder(folder);  // of an earlier measurement
@@ -137,10 +137,10 @@ ScoreFile program_suite(const std::filesystem::path& program, const std::filesys
   const ProcessCost run =
       run_process({program.string(), "run", "seeds", "--quiet", "--out", folder.string()},
                   Watch::time_and_memory);
-  file.scores.push_back(row_of("cousin run seeds", "seconds.wall", run.wall_s, "s", 1,
-                               kRunLimit_s, run));
-  file.scores.push_back(row_of("cousin run seeds", "peak_rss", run.peak_rss_bytes, "B", 1,
-                               kRunLimit_bytes, run));
+  file.scores.push_back(
+      row_of("cousin run seeds", "seconds.wall", run.wall_s, "s", 1, kRunLimit_s, run));
+  file.scores.push_back(
+      row_of("cousin run seeds", "peak_rss", run.peak_rss_bytes, "B", 1, kRunLimit_bytes, run));
   return file;
 }
 

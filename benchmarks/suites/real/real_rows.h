@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/score/scores.h"
 #include "benchmarks/report/report.h"
+#include "benchmarks/score/scores.h"
 #include "sim/types/seams.h"
 
 namespace cousin {

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
+#include "benchmarks/loop/simulate.h"
 #include "benchmarks/score/scores.h"
 #include "benchmarks/suites/real/real_rows.h"
-#include "benchmarks/loop/simulate.h"
 
 namespace cousin {
 

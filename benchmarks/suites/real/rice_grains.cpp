@@ -6,8 +6,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "benchmarks/score/order_statistics.h"
 #include "benchmarks/report/pictures.h"
+#include "benchmarks/score/order_statistics.h"
 #include "perception/segment/grains.h"
 #include "scenes/seeds/cultivar.h"
 #include "sim/imaging/image_io.h"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/score/scores.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/score/scores.h"
 
 namespace cousin {
 

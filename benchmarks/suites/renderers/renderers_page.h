@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "benchmarks/score/scores.h"
-#include "benchmarks/report/report.h"
 #include "benchmarks/loop/report_scene.h"
+#include "benchmarks/report/report.h"
+#include "benchmarks/score/scores.h"
 #include "sim/types/image.h"
 
 namespace cousin {

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "benchmarks/score/scores.h"
 #include "benchmarks/loop/report_scene.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/score/scores.h"
 #include "sim/config/fields.h"
 
 namespace cousin {

@@ -5,9 +5,9 @@
 #include <map>
 #include <vector>
 
+#include "benchmarks/loop/plant_run.h"
 #include "benchmarks/score/order_statistics.h"
 #include "benchmarks/suites/scenes/leaf_crossing.h"
-#include "benchmarks/loop/plant_run.h"
 #include "benchmarks/suites/scenes/strawberry_rows.h"
 #include "sim/plant/plant.h"
 #include "sim/types/stage_clock.h"

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <filesystem>
 
-#include "benchmarks/score/order_statistics.h"
-#include "benchmarks/suites/scenes/leaf_crossing.h"
 #include "benchmarks/loop/plant_simulation.h"
 #include "benchmarks/loop/stand_cache.h"
+#include "benchmarks/score/order_statistics.h"
+#include "benchmarks/suites/scenes/leaf_crossing.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/truth_io.h"
 #include "sim/process/scratch_folder.h"

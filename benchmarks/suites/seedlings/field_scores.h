@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "benchmarks/score/learned/learned_distance.h"
 #include "benchmarks/score/image_fidelity.h"
+#include "benchmarks/score/learned/learned_distance.h"
 #include "benchmarks/suites/seedlings/sample_capture.h"
 
 namespace cousin {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "benchmarks/suites/seedlings/surface_coverage.h"
 #include "benchmarks/loop/report_scene.h"
+#include "benchmarks/suites/seedlings/surface_coverage.h"
 #include "sim/imaging/image_io.h"
 
 namespace cousin {

@@ -84,8 +84,7 @@ LinePlot time_plot(const std::vector<ScoreRow>& rows, const std::string& light,
 
 /// "20 views", "30 views, one side".
 std::string set_of(const ScoreRow& row) {
-  return std::to_string(row.views) + " views" +
-         (row.view_set.empty() ? "" : ", " + row.view_set);
+  return std::to_string(row.views) + " views" + (row.view_set.empty() ? "" : ", " + row.view_set);
 }
 
 /// The last snapshot of every set of photographs that all of them have.
@@ -242,15 +241,13 @@ ReportTable table_of_light(const std::vector<ScoreRow>& rows, const std::string&
     const bool is_published = std::string_view(method).starts_with("published");
     std::vector<const ScoreRow*> of_method;
     for (const ScoreRow& row : rows) {
-      const bool is_line = is_published
-                               ? row.metric == "psnr" && row.run < 0
-                               : row.metric == "train.psnr" && is_of_all(row);
+      const bool is_line = is_published ? row.metric == "psnr" && row.run < 0
+                                        : row.metric == "train.psnr" && is_of_all(row);
       if (row.suite == kSeedlingsSuite && row.scene == light && row.method == method && is_line)
         of_method.push_back(&row);
     }
-    std::sort(of_method.begin(), of_method.end(), [](const ScoreRow* a, const ScoreRow* b) {
-      return a->steps < b->steps;
-    });
+    std::sort(of_method.begin(), of_method.end(),
+              [](const ScoreRow* a, const ScoreRow* b) { return a->steps < b->steps; });
     for (const ScoreRow* row : of_method) table.lines.push_back(line_of(rows, *row, is_published));
   }
   return table;

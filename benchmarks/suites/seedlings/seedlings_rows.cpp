@@ -97,8 +97,8 @@ void add_coverage(ScoreRow row, const FieldViews& views, std::vector<ScoreRow>& 
 /// A row as if it were of all samples; their cases begin with the sample's name and a comma.
 ScoreRow of_all_samples(ScoreRow row) {
   row.run = -1;
-  row.case_name = "mean" + row.case_name.substr(std::min(row.case_name.find(", "),
-                                                         row.case_name.size()));
+  row.case_name =
+      "mean" + row.case_name.substr(std::min(row.case_name.find(", "), row.case_name.size()));
   return row;
 }
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <utility>
 
+#include "benchmarks/study/shard_scores.h"
 #include "benchmarks/suites/seedlings/published_psnr.h"
 #include "benchmarks/suites/seedlings/seedlings_rows.h"
-#include "benchmarks/study/shard_scores.h"
 #include "sim/dataset/manifest.h"
 
 namespace cousin {
@@ -26,8 +26,8 @@ void add_missing_gains(std::vector<ScoreRow>& means) {
   constexpr const char* kGain = "train.psnr_gain_at_equal_cpu_seconds";
   std::vector<ScoreRow> missing;
   for (const ScoreRow& row : means) {
-    if (row.method != kReference || row.metric != "train.psnr" ||
-        row.run >= 0 || row.views != kAllViews || row.steps != kComparedSteps)
+    if (row.method != kReference || row.metric != "train.psnr" || row.run >= 0 ||
+        row.views != kAllViews || row.steps != kComparedSteps)
       continue;
     const auto is_of = [&](const ScoreRow& other, const char* metric) {
       return other.method == kOurs && other.metric == metric &&

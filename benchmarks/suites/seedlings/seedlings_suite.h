@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "benchmarks/score/scores.h"
-#include "benchmarks/suites/seedlings/seedlings_jobs.h"
 #include "benchmarks/study/shard.h"
+#include "benchmarks/suites/seedlings/seedlings_jobs.h"
 
 namespace cousin {
 

@@ -5,11 +5,11 @@
 #include <cstdlib>
 #include <functional>
 
-#include "benchmarks/suites/seeds/capture_store.h"
 #include "benchmarks/loop/perceive.h"
 #include "benchmarks/loop/plan.h"
 #include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/study/shard_scores.h"
+#include "benchmarks/suites/seeds/capture_store.h"
 #include "perception/cloud/measure_traits.h"
 #include "sim/types/trait_table.h"
 

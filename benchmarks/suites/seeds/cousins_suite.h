@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/score/scores.h"
-#include "benchmarks/report/report.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/report/report.h"
+#include "benchmarks/score/scores.h"
 #include "benchmarks/study/shard.h"
 
 namespace cousin {

@@ -8,8 +8,8 @@
 #include <tuple>
 #include <utility>
 
-#include "benchmarks/score/equal_time.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/score/equal_time.h"
 #include "perception/cloud/measure_traits.h"
 #include "scenes/seeds/seeds_scene.h"
 
@@ -32,18 +32,15 @@ constexpr Method kTraitMethods[] = {{kPublished, "published: 3DGS"},
                                     {"splats", "3DGS, ours"},
                                     {"ours", "MVS, ours"}};
 
-bool is_held_out(const ScoreRow& row) {
-  return row.held_out_every > 0;
-}
+bool is_held_out(const ScoreRow& row) { return row.held_out_every > 0; }
 bool is_trained(const ScoreRow& row) { return row.suite == kSplatsSuite; }
 bool is_published(std::string_view method) { return method.starts_with("published"); }
 
 const ScoreRow* pooled_row(const std::vector<ScoreRow>& rows, const std::string& cultivar,
                            std::string_view method, const std::string& metric) {
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& row) {
-    const bool is_place = is_published(method)
-                              ? row.scene == cultivar && row.steps == 0
-                              : row.scene == "pooled" && row.case_name == cultivar;
+    const bool is_place = is_published(method) ? row.scene == cultivar && row.steps == 0
+                                               : row.scene == "pooled" && row.case_name == cultivar;
     return is_trained(row) && is_place && row.method == method && row.metric == metric;
   });
   return found == rows.end() ? nullptr : &*found;

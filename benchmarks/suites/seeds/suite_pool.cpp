@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/score/equal_time.h"
 #include "benchmarks/loop/limits.h"
-#include "benchmarks/suites/seeds/published_seeds.h"
 #include "benchmarks/loop/score_seeds.h"
-#include "benchmarks/suites/seeds/suite.h"
+#include "benchmarks/score/equal_time.h"
 #include "benchmarks/study/shard_scores.h"
+#include "benchmarks/suites/seeds/published_seeds.h"
+#include "benchmarks/suites/seeds/suite.h"
 
 namespace cousin {
 namespace {
@@ -41,7 +41,8 @@ std::vector<const ScoreRow*> rows_of_runs(const std::vector<ScoreRow>& of_runs,
   std::vector<const ScoreRow*> result;
   for (const ScoreRow& row : of_runs) {
     if (row.suite == suite && row.method == method && row.metric == metric &&
-        cultivars.contains(row.scene) && row.views == 60 && row.width_px == 1920 && row.height_px == 1080 && row.steps == 0) {
+        cultivars.contains(row.scene) && row.views == 60 && row.width_px == 1920 &&
+        row.height_px == 1080 && row.steps == 0) {
       result.push_back(&row);
     }
   }

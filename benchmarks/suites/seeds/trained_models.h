@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "benchmarks/score/learned/learned_distance.h"
 #include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/score/learned/learned_distance.h"
 
 namespace cousin {
 

@@ -42,8 +42,8 @@ void photon_transfer_rows(const SensorRows& of, std::uint64_t stream,
   }
   const double slope_error = t.slope / k - 1, intercept_error = t.intercept / expected - 1;
   rows.push_back(row("slope", t.slope, "DN/e"));
-  rows.push_back(limited(row("slope.relative_error", slope_error, "1"),
-                         about(0, effort.slope_limit)));
+  rows.push_back(
+      limited(row("slope.relative_error", slope_error, "1"), about(0, effort.slope_limit)));
   rows.push_back(row("intercept", t.intercept, "DN2"));
   rows.push_back(limited(row("intercept.relative_error", intercept_error, "1"),
                          about(0, effort.intercept_limit)));
@@ -78,8 +78,8 @@ void optics_rows(const SensorRows& of, std::uint64_t stream, const CameraSensorC
   const LateralColour colour = measure_lateral_colour(config);
   rows.push_back(
       sensor_row(of, "lateral colour", "largest_displacement", colour.displacement_px, "px", 1));
-  rows.push_back(limited(sensor_row(of, "lateral colour", "error", colour.error_px, "px", 1),
-                         at_most(0.005)));
+  rows.push_back(
+      limited(sensor_row(of, "lateral colour", "error", colour.error_px, "px", 1), at_most(0.005)));
 }
 
 /// Exact geometry: what is left is the float positions of the truth pass.
@@ -87,8 +87,8 @@ void motion_rows(const SensorRows& of, const RigConfig& rig, Rows& rows) {
   const MovingEdge edge = measure_moving_edge(rig, 0);
   const auto pair = [&](const char* name, double value, double expected) {
     rows.push_back(sensor_row(of, name, "length", value, "px", 1));
-    rows.push_back(limited(sensor_row(of, name, "error", value - expected, "px", 1),
-                           about(0, 0.01)));
+    rows.push_back(
+        limited(sensor_row(of, name, "error", value - expected, "px", 1), about(0, 0.01)));
   };
   pair("rolling-shutter skew", edge.skew_px, edge.expected_skew_px);
   pair("motion blur", edge.blur_px, edge.expected_blur_px);

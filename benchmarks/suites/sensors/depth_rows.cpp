@@ -139,8 +139,8 @@ void add_incidence_rows(const Device& device, std::vector<ScoreRow>& rows) {
     rows.push_back(device.row(name, "fill", s.fill, "1", s.pixels));
     rows.push_back(device.row(name, "sigma_d", s.sigma_px, "px", s.pixels));
     // Users see an "egg carton" of some hundredths of a pixel; a tenth would be a defect.
-    rows.push_back(limited(device.row(name, "ripple_d", s.ripple_px, "px", s.pixels),
-                           about(0, 0.1)));
+    rows.push_back(
+        limited(device.row(name, "ripple_d", s.ripple_px, "px", s.pixels), about(0, 0.1)));
   }
 }
 
@@ -201,8 +201,8 @@ void add_model_rows(const Device& device, bool quick, std::vector<ScoreRow>& row
     const double ratio = c.fast.sigma_px / c.full.sigma_px;
     ratio_squares += std::pow(std::log(ratio), 2);
     ratios += 1;
-    rows.push_back(limited(device.row(name, "sigma_ratio", ratio, "1", c.full.pixels),
-                           between(0.9, 1.1)));
+    rows.push_back(
+        limited(device.row(name, "sigma_ratio", ratio, "1", c.full.pixels), between(0.9, 1.1)));
   }
   const auto n = static_cast<double>(compared.size());
   rows.push_back(limited(device.row("fast model, all walls", "sigma_ratio_rms",

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <memory>
 
-#include "benchmarks/tools/fit_sensor/hidden_device.h"
 #include "benchmarks/score/distributions.h"
 #include "benchmarks/suites/sensors/depth_wall.h"
 #include "benchmarks/suites/sensors/sensor_row.h"
+#include "benchmarks/tools/fit_sensor/hidden_device.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
@@ -89,8 +89,8 @@ void add_wrong_models(const SensorRows& of, std::vector<ScoreRow>& rows) {
     const SensorFit fit =
         fit_frames(frames, geometry_of(device, wrong.plan), rig_choice(kRig), "a wrong model");
     const double rejected = fit.problems.empty() ? 0 : 1;
-    rows.push_back(limited(sensor_row(of, wrong.name, "fit_sensor.rejected", rejected, "1", 1),
-                           at_least(1)));
+    rows.push_back(
+        limited(sensor_row(of, wrong.name, "fit_sensor.rejected", rejected, "1", 1), at_least(1)));
   }
 }
 

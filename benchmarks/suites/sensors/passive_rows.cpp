@@ -123,9 +123,8 @@ std::vector<ScoreRow> passive_stereo_rows(std::uint64_t seed, bool quick) {
     rows.push_back(sensor_row(of, name, "sigma_z", depth.sigma_m, "m", depth.pixels));
     rows.push_back(sensor_row(of, name, "fill", depth.fill, "1", depth.pixels));
     // Census costs pull disparities towards whole pixels by up to a tenth, with either sign.
-    rows.push_back(
-        limited(sensor_row(of, name, "disparity.bias", depth.bias_px, "px", depth.pixels),
-                about(0, 0.1)));
+    rows.push_back(limited(
+        sensor_row(of, name, "disparity.bias", depth.bias_px, "px", depth.pixels), about(0, 0.1)));
     const double x = std::log(z_m), y = std::log(depth.sigma_m);
     sum_x += x;
     sum_y += y;

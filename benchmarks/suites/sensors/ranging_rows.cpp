@@ -160,8 +160,8 @@ void add_structured_light(const std::string& name, std::uint64_t seed, bool quic
       rows.push_back(sensor_row(of, where, "sigma_z", s.sigma_m(), "m", n));
       // Turned walls hold all fractions of a code, so that rounding adds a twelfth of its square.
       const double ratio = s.sigma_m() / s.expected_m();
-      rows.push_back(limited(sensor_row(of, where, "sigma_over_published", ratio, "1", n),
-                             about(1, 0.05)));
+      rows.push_back(
+          limited(sensor_row(of, where, "sigma_over_published", ratio, "1", n), about(1, 0.05)));
     }
   }
 }

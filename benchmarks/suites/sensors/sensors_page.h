@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "benchmarks/score/scores.h"
-#include "benchmarks/report/report.h"
 #include "benchmarks/loop/report_scene.h"
+#include "benchmarks/report/report.h"
+#include "benchmarks/score/scores.h"
 
 namespace cousin {
 

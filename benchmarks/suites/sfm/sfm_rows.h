@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/loop/run_config.h"
 #include "benchmarks/score/image_scores.h"
 #include "benchmarks/score/scores.h"
-#include "benchmarks/loop/run_config.h"
 #include "benchmarks/suites/sfm/sfm_suite.h"
 #include "perception/sfm/sfm_poses.h"
 

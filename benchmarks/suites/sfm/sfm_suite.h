@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/score/scores.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/score/scores.h"
 #include "benchmarks/study/shard.h"
 
 namespace cousin {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "benchmarks/score/scores.h"
 #include "benchmarks/report/report.h"
+#include "benchmarks/score/scores.h"
 
 namespace cousin {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "benchmarks/score/scores.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/score/scores.h"
 
 namespace cousin {
 

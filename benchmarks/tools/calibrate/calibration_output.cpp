@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "benchmarks/tools/calibrate/device_output.h"
 #include "benchmarks/score/distributions.h"
+#include "benchmarks/tools/calibrate/device_output.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/camera_files.h"
 #include "sim/dataset/colmap_model.h"

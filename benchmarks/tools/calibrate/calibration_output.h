@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/tools/calibrate/calibration_run.h"
 #include "benchmarks/score/scores.h"
+#include "benchmarks/tools/calibrate/calibration_run.h"
 
 namespace cousin {
 

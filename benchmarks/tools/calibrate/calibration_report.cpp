@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "benchmarks/report/report.h"
+#include "benchmarks/report/shown_numbers.h"
+#include "benchmarks/score/distributions.h"
 #include "benchmarks/tools/calibrate/calibration_output.h"
 #include "benchmarks/tools/calibrate/calibration_pictures.h"
 #include "benchmarks/tools/calibrate/device_output.h"
-#include "benchmarks/score/distributions.h"
-#include "benchmarks/report/report.h"
-#include "benchmarks/report/shown_numbers.h"
 #include "sim/config/fields.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/image_io.h"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/tools/calibrate/calibration_photos.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/tools/calibrate/calibration_photos.h"
 #include "calibration/calibrate.h"
 #include "calibration/calibration_uncertainty.h"
 #include "calibration/depth_check.h"

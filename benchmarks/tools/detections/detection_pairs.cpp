@@ -28,7 +28,6 @@ double mask_overlap(const PlacedMask& a, std::int64_t pixels_a, const PlacedMask
   return either > 0 ? static_cast<double>(shared) / static_cast<double>(either) : 0;
 }
 
-
 /// Place of a name in the list, which grows by names that it has not.
 int place_of(const std::string& name, std::vector<std::string>& classes) {
   const auto found = std::find(classes.begin(), classes.end(), name);
@@ -77,7 +76,8 @@ void check_overlap_memory(const TruePictures& truth, const FoundFile& found) {
 }  // namespace
 
 std::vector<PicturePair> pairs_of(const TruePictures& truth, const FoundFile& found,
-                           const DetectionScoreConfig& config, std::vector<std::string>& classes) {
+                                  const DetectionScoreConfig& config,
+                                  std::vector<std::string>& classes) {
   check_overlap_memory(truth, found);
   const std::size_t known = classes.size();
   std::vector<PicturePair> pairs;

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/score/average_precision.h"
 #include "benchmarks/tools/detections/found_files.h"
 #include "benchmarks/tools/detections/score_detections.h"
 #include "benchmarks/tools/detections/true_pictures.h"
-#include "benchmarks/score/average_precision.h"
 
 namespace cousin {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "benchmarks/tools/detections/score_detections.h"
 #include "benchmarks/report/report.h"
+#include "benchmarks/tools/detections/score_detections.h"
 
 namespace cousin {
 

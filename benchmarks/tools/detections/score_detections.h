@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/score/scores.h"
 #include "benchmarks/tools/detections/found_files.h"
 #include "benchmarks/tools/detections/true_pictures.h"
-#include "benchmarks/score/scores.h"
 
 namespace cousin {
 

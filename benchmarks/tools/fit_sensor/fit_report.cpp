@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "benchmarks/score/distributions.h"
 #include "benchmarks/report/report.h"
+#include "benchmarks/score/distributions.h"
 #include "sim/dataset/atomic_file.h"
 
 namespace cousin {

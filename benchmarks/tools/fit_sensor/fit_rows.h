@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "benchmarks/tools/fit_sensor/sensor_fit.h"
 #include "benchmarks/score/scores.h"
+#include "benchmarks/tools/fit_sensor/sensor_fit.h"
 
 namespace cousin {
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "benchmarks/tools/fit_sensor/model_curves.h"
 #include "benchmarks/score/distributions.h"
+#include "benchmarks/tools/fit_sensor/model_curves.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/image_io.h"
 

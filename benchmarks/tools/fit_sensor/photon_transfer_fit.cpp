@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "benchmarks/tools/fit_sensor/tile_regression.h"
 #include "benchmarks/score/distributions.h"
+#include "benchmarks/tools/fit_sensor/tile_regression.h"
 
 namespace cousin {
 namespace {

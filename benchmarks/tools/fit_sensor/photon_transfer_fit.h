@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/tools/fit_sensor/wall_statistics.h"
 #include "benchmarks/score/trait_statistics.h"
+#include "benchmarks/tools/fit_sensor/wall_statistics.h"
 
 namespace cousin {
 

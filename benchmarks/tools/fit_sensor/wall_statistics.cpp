@@ -8,10 +8,10 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "benchmarks/score/distributions.h"
 #include "benchmarks/tools/fit_sensor/robust_plane.h"
 #include "benchmarks/tools/fit_sensor/rounding.h"
 #include "benchmarks/tools/fit_sensor/tile_regression.h"
-#include "benchmarks/score/distributions.h"
 
 namespace cousin {
 namespace {
