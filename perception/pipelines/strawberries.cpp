@@ -13,7 +13,7 @@
 namespace cousin {
 namespace {
 
-constexpr std::array<Named<StrawberriesMethod>, 2> kMethods = {
+constexpr std::array<Named<StrawberriesMethod>, 2> kStrawberryMethods = {
     {{StrawberriesMethod::ours, "ours"}, {StrawberriesMethod::paper, "paper"}}};
 
 /// The whole of space, in each camera's own axes.
@@ -80,11 +80,11 @@ Traits points_of(const Capture& capture, const Estimate& so_far,
 }  // namespace
 
 std::string_view to_string(StrawberriesMethod method) {
-  return name_in<StrawberriesMethod>(kMethods, method);
+  return name_in<StrawberriesMethod>(kStrawberryMethods, method);
 }
 
 Fields fields(StrawberriesPipelineConfig& c) {
-  return Fields{{"method", choice_field<StrawberriesMethod>("method", kMethods, c.method),
+  return Fields{{"method", choice_field<StrawberriesMethod>("method", kStrawberryMethods, c.method),
                  "ours: a curved patch through a window of depths; paper: the depth under the "
                  "middle of a box, or a small window's"}} +
          nested("sensor_depth", fields(c.sensor_depth)) + nested("point", fields(c.point));
