@@ -235,7 +235,8 @@ std::vector<Attribution> attributions_of(const std::vector<ScoreRow>& rows) {
   const std::string prefix = "truth up to ";
   for (const ScoreRow& row : rows) {
     if (!row.case_name.starts_with(prefix)) continue;
-    for (const std::string& trait : kTraits) {
+    for (const TraitRow& known : trait_table()) {
+      const std::string trait(known.name);
       if (row.metric != trait + ".rmse") continue;
       Attribution& attribution = found[row.scene + "/" + trait];
       attribution.title = "Where the error of " + trait + " comes from, " + row.scene;
