@@ -22,7 +22,7 @@ double wall_s(const Estimate& estimate) {
 
 namespace {
 
-/// Of the true corners, where the pipeline looks for some.
+/// The board whose corners a pipeline looks for. A pipeline that looks for none gets any board.
 SeedBoard board_for(const Capture& capture, const PipelineConfig& config) {
   const auto* seeds = config.get_if<SeedsPipelineConfig>();
   return seeds ? board_of(capture, *seeds) : SeedBoard{};

@@ -57,7 +57,7 @@ std::vector<TrueBox> true_boxes_of(const SceneTruth& truth) {
         const auto [found, is_new] = boxes.try_emplace(place->second);
         TrueBox& box = found->second;
         if (is_new)
-          box = {truth.views[f].frame, place->second, low, high, 0, Eigen::Vector3d::Zero()};
+          box = {f, truth.views[f].frame, place->second, low, high, 0, Eigen::Vector3d::Zero()};
         box.low_px = box.low_px.cwiseMin(low);
         box.high_px = box.high_px.cwiseMax(high);
         ++box.pixels;

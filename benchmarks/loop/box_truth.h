@@ -10,6 +10,7 @@ namespace cousin {
 
 /// A specimen as one image of the first sensor shows it.
 struct TrueBox {
+  std::size_t view = 0;  ///< place in SceneTruth::views
   int frame = 0;
   int specimen = 0;  ///< place in specimens_of()
   Eigen::Vector2d low_px = Eigen::Vector2d::Zero(), high_px = Eigen::Vector2d::Zero();
@@ -18,7 +19,8 @@ struct TrueBox {
   /// pixel that shows the specimen: in that camera's axes, by its true lens.
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
 };
-/// Of all views, in their order. @throws std::invalid_argument without true depth and instances
+/// The boxes of all views, view after view.
+/// @throws std::invalid_argument if a view has no true depth or no true instances
 std::vector<TrueBox> true_boxes_of(const SceneTruth& truth);
 
 }  // namespace cousin

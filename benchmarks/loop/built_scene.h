@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,6 +59,22 @@ inline void take_frames(const BuiltScene& built, const Streams& streams, const T
   }
   run.timings.push_back(truth_clock.finish());
 }
+
+/// The pipeline of a request, kept by the functions of a job; none if nobody reads the images.
+class KeptPipeline {
+ public:
+  explicit KeptPipeline(const PipelineConfig* pipeline) {
+    if (!pipeline) return;
+    config_ = *pipeline;
+    reader_ = reader_of(*pipeline);
+  }
+  const PipelineConfig* config() const { return config_ ? &*config_ : nullptr; }
+  const StreamReader* reader() const { return reader_ ? &*reader_ : nullptr; }
+
+ private:
+  std::optional<PipelineConfig> config_;
+  std::optional<StreamReader> reader_;
+};
 
 /// What cousin.* moves, as text after a scene's keys.
 inline std::string cousins_text(const std::vector<CousinMove>& moves) {

@@ -34,7 +34,7 @@ ScoreLimit rmse_limit(const std::string& species) {
 /// Of a species, over its runs.
 std::optional<ScoreLimit> species_limit(const std::string& species, const std::string& trait,
                                         const std::string& statistic) {
-  // What is not measured must not raise a score.
+  // A seed that is not measured must not make the errors look smaller.
   if (trait == "length" && statistic == "solved") return at_least(0.9);
   if (is_length(trait)) {
     if (statistic == "rmse") return rmse_limit(species);
@@ -233,7 +233,11 @@ void add_limits_of_schema_1(std::vector<ScoreRow>& rows) {
   for (ScoreRow& row : rows) {
     const bool was_held = row.status == ScoreStatus::pass || row.status == ScoreStatus::fail;
     if (!was_held || has_limit(row)) continue;
-    if (const auto limit = seeds_limit(row)) row = limited(row, *limit);
+    const auto limit = seeds_limit(row);
+    if (!limit) continue;
+    const ScoreStatus judged = row.status;  // by the program that wrote it
+    row = limited(row, *limit);
+    row.status = judged;
   }
 }
 

@@ -44,7 +44,7 @@ ScoreFile score_scene(const SimulatedRun& run, const PerceivedScene& made,
 ReportScene page_scene(const std::string& name, const SimulatedRun& run, const PerceivedScene& made,
                        const PipelineConfig& config, const std::filesystem::path& estimate_dir);
 
-/// Of the contents of folders that a pipeline's keys name; "" where they name none.
+/// A hash of the files in the folder that a key of the pipeline names. "" if no key names one.
 std::string user_folders_hash(const PipelineConfig& config);
 
 /// A page's paragraph below its title.

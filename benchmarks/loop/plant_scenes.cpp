@@ -1,6 +1,5 @@
 #include "benchmarks/loop/plant_scenes.h"
 
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -51,22 +50,18 @@ SceneJob configure_plants(PlantSceneConfig base, const SceneRequest& request) {
   PipelineConfig* const pipeline = request.pipeline;
   PlantRunConfig config =
       plant_run_config(std::move(base), request.assignments, request.file, pipeline);
-  std::optional<PipelineConfig> runs;
-  std::optional<StreamReader> reader;
-  if (pipeline) {
-    runs = *pipeline;
-    reader = reader_of(*pipeline);
-  }
-  const auto of = [](const auto& optional) { return optional ? &*optional : nullptr; };
+  const KeptPipeline kept(pipeline);  // as the configuration left it
   SceneJob job;
   job.keys = describe(fields(config, pipeline)) + cousins_text(cousin_moves(config.scene));
   job.toml = resolved_toml(config, pipeline);
   job.rig = config.rig;
-  job.streams = planned_streams(config, of(reader));
+  job.streams = planned_streams(config, kept.reader());
   job.depth_by = config.capture.depth_by;
   job.views = view_count(config.scene);
-  job.hash = [config, runs, of](std::uint64_t seed) { return config_hash(config, seed, of(runs)); };
-  job.plan = [config, reader, of] { return plant_plan(config, of(reader)); };
+  job.hash = [config, kept](std::uint64_t seed) {
+    return config_hash(config, seed, kept.config());
+  };
+  job.plan = [config, kept] { return plant_plan(config, kept.reader()); };
   job.build = [config](std::uint64_t seed, int index) {
     return built_scene(PlantSimulation(config, seed, index));
   };

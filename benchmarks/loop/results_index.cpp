@@ -15,12 +15,17 @@ namespace {
 constexpr const char* kAbout = "about.md";
 constexpr const char* kTable = "scores.csv";
 
-/// Up to the first empty line, as one line.
+constexpr std::size_t kMostCharacters = 160;  ///< of a cell
+
+/// Up to the first empty line, as one line. A long one is cut between words.
 std::string first_paragraph(const std::string& text) {
   std::string paragraph = text.substr(0, text.find("\n\n"));
   std::replace(paragraph.begin(), paragraph.end(), '\n', ' ');
   while (!paragraph.empty() && paragraph.back() == ' ') paragraph.pop_back();
-  return paragraph;
+  if (paragraph.size() <= kMostCharacters) return paragraph;
+  paragraph.erase(paragraph.find_last_of(" ,", kMostCharacters));
+  const bool is_code_open = std::count(paragraph.begin(), paragraph.end(), '`') % 2 == 1;
+  return paragraph + (is_code_open ? " …`" : " …");
 }
 
 KeptResults read_results(const fs::path& folder) {

@@ -10,7 +10,7 @@ namespace cousin {
 /// A folder of results that is kept, as an index shows it.
 struct KeptResults {
   std::string name;     ///< of the folder
-  std::string made_by;  ///< the first paragraph of its about.md; empty without one
+  std::string made_by;  ///< the first paragraph of its about.md, cut; empty without one
   std::int64_t rows = 0;
   std::int64_t kept = 0, broken = 0;  ///< of the rows that have a limit
   std::int64_t unsolved = 0;          ///< rows that say not_solved, not_built or error

@@ -64,8 +64,7 @@ struct SeedsCousin {
 /// @throws std::invalid_argument if the moved configuration is not valid, saying what moved it.
 SeedsCousin cousin_of(const SeedsRunConfig& config, std::uint64_t seed, int scene_index);
 
-/// Who reads the images: the pipeline of seeds, which says what it needs, or nobody yet, as in a
-/// dataset.
+/// Who reads the images. Nobody reads those of a dataset when it is rendered.
 enum class Reader { pipeline, anybody };
 /// A pipeline's method that reads images, and which.
 struct StreamReader {

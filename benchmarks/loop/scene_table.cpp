@@ -1,6 +1,5 @@
 #include "benchmarks/loop/scene_table.h"
 
-#include <optional>
 #include <stdexcept>
 
 #include "benchmarks/loop/built_scene.h"
@@ -14,22 +13,19 @@ namespace {
 SceneJob configure_seeds(const SceneRequest& request) {
   PipelineConfig* const pipeline = request.pipeline;
   SeedsRunConfig config = seeds_run_config(request.assignments, request.file, pipeline);
-  std::optional<PipelineConfig> runs;
-  std::optional<StreamReader> reader;
-  if (pipeline) {
-    runs = *pipeline;
-    reader = reader_of(*pipeline);
-  }
-  const auto of = [](const auto& optional) { return optional ? &*optional : nullptr; };
+  const KeptPipeline kept(pipeline);  // as the configuration left it
   SceneJob job;
   job.keys = describe(fields(config, pipeline)) + cousins_text(seeds_cousin_moves());
   job.toml = resolved_toml(config, pipeline);
   job.rig = config.rig;
-  job.streams = streams_for(config.streams, streams_of(config.rig), config.scene.rig, of(reader));
+  job.streams =
+      streams_for(config.streams, streams_of(config.rig), config.scene.rig, kept.reader());
   job.depth_by = config.capture.depth_by;
   job.views = config.scene.views;
-  job.hash = [config, runs, of](std::uint64_t seed) { return config_hash(config, seed, of(runs)); };
-  job.plan = [config, reader, of] { return simulator_plan(config, of(reader)); };
+  job.hash = [config, kept](std::uint64_t seed) {
+    return config_hash(config, seed, kept.config());
+  };
+  job.plan = [config, kept] { return simulator_plan(config, kept.reader()); };
   job.build = [config](std::uint64_t seed, int index) {
     return built_scene(SeedsSimulation(config, seed, index));
   };

@@ -46,7 +46,7 @@ std::vector<int> match_boxes(const std::vector<TrueBox>& truth, const Boxes& mea
   return result;
 }
 
-/// What is true of a trait of a box.
+/// The true value of a box's trait.
 double true_value(const TrueBox& box, const std::string& trait) {
   if (trait == "point_x") return box.point_m.x();
   if (trait == "point_y") return box.point_m.y();

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "benchmarks/loop/box_truth.h"
 #include "benchmarks/loop/true_outline.h"
 #include "sim/geometry/measure.h"
 #include "sim/truth/specimens.h"
@@ -68,33 +69,24 @@ Poses true_poses(const SimulatedRun& run) {
 Boxes true_boxes(const SimulatedRun& run) {
   Boxes result;
   const auto objects = specimens_of(run.truth.scene);
-  for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
-    const Image<std::int32_t>& seen = run.truth.images[f].instance;
-    for (std::size_t k = 0; k < objects.size(); ++k) {
-      Eigen::Vector2i low(seen.width(), seen.height()), high(-1, -1);
-      for (int y = 0; y < seen.height(); ++y) {
-        for (int x = 0; x < seen.width(); ++x) {
-          if (seen(x, y) != objects[k]->id) continue;
-          low = low.cwiseMin(Eigen::Vector2i(x, y));
-          high = high.cwiseMax(Eigen::Vector2i(x, y));
-        }
-      }
-      if (high.x() < 0) continue;
-      DetectedBox box;
-      box.frame = run.truth.views[f].frame;
-      box.id = static_cast<int>(result.size());
-      box.instance = static_cast<int>(k);
-      box.low_px = low.cast<double>().array() - 0.5;
-      box.high_px = high.cast<double>().array() + 0.5;
-      box.image_px = {seen.width(), seen.height()};
-      box.mask_at_px = low;
-      box.mask = Image<std::uint8_t>(high.x() - low.x() + 1, high.y() - low.y() + 1);
-      for (int y = low.y(); y <= high.y(); ++y) {
-        for (int x = low.x(); x <= high.x(); ++x)
-          box.mask(x - low.x(), y - low.y()) = seen(x, y) == objects[k]->id ? 255 : 0;
-      }
-      result.push_back(std::move(box));
+  for (const TrueBox& truth : true_boxes_of(run.truth)) {
+    const Image<std::int32_t>& seen = run.truth.images[truth.view].instance;
+    const int id = objects[static_cast<std::size_t>(truth.specimen)]->id;
+    DetectedBox box;
+    box.frame = truth.frame;
+    box.id = static_cast<int>(result.size());
+    box.instance = truth.specimen;
+    box.low_px = truth.low_px;
+    box.high_px = truth.high_px;
+    box.image_px = {seen.width(), seen.height()};
+    box.mask_at_px = (truth.low_px.array() + 0.5).cast<int>();
+    const Eigen::Vector2i size = (truth.high_px - truth.low_px).cast<int>();
+    box.mask = Image<std::uint8_t>(size.x(), size.y());
+    for (int y = 0; y < size.y(); ++y) {
+      for (int x = 0; x < size.x(); ++x)
+        box.mask(x, y) = seen(box.mask_at_px.x() + x, box.mask_at_px.y() + y) == id ? 255 : 0;
     }
+    result.push_back(std::move(box));
   }
   return result;
 }

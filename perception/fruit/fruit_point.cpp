@@ -48,6 +48,15 @@ Eigen::Vector2i seen_middle_px(const DetectedBox& box) {
   return nearest;
 }
 
+/// Pixels from `low` to `high`. A box may be far larger than its image.
+struct PixelRange {
+  Eigen::Vector2i low, high;
+};
+PixelRange inside(const Image<float>& image, const Eigen::Vector2i& low,
+                  const Eigen::Vector2i& high) {
+  return {low.cwiseMax(0), high.cwiseMin(Eigen::Vector2i(image.width() - 1, image.height() - 1))};
+}
+
 /// Depths about a pixel, and how many pixels there could have one.
 struct DepthWindow {
   std::vector<DepthSample> samples;
@@ -58,9 +67,10 @@ DepthWindow window_of(const FrameDepth& depth, const DetectedBox& box,
   DepthWindow window;
   std::vector<DepthSample>& samples = window.samples;
   const int half = side_px / 2;
-  for (int y = middle.y() - half; y <= middle.y() + half; ++y) {
-    for (int x = middle.x() - half; x <= middle.x() + half; ++x) {
-      if (!depth.depth_m.contains(x, y) || (by_mask && !is_in_mask(box, x, y))) continue;
+  const PixelRange range = inside(depth.depth_m, middle.array() - half, middle.array() + half);
+  for (int y = range.low.y(); y <= range.high.y(); ++y) {
+    for (int x = range.low.x(); x <= range.high.x(); ++x) {
+      if (by_mask && !is_in_mask(box, x, y)) continue;
       ++window.pixels;
       if (std::isnan(depth.depth_m(x, y))) continue;
       DepthSample sample{Eigen::Vector2d(x - middle.x(), y - middle.y()),
@@ -210,11 +220,11 @@ bool has_like_neighbour(const FrameDepth& depth, const DetectedBox& box,
     return false;
   };
   int beside = 0, like = 0;
-  const Eigen::Vector2i low = box.low_px.array().ceil().cast<int>() - ring,
-                        high = box.high_px.array().floor().cast<int>() + ring;
-  for (int y = low.y(); y <= high.y(); ++y) {
-    for (int x = low.x(); x <= high.x(); ++x) {
-      if (!depth.depth_m.contains(x, y) || std::isnan(depth.depth_m(x, y))) continue;
+  const PixelRange range = inside(depth.depth_m, box.low_px.array().ceil().cast<int>() - ring,
+                                  box.high_px.array().floor().cast<int>() + ring);
+  for (int y = range.low.y(); y <= range.high.y(); ++y) {
+    for (int x = range.low.x(); x <= range.high.x(); ++x) {
+      if (std::isnan(depth.depth_m(x, y))) continue;
       if (is_in_mask(box, x, y) || !near_mask(x, y) || is_of_another(others, box, x, y)) continue;
       ++beside;
       if (std::abs(static_cast<double>(depth.depth_m(x, y)) - patch_m) < config.beside_m) ++like;

@@ -110,6 +110,15 @@ TEST(FruitPoint, ADepthThatANeighbourMayHaveLentIsNotAsserted) {
   EXPECT_EQ(point_by_patch(made.depth, kCamera, made.box, boxes).why_none, "");
 }
 
+TEST(FruitPoint, ABoxFarLargerThanItsImageCostsNoMoreThanTheImage) {
+  Ball made = ball({79, 59}, 0, Rng(1));
+  made.box.low_px = {-1e6 + 79, -1e6 + 59};
+  made.box.high_px = {1e6 + 79, 1e6 + 59};
+  const FruitPoint point = point_by_patch(made.depth, kCamera, made.box);  // 10^12 pixels else
+  ASSERT_EQ(point.why_none, "");
+  EXPECT_NEAR(point.point_m.z(), 0.5, 0.02);
+}
+
 TEST(FruitPoint, ABoxOutOfTheImageIsNoPoint) {
   Ball made = ball({79, 59}, 0, Rng(1));
   made.box.mask = {};

@@ -49,6 +49,17 @@ TEST(ResultsIndex, ALineAFolderSaysWhatMadeItAndWhatItsLimitsSay) {
                                            HasSubstr("1 of 2"), Not(HasSubstr(">a</text>"))));
 }
 
+TEST(ResultsIndex, ALongCommandIsCutAndItsCodeClosed) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "a" / "scores.csv", to_csv(std::vector<ScoreRow>{}));
+  std::string about = "`cousin bench seeds --only first.json";
+  for (int i = 0; i < 30; ++i) about += ",part" + std::to_string(i) + ".json";
+  write_file(folder.path() / "a" / "about.md", about + "` (seed 1)\n\nfound\n");
+  const std::string made_by = kept_results(folder.path()).at(0).made_by;
+  EXPECT_LT(made_by.size(), 170U);
+  EXPECT_THAT(made_by, testing::EndsWith(".json …`"));
+}
+
 TEST(ResultsIndex, ATableThatCannotBeReadIsNamed) {
   const TemporaryFolder folder;
   write_file(folder.path() / "a" / "scores.csv", "suite,scene\n");

@@ -78,7 +78,7 @@ std::vector<CalibrationCause> causes_of_views() {
   };
 }
 
-/// What is wrong with the board: bent, lifted, stretched or sheared.
+/// Boards that are bent, lifted, stretched or sheared.
 std::vector<CalibrationCause> causes_of_board() {
   using Views = CornerViewsConfig;
   return {

@@ -90,7 +90,7 @@ void add_leave_out_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool qu
   add("seconds_saved.no_infrared_and_depth", seconds.views * seconds.depth_matched_s);
 }
 
-/// Of a view of each ring: the share of rays that hit the board changes with elevation.
+/// Measures one view of each camera ring: the higher the ring, the more rays hit the board.
 void add_throughput_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulation,
                          const PhoneConfig& phone, std::uint64_t seed, bool quick) {
   const int views = static_cast<int>(simulation.views().size());
