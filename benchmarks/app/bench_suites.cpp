@@ -12,6 +12,7 @@
 #include "benchmarks/app/suite_plots.h"
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/suites/calibration/calibration_suite.h"
 #include "benchmarks/suites/calibration/studies.h"
 #include "benchmarks/suites/plants/plants_suite.h"

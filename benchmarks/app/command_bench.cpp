@@ -14,6 +14,7 @@
 #include "benchmarks/app/terminal.h"
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "sim/dataset/output_folder.h"
 
 namespace cousin {
@@ -134,7 +135,7 @@ void print_suite_scores(const BenchSuite& suite, const std::vector<ScoreRow>& sc
 ExitCode command_bench(const JobContext& context) {
   const Options& o = context.options;
   const std::vector<const BenchSuite*> wanted = wanted_suites(o);
-  SeedsRunConfig config = seeds_run_config(o.sets);  // a wrong key ends here, not hours later
+  RunConfig config = seeds_run_config(o.sets);  // a wrong key ends here, not hours later
   if (o.keys) {
     std::printf("%s", describe(fields(config)).c_str());
     return ExitCode::done;

@@ -94,9 +94,9 @@ struct Contents {
 
 /// Files below the scene's folder that come with one frame: its images and what is true of its
 /// depth.
-std::vector<fs::path> frame_files(const BuiltScene& built, int frame, const Contents& contents) {
+std::vector<fs::path> frame_files(const Simulation& built, int frame, const Contents& contents) {
   Capture one = built.capture_header();
-  one.frames.push_back(built.rig->outline(frame, contents.streams));
+  one.frames.push_back(built.rig().outline(frame, contents.streams));
   std::vector<fs::path> files = frame_image_files(one, 0);
   char name[16];
   std::snprintf(name, sizeof name, "%06d", frame);
@@ -108,7 +108,7 @@ std::vector<fs::path> frame_files(const BuiltScene& built, int frame, const Cont
 }
 
 /// Frames of one scene whose images are not there yet.
-std::vector<int> absent_frames(const BuiltScene& built, const fs::path& scene_dir, int first,
+std::vector<int> absent_frames(const Simulation& built, const fs::path& scene_dir, int first,
                                int end, const Contents& contents) {
   std::vector<int> absent;
   for (int frame = first; frame < end; ++frame) {
@@ -120,7 +120,7 @@ std::vector<int> absent_frames(const BuiltScene& built, const fs::path& scene_di
 }
 
 /// Images of the frames of one scene that are not there yet; the files are final or absent.
-void render_frames(const BuiltScene& built, const fs::path& scene_dir, int first, int end,
+void render_frames(const Simulation& built, const fs::path& scene_dir, int first, int end,
                    const Contents& contents, ProgressPrinter& progress) {
   const std::vector<int> absent = absent_frames(built, scene_dir, first, end, contents);
   const int views = end - first, there = views - static_cast<int>(absent.size());
@@ -139,18 +139,18 @@ void render_frames(const BuiltScene& built, const fs::path& scene_dir, int first
     if (contents.truth.noise_free_depth)
       of_depth.noise_free_depth_m = std::move(taken.noise_free_depth_m);
     if (contents.truth.invalid_reason) of_depth.invalid_reason = std::move(taken.invalid_reason);
-    write_truth_images(scene_dir, *built.scene, frame, of_depth);
+    write_truth_images(scene_dir, built.scene(), frame, of_depth);
   }
 }
 
 /// Index and truth of a scene: both are pure functions of configuration and seed, whichever shard
 /// rendered the images.
-void write_index(const BuiltScene& built, const fs::path& scene_dir, const Contents& contents) {
+void write_index(const Simulation& built, const fs::path& scene_dir, const Contents& contents) {
   Capture capture = built.capture_header();
   SceneTruth truth = built.scene_truth();
   // Pixels stand for the images: the index names them, whichever shard writes them and when.
-  for (const TrueView& view : *built.views)
-    capture.frames.push_back(built.rig->outline(view.frame, contents.streams));
+  for (const TrueView& view : built.views())
+    capture.frames.push_back(built.rig().outline(view.frame, contents.streams));
   if (to_string(contents.truth) != "none") {
     // The images of all views together need gigabytes: each is written as it is made.
     truth.images.resize(truth.views.size());
@@ -178,28 +178,27 @@ std::vector<fs::path> index_files(const fs::path& scene_dir) {
   return files;
 }
 
-SceneJob scene_job(const Options& o, const SceneEntry& entry) {
+RunConfig render_config(const Options& o, const SceneEntry& entry) {
   std::vector<KeyOption> keys;
   if (o.frames > 0) keys.push_back({"--frames", "views", std::to_string(o.frames)});
   if (!o.streams.empty()) keys.push_back({"--streams", "streams", o.streams});
-  return read_config(o, keys, [&] {
-    return entry.configure({.assignments = assignments_of(o, keys), .file = o.config});
-  });
+  return read_config(
+      o, keys, [&] { return run_config(built_row(entry), assignments_of(o, keys), o.config); });
 }
 
-Contents contents_of(const Options& o, const SceneEntry& entry, const SceneJob& job) {
+Contents contents_of(const Options& o, const SceneEntry& entry, const RunConfig& config) {
   Contents contents;
-  contents.streams = job.streams;
-  contents.truth =
-      o.truth.empty() ? default_truth(contents.streams)
-                      : truth_needs_from_string(o.truth, truth_there_is(job.rig, contents.streams));
-  if (o.truth.empty() && entry.has_points) contents.truth.keypoints = true;
+  contents.streams = planned_streams(config);
+  contents.truth = o.truth.empty() ? default_truth(contents.streams)
+                                   : truth_needs_from_string(
+                                         o.truth, truth_there_is(config.rig, contents.streams));
+  if (o.truth.empty() && entry.text.has_points) contents.truth.keypoints = true;
   if (!o.truth_for.empty()) contents.truth = truth_needs_for(o.truth_for, contents.truth);
   return contents;
 }
 
 /// Adds the files below the dataset that a shard writes of a scene's frames.
-void add_shard_files(const BuiltScene& built, const fs::path& scene_dir, int from, int to,
+void add_shard_files(const Simulation& built, const fs::path& scene_dir, int from, int to,
                      const Contents& contents, std::vector<fs::path>& written) {
   const auto add = [&](const std::vector<fs::path>& files) {
     for (const fs::path& file : files) written.push_back(scene_dir.filename() / file);
@@ -234,23 +233,23 @@ void print_dataset(const fs::path& dataset, bool is_complete,
 ExitCode command_render(const JobContext& context) {
   const Options& o = context.options;
   const SceneEntry& entry = scene_entry(o.arguments.at(0));
-  const SceneJob job = scene_job(o, entry);
+  const RunConfig config = render_config(o, entry);
   if (o.keys) {
-    std::printf("%s", job.keys.c_str());
+    std::printf("%s", keys_text(config).c_str());
     return ExitCode::done;
   }
   const Shard shard = parse_shard(o.shard);
   const fs::path dataset =
-      o.out.empty() ? fs::path("out") / (entry.name + "_dataset") : fs::path(o.out);
-  const Contents contents = contents_of(o, entry, job);
-  const int frames = job.views;
+      o.out.empty() ? fs::path("out") / (entry.name() + "_dataset") : fs::path(o.out);
+  const Contents contents = contents_of(o, entry, config);
+  const int frames = config.scene.views();
   const auto [first, end] = shard_range(shard, o.scenes * frames);
   if (o.plan) {
-    const RenderPlan plan = render_plan(job, contents.truth, o.scenes, end - first, dataset);
+    const RenderPlan plan = render_plan(config, contents.truth, o.scenes, end - first, dataset);
     std::printf("%s", (o.json ? to_json(plan) : describe(plan)).c_str());
     return ExitCode::done;
   }
-  const std::string hash = owner_hash(job.hash(o.seed), contents.truth);
+  const std::string hash = owner_hash(config_hash(config, o.seed), contents.truth);
   require_writable(dataset);
   FolderClaim claim = render_claim(hash);
   check_output_folder(dataset, claim, listed_by_manifests(dataset, hash));
@@ -259,14 +258,14 @@ ExitCode command_render(const JobContext& context) {
   const auto take_folder = [&] {
     if (!folder) folder.emplace(dataset, claim, listed_by_manifests(dataset, hash));
   };
-  const std::vector<std::string> warnings = job.warnings();
+  const std::vector<std::string> warnings = user_mesh_warnings(config);
   for (const std::string& warning : warnings) context.progress.line("warning: " + warning);
 
   std::vector<fs::path> written;
   std::vector<StageTiming> timings;
   for (int scene = first / frames; scene * frames < end; ++scene) {
     const StageClock build_clock("build " + scene_id(scene));
-    const BuiltScene built = job.build(o.seed, scene);
+    const Simulation built(config, o.seed, scene);
     timings.push_back(build_clock.finish());
     const StageClock clock("render " + scene_id(scene));
     take_folder();  // not before: a scene that cannot be built leaves no trace
@@ -283,7 +282,7 @@ ExitCode command_render(const JobContext& context) {
   Manifest header;
   header.program_version = COUSIN_VERSION;
   header.config_hash = hash;
-  header.pipeline = entry.name;
+  header.pipeline = entry.name();
   const bool complete = write_manifests(dataset, header, shard, written, *folder);
   write_timings(dataset, timings);
   if (complete) folder->release();  // last: the folder is never without an owner

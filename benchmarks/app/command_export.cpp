@@ -12,6 +12,7 @@
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/scene_table.h"
+#include "benchmarks/loop/simulate.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/export/export_dataset.h"
@@ -91,10 +92,10 @@ bool same_places(const Scene& a, const Scene& b) {
 Scene shaded_scene(const SceneTruth& truth, const fs::path& scene_dir, ProgressPrinter& progress) {
   std::string why;
   try {
-    const SceneJob job =
-        scene_entry(truth.scene.name).configure({.file = scene_dir / "truth" / "config.toml"});
+    const RunConfig config = run_config(built_row(scene_entry(truth.scene.name)), {},
+                                        scene_dir / "truth" / "config.toml");
     const int index = std::stoi(scene_dir.filename().string());
-    Scene made = *job.build(truth.seed, index).scene;
+    Scene made = built_scene(cousin_of(config, truth.seed, index).config, truth.seed, index);
     if (same_places(made, truth.scene)) return made;
     why = "this version of the program makes another scene of its configuration";
   } catch (const std::exception& error) {

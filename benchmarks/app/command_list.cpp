@@ -54,9 +54,9 @@ std::string built(bool is_built, const char* option) {
 ExitCode command_scenes(const JobContext& context) {
   std::vector<Entry> entries;
   for (const SceneEntry& scene : scene_table()) {
-    const bool only_renders = scene.status == "built in" && !pipeline_of_scene(scene.name);
-    entries.push_back(
-        {scene.name, scene.status + (only_renders ? "; no pipeline yet" : ""), scene.help});
+    const bool only_renders = scene.status == "built in" && !pipeline_of_scene(scene.text.name);
+    entries.push_back({scene.name(), scene.status + (only_renders ? "; no pipeline yet" : ""),
+                       std::string(scene.text.help)});
   }
   print(entries, context.options.json);
   return ExitCode::done;

@@ -18,6 +18,7 @@
 #include "benchmarks/loop/scene_table.h"
 #include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/loop/seeds_report.h"
+#include "benchmarks/loop/simulate.h"
 #include "benchmarks/loop/specimens_text.h"
 #include "benchmarks/loop/truth_stages.h"
 #include "benchmarks/study/shard.h"
@@ -36,13 +37,14 @@ namespace {
 struct RunJob {
   const SceneEntry& entry;
   const PipelineRow& row;
-  PipelineConfig pipeline;
-  SceneJob scene;
+  RunConfig config;
   std::vector<StageSource> sources;
   std::shared_ptr<const LearnedDistance> learned;
   TruthNeeds truth;
   fs::path out;
   std::string key;  ///< of all that decides a scene's result, but its number
+
+  const PipelineConfig& pipeline() const { return *config.pipeline; }
 };
 
 /// Options that stand for keys of the scene and its pipeline.
@@ -58,72 +60,68 @@ std::vector<KeyOption> run_keys(const Options& o) {
 
 /// The pipeline that is named, or the scene's own; null where it has none.
 const PipelineRow* row_of_run(const Options& o, const SceneEntry& entry) {
-  if (o.pipeline.empty()) return pipeline_of_scene(entry.name);
+  if (o.pipeline.empty()) return pipeline_of_scene(entry.text.name);
   const PipelineRow& row = pipeline_row(o.pipeline);
   const auto& scenes = row.scenes;
-  if (scenes.empty() || std::find(scenes.begin(), scenes.end(), entry.name) != scenes.end())
+  if (scenes.empty() || std::find(scenes.begin(), scenes.end(), entry.text.name) != scenes.end())
     return &row;
   throw std::invalid_argument("--pipeline \"" + o.pipeline + "\" is of scene " +
-                              std::string(scenes.front()) + ", not of " + entry.name);
+                              std::string(scenes.front()) + ", not of " + entry.name());
 }
 
-SceneJob configure(const Options& o, const SceneEntry& entry, PipelineConfig* pipeline) {
+RunConfig configure(const Options& o, const SceneEntry& entry,
+                    std::optional<PipelineConfig> pipeline) {
   const std::vector<KeyOption> keys = run_keys(o);
   return read_config(o, keys, [&] {
     if (pipeline && !o.pipeline_config.empty())
       read_toml(o.pipeline_config, fields(*pipeline), MissingKeys::keep_default);
-    return entry.configure(
-        {.assignments = assignments_of(o, keys), .file = o.config, .pipeline = pipeline});
+    return run_config(built_row(entry), assignments_of(o, keys), o.config, pipeline);
   });
 }
 
 /// All that decides a scene's result, but its number.
 std::string run_key(const Options& o, const RunJob& job) {
-  std::string key = COUSIN_VERSION + job.scene.hash(o.seed);
+  std::string key = COUSIN_VERSION + config_hash(job.config, o.seed);
   for (const std::string& stage : o.stages) key += "\n" + stage;
   if (o.attribution) key += "\nattribution";
   if (o.align) key += "\nalign";
   if (!o.lpips.empty()) key += "\n" + sha256_hex_of_file(o.lpips);
-  return key + user_folders_hash(job.pipeline);
+  return key + user_folders_hash(job.pipeline());
 }
 
 RunJob run_job(const Options& o, const SceneEntry& entry, const PipelineRow& row) {
-  PipelineConfig pipeline = row.defaults();
-  SceneJob scene = configure(o, entry, &pipeline);
-  const std::string name =
-      pipeline_of_scene(entry.name) == &row ? entry.name : entry.name + "_" + std::string(row.name);
+  const std::string name = pipeline_of_scene(entry.text.name) == &row
+                               ? entry.name()
+                               : entry.name() + "_" + std::string(row.name);
   RunJob job{.entry = entry,
              .row = row,
-             .pipeline = std::move(pipeline),
-             .scene = std::move(scene),
+             .config = configure(o, entry, row.defaults()),
              .sources = stage_sources(o, row),
              .learned = learned_of(o),
              .truth = {},
              .out = o.out.empty() ? fs::path("out") / name : fs::path(o.out),
              .key = {}};
-  job.truth = planned_truth(job.pipeline, o.attribution);
+  job.truth = planned_truth(job.pipeline(), o.attribution);
   if (!o.keys && !o.plan) job.key = run_key(o, job);
   return job;
 }
 
 std::vector<PlanEntry> plan_of(const Options& o, const RunJob& job) {
-  std::vector<PlanEntry> plan = job.scene.plan();
-  add_pipeline_plan(job.pipeline, o.attribution, job.sources, plan);
-  return plan;
+  return run_plan(job.config, o.attribution, job.sources);
 }
 
 /// What the capture says of its frames before any is rendered.
-Capture outline_of(const BuiltScene& built) {
+Capture outline_of(const Simulation& built) {
   Capture capture = built.capture_header();
-  for (const TrueView& view : *built.views)
-    capture.frames.push_back(built.rig->outline(view.frame, {.color = true}));
+  for (const TrueView& view : built.views())
+    capture.frames.push_back(built.rig().outline(view.frame, {.color = true}));
   return capture;
 }
 
 /// Whether poses are found by COLMAP. The scene is built only where that depends on its rig.
 bool asks_sfm(const Options& o, const RunJob& job) {
-  if (replaces(job.sources, "poses") || !needs_sfm(Capture{}, job.pipeline)) return false;
-  return needs_sfm(outline_of(job.scene.build(o.seed, 0)), job.pipeline);
+  if (replaces(job.sources, "poses") || !needs_sfm(Capture{}, job.pipeline())) return false;
+  return needs_sfm(outline_of(Simulation(job.config, o.seed, 0)), job.pipeline());
 }
 
 // ---- One scene
@@ -133,8 +131,8 @@ SeedsScoreLabels run_labels(const RunJob& job, std::uint64_t seed) {
   SeedsScoreLabels labels;
   labels.seed = seed;
   labels.suite = "run";
-  labels.method = std::string(method_of(job.pipeline));
-  labels.settings.views = job.scene.views;
+  labels.method = std::string(method_of(job.pipeline()));
+  labels.settings.views = job.config.scene.views();
   return labels;
 }
 
@@ -187,21 +185,21 @@ TruthNeeds without(const TruthNeeds& planned) {
 /// traced is not traced here either: `bench render` measures it.
 std::vector<ScoreRow> left_out_rows(const RunJob& job, std::uint64_t seed,
                                     const SeedsScoreLabels& labels) {
-  const BuiltScene built = job.scene.build(seed, 0);
+  const Simulation built(job.config, seed, 0);
   std::vector<ScoreRow> rows;
   const auto measure = [&](const std::string& what, const auto& pass) {
     const StageClock clock("left out");
     pass();
     ScoreRow row = simulator_row(labels, "seconds_saved." + what + "_left_out",
-                                 clock.finish().wall_s * job.scene.views);
-    row.n = job.scene.views;
+                                 clock.finish().wall_s * job.config.scene.views());
+    row.n = job.config.scene.views();
     rows.push_back(std::move(row));
   };
   measure("truth_passes", [&] { built.truth(0, without(job.truth)); });
-  const Streams there_are = streams_of(job.scene.rig), taken = job.scene.streams;
+  const Streams there_are = streams_of(job.config.rig), taken = planned_streams(job.config);
   const Streams left{.infrared = there_are.infrared && !taken.infrared,
                      .depth = there_are.depth && !taken.depth};
-  const bool matched = taken.depth && job.scene.depth_by == DepthBy::matched;
+  const bool matched = taken.depth && job.config.capture.depth_by == DepthBy::matched;
   if (left.depth || (left.infrared && !matched))  // what is matched was rendered anyway
     measure("infrared_and_depth", [&] { built.take(0, left); });
   return rows;
@@ -223,12 +221,12 @@ ScoreFile run_scene(const JobContext& context, const RunJob& job, int scene, See
   SeedsScoreLabels labels = run_labels(job, o.seed);
   labels.scene = labels.run = scene_id(scene);
   const fs::path estimate_dir = job.out / "estimate" / scene_id(scene);
-  const SimulatedRun run = job.scene.simulate(o.seed, scene, job.truth, progress);
-  PipelineConfig written = job.pipeline;
+  const SimulatedRun run = simulate(job.config, o.seed, scene, job.truth, progress);
+  PipelineConfig written = job.pipeline();
   write_file(estimate_dir / "config.toml", to_toml(fields(written)));
   const PerceivedScene made = perceive_scene(
       {.capture = run.capture,
-       .config = job.pipeline,
+       .config = job.pipeline(),
        .seed = o.seed,
        .sources = job.sources,
        .scene_index = scene,
@@ -242,18 +240,18 @@ ScoreFile run_scene(const JobContext& context, const RunJob& job, int scene, See
   // Without traits no row could say that nothing was solved.
   if (job.row.traits.empty() && !made.nothing.empty())
     throw std::runtime_error(labels.scene + ": " + made.nothing);
-  ScoreFile file = score_scene(run, made, job.pipeline,
+  ScoreFile file = score_scene(run, made, job.pipeline(),
                                o.align ? PoseAlignment::similarity : PoseAlignment::none, labels);
   append({.scores = timing_rows(run, labels)}, file);
   if (o.attribution) {
     const Stages own =
-        with_outside(stages_of(job.pipeline, run.capture, o.seed, job.sources, scene),
+        with_outside(stages_of(job.pipeline(), run.capture, o.seed, job.sources, scene),
                      stages_from_truth(job, run), job.row);
-    const auto steps = attribute(run, job.pipeline, own, labels, &made.estimate, progress);
+    const auto steps = attribute(run, job.pipeline(), own, labels, &made.estimate, progress);
     append({.scores = attribution_rows(steps, job.row.traits, labels)}, file);
   }
   if (scene == 0) {
-    report.scenes = {page_scene(labels.scene, run, made, job.pipeline, estimate_dir)};
+    report.scenes = {page_scene(labels.scene, run, made, job.pipeline(), estimate_dir)};
     append({.scores = left_out_rows(job, o.seed, labels)}, file);
   }
   return file;
@@ -310,16 +308,16 @@ bool run_scenes(const JobContext& context, const RunJob& job, const fs::path& pa
 
 SeedsReport begin_report(const JobContext& context, const RunJob& job, bool by_colmap) {
   SeedsReport report;
-  report.title = "Cousin: " + job.entry.name;
-  if (pipeline_of_scene(job.entry.name) != &job.row)
+  report.title = "Cousin: " + job.entry.name();
+  if (pipeline_of_scene(job.entry.text.name) != &job.row)
     report.title += ", pipeline " + std::string(job.row.name);
-  report.summary = page_summary(job.pipeline);
+  report.summary = page_summary(job.pipeline());
   report.command_line = context.command_line;
-  report.config_toml = job.scene.toml;
+  report.config_toml = resolved_toml(job.config);
   report.plan = describe(plan_of(context.options, job));
   ScoreHeader& header = report.scores.header;
   header.program_version = COUSIN_VERSION;
-  header.config_hash = job.scene.hash(context.options.seed);
+  header.config_hash = config_hash(job.config, context.options.seed);
   header.machine = machine_text();
   header.more["command"] = context.command_line;
   header.more["title"] = report.title;
@@ -356,7 +354,7 @@ ExitCode run_whole(const JobContext& context, const RunJob& job) {
   check_run_folder(job.out, job.key, o.scenes);
   const bool by_colmap = asks_sfm(o, job);
   if (by_colmap) require_sfm();
-  for (const std::string& warning : job.scene.warnings())
+  for (const std::string& warning : user_mesh_warnings(job.config))
     context.progress.line("warning: " + warning);
   OutputFolder folder = run_folder(job.out, job.key, o.scenes);
   SeedsReport report = begin_report(context, job, by_colmap);
@@ -399,16 +397,16 @@ std::string pipelines_of_anything(const std::string& scene) {
 /// Of a scene that can be rendered only: its keys and its plan.
 ExitCode run_without_pipeline(const JobContext& context, const SceneEntry& entry) {
   const Options& o = context.options;
-  const std::string none = "scene \"" + entry.name + "\" has no pipeline of its own yet; " +
-                           pipelines_of_anything(entry.name);
+  const std::string none = "scene \"" + entry.name() + "\" has no pipeline of its own yet; " +
+                           pipelines_of_anything(entry.name());
   refuse_given(o, {"--method", "--stage", "--attribution", "--gate", "--pipeline-config"},
                "is not read: " + none);
   refuse_whole_scene_options(o);
-  const SceneJob job = configure(o, entry, nullptr);
+  const RunConfig config = configure(o, entry, std::nullopt);
   if (o.keys) {
-    std::printf("%s", job.keys.c_str());
+    std::printf("%s", keys_text(config).c_str());
   } else if (o.plan) {
-    std::vector<PlanEntry> plan = job.plan();
+    std::vector<PlanEntry> plan = simulator_plan(config);
     plan.push_back({"perceive", false, "there is no pipeline for this scene yet"});
     plan.push_back({"score", false, "there is no estimate"});
     print_plan(o, plan);
@@ -428,7 +426,7 @@ ExitCode command_run(const JobContext& context) {
   refuse_foreign_options(o, *row);
   const RunJob job = run_job(o, entry, *row);
   if (o.keys) {
-    std::printf("%s", job.scene.keys.c_str());
+    std::printf("%s", keys_text(job.config).c_str());
     return ExitCode::done;
   }
   if (o.plan) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "benchmarks/loop/simulator_plan.h"
+#include "benchmarks/loop/rig_sight.h"
 #include "benchmarks/loop/truth_stages.h"
 
 namespace cousin {
@@ -13,29 +13,13 @@ TruthNeeds planned_truth(const PipelineConfig& pipeline, bool attribution) {
   return attribution || reads_truth ? truth_stage_needs() : TruthNeeds{};
 }
 
-TruthNeeds planned_truth(bool attribution) {
-  return planned_truth(SeedsPipelineConfig{}, attribution);
-}
-
 namespace {
 
-/// Longest readout of a rig's colour cameras.
-double readout_s(const DeviceConfig& rig) {
-  if (const auto* phone = std::get_if<PhoneConfig>(&rig)) return phone->readout_s;
-  if (const auto* device = std::get_if<ActiveStereoConfig>(&rig))
-    return device->color.photosites.readout_s;
-  const auto* range = std::get_if<RangeRigConfig>(&rig);
-  double longest_s = 0;
-  for (const RigSensor& sensor : range ? range->body.sensors : std::get<RigConfig>(rig).sensors)
-    longest_s = std::max(longest_s, sensor.camera.photosites.readout_s);
-  return longest_s;
-}
-
 /// Which renderer makes the light, and how much it spends.
-std::string renderer_of(const SeedsRunConfig& config) {
+std::string renderer_of(const RunConfig& config) {
   if (config.radiance == RadianceBy::cached) {
-    return "cached, " + std::to_string(config.render.pixel_samples) + " samples a pixel, " +
-           std::to_string(config.render.edge_samples) + " at edges";
+    return "cached, " + std::to_string(config.cached.pixel_samples) + " samples a pixel, " +
+           std::to_string(config.cached.edge_samples) + " at edges";
   }
   const PathConfig& paths = config.paths;
   std::string text = "paths, " + std::to_string(paths.pixel_samples) + " samples a pixel";
@@ -43,35 +27,40 @@ std::string renderer_of(const SeedsRunConfig& config) {
   return text;
 }
 
-void add_rig_passes(const SeedsRunConfig& config, const StreamReader* reader,
-                    std::vector<PlanEntry>& plan) {
+/// Why light is cached, or is not.
+std::string why_cached(const RunConfig& config) {
+  if (config.radiance == RadianceBy::cached)
+    return "the scene is static: diffuse light is computed once for all views";
+  const std::string_view why = row_of(config.scene).why_paths;
+  return why.empty() ? "render.by = paths: each pixel follows its own" : std::string(why);
+}
+
+void add_rig_passes(const RunConfig& config, Reader reader, std::vector<PlanEntry>& plan) {
   const Streams there_are = streams_of(config.rig);
-  const Streams streams = streams_for(config.streams, there_are, config.scene.rig, reader);
-  const bool is_dataset = reader == nullptr;
-  const Streams needed = is_dataset ? Streams{} : reader->needed;
+  const Streams streams = planned_streams(config, reader);
+  const bool is_dataset = reader == Reader::anybody || !config.pipeline;
+  const Streams needed = is_dataset ? Streams{} : needed_streams(*config.pipeline);
   const std::string nobody =
       is_dataset ? "streams=" + config.streams + " leaves out " : "no stage reads ";
   const bool light = streams.color || streams.raw;
   const auto add = [&](const char* pass, bool runs, const std::string& why) {
     plan.push_back({pass, runs, why});
   };
-  const std::string rig = "rig " + config.scene.rig;
+  const std::string rig = "rig " + config.scene.rig();
   const auto why = [&](bool runs, bool is_needed, const std::string& what) {
     if (!runs) return nobody + what;
     if (is_dataset && config.streams == "auto")
       return "a dataset holds all that the rig has: " + what;
     return (is_needed ? "the pipeline reads " : "asked for: ") + what;
   };
-  const bool rolling = readout_s(config.rig) > 0;
+  const bool rolling = sight_of(config.rig).readout_s > 0;
   add("row poses", light && rolling,
       !light    ? nobody + "colour"
       : rolling ? "a rolling shutter: each row is read where the rig is then"
                 : rig + " has a global shutter: one pose an image");
   const bool by_paths = config.radiance == RadianceBy::paths;
   add("light cache", light && !by_paths,
-      !light     ? "no light is traced: " + nobody + "colour"
-      : by_paths ? "radiance = paths: each pixel follows its own"
-                 : "the scene is static: diffuse light is computed once for all views");
+      light ? why_cached(config) : "no light is traced: " + nobody + "colour");
   add("radiance", light,
       why(light, needed.color || needed.raw, "colour") + (light ? "; " + renderer_of(config) : ""));
   add("sensor", light, light ? "lens, noise and processing of the camera" : nobody + "colour");
@@ -92,31 +81,22 @@ void add_rig_passes(const SeedsRunConfig& config, const StreamReader* reader,
 
 }  // namespace
 
-Streams left_out_streams(const SeedsRunConfig& config) {
-  const Streams there_are = streams_of(config.rig), streams = planned_streams(config);
-  return {.color = there_are.color && !streams.color,
-          .raw = there_are.raw && !streams.raw,
-          .infrared = there_are.infrared && !streams.infrared,
-          .depth = there_are.depth && !streams.depth};
-}
-
-std::vector<PlanEntry> simulator_plan(const SeedsRunConfig& config, const StreamReader* reader) {
+std::vector<PlanEntry> simulator_plan(const RunConfig& config, Reader reader) {
+  const PhysicsUse physics = physics_of(config.scene);
   std::vector<PlanEntry> plan;
-  const bool sphere = config.scene.sphere;
-  plan.push_back({"scene", true, "board, screen, specimens"});
-  plan.push_back(
-      {"physics", !sphere,
-       sphere ? "a sphere is placed on the board" : "seeds are dropped and settle on the board"});
-  plan.push_back({"motion", false, "the scene is static: nothing in it has samples over time"});
+  plan.push_back({"scene", true, std::string(row_of(config.scene).shows)});
+  plan.push_back({"physics", physics.runs, physics.why});
+  plan.push_back({"motion", physics.moves,
+                  physics.moves ? "each picture has rays over its own exposure"
+                                : "nothing moves while pictures are taken"});
   add_rig_passes(config, reader, plan);
   return plan;
 }
 
-std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution,
-                                  const std::vector<StageSource>& sources) {
-  const StreamReader own = reader_of(config.pipeline);
-  std::vector<PlanEntry> plan = simulator_plan(config, &own);
-  add_pipeline_plan(config.pipeline, attribution, sources, plan);
+std::vector<PlanEntry> run_plan(const RunConfig& config, bool attribution,
+                                const std::vector<StageSource>& sources) {
+  std::vector<PlanEntry> plan = simulator_plan(config);
+  if (config.pipeline) add_pipeline_plan(*config.pipeline, attribution, sources, plan);
   return plan;
 }
 

@@ -16,24 +16,22 @@ struct PlanEntry {
   std::string why;
 };
 
-/// What `run seeds` does with a configuration: the union of what the pipeline needs and what is
-/// scored.
+/// The simulator's passes alone: what the reader of the images makes it render; anybody: nobody
+/// reads them yet, as in a dataset.
+std::vector<PlanEntry> simulator_plan(const RunConfig& config, Reader reader = Reader::pipeline);
+
+/// What `run` does with a configuration: the union of what the pipeline needs and what is scored.
 /// @param attribution  truth is put into each seam too, which reads true depth and instances
 /// @param sources  stages that the user gives
-std::vector<PlanEntry> seeds_plan(const SeedsRunConfig& config, bool attribution,
-                                  const std::vector<StageSource>& sources = {});
+std::vector<PlanEntry> run_plan(const RunConfig& config, bool attribution,
+                                const std::vector<StageSource>& sources = {});
 
 /// Appends what comes after the simulator: truth images, stages, scores.
 void add_pipeline_plan(const PipelineConfig& pipeline, bool attribution,
                        const std::vector<StageSource>& sources, std::vector<PlanEntry>& plan);
 
-/// The streams that the rig has and the plan leaves out: no pass of theirs runs.
-Streams left_out_streams(const SeedsRunConfig& config);
-
 /// The truth images that the plan renders: those that true seams are made of, and scores of boxes.
 TruthNeeds planned_truth(const PipelineConfig& pipeline, bool attribution);
-/// The same of the pipeline of seeds.
-TruthNeeds planned_truth(bool attribution);
 
 std::string describe(const std::vector<PlanEntry>& plan);
 

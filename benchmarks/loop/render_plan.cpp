@@ -77,17 +77,18 @@ std::vector<PlannedPicture> planned_pictures(const DeviceConfig& rig, const Stre
   return pictures;
 }
 
-RenderPlan render_plan(const SceneJob& job, const TruthNeeds& truth, int scenes, int views,
+RenderPlan render_plan(const RunConfig& config, const TruthNeeds& truth, int scenes, int views,
                        const std::filesystem::path& dataset) {
   RenderPlan plan;
   plan.scenes = scenes;
   plan.views = views;
-  plan.views_of_all = scenes * job.views;
+  plan.views_of_all = scenes * config.scene.views();
   plan.dataset = dataset;
-  plan.pictures = planned_pictures(job.rig, job.streams);
+  const Streams streams = planned_streams(config);
+  plan.pictures = planned_pictures(config.rig, streams);
   for (const PlannedPicture& each : plan.pictures) plan.picture_bytes += each.bytes * views;
-  plan.passes = job.plan();
-  const auto there_is = truth_names(truth_there_is(job.rig, job.streams));
+  plan.passes = simulator_plan(config);
+  const auto there_is = truth_names(truth_there_is(config.rig, streams));
   const auto chosen = truth_names(truth);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const auto& [name, is_chosen] = chosen[i];

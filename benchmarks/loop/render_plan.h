@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/loop/scene_table.h"
+#include "benchmarks/loop/plan.h"
 
 namespace cousin {
 
@@ -29,7 +29,7 @@ struct RenderPlan {
   std::vector<PlanEntry> passes;
 };
 /// @param truth  images of the truth that are written  @param views  of this shard
-RenderPlan render_plan(const SceneJob& job, const TruthNeeds& truth, int scenes, int views,
+RenderPlan render_plan(const RunConfig& config, const TruthNeeds& truth, int scenes, int views,
                        const std::filesystem::path& dataset);
 
 /// Lines for people: what is rendered and written, what runs, what is left out and why.

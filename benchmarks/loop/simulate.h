@@ -8,6 +8,7 @@
 
 #include "benchmarks/loop/run_config.h"
 #include "sim/dataset/truth_io.h"
+#include "sim/render/truth_pass.h"
 #include "sim/types/capture.h"
 #include "sim/types/seams.h"
 
@@ -16,30 +17,31 @@ namespace cousin {
 /// Called as work goes on: what is being done, steps finished, steps in all.
 using Progress = std::function<void(const std::string& what, int done, int total)>;
 
-/// One scene of the virtual world, ready to be photographed. A frame is a pure function of
-/// (configuration, seed, scene index, frame index): any subset may be rendered, in any order.
-class SeedsSimulation {
+/// One scene of the virtual world, ready to be photographed. Where something moves, each frame has
+/// rays over its own exposures. A frame is a pure function of (configuration, seed, scene index,
+/// frame index): any subset may be rendered, in any order.
+class Simulation {
  public:
-  /// Builds and settles the scene, draws the rig's unit. Cached light is computed on the first
-  /// photograph.
-  SeedsSimulation(const SeedsRunConfig& config, std::uint64_t seed, int scene_index);
-  ~SeedsSimulation();
-  SeedsSimulation(SeedsSimulation&&) noexcept;
+  /// Builds the scene, lets it settle, draws the rig's unit. What the light needs is computed on
+  /// the first photograph.
+  Simulation(const RunConfig& config, std::uint64_t seed, int scene_index);
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
 
   const Scene& scene() const;
-  const RayScene& rays() const;
+  const RayScene& rays() const;  ///< of the scene at rest
+  const RigCapture& rig() const;
   const std::vector<TrueView>& views() const;  ///< of the rig's first sensor
 
-  /// Linear radiance of one view, before the sensor, by the renderer that the configuration names.
-  /// `repeat` draws other Monte-Carlo samples of the same view and of the light cache, to measure
-  /// the renderer's own noise.
+  /// Linear radiance of one view of a still scene, before the sensor, by the renderer that the
+  /// configuration names. `repeat` draws other Monte-Carlo samples of the same view and of the
+  /// light cache, to measure the renderer's own noise.
   Image<Rgbf> radiance(int frame, std::uint64_t repeat = 0) const;
-  const RigCapture& rig() const;
-  /// The same for a rig; the first call fills the light cache. The simulation must outlive it.
-  RadianceRenderer renderer() const;
   /// What the rig hands over for one view, of the streams asked for, and what is true of its depth.
   /// @param repeat  another number: the same with other noise of the colour
-  RigFrame take(int frame, const Streams& streams, std::uint64_t repeat = 0) const;
+  /// @param light_time  where there is one, adds the seconds of the renderer
+  RigFrame take(int frame, const Streams& streams, std::uint64_t repeat = 0,
+                StageTiming* light_time = nullptr) const;
   /// What the first sensor sees. The depth sensor's truth comes with take().
   TruthImages truth(int frame, const TruthNeeds& needs) const;
 
@@ -52,6 +54,9 @@ class SeedsSimulation {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// The scene that a run builds, before any photograph.
+Scene built_scene(const RunConfig& config, std::uint64_t seed, int scene_index);
 
 /// What the rig's first sensor sees in one frame, of what is asked for; the depth sensor's truth
 /// comes with RigCapture::take.
@@ -66,11 +71,7 @@ struct SimulatedRun {
   std::vector<StageTiming> timings;
   StageTiming radiance;  ///< part of `render`: "radiance_by_cached" or "radiance_by_paths"
 };
-SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, int scene_index,
-                            const TruthNeeds& needs, const Progress& progress = {});
-/// The same of the streams that are asked for.
-SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, int scene_index,
-                            const Streams& streams, const TruthNeeds& needs,
-                            const Progress& progress = {});
+SimulatedRun simulate(const RunConfig& config, std::uint64_t seed, int scene_index,
+                      const TruthNeeds& needs, const Progress& progress = {});
 
 }  // namespace cousin

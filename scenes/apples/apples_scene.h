@@ -7,6 +7,7 @@
 #include "scenes/apples/apple_tree.h"
 #include "scenes/apples/orchard.h"
 #include "scenes/fruit/rig_eye.h"
+#include "scenes/row/scene_row.h"
 #include "sim/config/fields.h"
 #include "sim/physics/wind.h"
 #include "sim/truth/scene.h"
@@ -74,5 +75,19 @@ std::string rests_to_text(const std::vector<SagResult>& rests);
 std::vector<SagResult> rests_from_text(std::string_view text, const std::string& name,
                                        const std::vector<HangingBranch>& branches);
 std::string description_of_tree(const ApplesSceneConfig& config);
+
+// ---- Its row -----------------------------------------------------------------------------------
+
+Scene build_scene(const ApplesSceneConfig& config, const SceneBuild& which);
+void see(ApplesSceneConfig& config, const RigSight& sight);
+std::string* cache_folder(ApplesSceneConfig& config);
+PhysicsUse physics_of(const ApplesSceneConfig& config);
+
+/// All that decides the branches of a run's tree at rest.
+std::string tree_key(const ApplesSceneConfig& config, const SceneBuild& which);
+/// Branches at rest: those that `which` keeps, or settled, and then kept.
+BranchSettler tree_settler(const ApplesSceneConfig& config, const SceneBuild& which);
+const SceneRow& apples_row();
+const SceneRow& row_of(const ApplesSceneConfig& config);
 
 }  // namespace cousin

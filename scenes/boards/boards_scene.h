@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scenes/boards/board_model.h"
+#include "scenes/row/scene_row.h"
 #include "sim/config/fields.h"
 #include "sim/truth/scene.h"
 #include "sim/types/calibration_target.h"
@@ -74,5 +75,12 @@ Scene build_boards_scene(const BoardsSceneConfig& config, Rng rng);
 std::vector<Pose> board_poses(const BoardsSceneConfig& config,
                               const std::function<bool(const Pose& camera_from_board)>& is_free,
                               Rng rng);
+
+// ---- Its row -----------------------------------------------------------------------------------
+
+Scene build_scene(const BoardsSceneConfig& config, const SceneBuild& which);
+void see(BoardsSceneConfig& config, const RigSight& sight);
+const SceneRow& boards_row();
+const SceneRow& row_of(const BoardsSceneConfig& config);
 
 }  // namespace cousin

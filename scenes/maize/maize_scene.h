@@ -5,6 +5,7 @@
 
 #include "scenes/limbs/scene_wind.h"
 #include "scenes/maize/maize_plant.h"
+#include "scenes/row/scene_row.h"
 #include "sim/config/fields.h"
 #include "sim/truth/scene.h"
 #include "sim/types/rng.h"
@@ -36,5 +37,11 @@ Scene build_maize_scene(const MaizeSceneConfig& config, Rng rng);
 
 /// Views of the middle plant. @param height_m  of that plant
 std::vector<View> maize_views(const MaizeSceneConfig& config, double height_m, Rng rng);
+
+// ---- Its row -----------------------------------------------------------------------------------
+
+Scene build_scene(const MaizeSceneConfig& config, const SceneBuild& which);
+const SceneRow& maize_row();
+const SceneRow& row_of(const MaizeSceneConfig& config);
 
 }  // namespace cousin

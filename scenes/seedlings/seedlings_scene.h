@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "scenes/limbs/scene_wind.h"
+#include "scenes/row/scene_row.h"
 #include "scenes/seedlings/tray.h"
 #include "scenes/seedlings/watermelon.h"
 #include "sim/config/fields.h"
@@ -41,5 +42,13 @@ Scene build_seedlings_scene(const SeedlingsSceneConfig& config, Rng rng);
 /// Hand-held photographs: distance, tilt, azimuth and the point looked at are drawn at random, in
 /// strata where coverage is 1.
 std::vector<View> seedling_views(const SeedlingsSceneConfig& config, Rng rng);
+
+// ---- Its row -----------------------------------------------------------------------------------
+
+Scene build_scene(const SeedlingsSceneConfig& config, const SceneBuild& which);
+std::vector<std::string> shared_plants(const SeedlingsSceneConfig& config, int index);
+bool is_series(const SeedlingsSceneConfig& config);
+const SceneRow& seedlings_row();
+const SceneRow& row_of(const SeedlingsSceneConfig& config);
 
 }  // namespace cousin

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/row/scene_row.h"
 #include "scenes/seeds/variation.h"
 #include "sim/config/fields.h"
 #include "sim/geometry/user_mesh.h"
@@ -66,5 +67,17 @@ SeedModel make_seed(const std::string& cultivar, SizeSpread spread, Rng rng,
 Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
                         const std::optional<UserMesh>& user_mesh = {},
                         const std::optional<Environment>& environment = {});
+
+// ---- Its row -----------------------------------------------------------------------------------
+
+Scene build_scene(const SeedsSceneConfig& config, const SceneBuild& which);
+std::vector<UserFile> user_files(const SeedsSceneConfig& config);
+PhysicsUse physics_of(const SeedsSceneConfig& config);
+void check_movable(const SeedsSceneConfig& config, const CousinDistance& distance);
+/// The file of the user's own mesh; "" if the scene grows its specimens. @throws
+/// std::invalid_argument if `specimen` is something else than "mesh:FILE".
+std::string specimen_file(const SeedsSceneConfig& config);
+const SceneRow& seeds_row();
+const SceneRow& row_of(const SeedsSceneConfig& config);
 
 }  // namespace cousin

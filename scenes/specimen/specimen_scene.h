@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/row/scene_row.h"
 #include "sim/config/fields.h"
 #include "sim/geometry/user_mesh.h"
 #include "sim/truth/scene.h"
@@ -60,5 +61,12 @@ void validate(const SpecimenSceneConfig& config);
 /// @throws std::runtime_error naming the file, its size and the limits where it is too small or
 /// too large, as a plant in millimetres is; and where needs_volume is set, why it has none.
 Scene build_specimen_scene(const SpecimenSceneConfig& config, const UserMesh& user, Rng rng);
+
+// ---- Its row -----------------------------------------------------------------------------------
+
+Scene build_scene(const SpecimenSceneConfig& config, const SceneBuild& which);
+std::vector<UserFile> user_files(const SpecimenSceneConfig& config);
+const SceneRow& specimen_row();
+const SceneRow& row_of(const SpecimenSceneConfig& config);
 
 }  // namespace cousin

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "scenes/fruit/rig_eye.h"
+#include "scenes/row/scene_row.h"
 #include "scenes/strawberries/stand_motion.h"
 #include "scenes/strawberries/strawberry_bed.h"
 #include "scenes/strawberries/strawberry_plant.h"
@@ -73,5 +74,26 @@ int maturity_of(double red_share);
 double plants_in_fruits_m(const Scene& scene);
 /// The same of sepals in the fruits beside theirs.
 double sepals_in_fruits_m(const Scene& scene);
+
+// ---- Its row -----------------------------------------------------------------------------------
+
+Scene build_scene(const StrawberriesSceneConfig& config, const SceneBuild& which);
+void see(StrawberriesSceneConfig& config, const RigSight& sight);
+std::vector<std::string> shared_plants(const StrawberriesSceneConfig& config, int index);
+std::string* cache_folder(StrawberriesSceneConfig& config);
+PhysicsUse physics_of(const StrawberriesSceneConfig& config);
+
+/// The stream of a stretch: what grows on it.
+Rng stretch_rng(std::uint64_t seed, int plant);
+/// All that decides stretch number `plant` of a run at rest.
+std::string stand_key(const StrawberriesSceneConfig& config, std::uint64_t seed, int plant);
+/// It at rest: as `rests` keeps it, or settled, and then kept. The same bytes either way.
+/// @param rests  null: nothing is kept
+/// @throws std::runtime_error naming the file, what in it is wrong and the limit if it is damaged
+/// or of another stretch; and as settle_stand.
+StandRest stand_at_rest(const StrawberriesSceneConfig& config, std::uint64_t seed, int plant,
+                        const RestStore* rests);
+const SceneRow& strawberries_row();
+const SceneRow& row_of(const StrawberriesSceneConfig& config);
 
 }  // namespace cousin

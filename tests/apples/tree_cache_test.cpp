@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "benchmarks/loop/stand_cache.h"
+#include "benchmarks/loop/rest_folder.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/apples/small_orchard.h"
 
@@ -24,14 +24,19 @@ class TreeCache : public testing::Test {
     if (!config.cache.empty()) fs::remove_all(config.cache);
   }
   Scene build(std::uint64_t seed) const {
-    return build_apples_scene(config, Rng(seed), tree_settler(config, seed, 0));
+    const RestFolder kept(config.cache);
+    return build_apples_scene(config, Rng(seed),
+                              tree_settler(config, {.seed = seed, .rests = &kept}));
+  }
+  static fs::path file_of(const ApplesSceneConfig& config, std::uint64_t seed, int index) {
+    return RestFolder(config.cache).file(tree_key(config, {.seed = seed, .index = index}), ".tree");
   }
   ApplesSceneConfig config = small_orchard();
 };
 
 TEST_F(TreeCache, TheSceneIsTheSameFromTheFolderAsFresh) {
   const Scene fresh = build(1);
-  const fs::path file = tree_file(config, 1, 0);
+  const fs::path file = file_of(config, 1, 0);
   ASSERT_TRUE(fs::exists(file));
   const Scene kept = build(1);
   ASSERT_EQ(kept.instances.size(), fresh.instances.size());
@@ -43,20 +48,20 @@ TEST_F(TreeCache, TheSceneIsTheSameFromTheFolderAsFresh) {
   // What decides it names it.
   ApplesSceneConfig other = config;
   other.fuji.mass_kg *= 1.01;
-  EXPECT_NE(tree_file(other, 1, 0), file);
-  EXPECT_NE(tree_file(config, 2, 0), file);
-  EXPECT_NE(tree_file(config, 1, 1), file);
+  EXPECT_NE(file_of(other, 1, 0), file);
+  EXPECT_NE(file_of(config, 2, 0), file);
+  EXPECT_NE(file_of(config, 1, 1), file);
   // What does not, does not.
   other = config;
   other.light = "back";
   other.views = 1;
   other.orchard.ground.grass_m = 0.05;
-  EXPECT_EQ(tree_file(other, 1, 0), file);
+  EXPECT_EQ(file_of(other, 1, 0), file);
 }
 
 TEST_F(TreeCache, ADamagedFileIsAnErrorThatNamesIt) {
   build(2);
-  const fs::path file = tree_file(config, 2, 0);
+  const fs::path file = file_of(config, 2, 0);
   const std::string whole = read_file(file);
   for (const std::string& bytes : {std::string(), whole.substr(0, 500), whole + "x",
                                    std::string(whole).replace(200, 1, "#")}) {

@@ -8,11 +8,12 @@
 #include <set>
 #include <stdexcept>
 
-#include "benchmarks/loop/plant_run.h"
+#include "benchmarks/loop/run_config.h"
 #include "benchmarks/suites/calibration/board_photographs.h"
 #include "benchmarks/suites/calibration/calibration_errors.h"
 #include "benchmarks/suites/calibration/study_points.h"
 #include "calibration/target_detection.h"
+#include "scenes/boards/boards_scene.h"
 
 namespace cousin {
 namespace {
@@ -156,7 +157,7 @@ TEST(Studies, EveryPointHasAJobOfItsOwnAndKeysThatExist) {
       std::vector<std::string> sets = study_sets();
       sets.insert(sets.end(), point.sets.begin(), point.sets.end());
       sets.insert(sets.end(), point.sensor_sets.begin(), point.sensor_sets.end());
-      EXPECT_NO_THROW(plant_run_config(BoardsSceneConfig(), sets)) << point.name();
+      EXPECT_NO_THROW(run_config(boards_row(), sets)) << point.name();
     }
   }
 }
@@ -181,8 +182,8 @@ TEST(Studies, EachPointIsInOneGroupThatTakesItsPhotographs) {
         for (const auto* more : {&point.sets, &point.sensor_sets})
           own.insert(own.end(), more->begin(), more->end());
         of_group.insert(of_group.end(), group.sensors[sensor].begin(), group.sensors[sensor].end());
-        EXPECT_EQ(resolved_toml(plant_run_config(BoardsSceneConfig(), own)),
-                  resolved_toml(plant_run_config(BoardsSceneConfig(), of_group)))
+        EXPECT_EQ(resolved_toml(run_config(boards_row(), own)),
+                  resolved_toml(run_config(boards_row(), of_group)))
             << point.name();
       }
     }

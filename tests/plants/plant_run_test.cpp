@@ -1,40 +1,94 @@
-#include "benchmarks/loop/plant_run.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
+
+#include "benchmarks/loop/run_config.h"
+#include "scenes/apples/apples_scene.h"
+#include "scenes/boards/boards_scene.h"
+#include "scenes/maize/maize_scene.h"
+#include "scenes/seedlings/seedlings_scene.h"
+#include "scenes/seeds/seeds_scene.h"
+#include "scenes/specimen/specimen_scene.h"
+#include "scenes/strawberries/strawberries_scene.h"
 
 namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
 
-TEST(PlantRun, EveryScenesResolvedConfigurationReadsBackAsItIs) {
-  const std::vector<std::pair<const char*, PlantSceneConfig>> scenes = {
-      {"seedlings", SeedlingsSceneConfig()}, {"maize", MaizeSceneConfig()},
-      {"apples", ApplesSceneConfig()},       {"boards", BoardsSceneConfig()},
-      {"specimen", SpecimenSceneConfig()},   {"strawberries", StrawberriesSceneConfig()}};
-  for (const auto& [name, scene] : scenes) {
+TEST(RunConfig, EveryScenesResolvedConfigurationReadsBackAsItIs) {
+  for (const SceneRow* row : {&seeds_row(), &seedlings_row(), &maize_row(), &apples_row(),
+                              &boards_row(), &specimen_row(), &strawberries_row()}) {
+    const std::string name(row->text.name);
     std::vector<std::string> sets = {"views=3"};
-    if (std::holds_alternative<SpecimenSceneConfig>(scene)) {
+    if (name == "specimen") {
       const fs::path mesh = fs::path(testing::TempDir()) / "plant_run_cube.obj";
       std::ofstream(mesh) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
       sets.push_back("mesh=" + mesh.string());
     }
-    const PlantRunConfig config = plant_run_config(scene, sets);
-    const fs::path file =
-        fs::path(testing::TempDir()) / ("plant_run_" + std::string(name) + ".toml");
+    const RunConfig config = run_config(*row, sets);
+    const fs::path file = fs::path(testing::TempDir()) / ("plant_run_" + name + ".toml");
     std::ofstream(file) << resolved_toml(config);
-    PlantRunConfig back;
-    ASSERT_NO_THROW(back = plant_run_config(scene, {}, file)) << name;
+    RunConfig back = config;
+    ASSERT_NO_THROW(back = run_config(*row, {}, file)) << name;
     EXPECT_EQ(resolved_toml(back), resolved_toml(config)) << name;
     EXPECT_EQ(config_hash(back, 1), config_hash(config, 1)) << name;
     fs::remove(file);
   }
+}
+
+/// What is read from the text of a file.
+RunConfig from_text(const SceneRow& row, const std::string& text) {
+  const fs::path file = fs::path(testing::TempDir()) / "run_config_text.toml";
+  std::ofstream(file) << text;
+  RunConfig config = run_config(row, {}, file);
+  fs::remove(file);
+  return config;
+}
+
+TEST(RunConfig, RenderByDecidesWhatRenderHoldsInEveryScene) {
+  const RunConfig seeds = run_config(seeds_row(), {"render.edge_samples=16"});
+  EXPECT_EQ(seeds.cached.edge_samples, 16);
+  const RunConfig traced = run_config(seeds_row(), {"render.pixel_samples=24", "render.by=paths"});
+  EXPECT_EQ(traced.radiance, RadianceBy::paths);
+  EXPECT_EQ(traced.paths.pixel_samples, 24);
+  EXPECT_EQ(traced.paths.max_bounces, 5);
+  const RunConfig maize = run_config(maize_row(), {"render.pixel_samples=9"});
+  EXPECT_EQ(maize.paths.pixel_samples, 9);
+  EXPECT_THROW(run_config(seeds_row(), {"render.by=paths", "render.edge_samples=16"}),
+               std::invalid_argument);
+  try {
+    run_config(maize_row(), {"render.by=cached"});
+    ADD_FAILURE() << "leaves are cached";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("leaves let light through"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_THROW(from_text(maize_row(), "[render]\nby = \"cached\"\n"), std::runtime_error);
+}
+
+TEST(RunConfig, FilesOfEarlierVersionsAreRead) {
+  const RunConfig seeds = from_text(seeds_row(),
+                                    "[capture]\nradiance = \"paths\"\n[render]\nedge_samples = "
+                                    "16\n[paths]\npixel_samples = 12\n");
+  EXPECT_EQ(seeds.radiance, RadianceBy::paths);
+  EXPECT_EQ(seeds.paths.pixel_samples, 12);
+  EXPECT_EQ(seeds.cached.edge_samples, 16);
+  const RunConfig maize = from_text(maize_row(), "[render]\npixel_samples = 7\n");
+  EXPECT_EQ(maize.paths.pixel_samples, 7);
+}
+
+TEST(RunConfig, TheTableOfAPipelineIsReadWhereNobodyReadsTheImagesAndItsMistakesAreSaid) {
+  const RunConfig config =
+      from_text(seeds_row(), "[scene]\nviews = 7\n[pipeline]\nmethod = \"paper\"\n");
+  EXPECT_EQ(config.scene.views(), 7);
+  EXPECT_FALSE(config.pipeline.has_value());
+  EXPECT_THROW(from_text(seeds_row(), "[pipeline]\nmethod = \"paper\"\nno_such_key = 1\n"),
+               std::runtime_error);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/geometry/mesh_io.h"
 #include "tests/dataset/temporary_folder.h"
@@ -17,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-SeedsRunConfig small_scene(const std::vector<std::string>& more = {}) {
+RunConfig small_scene(const std::vector<std::string>& more = {}) {
   std::vector<std::string> sets = {"sphere=true",
                                    "views=2",
                                    "rig.width_px=160",
@@ -98,7 +99,7 @@ TEST_F(CaptureStore, AnotherMeshInTheSameFileIsRenderedAnew) {
   Mesh mesh{{{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.01}},
             {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   write_ply(file, mesh);
-  const SeedsRunConfig config = small_scene({"specimen=mesh:" + file.string()});
+  const RunConfig config = small_scene({"specimen=mesh:" + file.string()});
   stored_seeds(folder_, config, 5, 1, {}, counter());
   stored_seeds(folder_, config, 5, 1, {}, counter());
   EXPECT_EQ(rendered_, 2);

@@ -12,6 +12,7 @@
 #include "benchmarks/loop/perceive.h"
 #include "benchmarks/loop/plan.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/simulate.h"
 #include "benchmarks/loop/truth_stages.h"
 #include "benchmarks/suites/seeds/suite.h"
@@ -44,7 +45,7 @@ const std::vector<std::string>& small_scene() {
 }
 
 /// The least views and pixels that measure both seeds.
-SeedsRunConfig measured_scene(const std::vector<std::string>& more = {}) {
+RunConfig measured_scene(const std::vector<std::string>& more = {}) {
   std::vector<std::string> sets = small_scene();
   sets.insert(sets.end(), {"views=18", "rig.width_px=960", "rig.height_px=540"});
   sets.insert(sets.end(), more.begin(), more.end());
@@ -53,7 +54,7 @@ SeedsRunConfig measured_scene(const std::vector<std::string>& more = {}) {
 
 SimulatedRun simulate(std::size_t threads, const TruthNeeds& needs = {}) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  return simulate_seeds(seeds_run_config(small_scene()), 3, 0, needs);
+  return simulate(seeds_run_config(small_scene()), 3, 0, needs);
 }
 
 fs::path fresh_folder(const std::string& name) {
@@ -114,8 +115,8 @@ TEST(ClosedLoop, ThroughFilesAndWithoutTruthGivesTheBytesOfMemory) {
 }
 
 TEST(ClosedLoop, AFrameDoesNotDependOnWhichFramesCameBefore) {
-  const SeedsRunConfig config = seeds_run_config(small_scene());
-  const SeedsSimulation simulation(config, 3, 0);
+  const RunConfig config = seeds_run_config(small_scene());
+  const Simulation simulation(config, 3, 0);
   const Frame late = simulation.take(7, {.color = true}).frame;
   const SimulatedRun run = simulate(2);
   EXPECT_EQ(late.sensors[0].color, run.capture.frames[7].sensors[0].color);
@@ -155,9 +156,9 @@ double worst_length_m(const SeedsScores& scores) {
 }
 
 TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
-  const SeedsRunConfig config = measured_scene();
-  const SimulatedRun run = simulate_seeds(config, 3, 0, {});
-  SeedsPipelineConfig pipeline = config.pipeline;
+  const RunConfig config = measured_scene();
+  const SimulatedRun run = simulate(config, 3, 0, {});
+  SeedsPipelineConfig pipeline = seeds_pipeline(config);
   const SeedsScores ours = score_run(run.truth, perceive(run.capture, pipeline, 3, {}, 0, {}), {});
   ASSERT_EQ(ours.specimens.size(), 10U);
   EXPECT_LT(worst_length_m(ours), 3e-4);  // a pixel spans 0.37 mm
@@ -202,13 +203,13 @@ TEST(ClosedLoop, RenderedSeedsAreFoundAndMeasured) {
 
 // The same steps, starting places and photographs: only their rates differ.
 TEST(ClosedLoop, GaussiansForImagesShowPhotographsBetterThanThoseForSurfaces) {
-  const SeedsRunConfig config =
+  const RunConfig config =
       seeds_run_config({"seeds=2", "views=9", "rig.width_px=640", "rig.height_px=360",
                         "ring_distances_m=[0.30, 0.30, 0.30]", "render.irradiance_samples=16",
                         "render.edge_samples=16", "pipeline.splats.steps=300",
                         "pipeline.splats.most_splats=100000"});
-  const SimulatedRun run = simulate_seeds(config, 3, 0, {});
-  const SeedsTrainingTask task = {.run = &run, .pipeline = config.pipeline, .stage_seed = 3};
+  const SimulatedRun run = simulate(config, 3, 0, {});
+  const SeedsTrainingTask task = {.run = &run, .pipeline = seeds_pipeline(config), .stage_seed = 3};
   const auto psnr_db = [](const std::vector<ScoreRow>& rows, const std::string& method) {
     double value = kNaN;
     for (const ScoreRow& row : rows)
@@ -223,10 +224,11 @@ TEST(ClosedLoop, GaussiansForImagesShowPhotographsBetterThanThoseForSurfaces) {
 TEST(ClosedLoop, APlainBoardsFrameIsTurnedToTheTruths) {
   std::vector<std::string> sets = small_scene();
   sets.insert(sets.end(), {"markers=false", "views=3"});
-  const SeedsRunConfig config = seeds_run_config(sets);
-  const SimulatedRun run = simulate_seeds(config, 3, 0, truth_stage_needs());
-  const Estimate exact = run_seeds(run.capture, config.pipeline,
-                                   truth_stages(run, board_of(run.capture, config.pipeline)));
+  const RunConfig config = seeds_run_config(sets);
+  const SimulatedRun run = simulate(config, 3, 0, truth_stage_needs());
+  const Estimate exact =
+      run_seeds(run.capture, seeds_pipeline(config),
+                truth_stages(run, board_of(run.capture, seeds_pipeline(config))));
   for (int count = 0; count < 4; ++count) {
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5 * M_PI * count, Eigen::Vector3d::UnitZ()));
     for (const bool with_poses : {true, false}) {

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "benchmarks/loop/run_config.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/suites/seeds/cousins_suite.h"
 
 namespace cousin {
@@ -12,22 +12,22 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(SeedsCousins, ATwinHasTheReferencesConfigurationAndAnAxisMovesItsOwnPart) {
-  const SeedsRunConfig reference = seeds_run_config({});
+  const RunConfig reference = seeds_run_config({});
   EXPECT_EQ(resolved_toml(cousin_of(reference, 1, 0).config), resolved_toml(reference));
-  const SeedsCousin dark = cousin_of(seeds_run_config({"cousin.light=0.5"}), 1, 0);
-  EXPECT_NE(dark.config.scene.vary.light_contrast, 1);
-  EXPECT_EQ(dark.config.scene.vary.size, 1);
+  const RunCousin dark = cousin_of(seeds_run_config({"cousin.light=0.5"}), 1, 0);
+  EXPECT_NE(seeds_scene(dark.config).vary.light_contrast, 1);
+  EXPECT_EQ(seeds_scene(dark.config).vary.size, 1);
   EXPECT_EQ(dark.changes.size(), 3U);
-  const SeedsCousin noisy = cousin_of(seeds_run_config({"cousin.sensor=1"}), 1, 0);
+  const RunCousin noisy = cousin_of(seeds_run_config({"cousin.sensor=1"}), 1, 0);
   const auto& phone = std::get<PhoneConfig>(noisy.config.rig);
   EXPECT_DOUBLE_EQ(phone.blur_sigma_px, 1.3);
   EXPECT_NE(phone.read_noise_e, std::get<PhoneConfig>(reference.rig).read_noise_e);
 }
 
 TEST(SeedsCousins, EachSceneIsAnotherCousinAndTheSameOneTwice) {
-  const SeedsRunConfig config = seeds_run_config({"cousin.growth=1"});
+  const RunConfig config = seeds_run_config({"cousin.growth=1"});
   const auto size = [&](std::uint64_t seed, int scene) {
-    return cousin_of(config, seed, scene).config.scene.vary.size;
+    return seeds_scene(cousin_of(config, seed, scene).config).vary.size;
   };
   EXPECT_EQ(size(1, 0), size(1, 0));
   EXPECT_NE(size(1, 0), size(1, 1));

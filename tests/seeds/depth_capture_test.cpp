@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "benchmarks/loop/perceive.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/simulate.h"
 #include "benchmarks/loop/truth_choice.h"
 #include "sim/dataset/capture_io.h"
@@ -42,8 +43,8 @@ const std::vector<std::string> kSmallD405 = {"rig=d405", "rig.columns=424", "rig
 
 SimulatedRun simulate(std::vector<std::string> rig, const std::vector<std::string>& more) {
   rig.insert(rig.end(), more.begin(), more.end());
-  const SeedsRunConfig config = seeds_run_config(sphere_with(rig));
-  return simulate_seeds(config, 4, 0, default_truth(planned_streams(config)));
+  const RunConfig config = seeds_run_config(sphere_with(rig));
+  return simulate(config, 4, 0, default_truth(planned_streams(config)));
 }
 
 void expect_same(const Capture& a, const Capture& b) {
@@ -152,10 +153,10 @@ TEST(DepthCaptures, TheBoardIsWhereTheDepthSaysThroughTheReportedCalibration) {
 }
 
 TEST(DepthCaptures, TheZedHandsOverBothEyesAndTheirDisparity) {
-  SeedsRunConfig config =
+  RunConfig config =
       seeds_run_config(sphere_with({"rig=zed_hd720", "rig.rgb.width_px=160", "rig.rgb.height_px=90",
                                     "rig.rgb_right.width_px=160", "rig.rgb_right.height_px=90"}));
-  const SimulatedRun run = simulate_seeds(config, 4, 0, {.disparity = true});
+  const SimulatedRun run = simulate(config, 4, 0, {.disparity = true});
   ASSERT_EQ(run.capture.rig.size(), 2U);
   EXPECT_EQ(run.capture.rig[1].name, "rgb_right");
   for (const SensorFrame& sensor : run.capture.frames[1].sensors)

@@ -4,17 +4,24 @@
 #include <array>
 #include <cmath>
 
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/simulate.h"
 
 namespace cousin {
 namespace {
 
-SeedsRunConfig config_by(const char* radiance) {
+RunConfig config_by(const char* radiance) {
   // A sphere on the board: nothing is dropped. As many bounces of either kind.
-  return seeds_run_config({"sphere=true", "views=3", "rig.width_px=240", "rig.height_px=135",
-                           std::string("radiance=") + radiance, "paths.pixel_samples=32",
-                           "paths.max_bounces=5", "render.max_bounces=4",
-                           "render.irradiance_samples=32"});
+  std::vector<std::string> sets = {"sphere=true", "views=3", "rig.width_px=240",
+                                   "rig.height_px=135"};
+  const std::vector<std::string> own =
+      radiance == std::string("paths")
+          ? std::vector<std::string>{"render.by=paths", "render.pixel_samples=32",
+                                     "render.max_bounces=5"}
+          : std::vector<std::string>{"render.by=cached", "render.irradiance_samples=32",
+                                     "render.max_bounces=4"};
+  sets.insert(sets.end(), own.begin(), own.end());
+  return seeds_run_config(sets);
 }
 
 std::array<double, 3> mean_of(const Image<Rgbf>& image) {
@@ -40,7 +47,7 @@ std::array<double, 3> mean_of(const Image<Rgb8>& image) {
 }
 
 TEST(RadianceChoice, PathsAndCachedLightGiveTheSameMeanRadianceAndPhotograph) {
-  const SeedsSimulation paths(config_by("paths"), 1, 0), cached(config_by("cached"), 1, 0);
+  const Simulation paths(config_by("paths"), 1, 0), cached(config_by("cached"), 1, 0);
   ASSERT_EQ(paths.views().size(), 3U);
   for (const int frame : {0, 2}) {
     const auto a = mean_of(paths.radiance(frame)), b = mean_of(cached.radiance(frame));
@@ -60,18 +67,18 @@ TEST(RadianceChoice, PathsAndCachedLightGiveTheSameMeanRadianceAndPhotograph) {
 
 TEST(RadianceChoice, TheRunSaysWhichRendererRanAndItsTime) {
   for (const char* radiance : {"paths", "cached"}) {
-    SeedsRunConfig config = config_by(radiance);
-    config.scene.views = 1;
+    RunConfig config = config_by(radiance);
+    seeds_scene(config).views = 1;
     config.paths.pixel_samples = 4;
-    config.render.irradiance_samples = 16;
-    config.render.board_texel_m = 0.01;
-    const SimulatedRun run = simulate_seeds(config, 1, 0, {});
+    config.cached.irradiance_samples = 16;
+    config.cached.board_texel_m = 0.01;
+    const SimulatedRun run = simulate(config, 1, 0, {});
     EXPECT_EQ(run.radiance.stage, std::string("radiance_by_") + radiance);
     EXPECT_GT(run.radiance.wall_s, 0);
     for (const StageTiming& timing : run.timings) {
       if (timing.stage == "render") EXPECT_LE(run.radiance.wall_s, timing.wall_s);
     }
-    EXPECT_NE(run.truth.config_toml.find("radiance = \"" + std::string(radiance) + "\""),
+    EXPECT_NE(run.truth.config_toml.find("by = \"" + std::string(radiance) + "\""),
               std::string::npos);
   }
 }

@@ -1,5 +1,3 @@
-#include "benchmarks/loop/run_config.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <variant>
 
 #include "benchmarks/loop/plan.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/stage_files.h"
 #include "benchmarks/loop/truth_choice.h"
 #include "sim/dataset/atomic_file.h"
@@ -26,35 +25,32 @@ std::string refusal_of(const Work& work) {
   return {};
 }
 
-const PhoneConfig& phone_of(const SeedsRunConfig& config) {
-  return std::get<PhoneConfig>(config.rig);
-}
+const PhoneConfig& phone_of(const RunConfig& config) { return std::get<PhoneConfig>(config.rig); }
 
-std::vector<std::string> passes(const SeedsRunConfig& config, bool run) {
+std::vector<std::string> passes(const RunConfig& config, bool run) {
   std::vector<std::string> names;
-  for (const PlanEntry& entry : seeds_plan(config, false)) {
+  for (const PlanEntry& entry : run_plan(config, false)) {
     if (entry.runs == run) names.push_back(entry.pass);
   }
   return names;
 }
 
 TEST(SeedsRunConfig, TheResolvedTextReadsBackToItself) {
-  const SeedsRunConfig config =
+  const RunConfig config =
       seeds_run_config({"cultivar=jimai22", "rig.read_noise_e=3", "pipeline.mvs.neighbours=4"});
-  EXPECT_EQ(config.scene.cultivar, "jimai22");
+  EXPECT_EQ(seeds_scene(config).cultivar, "jimai22");
   EXPECT_EQ(phone_of(config).read_noise_e, 3);
-  SeedsRunConfig copy;
-  std::string radiance;
+  RunConfig copy = seeds_run_config({});
+  std::string by;
   read_toml_text(
       resolved_toml(config), "resolved",
       nested("scene", fields(copy.scene)) +
-          nested("capture", Fields{{"streams", &copy.streams, ""}, {"radiance", &radiance, ""}} +
-                                fields(copy.capture)) +
-          nested("rig", fields(copy.rig)) + nested("render", fields(copy.render)) +
-          nested("paths", fields(copy.paths)) + nested("pipeline", fields(copy.pipeline)) +
-          nested("cousin", fields(copy.cousin)),
+          nested("capture", Fields{{"streams", &copy.streams, ""}} + fields(copy.capture)) +
+          nested("rig", fields(copy.rig)) +
+          nested("render", Fields{{"by", &by, ""}} + fields(copy.cached)) +
+          nested("pipeline", fields(*copy.pipeline)) + nested("cousin", fields(copy.cousin)),
       MissingKeys::error);
-  EXPECT_EQ(radiance, "cached");
+  EXPECT_EQ(by, "cached");
   EXPECT_EQ(resolved_toml(copy), resolved_toml(config));
   EXPECT_NE(config_hash(config, 1), config_hash(config, 2));
 }
@@ -107,7 +103,7 @@ TEST(TruthChoice, ReadsListsInAnyOrderAndWritesOneText) {
 }
 
 TEST(SeedsRunConfig, TheRigsPresetComesBeforeTheUsersKeysWhateverTheirOrder) {
-  const SeedsRunConfig config = seeds_run_config({"rig.prnu=0.002", "rig=phone_video_1080p"});
+  const RunConfig config = seeds_run_config({"rig.prnu=0.002", "rig=phone_video_1080p"});
   EXPECT_EQ(phone_of(config).width_px, 1920);
   EXPECT_EQ(phone_of(config).prnu, 0.002);
 }
@@ -142,20 +138,19 @@ TEST(SeedsPlan, LeavesOutWhatNoScoreReads) {
 }
 
 TEST(SeedsPlan, ADepthCameraWhoseColourAloneIsReadRendersNoInfraredAndMatchesNothing) {
-  const SeedsRunConfig config = seeds_run_config({"rig=d405"});
+  const RunConfig config = seeds_run_config({"rig=d405"});
   EXPECT_EQ(passes(config, true),
             (std::vector<std::string>{"scene", "physics", "light cache", "radiance", "sensor",
                                       "perceive: corners", "perceive: poses", "perceive: depth",
                                       "perceive: cloud", "perceive: clusters", "perceive: masks",
                                       "perceive: surfaces", "perceive: traits", "score"}));
-  for (const PlanEntry& entry : seeds_plan(config, false)) {
+  for (const PlanEntry& entry : run_plan(config, false)) {
     if (entry.pass == "infrared")
       EXPECT_EQ(entry.why, "no stage reads infrared or the sensor's depth");
     if (entry.pass == "sensor depth") EXPECT_EQ(entry.why, "no stage reads the sensor's depth");
     if (entry.pass == "row poses")
       EXPECT_EQ(entry.why, "rig d405 has a global shutter: one pose an image");
   }
-  EXPECT_EQ(to_string(left_out_streams(config)), "infrared,depth");
   // With the sensor's depth read, both run; by the fast model no infrared does.
   const std::vector<std::string> read =
       passes(seeds_run_config({"rig=d405", "pipeline.method=sensor_depth"}), true);
@@ -167,7 +162,7 @@ TEST(SeedsPlan, ADepthCameraWhoseColourAloneIsReadRendersNoInfraredAndMatchesNot
 }
 
 TEST(SeedsPlan, APipelineThatReadsDepthAloneTracesNoLight) {
-  const SeedsRunConfig config =
+  const RunConfig config =
       seeds_run_config({"rig=d457", "knows_pose=true", "pipeline.method=depth_only"});
   EXPECT_EQ(
       passes(config, true),
@@ -175,44 +170,41 @@ TEST(SeedsPlan, APipelineThatReadsDepthAloneTracesNoLight) {
                                 "perceive: depth", "perceive: cloud", "perceive: clusters",
                                 "perceive: surfaces", "perceive: traits", "score"}));
   EXPECT_EQ(planned_streams(config), Streams{.depth = true});
-  EXPECT_EQ(to_string(left_out_streams(config)), "color,infrared");
 }
 
 TEST(SeedsPlan, PathsTakeThePlaceOfTheLightCache) {
-  const SeedsRunConfig config = seeds_run_config({"radiance=paths", "paths.pixel_samples=24"});
+  const RunConfig config = seeds_run_config({"render.by=paths", "render.pixel_samples=24"});
   const std::vector<std::string> run = passes(config, true), left = passes(config, false);
   EXPECT_NE(std::find(run.begin(), run.end(), "radiance"), run.end());
   EXPECT_NE(std::find(left.begin(), left.end(), "light cache"), left.end());
   const auto why_of = [](const std::vector<std::string>& sets) {
-    for (const PlanEntry& entry : seeds_plan(seeds_run_config(sets), false)) {
+    for (const PlanEntry& entry : run_plan(seeds_run_config(sets), false)) {
       if (entry.pass == "radiance") return entry.why;
     }
     return std::string();
   };
-  EXPECT_EQ(why_of({"radiance=paths", "paths.pixel_samples=24"}),
+  EXPECT_EQ(why_of({"render.by=paths", "render.pixel_samples=24"}),
             "the pipeline reads colour; paths, 24 samples a pixel");
   EXPECT_EQ(why_of({}), "the pipeline reads colour; cached, 4 samples a pixel, 144 at edges");
   EXPECT_EQ(why_of({"rig=d457", "knows_pose=true", "pipeline.method=depth_only"}),
             "no stage reads colour");
 }
 
-TEST(SeedsRunConfig, TheRendererThatRunsNamesTheImagesAndTheOtherDoesNot) {
+TEST(SeedsRunConfig, TheRendererThatRunsNamesTheImages) {
   const auto text = [](const std::vector<std::string>& sets) {
     return simulator_toml(seeds_run_config(sets));
   };
-  EXPECT_EQ(text({"paths.pixel_samples=24"}), text({}));
   EXPECT_NE(text({"render.pixel_samples=9"}), text({}));
-  EXPECT_NE(text({"radiance=paths"}), text({}));
-  EXPECT_EQ(text({"radiance=paths", "render.pixel_samples=9"}), text({"radiance=paths"}));
-  EXPECT_NE(text({"radiance=paths", "paths.pixel_samples=24"}), text({"radiance=paths"}));
-  EXPECT_NE(refusal_of([&] { text({"radiance=mirrors"}); }).find("cached, paths"),
+  EXPECT_NE(text({"render.by=paths"}), text({}));
+  EXPECT_NE(text({"render.by=paths", "render.pixel_samples=24"}), text({"render.by=paths"}));
+  EXPECT_NE(refusal_of([&] { text({"render.by=mirrors"}); }).find("cached, paths"),
             std::string::npos);
-  EXPECT_NE(refusal_of([&] { text({"paths.pixel_samples=0"}); }).find("pixel_samples"),
+  EXPECT_NE(refusal_of([&] { text({"render.pixel_samples=0"}); }).find("pixel_samples"),
             std::string::npos);
 }
 
 TEST(SeedsPlan, APassiveRigMakesNoInfrared) {
-  for (const PlanEntry& entry : seeds_plan(seeds_run_config({"rig=zed_hd720"}), false)) {
+  for (const PlanEntry& entry : run_plan(seeds_run_config({"rig=zed_hd720"}), false)) {
     if (entry.pass == "infrared") {
       EXPECT_FALSE(entry.runs);
       EXPECT_EQ(entry.why, "rig zed_hd720 has no infrared pair");
@@ -254,10 +246,10 @@ TEST(SeedsRunConfig, RigsOfEveryKindReadBackFromTheirResolvedText) {
            {"rig=kinect_v2", "rig.time_of_flight.side=1", "rig.rgb.photosites.prnu=0.02"},
            {"rig=kinect_v1", "rig.structured_light.axial=barron_malik"},
            {"rig=dslr_apsc_24mp"}}) {
-    const SeedsRunConfig config = seeds_run_config(sets);
+    const RunConfig config = seeds_run_config(sets);
     const auto file = folder.path() / "config.toml";
     write_file(file, resolved_toml(config));
-    const SeedsRunConfig back = seeds_run_config({}, file);
+    const RunConfig back = seeds_run_config({}, file);
     EXPECT_EQ(resolved_toml(back), resolved_toml(config)) << sets.front();
     EXPECT_EQ(back.rig.index(), config.rig.index());
   }
@@ -272,8 +264,8 @@ TEST(SeedsRunConfig, WhatNamesKeptCapturesOfPhonesIsAsItWas) {
 }
 
 TEST(SeedsPlan, AttributionAddsDepthAndInstancesAndASphereNeedsNoPhysics) {
-  const SeedsRunConfig config = seeds_run_config({"sphere=true", "pipeline.method=paper"});
-  for (const PlanEntry& entry : seeds_plan(config, true)) {
+  const RunConfig config = seeds_run_config({"sphere=true", "pipeline.method=paper"});
+  for (const PlanEntry& entry : run_plan(config, true)) {
     if (entry.pass == "physics" || entry.pass == "perceive: masks" ||
         entry.pass == "truth: normal") {
       EXPECT_FALSE(entry.runs) << entry.pass;
@@ -286,7 +278,7 @@ TEST(SeedsPlan, AttributionAddsDepthAndInstancesAndASphereNeedsNoPhysics) {
 
 TEST(SeedsPlan, NamesTheUsersStages) {
   for (const PlanEntry& entry :
-       seeds_plan(seeds_run_config({}), false, {parse_stage_source("depth=exec:/bin/sh")})) {
+       run_plan(seeds_run_config({}), false, {parse_stage_source("depth=exec:/bin/sh")})) {
     EXPECT_EQ(entry.why == "yours: exec:/bin/sh", entry.pass == "perceive: depth") << entry.pass;
   }
 }
@@ -294,12 +286,12 @@ TEST(SeedsPlan, NamesTheUsersStages) {
 TEST(SeedsRunConfig, ASavedConfigurationCanBeGivenBack) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "config.toml";
-  const SeedsRunConfig saved = seeds_run_config(
+  const RunConfig saved = seeds_run_config(
       {"cultivar=jimai22", "rig=phone_video_1080p", "rig.prnu=0.002", "pipeline.mvs.neighbours=4"});
   write_file(file, resolved_toml(saved));
   EXPECT_EQ(resolved_toml(seeds_run_config({}, file)), resolved_toml(saved));
   // Keys of the command line come after the file's, and a rig's preset in place of the file's rig.
-  EXPECT_EQ(seeds_run_config({"cultivar=suijing18"}, file).scene.cultivar, "suijing18");
+  EXPECT_EQ(seeds_scene(seeds_run_config({"cultivar=suijing18"}, file)).cultivar, "suijing18");
   EXPECT_EQ(phone_of(seeds_run_config({"rig=phone_video_720p"}, file)).width_px, 1280);
   // A file may say little; the preset that it names fills the rest.
   write_file(file, "[scene]\nrig = \"phone_video_1080p\"\n[rig]\nprnu = 0.003\n");

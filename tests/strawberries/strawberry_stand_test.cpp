@@ -4,7 +4,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "benchmarks/loop/stand_cache.h"
+#include "benchmarks/loop/rest_folder.h"
 #include "benchmarks/suites/scenes/leaf_crossing.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/strawberries/small_stretch.h"
@@ -21,12 +21,19 @@ class StrawberryStand : public testing::Test {
     fs::remove_all(config.cache);
   }
   void TearDown() override { fs::remove_all(config.cache); }
+  StandRest at_rest(std::uint64_t seed, int plant) const {
+    const RestFolder kept(config.cache);
+    return stand_at_rest(config, seed, plant, config.cache.empty() ? nullptr : &kept);
+  }
+  static fs::path file_of(const StrawberriesSceneConfig& config, std::uint64_t seed, int plant) {
+    return RestFolder(config.cache).file(stand_key(config, seed, plant), ".stand");
+  }
   StrawberriesSceneConfig config = small_stretch(2);
 };
 
 TEST_F(StrawberryStand, HangsWithoutOverlapsAndItsPlantsKeepOff) {
   config.cache.clear();
-  const StandRest rest = stand_at_rest(config, 1, 0);
+  const StandRest rest = at_rest(1, 0);
   EXPECT_EQ(rest.sag.status, PlantStatus::ok);
   EXPECT_LE(rest.sag.max_penetration_m, 5e-4);
   const Scene scene = build_strawberries_scene(config, rest, stretch_rng(1, 0), Rng(1));
@@ -38,7 +45,7 @@ TEST_F(StrawberryStand, HangsWithoutOverlapsAndItsPlantsKeepOff) {
 
 TEST_F(StrawberryStand, LeavesHardlyCrossAndSepalsLieOnTheFruitsBesideTheirs) {
   config = small_stretch(7);
-  const StandRest rest = stand_at_rest(config, 3, 0);
+  const StandRest rest = at_rest(3, 0);
   const Scene scene = build_strawberries_scene(config, rest, stretch_rng(3, 0), Rng(1));
   std::vector<const Instance*> plants;
   for (const Instance& instance : scene.instances) {
@@ -51,34 +58,34 @@ TEST_F(StrawberryStand, LeavesHardlyCrossAndSepalsLieOnTheFruitsBesideTheirs) {
 }
 
 TEST_F(StrawberryStand, IsTheSameFromTheFolderAsFreshAndOnAnyThreads) {
-  const StandRest fresh = stand_at_rest(config, 2, 1);
-  const fs::path file = stand_file(config, 2, 1);
+  const StandRest fresh = at_rest(2, 1);
+  const fs::path file = file_of(config, 2, 1);
   ASSERT_TRUE(fs::exists(file));
-  EXPECT_EQ(to_text(stand_at_rest(config, 2, 1)), to_text(fresh));
+  EXPECT_EQ(to_text(at_rest(2, 1)), to_text(fresh));
   fs::remove(file);
-  EXPECT_EQ(to_text(stand_at_rest(config, 2, 1)), to_text(fresh));
+  EXPECT_EQ(to_text(at_rest(2, 1)), to_text(fresh));
   // What decides it names it.
   StrawberriesSceneConfig other = config;
   other.stand.heavier = 1.01;
-  EXPECT_NE(stand_file(other, 2, 1), file);
-  EXPECT_NE(stand_file(config, 3, 1), file);
-  EXPECT_NE(stand_file(config, 2, 2), file);
+  EXPECT_NE(file_of(other, 2, 1), file);
+  EXPECT_NE(file_of(config, 3, 1), file);
+  EXPECT_NE(file_of(config, 2, 2), file);
   // What does not, does not.
   other = config;
   other.light = "noon";
   other.plant.leaf.leaflet_m = 0.05;
-  EXPECT_EQ(stand_file(other, 2, 1), file);
+  EXPECT_EQ(file_of(other, 2, 1), file);
 }
 
 TEST_F(StrawberryStand, EveryNumberOfTrussesAndVarietiesIsAKeyAndNamesTheFile) {
-  const fs::path file = stand_file(config, 2, 1);
+  const fs::path file = file_of(config, 2, 1);
   for (const char* assignment :
        {"truss.peduncle_length_m=0.11", "truss.bed_slope_rad=0.1",
         "varieties.akihime.mass_kg=0.021", "varieties.benihoppe.hollow=0.03"}) {
     StrawberriesSceneConfig other = config;
     set_field(fields(other), assignment);
     EXPECT_NO_THROW(validate(other)) << assignment;
-    EXPECT_NE(stand_file(other, 2, 1), file) << assignment;
+    EXPECT_NE(file_of(other, 2, 1), file) << assignment;
   }
   StrawberriesSceneConfig heavy = config;
   heavy.stand.variety = "akihime";
@@ -91,14 +98,14 @@ TEST_F(StrawberryStand, EveryNumberOfTrussesAndVarietiesIsAKeyAndNamesTheFile) {
 }
 
 TEST_F(StrawberryStand, ADamagedFileIsAnErrorThatNamesIt) {
-  stand_at_rest(config, 4, 0);
-  const fs::path file = stand_file(config, 4, 0);
+  at_rest(4, 0);
+  const fs::path file = file_of(config, 4, 0);
   const std::string whole = read_file(file);
   for (const std::string& bytes : {std::string(), std::string("sha256"), whole.substr(0, 500),
                                    whole + "x", std::string(whole).replace(200, 1, "#")}) {
     write_file(file, bytes);
     try {
-      stand_at_rest(config, 4, 0);
+      at_rest(4, 0);
       ADD_FAILURE() << bytes.size();
     } catch (const std::runtime_error& error) {
       EXPECT_NE(std::string(error.what()).find(file.string()), std::string::npos) << error.what();
@@ -109,7 +116,7 @@ TEST_F(StrawberryStand, ADamagedFileIsAnErrorThatNamesIt) {
 TEST_F(StrawberryStand, FruitsTooHeavyForTheirStalksAreRefusedWithTheStatus) {
   config.stand.heavier = 90;
   try {
-    stand_at_rest(config, 5, 0);
+    at_rest(5, 0);
     FAIL() << "it hangs";
   } catch (const std::runtime_error& error) {
     // A stalk breaks, or the engine gives up on what lies on the film.
@@ -118,7 +125,7 @@ TEST_F(StrawberryStand, FruitsTooHeavyForTheirStalksAreRefusedWithTheStatus) {
         << message;
     EXPECT_NE(message.find("status"), std::string::npos) << message;
   }
-  EXPECT_FALSE(fs::exists(stand_file(config, 5, 0)));
+  EXPECT_FALSE(fs::exists(file_of(config, 5, 0)));
 }
 
 }  // namespace

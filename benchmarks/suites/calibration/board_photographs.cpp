@@ -5,7 +5,9 @@
 #include <stdexcept>
 #include <variant>
 
-#include "benchmarks/loop/plant_run.h"
+#include "benchmarks/loop/run_config.h"
+#include "benchmarks/loop/simulate.h"
+#include "scenes/boards/boards_scene.h"
 #include "sim/render/radiance_pass.h"
 #include "sim/sensors/rig_capture.h"
 
@@ -78,9 +80,9 @@ const Instance& board_of(const Scene& scene) {
 
 namespace {
 
-PlantRunConfig boards_run(const std::vector<std::string>& assignments) {
-  PlantRunConfig run = plant_run_config(BoardsSceneConfig(), assignments);
-  if (std::get<BoardsSceneConfig>(run.scene).place == "hand")
+RunConfig boards_run(const std::vector<std::string>& assignments) {
+  RunConfig run = run_config(boards_row(), assignments);
+  if (run.scene.get_if<BoardsSceneConfig>()->place == "hand")
     throw std::invalid_argument("place = hand: a moving board's light cannot be kept; render it");
   return run;
 }
@@ -109,7 +111,7 @@ bool is_same(const TrueView& a, const TrueView& b) {
 }  // namespace
 
 struct BoardPhotographs::Impl {
-  PlantRunConfig config;
+  RunConfig config;
   Scene scene;
   RayScene rays;
   std::vector<RigCapture> rigs;  ///< one a sensor
@@ -118,7 +120,7 @@ struct BoardPhotographs::Impl {
   Streams streams;
   std::vector<Eigen::Vector3d> points_in_world_m;
 
-  Impl(const PlantRunConfig& run, Scene built, std::uint64_t seed,
+  Impl(const RunConfig& run, Scene built, std::uint64_t seed,
        const BoardPhotographsConfig& photographs)
       : config(run),
         scene(plain(built)),
@@ -132,7 +134,7 @@ struct BoardPhotographs::Impl {
       points_in_world_m.push_back(board.world_from_object * keypoint.in_object_m);
   }
 
-  void add_rig(const PlantRunConfig& run, std::uint64_t seed) {
+  void add_rig(const RunConfig& run, std::uint64_t seed) {
     rigs.emplace_back(run.rig, run.capture, rays, scene, Rng(seed).fork("photographs"));
     const std::vector<SensorViews>&first = rigs.front().views(), &own = rigs.back().views();
     bool fits = first.size() == own.size();
@@ -152,9 +154,8 @@ struct BoardPhotographs::Impl {
 BoardPhotographs::BoardPhotographs(const std::vector<std::string>& assignments, std::uint64_t seed,
                                    const BoardPhotographsConfig& config) {
   if (config.sensors.empty()) throw std::invalid_argument("board photographs: no sensor");
-  const PlantRunConfig run = boards_run(assignments);
-  impl_ =
-      std::make_unique<Impl>(run, build_scene(seen_by(run.scene, run.rig), seed, 0), seed, config);
+  const RunConfig run = boards_run(assignments);
+  impl_ = std::make_unique<Impl>(run, built_scene(run, seed, 0), seed, config);
   for (const std::vector<std::string>& sensor : config.sensors) {
     std::vector<std::string> all = assignments;
     all.insert(all.end(), sensor.begin(), sensor.end());
@@ -165,7 +166,7 @@ BoardPhotographs::~BoardPhotographs() = default;
 BoardPhotographs::BoardPhotographs(BoardPhotographs&&) noexcept = default;
 
 const CalibrationTarget& BoardPhotographs::target() const {
-  return std::get<BoardsSceneConfig>(impl_->config.scene).target;
+  return impl_->config.scene.get_if<BoardsSceneConfig>()->target;
 }
 
 int BoardPhotographs::size() const {

@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "benchmarks/loop/plant_run.h"
+#include "benchmarks/loop/run_config.h"
 #include "benchmarks/suites/calibration/study_points.h"
+#include "scenes/boards/boards_scene.h"
 
 namespace cousin {
 namespace {
@@ -31,7 +32,7 @@ void sort_sensors(StudyGroup& group) {
 /// The configuration with all defaults in it: two lists of keys may say the same.
 std::string resolved(std::vector<std::string> sets, const std::vector<std::string>& more) {
   sets.insert(sets.end(), more.begin(), more.end());
-  return resolved_toml(plant_run_config(BoardsSceneConfig(), sets));
+  return resolved_toml(run_config(boards_row(), sets));
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ std::string category_of_block(const Scene& scene, const Image<std::int32_t>& ins
 
 }  // namespace
 
-std::vector<CachedLightError> compare_cached_light(const SeedsSimulation& simulation, int frame,
+std::vector<CachedLightError> compare_cached_light(const Simulation& simulation, int frame,
                                                    int samples, int max_bounces) {
   const TrueView& view = simulation.views()[static_cast<std::size_t>(frame)];
   const Image<Rgbf> cached = simulation.radiance(frame);

@@ -18,7 +18,7 @@ struct CachedLightError {
 
 /// One view by both; blocks of 8 x 8 pixels that show a single category at all their centres.
 /// @param samples  paths a pixel
-std::vector<CachedLightError> compare_cached_light(const SeedsSimulation& simulation, int frame,
+std::vector<CachedLightError> compare_cached_light(const Simulation& simulation, int frame,
                                                    int samples, int max_bounces);
 
 }  // namespace cousin

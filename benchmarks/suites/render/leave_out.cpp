@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <vector>
 
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/simulate.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
 
-double median_seconds(const SeedsSimulation& simulation, const Streams& streams, int measured) {
+double median_seconds(const Simulation& simulation, const Streams& streams, int measured) {
   simulation.take(0, streams);  // the first also fills caches
   const int views = static_cast<int>(simulation.views().size());
   std::vector<double> seconds;
@@ -25,7 +26,7 @@ double median_seconds(const SeedsSimulation& simulation, const Streams& streams,
 }  // namespace
 
 LeaveOutSeconds measure_leave_out(std::uint64_t seed, int measured) {
-  const SeedsSimulation matched(seeds_run_config({"rig=d457", "sphere=true"}), seed, 0);
+  const Simulation matched(seeds_run_config({"rig=d457", "sphere=true"}), seed, 0);
   LeaveOutSeconds result;
   result.views = static_cast<int>(matched.views().size());
   const StageClock first_clock("first");
@@ -34,8 +35,7 @@ LeaveOutSeconds measure_leave_out(std::uint64_t seed, int measured) {
   result.color_s = median_seconds(matched, {.color = true}, measured);
   result.light_cache_s = std::max(0.0, first_s - result.color_s);
   result.depth_matched_s = median_seconds(matched, {.depth = true}, measured);
-  const SeedsSimulation model(seeds_run_config({"rig=d457", "sphere=true", "depth_by=model"}), seed,
-                              0);
+  const Simulation model(seeds_run_config({"rig=d457", "sphere=true", "depth_by=model"}), seed, 0);
   result.depth_model_s = median_seconds(model, {.depth = true}, measured);
   return result;
 }

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/suites/render/cached_light.h"
 #include "benchmarks/suites/render/corner_position.h"
 #include "benchmarks/suites/render/leaf_cloud.h"
@@ -91,7 +92,7 @@ void add_leave_out_rows(std::vector<ScoreRow>& rows, std::uint64_t seed, bool qu
 }
 
 /// Measures one view of each camera ring: the higher the ring, the more rays hit the board.
-void add_throughput_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulation,
+void add_throughput_rows(std::vector<ScoreRow>& rows, const Simulation& simulation,
                          const PhoneConfig& phone, std::uint64_t seed, bool quick) {
   const int views = static_cast<int>(simulation.views().size());
   for (const int view : {views / 6, views / 2, 5 * views / 6}) {
@@ -106,7 +107,7 @@ void add_throughput_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& sim
   }
 }
 
-void add_radiance_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulation,
+void add_radiance_rows(std::vector<ScoreRow>& rows, const Simulation& simulation,
                        std::uint64_t seed, bool quick) {
   const int views = static_cast<int>(simulation.views().size());
   const StageClock first_clock("first");
@@ -126,7 +127,7 @@ void add_radiance_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simul
                         "s", 1, seed));
 }
 
-void add_noise_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulation,
+void add_noise_rows(std::vector<ScoreRow>& rows, const Simulation& simulation,
                     const PhoneConfig& phone, std::uint64_t seed, bool quick) {
   const int views = static_cast<int>(simulation.views().size());
   for (const int view : quick ? std::vector<int>{views / 2}
@@ -141,7 +142,7 @@ void add_noise_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulati
   }
 }
 
-void add_cached_light_rows(std::vector<ScoreRow>& rows, const SeedsSimulation& simulation,
+void add_cached_light_rows(std::vector<ScoreRow>& rows, const Simulation& simulation,
                            int max_bounces, std::uint64_t seed, bool quick) {
   const int views = static_cast<int>(simulation.views().size());
   for (const CachedLightError& e :
@@ -173,15 +174,15 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
     if (progress) progress(what, done, total);
   };
   ScoreFile file;
-  const SeedsRunConfig config = seeds_run_config(sets);
+  const RunConfig config = seeds_run_config(sets);
   const auto* phone = std::get_if<PhoneConfig>(&config.rig);
   if (!phone) {
-    throw std::invalid_argument("bench render measures a phone's views; rig " + config.scene.rig +
+    throw std::invalid_argument("bench render measures a phone's views; rig " + config.scene.rig() +
                                 " is none");
   }
   say("scene", 0, 8);
   const StageClock scene_clock("scene");
-  const SeedsSimulation simulation(config, seed, 0);
+  const Simulation simulation(config, seed, 0);
   const StageTiming scene = scene_clock.finish();
   file.scores.push_back(row_of("seeds scene", "seconds.scene", scene.wall_s, "s", 1, seed));
   say("truth throughput", 1, 8);
@@ -191,7 +192,7 @@ ScoreFile render_suite(std::uint64_t seed, const std::vector<std::string>& sets,
   say("noise", 3, 8);
   add_noise_rows(file.scores, simulation, *phone, seed, quick);
   say("cached light", 4, 8);
-  add_cached_light_rows(file.scores, simulation, config.render.max_bounces, seed, quick);
+  add_cached_light_rows(file.scores, simulation, config.cached.max_bounces, seed, quick);
   say("corners", 5, 8);
   add_corner_rows(file.scores, seed);
   say("leaf cloud", 6, 8);

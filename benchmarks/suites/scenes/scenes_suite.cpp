@@ -5,10 +5,12 @@
 #include <map>
 #include <vector>
 
-#include "benchmarks/loop/plant_run.h"
+#include "benchmarks/loop/run_config.h"
 #include "benchmarks/score/order_statistics.h"
 #include "benchmarks/suites/scenes/leaf_crossing.h"
 #include "benchmarks/suites/scenes/strawberry_rows.h"
+#include "scenes/maize/maize_scene.h"
+#include "scenes/seedlings/seedlings_scene.h"
 #include "sim/plant/plant.h"
 #include "sim/types/stage_clock.h"
 
@@ -42,7 +44,7 @@ double triangles_of(const Scene& scene) {
 struct BuildCase {
   const char* scene;
   std::string name;
-  PlantSceneConfig config;
+  SceneConfig config;
   double limit_s;
 };
 
@@ -62,7 +64,7 @@ void add_build_rows(ScoreFile& file, const BuildCase& c, int repeats, std::uint6
   double triangles = 0;
   for (int i = 0; i < repeats; ++i) {
     const StageClock clock("build");
-    const Scene scene = build_scene(c.config, seed, i);
+    const Scene scene = build_scene(c.config, {.seed = seed, .index = i});
     const StageTiming timing = clock.finish();
     seconds.push_back(timing.wall_s);
     cpu.push_back(timing.cpu_s);
@@ -100,7 +102,8 @@ std::vector<BuildCase> crossing_cases() {
 void add_crossing_rows(ScoreFile& file, const BuildCase& c, int trays, std::uint64_t seed) {
   double area_m2 = 0, crossed_m2 = 0, pairs = 0;
   for (int i = 0; i < trays; ++i) {
-    const SurfaceCrossing crossing = leaf_crossing(build_scene(c.config, seed, i));
+    const SurfaceCrossing crossing =
+        leaf_crossing(build_scene(c.config, {.seed = seed, .index = i}));
     area_m2 += crossing.area_m2;
     crossed_m2 += crossing.crossed_m2;
     pairs += crossing.pairs;

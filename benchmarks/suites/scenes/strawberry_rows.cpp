@@ -5,10 +5,11 @@
 #include <cmath>
 #include <filesystem>
 
-#include "benchmarks/loop/plant_simulation.h"
-#include "benchmarks/loop/stand_cache.h"
+#include "benchmarks/loop/rest_folder.h"
+#include "benchmarks/loop/simulate.h"
 #include "benchmarks/score/order_statistics.h"
 #include "benchmarks/suites/scenes/leaf_crossing.h"
+#include "scenes/strawberries/strawberries_scene.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/truth_io.h"
 #include "sim/process/scratch_folder.h"
@@ -88,9 +89,10 @@ void stretch_rows(std::vector<ScoreRow>& rows, const StrawberriesSceneConfig& co
   std::vector<double> settle_s, build_s;
   double overlap_m = 0, leaf_m = -1, sepal_m = -1;
   SurfaceCrossing crossing;
+  const RestFolder kept(config.cache);
   for (int i = 0; i < count; ++i) {
     const StageClock settling("settle");
-    const StandRest rest = stand_at_rest(config, seed, i);
+    const StandRest rest = stand_at_rest(config, seed, i, &kept);
     settle_s.push_back(settling.finish().wall_s);
     const StageClock building("build");
     const Scene scene = build_strawberries_scene(config, rest, stretch_rng(seed, i), Rng(seed));
@@ -127,11 +129,11 @@ struct ImageSeconds {
 };
 
 /// One scene of one image, made and written as `cousin render` does.
-ImageSeconds make_image(const PlantRunConfig& config, std::uint64_t seed, int index,
+ImageSeconds make_image(const RunConfig& config, std::uint64_t seed, int index,
                         const fs::path& folder, TruthImages& images) {
   ImageSeconds s;
   const StageClock building("build");
-  const PlantSimulation simulation(config, seed, index);
+  const Simulation simulation(config, seed, index);
   const StageTiming built = building.finish();
   const StageClock taking("image");
   Capture capture = simulation.capture_header();
@@ -156,8 +158,8 @@ ImageSeconds make_image(const PlantRunConfig& config, std::uint64_t seed, int in
   return s;
 }
 
-void image_rows(std::vector<ScoreRow>& rows, const PlantRunConfig& config, std::uint64_t seed,
-                int count, const fs::path& folder) {
+void image_rows(std::vector<ScoreRow>& rows, const RunConfig& config, std::uint64_t seed, int count,
+                const fs::path& folder) {
   std::vector<ImageSeconds> seconds;
   std::vector<double> sides_px;
   int fruits = 0;
@@ -231,9 +233,13 @@ std::vector<ScoreRow> strawberry_rows(
     return rows;
   }
   tell("strawberries: labelled images", 2);
-  const PlantRunConfig config =
-      plant_run_config(scene, {"rig=dslr_apsc_24mp", "streams=color", "rig.rgb.width_px=640",
-                               "rig.rgb.height_px=640", "render.pixel_samples=4"});
+  RunConfig config =
+      run_config(strawberries_row(), {"rig=dslr_apsc_24mp", "streams=color", "rig.rgb.width_px=640",
+                                      "rig.rgb.height_px=640", "render.pixel_samples=4"});
+  auto& own = *config.scene.get_if<StrawberriesSceneConfig>();
+  own.views = scene.views;
+  own.plants = scene.plants;
+  own.cache = scene.cache;
   image_rows(rows, config, seed, quick ? 4 : 20, scratch.path());
   return rows;
 }

@@ -15,7 +15,7 @@ constexpr double kLeastOpacity = 0.05;
 
 SceneTruth truth_of(const SeedlingsSample& sample, std::uint64_t seed, const FieldViews& views) {
   SceneTruth truth;
-  truth.scene = build_scene(sample_config(sample).scene, seed, sample.number);
+  truth.scene = build_scene(sample_config(sample).scene, {.seed = seed, .index = sample.number});
   for (const SampleView* view : views.train) {
     TrueView still;
     still.frame = view->photograph.frame;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "benchmarks/score/image_fidelity.h"
+#include "scenes/seedlings/seedlings_scene.h"
 #include "sim/render/path_tracer.h"
 #include "sim/render/truth_pass.h"
 #include "sim/sensors/phone.h"
@@ -22,20 +23,20 @@ struct TraySize {
   double half_x_m, half_y_m, depth_m;
 };
 TraySize tray_of(const SeedlingsSample& sample) {
-  const PlantRunConfig config = sample_config(sample);
-  const auto& tray = std::get<SeedlingsSceneConfig>(config.scene).setting.tray;
+  const RunConfig config = sample_config(sample);
+  const auto& tray = config.scene.get_if<SeedlingsSceneConfig>()->setting.tray;
   return {0.5 * tray.columns * tray.pitch_m, 0.5 * tray.rows * tray.pitch_m, tray.depth_m};
 }
 
 /// One phone before one scene. Streams are forked by purpose and frame.
 class Photographer {
  public:
-  Photographer(const PlantRunConfig& config, SamplePlan plan, std::uint64_t seed, int number)
-      : paths_(config.render),
+  Photographer(const RunConfig& config, SamplePlan plan, std::uint64_t seed, int number)
+      : paths_(config.paths),
         phone_(std::get<PhoneConfig>(config.rig)),
         of_unit_(Rng(seed).fork("seedlings").fork(static_cast<std::uint64_t>(number))),
         rng_(of_unit_.fork(plan == SamplePlan::one_side ? "one side" : "whole tray")),
-        scene_(build_scene(config.scene, seed, number)),
+        scene_(build_scene(config.scene, {.seed = seed, .index = number})),
         rays_(scene_),
         tracer_(rays_, scene_),
         unit_(make_phone(phone_, of_unit_.fork("unit"))) {}
@@ -175,13 +176,13 @@ PhoneConfig with_picture(PhoneConfig phone, int width_px, int height_px) {
   return phone;
 }
 
-PlantRunConfig sample_config(const SeedlingsSample& sample) {
-  PlantRunConfig config = plant_run_config(SeedlingsSceneConfig{}, {"light=" + sample.light});
-  auto& scene = std::get<SeedlingsSceneConfig>(config.scene);
+RunConfig sample_config(const SeedlingsSample& sample) {
+  RunConfig config = run_config(seedlings_row(), {"light=" + sample.light});
+  auto& scene = *config.scene.get_if<SeedlingsSceneConfig>();
   scene.day = sample.day;
   scene.views = planned_views(sample.views);
   config.rig = with_picture(std::get<PhoneConfig>(config.rig), sample.width_px, sample.height_px);
-  config.render.pixel_samples = sample.pixel_samples;
+  config.paths.pixel_samples = sample.pixel_samples;
   validate(config);
   return config;
 }
@@ -189,9 +190,9 @@ PlantRunConfig sample_config(const SeedlingsSample& sample) {
 SampleCapture photograph_sample(const SeedlingsSample& sample, SamplePlan plan, int noise_views,
                                 std::uint64_t seed) {
   const StageClock clock("photographs");
-  PlantRunConfig config = sample_config(sample);
+  RunConfig config = sample_config(sample);
   if (plan == SamplePlan::one_side) {
-    auto& scene = std::get<SeedlingsSceneConfig>(config.scene);
+    auto& scene = *config.scene.get_if<SeedlingsSceneConfig>();
     scene.views = sample.views;
     scene.coverage = kOneSideShare;
   }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/loop/plant_run.h"
+#include "benchmarks/loop/run_config.h"
 #include "benchmarks/suites/seedlings/view_sets.h"
 #include "perception/mvs/plane_sweep.h"
 #include "perception/splats/splat_start.h"
@@ -26,7 +26,7 @@ struct SeedlingsSample {
 
 /// The scene that a sample is of. Its rig is the scene's phone with pixels that average so many of
 /// its own that the picture has the sample's width.
-PlantRunConfig sample_config(const SeedlingsSample& sample);
+RunConfig sample_config(const SeedlingsSample& sample);
 
 /// `phone` with a picture of another size: a pixel is the mean of (width / new width)^2 of the
 /// preset's, so its well is that much deeper and its noise smaller in proportion. The field of view

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/truth_choice.h"
 #include "scenes/seeds/toml_text.h"
 #include "sim/dataset/atomic_file.h"
@@ -21,7 +22,7 @@ std::string built_in_tables() {
 namespace fs = std::filesystem;
 namespace {
 
-std::string capture_name(const SeedsRunConfig& config, std::uint64_t seed, int scene_index,
+std::string capture_name(const RunConfig& config, std::uint64_t seed, int scene_index,
                          const TruthNeeds& needs) {
   std::string key = std::string(COUSIN_VERSION) + "\n" + simulator_toml(config) + "\n" +
                     std::to_string(seed) + "\n" + std::to_string(scene_index) + "\n" +
@@ -39,12 +40,12 @@ std::string capture_name(const SeedsRunConfig& config, std::uint64_t seed, int s
   const Streams streams = planned_streams(config);
   if (streams != Streams{.color = true}) key += "\nstreams " + to_string(streams);
   constexpr std::size_t kDigits = 16;
-  return (config.scene.sphere ? "sphere" : config.scene.cultivar) + "_" +
+  return (seeds_scene(config).sphere ? "sphere" : seeds_scene(config).cultivar) + "_" +
          sha256_hex(key).substr(0, kDigits);
 }
 
 /// @throws std::runtime_error naming the folder if it does not hold what its name says.
-void check_whole(const fs::path& stored, const SimulatedRun& run, const SeedsRunConfig& config,
+void check_whole(const fs::path& stored, const SimulatedRun& run, const RunConfig& config,
                  std::uint64_t seed, const TruthNeeds& needs) {
   const auto require = [&](bool good, const char* what) {
     if (!good) {
@@ -52,7 +53,7 @@ void check_whole(const fs::path& stored, const SimulatedRun& run, const SeedsRun
                                "; remove the folder to have it rendered again");
     }
   };
-  const auto views = static_cast<std::size_t>(config.scene.views);
+  const auto views = static_cast<std::size_t>(config.scene.views());
   require(run.capture.frames.size() == views && run.truth.views.size() == views,
           "has not as many views as the scene");
   require(run.truth.seed == seed, "is of another seed");
@@ -88,7 +89,7 @@ void check_whole(const fs::path& stored, const SimulatedRun& run, const SeedsRun
   }
 }
 
-SimulatedRun read_stored(const fs::path& stored, const SeedsRunConfig& config, std::uint64_t seed,
+SimulatedRun read_stored(const fs::path& stored, const RunConfig& config, std::uint64_t seed,
                          const TruthNeeds& needs) {
   SimulatedRun run;
   run.capture = read_capture(stored);
@@ -112,15 +113,15 @@ void store(const fs::path& stored, const SimulatedRun& run) {
 
 }  // namespace
 
-SimulatedRun stored_seeds(const fs::path& folder, const SeedsRunConfig& config, std::uint64_t seed,
+SimulatedRun stored_seeds(const fs::path& folder, const RunConfig& config, std::uint64_t seed,
                           int scene_index, const TruthNeeds& needs, const Progress& progress) {
-  if (folder.empty()) return simulate_seeds(config, seed, scene_index, needs, progress);
+  if (folder.empty()) return simulate(config, seed, scene_index, needs, progress);
   const fs::path stored = folder / capture_name(config, seed, scene_index, needs);
   if (fs::exists(stored)) {
     if (progress) progress("read " + stored.filename().string(), 0, 1);
     return read_stored(stored, config, seed, needs);
   }
-  SimulatedRun run = simulate_seeds(config, seed, scene_index, needs, progress);
+  SimulatedRun run = simulate(config, seed, scene_index, needs, progress);
   store(stored, run);
   return run;
 }

@@ -12,7 +12,7 @@ namespace cousin {
 /// configuration tells it.
 std::string built_in_tables();
 
-/// simulate_seeds with a memory: a capture that an earlier run left in `folder` is read with its
+/// simulate with a memory: a capture that an earlier run left in `folder` is read with its
 /// truth, and then there are no timings; else it is rendered and written, under its final name only
 /// when whole. Several processes may share a folder. An empty `folder` renders and keeps nothing.
 ///
@@ -23,7 +23,7 @@ std::string built_in_tables();
 /// simulator's code within one version is not seen: remove the folder then.
 /// @throws std::runtime_error naming folder or file if a stored capture is damaged, lacks views or
 /// truth, or cannot be written.
-SimulatedRun stored_seeds(const std::filesystem::path& folder, const SeedsRunConfig& config,
+SimulatedRun stored_seeds(const std::filesystem::path& folder, const RunConfig& config,
                           std::uint64_t seed, int scene_index, const TruthNeeds& needs,
                           const Progress& progress = {});
 

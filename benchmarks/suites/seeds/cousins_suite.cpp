@@ -8,6 +8,7 @@
 #include "benchmarks/loop/perceive.h"
 #include "benchmarks/loop/plan.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/study/shard_scores.h"
 #include "benchmarks/suites/seeds/capture_store.h"
 #include "perception/cloud/measure_traits.h"
@@ -47,7 +48,7 @@ std::vector<Point> points_of(bool quick) {
 struct Job {
   Point point;
   int run = 0;
-  SeedsRunConfig config;
+  RunConfig config;
 
   /// Of the case as rows name it, and of the file.
   std::string case_name() const { return point.name() + " run " + std::to_string(run); }
@@ -58,7 +59,7 @@ struct Job {
   }
 };
 
-SeedsRunConfig job_config(const CousinsSuiteConfig& suite, const Point& point) {
+RunConfig job_config(const CousinsSuiteConfig& suite, const Point& point) {
   std::vector<std::string> sets = {"rig=phone_video_720p", "views=60"};
   if (suite.quick)
     sets = {"rig=phone_video_720p", "views=20", "rig.width_px=960", "rig.height_px=540"};
@@ -79,13 +80,13 @@ std::vector<Job> list_jobs(const CousinsSuiteConfig& suite) {
 
 std::string run_job(const Job& job, std::uint64_t seed, const Progress& progress) {
   const SimulatedRun run =
-      simulate_seeds(job.config, seed, job.run, planned_truth(false), progress);
+      simulate(job.config, seed, job.run, planned_truth(SeedsPipelineConfig(), false), progress);
   const std::uint64_t stage_seed = Rng(seed).fork(static_cast<std::uint64_t>(job.run))();
   const Estimate estimate =
-      perceive(run.capture, job.config.pipeline, stage_seed, {}, job.run, {}, progress);
+      perceive(run.capture, seeds_pipeline(job.config), stage_seed, {}, job.run, {}, progress);
   SeedsScoreLabels labels;
   labels.suite = kSuite;
-  labels.scene = job.config.scene.cultivar;
+  labels.scene = seeds_scene(job.config).cultivar;
   labels.case_name = job.case_name();
   labels.run = std::to_string(job.run);
   labels.seed = seed;
@@ -195,9 +196,9 @@ std::vector<ShardJob> cousins_suite_jobs(const CousinsSuiteConfig& config,
   std::vector<ShardJob> jobs;
   for (const Job& job : list_jobs(config)) {
     const std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
-                            describe(seeds_cousin_moves()) + std::to_string(config.seed) + "/" +
-                            std::to_string(job.run) + user_files_hash(job.config.scene) +
-                            built_in_tables();
+                            describe(cousin_moves(seeds_row().defaults())) +
+                            std::to_string(config.seed) + "/" + std::to_string(job.run) +
+                            user_files_hash(job.config.scene) + built_in_tables();
     jobs.push_back({job.file(), key,
                     [job, seed = config.seed, progress] { return run_job(job, seed, progress); }});
   }
@@ -232,7 +233,7 @@ std::vector<LinePlot> cousins_plots(const std::vector<ScoreRow>& rows) {
 std::string cousins_toml(const CousinsSuiteConfig& config) {
   std::string text = "# twin\n" + resolved_toml(job_config(config, {})) + "\n# All jobs: --seed " +
                      std::to_string(config.seed) + "\n# At 1, cousin.AXIS moves\n";
-  std::string moves = describe(seeds_cousin_moves());
+  std::string moves = describe(cousin_moves(seeds_row().defaults()));
   for (std::size_t at = 0; at < moves.size();) {
     const std::size_t end = moves.find('\n', at);
     text += "#   " + moves.substr(at, end - at) + "\n";

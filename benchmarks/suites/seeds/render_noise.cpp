@@ -12,7 +12,7 @@
 
 namespace cousin {
 
-RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor,
+RenderNoise measure_render_noise(const Simulation& simulation, const PhoneConfig& sensor,
                                  int frame) {
   const Image<Rgbf> a = simulation.radiance(frame, 1);
   const Image<Rgbf> b = simulation.radiance(frame, 2);
@@ -66,8 +66,7 @@ SplatViewLevel straight(const TrueView& view, Image<Rgb8> photograph,
 
 }  // namespace
 
-NoiseFloor measure_noise_floor(const SeedsSimulation& simulation, const GreenConfig& green,
-                               int views) {
+NoiseFloor measure_noise_floor(const Simulation& simulation, const GreenConfig& green, int views) {
   const int all = static_cast<int>(simulation.views().size());
   if (views < 1 || views > all)
     throw std::invalid_argument("measure_noise_floor: " + std::to_string(views) + " views of " +

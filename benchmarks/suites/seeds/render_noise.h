@@ -15,7 +15,7 @@ struct RenderNoise {
   double median_ratio = 0;
   long long pixels = 0;
 };
-RenderNoise measure_render_noise(const SeedsSimulation& simulation, const PhoneConfig& sensor,
+RenderNoise measure_render_noise(const Simulation& simulation, const PhoneConfig& sensor,
                                  int frame);
 
 /// PSNR between two captures of the same views that differ in their noise alone, both without their
@@ -27,7 +27,6 @@ struct NoiseFloor {
   double psnr_whole_db = 0;   ///< the same over all pixels, the green ones being black in both
 };
 /// @throws std::invalid_argument unless 1 <= views <= those that there are
-NoiseFloor measure_noise_floor(const SeedsSimulation& simulation, const GreenConfig& green,
-                               int views);
+NoiseFloor measure_noise_floor(const Simulation& simulation, const GreenConfig& green, int views);
 
 }  // namespace cousin

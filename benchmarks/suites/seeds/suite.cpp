@@ -11,6 +11,7 @@
 #include "benchmarks/loop/plan.h"
 #include "benchmarks/loop/report_scene.h"
 #include "benchmarks/loop/score_seeds.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/truth_stages.h"
 #include "benchmarks/suites/seeds/capture_store.h"
 #include "benchmarks/suites/seeds/render_noise.h"
@@ -128,7 +129,7 @@ std::optional<SfmStatus> why_no_poses(const StageError& error) {
 /// try may end well.
 Estimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
                      ScoreFile& file) {
-  const SplatPoses from = job.config.pipeline.splats.poses;
+  const SplatPoses from = seeds_pipeline(job.config).splats.poses;
   if (from == SplatPoses::board) return measured_by_trained(job, std::move(task), poses, file);
   task.labels.case_name += ", poses " + std::string(to_string(from));
   task.labels.settings.poses = to_string(from);
@@ -154,17 +155,17 @@ std::filesystem::path unfinished_of(const SuiteJob& job, const SeedsSuiteConfig&
 }
 
 ScoreFile noise_of(const SuiteJob& job) {
-  const SeedsSimulation simulation(job.config, job.seed, job.run);
+  const Simulation simulation(job.config, job.seed, job.run);
   SeedsScoreLabels labels;
   labels.suite = kSplatsSuite;
-  labels.scene = job.config.scene.cultivar;
+  labels.scene = seeds_scene(job.config).cultivar;
   labels.seed = job.seed;
   labels.method = "photographs";
   const Camera& camera = simulation.capture_header().rig.front().camera;
   labels.case_name = labels.scene + " run " + std::to_string(job.run) + " " +
                      std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px);
   const NoiseFloor floor =
-      measure_noise_floor(simulation, job.config.pipeline.green, job.noise_views);
+      measure_noise_floor(simulation, seeds_pipeline(job.config).green, job.noise_views);
   ScoreFile file;
   for (const auto& [metric, value] : {std::pair("noise_floor.psnr", floor.psnr_db),
                                       std::pair("noise_floor.psnr_object", floor.psnr_object_db),
@@ -181,9 +182,9 @@ ScoreFile noise_of(const SuiteJob& job) {
 
 SeedsScoreLabels job_labels(const SuiteJob& job) {
   SeedsScoreLabels labels;
-  if (job.config.scene.spread == SizeSpread::paper) labels.suite = kPaperSpread;
+  if (seeds_scene(job.config).spread == SizeSpread::paper) labels.suite = kPaperSpread;
   if (job.trained.splats) labels.suite = kSplatsSuite;
-  labels.scene = job.config.scene.sphere ? "sphere" : job.config.scene.cultivar;
+  labels.scene = seeds_scene(job.config).sphere ? "sphere" : seeds_scene(job.config).cultivar;
   labels.run = std::to_string(job.run);
   labels.seed = job.seed;
   return labels;
@@ -196,7 +197,7 @@ std::string size_text(const Camera& camera) {
 void label_views(const SuiteJob& job, const Camera& camera, int views, SeedsScoreLabels& labels) {
   labels.case_name = labels.scene + " run " + labels.run + " " + std::to_string(views) + " views " +
                      size_text(camera);
-  const int every = job.config.pipeline.splats.hold_out_every;
+  const int every = seeds_pipeline(job.config).splats.hold_out_every;
   if (every > 1) labels.case_name += ", one in " + std::to_string(every) + " held out";
   labels.settings = {.run = job.run,
                      .views = views,
@@ -223,9 +224,9 @@ void add_attribution(const SuiteJob& job, const SimulatedRun& run, const Capture
                      std::uint64_t stage_seed, const Estimate& ours, SeedsScoreLabels& labels,
                      const Progress& progress, ScoreFile& file) {
   labels.method = "ours";
-  const auto steps = attribute(run, job.config.pipeline,
-                               stages_of(job.config.pipeline, capture, stage_seed, {}, 0), labels,
-                               &ours, progress);
+  const auto steps = attribute(run, seeds_pipeline(job.config),
+                               stages_of(seeds_pipeline(job.config), capture, stage_seed, {}, 0),
+                               labels, &ours, progress);
   for (ScoreRow& row : attribution_rows(steps, kSeedTraits, labels)) {
     row.scene = labels.scene;
     file.scores.push_back(std::move(row));
@@ -254,8 +255,9 @@ void add_simulator_seconds(const SimulatedRun& run, const SeedsScoreLabels& labe
 std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
                     const LearnedDistance* learned, const Progress& progress) {
   if (job.noise_views > 0) return to_json(noise_of(job));
-  const SimulatedRun run = stored_seeds(suite.captures, job.config, job.seed, job.run,
-                                        planned_truth(job.attribution), progress);
+  const SimulatedRun run =
+      stored_seeds(suite.captures, job.config, job.seed, job.run,
+                   planned_truth(SeedsPipelineConfig(), job.attribution), progress);
   ScoreFile file;
   file.header.program_version = COUSIN_VERSION;
   file.header.config_hash = config_hash(job.config, job.seed);
@@ -268,7 +270,7 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
     const SceneTruth truth = subset(run.truth, views);
     label_views(job, camera, views, labels);
     const SeedsTrainingTask training{.run = &run,
-                                     .pipeline = job.config.pipeline,
+                                     .pipeline = seeds_pipeline(job.config),
                                      .stage_seed = stage_seed,
                                      .labels = labels,
                                      .learned = learned,
@@ -278,8 +280,10 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
       add_trained(job, training, {}, file);
       continue;
     }
-    const Estimate ours = perceive(capture, job.config.pipeline, stage_seed, {}, 0, {}, progress);
-    const Estimate paper = paper_on_same_cloud(capture, job.config.pipeline, stage_seed, ours);
+    const Estimate ours =
+        perceive(capture, seeds_pipeline(job.config), stage_seed, {}, 0, {}, progress);
+    const Estimate paper =
+        paper_on_same_cloud(capture, seeds_pipeline(job.config), stage_seed, ours);
     add_both_methods(truth, ours, paper, all && job.pooled, labels, file);
     const Estimate* shown = &ours;
     Estimate by_splats;
@@ -314,8 +318,8 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
         std::string(COUSIN_VERSION) + resolved_toml(job.config) + std::to_string(job.seed) + "/" +
         std::to_string(job.run) + (job.attribution ? "/attribution" : "") +
         (job.trained.splats ? training_text(job.trained, job.config) + network : "") +
-        (job.trained.splats && job.config.pipeline.splats.poses != SplatPoses::board ? colmap
-                                                                                     : "") +
+        (job.trained.splats && seeds_pipeline(job.config).splats.poses != SplatPoses::board ? colmap
+                                                                                            : "") +
         (job.noise_views > 0 ? "/noise 4 " + std::to_string(job.noise_views) : "") +
         user_files_hash(job.config.scene) + built_in_tables();
     for (const int views : job.view_counts) key += "/" + std::to_string(views);

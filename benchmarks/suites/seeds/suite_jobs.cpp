@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/suites/seeds/trained_models.h"
 
 namespace cousin {
@@ -12,7 +13,7 @@ namespace {
 /// Views of the Gaussians' captures that are photographed twice.
 constexpr int kNoiseViews = 4;
 
-SeedsRunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::string>& own) {
+RunConfig job_config(const SeedsSuiteConfig& suite, const std::vector<std::string>& own) {
   std::vector<std::string> sets = own;
   sets.insert(sets.end(), suite.sets.begin(), suite.sets.end());
   return seeds_run_config(sets);
@@ -37,28 +38,27 @@ struct SeedsJobList {
   void add(const std::string& name, int run, const std::vector<std::string>& sets,
            std::vector<int> view_counts, bool pooled, bool attribution,
            const TrainedJob& trained = {}) {
-    const SeedsRunConfig config = job_config(suite, sets);
-    view_counts.push_back(config.scene.views);
+    const RunConfig config = job_config(suite, sets);
+    view_counts.push_back(config.scene.views());
     std::sort(view_counts.begin(), view_counts.end());
     view_counts.erase(std::unique(view_counts.begin(), view_counts.end()), view_counts.end());
-    std::erase_if(view_counts, [&](int v) { return v > config.scene.views; });
+    std::erase_if(view_counts, [&](int v) { return v > config.scene.views(); });
     // One cultivar a species has pictures, so that the page stays small.
-    const std::string& cultivar = config.scene.cultivar;
+    const std::string& cultivar = seeds_scene(config).cultivar;
     const bool shown =
-        pooled && run == 0 && !config.scene.sphere &&
+        pooled && run == 0 && !seeds_scene(config).sphere &&
         (cultivar == "zhengdan958" || cultivar == "jimai22" || cultivar == "suijing18") &&
-        config.scene.spread == SizeSpread::literature;
+        seeds_scene(config).spread == SizeSpread::literature;
     jobs.push_back({name + ".json", sets, config, suite.seed, run, view_counts, pooled, attribution,
                     shown, trained});
   }
 
   void add_noise(const std::string& name, const std::vector<std::string>& sets) {
-    SuiteJob job;
-    job.name = name + ".json";
-    job.sets = sets;
-    job.config = job_config(suite, sets);
-    job.seed = suite.seed;
-    job.noise_views = std::min(kNoiseViews, job.config.scene.views);
+    SuiteJob job{.name = name + ".json",
+                 .sets = sets,
+                 .config = job_config(suite, sets),
+                 .seed = suite.seed};
+    job.noise_views = std::min(kNoiseViews, job.config.scene.views());
     jobs.push_back(std::move(job));
   }
 
@@ -76,8 +76,9 @@ struct SeedsJobList {
     std::vector<std::string> own = same;
     own.push_back("pipeline.splats.poses=" + std::string(to_string(poses)));
     // A user's word about poses is of every job: these would be one of the others.
-    if (job_config(suite, same).pipeline.splats.poses != SplatPoses::board ||
-        job_config(suite, own).pipeline.splats.poses != poses)
+    const RunConfig before = job_config(suite, same), after = job_config(suite, own);
+    if (seeds_pipeline(before).splats.poses != SplatPoses::board ||
+        seeds_pipeline(after).splats.poses != poses)
       return;
     add(name + "_" + std::string(to_string(poses)), 0, own, {}, false, false, trained);
     jobs.back().only_trained = true;
@@ -183,7 +184,7 @@ void add_views_and_spread(SeedsJobList& list, const std::vector<std::string>& cu
 
 }  // namespace
 
-std::string training_text(const TrainedJob& job, SeedsRunConfig config) {
+std::string training_text(const TrainedJob& job, RunConfig config) {
   if (!job.splats) return {};
   std::string text = job.reference || job.ours ? "/splats without strays, drawn whole"
                                                : "/images alone without strays, drawn whole";
@@ -194,9 +195,9 @@ std::string training_text(const TrainedJob& job, SeedsRunConfig config) {
     for (const int step : *at) text += " " + std::to_string(step);
   }
   for (const int steps : job.ours_steps) text += ", ours " + std::to_string(steps);
-  const SeedsPipelineConfig pipeline = config.pipeline;
+  const SeedsPipelineConfig pipeline = seeds_pipeline(config);
   for (const int steps : job.images_steps) {
-    config.pipeline = pipeline_for_images(pipeline, steps);
+    seeds_pipeline(config) = pipeline_for_images(pipeline, steps);
     text += "/" + resolved_toml(config);
   }
   return text;

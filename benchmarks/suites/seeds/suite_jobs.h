@@ -25,7 +25,7 @@ struct TrainedJob {
 struct SuiteJob {
   std::string name;
   std::vector<std::string> sets;  ///< its own, before the user's
-  SeedsRunConfig config;
+  RunConfig config;
   std::uint64_t seed = 0;
   int run = 0;
   std::vector<int>
@@ -42,6 +42,6 @@ struct SuiteJob {
 std::vector<SuiteJob> seeds_jobs(const SeedsSuiteConfig& suite);
 
 /// What decides the trainings of a job, beside its configuration; empty: it has none.
-std::string training_text(const TrainedJob& job, SeedsRunConfig config);
+std::string training_text(const TrainedJob& job, RunConfig config);
 
 }  // namespace cousin

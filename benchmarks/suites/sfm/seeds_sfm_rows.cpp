@@ -2,7 +2,7 @@
 #include <cmath>
 #include <optional>
 
-#include "benchmarks/loop/run_config.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/suites/sfm/sfm_rows.h"
 #include "calibration/board_poses.h"
 #include "calibration/calibration_uncertainty.h"
@@ -138,7 +138,7 @@ std::vector<ScoreRow> lens_rows(const SfmSuiteConfig& suite, const SfmModel& mod
 
 }  // namespace
 
-SeedsRunConfig seeds_sfm_scene(const SfmSuiteConfig& config) {
+RunConfig seeds_sfm_scene(const SfmSuiteConfig& config) {
   return seeds_run_config({std::string("views=") + (config.quick ? "30" : "60")});
 }
 
@@ -147,7 +147,7 @@ std::vector<ScoreRow> seeds_sfm_rows(const SfmSuiteConfig& config, const Progres
   if (colmap_version(config.program).empty())
     return {missing_row(row, "COLMAP was not found", ScoreStatus::not_built)};
   const SimulatedRun run =
-      simulate_seeds(seeds_sfm_scene(config), config.seed, 0, TruthNeeds{}, progress);
+      simulate(seeds_sfm_scene(config), config.seed, 0, TruthNeeds{}, progress);
   const TrueCameras truth = true_cameras(run.truth);
   const Corners corners = detect_board(run.capture, SeedBoard{});
   std::vector<ScoreRow> rows = board_rows(config, run.capture, corners, truth);

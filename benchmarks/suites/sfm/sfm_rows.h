@@ -31,7 +31,7 @@ ScoreRow missing_row(ScoreRow row, const std::string& why, ScoreStatus status);
 ScoreRow unsolved_row(ScoreRow row, const std::string& why, SfmStatus status);
 
 /// The capture of `seeds_sfm_rows`.
-SeedsRunConfig seeds_sfm_scene(const SfmSuiteConfig& config);
+RunConfig seeds_sfm_scene(const SfmSuiteConfig& config);
 
 /// The jobs' rows.
 std::vector<ScoreRow> neutral_rows(const SfmSuiteConfig& config);
