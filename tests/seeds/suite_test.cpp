@@ -171,6 +171,47 @@ TEST(SeedsSuite, TheSameSeedsAreNotCountedTwice) {
   EXPECT_EQ(seeds_suite_jobs(config).size(), 3U);  // one with Gaussians, one photographed twice
 }
 
+// A job's name is the file of its kept result: another name makes it anew.
+TEST(SeedsSuite, JobsKeepTheirNames) {
+  const auto names = [](const SeedsSuiteConfig& config) {
+    std::string text;
+    for (const ShardJob& job : seeds_suite_jobs(config))
+      text += job.name.substr(0, job.name.find(".json")) + " ";
+    return text;
+  };
+  std::string runs;
+  for (const char* run : {"1", "2", "3", "4"}) {
+    for (const char* cultivar :
+         {"zhengdan958", "tianguinuo932", "jimai22", "aikang58", "suijing18", "xiangyaxiangzhan"})
+      runs += std::string(cultivar) + "_run" + run + " ";
+  }
+  EXPECT_EQ(names({}),
+            "zhengdan958_run0 tianguinuo932_run0 jimai22_run0 aikang58_run0 suijing18_run0 "
+            "xiangyaxiangzhan_run0 sphere_run0 zhengdan958_720p jimai22_720p suijing18_720p " +
+                runs +
+                "zhengdan958_splats zhengdan958_ngp zhengdan958_noise tianguinuo932_splats "
+                "tianguinuo932_ngp tianguinuo932_noise jimai22_splats jimai22_ngp jimai22_noise "
+                "aikang58_splats aikang58_ngp aikang58_noise suijing18_splats suijing18_ngp "
+                "suijing18_noise xiangyaxiangzhan_splats xiangyaxiangzhan_ngp "
+                "xiangyaxiangzhan_noise sphere_splats zhengdan958_splats_30k "
+                "zhengdan958_surfaces_30k zhengdan958_images_30k zhengdan958_ngp_30k "
+                "zhengdan958_splats_sfm zhengdan958_splats_adjusted "
+                "zhengdan958_270views_splats_sfm zhengdan958_270views tianguinuo932_270views "
+                "jimai22_270views aikang58_270views suijing18_270views xiangyaxiangzhan_270views "
+                "zhengdan958_paper_spread tianguinuo932_paper_spread jimai22_paper_spread "
+                "aikang58_paper_spread suijing18_paper_spread xiangyaxiangzhan_paper_spread ");
+  SeedsSuiteConfig quick;
+  quick.quick = true;
+  EXPECT_EQ(names(quick),
+            "quick_zhengdan958 quick_jimai22 quick_suijing18 quick_splats_zhengdan958 "
+            "quick_noise_zhengdan958 ");
+  // Keys of a job are those that a user would give.
+  const ShardJob last = seeds_suite_jobs({}).back();
+  EXPECT_THAT(last.grid.sets,
+              testing::ElementsAre("cultivar=xiangyaxiangzhan", "rig=phone_video_1080p", "views=60",
+                                   "spread=paper"));
+}
+
 TEST(SeedsSuite, CapturesForGaussiansAreNotTakenForThoseOfTheCurves) {
   int found = 0;
   for (const ShardJob& job : seeds_suite_jobs(SeedsSuiteConfig{}))
