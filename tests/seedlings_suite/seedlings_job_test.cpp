@@ -350,7 +350,11 @@ TEST(SeedlingsSuite, OursIsHeldToTheReferenceAndToWhatItDidNotSee) {
   result.name = "D1.json";
   result.text = to_json(file);
   std::map<std::string, ScoreStatus> found;
-  const ScoreFile pooled = pool_seedlings_suite({result}, {});
+  ScoreFile pooled = pool_seedlings_suite({result}, {});
+  const std::size_t count = pooled.scores.size();
+  hold_seedlings_suite({.quick = true}, pooled);
+  EXPECT_EQ(pooled.scores.size(), count);  // a quick run has no limits
+  hold_seedlings_suite({}, pooled);
   for (const ScoreRow& row : pooled.scores) {
     if (row.status == ScoreStatus::pass || row.status == ScoreStatus::fail)
       found[row.metric + std::to_string(row.steps)] = row.status;

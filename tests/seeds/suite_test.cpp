@@ -64,6 +64,13 @@ ShardResult finished(const std::string& cultivar, int run, double error_m, doubl
   return result;
 }
 
+ScoreFile held_seeds_suite(const std::vector<ShardResult>& results,
+                           const SeedsSuiteConfig& config) {
+  ScoreFile pooled = pool_seeds_suite(results, config);
+  hold_seeds_suite(config, pooled);
+  return pooled;
+}
+
 const ScoreRow* find(const ScoreFile& file, const std::string& suite, const std::string& group,
                      const std::string& method, const std::string& metric) {
   for (const ScoreRow& row : file.scores) {
@@ -76,7 +83,7 @@ const ScoreRow* find(const ScoreFile& file, const std::string& suite, const std:
 }
 
 TEST(SeedsSuite, PoolsSpecimensPosesAndSecondsOfASpecies) {
-  const ScoreFile pooled = pool_seeds_suite(
+  const ScoreFile pooled = held_seeds_suite(
       {finished("suijing18", 0, 3e-5, 3e-4), finished("xiangyaxiangzhan", 1, 3e-5, 6e-4),
        finished("zhengdan958", 0, 2e-4, 1e-4), finished("tianguinuo932", 0, 2e-4, 1e-4),
        finished("jimai22", 0, 2e-4, 1e-4)},
@@ -112,18 +119,18 @@ TEST(SeedsSuite, ARunWithoutPosesIsNoNumberAndKeepsNoLimit) {
     result.text = to_json(file);
     return result;
   };
-  const ScoreFile one = pool_seeds_suite(
+  const ScoreFile one = held_seeds_suite(
       {finished("suijing18", 0, 3e-5, 1e-4), without_poses("xiangyaxiangzhan", 0)}, {});
   EXPECT_NEAR(find(one, "seeds", "rice", "ours", "camera.centre_rms")->value, 1e-4, 1e-12);
   EXPECT_EQ(find(one, "seeds", "rice", "ours", "views.posed")->value, 0.5);
   const ScoreFile none =
-      pool_seeds_suite({without_poses("suijing18", 0), without_poses("xiangyaxiangzhan", 0)}, {});
+      held_seeds_suite({without_poses("suijing18", 0), without_poses("xiangyaxiangzhan", 0)}, {});
   EXPECT_EQ(find(none, "seeds", "rice", "ours", "views.posed")->status, ScoreStatus::fail);
   EXPECT_EQ(find(none, "seeds", "rice", "ours", "camera.centre_rms")->status, ScoreStatus::fail);
 }
 
 TEST(SeedsSuite, ThePapersSpreadIsPooledApart) {
-  const ScoreFile pooled = pool_seeds_suite(
+  const ScoreFile pooled = held_seeds_suite(
       {finished("suijing18", 0, 3e-5, 1e-4), finished("suijing18", 0, 6e-5, 1e-4, kPaperSpread)},
       {});
   EXPECT_NEAR(find(pooled, "seeds", "rice", "ours", "length.rmse")->value, 3e-5, 1e-12);
@@ -135,7 +142,7 @@ TEST(SeedsSuite, ThePapersSpreadIsPooledApart) {
 }
 
 TEST(SeedsSuite, ItsTableTellsSuitesApart) {
-  const ScoreFile pooled = pool_seeds_suite(
+  const ScoreFile pooled = held_seeds_suite(
       {finished("suijing18", 0, 3e-5, 1e-4), finished("suijing18", 0, 6e-5, 1e-4, kSplatsSuite)},
       {});
   const std::string table = summary_table(pooled.scores);
@@ -158,7 +165,7 @@ TEST(SeedsSuite, OnlyTheWholeExperimentIsHeldToItsLimits) {
   quick.quick = true;
   for (const SeedsSuiteConfig& config : {changed, quick}) {
     EXPECT_EQ(
-        find(pool_seeds_suite(results, config), "seeds", "rice", "ours", "length.rmse")->status,
+        find(held_seeds_suite(results, config), "seeds", "rice", "ours", "length.rmse")->status,
         ScoreStatus::ok);
   }
 }
@@ -274,7 +281,7 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
   ShardResult result;
   result.name = "all.json";
   result.text = to_json(file);
-  const ScoreFile pooled = pool_seeds_suite({result}, {});
+  const ScoreFile pooled = held_seeds_suite({result}, {});
   const auto row_of = [&](const std::string& scene, const std::string& method,
                           const std::string& metric, const std::string& end = "") {
     for (const ScoreRow& row : pooled.scores) {
@@ -342,7 +349,7 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
   EXPECT_EQ(std::count_if(pooled.scores.begin(), pooled.scores.end(), published),
             10 + 7 * 9 + 6 * 6 + 6 + 2);
   // Without trained models nothing is said of any.
-  const ScoreFile others = pool_seeds_suite({finished("suijing18", 0, 2e-4, 3e-4)}, {});
+  const ScoreFile others = held_seeds_suite({finished("suijing18", 0, 2e-4, 3e-4)}, {});
   EXPECT_EQ(std::count_if(others.scores.begin(), others.scores.end(), published), 0);
 }
 
@@ -360,7 +367,7 @@ TEST(SeedsSuite, PublishedLinesAreShownOnlyBesideLinesOfOurOwn) {
   row.value = 53;
   file.scores.push_back(row);
   result.text = to_json(file);
-  const ScoreFile pooled = pool_seeds_suite({result}, {});
+  const ScoreFile pooled = held_seeds_suite({result}, {});
   const std::vector<ReportTable> tables = seeds_paper_tables(pooled.scores);
   ASSERT_EQ(tables.size(), 1U);  // nothing else was measured
   EXPECT_TRUE(tables[0].title.starts_with("Seeds, table 5"));
@@ -440,7 +447,7 @@ TEST(SeedsSuite, AGapThatIsMissingWhereViewsWereHeldOutIsAFailure) {
   result.name = "all.json";
   result.text = to_json(file);
   std::map<std::string, ScoreStatus> gaps;
-  for (const ScoreRow& pooled : pool_seeds_suite({result}, {}).scores) {
+  for (const ScoreRow& pooled : held_seeds_suite({result}, {}).scores) {
     if (pooled.metric.ends_with(".train_less_held_out"))
       gaps[pooled.metric.substr(0, pooled.metric.find('.')) +
            pooled.case_name.substr(pooled.case_name.rfind(','))] = pooled.status;
