@@ -6,17 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "benchmarks/suites/seedlings/seedlings_page.h"
-#include "benchmarks/suites/seeds/paper_tables.h"
 #include "sim/types/utf8.h"
 
 namespace cousin {
-
-std::vector<ReportTable> papers_tables(const std::vector<ScoreRow>& rows) {
-  std::vector<ReportTable> tables = seeds_paper_tables(rows);
-  for (ReportTable& table : seedlings_tables(rows)) tables.push_back(std::move(table));
-  return tables;
-}
+namespace {
 
 void print_scores(const std::vector<ScoreRow>& rows) {
   for (const ScoreRow& row : rows) {
@@ -29,9 +22,18 @@ void print_scores(const std::vector<ScoreRow>& rows) {
   }
 }
 
-void print_papers_tables(const std::vector<ScoreRow>& rows) {
-  for (const ReportTable& table : papers_tables(rows))
-    std::printf("\n%s", table_text(table).c_str());
+}  // namespace
+
+void print_suite(const BenchSuite& suite, const std::vector<ScoreRow>& rows) {
+  if (suite.text == nullptr) {
+    print_scores(rows);
+    return;
+  }
+  std::printf("%s", suite.text(rows).c_str());
+  SeedsReport report;
+  report.scores.scores = rows;
+  if (suite.plots != nullptr) suite.plots(report);
+  for (const ReportTable& table : report.tables) std::printf("\n%s", table_text(table).c_str());
   std::vector<ScoreRow> held;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(held),
                [](const ScoreRow& row) { return row.status != ScoreStatus::ok; });

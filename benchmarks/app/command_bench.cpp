@@ -3,17 +3,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <stdexcept>
 
 #include "benchmarks/app/bench_output.h"
-#include "benchmarks/app/bench_page.h"
 #include "benchmarks/app/bench_suites.h"
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
 #include "benchmarks/loop/result_folder.h"
-#include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/loop/seeds_run.h"
 #include "sim/dataset/output_folder.h"
 
@@ -29,7 +26,8 @@ void print_jobs(const JobContext& context, const std::vector<const BenchSuite*>&
   for (const BenchSuite* suite : suites) {
     if (suite->jobs == nullptr) continue;
     const fs::path out = folder / suite->name;
-    const std::vector<ShardJob> jobs = jobs_named(suite->jobs(context, out), context.options.only);
+    const std::vector<ShardJob> jobs =
+        jobs_named(suite->jobs(suite_run(context, out)), context.options.only);
     const auto [first, end] =
         shard_range(parse_shard(context.options.shard), static_cast<int>(jobs.size()));
     for (int i = first; i < end; ++i) {
@@ -38,9 +36,14 @@ void print_jobs(const JobContext& context, const std::vector<const BenchSuite*>&
       const std::string state = is_finished(out / "shards", job) ? "finished"
                                 : is_begun                       ? "begun"
                                                                  : "";
-      list.push_back({{"suite", suite->name}, {"job", job.name}, {"state", state}});
-      lines +=
-          std::string(suite->name) + " " + job.name + (state.empty() ? "" : " ") + state + "\n";
+      nlohmann::json factors = nlohmann::json::object();
+      for (const GridJob::Place& place : job.grid.places) factors[place.factor] = place.word;
+      list.push_back({{"suite", suite->name},
+                      {"job", job.name},
+                      {"state", state},
+                      {"factors", factors},
+                      {"sets", job.grid.sets}});
+      lines += suite->name + " " + job.name + (state.empty() ? "" : " ") + state + "\n";
     }
   }
   if (context.options.json)
@@ -65,8 +68,7 @@ void check_takes(const BenchSuite& suite, const Options& o) {
                                              : std::find(suite.takes.begin(), suite.takes.end(),
                                                          option) != suite.takes.end();
     if (!is_given || is_taken) continue;
-    throw std::invalid_argument("suite \"" + std::string(suite.name) + "\" takes no " +
-                                std::string(option));
+    throw std::invalid_argument("suite \"" + suite.name + "\" takes no " + std::string(option));
   }
 }
 
@@ -100,34 +102,22 @@ std::vector<const BenchSuite*> wanted_suites(const Options& o) {
                                 " is of the suites that run in jobs: name the suite");
   }
   if (names.empty()) {
-    for (const BenchSuite& suite : bench_suites()) names.emplace_back(suite.name);
+    for (const BenchSuite& suite : bench_suites()) names.push_back(suite.name);
   }
-  const std::span<const BenchSuite> suites = bench_suites();
+  const std::vector<BenchSuite>& suites = bench_suites();
   std::vector<const BenchSuite*> wanted;
   for (const std::string& name : names) {
     const auto suite = std::find_if(suites.begin(), suites.end(),
                                     [&](const BenchSuite& s) { return name == s.name; });
     if (suite == suites.end()) {
       std::string all;
-      for (const BenchSuite& other : suites)
-        all += (all.empty() ? "" : ", ") + std::string(other.name);
+      for (const BenchSuite& other : suites) all += (all.empty() ? "" : ", ") + other.name;
       throw std::invalid_argument("suite \"" + name + "\" is not one of " + all);
     }
     if (!o.arguments.empty()) check_takes(*suite, o);
     wanted.push_back(&*suite);
   }
   return wanted;
-}
-
-void print_suite_scores(const BenchSuite& suite, const std::vector<ScoreRow>& scores) {
-  if (std::string_view(suite.name) == "seeds") {
-    std::printf("%s", summary_table(scores).c_str());
-    print_papers_tables(scores);
-  } else if (std::string_view(suite.name) == "seedlings") {
-    print_papers_tables(scores);
-  } else {
-    print_scores(scores);
-  }
 }
 
 }  // namespace
@@ -155,13 +145,13 @@ ExitCode command_bench(const JobContext& context) {
   for (const BenchSuite* suite : wanted) {
     const fs::path out = suite_folder(folder, *suite);
     const OutputFolder guard(out, bench_claim());
-    const ScoreFile file = suite->run(context, out);
+    const ScoreFile file = run_suite(*suite, context, out);
     if (o.json) {
       if (list) std::printf("%s", suite == wanted.front() ? "[" : ",");
       std::printf("%s", to_json(file).c_str());
       if (list && suite == wanted.back()) std::printf("]\n");
     } else {
-      print_suite_scores(*suite, file.scores);
+      print_suite(*suite, file.scores);
     }
     failed = failed || std::any_of(file.scores.begin(), file.scores.end(), [](const ScoreRow& row) {
                return row.status == ScoreStatus::fail || row.status == ScoreStatus::error;

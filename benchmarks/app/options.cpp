@@ -365,13 +365,7 @@ void add_fit_sensor(CLI::App& verb, Options& o) {
 }
 
 void add_bench(CLI::App& verb, Options& o) {
-  takes(verb, o, "SUITE",
-        "seeds, seedlings, stability, render, renderers, sensors, cousins, scenes, plants, "
-        "calibration, "
-        "sfm, splats, real, program; "
-        "none = "
-        "all",
-        0, -1);
+  takes(verb, o, "SUITE", COUSIN_SUITE_NAMES "; none = all", 0, -1);
   verb.add_flag("--quick", o.quick,
                 "Smaller samples: each suite ends within ten minutes, same columns");
   verb.add_flag("--attribution", o.attribution, "Put truth in place of each seam in turn");
@@ -389,9 +383,10 @@ void add_bench(CLI::App& verb, Options& o) {
       "--only", o.only,
       "Only jobs whose names hold this text, or one of several, as \"_ours,_ngp\": the page is of "
       "them alone");
-  verb.add_flag("--list", o.list,
-                "Print the jobs that --only and --shard choose, with what --out holds of each "
-                "(finished, begun), and run none");
+  verb.add_flag(
+      "--list", o.list,
+      "Print the jobs that --only and --shard choose, with what --out holds of each "
+      "(finished, begun), and run none; --json adds the levels of their factors and their keys");
   verb.add_option(
       "--captures", o.captures,
       "Folder that keeps what `seeds` renders (15 GB in full): a later run with another "

@@ -65,6 +65,12 @@ std::pair<int, int> shard_range(const Shard& shard, int size) {
   return {cut(shard.index), cut(shard.index + 1)};
 }
 
+ShardJob shard_of(GridJob job, std::string key, std::function<std::string()> run,
+                  fs::path unfinished) {
+  std::string file = job.name + ".json";
+  return {std::move(file), std::move(key), std::move(run), std::move(unfinished), std::move(job)};
+}
+
 std::vector<ShardJob> jobs_named(std::vector<ShardJob> jobs, const std::string& parts) {
   constexpr std::size_t kNamed = 5;
   std::string some;

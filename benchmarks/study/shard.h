@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "benchmarks/study/grid.h"
+
 namespace cousin {
 
 /// Part `index` (from 0) of `count` of a list of work.
@@ -27,8 +29,12 @@ struct ShardJob {
       key;  ///< everything the result depends on; a finished result with another key is made anew
   std::function<std::string()> run;
   /// Where the job keeps what it would go on from, if anywhere; removed when its result is written.
-  std::filesystem::path unfinished;
+  std::filesystem::path unfinished = {};
+  GridJob grid = {};  ///< where the job is in its suite's grid; of no name: its list has no grid
 };
+/// The piece of work of a grid's job, in the file NAME.json.
+ShardJob shard_of(GridJob job, std::string key, std::function<std::string()> run,
+                  std::filesystem::path unfinished = {});
 struct ShardResult {
   std::string name;
   std::string text;   ///< empty if the job threw or belongs to another shard and is not there yet

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "benchmarks/loop/run_config.h"
@@ -141,6 +142,52 @@ TEST(BoardPhotographs, FewRaysAtEdgesAddLittleToTheSensorsNoise) {
 
 TEST(BoardPhotographs, RefuseABoardThatMoves) {
   EXPECT_THROW(BoardPhotographs({"rig=d457", "place=hand"}, 1), std::invalid_argument);
+}
+
+// A job's name is the file of its kept result: another name makes it anew.
+TEST(Studies, JobsKeepTheirNames) {
+  const auto names = [](const StudiesConfig& config) {
+    std::string text;
+    for (const ShardJob& job : study_jobs(config)) {
+      EXPECT_TRUE(job.name.starts_with("study_") && job.name.ends_with(".json")) << job.name;
+      text += job.name.substr(6, job.name.size() - 11) + " ";
+    }
+    return text;
+  };
+  std::istringstream points(
+      "images_3 tilt_3_deg tilt_5_deg tilt_10_deg tilt_20_deg tilt_45_deg "
+      "size_of_the_board_in_the_picture_0.25 "
+      "size_of_the_board_in_the_picture_0.5 "
+      "size_of_the_board_in_the_picture_0.85 coverage_0 coverage_0.5 "
+      "coverage_1 squares_0.012_m squares_0.022_m squares_0.045_m "
+      "rolling_shutter_0_s rolling_shutter_0.01_s rolling_shutter_0.033_s "
+      "warp_0.001_m warp_0.004_m print_stretch_0.003 print_stretch_0.01 "
+      "board_chessboard_a4 board_aprilgrid_a4 board_circles_a4 "
+      "board_acircles_a4 lens_model_8_images strawberries_tilted_up_to_4_deg "
+      "strawberries_tilted_up_to_10_deg "
+      "strawberries_tilted_up_to_45_deg__close "
+      "strawberries_tilted_up_to_10_deg__paper_bent_by_2_mm focus_held "
+      "focus_breathes ");
+  std::vector<std::string> of_run;
+  for (std::string point; points >> point;) of_run.push_back(point);
+  std::string full = "positions_as_made positions_off ";
+  for (const char* run : {"0", "1", "2", "3", "4"}) {
+    for (const std::string& point : of_run) full += point + "_run" + run + " ";
+  }
+  EXPECT_EQ(names({}), full);
+  EXPECT_EQ(names({.quick = true}),
+            "positions_as_made positions_off images_5_run0 tilt_5_deg_run0 "
+            "tilt_45_deg_run0 size_of_the_board_in_the_picture_0.25_run0 "
+            "size_of_the_board_in_the_picture_0.85_run0 coverage_0_run0 "
+            "coverage_1_run0 squares_0.012_m_run0 squares_0.045_m_run0 "
+            "rolling_shutter_0_s_run0 rolling_shutter_0.033_s_run0 "
+            "warp_0.004_m_run0 print_stretch_0.01_run0 board_chessboard_a4_run0 "
+            "board_aprilgrid_a4_run0 board_circles_a4_run0 board_acircles_a4_run0 "
+            "lens_model_12_images_run0 strawberries_tilted_up_to_4_deg_run0 "
+            "strawberries_tilted_up_to_10_deg_run0 "
+            "strawberries_tilted_up_to_45_deg__close_run0 "
+            "strawberries_tilted_up_to_10_deg__paper_bent_by_2_mm_run0 "
+            "focus_held_run0 focus_breathes_run0 ");
 }
 
 TEST(Studies, EveryPointHasAJobOfItsOwnAndKeysThatExist) {

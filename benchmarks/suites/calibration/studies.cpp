@@ -85,58 +85,69 @@ std::string version_key(std::uint64_t seed) {
          std::to_string(seed) + "/";
 }
 
-/// Positions of fruits by units as they are made, and by units that have gone off since: by the
-/// disparity that the published errors of z would take.
-std::vector<ShardJob> position_jobs(const StudiesConfig& config) {
-  constexpr double kOff_px = 0.45;
-  struct Kind {
-    const char* name;
-    double out_of_yaw_px;
-  };
-  std::vector<ShardJob> jobs;
-  for (const Kind& kind : {Kind{"unit as made", 0}, Kind{"unit off by 0.45 px", kOff_px}}) {
-    PositionsConfig positions;
-    positions.out_of_yaw_px = kind.out_of_yaw_px;
-    if (config.quick) positions.points = 9;
-    const int runs = config.quick ? 2 : config.runs;
-    const std::string name =
-        kind.out_of_yaw_px > 0 ? "study_positions_off.json" : "study_positions_as_made.json";
-    const std::string key = version_key(config.seed) + name + "/" +
-                            std::to_string(positions.points) + "/" + std::to_string(runs);
-    jobs.push_back({name, key, [positions, runs, kind, seed = config.seed] {
-                      std::vector<std::vector<FruitPosition>> all;
-                      for (int run = 0; run < runs; ++run)
-                        all.push_back(measure_positions(positions, seed, run));
-                      ScoreFile file;
-                      file.scores = position_rows(all, kind.name, seed);
-                      if (kind.out_of_yaw_px > 0) return to_json(file);
-                      const std::vector<ScoreRow> published = published_position_rows();
-                      file.scores.insert(file.scores.end(), published.begin(), published.end());
-                      return to_json(file);
-                    }});
-  }
-  return jobs;
+/// A unit whose positions of fruits are measured: as it is made, or gone off since by the disparity
+/// that the published errors of z would take.
+struct PositionsUnit {
+  const char* word;
+  const char* name;
+  double out_of_yaw_px;
+};
+constexpr std::array<PositionsUnit, 2> kPositionsUnits = {
+    {{"as_made", "unit as made", 0}, {"off", "unit off by 0.45 px", 0.45}}};
+
+ShardJob positions_job(const StudiesConfig& config, GridJob place) {
+  const PositionsUnit& unit = kPositionsUnits.at(place.at("unit").level);
+  PositionsConfig positions;
+  positions.out_of_yaw_px = unit.out_of_yaw_px;
+  if (config.quick) positions.points = 9;
+  const int runs = config.quick ? 2 : config.runs;
+  const std::string key = version_key(config.seed) + place.name + ".json/" +
+                          std::to_string(positions.points) + "/" + std::to_string(runs);
+  return shard_of(std::move(place), key, [positions, runs, unit, seed = config.seed] {
+    std::vector<std::vector<FruitPosition>> all;
+    for (int run = 0; run < runs; ++run) all.push_back(measure_positions(positions, seed, run));
+    ScoreFile file;
+    file.scores = position_rows(all, unit.name, seed);
+    if (unit.out_of_yaw_px > 0) return to_json(file);
+    const std::vector<ScoreRow> published = published_position_rows();
+    file.scores.insert(file.scores.end(), published.begin(), published.end());
+    return to_json(file);
+  });
+}
+
+ShardJob photographs_job(const StudiesConfig& config, const StudyGroup& group, GridJob place) {
+  const int run = place.number("run");
+  const std::string key = version_key(config.seed) + "study_" + place.at("photographs").word +
+                          "_run" + std::to_string(run) + ".json/" + key_of(group);
+  return shard_of(std::move(place), key, [group, run, seed = config.seed] {
+    ScoreFile file;
+    file.scores = run_group(group, run, seed);
+    return to_json(file);
+  });
+}
+
+Grid studies_grid(const StudiesConfig& config, const std::vector<StudyGroup>& groups) {
+  Factor unit{"unit", {}}, photographs{"photographs", {}};
+  for (const PositionsUnit& u : kPositionsUnits) unit.levels.push_back({u.word});
+  for (const StudyGroup& group : groups)
+    photographs.levels.push_back({group.points.front().name(), group.sets});
+  return {{"study_positions_{unit}", {unit}},
+          {"study_{photographs}_run{run}",
+           {number_factor("run", 0, config.quick ? 1 : config.runs), photographs}}};
 }
 
 }  // namespace
 
 std::vector<ShardJob> study_jobs(const StudiesConfig& config) {
-  std::vector<ShardJob> jobs = position_jobs(config);
   const std::vector<StudyGroup> groups = study_groups(config.quick);
-  for (int run = 0; run < (config.quick ? 1 : config.runs); ++run) {
-    for (const StudyGroup& group : groups) {
-      std::string name =
-          "study_" + group.points.front().name() + "_run" + std::to_string(run) + ".json";
-      std::string key = version_key(config.seed) + name + "/" + key_of(group);
-      for (char& c : name) {
-        if (c == ' ' || c == ',') c = '_';
-      }
-      jobs.push_back({name, key, [group, run, seed = config.seed] {
-                        ScoreFile file;
-                        file.scores = run_group(group, run, seed);
-                        return to_json(file);
-                      }});
+  std::vector<ShardJob> jobs;
+  for (GridJob& place : jobs_of(studies_grid(config, groups))) {
+    if (place.has("unit")) {
+      jobs.push_back(positions_job(config, std::move(place)));
+      continue;
     }
+    const StudyGroup& group = groups[place.at("photographs").level];
+    jobs.push_back(photographs_job(config, group, std::move(place)));
   }
   return jobs;
 }

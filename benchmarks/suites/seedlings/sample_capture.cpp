@@ -1,6 +1,7 @@
 #include "benchmarks/suites/seedlings/sample_capture.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
@@ -176,13 +177,17 @@ PhoneConfig with_picture(PhoneConfig phone, int width_px, int height_px) {
   return phone;
 }
 
+std::vector<std::string> assignments(const SeedlingsSample& sample) {
+  char day[32] = {};
+  std::to_chars(day, day + sizeof day - 1, sample.day);  // as many digits as the number has
+  return {"light=" + sample.light, std::string("day=") + day,
+          "views=" + std::to_string(planned_views(sample.views)),
+          "render.pixel_samples=" + std::to_string(sample.pixel_samples)};
+}
+
 RunConfig sample_config(const SeedlingsSample& sample) {
-  RunConfig config = run_config(seedlings_row(), {"light=" + sample.light});
-  auto& scene = *config.scene.get_if<SeedlingsSceneConfig>();
-  scene.day = sample.day;
-  scene.views = planned_views(sample.views);
+  RunConfig config = run_config(seedlings_row(), assignments(sample));
   config.rig = with_picture(std::get<PhoneConfig>(config.rig), sample.width_px, sample.height_px);
-  config.paths.pixel_samples = sample.pixel_samples;
   validate(config);
   return config;
 }

@@ -24,6 +24,9 @@ struct SeedlingsSample {
   int pixel_samples = 16;  ///< paths
 };
 
+/// The scene's keys of a sample, key=value.
+std::vector<std::string> assignments(const SeedlingsSample& sample);
+
 /// The scene that a sample is of. Its rig is the scene's phone with pixels that average so many of
 /// its own that the picture has the sample's width.
 RunConfig sample_config(const SeedlingsSample& sample);

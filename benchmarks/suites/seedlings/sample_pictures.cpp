@@ -69,7 +69,7 @@ Image<Rgb8> side_by_side(const FidelityPlanes& left, const FidelityPlanes& right
 void write_sample_pictures(const std::filesystem::path& report, const SeedlingsJob& job,
                            const TrainedField& field, const FieldViews& views) {
   ReportScene scene;
-  scene.name = job.name();
+  scene.name = job.grid.name;
   const std::string of = job.sample.light + ", " + job.case_name() + ", " + job.plan.method + ", " +
                          std::to_string(field.scores.back().steps) + " steps";
   const auto add = [&](const std::string& name, const std::string& caption,

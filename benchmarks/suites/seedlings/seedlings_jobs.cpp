@@ -21,109 +21,74 @@ constexpr int kOurStartPoints = 5000;
 /// these in 1.7 times the seconds.
 constexpr int kOurMostSplats = 240000;
 constexpr const char* kShapePart = "shape";
-constexpr const char* kLights[] = {"D1", "D2", "D3"};
+constexpr int kUsualViews = 30;
 
-/// Numbers of a run, and of a quick one.
-struct Extent {
-  int samples, width_px, height_px, pixel_samples, noise_views;
-  std::vector<int> reference, ours, ours_most = {}, ngp = {};
-  FieldPlan between = {};               ///< of ours, in a job of its own; without steps: none
-  std::vector<FieldPlan> further = {};  ///< of the first tray, in jobs of their own
-  std::vector<FieldPlan> shape = {};    ///< of the first tray: how near surfaces are
-  std::vector<ViewSet> fewer = {};      ///< sets that the reference alone is trained on
-  std::vector<int> more = {};  ///< photographs of the first tray that ours alone is trained on
+/// One method on photographs of a tray under each light.
+struct TrayTraining {
+  FieldPlan plan;
+  ViewSet set = {"30 views", kUsualViews, false};
+  std::string part = {};         ///< of SeedlingsJob
+  bool is_of_each_tray = false;  ///< else of the first alone
 };
-Extent extent_of(const SeedlingsSuiteConfig& config) {
-  if (config.quick) {
-    return {.samples = 1,
-            .width_px = 200,
-            .height_px = 150,
-            .pixel_samples = 16,
-            .noise_views = 2,
-            .reference = {250, 500, 1000},
-            .ours = {250, 500},
-            .ngp = {50, 100},
-            .shape = {{.method = kReference, .at = {1000}},
-                      {.method = kOurs, .at = {500}, .start_points = kOurStartPoints}},
-            .fewer = {{"10 views", 10, false}, {"30 views of one side", 30, true}}};
-  }
+
+FieldPlan ours(std::vector<int> at, std::vector<int> most_splats = {}) {
+  return {.method = kOurs,
+          .at = std::move(at),
+          .start_points = kOurStartPoints,
+          .most_splats = std::move(most_splats)};
+}
+
+std::vector<TrayTraining> quick_trainings() {
+  return {{.plan = {kReference, {250, 500, 1000}}, .is_of_each_tray = true},
+          {.plan = ours({250, 500}), .is_of_each_tray = true},
+          {.plan = {kNgp, {50, 100}}, .is_of_each_tray = true},
+          {.plan = {kReference, {1000}}, .set = {"10 views", 10, false}},
+          {.plan = {kReference, {1000}}, .set = {"30 views of one side", 30, true}},
+          {.plan = {kReference, {1000}}, .part = kShapePart},
+          {.plan = ours({500}), .part = kShapePart}};
+}
+
+std::vector<TrayTraining> full_trainings() {
   const int usual = SplatTrainConfig().most_splats;
-  return {.samples = config.samples,
-          .width_px = 400,
-          .height_px = 300,
-          .pixel_samples = 16,
-          .noise_views = 4,
-          .reference = {500, 1000, 2000, 5000, 7000},
-          .ours = {500, 1000, 2000, 5000, 7000},
-          .ours_most = {usual, usual, usual, kOurMostSplats, kOurMostSplats},
-          .ngp = {500, 1000, 2000, 5000, 7000},
-          .between = {.method = kOurs,
-                      .at = {3000},
-                      .start_points = kOurStartPoints,
-                      .most_splats = {kOurMostSplats / 2}},
-          .further = {{.method = kReference, .at = {10000, 30000}},
-                      {.method = kOurs,
-                       .at = {10000, 30000},
-                       .start_points = kOurStartPoints,
-                       .most_splats = {kOurMostSplats, kOurMostSplats}},
-                      {.method = kNgp, .at = {1000, 5000, 7000, 10000, 30000}}},
-          .shape = {{.method = kReference, .at = {7000}},
-                    {.method = kOurs,
-                     .at = {7000},
-                     .start_points = kOurStartPoints,
-                     .most_splats = {kOurMostSplats}}},
-          .fewer = {{"20 views", 20, false},
-                    {"10 views", 10, false},
-                    {"30 views of one side", 30, true}},
-          .more = {60, 120}};
-}
-
-/// One job for each number: what more photographs do for the views that are held out.
-void add_more_views(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>& jobs) {
-  for (const int views : extent.more) {
-    job.sample.views = views;
-    job.set = {std::to_string(views) + " views", views, false};
-    job.plan = {kOurs, {kMoreViewsSteps / 2, kMoreViewsSteps}, kOurStartPoints};
-    job.noise_views = 0;
-    job.shown = false;
-    jobs.push_back(job);
-  }
-}
-
-/// One between trainings of one minute and of four: the reference's 7,000 steps may end there, and
-/// who has that long should not have to take what one minute gives.
-void add_between(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>& jobs) {
-  if (extent.between.at.empty()) return;
-  job.plan = extent.between;
-  job.part = "between";
-  job.shown = false;
-  jobs.push_back(job);
-}
-
-/// The same trainings once more, of which nothing but surfaces is scored.
-void add_shape(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>& jobs) {
-  job.set = {"30 views", job.sample.views, false};
-  job.shown = false;
-  job.part = kShapePart;
-  for (const FieldPlan& plan : extent.shape) {
-    job.plan = plan;
-    jobs.push_back(job);
-  }
-}
-
-/// The methods' further steps: they take longer than all else, so that each may be left out.
-void add_long(SeedlingsJob job, const Extent& extent, std::vector<SeedlingsJob>& jobs) {
-  job.set = {"30 views", job.sample.views, false};
-  job.shown = false;
-  job.part = "long";
-  for (const FieldPlan& plan : extent.further) {
-    job.plan = plan;
-    jobs.push_back(job);
-  }
+  const std::vector<int> steps = {500, 1000, 2000, 5000, 7000};
+  const FieldPlan of_more = ours({kMoreViewsSteps / 2, kMoreViewsSteps});
+  return {{.plan = {kReference, steps}, .is_of_each_tray = true},
+          {.plan = ours(steps, {usual, usual, usual, kOurMostSplats, kOurMostSplats}),
+           .is_of_each_tray = true},
+          {.plan = {kNgp, steps}, .is_of_each_tray = true},
+          // Between trainings of one minute and of four: the reference's 7,000 steps may end there,
+          // and who has that long should not have to take what one minute gives.
+          {.plan = ours({3000}, {kOurMostSplats / 2}), .part = "between", .is_of_each_tray = true},
+          {.plan = {kReference, {7000}}, .set = {"20 views", 20, false}},
+          {.plan = {kReference, {7000}}, .set = {"10 views", 10, false}},
+          {.plan = {kReference, {7000}}, .set = {"30 views of one side", 30, true}},
+          // What more photographs do for the views that are held out.
+          {.plan = of_more, .set = {"60 views", 60, false}},
+          {.plan = of_more, .set = {"120 views", 120, false}},
+          {.plan = {kReference, {7000}}, .part = kShapePart},
+          {.plan = ours({7000}, {kOurMostSplats}), .part = kShapePart},
+          // They take longer than all else, so that each may be left out.
+          {.plan = {kReference, {10000, 30000}}, .part = "long"},
+          {.plan = ours({10000, 30000}, {kOurMostSplats, kOurMostSplats}), .part = "long"},
+          {.plan = {kNgp, {1000, 5000, 7000, 10000, 30000}}, .part = "long"}};
 }
 
 std::string short_name(const std::string& method) {
   return method == kReference ? "reference" : method == kOurs ? "ours" : "ngp";
+}
+
+Grid seedlings_grid(const std::vector<TrayTraining>& trainings, int trays, int width_px) {
+  Factor training{"training", {}};
+  for (const TrayTraining& t : trainings) {
+    training.levels.push_back({std::to_string(t.set.views) + (t.set.one_side ? "_side_" : "_") +
+                               short_name(t.plan.method) + (t.part.empty() ? "" : "_" + t.part)});
+  }
+  return {{"{light}_{tray}_{training}_{width_px}px",
+           {named_factor("light", {"D1", "D2", "D3"}), number_factor("tray", 0, trays), training,
+            named_factor("width_px", {std::to_string(width_px)})},
+           [&trainings](const GridJob& job) {
+             return trainings[job.at("training").level].is_of_each_tray || job.number("tray") == 0;
+           }}};
 }
 
 /// The middle of the sample's share of the days.
@@ -162,51 +127,33 @@ std::vector<const SampleView*> held_out_views(const SampleCapture& whole) {
 
 }  // namespace
 
-std::string SeedlingsJob::name() const {
-  return sample.light + "_" + std::to_string(sample.number) + "_" + std::to_string(set.views) +
-         (set.one_side ? "_side_" : "_") + short_name(plan.method) + "_" +
-         (part.empty() ? "" : part + "_") + std::to_string(sample.width_px) + "px";
-}
-
 std::string SeedlingsJob::case_name() const {
   return "sample " + std::to_string(sample.number) + ", " + set.name + ", " +
          std::to_string(sample.width_px) + "x" + std::to_string(sample.height_px);
 }
 
 std::vector<SeedlingsJob> seedlings_jobs(const SeedlingsSuiteConfig& config) {
-  const Extent extent = extent_of(config);
+  const std::vector<TrayTraining> trainings = config.quick ? quick_trainings() : full_trainings();
+  const int trays = config.quick ? 1 : config.samples;
   std::vector<SeedlingsJob> jobs;
-  for (const char* light : kLights) {
-    for (int i = 0; i < extent.samples; ++i) {
-      SeedlingsJob job;
-      job.sample = {light,
-                    i,
-                    day_of(i, extent.samples),
-                    30,
-                    extent.width_px,
-                    extent.height_px,
-                    extent.pixel_samples};
-      job.set = {"30 views", job.sample.views, false};
-      job.noise_views = extent.noise_views;
-      job.shown = i == 0;
-      job.plan = {kReference, extent.reference};
-      jobs.push_back(job);
-      job.plan = {kOurs, extent.ours, kOurStartPoints};
-      job.plan.most_splats = extent.ours_most;
-      jobs.push_back(job);
-      job.plan = {kNgp, extent.ngp};
-      jobs.push_back(job);
-      add_between(job, extent, jobs);
-      if (i > 0) continue;
-      for (const ViewSet& set : extent.fewer) {
-        job.set = set;
-        job.plan = {kReference, {extent.reference.back()}};
-        jobs.push_back(job);
-      }
-      add_more_views(job, extent, jobs);
-      add_shape(job, extent, jobs);
-      add_long(job, extent, jobs);
-    }
+  for (GridJob& place : jobs_of(seedlings_grid(trainings, trays, config.quick ? 200 : 400))) {
+    const TrayTraining& training = trainings[place.at("training").level];
+    SeedlingsJob job;
+    job.sample.light = place.at("light").word;
+    job.sample.number = place.number("tray");
+    job.sample.day = day_of(job.sample.number, trays);
+    job.sample.views = std::max(kUsualViews, training.set.views);
+    job.sample.width_px = place.number("width_px");
+    job.sample.height_px = job.sample.width_px * 3 / 4;
+    job.set = training.set;
+    job.plan = training.plan;
+    job.part = training.part;
+    const bool has_more = job.sample.views > kUsualViews;
+    job.noise_views = has_more ? 0 : config.quick ? 2 : 4;
+    job.shown = job.sample.number == 0 && job.part.empty() && !has_more;
+    place.sets = assignments(job.sample);
+    job.grid = std::move(place);
+    jobs.push_back(std::move(job));
   }
   return jobs;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "benchmarks/score/scores.h"
+#include "benchmarks/study/grid.h"
 #include "benchmarks/suites/seedlings/field_training.h"
 #include "benchmarks/suites/seedlings/sample_capture.h"
 
@@ -27,6 +28,7 @@ inline constexpr int kMoreViewsSteps = 2000;
 
 /// One method on one set of photographs of one sample.
 struct SeedlingsJob {
+  GridJob grid;  ///< its name as "D1_0_20_reference_400px"
   SeedlingsSample sample;
   ViewSet set;
   FieldPlan plan;
@@ -37,9 +39,8 @@ struct SeedlingsJob {
   /// first, of which the reference's says what the photographs are like.
   std::string part;
 
-  std::string name() const;  ///< "D1_0_20_reference": letters, digits, _
-  std::string case_name()
-      const;  ///< "sample 0, 20 views, 400x300"; rows of a snapshot add its steps
+  /// "sample 0, 20 views, 400x300"; rows of a snapshot add its steps
+  std::string case_name() const;
 };
 
 /// All jobs, those of one capture one after another.

@@ -89,13 +89,14 @@ std::vector<ShardJob> seedlings_suite_jobs(const SeedlingsSuiteConfig& config) {
     const std::string key = std::string(COUSIN_VERSION) + "/" + key_of(job) + "/" +
                             std::to_string(config.seed) + network;
     const std::filesystem::path unfinished =
-        config.unfinished.empty() ? "" : config.unfinished / job.name();
-    jobs.push_back({job.name() + ".json", key,
-                    [job, config, captures, learned, unfinished] {
-                      return to_json(run_seedlings_job(job, config.seed, *captures, config.report,
-                                                       unfinished, learned));
-                    },
-                    unfinished});
+        config.unfinished.empty() ? "" : config.unfinished / job.grid.name;
+    jobs.push_back(shard_of(
+        job.grid, key,
+        [job, config, captures, learned, unfinished] {
+          return to_json(
+              run_seedlings_job(job, config.seed, *captures, config.report, unfinished, learned));
+        },
+        unfinished));
   }
   return jobs;
 }
@@ -107,20 +108,31 @@ ScoreFile pool_seedlings_suite(const std::vector<ShardResult>& results,
   add(equal_time_rows(rows, kComparedSteps, machines_of_shards(results)), rows);
   add(published_rows(), rows);
   std::vector<ScoreRow> all = mean_rows(rows);
-  if (!config.quick) hold_to_limits(all);
   // Means first: they are the tables.
   all.insert(all.end(), rows.begin(), rows.end());
   rows = std::move(all);
   return file;
 }
 
+void hold_seedlings_suite(const SeedlingsSuiteConfig& config, ScoreFile& pooled) {
+  if (config.quick) return;
+  std::vector<ScoreRow>& rows = pooled.scores;
+  const auto end = std::find_if_not(rows.begin(), rows.end(), [](const ScoreRow& row) {
+    return row.case_name.starts_with("mean");  // they come first
+  });
+  std::vector<ScoreRow> means(rows.begin(), end);
+  rows.erase(rows.begin(), end);
+  hold_to_limits(means);
+  rows.insert(rows.begin(), means.begin(), means.end());
+}
+
 std::string seedlings_toml(const SeedlingsSuiteConfig& config) {
   const std::vector<SeedlingsJob> jobs = seedlings_jobs(config);
-  std::string text = "# " + jobs.front().name() + "\n" +
+  std::string text = "# " + jobs.front().grid.name + "\n" +
                      resolved_toml(sample_config(jobs.front().sample)) + "\n# All jobs: --seed " +
                      std::to_string(config.seed) + "\n";
   for (const SeedlingsJob& job : jobs) {
-    text += "#   " + job.name() + ": " + job.case_name() + ", day " +
+    text += "#   " + job.grid.name + ": " + job.case_name() + ", day " +
             std::to_string(job.sample.day) + ", " + job.plan.method + ", scored after";
     for (const int step : job.plan.at) text += " " + std::to_string(step);
     text += " steps\n";

@@ -19,6 +19,10 @@ std::vector<ShardJob> seedlings_suite_jobs(const SeedlingsSuiteConfig& config);
 ScoreFile pool_seedlings_suite(const std::vector<ShardResult>& results,
                                const SeedlingsSuiteConfig& config);
 
+/// Holds the means among pooled rows to their limits, and adds the gaps that have one; not of a
+/// quick run.
+void hold_seedlings_suite(const SeedlingsSuiteConfig& config, ScoreFile& pooled);
+
 /// What the samples' scenes have in common, and each job.
 std::string seedlings_toml(const SeedlingsSuiteConfig& config);
 

@@ -20,78 +20,55 @@ namespace {
 constexpr const char* kSuite = "cousins";
 constexpr const char* kTwin = "twin";
 
-std::string distance_text(double distance) {
-  std::string text = std::to_string(distance);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
-
-/// A point of an axis; the twin is a point of all.
-struct Point {
-  std::string axis;  ///< empty: the twin
-  double distance = 0;
-
-  std::string name() const { return axis.empty() ? kTwin : axis + " " + distance_text(distance); }
-};
-
-std::vector<Point> points_of(bool quick) {
-  const std::vector<double> distances =
-      quick ? std::vector<double>{0.5, 1} : std::vector<double>{0.25, 0.5, 0.75, 1};
-  std::vector<Point> points = {{}};
+/// The twin is a point of all axes.
+Factor points_of(bool quick) {
+  const std::vector<const char*> distances =
+      quick ? std::vector<const char*>{"0.5", "1"} : std::vector{"0.25", "0.5", "0.75", "1"};
+  Factor point{"point", {{kTwin}}};
   for (const std::string& axis : cousin_axes()) {
-    for (const double distance : distances) points.push_back({axis, distance});
+    for (const std::string distance : distances)
+      point.levels.push_back({axis + " " + distance, {"cousin." + axis + "=" + distance}});
   }
-  return points;
+  return point;
 }
 
-struct Job {
-  Point point;
-  int run = 0;
-  RunConfig config;
+Grid cousins_grid(const CousinsSuiteConfig& suite) {
+  return {{"{point}_run{run}",
+           {number_factor("run", 0, suite.quick ? 1 : suite.runs), points_of(suite.quick)}}};
+}
 
-  /// Of the case as rows name it, and of the file.
-  std::string case_name() const { return point.name() + " run " + std::to_string(run); }
-  std::string file() const {
-    std::string name = point.name() + "_run" + std::to_string(run) + ".json";
-    std::replace(name.begin(), name.end(), ' ', '_');
-    return name;
-  }
-};
-
-RunConfig job_config(const CousinsSuiteConfig& suite, const Point& point) {
+/// @param point  its keys, after the user's
+RunConfig job_config(const CousinsSuiteConfig& suite, const std::vector<std::string>& point) {
   std::vector<std::string> sets = {"rig=phone_video_720p", "views=60"};
   if (suite.quick)
     sets = {"rig=phone_video_720p", "views=20", "rig.width_px=960", "rig.height_px=540"};
   sets.insert(sets.end(), suite.sets.begin(), suite.sets.end());
-  if (!point.axis.empty())
-    sets.push_back("cousin." + point.axis + "=" + distance_text(point.distance));
+  sets.insert(sets.end(), point.begin(), point.end());
   return seeds_run_config(sets);
 }
 
-std::vector<Job> list_jobs(const CousinsSuiteConfig& suite) {
-  std::vector<Job> jobs;
-  for (int run = 0; run < (suite.quick ? 1 : suite.runs); ++run) {
-    for (const Point& point : points_of(suite.quick))
-      jobs.push_back({point, run, job_config(suite, point)});
-  }
-  return jobs;
-}
+struct Job {
+  GridJob grid;
+  RunConfig config;
+
+  int run() const { return grid.number("run"); }
+  const std::string& point() const { return grid.at("point").word; }  ///< "shape 0.25"
+};
 
 std::string run_job(const Job& job, std::uint64_t seed, const Progress& progress) {
   const SimulatedRun run =
-      simulate(job.config, seed, job.run, planned_truth(SeedsPipelineConfig(), false), progress);
-  const std::uint64_t stage_seed = Rng(seed).fork(static_cast<std::uint64_t>(job.run))();
+      simulate(job.config, seed, job.run(), planned_truth(SeedsPipelineConfig(), false), progress);
+  const std::uint64_t stage_seed = Rng(seed).fork(static_cast<std::uint64_t>(job.run()))();
   const Estimate estimate =
-      perceive(run.capture, seeds_pipeline(job.config), stage_seed, {}, job.run, {}, progress);
+      perceive(run.capture, seeds_pipeline(job.config), stage_seed, {}, job.run(), {}, progress);
   SeedsScoreLabels labels;
   labels.suite = kSuite;
   labels.scene = seeds_scene(job.config).cultivar;
-  labels.case_name = job.case_name();
-  labels.run = std::to_string(job.run);
+  labels.case_name = job.point() + " run " + std::to_string(job.run());
+  labels.run = std::to_string(job.run());
   labels.seed = seed;
   SeedsScores scores = score_run(run.truth, estimate, labels);
-  for (SpecimenRow& row : scores.specimens) row.dataset = job.point.name();
+  for (SpecimenRow& row : scores.specimens) row.dataset = job.point();
   ScoreFile file;
   file.header.program_version = COUSIN_VERSION;
   file.header.config_hash = config_hash(job.config, seed);
@@ -100,23 +77,22 @@ std::string run_job(const Job& job, std::uint64_t seed, const Progress& progress
   return to_json(file);
 }
 
-ScoreRow base_row(const Point& point, const CousinsSuiteConfig& config) {
+ScoreRow base_row(const std::string& point, const CousinsSuiteConfig& config) {
   ScoreRow row;
   row.suite = kSuite;
   row.scene = "pooled";
-  row.case_name = point.name();
+  row.case_name = point;
   row.method = "ours";
   row.seed = config.seed;
   return row;
 }
 
 /// Mean seconds of measuring one capture of the point, largest memory.
-void add_run_times(const std::vector<ScoreRow>& of_jobs, const Point& point, ScoreRow& row) {
+void add_run_times(const std::vector<ScoreRow>& of_jobs, const std::string& point, ScoreRow& row) {
   double wall_s = 0, cpu_s = 0, peak_mb = 0;
   int count = 0;
   for (const ScoreRow& job : of_jobs) {
-    if (job.metric != "seconds.perceive" || !job.case_name.starts_with(point.name() + " run "))
-      continue;
+    if (job.metric != "seconds.perceive" || !job.case_name.starts_with(point + " run ")) continue;
     wall_s += job.wall_s;
     cpu_s += job.cpu_s;
     peak_mb = std::max(peak_mb, job.peak_rss_mb);
@@ -128,11 +104,11 @@ void add_run_times(const std::vector<ScoreRow>& of_jobs, const Point& point, Sco
   row.peak_rss_mb = peak_mb;
 }
 
-void add_point_rows(const std::vector<SpecimenRow>& all, const Point& point,
+void add_point_rows(const std::vector<SpecimenRow>& all, const std::string& point,
                     const CousinsSuiteConfig& config, std::vector<ScoreRow>& rows) {
   std::vector<SpecimenRow> own;
   for (const SpecimenRow& row : all) {
-    if (row.dataset == point.name()) own.push_back(row);
+    if (row.dataset == point) own.push_back(row);
   }
   if (own.empty()) return;
   ScoreRow base = base_row(point, config);
@@ -141,7 +117,7 @@ void add_point_rows(const std::vector<SpecimenRow>& all, const Point& point,
     const auto pairs = trait_pairs(own, trait, [](const SpecimenRow&) { return true; });
     if (pairs.size() < 2) continue;
     const TraitStatistics s =
-        trait_statistics(pairs, Rng(config.seed).fork("cousins").fork(point.name()).fork(trait));
+        trait_statistics(pairs, Rng(config.seed).fork("cousins").fork(point).fork(trait));
     const std::string name(trait), unit(trait_row(trait).unit);
     rows.push_back(with_interval(base, name + ".rmse", unit, s.rmse, s.n));
     rows.push_back(with_interval(base, name + ".mape", "1", s.mape, s.n));
@@ -194,13 +170,15 @@ LinePlot plot_of(const std::vector<ScoreRow>& rows, const std::string& metric,
 std::vector<ShardJob> cousins_suite_jobs(const CousinsSuiteConfig& config,
                                          const Progress& progress) {
   std::vector<ShardJob> jobs;
-  for (const Job& job : list_jobs(config)) {
+  for (GridJob& place : jobs_of(cousins_grid(config))) {
+    const Job job{place, job_config(config, place.sets)};
     const std::string key = std::string(COUSIN_VERSION) + resolved_toml(job.config) +
                             describe(cousin_moves(seeds_row().defaults())) +
-                            std::to_string(config.seed) + "/" + std::to_string(job.run) +
+                            std::to_string(config.seed) + "/" + std::to_string(job.run()) +
                             user_files_hash(job.config.scene) + built_in_tables();
-    jobs.push_back({job.file(), key,
-                    [job, seed = config.seed, progress] { return run_job(job, seed, progress); }});
+    jobs.push_back(shard_of(std::move(place), key, [job, seed = config.seed, progress] {
+      return run_job(job, seed, progress);
+    }));
   }
   return jobs;
 }
@@ -209,8 +187,8 @@ ScoreFile pool_cousins_suite(const std::vector<ShardResult>& results,
                              const CousinsSuiteConfig& config) {
   ScoreFile pooled = scores_of_shards(results, kSuite, config.seed);
   pooled.header.program_version = COUSIN_VERSION;
-  for (const Point& point : points_of(config.quick))
-    add_point_rows(pooled.specimens, point, config, pooled.scores);
+  for (const Level& point : points_of(config.quick).levels)
+    add_point_rows(pooled.specimens, point.word, config, pooled.scores);
   return pooled;
 }
 

@@ -81,21 +81,21 @@ Estimate posed_alone(const Capture& capture, const SeedsPipelineConfig& config,
 Estimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& poses,
                              ScoreFile& file) {
   MeasuredModel reference, ours;
-  if (job.trained.reference) {
-    task.at = job.trained.reference_at;
+  if (job.work.trained.reference) {
+    task.at = job.work.trained.reference_at;
     reference = measure_by_splats(task, SeedsMethod::splats_paper);
-    if (!job.pooled) reference.file.specimens.clear();
+    if (!job.work.pooled) reference.file.specimens.clear();
     append(reference.file, file);
     if (task.pipeline.splats.poses != SplatPoses::board) task.posed_by = &reference.estimate;
   }
-  if (job.trained.ours) {
-    task.at = job.trained.ours_at;
+  if (job.work.trained.ours) {
+    task.at = job.work.trained.ours_at;
     ours = measure_by_splats(task, SeedsMethod::splats);
-    if (!job.pooled) ours.file.specimens.clear();
+    if (!job.work.pooled) ours.file.specimens.clear();
     append(ours.file, file);
   }
   task.at = {};
-  for (const int steps : job.trained.ours_steps) {
+  for (const int steps : job.work.trained.ours_steps) {
     SeedsTrainingTask own = task;
     own.pipeline.splats.steps = steps;
     if (!own.unfinished.empty()) own.unfinished /= "splats" + std::to_string(steps);
@@ -103,9 +103,9 @@ Estimate measured_by_trained(const SuiteJob& job, SeedsTrainingTask task, const 
     model.file.specimens.clear();
     append(model.file, file);
   }
-  for (const int steps : job.trained.images_steps)
+  for (const int steps : job.work.trained.images_steps)
     append({.scores = measure_for_images(task, steps)}, file);
-  task.at = job.trained.ngp_at;
+  task.at = job.work.trained.ngp_at;
   const bool lacks_poses = !task.at.empty() && poses.empty();
   const Poses used =
       lacks_poses ? posed_alone(task.run->capture, task.pipeline, task.stage_seed).poses : poses;
@@ -150,8 +150,8 @@ Estimate add_trained(const SuiteJob& job, SeedsTrainingTask task, const Poses& p
 
 /// Where a job's trainings go on from; nowhere if it has none.
 std::filesystem::path unfinished_of(const SuiteJob& job, const SeedsSuiteConfig& suite) {
-  if (!job.trained.splats || suite.unfinished.empty()) return {};
-  return suite.unfinished / std::filesystem::path(job.name).stem();
+  if (!job.work.trained.splats || suite.unfinished.empty()) return {};
+  return suite.unfinished / job.grid.name;
 }
 
 ScoreFile noise_of(const SuiteJob& job) {
@@ -165,7 +165,7 @@ ScoreFile noise_of(const SuiteJob& job) {
   labels.case_name = labels.scene + " run " + std::to_string(job.run) + " " +
                      std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px);
   const NoiseFloor floor =
-      measure_noise_floor(simulation, seeds_pipeline(job.config).green, job.noise_views);
+      measure_noise_floor(simulation, seeds_pipeline(job.config).green, job.work.noise_views);
   ScoreFile file;
   for (const auto& [metric, value] : {std::pair("noise_floor.psnr", floor.psnr_db),
                                       std::pair("noise_floor.psnr_object", floor.psnr_object_db),
@@ -174,7 +174,7 @@ ScoreFile noise_of(const SuiteJob& job) {
     row.metric = metric;
     row.value = value;
     row.unit = "dB";
-    row.n = job.noise_views;
+    row.n = job.work.noise_views;
     file.scores.push_back(row);
   }
   return file;
@@ -183,7 +183,7 @@ ScoreFile noise_of(const SuiteJob& job) {
 SeedsScoreLabels job_labels(const SuiteJob& job) {
   SeedsScoreLabels labels;
   if (seeds_scene(job.config).spread == SizeSpread::paper) labels.suite = kPaperSpread;
-  if (job.trained.splats) labels.suite = kSplatsSuite;
+  if (job.work.trained.splats) labels.suite = kSplatsSuite;
   labels.scene = seeds_scene(job.config).sphere ? "sphere" : seeds_scene(job.config).cultivar;
   labels.run = std::to_string(job.run);
   labels.seed = job.seed;
@@ -254,17 +254,17 @@ void add_simulator_seconds(const SimulatedRun& run, const SeedsScoreLabels& labe
 
 std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
                     const LearnedDistance* learned, const Progress& progress) {
-  if (job.noise_views > 0) return to_json(noise_of(job));
+  if (job.work.noise_views > 0) return to_json(noise_of(job));
   const SimulatedRun run =
       stored_seeds(suite.captures, job.config, job.seed, job.run,
-                   planned_truth(SeedsPipelineConfig(), job.attribution), progress);
+                   planned_truth(SeedsPipelineConfig(), job.work.attribution), progress);
   ScoreFile file;
   file.header.program_version = COUSIN_VERSION;
   file.header.config_hash = config_hash(job.config, job.seed);
   SeedsScoreLabels labels = job_labels(job);
   const Camera& camera = run.capture.rig.front().camera;
   const std::uint64_t stage_seed = Rng(job.seed).fork(static_cast<std::uint64_t>(job.run))();
-  for (const int views : job.view_counts) {
+  for (const int views : job.work.view_counts) {
     const bool all = views == static_cast<int>(run.capture.frames.size());
     const Capture capture = subset(run.capture, views);
     const SceneTruth truth = subset(run.truth, views);
@@ -276,7 +276,7 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
                                      .learned = learned,
                                      .progress = progress,
                                      .unfinished = unfinished_of(job, suite)};
-    if (job.only_trained) {
+    if (job.work.only_trained) {
       add_trained(job, training, {}, file);
       continue;
     }
@@ -284,17 +284,16 @@ std::string run_job(const SuiteJob& job, const SeedsSuiteConfig& suite,
         perceive(capture, seeds_pipeline(job.config), stage_seed, {}, 0, {}, progress);
     const Estimate paper =
         paper_on_same_cloud(capture, seeds_pipeline(job.config), stage_seed, ours);
-    add_both_methods(truth, ours, paper, all && job.pooled, labels, file);
+    add_both_methods(truth, ours, paper, all && job.work.pooled, labels, file);
     const Estimate* shown = &ours;
     Estimate by_splats;
-    if (all && job.trained.splats) {
+    if (all && job.work.trained.splats) {
       by_splats = add_trained(job, training, ours.poses, file);
       shown = &by_splats;
     }
     if (all && job.shown && !suite.report.empty())
-      write_report_scene(suite.report,
-                         report_scene(std::filesystem::path(job.name).stem(), run, *shown));
-    if (all && job.attribution)
+      write_report_scene(suite.report, report_scene(job.grid.name, run, *shown));
+    if (all && job.work.attribution)
       add_attribution(job, run, capture, stage_seed, ours, labels, progress, file);
   }
   add_simulator_seconds(run, labels, file);
@@ -316,28 +315,30 @@ std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config, const Pro
   for (const SuiteJob& job : seeds_jobs(config)) {
     std::string key =
         std::string(COUSIN_VERSION) + resolved_toml(job.config) + std::to_string(job.seed) + "/" +
-        std::to_string(job.run) + (job.attribution ? "/attribution" : "") +
-        (job.trained.splats ? training_text(job.trained, job.config) + network : "") +
-        (job.trained.splats && seeds_pipeline(job.config).splats.poses != SplatPoses::board ? colmap
-                                                                                            : "") +
-        (job.noise_views > 0 ? "/noise 4 " + std::to_string(job.noise_views) : "") +
+        std::to_string(job.run) + (job.work.attribution ? "/attribution" : "") +
+        (job.work.trained.splats ? training_text(job.work.trained, job.config) + network : "") +
+        (job.work.trained.splats && seeds_pipeline(job.config).splats.poses != SplatPoses::board
+             ? colmap
+             : "") +
+        (job.work.noise_views > 0 ? "/noise 4 " + std::to_string(job.work.noise_views) : "") +
         user_files_hash(job.config.scene) + built_in_tables();
-    for (const int views : job.view_counts) key += "/" + std::to_string(views);
-    jobs.push_back(
-        {job.name, key,
-         [job, config, learned, progress] { return run_job(job, config, learned.get(), progress); },
-         unfinished_of(job, config)});
+    for (const int views : job.work.view_counts) key += "/" + std::to_string(views);
+    jobs.push_back(shard_of(
+        job.grid, key,
+        [job, config, learned, progress] { return run_job(job, config, learned.get(), progress); },
+        unfinished_of(job, config)));
   }
   return jobs;
 }
 
 std::string suite_toml(const SeedsSuiteConfig& config) {
   const std::vector<SuiteJob> jobs = seeds_jobs(config);
-  std::string text = "# " + jobs.front().name + "\n" + resolved_toml(jobs.front().config) +
-                     "\n# All jobs: --seed " + std::to_string(config.seed) + "\n";
+  std::string text = "# " + jobs.front().grid.name + ".json\n" +
+                     resolved_toml(jobs.front().config) + "\n# All jobs: --seed " +
+                     std::to_string(config.seed) + "\n";
   for (const SuiteJob& job : jobs) {
-    text += "# " + job.name + ", run " + std::to_string(job.run) + ":";
-    for (const std::string& set : job.sets) text += " --set " + set;
+    text += "# " + job.grid.name + ".json, run " + std::to_string(job.run) + ":";
+    for (const std::string& set : job.grid.sets) text += " --set " + set;
     for (const std::string& set : config.sets) text += " --set " + set;
     text += "\n";
   }

@@ -34,9 +34,11 @@ struct SeedsSuiteConfig {
 std::vector<ShardJob> seeds_suite_jobs(const SeedsSuiteConfig& config,
                                        const Progress& progress = {});
 
-/// Rows of all finished jobs with the statistics over runs, and in full, without `sets`, held to
-/// their limits. Jobs that failed become rows with status error.
+/// Rows of all finished jobs with the statistics over runs. Jobs that failed become rows with
+/// status error.
 ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results, const SeedsSuiteConfig& config);
+/// Holds pooled rows to their limits: of the whole experiment, not of a quick one or with `sets`.
+void hold_seeds_suite(const SeedsSuiteConfig& config, ScoreFile& pooled);
 
 /// What the page says of the suite's configuration: the first job's in full as TOML, and how each
 /// job differs from it.

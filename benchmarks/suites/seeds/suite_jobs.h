@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "benchmarks/loop/run_config.h"
+#include "benchmarks/study/grid.h"
 #include "benchmarks/suites/seeds/suite.h"
 
 namespace cousin {
@@ -21,21 +22,24 @@ struct TrainedJob {
   std::vector<int> ours_steps, images_steps;
 };
 
+/// What is measured on a capture.
+struct SeedsWork {
+  std::vector<int> view_counts;  ///< evenly spread subsets of the views, beside all of them
+  bool pooled = false;           ///< its specimens (all views) enter a table of many runs
+  bool attribution = false;
+  TrainedJob trained;
+  bool only_trained = false;  ///< all views by trained models, and by nothing else
+  int noise_views = 0;        ///< at most so many are photographed twice; then nothing else is done
+};
+
 /// One capture and what is measured on it.
 struct SuiteJob {
-  std::string name;
-  std::vector<std::string> sets;  ///< its own, before the user's
+  GridJob grid;  ///< its own keys come before the user's
   RunConfig config;
   std::uint64_t seed = 0;
   int run = 0;
-  std::vector<int>
-      view_counts;      ///< evenly spread subsets of the views; the last one is all of them
-  bool pooled = false;  ///< its specimens (all views) enter a table of many runs
-  bool attribution = false;
+  SeedsWork work;      ///< its last view count is all of them
   bool shown = false;  ///< the page has pictures of it
-  TrainedJob trained;
-  bool only_trained = false;  ///< all views by trained models, and by nothing else
-  int noise_views = 0;        ///< photographed twice, and nothing else is done
 };
 
 /// The suite's jobs in the order in which they run; equal ones once.

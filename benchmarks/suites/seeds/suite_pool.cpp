@@ -196,15 +196,17 @@ ScoreFile pool_seeds_suite(const std::vector<ShardResult>& results,
     append({.scores = over_published(pooled.scores, published)}, pooled);
     append({.scores = published}, pooled);
   }
-  if (!config.quick && config.sets.empty()) {
-    std::set<std::string> cultivars;
-    for (const SpecimenRow& row : pooled.specimens) {
-      if (row.dataset == std::string("seeds")) cultivars.insert(row.cultivar);
-    }
-    hold_to_limits(pooled.scores, cultivars);
-    hold_trained_to_limits(pooled.scores);
-  }
   return pooled;
+}
+
+void hold_seeds_suite(const SeedsSuiteConfig& config, ScoreFile& pooled) {
+  if (config.quick || !config.sets.empty()) return;
+  std::set<std::string> cultivars;
+  for (const SpecimenRow& row : pooled.specimens) {
+    if (row.dataset == std::string("seeds")) cultivars.insert(row.cultivar);
+  }
+  hold_to_limits(pooled.scores, cultivars);
+  hold_trained_to_limits(pooled.scores);
 }
 
 }  // namespace cousin

@@ -49,12 +49,17 @@ std::string run_part(const Part& part, std::uint64_t seed, bool quick) {
 }  // namespace
 
 std::vector<ShardJob> sensors_suite_jobs(std::uint64_t seed, bool quick) {
+  const std::vector<Part> parts = list_parts();
+  Factor part_factor{"part", {}};
+  for (const Part& part : parts) part_factor.levels.push_back({part.name});
+  const std::string ending = quick ? ".quick" : "";
   std::vector<ShardJob> jobs;
-  for (const Part& part : list_parts()) {
+  for (GridJob& place : jobs_of({{"{part}" + ending, {part_factor}}})) {
+    const Part& part = parts[place.at("part").level];
     const std::string key = std::string(COUSIN_VERSION) + "/" + std::to_string(seed) +
                             (quick ? "/quick" : "") + "/" + part.name;
-    jobs.push_back({part.name + (quick ? ".quick" : "") + ".json", key,
-                    [part, seed, quick] { return run_part(part, seed, quick); }});
+    jobs.push_back(shard_of(std::move(place), key,
+                            [part, seed, quick] { return run_part(part, seed, quick); }));
   }
   return jobs;
 }

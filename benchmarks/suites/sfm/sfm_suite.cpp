@@ -75,12 +75,21 @@ std::vector<ShardJob> sfm_suite_jobs(const SfmSuiteConfig& config, const Progres
                           "/colmap " + colmap_version(config.program) +
                           (COUSIN_WITH_CERES ? " adjusted, lens judged/" : " without adjustment/") +
                           config.neutral.string() + "/" + sha256_hex_of_folder(config.neutral);
-  const std::string ending = config.quick ? ".quick.json" : ".json";
-  return {
-      {"neutral" + ending, key + "/neutral", [config] { return text_of(neutral_rows(config)); }},
-      {"seeds" + ending,
-       key + "/seeds" + resolved_toml(seeds_sfm_scene(config)) + built_in_tables(),
-       [config, progress] { return text_of(seeds_sfm_rows(config, progress)); }}};
+  const std::string ending = config.quick ? ".quick" : "";
+  std::vector<ShardJob> jobs;
+  for (GridJob& place :
+       jobs_of({{"{part}" + ending, {named_factor("part", {"neutral", "seeds"})}}})) {
+    if (place.at("part").word == "neutral") {
+      jobs.push_back(shard_of(std::move(place), key + "/neutral",
+                              [config] { return text_of(neutral_rows(config)); }));
+      continue;
+    }
+    jobs.push_back(
+        shard_of(std::move(place),
+                 key + "/seeds" + resolved_toml(seeds_sfm_scene(config)) + built_in_tables(),
+                 [config, progress] { return text_of(seeds_sfm_rows(config, progress)); }));
+  }
+  return jobs;
 }
 
 }  // namespace cousin

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -98,6 +99,30 @@ TEST(AppCommandLine, MistakesNameWhatIsWrong) {
   EXPECT_THAT(refusal({"run", "seeds", "--stage", "poses=x"}), HasSubstr("--stage \"poses=x\""));
   EXPECT_THAT(refusal({"run", "seeds", "--method", "magic"}), HasSubstr("\"magic\""));
   EXPECT_THAT(refusal({"import", ".", "--format", "zip"}), HasSubstr("--format \"zip\""));
+}
+
+TEST(AppCommandLine, ListedJobsSayTheirFactorsAndKeys) {
+  const Program program;
+  const Outcome outcome =
+      program.run({"bench", "seeds", "--list", "--json", "--only", "jimai22_paper_spread"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const nlohmann::json jobs = nlohmann::json::parse(outcome.out);
+  ASSERT_EQ(jobs.size(), 1U);
+  EXPECT_EQ(jobs[0]["suite"], "seeds");
+  EXPECT_EQ(jobs[0]["factors"]["cultivar"], "jimai22");
+  EXPECT_EQ(jobs[0]["factors"]["views"], "60");
+  EXPECT_EQ(jobs[0]["sets"], nlohmann::json({"cultivar=jimai22", "rig=phone_video_1080p",
+                                             "views=60", "spread=paper"}));
+}
+
+TEST(AppCommandLine, TheHelpOfBenchNamesItsSuites) {
+  const std::string message = refusal({"bench", "sedes"});
+  const std::string names = message.substr(message.find("one of ") + 7);
+  std::string help = Program().run({"bench", "--help"}).out;
+  std::replace(help.begin(), help.end(), '\n', ' ');
+  for (std::size_t at = help.find("  "); at != std::string::npos; at = help.find("  "))
+    help.erase(at, 1);  // lines are broken where they are long
+  EXPECT_THAT(help, HasSubstr(names.substr(0, names.find('\n')) + "; none = all"));
 }
 
 TEST(AppCommandLine, NumbersAndWordsThatCannotBeAreNamed) {

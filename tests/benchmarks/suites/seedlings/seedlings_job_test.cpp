@@ -25,7 +25,7 @@ TEST(SeedlingsJobs, ThreeLightsThreeMethodsThreeSamples) {
   std::map<std::string, std::set<int>> longest;  // of each method
   int full = 0, between = 0, shapes = 0;
   for (const SeedlingsJob& job : jobs) {
-    names.insert(job.name());
+    names.insert(job.grid.name);
     keys.insert(key_of(job));
     lights.insert(job.sample.light);
     EXPECT_EQ(job.sample.width_px, 400);
@@ -55,6 +55,46 @@ TEST(SeedlingsJobs, ThreeLightsThreeMethodsThreeSamples) {
   EXPECT_EQ(longest[kReference], (std::set<int>{7000, 30000}));
   EXPECT_EQ(longest[kOurs], (std::set<int>{3000, 7000, 30000}));
   EXPECT_EQ(longest[kNgp], (std::set<int>{7000, 30000}));
+}
+
+// A job's name is the file of its kept result: another name makes it anew.
+TEST(SeedlingsJobs, KeepTheirNames) {
+  const auto names = [](const SeedlingsSuiteConfig& config) {
+    std::string text;
+    for (const SeedlingsJob& job : seedlings_jobs(config)) text += job.grid.name + " ";
+    return text;
+  };
+  std::string full, quick;
+  for (const std::string light : {"D1", "D2", "D3"}) {
+    for (const char* end : {"0_30_reference",
+                            "0_30_ours",
+                            "0_30_ngp",
+                            "0_30_ours_between",
+                            "0_20_reference",
+                            "0_10_reference",
+                            "0_30_side_reference",
+                            "0_60_ours",
+                            "0_120_ours",
+                            "0_30_reference_shape",
+                            "0_30_ours_shape",
+                            "0_30_reference_long",
+                            "0_30_ours_long",
+                            "0_30_ngp_long",
+                            "1_30_reference",
+                            "1_30_ours",
+                            "1_30_ngp",
+                            "1_30_ours_between",
+                            "2_30_reference",
+                            "2_30_ours",
+                            "2_30_ngp",
+                            "2_30_ours_between"})
+      full += light + "_" + end + "_400px ";
+    for (const char* end : {"0_30_reference", "0_30_ours", "0_30_ngp", "0_10_reference",
+                            "0_30_side_reference", "0_30_reference_shape", "0_30_ours_shape"})
+      quick += light + "_" + end + "_200px ";
+  }
+  EXPECT_EQ(names({}), full);
+  EXPECT_EQ(names({.quick = true}), quick);
 }
 
 TEST(SeedlingsJobs, TheKeyTellsWhatDecidesTheResult) {
@@ -250,6 +290,7 @@ TEST(SeedlingsJobs, ShownJobsKeepPictures) {
   LastCaptures captures;
   SeedlingsJob job = tiny_job(kReference, {10});
   job.shown = true;
+  job.grid.name = "D1_0_6_reference_80px";
   run_seedlings_job(job, 2, captures, folder);
   const std::vector<ReportScene> scenes = read_report_scenes(folder);
   ASSERT_EQ(scenes.size(), 1u);
@@ -309,7 +350,11 @@ TEST(SeedlingsSuite, OursIsHeldToTheReferenceAndToWhatItDidNotSee) {
   result.name = "D1.json";
   result.text = to_json(file);
   std::map<std::string, ScoreStatus> found;
-  const ScoreFile pooled = pool_seedlings_suite({result}, {});
+  ScoreFile pooled = pool_seedlings_suite({result}, {});
+  const std::size_t count = pooled.scores.size();
+  hold_seedlings_suite({.quick = true}, pooled);
+  EXPECT_EQ(pooled.scores.size(), count);  // a quick run has no limits
+  hold_seedlings_suite({}, pooled);
   for (const ScoreRow& row : pooled.scores) {
     if (row.status == ScoreStatus::pass || row.status == ScoreStatus::fail)
       found[row.metric + std::to_string(row.steps)] = row.status;

@@ -64,6 +64,13 @@ ShardResult finished(const std::string& cultivar, int run, double error_m, doubl
   return result;
 }
 
+ScoreFile held_seeds_suite(const std::vector<ShardResult>& results,
+                           const SeedsSuiteConfig& config) {
+  ScoreFile pooled = pool_seeds_suite(results, config);
+  hold_seeds_suite(config, pooled);
+  return pooled;
+}
+
 const ScoreRow* find(const ScoreFile& file, const std::string& suite, const std::string& group,
                      const std::string& method, const std::string& metric) {
   for (const ScoreRow& row : file.scores) {
@@ -76,7 +83,7 @@ const ScoreRow* find(const ScoreFile& file, const std::string& suite, const std:
 }
 
 TEST(SeedsSuite, PoolsSpecimensPosesAndSecondsOfASpecies) {
-  const ScoreFile pooled = pool_seeds_suite(
+  const ScoreFile pooled = held_seeds_suite(
       {finished("suijing18", 0, 3e-5, 3e-4), finished("xiangyaxiangzhan", 1, 3e-5, 6e-4),
        finished("zhengdan958", 0, 2e-4, 1e-4), finished("tianguinuo932", 0, 2e-4, 1e-4),
        finished("jimai22", 0, 2e-4, 1e-4)},
@@ -112,18 +119,18 @@ TEST(SeedsSuite, ARunWithoutPosesIsNoNumberAndKeepsNoLimit) {
     result.text = to_json(file);
     return result;
   };
-  const ScoreFile one = pool_seeds_suite(
+  const ScoreFile one = held_seeds_suite(
       {finished("suijing18", 0, 3e-5, 1e-4), without_poses("xiangyaxiangzhan", 0)}, {});
   EXPECT_NEAR(find(one, "seeds", "rice", "ours", "camera.centre_rms")->value, 1e-4, 1e-12);
   EXPECT_EQ(find(one, "seeds", "rice", "ours", "views.posed")->value, 0.5);
   const ScoreFile none =
-      pool_seeds_suite({without_poses("suijing18", 0), without_poses("xiangyaxiangzhan", 0)}, {});
+      held_seeds_suite({without_poses("suijing18", 0), without_poses("xiangyaxiangzhan", 0)}, {});
   EXPECT_EQ(find(none, "seeds", "rice", "ours", "views.posed")->status, ScoreStatus::fail);
   EXPECT_EQ(find(none, "seeds", "rice", "ours", "camera.centre_rms")->status, ScoreStatus::fail);
 }
 
 TEST(SeedsSuite, ThePapersSpreadIsPooledApart) {
-  const ScoreFile pooled = pool_seeds_suite(
+  const ScoreFile pooled = held_seeds_suite(
       {finished("suijing18", 0, 3e-5, 1e-4), finished("suijing18", 0, 6e-5, 1e-4, kPaperSpread)},
       {});
   EXPECT_NEAR(find(pooled, "seeds", "rice", "ours", "length.rmse")->value, 3e-5, 1e-12);
@@ -135,7 +142,7 @@ TEST(SeedsSuite, ThePapersSpreadIsPooledApart) {
 }
 
 TEST(SeedsSuite, ItsTableTellsSuitesApart) {
-  const ScoreFile pooled = pool_seeds_suite(
+  const ScoreFile pooled = held_seeds_suite(
       {finished("suijing18", 0, 3e-5, 1e-4), finished("suijing18", 0, 6e-5, 1e-4, kSplatsSuite)},
       {});
   const std::string table = summary_table(pooled.scores);
@@ -158,7 +165,7 @@ TEST(SeedsSuite, OnlyTheWholeExperimentIsHeldToItsLimits) {
   quick.quick = true;
   for (const SeedsSuiteConfig& config : {changed, quick}) {
     EXPECT_EQ(
-        find(pool_seeds_suite(results, config), "seeds", "rice", "ours", "length.rmse")->status,
+        find(held_seeds_suite(results, config), "seeds", "rice", "ours", "length.rmse")->status,
         ScoreStatus::ok);
   }
 }
@@ -169,6 +176,47 @@ TEST(SeedsSuite, TheSameSeedsAreNotCountedTwice) {
   EXPECT_EQ(seeds_suite_jobs(config).size(), 5U);
   config.sets = {"cultivar=jimai22"};
   EXPECT_EQ(seeds_suite_jobs(config).size(), 3U);  // one with Gaussians, one photographed twice
+}
+
+// A job's name is the file of its kept result: another name makes it anew.
+TEST(SeedsSuite, JobsKeepTheirNames) {
+  const auto names = [](const SeedsSuiteConfig& config) {
+    std::string text;
+    for (const ShardJob& job : seeds_suite_jobs(config))
+      text += job.name.substr(0, job.name.find(".json")) + " ";
+    return text;
+  };
+  std::string runs;
+  for (const char* run : {"1", "2", "3", "4"}) {
+    for (const char* cultivar :
+         {"zhengdan958", "tianguinuo932", "jimai22", "aikang58", "suijing18", "xiangyaxiangzhan"})
+      runs += std::string(cultivar) + "_run" + run + " ";
+  }
+  EXPECT_EQ(names({}),
+            "zhengdan958_run0 tianguinuo932_run0 jimai22_run0 aikang58_run0 suijing18_run0 "
+            "xiangyaxiangzhan_run0 sphere_run0 zhengdan958_720p jimai22_720p suijing18_720p " +
+                runs +
+                "zhengdan958_splats zhengdan958_ngp zhengdan958_noise tianguinuo932_splats "
+                "tianguinuo932_ngp tianguinuo932_noise jimai22_splats jimai22_ngp jimai22_noise "
+                "aikang58_splats aikang58_ngp aikang58_noise suijing18_splats suijing18_ngp "
+                "suijing18_noise xiangyaxiangzhan_splats xiangyaxiangzhan_ngp "
+                "xiangyaxiangzhan_noise sphere_splats zhengdan958_splats_30k "
+                "zhengdan958_surfaces_30k zhengdan958_images_30k zhengdan958_ngp_30k "
+                "zhengdan958_splats_sfm zhengdan958_splats_adjusted "
+                "zhengdan958_270views_splats_sfm zhengdan958_270views tianguinuo932_270views "
+                "jimai22_270views aikang58_270views suijing18_270views xiangyaxiangzhan_270views "
+                "zhengdan958_paper_spread tianguinuo932_paper_spread jimai22_paper_spread "
+                "aikang58_paper_spread suijing18_paper_spread xiangyaxiangzhan_paper_spread ");
+  SeedsSuiteConfig quick;
+  quick.quick = true;
+  EXPECT_EQ(names(quick),
+            "quick_zhengdan958 quick_jimai22 quick_suijing18 quick_splats_zhengdan958 "
+            "quick_noise_zhengdan958 ");
+  // Keys of a job are those that a user would give.
+  const ShardJob last = seeds_suite_jobs({}).back();
+  EXPECT_THAT(last.grid.sets,
+              testing::ElementsAre("cultivar=xiangyaxiangzhan", "rig=phone_video_1080p", "views=60",
+                                   "spread=paper"));
 }
 
 TEST(SeedsSuite, CapturesForGaussiansAreNotTakenForThoseOfTheCurves) {
@@ -233,7 +281,7 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
   ShardResult result;
   result.name = "all.json";
   result.text = to_json(file);
-  const ScoreFile pooled = pool_seeds_suite({result}, {});
+  const ScoreFile pooled = held_seeds_suite({result}, {});
   const auto row_of = [&](const std::string& scene, const std::string& method,
                           const std::string& metric, const std::string& end = "") {
     for (const ScoreRow& row : pooled.scores) {
@@ -301,7 +349,7 @@ TEST(SeedsSuite, TrainedModelsStandBesideThePublishedOnesAndTheirLimits) {
   EXPECT_EQ(std::count_if(pooled.scores.begin(), pooled.scores.end(), published),
             10 + 7 * 9 + 6 * 6 + 6 + 2);
   // Without trained models nothing is said of any.
-  const ScoreFile others = pool_seeds_suite({finished("suijing18", 0, 2e-4, 3e-4)}, {});
+  const ScoreFile others = held_seeds_suite({finished("suijing18", 0, 2e-4, 3e-4)}, {});
   EXPECT_EQ(std::count_if(others.scores.begin(), others.scores.end(), published), 0);
 }
 
@@ -319,7 +367,7 @@ TEST(SeedsSuite, PublishedLinesAreShownOnlyBesideLinesOfOurOwn) {
   row.value = 53;
   file.scores.push_back(row);
   result.text = to_json(file);
-  const ScoreFile pooled = pool_seeds_suite({result}, {});
+  const ScoreFile pooled = held_seeds_suite({result}, {});
   const std::vector<ReportTable> tables = seeds_paper_tables(pooled.scores);
   ASSERT_EQ(tables.size(), 1U);  // nothing else was measured
   EXPECT_TRUE(tables[0].title.starts_with("Seeds, table 5"));
@@ -399,7 +447,7 @@ TEST(SeedsSuite, AGapThatIsMissingWhereViewsWereHeldOutIsAFailure) {
   result.name = "all.json";
   result.text = to_json(file);
   std::map<std::string, ScoreStatus> gaps;
-  for (const ScoreRow& pooled : pool_seeds_suite({result}, {}).scores) {
+  for (const ScoreRow& pooled : held_seeds_suite({result}, {}).scores) {
     if (pooled.metric.ends_with(".train_less_held_out"))
       gaps[pooled.metric.substr(0, pooled.metric.find('.')) +
            pooled.case_name.substr(pooled.case_name.rfind(','))] = pooled.status;
