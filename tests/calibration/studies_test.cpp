@@ -12,7 +12,7 @@
 #include "benchmarks/suites/calibration/board_photographs.h"
 #include "benchmarks/suites/calibration/calibration_errors.h"
 #include "benchmarks/suites/calibration/study_points.h"
-#include "calibration/target_detection.h"
+#include "calibration/boards/target_detection.h"
 
 namespace cousin {
 namespace {
