@@ -15,7 +15,6 @@ HELPERS = ("places", "fuzz", "scripts")  # of all tests
 # folder -> another one, a header of which is enough too
 THROUGH = {
     "benchmarks/app": "tests/benchmarks/app/program.h",  # runs the program
-    "calibration": "benchmarks/suites/calibration",  # views of boards, and studies of the solvers
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 

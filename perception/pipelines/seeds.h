@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "calibration/board_detection.h"
-#include "calibration/board_poses.h"
+#include "calibration/boards/board_detection.h"
+#include "calibration/boards/board_poses.h"
 #include "perception/cloud/clusters.h"
 #include "perception/cloud/fuse.h"
 #include "perception/cloud/measure_traits.h"

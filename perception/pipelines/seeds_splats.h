@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calibration/board_detection.h"
+#include "calibration/boards/board_detection.h"
 #include "perception/mvs/plane_sweep.h"
 #include "perception/segment/green.h"
 #include "perception/sfm/sfm_poses.h"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "calibration/bundle_adjustment.h"
+#include "calibration/bundle/bundle_adjustment.h"
 #include "perception/sfm/sfm_model.h"
 #include "sim/types/board.h"
 #include "sim/types/seams.h"

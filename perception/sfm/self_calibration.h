@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calibration/bundle_adjustment.h"
+#include "calibration/bundle/bundle_adjustment.h"
 #include "perception/sfm/sfm_model.h"
 #include "sim/config/fields.h"
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "calibration/planar_pose.h"
+#include "calibration/boards/planar_pose.h"
 #include "perception/sfm/track_bundle.h"
 
 namespace cousin {

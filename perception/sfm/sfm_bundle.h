@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "calibration/bundle_adjustment.h"
+#include "calibration/bundle/bundle_adjustment.h"
 #include "perception/sfm/sfm_poses.h"
 #include "sim/geometry/similarity.h"
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "calibration/planar_pose.h"
+#include "calibration/boards/planar_pose.h"
 #include "perception/sfm/board_views.h"
 #include "perception/sfm/sfm_bundle.h"
 #include "sim/geometry/similarity.h"

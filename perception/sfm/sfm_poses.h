@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calibration/board_detection.h"
+#include "calibration/boards/board_detection.h"
 #include "perception/sfm/colmap_run.h"
 #include "perception/sfm/track_bundle.h"
 #include "sim/types/capture.h"

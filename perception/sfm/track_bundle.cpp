@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "calibration/triangulation.h"
+#include "calibration/bundle/triangulation.h"
 
 namespace cousin {
 

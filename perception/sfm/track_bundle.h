@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibration/bundle_adjustment.h"
+#include "calibration/bundle/bundle_adjustment.h"
 #include "perception/sfm/sfm_model.h"
 #include "sim/types/board.h"
 #include "sim/types/seams.h"

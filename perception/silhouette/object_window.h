@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibration/board_template.h"
+#include "calibration/boards/board_template.h"
 #include "perception/silhouette/outlines.h"
 
 namespace cousin {

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """scripts/check_includes.py on small trees that break its table."""
 
+import itertools
 import pathlib
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import tempfile
 import unittest
 
 CHECK = pathlib.Path(__file__).parents[2] / "scripts" / "check_includes.py"
+ROOMS = ("calibration/boards", "calibration/solve", "calibration/bundle", "calibration/devices")
 
 
 def check(files: dict) -> subprocess.CompletedProcess:
@@ -25,6 +27,14 @@ class CheckIncludes(unittest.TestCase):
         result = check(files)
         self.assertEqual(result.returncode, 1, result.stdout)
         self.assertIn(problem, result.stdout.splitlines())
+
+    def assert_truth_is_not_linked_from(self, folder: str):
+        for target in ("truth", "dataset_truth", "render"):
+            with self.subTest(folder=folder, target=target):
+                self.assert_refused(
+                    {f"{folder}/CMakeLists.txt": f"cousin_library(mine SOURCES a.cpp PRIVATE types {target})\n"},
+                    f"{folder}/CMakeLists.txt: {folder.split('/')[0]} must not link {target}",
+                )
 
     def test_what_the_table_allows_passes(self):
         result = check(
@@ -49,13 +59,35 @@ class CheckIncludes(unittest.TestCase):
         )
 
     def test_perception_and_calibration_never_include_the_truth(self):
-        for folder in ("perception", "calibration"):
+        for folder in ("perception/deep/er", "calibration", *ROOMS):
             for truth in ("sim/truth/scene.h", "sim/dataset/truth_io.h", "sim/dataset/truth_json.h"):
                 with self.subTest(folder=folder, truth=truth):
                     self.assert_refused(
-                        {f"{folder}/deep/er/file.cpp": f'#include "{truth}"\n', truth: ""},
-                        f"{folder}/deep/er/file.cpp: {folder} must never see the truth ({truth})",
+                        {f"{folder}/file.cpp": f'#include "{truth}"\n', truth: ""},
+                        f"{folder}/file.cpp: {folder.split('/')[0]} must never see the truth ({truth})",
                     )
+
+    def test_rooms_of_calibration_include_each_other_one_way(self):
+        allowed = {("solve", "boards"), ("bundle", "boards"), ("bundle", "solve"), ("devices", "boards"), ("devices", "solve")}
+        for folder, other in itertools.permutations(ROOMS, 2):
+            name, include = f"{folder}/file.cpp", f"{other}/file.h"
+            with self.subTest(name=name, include=include):
+                files = {name: f'#include "{include}"\n', include: ""}
+                if tuple(room.split("/")[1] for room in (folder, other)) in allowed:
+                    self.assertEqual(check(files).returncode, 0)
+                else:
+                    self.assert_refused(files, f"{name}: {folder} may not include {other} ({include})")
+
+    def test_perception_and_benchmarks_include_every_room_of_calibration(self):
+        for room in ROOMS:
+            for folder in ("perception/sfm", "benchmarks/loop"):
+                with self.subTest(folder=folder, room=room):
+                    include = f"{room}/file.h"
+                    result = check({f"{folder}/file.cpp": f'#include "{include}"\n', include: ""})
+                    self.assertEqual(result.returncode, 0, result.stdout)
+
+    def test_a_file_in_no_folder_of_the_table_is_named(self):
+        self.assert_refused({"calibration/file.h": "#pragma once\n"}, "calibration/file.h: no folder of the table holds it")
 
     def test_brackets_and_other_endings_do_not_hide_the_truth(self):
         for name in ("sweep.cpp", "sweep.hpp", "sweep.cc", "sweep.inl"):
@@ -79,12 +111,11 @@ class CheckIncludes(unittest.TestCase):
         )
 
     def test_perception_does_not_link_the_truth(self):
-        for target in ("truth", "dataset_truth", "render"):
-            with self.subTest(target=target):
-                self.assert_refused(
-                    {"perception/mvs/CMakeLists.txt": f"cousin_library(mvs SOURCES a.cpp PRIVATE types {target})\n"},
-                    f"perception/mvs/CMakeLists.txt: perception must not link {target}",
-                )
+        self.assert_truth_is_not_linked_from("perception/mvs")
+
+    def test_no_room_of_calibration_links_the_truth(self):
+        for folder in ("calibration", *ROOMS):
+            self.assert_truth_is_not_linked_from(folder)
 
     def test_perception_does_not_link_what_links_the_truth(self):
         tree = {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "benchmarks/suites/calibration/reprojection.h"
-#include "calibration/calibration_uncertainty.h"
+#include "calibration/solve/calibration_uncertainty.h"
 
 namespace cousin {
 namespace {

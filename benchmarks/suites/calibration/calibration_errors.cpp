@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "calibration/calibration_uncertainty.h"
-#include "calibration/planar_pose.h"
-#include "calibration/triangulation.h"
+#include "calibration/boards/planar_pose.h"
+#include "calibration/bundle/triangulation.h"
+#include "calibration/solve/calibration_uncertainty.h"
 
 namespace cousin {
 namespace {

@@ -14,7 +14,7 @@
 #include "benchmarks/suites/calibration/detection_rows.h"
 #include "benchmarks/suites/calibration/exhibit_rows.h"
 #include "benchmarks/suites/calibration/rig_rows.h"
-#include "calibration/calibration_uncertainty.h"
+#include "calibration/solve/calibration_uncertainty.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {

@@ -13,7 +13,7 @@
 #include "benchmarks/suites/calibration/calibration_causes.h"
 #include "benchmarks/suites/calibration/calibration_row.h"
 #include "benchmarks/suites/calibration/reprojection.h"
-#include "calibration/calibration_uncertainty.h"
+#include "calibration/solve/calibration_uncertainty.h"
 
 namespace cousin {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "calibration/calibrate.h"
+#include "calibration/solve/calibrate.h"
 #include "sim/types/pose.h"
 #include "sim/types/rng.h"
 

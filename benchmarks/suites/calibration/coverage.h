@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "benchmarks/suites/calibration/corner_views.h"
-#include "calibration/calibration_uncertainty.h"
+#include "calibration/solve/calibration_uncertainty.h"
 
 namespace cousin {
 

@@ -12,7 +12,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "calibration/target_detection.h"
+#include "calibration/boards/target_detection.h"
 #include "scenes/boards/boards_scene.h"
 #include "sim/render/path_tracer.h"
 #include "sim/types/stage_clock.h"

@@ -11,7 +11,7 @@
 #include "benchmarks/score/order_statistics.h"
 #include "benchmarks/suites/calibration/calibration_causes.h"
 #include "benchmarks/suites/calibration/calibration_row.h"
-#include "calibration/calibration_uncertainty.h"
+#include "calibration/solve/calibration_uncertainty.h"
 
 namespace cousin {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "benchmarks/suites/calibration/corner_views.h"
-#include "calibration/planar_pose.h"
+#include "calibration/boards/planar_pose.h"
 
 namespace cousin {
 

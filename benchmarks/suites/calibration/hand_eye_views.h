@@ -1,6 +1,6 @@
 #pragma once
 
-#include "calibration/hand_eye.h"
+#include "calibration/devices/hand_eye.h"
 #include "sim/types/rng.h"
 
 namespace cousin {

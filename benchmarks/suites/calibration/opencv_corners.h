@@ -1,6 +1,6 @@
 #pragma once
 
-#include "calibration/target_view.h"
+#include "calibration/boards/target_view.h"
 #include "sim/types/calibration_target.h"
 #include "sim/types/image.h"
 

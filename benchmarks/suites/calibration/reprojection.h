@@ -1,6 +1,6 @@
 #pragma once
 
-#include "calibration/calibrate.h"
+#include "calibration/solve/calibrate.h"
 
 namespace cousin {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "calibration/calibrate.h"
-#include "calibration/target_detection.h"
+#include "calibration/boards/target_detection.h"
+#include "calibration/solve/calibrate.h"
 #include "sim/types/rng.h"
 
 namespace cousin {

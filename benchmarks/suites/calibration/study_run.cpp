@@ -13,7 +13,7 @@
 #include "benchmarks/suites/calibration/calibration_errors.h"
 #include "benchmarks/suites/calibration/opencv_corners.h"
 #include "benchmarks/suites/calibration/reprojection.h"
-#include "calibration/calibration_uncertainty.h"
+#include "calibration/solve/calibration_uncertainty.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {

@@ -1,5 +1,6 @@
 // The row of `cousin bench render`.
 #include "benchmarks/loop/bench_suite.h"
+#include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/suites/render/render_suite.h"
 
 namespace cousin {

@@ -4,8 +4,8 @@
 
 #include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/suites/sfm/sfm_rows.h"
-#include "calibration/board_poses.h"
-#include "calibration/calibration_uncertainty.h"
+#include "calibration/boards/board_poses.h"
+#include "calibration/solve/calibration_uncertainty.h"
 #include "perception/sfm/self_calibration.h"
 #include "perception/sfm/sfm_poses.h"
 #include "sim/types/stage_clock.h"

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <string>
 
-#include "calibration/bundle_adjustment.h"
-#include "calibration/planar_pose.h"
-#include "calibration/triangulation.h"
+#include "calibration/boards/planar_pose.h"
+#include "calibration/bundle/bundle_adjustment.h"
+#include "calibration/bundle/triangulation.h"
 #include "sim/types/rng.h"
 
 namespace cousin {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "benchmarks/suites/calibration/corner_views.h"
-#include "calibration/calibration_uncertainty.h"
+#include "calibration/solve/calibration_uncertainty.h"
 
 namespace cousin {
 namespace {

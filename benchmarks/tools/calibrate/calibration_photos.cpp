@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "calibration/target_detection.h"
+#include "calibration/boards/target_detection.h"
 #include "scenes/boards/boards_scene.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"

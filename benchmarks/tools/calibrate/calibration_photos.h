@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/charuco_layout.h"
+#include "calibration/boards/charuco_layout.h"
 #include "sim/types/calibration_target.h"
 #include "sim/types/capture.h"
 #include "sim/types/image.h"

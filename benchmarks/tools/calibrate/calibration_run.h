@@ -6,13 +6,13 @@
 
 #include "benchmarks/loop/simulate.h"
 #include "benchmarks/tools/calibrate/calibration_photos.h"
-#include "calibration/calibrate.h"
-#include "calibration/calibration_uncertainty.h"
-#include "calibration/depth_check.h"
-#include "calibration/next_view.h"
-#include "calibration/registration.h"
-#include "calibration/rolling_shutter.h"
-#include "calibration/target_detection.h"
+#include "calibration/boards/target_detection.h"
+#include "calibration/devices/depth_check.h"
+#include "calibration/devices/registration.h"
+#include "calibration/devices/rolling_shutter.h"
+#include "calibration/solve/calibrate.h"
+#include "calibration/solve/calibration_uncertainty.h"
+#include "calibration/solve/next_view.h"
 
 namespace cousin {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "calibration/planar_pose.h"
+#include "calibration/boards/planar_pose.h"
 #include "sim/types/rng.h"
 #include "tests/perception/sfm/plant_views.h"
 

@@ -11,7 +11,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/color.h"
 #include "sim/imaging/image_io.h"
-#include "tests/calibration/synthetic_target.h"
+#include "tests/calibration/boards/synthetic_target.h"
 #include "tests/sim/dataset/temporary_folder.h"
 
 namespace cousin {

@@ -13,7 +13,7 @@
 #include "benchmarks/tools/calibrate/device_output.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/imaging/color.h"
-#include "tests/calibration/synthetic_target.h"
+#include "tests/calibration/boards/synthetic_target.h"
 #include "tests/sim/dataset/temporary_folder.h"
 
 namespace cousin {
