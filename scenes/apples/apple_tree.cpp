@@ -125,7 +125,7 @@ class Grower {
     const LineWalk walk(tree_.wood[static_cast<std::size_t>(branch)].line, Vector3d::UnitZ());
     double along_m = s.first_share * walk.length_m() + s.first_m;
     double azimuth = uniform(rng, 0, 2 * kPi);
-    while (along_m < 0.97 * walk.length_m()) {
+    while (along_m < s.last_share * walk.length_m()) {
       const LinePoint from = walk.at_m(along_m);
       WoodAxis spur;
       spur.kind = WoodKind::spur;
@@ -152,7 +152,7 @@ class Grower {
   void add_shoots(int branch, Rng rng) {
     const auto& s = c_.shoot;
     const LineWalk walk(tree_.wood[static_cast<std::size_t>(branch)].line, Vector3d::UnitZ());
-    double along_m = s.spacing_m * uniform(rng, 0.4, 1);
+    double along_m = s.spacing_m * uniform(rng, s.first_spread[0], s.first_spread[1]);
     const auto add = [&](double at_m, const Vector3d& heading) {
       const LinePoint from = walk.at_m(at_m);
       WoodAxis shoot;
@@ -170,10 +170,10 @@ class Grower {
       g.wiggle_rad = s.wiggle_rad;
       shoot.line = grow_line(g, rng);
       tree_.wood.push_back(std::move(shoot));
-      add_alternate_leaves(static_cast<int>(tree_.wood.size()) - 1, 0.08,
+      add_alternate_leaves(static_cast<int>(tree_.wood.size()) - 1, s.bare_share,
                            rng.fork(tree_.wood.size()));
     };
-    while (along_m < 0.9 * walk.length_m()) {
+    while (along_m < s.last_share * walk.length_m()) {
       const LinePoint from = walk.at_m(along_m);
       const Vector3d side = from.axes.col(0).cross(Vector3d::UnitZ()).normalized();
       add(along_m, Vector3d(s.rise * Vector3d::UnitZ() + s.lean * from.axes.col(0) +

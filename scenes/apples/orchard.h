@@ -31,7 +31,7 @@ struct OrchardConfig {
     double radius_m = 0, bourse_m = 0;
     int leaves = 0;
     double leaves_spread = 0, leafy_share = 0, leaf_divergence_spread_rad = 0;
-    double first_m = 0, divergence_rad = 0, divergence_spread_rad = 0;
+    double first_m = 0, last_share = 0, divergence_rad = 0, divergence_spread_rad = 0;
     double lean = 0, turn_rad = 0, wiggle_rad = 0, taper = 0;
     std::vector<double> spacing_spread;
   } spur;
@@ -41,7 +41,8 @@ struct OrchardConfig {
     double radius_m = 0, leaf_spacing_m = 0, leaf_divergence_spread_rad = 0;
     double leaf_rise_rad = 0, leaf_rise_spread_rad = 0;
     double rise = 0, lean = 0, aside = 0, turn_rad = 0, wiggle_rad = 0, taper = 0;
-    std::vector<double> spacing_spread, leaf_spacing_spread;
+    double last_share = 0, bare_share = 0;
+    std::vector<double> first_spread, spacing_spread, leaf_spacing_spread;
   } shoot;
   struct Leaf {
     int variants = 0;

@@ -59,6 +59,7 @@ Fields fields(OrchardConfig::Spur& c) {
           {"spacing_spread", &c.spacing_spread, "least and most over spacing_m"},
           {"first_share", &c.first_share, "bare share of a branch near the trunk", 0, 0.9},
           {"first_m", &c.first_m, "more of it that is bare", 0, 1},
+          {"last_share", &c.last_share, "of the branch, up to which they stand", 0.1, 1},
           {"divergence_rad", &c.divergence_rad, "from spur to spur about the branch", -7, 7},
           {"divergence_spread_rad", &c.divergence_spread_rad, "its sigma", 0, 2},
           {"lean", &c.lean, "along the branch over away from it", -5, 5},
@@ -78,6 +79,8 @@ Fields fields(OrchardConfig::Spur& c) {
 Fields fields(OrchardConfig::Shoot& c) {
   return {{"spacing_m", &c.spacing_m, "of one-year shoots along a branch", 0.04, 5},
           {"spacing_spread", &c.spacing_spread, "least and most over spacing_m"},
+          {"first_spread", &c.first_spread, "least and most, of the first's place"},
+          {"last_share", &c.last_share, "of the branch, up to which they stand", 0.1, 1},
           {"rise", &c.rise, "of its first heading, upwards", -5, 5},
           {"lean", &c.lean, "along the branch", -5, 5},
           {"aside", &c.aside, "to either side, at most", 0, 5},
@@ -86,6 +89,7 @@ Fields fields(OrchardConfig::Shoot& c) {
           {"taper", &c.taper, "radius at the tip over that at the base", 0.1, 1},
           {"length_m", &c.length_m, "least and most"},
           {"radius_m", &c.radius_m, "of a shoot", 1e-3, 0.02},
+          {"bare_share", &c.bare_share, "of a shoot, before its first leaf", 0, 0.9},
           {"leaf_spacing_m", &c.leaf_spacing_m, "from leaf to leaf", 0.005, 1},
           {"leaf_spacing_spread", &c.leaf_spacing_spread, "least and most over leaf_spacing_m"},
           {"leaf_divergence_spread_rad", &c.leaf_divergence_spread_rad, "sigma from leaf to leaf",
@@ -246,6 +250,7 @@ void validate(const OrchardConfig& config) {
   require_range("views.level_rad", config.views.level_rad, -1.5, 1.5);
   require_range("views.down_rad", config.views.down_rad, -1.5, 1.5);
   require_range("spur.spacing_spread", config.spur.spacing_spread, 0.05, 5);
+  require_range("shoot.first_spread", config.shoot.first_spread, 0, 5);
   require_range("shoot.spacing_spread", config.shoot.spacing_spread, 0.05, 5);
   require_range("shoot.leaf_spacing_spread", config.shoot.leaf_spacing_spread, 0.05, 5);
   require_range("leaf.camber", config.leaf.camber, -2, 2);

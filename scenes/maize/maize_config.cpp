@@ -33,6 +33,8 @@ Fields fields(MaizeConfig::Stalk& c) {
           {"swelling", &c.swelling, "of a node over the stalk", 0, 1},
           {"swelling_m", &c.swelling_m, "e times less so far from it", 1e-4, 0.1},
           {"depth_m", &c.depth_m, "crown below the soil", 1e-3, 1},
+          {"diameter_at_m", &c.diameter_at_m,
+           "above the soil: stalk_diameter is the diameter there", 0, 1},
           {"albedo", &c.albedo, "of the stalk", 0, 1},
           {"albedo_node", &c.albedo_node, "of its nodes", 0, 1}};
 }
@@ -71,6 +73,7 @@ Fields fields(MaizeConfig::Blade& c) {
           {"young_width", &c.young_width, "share of the width when it comes", 0, 1},
           {"tips_ahead", &c.tips_ahead, "stages between tip and collar", 0.1, 20},
           {"begin_ahead", &c.begin_ahead, "stages from its beginning to its tip", 0, 20},
+          {"least_share", &c.least_share, "of its length, from which a blade is there", 1e-3, 1},
           {"outline", &c.outline, "base, peak, rise, fall, tip of the envelope", 0, 10},
           {"angle_low_rad", &c.angle_low_rad, "of the lowest from the stalk", 0, 3},
           {"angle_high_rad", &c.angle_high_rad, "of the uppermost", 0, 3},

@@ -11,7 +11,6 @@
 namespace cousin {
 
 using Eigen::Vector3d;
-constexpr double kLeastShare = 0.03;  ///< of its length, below which a blade is not there yet
 
 LeafMaker::LeafMaker(MaizeDraft& draft, const LineWalk& axis)
     : d_(draft), c_(draft.config), axis_(axis) {
@@ -97,7 +96,7 @@ double LeafMaker::funnel_at(double up_m) const {
 int LeafMaker::leaves_inside(int rank) const {
   int count = 0;
   for (int other = rank + 1; other <= c_.plant.leaves; ++other)
-    count += blade_share(other) >= kLeastShare ? 1 : 0;
+    count += blade_share(other) >= c_.blade.least_share ? 1 : 0;
   return count;
 }
 
@@ -198,7 +197,7 @@ void LeafMaker::grow_blade(Organ& organ) const {
   organ.look = kBladeLook;
   organ.age_days = d_.stage - rank + b.tips_ahead;
   const double share = blade_share(rank);
-  if (share < kLeastShare || has_fallen(rank)) return;
+  if (share < b.least_share || has_fallen(rank)) return;
   // Out of the whorl, and leaned out to its final angle.
   const double out = out_share(rank), dry = dryness(rank);
   const double foot_m = base_m(rank);

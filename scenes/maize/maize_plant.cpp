@@ -140,7 +140,8 @@ std::vector<TrueTrait> traits_of(const MaizeDraft& draft, const LeafMaker& leave
       {"leaf_count", "1", static_cast<double>(collars)},
       {"visible_leaf_count", "1", static_cast<double>(leaf_count(draft.plant))},
       {"leaf_area", "m2", leaf_area_m2(draft.plant)},
-      {"stalk_diameter", "m", 2 * axis.at_m(draft.stalk.surface_m + 0.02).radius_m}};
+      {"stalk_diameter", "m",
+       2 * axis.at_m(draft.stalk.surface_m + draft.config.stalk.diameter_at_m).radius_m}};
   for (int rank = 2; rank <= draft.config.plant.leaves && rank <= draft.stage + 2; ++rank) {
     const double low_m = draft.stalk.nodes_m[static_cast<std::size_t>(rank - 2)];
     const double high_m = draft.stalk.nodes_m[static_cast<std::size_t>(rank - 1)];

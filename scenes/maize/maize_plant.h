@@ -23,7 +23,7 @@ struct MaizeConfig {
     double begin_before = 0, end_after = 0, radius_m = 0, radius_tip_m = 0, young_share = 0;
     int long_rank = 0;
     double thick_stage = 0, foot_share = 0;
-    double swelling = 0, swelling_m = 0, depth_m = 0;
+    double swelling = 0, swelling_m = 0, depth_m = 0, diameter_at_m = 0;
     std::vector<double> albedo, albedo_node;
   } stalk;
   struct Sheath {
@@ -37,7 +37,7 @@ struct MaizeConfig {
     double fold_rad = 0, camber = 0, wave_m = 0, wave_count = 0, twist_rad = 0, midrib_share = 0;
     std::vector<double> albedo, albedo_midrib, albedo_young, albedo_dry, albedo_back, transmittance;
     double size_spread = 0, angle_spread = 0, droop_spread = 0;
-    double begin_ahead = 0, young_width = 0, young_waves = 0, off_share = 0;
+    double begin_ahead = 0, least_share = 0, young_width = 0, young_waves = 0, off_share = 0;
     double midrib_radius_m = 0, midrib_length_m = 0, midrib_tip_m = 0;
     double droop_length_m = 0, droop_most = 0;
     double clasp_m = 0, clasp_share = 0, clasp_rad = 0, collar_m = 0, funnel = 0, funnel_m = 0;

@@ -18,8 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLeast_m = 5e-4;  ///< leaves shorter than this are still in the bud
-
 /// What one plant is, on whatever day.
 struct Individual {
   bool germinates = false;
@@ -298,7 +296,7 @@ class Grower {
     internode.age_days = petiole.age_days = blade.age_days = age;
     const double share = size_at({1, l.days, l.fastest_days}, age);
     const double size = share * own_.vigour * own.size;
-    if (age_ <= 0 || size * l.length_m[k] < kLeast_m) return node;
+    if (age_ <= 0 || size * l.length_m[k] < l.least_m) return node;
 
     AxisGrowth growth;
     growth.start_m = top_m_;

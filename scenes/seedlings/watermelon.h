@@ -38,7 +38,7 @@ struct WatermelonConfig {
   struct Leaf {
     double plastochron_days = 0, first_day = 0;
     std::vector<double> length_m;
-    double counted_m = 0, width_share = 0, days = 0, fastest_days = 0;
+    double least_m = 0, counted_m = 0, width_share = 0, days = 0, fastest_days = 0;
     double petiole_share = 0, petiole_radius_m = 0, internode_m = 0;
     double divergence_rad = 0, spread_rad = 0;
     std::vector<double> lobes, lobe_depth;

@@ -73,6 +73,7 @@ Fields fields(WatermelonConfig::Leaf& c) {
   return {{"plastochron_days", &c.plastochron_days, "between leaves", 0.1, kDays},
           {"first_day", &c.first_day, "age of the plant when the first shows", 0, kDays},
           {"length_m", &c.length_m, "of full blades from the first", 1e-3, kMetre},
+          {"least_m", &c.least_m, "shorter blades are still in the bud", 1e-5, 0.1},
           {"counted_m", &c.counted_m, "blades at least this long count as leaves", 0, kMetre},
           {"width_share", &c.width_share, "widest row over the length", 0.05, 3},
           {"size_spread", &c.size_spread, "sigma of one leaf's size", 0, 0.3},
