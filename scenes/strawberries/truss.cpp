@@ -79,23 +79,31 @@ class TrussGrower {
       // Branches only for fruits that come.
       const std::size_t left = static_cast<std::size_t>(config_.fruits) - places.size();
       next.resize(std::min(next.size(), left));
-      forks.clear();
-      for (const Fork& fork : next) {
-        Fork end = add(plant, fork,
-                       branch_m * std::max(shape_.branch_least, 1 - shape_.branch_less * rank),
-                       shape_.branch_thick[0] * thick, shape_.branch_thick[1] * thick, 4, 0);
-        // The next fork stands crosswise.
-        end.across =
-            Eigen::AngleAxisd(shape_.crosswise_rad + shape_.crosswise_spread_rad * normal(rng_),
-                              end.along) *
-            end.across;
-        forks.push_back(end);
-      }
+      forks = add_branches(plant, next, branch_m, rank);
     }
     return places;
   }
 
  private:
+  /// From each fork a branch to the next one.
+  std::vector<Fork> add_branches(BendingPlant& plant, const std::vector<Fork>& from,
+                                 double branch_m, int rank) {
+    const double thick = shape_.peduncle_radius_m;
+    const double length_m = branch_m * std::max(shape_.branch_least, 1 - shape_.branch_less * rank);
+    std::vector<Fork> forks;
+    for (const Fork& fork : from) {
+      Fork end = add(plant, fork, length_m, shape_.branch_thick[0] * thick,
+                     shape_.branch_thick[1] * thick, 4, 0);
+      // The next fork stands crosswise.
+      end.across =
+          Eigen::AngleAxisd(shape_.crosswise_rad + shape_.crosswise_spread_rad * normal(rng_),
+                            end.along) *
+          end.across;
+      forks.push_back(end);
+    }
+    return forks;
+  }
+
   Fork add(BendingPlant& plant, const Fork& from, double mean_length_m, double radius_begin_m,
            double radius_end_m, int segments, double droop_rad) {
     const double length_m = mean_length_m * truncated_normal(rng_, 1, shape_.cv_length, 2);
