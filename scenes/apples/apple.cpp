@@ -32,8 +32,8 @@ FruitPart make_stalk(const AppleCultivar& c, const Eigen::Vector3d& base_m, doub
   std::vector<Eigen::Vector3d> line;
   std::vector<double> radii_m;
   const double azimuth = uniform(rng, 0, 2 * std::numbers::pi);
-  const double length_m = size * c.stalk_length_m * truncated_normal(rng, 1, 0.2, 2);
-  const double bow = 0.25 * truncated_normal(rng, 0, 1, 2);
+  const double length_m = size * c.stalk_length_m * truncated_normal(rng, 1, c.stalk_spread, 2);
+  const double bow = c.stalk_bow * truncated_normal(rng, 0, 1, 2);
   constexpr int kSteps = 12;
   for (int i = 0; i <= kSteps; ++i) {
     const double t = static_cast<double>(i) / kSteps;

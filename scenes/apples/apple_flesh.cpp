@@ -29,7 +29,7 @@ class DeformedSphere {
   DeformedSphere(const AppleCultivar& c, Rng rng) : c_(c) {
     Rng waves = rng.fork("waves");
     for (int i = 0; i < c.waves; ++i) {
-      const double frequency = c.wave_frequency * (1 + 0.7 * i);
+      const double frequency = c.wave_frequency * (1 + c.wave_step * i);
       waves_.push_back(
           {any_direction(waves), frequency,
            c.wave_strength * truncated_normal(waves, 0, 1, 2) * c.wave_frequency / frequency,
@@ -37,11 +37,12 @@ class DeformedSphere {
     }
     Rng one = rng.fork("sides");
     const double azimuth = uniform(one, 0, 2 * std::numbers::pi);
-    lopsided_ = c.lopsided * normal(one) *
-                Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 0.6 * normal(one));
-    stalk_dent_ = c.stalk_dent * truncated_normal(one, 1, 0.12, 2);
-    calyx_dent_ = c.calyx_dent * truncated_normal(one, 1, 0.12, 2);
-    lobes_ = c.calyx_lobes * truncated_normal(one, 1, 0.4, 2);
+    lopsided_ =
+        c.lopsided * normal(one) *
+        Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), c.lopsided_along * normal(one));
+    stalk_dent_ = c.stalk_dent * truncated_normal(one, 1, c.dent_spread, 2);
+    calyx_dent_ = c.calyx_dent * truncated_normal(one, 1, c.dent_spread, 2);
+    lobes_ = c.calyx_lobes * truncated_normal(one, 1, c.lobes_spread, 2);
     lobes_at_rad_ = uniform(one, 0, 2 * std::numbers::pi);
     key_ = one();
   }
@@ -50,7 +51,7 @@ class DeformedSphere {
     double sum = 1 + c_.conic * d.z() + lopsided_.dot(d);
     for (const Wave& wave : waves_)
       sum += wave.strength * std::sin(wave.frequency * wave.direction.dot(d) + wave.phase_rad);
-    sum += c_.roughness_share * noise3(18 * d, key_);
+    sum += c_.roughness_share * noise3(c_.roughness_frequency * d, key_);
     const double from_stalk = std::acos(std::clamp(d.z(), -1.0, 1.0));
     const double from_calyx = std::numbers::pi - from_stalk;
     const double azimuth = std::atan2(d.y(), d.x());
@@ -58,7 +59,7 @@ class DeformedSphere {
     sum *= 1 - stalk_dent_ * bell(from_stalk / c_.stalk_dent_rad);
     sum *= 1 - calyx_dent_ * bell(from_calyx / c_.calyx_dent_rad);
     // Knobs stand about the calyx's dent, and fade up the flanks.
-    sum += lobes_ * bell((from_calyx - 1.8 * c_.calyx_dent_rad) / 0.28) *
+    sum += lobes_ * bell((from_calyx - c_.lobes_at * c_.calyx_dent_rad) / c_.lobes_rad) *
            std::cos(5 * (azimuth - lobes_at_rad_));
     return sum;
   }
@@ -83,7 +84,7 @@ AppleFlesh make_apple_flesh(const AppleCultivar& c, FruitFamily family, double s
     for (Eigen::Vector3d& p : flesh.mesh.vertices_m) p *= sphere.radius(p);
   } else {
     const std::vector<double> radii =
-        harmonic_radii(flesh.directions, 8, 0.5, rng.fork("harmonics"));
+        harmonic_radii(flesh.directions, 8, c.harmonics, rng.fork("harmonics"));
     for (std::size_t i = 0; i < radii.size(); ++i) flesh.mesh.vertices_m[i] *= radii[i];
   }
   fit_shape(flesh.mesh, shape_index, volume_m3);

@@ -93,35 +93,38 @@ PlantModel apple_leaf(const OrchardConfig& config, int detail, Rng rng) {
   const double length_m = size * c.length_m;
   Plant leaf;
   leaf.name = "apple leaf";
-  const double rise = uniform(rng, 0, 0.25);
-  const CentreLine petiole = bowed(Vector3d::Zero(), {std::cos(rise), 0, std::sin(rise)},
-                                   size * c.petiole_m * uniform(rng, 0.75, 1.25),
-                                   c.petiole_radius_m, uniform(rng, 0.1, 0.5), detail ? 6 : 2);
+  const double rise = uniform(rng, 0, c.petiole_rise_rad);
+  const CentreLine petiole =
+      bowed(Vector3d::Zero(), {std::cos(rise), 0, std::sin(rise)},
+            size * c.petiole_m * uniform(rng, c.petiole_spread[0], c.petiole_spread[1]),
+            c.petiole_radius_m, uniform(rng, c.petiole_curl_rad[0], c.petiole_curl_rad[1]),
+            detail ? 6 : 2);
   Organ& stalk = add_organ(leaf, OrganKind::petiole, "petiole", -1, 1);
   stalk.line = petiole;
   stalk.look = kApplePetioleLook;
   stalk.surface = tube_surface(petiole, detail ? 6 : 3);
   const Vector3d end = petiole.points_m.back();
   const Vector3d heading = (end - petiole.points_m[petiole.points_m.size() - 2]).normalized();
-  const CentreLine midrib = bowed(end, heading, length_m, c.petiole_radius_m,
-                                  c.curl_rad * truncated_normal(rng, 0.7, 0.45, 2), 16);
+  const CentreLine midrib =
+      bowed(end, heading, length_m, c.petiole_radius_m,
+            c.curl_rad * truncated_normal(rng, c.curl_mean, c.curl_spread, 2), 16);
   BladeShape shape;
-  shape.width_m = c.width_share * length_m * truncated_normal(rng, 1, 0.08, 2);
-  shape.envelope_base = 0.12;
-  shape.envelope_peak = 0.30;
-  shape.envelope_rise = 0.55;
-  shape.envelope_fall = 1.8;
-  shape.envelope_tip = 1.05;
-  shape.sweep_base_rad = 1.35;
-  shape.sweep_tip_rad = 1.0;
+  shape.width_m = c.width_share * length_m * truncated_normal(rng, 1, c.width_spread, 2);
+  shape.envelope_base = c.outline[0];
+  shape.envelope_peak = c.outline[1];
+  shape.envelope_rise = c.outline[2];
+  shape.envelope_fall = c.outline[3];
+  shape.envelope_tip = c.outline[4];
+  shape.sweep_base_rad = c.sweep_base_rad;
+  shape.sweep_tip_rad = c.sweep_tip_rad;
   shape.teeth = detail ? c.teeth : 0;
   shape.teeth_depth = c.teeth_depth;
-  shape.fold_rad = c.fold_rad * truncated_normal(rng, 1, 0.5, 1.9);
-  shape.camber = uniform(rng, -0.12, 0.10);
-  shape.wave_m = c.wave_m * uniform(rng, 0.3, 1.6);
-  shape.wave_count = uniform(rng, 2, 4);
+  shape.fold_rad = c.fold_rad * truncated_normal(rng, 1, c.fold_spread, 1.9);
+  shape.camber = uniform(rng, c.camber[0], c.camber[1]);
+  shape.wave_m = c.wave_m * uniform(rng, c.wave_spread[0], c.wave_spread[1]);
+  shape.wave_count = uniform(rng, c.wave_count[0], c.wave_count[1]);
   shape.wave_phase_rad = uniform(rng, 0, 2 * std::numbers::pi);
-  shape.twist_rad = 0.25 * truncated_normal(rng, 0, 1, 2);
+  shape.twist_rad = c.twist_rad * truncated_normal(rng, 0, 1, 2);
   Organ& blade = add_organ(leaf, OrganKind::blade, "blade", 0, 1);
   blade.line = midrib;
   blade.look = kAppleBladeLook;

@@ -11,7 +11,6 @@ namespace cousin {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kGolden = 2.39996;
 
 Vector3d around(const Vector3d& axis, double angle_rad) {
   const Vector3d any = std::abs(axis.z()) < 0.9 ? Vector3d::UnitZ() : Vector3d::UnitX();
@@ -54,7 +53,7 @@ class Grower {
   AppleTree grow() {
     Rng size = rng_.fork("size");
     size_ = truncated_normal(size, 1, c_.tree.spread, 2);
-    height_m_ = std::min(size_ * c_.tree.height_m, 3.4);
+    height_m_ = std::min(size_ * c_.tree.height_m, c_.tree.height_most_m);
     grow_trunk(rng_.fork("trunk"));
     for (int i = 0; i < c_.branch.count; ++i)
       grow_branch(i, rng_.fork("branch").fork(static_cast<std::uint64_t>(i)));
@@ -63,20 +62,22 @@ class Grower {
 
  private:
   void grow_trunk(Rng rng) {
+    const auto& t = c_.tree;
     const std::uint64_t key = rng();
     WoodAxis trunk;
     constexpr int kPieces = 40;
     for (int i = 0; i <= kPieces; ++i) {
       const double share = static_cast<double>(i) / kPieces, z = share * height_m_;
-      const double x = noise3({z / 0.9, 0.3, 0.7}, key), y = noise3({0.2, z / 0.9, 0.1}, key + 1);
-      const double bend = c_.tree.wander_m * std::min(1.0, 4 * share);
+      const double x = noise3({z / t.wander_scale_m, 0.3, 0.7}, key),
+                   y = noise3({0.2, z / t.wander_scale_m, 0.1}, key + 1);
+      const double bend = t.wander_m * std::min(1.0, 4 * share);
       trunk.line.points_m.emplace_back(bend * x, bend * y, z);
       // Flares where it leaves the ground, above the graft.
-      const double flare =
-          1 + 0.35 * std::exp(-z / 0.06) + 0.18 * std::exp(-std::pow((z - 0.14) / 0.05, 2));
+      const double flare = 1 + t.flare * std::exp(-z / t.flare_m) +
+                           t.graft * std::exp(-std::pow((z - t.graft_at_m) / t.graft_m, 2));
       trunk.line.radii_m.push_back(
-          flare * (c_.tree.trunk_radius_m +
-                   std::pow(share, 0.8) * (c_.tree.trunk_tip_radius_m - c_.tree.trunk_radius_m)));
+          flare * (t.trunk_radius_m +
+                   std::pow(share, t.taper) * (t.trunk_tip_radius_m - t.trunk_radius_m)));
     }
     tree_.wood.push_back(std::move(trunk));
     add_alternate_leaves(0, std::max(0.9, c_.branch.last_share), rng.fork("leaves"));
@@ -87,10 +88,11 @@ class Grower {
     const double t = b.count > 1 ? static_cast<double>(i) / (b.count - 1) : 0;
     const double spacing = (b.last_share * height_m_ - b.first_m) / std::max(1, b.count);
     const double z = b.first_m + t * (b.last_share * height_m_ - b.first_m) +
-                     0.3 * spacing * uniform(rng, -1, 1);
+                     b.scatter * spacing * uniform(rng, -1, 1);
     const double azimuth =
         i * b.divergence_rad + truncated_normal(rng, 0, b.divergence_spread_rad, 2);
-    const double upright = truncated_normal(rng, b.angle_rad - 0.25 * t, b.angle_spread_rad, 2);
+    const double upright =
+        truncated_normal(rng, b.angle_rad - b.angle_less_rad * t, b.angle_spread_rad, 2);
     LineGrowth g;
     WoodAxis branch;
     branch.kind = WoodKind::branch;
@@ -101,14 +103,15 @@ class Grower {
     g.start_m = from.point_m;
     g.heading = {std::sin(upright) * std::cos(azimuth), std::sin(upright) * std::sin(azimuth),
                  std::cos(upright)};
-    g.length_m = size_ * (b.length_m + std::pow(t, 1.2) * (b.length_top_m - b.length_m)) *
+    g.length_m = size_ *
+                 (b.length_m + std::pow(t, b.length_power) * (b.length_top_m - b.length_m)) *
                  truncated_normal(rng, 1, b.cv_length, 2);
-    g.radius_m =
-        std::min(std::max(b.radius_share * g.length_m, b.radius_least_m), 0.75 * from.radius_m);
+    g.radius_m = std::min(std::max(b.radius_share * g.length_m, b.radius_least_m),
+                          b.radius_most * from.radius_m);
     g.tip_radius_m = std::min(b.radius_tip_m, g.radius_m);
     g.pieces = 16;
     g.towards = -Vector3d::UnitZ();
-    g.turn_rad = b.droop_rad * (1 - 0.6 * t);
+    g.turn_rad = b.droop_rad * (1 - b.droop_less * t);
     g.wiggle_rad = b.wiggle_rad;
     branch.line = grow_line(g, rng);
     tree_.wood.push_back(std::move(branch));
@@ -118,10 +121,11 @@ class Grower {
   }
 
   void add_spurs(int branch, Rng rng) {
+    const auto& s = c_.spur;
     const LineWalk walk(tree_.wood[static_cast<std::size_t>(branch)].line, Vector3d::UnitZ());
-    double along_m = c_.spur.first_share * walk.length_m() + 0.02;
+    double along_m = s.first_share * walk.length_m() + s.first_m;
     double azimuth = uniform(rng, 0, 2 * kPi);
-    while (along_m < 0.97 * walk.length_m()) {
+    while (along_m < s.last_share * walk.length_m()) {
       const LinePoint from = walk.at_m(along_m);
       WoodAxis spur;
       spur.kind = WoodKind::spur;
@@ -130,24 +134,25 @@ class Grower {
       LineGrowth g;
       const Vector3d out = around(from.axes.col(0), azimuth);
       g.start_m = from.point_m;
-      g.heading = out + 0.45 * from.axes.col(0);
-      g.length_m = from.radius_m + uniform(rng, c_.spur.length_m[0], c_.spur.length_m[1]);
-      g.radius_m = std::min(c_.spur.radius_m, from.radius_m);
-      g.tip_radius_m = 0.85 * g.radius_m;
+      g.heading = out + s.lean * from.axes.col(0);
+      g.length_m = from.radius_m + uniform(rng, s.length_m[0], s.length_m[1]);
+      g.radius_m = std::min(s.radius_m, from.radius_m);
+      g.tip_radius_m = s.taper * g.radius_m;
       g.pieces = 5;
-      g.turn_rad = 0.35;
-      g.wiggle_rad = 0.10;
+      g.turn_rad = s.turn_rad;
+      g.wiggle_rad = s.wiggle_rad;
       spur.line = grow_line(g, rng);
       tree_.wood.push_back(std::move(spur));
       add_rosette(static_cast<int>(tree_.wood.size()) - 1, rng);
-      along_m += c_.spur.spacing_m * uniform(rng, 0.6, 1.4);
-      azimuth += kGolden + 0.4 * normal(rng);
+      along_m += s.spacing_m * uniform(rng, s.spacing_spread[0], s.spacing_spread[1]);
+      azimuth += s.divergence_rad + s.divergence_spread_rad * normal(rng);
     }
   }
 
   void add_shoots(int branch, Rng rng) {
+    const auto& s = c_.shoot;
     const LineWalk walk(tree_.wood[static_cast<std::size_t>(branch)].line, Vector3d::UnitZ());
-    double along_m = c_.shoot.spacing_m * uniform(rng, 0.4, 1);
+    double along_m = s.spacing_m * uniform(rng, s.first_spread[0], s.first_spread[1]);
     const auto add = [&](double at_m, const Vector3d& heading) {
       const LinePoint from = walk.at_m(at_m);
       WoodAxis shoot;
@@ -157,23 +162,23 @@ class Grower {
       LineGrowth g;
       g.start_m = from.point_m;
       g.heading = heading;
-      g.length_m = uniform(rng, c_.shoot.length_m[0], c_.shoot.length_m[1]);
-      g.radius_m = std::min(c_.shoot.radius_m, from.radius_m);
-      g.tip_radius_m = 0.45 * g.radius_m;
+      g.length_m = uniform(rng, s.length_m[0], s.length_m[1]);
+      g.radius_m = std::min(s.radius_m, from.radius_m);
+      g.tip_radius_m = s.taper * g.radius_m;
       g.pieces = 9;
-      g.turn_rad = 0.4;
-      g.wiggle_rad = 0.05;
+      g.turn_rad = s.turn_rad;
+      g.wiggle_rad = s.wiggle_rad;
       shoot.line = grow_line(g, rng);
       tree_.wood.push_back(std::move(shoot));
-      add_alternate_leaves(static_cast<int>(tree_.wood.size()) - 1, 0.08,
+      add_alternate_leaves(static_cast<int>(tree_.wood.size()) - 1, s.bare_share,
                            rng.fork(tree_.wood.size()));
     };
-    while (along_m < 0.9 * walk.length_m()) {
+    while (along_m < s.last_share * walk.length_m()) {
       const LinePoint from = walk.at_m(along_m);
       const Vector3d side = from.axes.col(0).cross(Vector3d::UnitZ()).normalized();
-      add(along_m, Vector3d(0.75 * Vector3d::UnitZ() + 0.55 * from.axes.col(0) +
-                            uniform(rng, -0.9, 0.9) * side));
-      along_m += c_.shoot.spacing_m * uniform(rng, 0.6, 1.5);
+      add(along_m, Vector3d(s.rise * Vector3d::UnitZ() + s.lean * from.axes.col(0) +
+                            uniform(rng, -s.aside, s.aside) * side));
+      along_m += s.spacing_m * uniform(rng, s.spacing_spread[0], s.spacing_spread[1]);
     }
     add(walk.length_m(), walk.at_share(1).axes.col(0));
   }
@@ -184,8 +189,8 @@ class Grower {
     const Vector3d d = from.axes.col(0), r = around(d, azimuth);
     const Vector3d x = (std::cos(rise_rad) * r + std::sin(rise_rad) * d).normalized();
     // Blades turn their upper side to the light.
-    Vector3d z = -std::sin(rise_rad) * r + std::cos(rise_rad) * d + 0.9 * Vector3d::UnitZ() +
-                 any_turn(rng, 0.30);
+    Vector3d z = -std::sin(rise_rad) * r + std::cos(rise_rad) * d +
+                 c_.leaf.to_light * Vector3d::UnitZ() + any_turn(rng, c_.leaf.turn_spread);
     z -= z.dot(x) * x;
     z = z.norm() > 0.05 ? Vector3d(z.normalized()) : around(x, 0);
     Eigen::Matrix3d axes;
@@ -206,10 +211,10 @@ class Grower {
                                       rng, c_.spur.leaves, c_.spur.leaves_spread, 2))));
     double azimuth = uniform(rng, 0, 2 * kPi);
     for (int i = 0; i < count; ++i) {
-      const double share = 0.72 + 0.28 * (i + 0.5) / count;
+      const double share = 1 - c_.spur.leafy_share + c_.spur.leafy_share * (i + 0.5) / count;
       const double rise = truncated_normal(rng, c_.leaf.rise_rad, c_.leaf.rise_spread_rad, 2);
       add_leaf(spur, share, walk.at_share(share), azimuth, rise, rng);
-      azimuth += kGolden + 0.3 * normal(rng);
+      azimuth += c_.leaf.divergence_rad + c_.spur.leaf_divergence_spread_rad * normal(rng);
     }
   }
 
@@ -220,10 +225,12 @@ class Grower {
     double along_m = first_share * walk.length_m();
     while (along_m < walk.length_m()) {
       const double share = along_m / walk.length_m();
-      add_leaf(axis, share, walk.at_share(share), azimuth, truncated_normal(rng, 0.65, 0.2, 2),
+      add_leaf(axis, share, walk.at_share(share), azimuth,
+               truncated_normal(rng, c_.shoot.leaf_rise_rad, c_.shoot.leaf_rise_spread_rad, 2),
                rng);
-      azimuth += kGolden + 0.2 * normal(rng);
-      along_m += c_.shoot.leaf_spacing_m * uniform(rng, 0.7, 1.3);
+      azimuth += c_.leaf.divergence_rad + c_.shoot.leaf_divergence_spread_rad * normal(rng);
+      along_m += c_.shoot.leaf_spacing_m *
+                 uniform(rng, c_.shoot.leaf_spacing_spread[0], c_.shoot.leaf_spacing_spread[1]);
     }
   }
 

@@ -10,10 +10,18 @@ namespace {
 
 Fields fields(OrchardConfig::Tree& c) {
   return {{"height_m", &c.height_m, "of the tree", 1, 3.5},
+          {"height_most_m", &c.height_most_m, "pruned at it", 1, 3.5},
           {"spread", &c.spread, "sigma of a tree's size over its mean", 0, 0.1},
           {"trunk_radius_m", &c.trunk_radius_m, "at the ground", 5e-3, 0.2},
           {"trunk_tip_radius_m", &c.trunk_tip_radius_m, "at the top", 1e-3, 0.2},
+          {"taper", &c.taper, "power of the height by which it thins", 0.1, 5},
+          {"flare", &c.flare, "more radius at the ground, over it", 0, 3},
+          {"flare_m", &c.flare_m, "e times less so far up", 1e-3, 1},
+          {"graft", &c.graft, "more radius at the graft, over it", 0, 3},
+          {"graft_at_m", &c.graft_at_m, "its height", 0, 1},
+          {"graft_m", &c.graft_m, "e times less so far from it", 1e-3, 1},
           {"wander_m", &c.wander_m, "of the trunk beside a straight line", 0, 0.2},
+          {"wander_scale_m", &c.wander_scale_m, "height over which it turns", 0.05, 10},
           {"spacing_m", &c.spacing_m, "of trees in the row", 0.5, 10},
           {"row_m", &c.row_m, "from row to row", 1.5, 20},
           {"variants", &c.variants, "different neighbours", 1, 20}};
@@ -25,15 +33,20 @@ Fields fields(OrchardConfig::Branch& c) {
           {"last_share", &c.last_share, "height of the highest over the tree's", 0.2, 0.99},
           {"divergence_rad", &c.divergence_rad, "from branch to branch about the trunk", -7, 7},
           {"divergence_spread_rad", &c.divergence_spread_rad, "its sigma", 0, 2},
+          {"scatter", &c.scatter, "of their heights, over their distance", 0, 0.5},
           {"length_m", &c.length_m, "of the lowest", 0.05, 2.5},
           {"length_top_m", &c.length_top_m, "of the highest", 0.05, 2.5},
+          {"length_power", &c.length_power, "of the way up by which lengths pass", 0.1, 5},
           {"cv_length", &c.cv_length, "standard deviation over mean", 0, 0.3},
           {"radius_share", &c.radius_share, "base radius over length", 2e-3, 0.05},
           {"radius_tip_m", &c.radius_tip_m, "at the tip", 1e-3, 0.05},
           {"radius_least_m", &c.radius_least_m, "at the base of the shortest", 1e-3, 0.05},
+          {"radius_most", &c.radius_most, "over the trunk's radius", 0.05, 1},
           {"angle_rad", &c.angle_rad, "from upright at its base", 0.2, 2.5},
+          {"angle_less_rad", &c.angle_less_rad, "less than that for the highest", -1, 2},
           {"angle_spread_rad", &c.angle_spread_rad, "its sigma", 0, 0.5},
           {"droop_rad", &c.droop_rad, "turn towards the ground over its length", -1.5, 2},
+          {"droop_less", &c.droop_less, "share of it that the highest lose", 0, 1},
           {"wiggle_rad", &c.wiggle_rad, "sigma of the turn between pieces", 0, 0.5},
           {"young_modulus_pa", &c.young_modulus_pa, "of the wood in bending", 1e8, 1e11},
           {"strength_pa", &c.strength_pa, "stress at which it breaks", 1e5, 1e10},
@@ -43,19 +56,67 @@ Fields fields(OrchardConfig::Branch& c) {
 
 Fields fields(OrchardConfig::Spur& c) {
   return {{"spacing_m", &c.spacing_m, "along a branch", 0.02, 1},
+          {"spacing_spread", &c.spacing_spread, "least and most over spacing_m"},
           {"first_share", &c.first_share, "bare share of a branch near the trunk", 0, 0.9},
+          {"first_m", &c.first_m, "more of it that is bare", 0, 1},
+          {"last_share", &c.last_share, "of the branch, up to which they stand", 0.1, 1},
+          {"divergence_rad", &c.divergence_rad, "from spur to spur about the branch", -7, 7},
+          {"divergence_spread_rad", &c.divergence_spread_rad, "its sigma", 0, 2},
+          {"lean", &c.lean, "along the branch over away from it", -5, 5},
+          {"turn_rad", &c.turn_rad, "upwards over its length", -3, 3},
+          {"wiggle_rad", &c.wiggle_rad, "sigma of the turn between pieces", 0, 0.5},
+          {"taper", &c.taper, "radius at the tip over that at the base", 0.1, 1},
           {"length_m", &c.length_m, "least and most"},
           {"radius_m", &c.radius_m, "of a spur", 1e-3, 0.02},
           {"bourse_m", &c.bourse_m, "radius of its swollen end", 1e-3, 0.02},
           {"leaves", &c.leaves, "of a spur's rosette; 0: bare", 0, 20},
-          {"leaves_spread", &c.leaves_spread, "its sigma", 0, 5}};
+          {"leaves_spread", &c.leaves_spread, "its sigma", 0, 5},
+          {"leafy_share", &c.leafy_share, "of its length, that bears them", 0, 1},
+          {"leaf_divergence_spread_rad", &c.leaf_divergence_spread_rad, "sigma from leaf to leaf",
+           0, 2}};
 }
 
 Fields fields(OrchardConfig::Shoot& c) {
   return {{"spacing_m", &c.spacing_m, "of one-year shoots along a branch", 0.04, 5},
+          {"spacing_spread", &c.spacing_spread, "least and most over spacing_m"},
+          {"first_spread", &c.first_spread, "least and most, of the first's place"},
+          {"last_share", &c.last_share, "of the branch, up to which they stand", 0.1, 1},
+          {"rise", &c.rise, "of its first heading, upwards", -5, 5},
+          {"lean", &c.lean, "along the branch", -5, 5},
+          {"aside", &c.aside, "to either side, at most", 0, 5},
+          {"turn_rad", &c.turn_rad, "upwards over its length", -3, 3},
+          {"wiggle_rad", &c.wiggle_rad, "sigma of the turn between pieces", 0, 0.5},
+          {"taper", &c.taper, "radius at the tip over that at the base", 0.1, 1},
           {"length_m", &c.length_m, "least and most"},
           {"radius_m", &c.radius_m, "of a shoot", 1e-3, 0.02},
-          {"leaf_spacing_m", &c.leaf_spacing_m, "from leaf to leaf", 0.005, 1}};
+          {"bare_share", &c.bare_share, "of a shoot, before its first leaf", 0, 0.9},
+          {"leaf_spacing_m", &c.leaf_spacing_m, "from leaf to leaf", 0.005, 1},
+          {"leaf_spacing_spread", &c.leaf_spacing_spread, "least and most over leaf_spacing_m"},
+          {"leaf_divergence_spread_rad", &c.leaf_divergence_spread_rad, "sigma from leaf to leaf",
+           0, 2},
+          {"leaf_rise_rad", &c.leaf_rise_rad, "over the plane across the shoot", -1.5, 1.5},
+          {"leaf_rise_spread_rad", &c.leaf_rise_spread_rad, "its sigma", 0, 1}};
+}
+
+/// A leaf's outline and how unlike each other leaves are.
+Fields blade_fields(OrchardConfig::Leaf& c) {
+  return {{"outline", &c.outline, "base, peak, rise, fall, tip of the envelope", 0, 10},
+          {"sweep_base_rad", &c.sweep_base_rad, "of side veins at the base", 0.2, 2.5},
+          {"sweep_tip_rad", &c.sweep_tip_rad, "of side veins at the tip", 0.2, 2.5},
+          {"width_spread", &c.width_spread, "sigma of the width over its mean", 0, 0.3},
+          {"fold_spread", &c.fold_spread, "sigma of the fold over its mean", 0, 0.52},
+          {"curl_mean", &c.curl_mean, "mean over curl_rad", -2, 2},
+          {"curl_spread", &c.curl_spread, "sigma over curl_rad", 0, 2},
+          {"twist_rad", &c.twist_rad, "sigma of the tip's twist", 0, 3},
+          {"camber", &c.camber, "of the margins: least and most"},
+          {"wave_spread", &c.wave_spread, "least and most over wave_m"},
+          {"wave_count", &c.wave_count, "along the blade: least and most"},
+          {"petiole_spread", &c.petiole_spread, "least and most over petiole_m"},
+          {"petiole_rise_rad", &c.petiole_rise_rad, "of its base, at most", 0, 1.5},
+          {"petiole_curl_rad", &c.petiole_curl_rad, "down over its length: least and most"},
+          {"divergence_rad", &c.divergence_rad, "from leaf to leaf about the axis", -7, 7},
+          {"to_light", &c.to_light, "pull of the upper side upwards, over its own normal", 0, 10},
+          {"turn_spread", &c.turn_spread, "sigma of its normal's sides", 0, 2}};
 }
 
 Fields fields(OrchardConfig::Leaf& c) {
@@ -90,7 +151,12 @@ Fields fields(OrchardConfig::Fruit& c) {
           {"per_m2", &c.per_m2, "fruits to a branch's section at its base", 1e3, 1e8},
           {"stalk_holds_n", &c.stalk_holds_n, "pull at which a stalk comes off", 0.01, 1e4},
           {"bourse_stiffness_n_m", &c.bourse_stiffness_n_m, "of a stalk's base", 1e-4, 10},
-          {"gap_m", &c.gap_m, "between fruits and wood as they are placed", 0, 0.1}};
+          {"gap_m", &c.gap_m, "between fruits and wood as they are placed", 0, 0.1},
+          {"lowest_m", &c.lowest_m, "height of the lowest fruit", 0, 3},
+          {"single_off", &c.single_off, "from below its spur, of one alone, over its radius", 0, 1},
+          {"cluster_spread_rad", &c.cluster_spread_rad, "sigma of a fruit's place about the spur",
+           0, 1},
+          {"turn_spread_rad", &c.turn_spread_rad, "sigma of its sunny side from outwards", 0, 3.2}};
 }
 
 Fields fields(OrchardConfig::Wood& c) {
@@ -169,7 +235,7 @@ void require_range(const char* key, const std::vector<double>& list, double low,
 Fields fields(OrchardConfig& c) {
   return nested("tree", fields(c.tree)) + nested("branch", fields(c.branch)) +
          nested("spur", fields(c.spur)) + nested("shoot", fields(c.shoot)) +
-         nested("leaf", fields(c.leaf)) + nested("fruit", fields(c.fruit)) +
+         nested("leaf", fields(c.leaf) + blade_fields(c.leaf)) + nested("fruit", fields(c.fruit)) +
          nested("wood", fields(c.wood)) + nested("ground", fields(c.ground)) +
          nested("sway", fields(c.sway)) + nested("light", fields(c.light)) +
          nested("views", fields(c.views));
@@ -183,6 +249,16 @@ void validate(const OrchardConfig& config) {
   require_range("views.up_rad", config.views.up_rad, -1.5, 1.5);
   require_range("views.level_rad", config.views.level_rad, -1.5, 1.5);
   require_range("views.down_rad", config.views.down_rad, -1.5, 1.5);
+  require_range("spur.spacing_spread", config.spur.spacing_spread, 0.05, 5);
+  require_range("shoot.first_spread", config.shoot.first_spread, 0, 5);
+  require_range("shoot.spacing_spread", config.shoot.spacing_spread, 0.05, 5);
+  require_range("shoot.leaf_spacing_spread", config.shoot.leaf_spacing_spread, 0.05, 5);
+  require_range("leaf.camber", config.leaf.camber, -2, 2);
+  require_range("leaf.wave_spread", config.leaf.wave_spread, 0, 5);
+  require_range("leaf.wave_count", config.leaf.wave_count, 0, 50);
+  require_range("leaf.petiole_spread", config.leaf.petiole_spread, 0.05, 5);
+  require_range("leaf.petiole_curl_rad", config.leaf.petiole_curl_rad, -3, 3);
+  require_count("leaf.outline", config.leaf.outline, 5);
   require_count("fruit.cluster_share", config.fruit.cluster_share, 3);
   const auto colour = [](const char* key, const std::vector<double>& c) {
     require_count(key, c, 3);

@@ -89,11 +89,12 @@ class Bearer {
       const auto v = static_cast<std::size_t>(fruit.variant);
       fruit.mass_kg = heavier_ * models_[v].mass_kg;
       check_stalk(fruit, static_cast<int>(tree_.fruits.size()) + k);
-      const double azimuth = first + 2 * std::numbers::pi * k / size + 0.15 * normal(rng);
+      const double azimuth =
+          first + 2 * std::numbers::pi * k / size + c_.fruit.cluster_spread_rad * normal(rng);
       const Vector3d out(std::cos(azimuth), std::sin(azimuth), 0);
       const FruitBall& ball = balls_[v];
       // So far out that a ring of such fruits touches.
-      const std::array<double, 3> ring = {0.15, 1.0, 1.155};
+      const std::array<double, 3> ring = {c_.fruit.single_off, 1.0, 1.155};
       const double off_m = ring[static_cast<std::size_t>(size - 1)] * ball.mean_radius_m +
                            (size > 1 ? 0.5 * c_.fruit.gap_m : 0);
       const double bourse_m = size > 1 ? c_.spur.bourse_m : 0;
@@ -112,7 +113,8 @@ class Bearer {
 
   /// The fruit's +x, where its blush is, points away from the trunk.
   Eigen::Quaterniond sunny_side_out(const Vector3d& up, const Vector3d& at_m, Rng& rng) const {
-    const double turn = std::atan2(at_m.y(), at_m.x()) + 0.7 * truncated_normal(rng, 0, 1, 2);
+    const double turn =
+        std::atan2(at_m.y(), at_m.x()) + c_.fruit.turn_spread_rad * truncated_normal(rng, 0, 1, 2);
     Vector3d x(std::cos(turn), std::sin(turn), 0);
     x = (x - x.dot(up) * up).normalized();
     Eigen::Matrix3d axes;
@@ -133,7 +135,7 @@ class Bearer {
   bool is_free(const FruitPlace& fruit, const std::vector<FruitPlace>& cluster) const {
     const Vector3d& at = fruit.tree_from_fruit.translation_m;
     const FruitBall& ball = balls_[static_cast<std::size_t>(fruit.variant)];
-    if (at.z() < 0.25) return false;
+    if (at.z() < c_.fruit.lowest_m) return false;
     for (const FruitPlace& other : tree_.fruits) {
       const FruitBall& b = balls_[static_cast<std::size_t>(other.variant)];
       if ((at - other.tree_from_fruit.translation_m).norm() <

@@ -15,11 +15,39 @@ Vector3d around(const Eigen::Matrix3d& axes, double azimuth) {
 }
 
 /// Radii of a spikelet-bearing branch: pairs of spikelets every few millimetres.
-void add_spikelets(CentreLine& line, double radius_m) {
+void add_spikelets(CentreLine& line, double radius_m, const MaizeConfig::Flower& c) {
   for (std::size_t i = 0; i < line.radii_m.size(); ++i) {
     const double s = static_cast<double>(i) / static_cast<double>(line.radii_m.size() - 1);
-    const double bump = i % 2 == 0 ? 1.0 : 0.55;
-    line.radii_m[i] = std::max(4e-4, radius_m * bump * std::min(1.0, 6 * s) * (1 - 0.6 * s));
+    const double bump = i % 2 == 0 ? 1.0 : c.spikelet_gap;
+    line.radii_m[i] =
+        std::max(4e-4, radius_m * bump * std::min(1.0, 6 * s) * (1 - c.spikelet_taper * s));
+  }
+}
+
+/// Silks from the tip of an ear that has grown by `share`.
+void add_silks(MaizeDraft& draft, int ear_id, const Vector3d& tip_m, const Vector3d& heading,
+               double share) {
+  const auto& c = draft.config.flower;
+  const Eigen::Matrix3d axes =
+      frames_along(std::vector<Vector3d>{Vector3d::Zero(), heading}, Vector3d::UnitX()).front();
+  for (int k = 0; k < c.silks; ++k) {
+    Organ& silk =
+        add_organ(draft.plant, OrganKind::flower, "silk " + std::to_string(k + 1), ear_id, k + 1);
+    silk.look = kFlowerLook;
+    if (share < 0.6) continue;
+    AxisGrowth growth;
+    growth.start_m = tip_m - 0.005 * heading;
+    const double angle = c.silk_angle_rad + c.silk_spread_rad * std::abs(std::sin(7.0 * k));
+    growth.heading =
+        (std::cos(angle) * heading + std::sin(angle) * around(axes, c.silk_divergence_rad * k))
+            .normalized();
+    growth.length_m = c.silk_m + c.silk_more_m * std::abs(std::sin(4.3 * k));
+    growth.radius_base_m = c.silk_radius_m[0];
+    growth.radius_tip_m = c.silk_radius_m[1];
+    growth.segments = 12;
+    growth.tropisms.push_back({-Vector3d::UnitZ(), c.silk_droop_rad, 0.1});
+    silk.line = grow_axis(growth);
+    finish_tube(draft.config, silk, 4, c.silk_albedo);
   }
 }
 
@@ -42,13 +70,13 @@ void add_prop_roots(MaizeDraft& draft, const LineWalk& axis) {
       const Vector3d out = around(base.axes, azimuth);
       AxisGrowth growth;
       growth.start_m = base.point_m + 0.7 * base.radius_m * out;
-      const double angle = c.angle_rad * (1 + 0.15 * std::sin(3.1 * k + whorl));
+      const double angle = c.angle_rad * (1 + c.angle_spread * std::sin(3.1 * k + whorl));
       growth.heading = (std::sin(angle) * out - std::cos(angle) * base.axes.col(0)).normalized();
-      growth.length_m = here * (up_m / std::cos(angle) + 0.02);
+      growth.length_m = here * (up_m / std::cos(angle) + c.soil_m);
       growth.radius_base_m = c.radius_m;
-      growth.radius_tip_m = 0.7 * c.radius_m;
+      growth.radius_tip_m = c.taper * c.radius_m;
       growth.segments = 8;
-      growth.tropisms.push_back({-Vector3d::UnitZ(), 0.4, 0});
+      growth.tropisms.push_back({-Vector3d::UnitZ(), c.bend_rad, 0});
       root.line = grow_axis(growth);
       finish_tube(draft.config, root, 8, c.albedo);
     }
@@ -57,8 +85,8 @@ void add_prop_roots(MaizeDraft& draft, const LineWalk& axis) {
 
 void add_tassel(MaizeDraft& draft) {
   const auto& c = draft.config.flower;
-  const double share =
-      grown_share(draft.stage, draft.config.plant.leaves - 0.5, draft.config.plant.leaves + 1);
+  const double share = grown_share(draft.stage, draft.config.plant.leaves - c.begin_before,
+                                   draft.config.plant.leaves + c.end_after);
   Plant& plant = draft.plant;
   const auto& points = draft.stalk.line.points_m;
   const Vector3d heading = (points.back() - points[points.size() - 2]).normalized();
@@ -71,7 +99,7 @@ void add_tassel(MaizeDraft& draft) {
     growth.heading = heading;
     growth.length_m = share * draft.own.vigour * c.peduncle_m;
     growth.radius_base_m = draft.stalk.line.radii_m.back();
-    growth.radius_tip_m = 0.6 * growth.radius_base_m;
+    growth.radius_tip_m = c.peduncle_taper * growth.radius_base_m;
     growth.segments = 6;
     peduncle.line = grow_axis(growth);
     top_m = peduncle.line.points_m.back();
@@ -86,20 +114,23 @@ void add_tassel(MaizeDraft& draft) {
                   is_spike ? "tassel spike" : "tassel branch " + std::to_string(k), peduncle_id, k);
     branch.look = kFlowerLook;
     if (share <= 0.02) continue;
-    const double turn = 2.4 * k + draft.own.azimuth_rad;
-    const double up = is_spike ? 0 : 0.5 * (k - 1.0) / std::max(1, c.branches);
-    const double angle = is_spike ? 0 : share * c.branch_angle_rad * (1.15 - 0.8 * up);
+    const double turn = c.branch_divergence_rad * k + draft.own.azimuth_rad;
+    const double up = is_spike ? 0 : c.branch_up * (k - 1.0) / std::max(1, c.branches);
+    const double angle =
+        is_spike ? 0 : share * c.branch_angle_rad * (c.angle_low - c.angle_less * up);
     AxisGrowth growth;
-    growth.start_m = top_m + share * up * 0.35 * c.spike_m * heading;
+    growth.start_m = top_m + share * up * c.branched_share * c.spike_m * heading;
     growth.heading =
         (std::cos(angle) * heading + std::sin(angle) * around(axes, turn)).normalized();
-    growth.length_m =
-        share * draft.own.vigour *
-        (is_spike ? c.spike_m : c.branch_m * (1 - 0.5 * up) * (0.9 + 0.1 * std::sin(5.0 * k)));
+    growth.length_m = share * draft.own.vigour *
+                      (is_spike ? c.spike_m
+                                : c.branch_m * (1 - c.length_less * up) *
+                                      (1 - c.branch_spread + c.branch_spread * std::sin(5.0 * k)));
     growth.segments = 24;
-    growth.tropisms.push_back({-Vector3d::UnitZ(), is_spike ? 0.15 : 0.7, 0.2});
+    growth.tropisms.push_back(
+        {-Vector3d::UnitZ(), is_spike ? c.spike_droop_rad : c.branch_droop_rad, c.droop_begin});
     branch.line = grow_axis(growth);
-    add_spikelets(branch.line, (is_spike ? 1.3 : 1.0) * c.spikelet_m);
+    add_spikelets(branch.line, (is_spike ? c.spike_thick : 1.0) * c.spikelet_m, c);
     finish_tube(draft.config, branch, 8, c.albedo);
     if (is_spike) plant.keypoints.push_back({"tassel tip", branch.line.points_m.back()});
   }
@@ -107,24 +138,27 @@ void add_tassel(MaizeDraft& draft) {
 
 void add_ear(MaizeDraft& draft, const LineWalk& axis) {
   const auto& c = draft.config.flower;
-  constexpr int kSilks = 14;
+  const auto& o = c.ear_outline;
   const int rank = std::min(c.ear_rank, draft.config.plant.leaves);
   Plant& plant = draft.plant;
   Organ& ear = add_organ(plant, OrganKind::flower, "ear", 0, rank);
   ear.look = kStalkLook;
   const int ear_id = ear.id;
-  const double share = rank < 1 ? 0
-                                : grown_share(draft.stage, draft.config.plant.leaves - 2,
-                                              draft.config.plant.leaves + 1.5);
+  const double share =
+      rank < 1 ? 0
+               : grown_share(draft.stage, draft.config.plant.leaves - c.ear_begin_before,
+                             draft.config.plant.leaves + c.ear_end_after);
   Vector3d tip_m = Vector3d::Zero(), heading = Vector3d::UnitZ();
   if (share > 0.05) {
     const auto r = static_cast<std::size_t>(rank - 1);
-    const LinePoint base = axis.at_m(draft.stalk.nodes_m[r] + 0.01);
+    const LinePoint base = axis.at_m(draft.stalk.nodes_m[r] + c.ear_above_m);
     const double azimuth = draft.own.leaves[r].azimuth_rad;
     const Vector3d out(std::cos(azimuth), std::sin(azimuth), 0);
     AxisGrowth growth;
     growth.start_m = base.point_m + base.radius_m * out;
-    growth.heading = (std::cos(0.38) * base.axes.col(0) + std::sin(0.38) * out).normalized();
+    growth.heading =
+        (std::cos(c.ear_angle_rad) * base.axes.col(0) + std::sin(c.ear_angle_rad) * out)
+            .normalized();
     growth.length_m = share * draft.own.vigour * c.ear_m;
     growth.segments = 20;
     ear.line = grow_axis(growth);
@@ -132,32 +166,13 @@ void add_ear(MaizeDraft& draft, const LineWalk& axis) {
       const double s = static_cast<double>(i) / 20;
       ear.line.radii_m[i] =
           share * c.ear_radius_m *
-          std::max(0.08, std::pow(std::sin(kPi * (0.12 + 0.88 * std::pow(s, 0.8))), 0.7));
+          std::max(o[0], std::pow(std::sin(kPi * (o[1] + (1 - o[1]) * std::pow(s, o[2]))), o[3]));
     }
     finish_tube(draft.config, ear, 16, c.ear_albedo);
     tip_m = ear.line.points_m.back();
     heading = growth.heading;
   }
-  const Eigen::Matrix3d axes =
-      frames_along(std::vector<Vector3d>{Vector3d::Zero(), heading}, Vector3d::UnitX()).front();
-  for (int k = 0; k < kSilks; ++k) {
-    Organ& silk =
-        add_organ(plant, OrganKind::flower, "silk " + std::to_string(k + 1), ear_id, k + 1);
-    silk.look = kFlowerLook;
-    if (share < 0.6) continue;
-    AxisGrowth growth;
-    growth.start_m = tip_m - 0.005 * heading;
-    const double angle = 0.25 + 0.35 * std::abs(std::sin(7.0 * k));
-    growth.heading =
-        (std::cos(angle) * heading + std::sin(angle) * around(axes, 2.4 * k)).normalized();
-    growth.length_m = 0.035 + 0.03 * std::abs(std::sin(4.3 * k));
-    growth.radius_base_m = 5e-4;
-    growth.radius_tip_m = 4e-4;
-    growth.segments = 12;
-    growth.tropisms.push_back({-Vector3d::UnitZ(), 2.0, 0.1});
-    silk.line = grow_axis(growth);
-    finish_tube(draft.config, silk, 4, c.silk_albedo);
-  }
+  add_silks(draft, ear_id, tip_m, heading, share);
 }
 
 }  // namespace cousin

@@ -11,7 +11,6 @@
 namespace cousin {
 
 using Eigen::Vector3d;
-constexpr double kLeastShare = 0.03;  ///< of its length, below which a blade is not there yet
 
 LeafMaker::LeafMaker(MaizeDraft& draft, const LineWalk& axis)
     : d_(draft), c_(draft.config), axis_(axis) {
@@ -32,7 +31,9 @@ void LeafMaker::add(int rank, int parent) {
 
 bool LeafMaker::has_collar(int rank) const { return rank <= d_.stage && !has_fallen(rank); }
 
-double LeafMaker::sheath_share(int rank) const { return grown_share(d_.stage, rank - 1.6, rank); }
+double LeafMaker::sheath_share(int rank) const {
+  return grown_share(d_.stage, rank - c_.sheath.begin_before, rank);
+}
 
 double LeafMaker::sheath_m(int rank) const {
   return d_.own.vigour * sheath_share(rank) *
@@ -47,11 +48,11 @@ double LeafMaker::collar_m(int rank) const { return node_m(rank) + sheath_m(rank
 
 double LeafMaker::dryness(int rank) const {
   if (rank > c_.blade.last_to_fall) return 0;
-  return logistic(d_.stage, rank + c_.blade.dry_after, 0.5);
+  return logistic(d_.stage, rank + c_.blade.dry_after, c_.blade.dry_stages);
 }
 
 double LeafMaker::blade_share(int rank) const {
-  return grown_share(d_.stage, rank - c_.blade.tips_ahead - 1, rank);
+  return grown_share(d_.stage, rank - c_.blade.tips_ahead - c_.blade.begin_ahead, rank);
 }
 
 double LeafMaker::blade_m(int rank) const {
@@ -61,20 +62,25 @@ double LeafMaker::blade_m(int rank) const {
 }
 
 double LeafMaker::out_share(int rank) const {
-  return grown_share(d_.stage, rank - 1.8, rank + 0.8);
+  return grown_share(d_.stage, rank - c_.whorl.leave_before, rank + c_.whorl.left_after);
 }
 
 double LeafMaker::base_m(int rank) const {
-  return std::max(collar_m(rank), top_collar_m_ * (rank > d_.stage) - 0.02);
+  return std::max(collar_m(rank), top_collar_m_ * (rank > d_.stage) - c_.whorl.foot_below_m);
+}
+
+double LeafMaker::steepness(double in) const {
+  return 1 - c_.whorl.steeper + c_.whorl.steeper * in;
 }
 
 /// Inner leaves open above the outer ones, where these have given way.
 LeafMaker::Opening LeafMaker::opening(int rank) const {
   Opening below;
   for (int k = std::min(rank, last_collar()); k <= rank; ++k) {
-    const double in = 1 - out_share(k), length_m = blade_m(k), rise = 0.8 + 0.2 * in;
-    const double over_m = std::min(c_.blade.clasp_m, 0.3 * length_m) + 0.6 * in * length_m;
-    Opening own{base_m(k) + rise * 0.6 * in * over_m, base_m(k) + rise * over_m};
+    const double in = 1 - out_share(k), length_m = blade_m(k), rise = steepness(in);
+    const double over_m = std::min(c_.blade.clasp_m, c_.blade.clasp_share * length_m) +
+                          c_.whorl.rolled_share * in * length_m;
+    Opening own{base_m(k) + rise * c_.whorl.closed_share * in * over_m, base_m(k) + rise * over_m};
     const double way_m = own.end_m - own.start_m;
     own.start_m = std::max(own.start_m, below.end_m);
     own.end_m = std::max(own.end_m, own.start_m + way_m);
@@ -90,7 +96,7 @@ double LeafMaker::funnel_at(double up_m) const {
 int LeafMaker::leaves_inside(int rank) const {
   int count = 0;
   for (int other = rank + 1; other <= c_.plant.leaves; ++other)
-    count += blade_share(other) >= kLeastShare ? 1 : 0;
+    count += blade_share(other) >= c_.blade.least_share ? 1 : 0;
   return count;
 }
 
@@ -104,13 +110,14 @@ bool LeafMaker::has_fallen(int rank) const {
 double LeafMaker::wrapped_m(int rank, double along_m) const {
   double radius = axis_.at_m(along_m).radius_m;
   if (along_m > axis_.length_m()) {
-    const double above = (along_m - axis_.length_m()) / 0.15;
-    radius = std::max(radius, d_.stalk.youth * 0.6 * c_.stalk.radius_m) *
-             (1 - 0.25 * std::min(1.0, above));
+    const double above = (along_m - axis_.length_m()) / c_.whorl.narrows_m;
+    radius = std::max(radius, d_.stalk.youth * c_.whorl.radius_share * c_.stalk.radius_m) *
+             (1 - c_.whorl.narrows * std::min(1.0, above));
   }
   double swelling = 0;
   for (int other = rank; other <= c_.plant.leaves; ++other) {
-    swelling = std::max(swelling, std::exp(-std::pow((along_m - node_m(other)) / 0.007, 2)));
+    swelling =
+        std::max(swelling, std::exp(-std::pow((along_m - node_m(other)) / c_.stalk.swelling_m, 2)));
     if (along_m >= node_m(other) && along_m <= collar_m(other) + 1e-9)
       radius += c_.sheath.thickness_m;
   }
@@ -165,7 +172,8 @@ BladeShape LeafMaker::shape_of(int rank, double out, double length_share) const 
   const MaizeIndividual::Leaf& own = d_.own.leaves[r];
   const double widest_m = *std::max_element(b.width_m.begin(), b.width_m.end());
   BladeShape shape;
-  shape.width_m = d_.own.vigour * own.size * b.width_m[r] * (0.35 + 0.65 * length_share);
+  shape.width_m = d_.own.vigour * own.size * b.width_m[r] *
+                  (b.young_width + (1 - b.young_width) * length_share);
   shape.envelope_base = b.outline[0];
   shape.envelope_peak = b.outline[1];
   shape.envelope_rise = b.outline[2];
@@ -174,7 +182,7 @@ BladeShape LeafMaker::shape_of(int rank, double out, double length_share) const 
   shape.fold_rad = b.fold_rad;
   shape.camber = -b.camber * out;
   shape.wave_m = b.wave_m * out * shape.width_m / widest_m;
-  shape.wave_count = b.wave_count * std::max(0.3, length_share);
+  shape.wave_count = b.wave_count * std::max(b.young_waves, length_share);
   shape.wave_phase_rad = own.phase_rad;
   shape.twist_rad = out * own.twist_rad;
   return shape;
@@ -184,11 +192,12 @@ void LeafMaker::grow_blade(Organ& organ) const {
   const int rank = organ.rank;
   const auto r = static_cast<std::size_t>(rank - 1);
   const auto& b = c_.blade;
+  const auto& w = c_.whorl;
   const MaizeIndividual::Leaf& own = d_.own.leaves[r];
   organ.look = kBladeLook;
   organ.age_days = d_.stage - rank + b.tips_ahead;
   const double share = blade_share(rank);
-  if (share < kLeastShare || has_fallen(rank)) return;
+  if (share < b.least_share || has_fallen(rank)) return;
   // Out of the whorl, and leaned out to its final angle.
   const double out = out_share(rank), dry = dryness(rank);
   const double foot_m = base_m(rank);
@@ -199,20 +208,22 @@ void LeafMaker::grow_blade(Organ& organ) const {
            base.axes.col(0).dot(Vector3d(std::cos(own.azimuth_rad), std::sin(own.azimuth_rad), 0)))
           .normalized();
   const double up = (rank - 1.0) / (c_.plant.leaves - 1);
-  const double angle = (0.06 + 0.94 * out) * own.angle *
+  const double angle = (w.angle_share + (1 - w.angle_share) * out) * own.angle *
                            (b.angle_low_rad + up * (b.angle_high_rad - b.angle_low_rad)) +
-                       0.8 * dry;
+                       b.dry_angle_rad * dry;
   AxisGrowth growth;
-  growth.start_m = base.point_m + (0.15 + 0.75 * out) * wrapped_m(rank, foot_m) * side;
+  growth.start_m = base.point_m + (w.off_share + (b.off_share - w.off_share) * out) *
+                                      wrapped_m(rank, foot_m) * side;
   growth.heading = (std::cos(angle) * base.axes.col(0) + std::sin(angle) * side).normalized();
   growth.length_m = blade_m(rank);
-  growth.radius_base_m = 0.0032 * std::sqrt(b.length_m[r] / 0.8);
-  growth.radius_tip_m = 0.0004;
+  growth.radius_base_m = b.midrib_radius_m * std::sqrt(b.length_m[r] / b.midrib_length_m);
+  growth.radius_tip_m = b.midrib_tip_m;
   growth.segments = 40;
   // Long leaves hang over; what still stands in the whorl is stiff.
-  const double droop =
-      b.droop_rad * own.droop * std::min(1.1, growth.length_m / 0.7) * (0.12 + 0.88 * out) +
-      1.5 * dry;
+  const double droop = b.droop_rad * own.droop *
+                           std::min(b.droop_most, growth.length_m / b.droop_length_m) *
+                           (w.droop_share + (1 - w.droop_share) * out) +
+                       b.dry_droop_rad * dry;
   growth.tropisms.push_back({-Vector3d::UnitZ(), droop, b.droop_begin});
   organ.line = grow_axis(growth);
   const BladeShape shape = shape_of(rank, out, share);
@@ -225,8 +236,9 @@ void LeafMaker::grow_blade(Organ& organ) const {
   // Leaves of the whorl are rolled about each other, inside the mouth of the last sheath.
   const int last = last_collar();
   const double mouth_m = wrapped_m(std::min(rank, last), foot_m) + 6e-4;
-  const double apart_m = 0.65 * mouth_m / std::max(1, leaves_inside(last));
-  const double radius_m = rank <= last ? mouth_m : 0.25 * mouth_m + apart_m * leaves_inside(rank);
+  const double apart_m = w.leaves_share * mouth_m / std::max(1, leaves_inside(last));
+  const double radius_m =
+      rank <= last ? mouth_m : w.core_share * mouth_m + apart_m * leaves_inside(rank);
   constexpr double kMargin = 0.06;  // of the way to the next leaf, a radian
   clasp(organ, {foot_m, radius_m, kMargin * apart_m, side, across, out});
   colour_blade(organ, out, dry);
@@ -244,7 +256,7 @@ void LeafMaker::clasp(Organ& organ, const Clasp& clasp) const {
   auto& vertices = organ.surface.mesh.vertices_m;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const double along_m = organ.surface.place[i].x() * length_m;
-    const double up_m = clasp.base_m + (0.8 + 0.2 * in) * along_m;
+    const double up_m = clasp.base_m + steepness(in) * along_m;
     const double share = 1 - smoothstep(opens.start_m, opens.end_m, up_m);
     if (!(share > 0)) continue;
     const Vector3d flat_m = midrib.at_m(along_m).point_m, off_m = vertices[i] - flat_m;
@@ -253,7 +265,8 @@ void LeafMaker::clasp(Organ& organ, const Clasp& clasp) const {
     const double funnel = funnel_at(up_m), inner_m = funnel * clasp.radius_m;
     Vector3d rib_m = (1 - share) * flat_m + share * (axis_m + inner_m * clasp.side);
     rib_m += std::max(0.0, inner_m - clasp.side.dot(rib_m - axis_m)) * clasp.side;
-    const double most_rad = 2.9 + 3 * in;  // margins that have left the whorl do not meet
+    const double most_rad = c_.blade.clasp_rad +
+                            c_.whorl.more_rad * in;  // margins that have left the whorl do not meet
     const double left = organ.surface.place[i].y() < 0 ? -1 : 1;
     const double full_rad = left * std::min(most_rad, off_m.norm() / inner_m);
     // An arc that has moved off the axis is so much wider that it still goes about the others.

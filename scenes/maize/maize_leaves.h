@@ -37,6 +37,7 @@ class LeafMaker {
   double out_share(int rank) const;    ///< 1: it has left the whorl
   double base_m(int rank) const;       ///< where the blade leaves the sheath or the whorl
   int last_collar() const { return static_cast<int>(std::min<double>(d_.stage, c_.plant.leaves)); }
+  double steepness(double in) const;  ///< height over length of a blade in the whorl: 1, or out
   Opening opening(int rank) const;
   double funnel_at(double up_m) const;  ///< the whorl's width over that at its foot
   int leaves_inside(int rank) const;    ///< younger ones that it may wrap

@@ -30,9 +30,9 @@ MaizeIndividual draw_individual(const MaizeConfig& c, Rng rng) {
     Rng leaf_rng = rng.fork("leaf").fork(static_cast<std::uint64_t>(rank));
     MaizeIndividual::Leaf leaf;
     leaf.azimuth_rad = azimuth_rad(rows, rank, truncated_normal(leaf_rng, 0, 1, 2.5));
-    leaf.size = truncated_normal(leaf_rng, 1, 0.05, 2.5);
-    leaf.angle = truncated_normal(leaf_rng, 1, 0.14, 2.5);
-    leaf.droop = truncated_normal(leaf_rng, 1, 0.15, 2.5);
+    leaf.size = truncated_normal(leaf_rng, 1, c.blade.size_spread, 2.5);
+    leaf.angle = truncated_normal(leaf_rng, 1, c.blade.angle_spread, 2.5);
+    leaf.droop = truncated_normal(leaf_rng, 1, c.blade.droop_spread, 2.5);
     leaf.phase_rad = uniform(leaf_rng, 0, 2 * kPi);
     leaf.twist_rad = truncated_normal(leaf_rng, 0, c.blade.twist_rad, 2);
     own.leaves.push_back(leaf);
@@ -42,19 +42,22 @@ MaizeIndividual draw_individual(const MaizeConfig& c, Rng rng) {
 
 /// Radius of the full stalk at a leaf's node.
 double full_radius_m(const MaizeConfig& c, int rank) {
-  const double up = std::clamp((rank - 6.0) / std::max(1, c.plant.leaves - 6), 0.0, 1.0);
+  const int lowest = c.stalk.long_rank;
+  const double up = std::clamp(
+      static_cast<double>(rank - lowest) / std::max(1, c.plant.leaves - lowest), 0.0, 1.0);
   return c.stalk.radius_m + up * (c.stalk.radius_tip_m - c.stalk.radius_m);
 }
 
 MaizeStalk grow_stalk(const MaizeConfig& c, const MaizeIndividual& own, double stage) {
   MaizeStalk stalk;
   stalk.youth =
-      c.stalk.young_share + (1 - c.stalk.young_share) * std::clamp((stage - 3) / 8, 0.0, 1.0);
+      c.stalk.young_share +
+      (1 - c.stalk.young_share) * std::clamp((stage - 3) / (c.stalk.thick_stage - 3), 0.0, 1.0);
   const Vector3d lean(std::cos(own.lean_azimuth_rad), std::sin(own.lean_azimuth_rad), 0);
   Vector3d heading = (Vector3d::UnitZ() + std::tan(own.lean_rad) * lean).normalized();
   Vector3d point(0, 0, -c.stalk.depth_m);
   stalk.line.points_m.push_back(point);
-  stalk.line.radii_m.push_back(0.8 * own.vigour * stalk.youth * full_radius_m(c, 1));
+  stalk.line.radii_m.push_back(c.stalk.foot_share * own.vigour * stalk.youth * full_radius_m(c, 1));
   double along_m = 0;
   for (int rank = 1; rank <= c.plant.leaves; ++rank) {
     const auto r = static_cast<std::size_t>(rank - 1);
@@ -75,8 +78,8 @@ MaizeStalk grow_stalk(const MaizeConfig& c, const MaizeIndividual& own, double s
     along_m += length_m;
     stalk.nodes_m.push_back(along_m);
     // The stalk gives way to the leaf a little, and rights itself.
-    heading =
-        (heading - std::tan(c.plant.zigzag_rad) * side + 0.15 * Vector3d::UnitZ()).normalized();
+    heading = (heading - std::tan(c.plant.zigzag_rad) * side + c.plant.righting * Vector3d::UnitZ())
+                  .normalized();
   }
   stalk.surface_m = c.stalk.depth_m / std::max(0.5, std::cos(own.lean_rad));
   return stalk;
@@ -137,7 +140,8 @@ std::vector<TrueTrait> traits_of(const MaizeDraft& draft, const LeafMaker& leave
       {"leaf_count", "1", static_cast<double>(collars)},
       {"visible_leaf_count", "1", static_cast<double>(leaf_count(draft.plant))},
       {"leaf_area", "m2", leaf_area_m2(draft.plant)},
-      {"stalk_diameter", "m", 2 * axis.at_m(draft.stalk.surface_m + 0.02).radius_m}};
+      {"stalk_diameter", "m",
+       2 * axis.at_m(draft.stalk.surface_m + draft.config.stalk.diameter_at_m).radius_m}};
   for (int rank = 2; rank <= draft.config.plant.leaves && rank <= draft.stage + 2; ++rank) {
     const double low_m = draft.stalk.nodes_m[static_cast<std::size_t>(rank - 2)];
     const double high_m = draft.stalk.nodes_m[static_cast<std::size_t>(rank - 1)];

@@ -16,16 +16,19 @@ struct MaizeConfig {
   struct PlantNumbers {
     int leaves = 0;
     double spread = 0, divergence_rad = 0, divergence_spread_rad = 0, lean_rad = 0, zigzag_rad = 0;
+    double righting = 0;
   } plant;
   struct Stalk {
     std::vector<double> internode_m;
     double begin_before = 0, end_after = 0, radius_m = 0, radius_tip_m = 0, young_share = 0;
-    double swelling = 0, depth_m = 0;
+    int long_rank = 0;
+    double thick_stage = 0, foot_share = 0;
+    double swelling = 0, swelling_m = 0, depth_m = 0, diameter_at_m = 0;
     std::vector<double> albedo, albedo_node;
   } stalk;
   struct Sheath {
     std::vector<double> length_m;
-    double thickness_m = 0, ligule_m = 0;
+    double begin_before = 0, thickness_m = 0, ligule_m = 0;
     std::vector<double> albedo, albedo_low, ligule_albedo;
   } sheath;
   struct Blade {
@@ -33,22 +36,44 @@ struct MaizeConfig {
     double tips_ahead = 0, angle_low_rad = 0, angle_high_rad = 0, droop_rad = 0, droop_begin = 0;
     double fold_rad = 0, camber = 0, wave_m = 0, wave_count = 0, twist_rad = 0, midrib_share = 0;
     std::vector<double> albedo, albedo_midrib, albedo_young, albedo_dry, albedo_back, transmittance;
-    double clasp_m = 0, collar_m = 0, funnel = 0, funnel_m = 0;
-    double dry_after = 0, fall_after = 0;
+    double size_spread = 0, angle_spread = 0, droop_spread = 0;
+    double begin_ahead = 0, least_share = 0, young_width = 0, young_waves = 0, off_share = 0;
+    double midrib_radius_m = 0, midrib_length_m = 0, midrib_tip_m = 0;
+    double droop_length_m = 0, droop_most = 0;
+    double clasp_m = 0, clasp_share = 0, clasp_rad = 0, collar_m = 0, funnel = 0, funnel_m = 0;
+    double dry_after = 0, dry_stages = 0, dry_angle_rad = 0, dry_droop_rad = 0, fall_after = 0;
     int last_to_fall = 0;
   } blade;
+  struct Whorl {  ///< leaves that are rolled about each other, and come out of it
+    double leave_before = 0, left_after = 0, foot_below_m = 0;
+    double radius_share = 0, narrows = 0, narrows_m = 0, core_share = 0, leaves_share = 0;
+    double rolled_share = 0, closed_share = 0, steeper = 0, more_rad = 0;
+    double angle_share = 0, droop_share = 0, off_share = 0;
+  } whorl;
   struct Root {
     int count = 0, whorls = 0;
     double begin_stage = 0, full_stage = 0, radius_m = 0, angle_rad = 0, height_m = 0;
+    double angle_spread = 0, soil_m = 0, taper = 0, bend_rad = 0;
     std::vector<double> albedo;
   } root;
   struct Flower {
-    double peduncle_m = 0, spike_m = 0;
+    double begin_before = 0, end_after = 0;
+    double peduncle_m = 0, peduncle_taper = 0, spike_m = 0;
     int branches = 0;
     double branch_m = 0, branch_angle_rad = 0, spikelet_m = 0;
+    double branch_divergence_rad = 0, branch_up = 0, branched_share = 0, branch_spread = 0;
+    double angle_low = 0, angle_less = 0, length_less = 0;
+    double spike_droop_rad = 0, branch_droop_rad = 0, droop_begin = 0;
+    double spike_thick = 0, spikelet_gap = 0, spikelet_taper = 0;
     std::vector<double> albedo;
     int ear_rank = 0;
-    double ear_m = 0, ear_radius_m = 0;
+    double ear_m = 0, ear_radius_m = 0, ear_begin_before = 0, ear_end_after = 0;
+    double ear_above_m = 0, ear_angle_rad = 0;
+    std::vector<double> ear_outline;
+    int silks = 0;
+    double silk_m = 0, silk_more_m = 0, silk_angle_rad = 0, silk_spread_rad = 0;
+    double silk_droop_rad = 0, silk_divergence_rad = 0;
+    std::vector<double> silk_radius_m;
     std::vector<double> ear_albedo, silk_albedo;
   } flower;
   struct Surface {

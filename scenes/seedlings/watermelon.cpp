@@ -18,8 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLeast_m = 5e-4;  ///< leaves shorter than this are still in the bud
-
 /// What one plant is, on whatever day.
 struct Individual {
   bool germinates = false;
@@ -45,15 +43,15 @@ Individual draw_individual(const WatermelonConfig& config, Rng rng) {
   own.lean_rad = std::abs(truncated_normal(rng, 0, config.hypocotyl.lean_rad, 2.5));
   own.lean_azimuth_rad = uniform(rng, 0, 2 * kPi);
   for (int i = 0; i < 2; ++i) {
-    own.cotyledon_size[static_cast<std::size_t>(i)] = about_one(0.05);
-    own.cotyledon_open[static_cast<std::size_t>(i)] = about_one(0.08);
+    own.cotyledon_size[static_cast<std::size_t>(i)] = about_one(config.cotyledon.size_spread);
+    own.cotyledon_open[static_cast<std::size_t>(i)] = about_one(config.cotyledon.open_spread);
   }
   for (Individual::Leaf& leaf : own.leaves) {
-    leaf.size = about_one(0.08);
+    leaf.size = about_one(config.leaf.size_spread);
     leaf.azimuth_draw = truncated_normal(rng, 0, 1, 2.5);
-    leaf.angle = about_one(0.12);
+    leaf.angle = about_one(config.leaf.angle_spread);
     leaf.phase_rad = uniform(rng, 0, 2 * kPi);
-    leaf.twist_rad = truncated_normal(rng, 0, 0.15, 2.5);
+    leaf.twist_rad = truncated_normal(rng, 0, config.leaf.twist_rad, 2.5);
   }
   own.colour_key = rng();
   return own;
@@ -96,11 +94,13 @@ class Grower {
     growth.heading = (Vector3d::UnitZ() + std::tan(own_.lean_rad) * lean).normalized();
     growth.length_m = h.depth_m + h.start_m +
                       size_at({std::max(0.0, full_m - h.start_m), h.days, h.fastest_days}, age_);
-    const double thick = std::sqrt(std::min(1.0, 0.55 + 0.45 * age_ / h.days));
+    const double thick =
+        std::sqrt(std::min(1.0, 1 - h.section_gain + h.section_gain * age_ / h.days));
     growth.radius_base_m = own_.vigour * thick * h.radius_base_m;
     growth.radius_tip_m = own_.vigour * thick * h.radius_tip_m;
     growth.segments = 40;
-    growth.tropisms.push_back({place_.to_light, h.light_rad * std::min(1.0, age_ / 3), 0.25});
+    growth.tropisms.push_back(
+        {place_.to_light, h.light_rad * std::min(1.0, age_ / h.light_days), h.light_begin});
     const double hook = h.hook_rad * (1 - logistic(age_, h.hook_day, h.hook_scale_days));
     growth.curls.push_back({across_, hook, h.hook_begin});
     organ.line = grow_axis(growth);
@@ -136,6 +136,20 @@ class Grower {
     return (organ.line.points_m[n - 1] - organ.line.points_m[n - 2]).normalized();
   }
 
+  BladeShape cotyledon_shape(double scale, double old) const {
+    const auto& c = c_.cotyledon;
+    BladeShape shape;
+    shape.width_m = scale * c.width_m;
+    shape.envelope_base = c.outline[0];
+    shape.envelope_peak = c.outline[1];
+    shape.envelope_rise = c.outline[2];
+    shape.envelope_fall = c.outline[3];
+    shape.envelope_tip = c.outline[4];
+    shape.fold_rad = c.fold_rad;
+    shape.camber = -c.camber * old;
+    return shape;
+  }
+
   void cotyledon(int i) {
     const auto& c = c_.cotyledon;
     const std::string name = "cotyledon " + std::to_string(i + 1);
@@ -146,8 +160,9 @@ class Grower {
     petiole.age_days = blade.age_days = age_;
     if (age_ <= 0) return;
     const auto k = static_cast<std::size_t>(i);
-    const double open = std::max(
-        0.05, c.open_rad * own_.cotyledon_open[k] * logistic(age_, c.open_day, c.open_scale_days));
+    const double open =
+        std::max(c.least_open_rad, c.open_rad * own_.cotyledon_open[k] *
+                                       logistic(age_, c.open_day, c.open_scale_days));
     const Vector3d side = (i == 0 ? 1 : -1) * side_;
     const Vector3d heading = std::cos(open) * heading_ + std::sin(open) * side;
     const Vector3d upper = std::sin(open) * heading_ - std::cos(open) * side;
@@ -157,27 +172,20 @@ class Grower {
     growth.start_m = top_m_ + 0.5 * radius_m_ * side;
     growth.heading = heading;
     growth.length_m = scale * c.petiole_m;
-    growth.radius_base_m = 0.75 * radius_m_;
-    growth.radius_tip_m = 0.5 * radius_m_;
+    growth.radius_base_m = c.radius_share[0] * radius_m_;
+    growth.radius_tip_m = c.radius_share[1] * radius_m_;
     growth.segments = 4;
     stalk(petiole, growth);
     growth.start_m = petiole.line.points_m.back();
     growth.length_m = scale * c.length_m;
-    growth.radius_base_m = 0.5 * radius_m_;
-    growth.radius_tip_m = 0.2 * radius_m_;
+    growth.radius_base_m = c.radius_share[1] * radius_m_;
+    growth.radius_tip_m = c.radius_share[2] * radius_m_;
     growth.segments = 20;
-    const double old = logistic(age_, c.open_day + 2, 0.8);
-    growth.curls.push_back({upper.cross(heading), (2 * old - 0.6) * c.droop_rad, 0});
+    const double old = logistic(age_, c.open_day + c.old_after_days, c.old_scale_days);
+    const double droop = (c.old_droop - c.young_droop) * old + c.young_droop;
+    growth.curls.push_back({upper.cross(heading), droop * c.droop_rad, 0});
     blade.line = grow_axis(growth);
-    BladeShape shape;
-    shape.width_m = scale * c.width_m;
-    shape.envelope_base = c.outline[0];
-    shape.envelope_peak = c.outline[1];
-    shape.envelope_rise = c.outline[2];
-    shape.envelope_fall = c.outline[3];
-    shape.envelope_tip = c.outline[4];
-    shape.fold_rad = c.fold_rad;
-    shape.camber = -c.camber * old;
+    const BladeShape shape = cotyledon_shape(scale, old);
     const LineWalk midrib(blade.line, upper);
     const double detail_m = c_.surface.detail_m;
     blade.surface = blade_surface(midrib, shape, cells(midrib.length_m(), detail_m, 12, 48),
@@ -201,7 +209,8 @@ class Grower {
     const Individual::Leaf& own = own_.leaves[k];
     const double unfolded = logistic(age, l.unfold_day, l.unfold_scale_days);
     BladeShape shape;
-    shape.width_m = size * l.length_m[k] * l.width_share * (0.75 + 0.25 * unfolded);
+    shape.width_m =
+        size * l.length_m[k] * l.width_share * (l.folded_width + (1 - l.folded_width) * unfolded);
     shape.envelope_base = l.outline[0];
     shape.envelope_peak = l.outline[1];
     shape.envelope_rise = l.outline[2];
@@ -216,7 +225,7 @@ class Grower {
     shape.teeth_depth = l.teeth_depth;
     shape.fold_rad = (1 - unfolded) * l.young_fold_rad + unfolded * l.old_fold_rad;
     shape.camber = -l.camber * unfolded;
-    shape.wave_m = size * l.wave_m * (0.3 + 0.7 * unfolded);
+    shape.wave_m = size * l.wave_m * (l.folded_wave + (1 - l.folded_wave) * unfolded);
     shape.wave_phase_rad = own.phase_rad;
     shape.quilt_m = size * l.quilt_m;
     shape.twist_rad = own.twist_rad * unfolded;
@@ -242,18 +251,20 @@ class Grower {
                      double size, double age) {
     const auto& l = c_.leaf;
     const auto k = static_cast<std::size_t>(blade.rank - 1);
-    const double old = logistic(age, l.angle_day, 1.0);
+    const double old = logistic(age, l.angle_day, l.angle_scale_days);
     // The blade hangs on from the petiole's tip, away from the axis.
     const Vector3d sideways = side.cross(heading_).normalized();
     const Vector3d heading =
-        Eigen::AngleAxisd(-(0.2 + 0.8 * old) * l.blade_angle_rad, sideways) * tip;
+        Eigen::AngleAxisd(-(l.young_blade + (1 - l.young_blade) * old) * l.blade_angle_rad,
+                          sideways) *
+        tip;
     const Vector3d upper = sideways.cross(heading).normalized();
     AxisGrowth growth;
     growth.start_m = petiole.line.points_m.back();
     growth.heading = heading;
     growth.length_m = size * l.length_m[k];
     growth.radius_base_m = petiole.line.radii_m.back();
-    growth.radius_tip_m = 0.3 * growth.radius_base_m;
+    growth.radius_tip_m = l.midrib_taper * growth.radius_base_m;
     growth.segments = 24;
     growth.curls.push_back({upper.cross(heading), old * l.droop_rad, 0});
     blade.line = grow_axis(growth);
@@ -285,13 +296,13 @@ class Grower {
     internode.age_days = petiole.age_days = blade.age_days = age;
     const double share = size_at({1, l.days, l.fastest_days}, age);
     const double size = share * own_.vigour * own.size;
-    if (age_ <= 0 || size * l.length_m[k] < kLeast_m) return node;
+    if (age_ <= 0 || size * l.length_m[k] < l.least_m) return node;
 
     AxisGrowth growth;
     growth.start_m = top_m_;
     growth.heading = heading_;
     growth.length_m = std::max(2e-4, size * l.internode_m);
-    growth.radius_base_m = growth.radius_tip_m = 0.75 * radius_m_;
+    growth.radius_base_m = growth.radius_tip_m = l.internode_radius * radius_m_;
     growth.segments = 4;
     heading_ = stalk(internode, growth);
     top_m_ = internode.line.points_m.back();
@@ -299,15 +310,15 @@ class Grower {
     const double azimuth =
         azimuth_rad({kPi / 2, l.divergence_rad, l.spread_rad}, rank - 1, own.azimuth_draw);
     const Vector3d side = std::cos(azimuth) * side_ + std::sin(azimuth) * across_;
-    const double old = logistic(age, l.angle_day, 1.0);
+    const double old = logistic(age, l.angle_day, l.angle_scale_days);
     const double angle = own.angle * ((1 - old) * l.young_angle_rad + old * l.old_angle_rad);
     growth.heading = std::cos(angle) * heading_ + std::sin(angle) * side;
     growth.start_m = top_m_ + 0.4 * radius_m_ * side;
     growth.length_m = std::max(3e-4, size * l.length_m[k] * l.petiole_share);
-    growth.radius_base_m = std::max(0.3, std::sqrt(share)) * l.petiole_radius_m;
-    growth.radius_tip_m = 0.75 * growth.radius_base_m;
+    growth.radius_base_m = std::max(l.young_petiole, std::sqrt(share)) * l.petiole_radius_m;
+    growth.radius_tip_m = l.petiole_taper * growth.radius_base_m;
     growth.segments = 12;
-    growth.tropisms.push_back({Vector3d::UnitZ(), 0.25, 0});
+    growth.tropisms.push_back({Vector3d::UnitZ(), l.petiole_rise_rad, 0});
     const Vector3d tip = stalk(petiole, growth);
     blade_of_leaf(blade, petiole, tip, side, size, age);
     return node;

@@ -19,6 +19,7 @@ struct WatermelonConfig {
   struct Hypocotyl {
     double length_m = 0, start_m = 0, radius_base_m = 0, radius_tip_m = 0, days = 0,
            fastest_days = 0;
+    double section_gain = 0, light_days = 0, light_begin = 0;
     double hook_rad = 0, hook_day = 0, hook_scale_days = 0, hook_begin = 0;
     double light_rad = 0, lean_rad = 0, depth_m = 0;
     std::vector<double> albedo, albedo_base;
@@ -27,6 +28,9 @@ struct WatermelonConfig {
     double length_m = 0, width_m = 0, days = 0, fastest_days = 0, start_share = 0;
     double open_rad = 0, open_day = 0, open_scale_days = 0;
     double petiole_m = 0, droop_rad = 0, camber = 0, fold_rad = 0;
+    double size_spread = 0, open_spread = 0, least_open_rad = 0;
+    double old_after_days = 0, old_scale_days = 0, young_droop = 0, old_droop = 0;
+    std::vector<double> radius_share;
     std::vector<double> outline;
     std::vector<double> albedo, albedo_young, albedo_vein, albedo_back, transmittance;
     double green_day = 0;
@@ -34,7 +38,7 @@ struct WatermelonConfig {
   struct Leaf {
     double plastochron_days = 0, first_day = 0;
     std::vector<double> length_m;
-    double counted_m = 0, width_share = 0, days = 0, fastest_days = 0;
+    double least_m = 0, counted_m = 0, width_share = 0, days = 0, fastest_days = 0;
     double petiole_share = 0, petiole_radius_m = 0, internode_m = 0;
     double divergence_rad = 0, spread_rad = 0;
     std::vector<double> lobes, lobe_depth;
@@ -46,6 +50,10 @@ struct WatermelonConfig {
     double angle_day = 0, blade_angle_rad = 0;
     double unfold_day = 0, unfold_scale_days = 0, droop_rad = 0;
     double wave_m = 0, quilt_m = 0, camber = 0;
+    double size_spread = 0, angle_spread = 0, twist_rad = 0, angle_scale_days = 0;
+    double folded_width = 0, folded_wave = 0, young_blade = 0;
+    double midrib_taper = 0, internode_radius = 0, young_petiole = 0, petiole_taper = 0;
+    double petiole_rise_rad = 0;
     std::vector<double> albedo, albedo_young, albedo_vein, albedo_back, transmittance;
     double vein_width_m = 0;
   } leaf;

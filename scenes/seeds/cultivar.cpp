@@ -77,6 +77,15 @@ Fields fields(CultivarConfig& c) {
       {"groove_m", &c.groove_m, "maize: hollow over the embryo; wheat: crease; rice: seam", 0,
        0.002},
       {"wrinkle_m", &c.wrinkle_m, "fine relief", 0, 0.0005},
+      {"neck_m", &c.neck_m, "maize: depth of the tip cap's neck; rice: edge of sterile lemmas", 0,
+       0.001},
+      {"back_narrower", &c.back_narrower, "wheat: than the belly, share of the half width", 0, 0.5},
+      {"beak_m", &c.beak_m, "rice: apiculus along and aside, pedicel along", 0, 0.002},
+      {"relief_spread", &c.relief_spread, "sigma of relief_m over its mean", 0, 0.5},
+      {"groove_spread", &c.groove_spread, "sigma of groove_m over its mean", 0, 0.5},
+      {"slant", &c.slant, "sigma of the lean of the crown, dx/dy", 0, 0.5},
+      {"skew", &c.skew, "sigma of the middle's shift sideways over the half width", 0, 0.5},
+      {"taper", &c.taper, "sigma of the height's change from side to side", 0, 0.5},
       {"albedo_body", &c.albedo_body, "linear reflectance", 0, 1},
       {"albedo_pale", &c.albedo_pale, "linear reflectance", 0, 1},
       {"albedo_dark", &c.albedo_dark, "linear reflectance", 0, 1},
@@ -92,6 +101,7 @@ Fields fields(CultivarConfig& c) {
 void validate(const CultivarConfig& c) {
   require_count("paper_rmse_m", c.paper_rmse_m, 3);
   require_count("paper_r2", c.paper_r2, 3);
+  require_count("beak_m", c.beak_m, 3);
   for (const double r2 : c.paper_r2) {
     if (!(r2 < 1)) throw std::invalid_argument("paper_r2 must be below 1");
   }

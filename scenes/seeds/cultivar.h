@@ -24,6 +24,10 @@ struct CultivarConfig {
   double tip_round = 0, tip_exponent = 0, crown_round = 0, crown_exponent = 0;
   double section_exponent = 0;  ///< superellipse
   double bend_m = 0, lump_m = 0, relief_m = 0, groove_m = 0, wrinkle_m = 0;
+  double neck_m = 0, back_narrower = 0;
+  std::vector<double> beak_m;  ///< rice: apiculus along and aside, pedicel along
+  /// Standard deviations between the seeds of a lot.
+  double relief_spread = 0, groove_spread = 0, slant = 0, skew = 0, taper = 0;
   std::vector<double> albedo_body, albedo_pale, albedo_dark, albedo_tip;
   double mottle = 0, mottle_scale_m = 0;
   double roughness = 0, ior = 0;

@@ -25,20 +25,17 @@ struct Individual {
   std::uint64_t key = 0;
 };
 
-/// The spreads are free: chosen so that seeds of a lot look as unlike each other as on photographs
-/// of lots. No publication gives them; sizes, which are scored, have their own (cultivars.toml).
 Individual draw_individual(const CultivarConfig& c, Rng& rng) {
   Individual seed;
-  seed.dent = truncated_normal(rng, 1, 0.25, 2);
-  seed.hollow = truncated_normal(rng, 1, 0.15, 2);
+  seed.dent = truncated_normal(rng, 1, c.relief_spread, 2);
+  seed.hollow = truncated_normal(rng, 1, c.groove_spread, 2);
   const bool rice = c.species == Species::rice;
   const double bow_y =
       truncated_normal(rng, rice ? -c.bend_m : 0, rice ? c.bend_m / 2 : c.bend_m, 2);
   seed.bow_m = {bow_y, truncated_normal(rng, 0, rice ? c.bend_m / 4 : c.bend_m / 2, 2)};
-  const bool maize = c.species == Species::maize;
-  seed.slant = truncated_normal(rng, 0, maize ? 0.05 : 0.015, 2);
-  seed.skew = truncated_normal(rng, 0, maize ? 0.03 : 0.01, 2);
-  seed.taper = truncated_normal(rng, 0, maize ? 0.10 : 0.02, 2);
+  seed.slant = truncated_normal(rng, 0, c.slant, 2);
+  seed.skew = truncated_normal(rng, 0, c.skew, 2);
+  seed.taper = truncated_normal(rng, 0, c.taper, 2);
   seed.key = rng();
   return seed;
 }
@@ -110,7 +107,7 @@ Eigen::Vector3d maize_details(const CultivarConfig& c, const Individual& seed,
   const double axis = 0.45 * bump(p.y(), 0.10) * plateau(s.along - 0.34, 0.19);
   const double hollow_m = seed.hollow * c.groove_m * face * (shield - axis);
   // The tip cap, the rest of the pedicel, is set off by a shallow neck.
-  const double neck_m = 0.00006 * bump(s.along - 0.105, 0.03);
+  const double neck_m = c.neck_m * bump(s.along - 0.105, 0.03);
   const Eigen::Vector3d sideways = Eigen::Vector3d(0, p.y(), p.z()).normalized();
   return Eigen::Vector3d(-dent_m, 0, -hollow_m) - neck_m * sideways;
 }
@@ -133,7 +130,7 @@ Eigen::Vector3d wheat_details(const CultivarConfig& c, const Individual& seed,
   const Eigen::Vector3d outward = Eigen::Vector3d(p.x() * 0.5, p.y(), p.z()).normalized();
   const double embryo_m = seed.dent * c.relief_m * (0.45 * rim - 0.9 * embryo);
   // The back is narrower than the belly: a rounded triangle in section.
-  const double narrow = -0.09 * std::max(0.0, p.z()) * p.y() * 0.5 * c.width_m;
+  const double narrow = -c.back_narrower * std::max(0.0, p.z()) * p.y() * 0.5 * c.width_m;
   return Eigen::Vector3d(0, narrow, crease_m) + embryo_m * outward;
 }
 
@@ -160,11 +157,12 @@ Eigen::Vector3d rice_details(const CultivarConfig& c, const Individual& seed,
       c.wrinkle_m * body * std::cos(26 * angle) * (0.6 + 0.4 * std::sin(150 * s.along + 4 * angle));
   const double scale =
       smoothstep(0.0, 0.05, s.along) * (1 - smoothstep(0.17, 0.24, s.along + 0.10 * p.y() * p.y()));
-  out_m += 0.00005 * scale * smoothstep(0.1, 0.4, std::abs(p.z()) / (0.15 + s.along * 2.2));
+  out_m += c.neck_m * scale * smoothstep(0.1, 0.4, std::abs(p.z()) / (0.15 + s.along * 2.2));
   const Eigen::Vector3d outward = Eigen::Vector3d(0, p.y(), p.z()).normalized();
   const double beak = smoothstep(0.965, 1.0, s.along);
   const double stalk = smoothstep(0.965, 1.0, 1 - s.along);
-  return out_m * outward + Eigen::Vector3d(0.00016 * beak - 0.00014 * stalk, 0.00006 * beak, 0);
+  return out_m * outward +
+         Eigen::Vector3d(c.beak_m[0] * beak - c.beak_m[2] * stalk, c.beak_m[1] * beak, 0);
 }
 
 /// Lopsidedness, bow, slant and taper; x in metres.

@@ -69,7 +69,7 @@ Stalk make_stalk(const StrawberryVariety& v, const Eigen::Vector3d& base_m, doub
   std::vector<Eigen::Vector3d> line;
   std::vector<double> radii_m;
   const double azimuth = uniform(rng, 0, 2 * std::numbers::pi);
-  const double bow_m = 0.12 * v.stalk_length_m * truncated_normal(rng, 0, 1, 2);
+  const double bow_m = v.stalk_bow * v.stalk_length_m * truncated_normal(rng, 0, 1, 2);
   constexpr int kSteps = 12;
   const auto at = [&](double t) -> Eigen::Vector3d {
     return base_m + Eigen::Vector3d(bow_m * t * t * std::cos(azimuth),

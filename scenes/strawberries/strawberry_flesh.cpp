@@ -30,7 +30,7 @@ class Outline {
     for (Eigen::Vector2d& p : points) {
       p.x() *= 0.5 / shape_index / widest;
       // The shoulders roll in to where the stalk enters.
-      const double in = p.x() / (0.22 / shape_index);
+      const double in = p.x() / (v.hollow_radius / shape_index);
       if (p.y() > 0.5) p.y() -= v.hollow * std::exp(-in * in);
     }
     double arc = 0;
@@ -72,9 +72,10 @@ void shape_botanical(std::vector<Eigen::Vector3d>& directions, const StrawberryV
     const double azimuth = std::atan2(p.y(), p.x());
     const Eigen::Vector2d at = outline.at(share);
     // Lobes, as of fasciated fruits, spread with the distance from the tip.
-    const double section = 1 + oval * std::cos(2 * (azimuth - oval_at)) +
-                           lobes * at.y() * std::cos(3 * (azimuth - lobes_at)) +
-                           2 * v.lumps * noise3(2.2 * p + Eigen::Vector3d(0, 0, 9), key);
+    const double section =
+        1 + oval * std::cos(2 * (azimuth - oval_at)) +
+        lobes * at.y() * std::cos(3 * (azimuth - lobes_at)) +
+        2 * v.lumps * noise3(v.lump_frequency * p + Eigen::Vector3d(0, 0, 9), key);
     const double radius = 0.5 / shape_index;
     const double bow = bend * radius * 4 * (at.y() - at.y() * at.y());
     p = {section * at.x() * std::cos(azimuth) + bow * std::cos(bend_at),
@@ -155,7 +156,8 @@ StrawberryFlesh make_strawberry_flesh(const StrawberryVariety& v, FruitFamily fa
   if (family == FruitFamily::botanical) {
     shape_botanical(flesh.mesh.vertices_m, v, shape_index, rng.fork("outline"));
   } else {
-    const std::vector<double> radii = harmonic_radii(directions, 8, 0.8, rng.fork("harmonics"));
+    const std::vector<double> radii =
+        harmonic_radii(directions, 8, v.harmonics, rng.fork("harmonics"));
     for (std::size_t i = 0; i < radii.size(); ++i) flesh.mesh.vertices_m[i] *= radii[i];
   }
   fit_shape(flesh.mesh, shape_index, volume_m3);

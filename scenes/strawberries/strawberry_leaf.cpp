@@ -18,8 +18,8 @@ BladeShape leaflet_shape(const StrawberryPlantConfig& config, const LeafPose& po
                          double phase_rad) {
   const auto& l = config.leaf;
   BladeShape shape;
-  const double open = smoothstep(0.0, 0.3, pose.age);
-  shape.width_m = length_m * l.width_share * (0.8 + 0.2 * open);
+  const double open = smoothstep(0.0, l.open_age, pose.age);
+  shape.width_m = length_m * l.width_share * (1 - l.opening_width + l.opening_width * open);
   shape.envelope_base = l.outline[0];
   shape.envelope_peak = l.outline[1];
   shape.envelope_rise = l.outline[2];
@@ -34,7 +34,7 @@ BladeShape leaflet_shape(const StrawberryPlantConfig& config, const LeafPose& po
   shape.fold_rad = std::lerp(l.fold_young_rad, l.fold_rad, open);
   shape.camber = -l.camber * open;
   shape.wave_m = l.wave_m * pose.size;
-  shape.wave_count = 2.3;
+  shape.wave_count = l.wave_count;
   shape.wave_phase_rad = phase_rad;
   shape.quilt_m = l.quilt_m * pose.size;
   return shape;
@@ -50,10 +50,10 @@ CentreLine petiole_line(const StrawberryPlantConfig& config, const LeafPose& pos
                     std::sin(pose.angle_rad) * std::sin(pose.azimuth_rad),
                     std::cos(pose.angle_rad)};
   growth.length_m = pose.petiole_m;
-  growth.radius_base_m = 1.25 * std::sqrt(pose.size) * l.petiole_radius_m;
-  growth.radius_tip_m = 0.75 * std::sqrt(pose.size) * l.petiole_radius_m;
+  growth.radius_base_m = l.petiole_thick[0] * std::sqrt(pose.size) * l.petiole_radius_m;
+  growth.radius_tip_m = l.petiole_thick[1] * std::sqrt(pose.size) * l.petiole_radius_m;
   growth.segments = 14;
-  growth.tropisms.push_back({-Vector3d::UnitZ(), pose.sag_rad, 0.15});
+  growth.tropisms.push_back({-Vector3d::UnitZ(), pose.sag_rad, l.sag_begin});
   CentreLine line = grow_axis(growth);
   Vector3d heading = (line.points_m.back() - line.points_m[line.points_m.size() - 2]).normalized();
   constexpr int kSteps = 4;
@@ -89,12 +89,13 @@ LeafOrgans make_strawberry_leaf(const StrawberryPlantConfig& config, const LeafP
   leaf.petiole_line = petiole_line(config, pose, blade);
   leaf.petiole = tube_surface(leaf.petiole_line, s.sides);
   const std::size_t joint = leaf.petiole_line.points_m.size() - 5;  // where the petiolule begins
-  const double open = smoothstep(0.0, 0.3, pose.age);
+  const double open = smoothstep(0.0, l.open_age, pose.age);
   for (std::size_t k = 0; k < 3; ++k) {
-    const double turn = (k == 0 ? 0 : (k == 1 ? 1 : -1)) * l.side_rad * (0.35 + 0.65 * open);
+    const double turn = (k == 0 ? 0 : (k == 1 ? 1 : -1)) * l.side_rad *
+                        (l.folded_side + (1 - l.folded_side) * open);
     const Vector3d heading = Eigen::AngleAxisd(turn, upper) * blade;
     // The outer leaflets hang a little on their outer side.
-    const Vector3d normal = Eigen::AngleAxisd(-0.25 * turn * open, blade) * upper;
+    const Vector3d normal = Eigen::AngleAxisd(-l.side_roll * turn * open, blade) * upper;
     AxisGrowth growth;
     growth.start_m = k == 0 ? leaf.petiole_line.points_m.back() : leaf.petiole_line.points_m[joint];
     growth.heading = (heading - heading.dot(normal) * normal).normalized();
@@ -102,7 +103,7 @@ LeafOrgans make_strawberry_leaf(const StrawberryPlantConfig& config, const LeafP
     growth.radius_base_m = 0.0006;
     growth.radius_tip_m = 0.0002;
     growth.segments = 16;
-    growth.curls.push_back({normal.cross(growth.heading), l.curl_rad * pose.age, 0.1});
+    growth.curls.push_back({normal.cross(growth.heading), l.curl_rad * pose.age, l.curl_begin});
     leaf.midribs[k] = grow_axis(growth);
     leaf.shapes[k] = leaflet_shape(config, pose, growth.length_m, pose.phases_rad[k]);
     leaf.leaflets[k] =

@@ -35,8 +35,8 @@ class Grower {
     const int leaves =
         c_.leaf.count_min + static_cast<int>(uniform_index(own, static_cast<std::uint64_t>(span)));
     const double first_rad = uniform(own, 0, 2 * kPi);
-    const double vigour = truncated_normal(own, 1, 0.07, 2);
-    const Vector3d top(0, 0, 0.7 * c_.crown.height_m);
+    const double vigour = truncated_normal(own, 1, c_.leaf.vigour_spread, 2);
+    const Vector3d top(0, 0, c_.leaf.foot_share * c_.crown.height_m);
     for (int i = 0; i < c_.leaf.count_max; ++i) {
       const std::array<int, 4> ids = add_leaf("leaf " + std::to_string(i + 1), 0, i + 1);
       if (i >= leaves) continue;
@@ -81,23 +81,25 @@ class Grower {
     LeafPose pose;
     pose.base_m = base_m;
     pose.age = age;
-    pose.size = scale * std::lerp(l.size_youngest, 1.0, smoothstep(0.0, 0.4, age)) *
-                truncated_normal(rng, 1, 0.08, 2);
+    pose.size = scale * std::lerp(l.size_youngest, 1.0, smoothstep(0.0, l.grown_age, age)) *
+                truncated_normal(rng, 1, l.size_spread, 2);
     pose.azimuth_rad = azimuth + l.spread_rad * truncated_normal(rng, 0, 1, 2) +
                        0.12 * attempt * truncated_normal(rng, 0, 1, 2);
     // Leaves of the path's side lean out over the edge, and old ones hang down before the fruits.
     const double outward = std::max(0.0, std::cos(pose.azimuth_rad));
     const double lean = l.lean_rad * outward;
-    pose.angle_rad = std::lerp(l.young_rad, l.old_rad, std::pow(age, 0.8)) + lean +
-                     0.10 * truncated_normal(rng, 0, 1, 2);
+    pose.angle_rad = std::lerp(l.young_rad, l.old_rad, std::pow(age, l.angle_power)) + lean +
+                     l.angle_spread_rad * truncated_normal(rng, 0, 1, 2);
     pose.angle_rad = std::max(0.03, pose.angle_rad * (1 - 0.04 * attempt));
-    pose.petiole_m = scale * l.petiole_m * (0.45 + 0.55 * smoothstep(0.0, 0.4, age)) *
+    pose.petiole_m = scale * l.petiole_m *
+                     (l.young_petiole + (1 - l.young_petiole) * smoothstep(0.0, l.grown_age, age)) *
                      std::lerp(1.0, l.reach, outward) * truncated_normal(rng, 1, l.cv_length, 2);
-    const double hang = outward * std::sqrt(age) * uniform(rng, 0.2, 1) * (1 - 0.04 * attempt);
+    const double hang =
+        outward * std::sqrt(age) * uniform(rng, l.hang_least, 1) * (1 - 0.04 * attempt);
     pose.sag_rad = l.sag_rad * age + l.hang_rad * hang;
-    pose.droop_rad = 0.45 * l.hang_rad * hang +
-                     std::lerp(l.droop_young_rad, l.droop_old_rad, std::pow(age, 0.6)) +
-                     0.18 * truncated_normal(rng, 0, 1, 2) - 0.03 * attempt;
+    pose.droop_rad = l.hang_blade * l.hang_rad * hang +
+                     std::lerp(l.droop_young_rad, l.droop_old_rad, std::pow(age, l.droop_power)) +
+                     l.droop_spread_rad * truncated_normal(rng, 0, 1, 2) - 0.03 * attempt;
     pose.roll_rad = l.roll_rad * truncated_normal(rng, 0, 1, 2);
     for (double& phase : pose.phases_rad) phase = uniform(rng, 0, 2 * kPi);
     pose.colour_key = rng();
@@ -155,14 +157,14 @@ class Grower {
     AxisGrowth growth;
     const double azimuth = uniform(rng, -kPi, kPi);
     const double angle =
-        std::max(0.2, f.stalk_rad * truncated_normal(rng, 1, 0.25, 2) - 0.04 * attempt);
+        std::max(0.2, f.stalk_rad * truncated_normal(rng, 1, f.angle_spread, 2) - 0.04 * attempt);
     growth.start_m = {0, 0, 0.8 * c_.crown.height_m};
     growth.heading = {std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth),
                       std::cos(angle)};
-    growth.length_m = f.stalk_m * truncated_normal(rng, 1, 0.2, 2);
-    growth.radius_base_m = 1.3 * f.stalk_radius_m;
-    growth.radius_tip_m = 0.8 * f.stalk_radius_m;
-    growth.tropisms.push_back({-Vector3d::UnitZ(), 0.35, 0.4});
+    growth.length_m = f.stalk_m * truncated_normal(rng, 1, f.length_spread, 2);
+    growth.radius_base_m = f.stalk_thick[0] * f.stalk_radius_m;
+    growth.radius_tip_m = f.stalk_thick[1] * f.stalk_radius_m;
+    growth.tropisms.push_back({-Vector3d::UnitZ(), f.stalk_sag_rad, f.sag_begin});
     return grow_axis(growth);
   }
 
@@ -184,7 +186,8 @@ class Grower {
         const std::size_t n = line.points_m.size();
         const Vector3d end = (line.points_m[n - 1] - line.points_m[n - 2]).normalized();
         // Open flowers face up and out.
-        const Vector3d facing = end + 0.9 * Vector3d::UnitZ() + 0.25 * Vector3d::UnitX();
+        const Vector3d facing = end + c_.flower.facing_up * Vector3d::UnitZ() +
+                                c_.flower.facing_out * Vector3d::UnitX();
         const FlowerOrgans head =
             make_strawberry_flower(c_, line.points_m.back(), facing, rng.fork("head"));
         if (!is_free(tube) || !is_free(head.petals)) continue;
@@ -219,14 +222,17 @@ class Grower {
     for (int attempt = 0; attempt < c_.surface.tries; ++attempt) {
       Rng rng = own.fork(static_cast<std::uint64_t>(attempt));
       AxisGrowth growth;
-      const double azimuth = 0.5 * truncated_normal(rng, 0, 1, 2);
+      const auto& r = c_.runner;
+      const double azimuth = r.azimuth_rad * truncated_normal(rng, 0, 1, 2);
       growth.start_m = {0, 0, 0.3 * c_.crown.height_m};
-      growth.heading = Vector3d(std::cos(azimuth), std::sin(azimuth), uniform(rng, 0.15, 0.5));
+      growth.heading =
+          Vector3d(std::cos(azimuth), std::sin(azimuth), uniform(rng, r.rise[0], r.rise[1]));
       growth.heading.normalize();
-      growth.length_m = c_.runner.length_m * truncated_normal(rng, 1, 0.2, 2);
-      growth.radius_base_m = growth.radius_tip_m = c_.runner.radius_m;
+      growth.length_m = r.length_m * truncated_normal(rng, 1, r.length_spread, 2);
+      growth.radius_base_m = growth.radius_tip_m = r.radius_m;
       growth.segments = 30;
-      growth.tropisms.push_back({-Vector3d::UnitZ(), uniform(rng, 1.8, 2.6), 0.2});
+      growth.tropisms.push_back(
+          {-Vector3d::UnitZ(), uniform(rng, r.sag_rad[0], r.sag_rad[1]), 0.2});
       const CentreLine line = grow_axis(growth);
       const OrganSurface tube = tube_surface(line, c_.surface.sides);
       if (!is_free(tube)) continue;
@@ -237,7 +243,7 @@ class Grower {
       organ.albedo.assign(tube.mesh.vertices_m.size(), to_rgb(tint));
       for (std::size_t i = 0; i < leaves.size(); ++i) {
         grow_leaf(leaves[i], line.points_m.back(), 0.25 + 0.3 * static_cast<double>(i),
-                  azimuth + 2.4 * static_cast<double>(i), c_.runner.leaf_share,
+                  azimuth + r.divergence_rad * static_cast<double>(i), r.leaf_share,
                   own.fork("daughter").fork(i), false);
       }
       return;

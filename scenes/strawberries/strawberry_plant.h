@@ -33,15 +33,26 @@ struct StrawberryPlantConfig {
     double sweep_base_rad = 0, sweep_tip_rad = 0, vein_width_m = 0;
     std::vector<double> albedo, albedo_young, albedo_old, albedo_vein, albedo_back, transmittance;
     std::vector<double> petiole_albedo;
+    double foot_share = 0, grown_age = 0, open_age = 0;
+    double vigour_spread = 0, size_spread = 0, angle_spread_rad = 0, droop_spread_rad = 0;
+    double angle_power = 0, droop_power = 0, young_petiole = 0, opening_width = 0, folded_side = 0;
+    double hang_least = 0, hang_blade = 0, sag_begin = 0, side_roll = 0, curl_begin = 0;
+    double wave_count = 0;
+    std::vector<double> petiole_thick;
   } leaf;
   struct Flower {
     double mean = 0, stalk_m = 0, stalk_radius_m = 0, stalk_rad = 0;
+    double length_spread = 0, angle_spread = 0, stalk_sag_rad = 0, sag_begin = 0;
+    double facing_up = 0, facing_out = 0;
+    std::vector<double> stalk_thick;
     double petal_m = 0, sepal_m = 0, receptacle_m = 0;
     int anthers = 0;
     std::vector<double> albedo_petal, transmittance_petal, albedo_receptacle, albedo_anther;
   } flower;
   struct Runner {
     double share = 0, length_m = 0, radius_m = 0, leaf_share = 0;
+    double length_spread = 0, azimuth_rad = 0, divergence_rad = 0;
+    std::vector<double> rise, sag_rad;
     std::vector<double> albedo;
   } runner;
   struct Surface {

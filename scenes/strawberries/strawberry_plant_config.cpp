@@ -17,6 +17,29 @@ Fields fields(StrawberryPlantConfig::Crown& c) {
           {"albedo", &c.albedo, "of the crown", 0, 1}};
 }
 
+/// How leaves open, hang and differ.
+Fields habit_fields(StrawberryPlantConfig::Leaf& c) {
+  return {{"foot_share", &c.foot_share, "of the crown's height, where petioles begin", 0, 1},
+          {"grown_age", &c.grown_age, "of the oldest's age: grown", 0.01, 1},
+          {"open_age", &c.open_age, "of the oldest's age: open", 0.01, 1},
+          {"vigour_spread", &c.vigour_spread, "sigma of what a plant's sizes share", 0, 0.3},
+          {"size_spread", &c.size_spread, "sigma of one leaf's size", 0, 0.3},
+          {"angle_spread_rad", &c.angle_spread_rad, "sigma of one petiole's angle", 0, 1},
+          {"droop_spread_rad", &c.droop_spread_rad, "sigma of one blade's droop", 0, 1},
+          {"angle_power", &c.angle_power, "of the age, of the petiole's angle", 0.1, 5},
+          {"droop_power", &c.droop_power, "of the age, of the blade's droop", 0.1, 5},
+          {"young_petiole", &c.young_petiole, "share of petiole_m when it comes", 0, 1},
+          {"petiole_thick", &c.petiole_thick, "base and tip over petiole_radius_m", 0.1, 5},
+          {"opening_width", &c.opening_width, "share of the width that opening adds", 0, 1},
+          {"folded_side", &c.folded_side, "share of side_rad before it opens", 0, 1},
+          {"side_roll", &c.side_roll, "outer leaflets' roll outwards over side_rad", -1, 1},
+          {"hang_least", &c.hang_least, "share of hang_rad; the most is 1", 0, 1},
+          {"hang_blade", &c.hang_blade, "of that turn, of the blade too", 0, 2},
+          {"sag_begin", &c.sag_begin, "share of the petiole before it", 0, 0.9},
+          {"curl_begin", &c.curl_begin, "share of the blade before it", 0, 0.9},
+          {"wave_count", &c.wave_count, "along a leaflet", 0, 50}};
+}
+
 Fields fields(StrawberryPlantConfig::Leaf& c) {
   return {
       {"count_min", &c.count_min, "fewest leaves a plant", 0, 40},
@@ -68,6 +91,13 @@ Fields fields(StrawberryPlantConfig::Flower& c) {
           {"stalk_m", &c.stalk_m, "length of a stalk", 0.01, 0.5},
           {"stalk_radius_m", &c.stalk_radius_m, "of a stalk", 2e-4, 0.01},
           {"stalk_rad", &c.stalk_rad, "from the vertical", 0, 1.5},
+          {"length_spread", &c.length_spread, "sigma of a stalk's length", 0, 0.4},
+          {"stalk_thick", &c.stalk_thick, "base and tip over stalk_radius_m", 0.1, 5},
+          {"angle_spread", &c.angle_spread, "sigma of stalk_rad over its mean", 0, 0.4},
+          {"stalk_sag_rad", &c.stalk_sag_rad, "turn towards the ground", -kAngle, kAngle},
+          {"sag_begin", &c.sag_begin, "share of the stalk before it", 0, 0.9},
+          {"facing_up", &c.facing_up, "pull of an open flower upwards", 0, 10},
+          {"facing_out", &c.facing_out, "and out over the edge", 0, 10},
           {"petal_m", &c.petal_m, "length of a petal", 1e-3, 0.05},
           {"sepal_m", &c.sepal_m, "length of a sepal", 1e-3, 0.05},
           {"receptacle_m", &c.receptacle_m, "radius of the yellow middle", 5e-4, 0.02},
@@ -82,7 +112,12 @@ Fields fields(StrawberryPlantConfig::Runner& c) {
   return {{"share", &c.share, "of the plants that have one", 0, 1},
           {"length_m", &c.length_m, "of a runner", 0.05, 2},
           {"radius_m", &c.radius_m, "of a runner", 3e-4, 0.01},
+          {"length_spread", &c.length_spread, "sigma of it", 0, 0.4},
+          {"azimuth_rad", &c.azimuth_rad, "sigma from straight over the edge", 0, 2},
+          {"rise", &c.rise, "of its first heading: least and most", 0, 5},
+          {"sag_rad", &c.sag_rad, "turn towards the ground: least and most", 0, 6},
           {"leaf_share", &c.leaf_share, "size of the daughter's leaves", 0.05, 1},
+          {"divergence_rad", &c.divergence_rad, "from leaf to leaf of the daughter", 0, kAngle},
           {"albedo", &c.albedo, "of runners", 0, 1}};
 }
 
@@ -102,7 +137,7 @@ Fields fields(StrawberryPlantConfig::Surface& c) {
 }  // namespace
 
 Fields fields(StrawberryPlantConfig& c) {
-  return nested("crown", fields(c.crown)) + nested("leaf", fields(c.leaf)) +
+  return nested("crown", fields(c.crown)) + nested("leaf", fields(c.leaf) + habit_fields(c.leaf)) +
          nested("flower", fields(c.flower)) + nested("runner", fields(c.runner)) +
          nested("surface", fields(c.surface)) + nested("sway", fields(c.sway));
 }
@@ -117,6 +152,10 @@ void validate(const StrawberryPlantConfig& config) {
                                 std::to_string(count));
   };
   numbers("leaf.outline", config.leaf.outline, 5);
+  numbers("leaf.petiole_thick", config.leaf.petiole_thick, 2);
+  numbers("flower.stalk_thick", config.flower.stalk_thick, 2);
+  numbers("runner.rise", config.runner.rise, 2);
+  numbers("runner.sag_rad", config.runner.sag_rad, 2);
   const auto& l = config.leaf;
   const auto& f = config.flower;
   for (const auto* color :

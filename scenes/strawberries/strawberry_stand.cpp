@@ -120,7 +120,9 @@ Stand draw_stand(const StandConfig& config, const StrawberryBedConfig& bed, Rng 
     truss.grid = config.fruit_grid;
     truss.along_m =
         std::clamp(crown_in_world_m(bed, config.truss, crown, true, rng).y(), -0.5, 0.5);
-    truss.turn_rad = (k % 2 == 0 ? -0.32 : 0.32) + 0.12 * truncated_normal(own, 0, 1, 2);
+    const double apart_rad = config.truss.apart_rad;
+    truss.turn_rad = (k % 2 == 0 ? -apart_rad : apart_rad) +
+                     config.truss.apart_spread_rad * truncated_normal(own, 0, 1, 2);
     left -= truss.fruits;
     stand.trusses.push_back(truss);
     stand.crowns.push_back(crown);

@@ -35,7 +35,8 @@ class TrussGrower {
   };
   std::vector<Place> grow(BendingPlant& plant) {
     const Eigen::Vector3d out =
-        Eigen::AngleAxisd(config_.turn_rad + 0.2 * normal(rng_), Eigen::Vector3d::UnitZ()) *
+        Eigen::AngleAxisd(config_.turn_rad + shape_.turn_spread_rad * normal(rng_),
+                          Eigen::Vector3d::UnitZ()) *
         Eigen::Vector3d::UnitX();
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
     const Fork crown{-1,
@@ -48,17 +49,19 @@ class TrussGrower {
     const double vigour = uniform(rng_, shape_.vigour_low, shape_.vigour_high);
     const double at = uniform(rng_, shape_.fork_low, shape_.fork_high);
     const double peduncle_m = vigour * at * shape_.peduncle_length_m;
-    const double branch_m =
-        vigour * (shape_.branch_length_m + 0.5 * (1 - at) * shape_.peduncle_length_m);
-    std::vector<Fork> forks = {add(plant, crown, peduncle_m, thick, 0.85 * thick, 14, -0.5)};
+    const double branch_m = vigour * (shape_.branch_length_m +
+                                      shape_.early_share * (1 - at) * shape_.peduncle_length_m);
+    std::vector<Fork> forks = {add(plant, crown, peduncle_m, thick, shape_.peduncle_taper * thick,
+                                   14, -shape_.peduncle_droop_rad)};
     std::vector<Place> places;
     for (int rank = 0; static_cast<int>(places.size()) < config_.fruits; ++rank) {
       std::vector<Fork> next;
       for (const Fork& fork : forks) {
         if (static_cast<int>(places.size()) == config_.fruits) break;
-        const double length_m =
-            std::sqrt(vigour) * shape_.pedicel_length_m * std::max(0.6, 1 - 0.1 * rank);
-        const Fork end = add(plant, fork, length_m, 1.15 * thin, thin, 7, -0.3);
+        const double length_m = std::sqrt(vigour) * shape_.pedicel_length_m *
+                                std::max(shape_.pedicel_least, 1 - shape_.pedicel_less * rank);
+        const Fork end = add(plant, fork, length_m, shape_.pedicel_thick * thin, thin, 7,
+                             -shape_.pedicel_droop_rad);
         places.push_back({end.stem, rank, end.at_m, end.along});
         const bool is_single = uniform(rng_) < shape_.one_branch_share;
         const int only = uniform(rng_) < 0.5 ? -1 : 1;
@@ -76,19 +79,31 @@ class TrussGrower {
       // Branches only for fruits that come.
       const std::size_t left = static_cast<std::size_t>(config_.fruits) - places.size();
       next.resize(std::min(next.size(), left));
-      forks.clear();
-      for (const Fork& fork : next) {
-        Fork end = add(plant, fork, branch_m * std::max(0.5, 1 - 0.25 * rank), 0.8 * thick,
-                       0.75 * thick, 4, 0);
-        // The next fork stands crosswise.
-        end.across = Eigen::AngleAxisd(1.2 + 0.3 * normal(rng_), end.along) * end.across;
-        forks.push_back(end);
-      }
+      forks = add_branches(plant, next, branch_m, rank);
     }
     return places;
   }
 
  private:
+  /// From each fork a branch to the next one.
+  std::vector<Fork> add_branches(BendingPlant& plant, const std::vector<Fork>& from,
+                                 double branch_m, int rank) {
+    const double thick = shape_.peduncle_radius_m;
+    const double length_m = branch_m * std::max(shape_.branch_least, 1 - shape_.branch_less * rank);
+    std::vector<Fork> forks;
+    for (const Fork& fork : from) {
+      Fork end = add(plant, fork, length_m, shape_.branch_thick[0] * thick,
+                     shape_.branch_thick[1] * thick, 4, 0);
+      // The next fork stands crosswise.
+      end.across =
+          Eigen::AngleAxisd(shape_.crosswise_rad + shape_.crosswise_spread_rad * normal(rng_),
+                            end.along) *
+          end.across;
+      forks.push_back(end);
+    }
+    return forks;
+  }
+
   Fork add(BendingPlant& plant, const Fork& from, double mean_length_m, double radius_begin_m,
            double radius_end_m, int segments, double droop_rad) {
     const double length_m = mean_length_m * truncated_normal(rng_, 1, shape_.cv_length, 2);
@@ -147,7 +162,9 @@ StrawberryConfig fruit_config(const TrussShape& shape, const TrussConfig& config
   if (ripening && stage > 0) color = ripeness_of_rank(shape, ripening->first, rank, ripening->rng);
   fruit.red_share = std::clamp(color, 0.0, 1.0);
   const auto k = static_cast<std::size_t>(std::min(rank, 3));
-  const double grown = std::clamp(1 + 0.45 * std::min(0.0, stage - 0.3), 0.35, 1.0);
+  const double grown =
+      std::clamp(1 + shape.growth_by_ripeness * std::min(0.0, stage - shape.grown_ripeness),
+                 shape.growth_least, 1.0);
   fruit.growth = std::clamp(std::cbrt(shape.mass_by_rank[k]) * grown, 0.1, 1.5);
   fruit.to_sun = config.to_sun;  // it hangs nearly upright
   return fruit;
@@ -220,9 +237,9 @@ Truss grow_truss(const TrussConfig& config, Rng rng, const std::optional<Ripenin
     load.centroid_m = truss.unbent_from_fruit[i].translation_m;
     load.hulls = {truss.fruits[i].hull};
     load.world_from_hulls = truss.unbent_from_fruit[i].rotation;
-    // A sphere's drag coefficient at Reynolds' numbers of 1e3 to 1e5, and its shadow.
+    // Of the fruit's shadow.
     load.drag_area_m2 =
-        0.47 * std::numbers::pi / 4 * std::pow(trait(truss.fruits[i], "diameter"), 2);
+        shape.fruit_drag * std::numbers::pi / 4 * std::pow(trait(truss.fruits[i], "diameter"), 2);
     truss.plant.loads.push_back(std::move(load));
     truss.rank.push_back(places[i].rank);
   }

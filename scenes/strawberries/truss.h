@@ -17,6 +17,13 @@ struct TrussShape {
   double peduncle_radius_m = 0, pedicel_radius_m = 0;
   double young_modulus_pa = 0, density_kg_m3 = 0, strength_pa = 0, damping_time_s = 0;
   double fork_rad = 0, rise_rad = 0;
+  double apart_rad = 0, apart_spread_rad = 0;  ///< of the two trusses of a plant
+  double turn_spread_rad = 0, crosswise_rad = 0, crosswise_spread_rad = 0;
+  double peduncle_taper = 0, peduncle_droop_rad = 0, early_share = 0;
+  double pedicel_thick = 0, pedicel_droop_rad = 0, pedicel_less = 0, pedicel_least = 0;
+  double branch_less = 0, branch_least = 0;
+  std::vector<double> branch_thick;
+  double growth_by_ripeness = 0, grown_ripeness = 0, growth_least = 0, fruit_drag = 0;
   double vigour_low = 0, vigour_high = 0;  ///< lengths of a truss over those above
   double fork_low = 0, fork_high = 0;      ///< where the peduncle forks, over its length
   double one_branch_share = 0;             ///< of the forks, from which one branch goes on

@@ -16,13 +16,14 @@ struct StrawberryVariety {
   double density_kg_m3 = 0, sigma_density_kg_m3 = 0;
   // Outline: radius s^taper (1 - s^shoulder)^closing at a share s of the length from the tip.
   double taper = 0, shoulder = 0, closing = 0;
-  double hollow = 0;                                ///< depth under the calyx over the length
+  double hollow = 0, hollow_radius = 0;             ///< depth under the calyx over the length
   double oval = 0, lobes = 0, lumps = 0, bend = 0;  ///< standard deviations over the radius
+  double lump_frequency = 0, harmonics = 0;
   int achenes = 0;
   double achene_length_m = 0, dimple_depth_m = 0, dimple_radius_m = 0;
   int sepals = 0;
   double sepal_length_m = 0, sepal_width_m = 0, sepal_rise_rad = 0;
-  double stalk_radius_m = 0, stalk_length_m = 0, cut_point_m = 0;
+  double stalk_radius_m = 0, stalk_length_m = 0, stalk_bow = 0, cut_point_m = 0;
   std::vector<double> albedo_green, albedo_white, albedo_blush, albedo_red;
   std::vector<double> albedo_achene, albedo_achene_ripe, albedo_sepal;
   double colour_width = 0, colour_noise = 0, sun_side = 0;

@@ -10,6 +10,7 @@
 #include "sim/geometry/measure.h"
 #include "sim/physics/penetration.h"
 #include "tests/scenes/apples/small_orchard.h"
+#include "tests/places/source_words.h"
 
 namespace cousin {
 namespace {
@@ -25,6 +26,24 @@ std::string refusal(const ApplesSceneConfig& config) {
     return error.what();
   }
   return "";
+}
+
+TEST(AppleTree, EveryNumberHasItsSourceWord) {
+  expect_sourced("apples/orchard.toml");
+  expect_sourced("apples/cultivars.toml");
+}
+
+TEST(AppleTree, IsPrunedAtItsGreatestHeight) {
+  OrchardConfig config = orchard();
+  config.tree.height_most_m = 2;
+  const AppleTree tree = grow_apple_tree(config, 1, Rng(1));
+  EXPECT_DOUBLE_EQ(tree.wood[0].line.points_m.back().z(), 2);
+}
+
+TEST(AppleTree, RangesOutOfOrderAreRefusedByName) {
+  ApplesSceneConfig config = small_orchard();
+  config.orchard.shoot.spacing_spread = {1.5, 0.6};
+  EXPECT_THAT(refusal(config), HasSubstr("shoot.spacing_spread"));
 }
 
 TEST(AppleTree, IsADwarfTreeThatStandsOnItsFoot) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <set>
@@ -14,7 +13,7 @@
 #include <string>
 
 #include "sim/geometry/measure.h"
-#include "tests/places/places.h"
+#include "tests/places/source_words.h"
 
 namespace cousin {
 namespace {
@@ -37,21 +36,24 @@ std::optional<Eigen::Vector3d> keypoint(const Plant& plant, const std::string& n
   return {};
 }
 
-/// Every number of a TOML file says where it comes from.
-void expect_sourced(const std::string& file) {
-  std::ifstream in(source_folder() / ("scenes/" + file));
-  int numbers = 0;
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("#") || line.find(" = ") == line.npos) continue;
-    ++numbers;
-    EXPECT_TRUE(line.find("# free") != line.npos || line.find("# sourced: ") != line.npos ||
-                line.find("# fitted: ") != line.npos)
-        << file << ": " << line;
-  }
-  EXPECT_GT(numbers, 30) << file;
-}
-
 TEST(MaizePlant, EveryNumberHasItsSourceWord) { expect_sourced("maize/maize.toml"); }
+
+TEST(MaizePlant, LeavesOfPlantsDifferByTheirSpreadAlone) {
+  MaizeConfig config = maize();
+  config.plant.spread = config.blade.size_spread = 0;
+  const auto length_m = [&](std::uint64_t seed) {
+    const Plant plant = grow_maize(config, 12, Rng(seed)).plant;
+    for (const Organ& organ : plant.organs) {
+      if (organ.name == "leaf 9") return line_length_m(organ);
+    }
+    return 0.0;
+  };
+  const double same_m = length_m(1);
+  EXPECT_GT(same_m, 0.5);
+  EXPECT_NEAR(length_m(2), same_m, 1e-9);
+  config.blade.size_spread = 0.05;
+  EXPECT_GT(std::abs(length_m(2) - same_m), 1e-4);
+}
 
 TEST(MaizePlant, OrgansKeepIdsNamesAndParentsFromStageToStage) {
   const Plant last = grown(19).plant;

@@ -4,13 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <stdexcept>
 #include <string>
 
 #include "sim/geometry/measure.h"
-#include "tests/places/places.h"
+#include "tests/places/source_words.h"
 
 namespace cousin {
 namespace {
@@ -27,19 +26,6 @@ double trait(const Seedling& seedling, const std::string& name) {
   }
   ADD_FAILURE() << name;
   return std::nan("");
-}
-
-/// Every number of a TOML file says where it comes from.
-void expect_sourced(const std::string& file) {
-  std::ifstream in(source_folder() / ("scenes/" + file));
-  int numbers = 0;
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("#") || line.find(" = ") == line.npos) continue;
-    ++numbers;
-    EXPECT_TRUE(line.find("# free") != line.npos || line.find("# sourced: ") != line.npos)
-        << file << ": " << line;
-  }
-  EXPECT_GT(numbers, 30) << file;
 }
 
 TEST(Watermelon, EveryNumberHasItsSourceWord) {

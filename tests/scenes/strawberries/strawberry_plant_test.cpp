@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim/geometry/measure.h"
+#include "tests/places/source_words.h"
 
 namespace cousin {
 namespace {
@@ -14,6 +15,11 @@ const Organ& organ_named(const Plant& plant, const std::string& name) {
     if (organ.name == name) return organ;
   }
   throw std::logic_error("no organ " + name);
+}
+
+TEST(StrawberryPlant, EveryNumberHasItsSourceWord) {
+  for (const char* file : {"plant.toml", "truss.toml", "varieties.toml", "bed.toml"})
+    expect_sourced(std::string("strawberries/") + file);
 }
 
 TEST(StrawberryPlant, OrgansHaveTheSameIdsOnEveryPlant) {

@@ -28,6 +28,16 @@ TEST(Truss, HangsOverTheEdgeWithoutOverlaps) {
   }
 }
 
+TEST(Truss, FruitsThatStillGrowAreSmallerByTheirKey) {
+  TrussConfig config{.fruits = 1, .ripeness = -0.5};
+  config.shape.lag_spread = 0;
+  const double young_kg = grow_truss(config, Rng(4)).fruits[0].mass_kg;
+  config.shape.growth_by_ripeness = 0;
+  const double full_kg = grow_truss(config, Rng(4)).fruits[0].mass_kg;
+  // 0.8 of a unit below the ripeness from which one is grown.
+  EXPECT_NEAR(std::cbrt(young_kg / full_kg), 1 - 0.45 * 0.8, 1e-9);
+}
+
 TEST(Truss, ItsSceneIsValidAndKeypointsLieOnItsStalks) {
   const Truss truss = make_truss({.fruits = 3}, Rng(2));
   ASSERT_EQ(truss.status, PlantStatus::ok);
