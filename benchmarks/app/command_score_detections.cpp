@@ -41,8 +41,9 @@ ExitCode command_score_detections(const JobContext& context) {
     for (const fs::path& scene : scene_folders(dataset))
       check_unchanged(dataset, *manifest, scene.filename());
   }
-  const TruePictures truth = read_true_pictures(
-      dataset, [&](int done, int all) { context.progress.function()("read labels", done, all); });
+  const TruePictures truth = read_true_pictures(dataset, o.category, [&](int done, int all) {
+    context.progress.function()("read labels", done, all);
+  });
   const FoundFile found = read_found(path, truth.names);
   ScoreRow base;
   base.suite = "score";

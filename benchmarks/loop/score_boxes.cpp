@@ -62,7 +62,7 @@ SpecimenRow row_of_box(const TrueBox& box, const Instance& object, const std::st
   row.scene = labels.scene;
   row.frame = box.frame;
   row.instance = object.id;
-  row.cultivar = object.category;
+  row.cultivar = variety_of(object);
   row.run = labels.run;
   row.method = labels.method;
   row.trait = trait;

@@ -10,9 +10,10 @@
 //   scene.json         name, rig, board, models (name, mesh file, part names, part of each
 //                      triangle), materials, instances, lights, views. An instance with "part_of"
 //                      is an organ of the specimen of that id, which then has "keypoint_carriers":
-//                      ids, one a keypoint of its model. Of an organ's motion what frames see is
-//                      kept. Shading (vertex albedo and
-//                      normals) is not kept: configuration and seed make it again. A light
+//                      ids, one a keypoint of its model. "labels" of a specimen, absent where it
+//                      has none: {"maturity": "low", "variety": "akihime"}. Of an organ's motion
+//                      what frames see is kept. Shading (vertex albedo and normals) is not kept:
+//                      configuration and seed make it again. A light
 //                      {"kind": "environment", "file": "environments/000000.exr", "scale": 1}
 //                      names an equirectangular OpenEXR (R, G, B; row 0 at the zenith, column 0 at
 //                      azimuth -pi) below truth/; "scale", 1 if absent, multiplies it.

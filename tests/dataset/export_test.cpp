@@ -111,6 +111,38 @@ TEST_F(Export, CocoHasBoxesMasksKeypointsAndVisibleFractions) {
   EXPECT_EQ(coco["annotations"][3]["id"], 4);
 }
 
+TEST_F(Export, ALabelOfTheSpecimensIsTheCategoryIfAsked) {
+  write({.has_labels = true});
+  make("coco");
+  const json own = json_in("out/annotations/train.json");
+  EXPECT_EQ(own["categories"][0]["name"], "apple");
+  EXPECT_EQ(own["annotations"][0]["attributes"]["maturity"], "low");
+  EXPECT_EQ(own["annotations"][0]["attributes"]["variety"], "fuji");
+  EXPECT_FALSE(json_in("out/export.json")["options"].contains("category"));
+  make("coco", {.category = "maturity"}, "maturity");
+  const json maturity = json_in("maturity/annotations/train.json");
+  EXPECT_EQ(maturity["categories"][0]["name"], "high");
+  EXPECT_EQ(maturity["categories"][0]["keypoints"], json({"root", "node 1", "tip"}));
+  EXPECT_EQ(maturity["annotations"][0]["instance_id"], 7);
+  EXPECT_EQ(maturity["annotations"][0]["category_id"], 2);
+  make("yolo", {.category = "variety"}, "yolo");
+  EXPECT_THAT(read_file(path("yolo/data.yaml")),
+              AllOf(HasSubstr("0: \"fuji\""), testing::Not(HasSubstr("1: "))));
+  make("bop", {}, "bop");
+  EXPECT_EQ(json_in("bop/models/models_info.json")["1"]["category"], "fuji");
+}
+
+TEST_F(Export, ALabelThatNoSpecimenHasIsRefusedByName) {
+  write({});
+  try {
+    make("coco", {.category = "variety"});
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("scene.json: \"i7\""), HasSubstr("\"variety\""),
+                                    HasSubstr("its labels: none")));
+  }
+}
+
 TEST_F(Export, CocoPolygonsAndTheLeastVisibleFraction) {
   write({});
   make("coco", {.masks = MaskCode::polygon, .least_visible = 0.6});

@@ -24,6 +24,7 @@ struct SmallDataset {
   bool knows_poses = true;  ///< as on a turntable
   bool has_depth = false;
   bool has_truth = true;
+  bool has_labels = false;   ///< the apple is of low maturity, the zea of high, both "fuji"
   double focus_step_px = 0;  ///< that fx grows by from frame to frame
 };
 
@@ -93,6 +94,10 @@ inline void write_small_dataset(const std::filesystem::path& folder, const Small
     capture.rig.push_back(
         {.name = "rgb", .camera = options.camera, .sensor_from_rig = odd_pose(rng)});
     SceneTruth truth{.seed = 1, .config_toml = "", .scene = small_scene(s)};
+    for (Instance& i : truth.scene.instances) {
+      if (options.has_labels && i.is_specimen)
+        i.labels = {{"maturity", i.id == 7 ? "low" : "high"}, {"variety", "fuji"}};
+    }
     for (int f = 0; f < 2; ++f) {
       Frame frame{.id = f, .time_s = f / 3.0};
       if (options.knows_poses) frame.rig_from_world = odd_pose(rng);

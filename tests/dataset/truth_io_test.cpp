@@ -49,6 +49,7 @@ Scene sample_scene(Rng& rng) {
     instance.mass_kg = 3e-4 / 7;
     if (instance.is_specimen)
       instance.traits = {{"volume", "m3", 1e-8 / 3}, {"length", "m", 0.01 / 7}};
+    if (i == 0) instance.labels = {{"maturity", "very \"ripe\""}, {"variety", "zea"}};
     scene.instances.push_back(instance);
   }
   scene.instances[0].part_materials = {1, 0};
@@ -173,6 +174,11 @@ void expect_equal(const Scene& a, const Scene& b) {
     for (std::size_t k = 0; k < x.motion.size(); ++k) {
       EXPECT_EQ(x.motion[k].time_s, y.motion[k].time_s);
       EXPECT_TRUE(same_pose(x.motion[k].world_from_object, y.motion[k].world_from_object));
+    }
+    ASSERT_EQ(x.labels.size(), y.labels.size());
+    for (std::size_t k = 0; k < x.labels.size(); ++k) {
+      EXPECT_EQ(std::tie(x.labels[k].name, x.labels[k].value),
+                std::tie(y.labels[k].name, y.labels[k].value));
     }
     ASSERT_EQ(x.traits.size(), y.traits.size());
     for (std::size_t k = 0; k < x.traits.size(); ++k) {

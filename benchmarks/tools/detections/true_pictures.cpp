@@ -27,6 +27,7 @@ TrueObject object_of(const LabelledObject& labelled, const std::vector<Category>
   object.area_px = labelled.area_px;
   object.visible_fraction = labelled.visible_fraction;
   for (const TrueTrait& trait : labelled.instance->traits) object.traits[trait.name] = trait.value;
+  for (const TrueLabel& label : labelled.instance->labels) object.labels[label.name] = label.value;
   return object;
 }
 
@@ -47,7 +48,7 @@ std::string plant_of(const ExportScene& scene) {
 
 }  // namespace
 
-TruePictures read_true_pictures(const fs::path& dataset,
+TruePictures read_true_pictures(const fs::path& dataset, const std::string& label,
                                 const std::function<void(int, int)>& progress) {
   const std::vector<fs::path> folders = scene_folders(dataset);
   if (folders.empty())
@@ -60,7 +61,9 @@ TruePictures read_true_pictures(const fs::path& dataset,
       throw std::runtime_error(folder.string() + ": there is no truth/ to score against");
     require_labels(scenes.back(), false);
   }
-  const std::vector<Category> categories = categories_of(scenes);
+  const std::vector<Category> categories = categories_of(scenes, label);
+  ExportOptions options;
+  options.category = label;
   TruePictures all;
   for (const Category& category : categories) all.categories.push_back(category.name);
   for (std::size_t s = 0; s < scenes.size(); ++s) {
@@ -78,7 +81,7 @@ TruePictures read_true_pictures(const fs::path& dataset,
       const Camera camera = camera_of(scene, *picture, false).camera;
       one.width_px = camera.width_px;
       one.height_px = camera.height_px;
-      for (const LabelledObject& object : labels_of(scene, *picture, categories, {}))
+      for (const LabelledObject& object : labels_of(scene, *picture, categories, options))
         one.objects.push_back(object_of(object, categories));
       add_names(scene, scene.capture.frames[picture->frame].id, one.name, scenes.size() == 1,
                 {all.pictures.size(), one.width_px, one.height_px}, all.names);

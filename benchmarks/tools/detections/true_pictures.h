@@ -15,12 +15,13 @@ namespace cousin {
 struct TrueObject {
   int instance = 0;
   std::string name;      ///< "fruit 03"
-  std::string category;  ///< as in the scene: maturity, variety, cultivar
+  std::string category;  ///< as in the scene, or of the label asked for
   PictureBox box;        ///< of what is seen
   PlacedMask mask;       ///< of what is seen
   std::int64_t area_px = 0;
   double visible_fraction = 0;
   std::map<std::string, double> traits;  ///< SI
+  std::map<std::string, std::string> labels;
 };
 
 /// A picture of the first sensor, with what it shows.
@@ -39,9 +40,10 @@ struct TruePictures {
   PictureNames names;                   ///< that files of detections may use
 };
 
+/// @param label  of the specimens that is their category; empty: the scenes' own
 /// @param progress  called with scenes done and in all
 /// @throws std::runtime_error naming the scene and the truth that `render` must write
-TruePictures read_true_pictures(const std::filesystem::path& dataset,
+TruePictures read_true_pictures(const std::filesystem::path& dataset, const std::string& label = {},
                                 const std::function<void(int, int)>& progress = {});
 
 }  // namespace cousin

@@ -119,7 +119,7 @@ BopObjects write_objects(const ExportJob& job) {
       if (!is_new) continue;
       Json info = write_model(files, job.out / "models" / ("obj_" + six_digits(next) + ".ply"));
       info["name"] = specimens[i]->name;
-      info["category"] = specimens[i]->category;
+      info["category"] = variety_of(*specimens[i]);  // one shape, any maturity
       objects.info[std::to_string(next)] = info;
     }
   }

@@ -4,7 +4,8 @@
 // Boxes and polygons count from the image's corner, keypoints are pixels, whose centres are
 // integers; visibility 0 not labelled, 1 hidden, 2 seen. Annotations have four keys more:
 // "visible_fraction" (of the amodal mask), "instance_id" (of scene.json), "instance_name", and
-// "attributes": the specimen's traits by name, in SI units.
+// "attributes": the specimen's traits by name, in SI units, and its labels, as text. Where a label
+// has a trait's name, as "maturity", the label stands there; the trait numbers the classes.
 
 #include <cmath>
 
@@ -62,6 +63,7 @@ void add_keypoints(const LabelledObject& object, Json& annotation) {
 Json attributes_of(const Instance& instance) {
   Json attributes = Json::object();
   for (const TrueTrait& trait : instance.traits) attributes[trait.name] = trait.value;
+  for (const TrueLabel& label : instance.labels) attributes[label.name] = label.value;
   return attributes;
 }
 
@@ -105,7 +107,7 @@ struct CocoPicture {
 }  // namespace
 
 void export_coco(ExportJob& job) {
-  const std::vector<Category> categories = categories_of(job.scenes);
+  const std::vector<Category> categories = categories_of(job.scenes, job.options.category);
   for (const ExportScene& scene : job.scenes) require_labels(scene, false);
   const std::vector<Split> splits = splits_of(job.scenes, job.options.split, Split::val);
   if (const std::string empty = empty_splits(splits, job.options.split); !empty.empty())

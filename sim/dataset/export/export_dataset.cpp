@@ -19,9 +19,11 @@ namespace {
 namespace fs = std::filesystem;
 
 Json to_json(const ExportOptions& o) {
-  return {{"undistort", o.undistort},  {"true_cameras", o.true_cameras},
-          {"split", o.split},          {"masks", to_string(o.masks)},
-          {"task", to_string(o.task)}, {"least_visible", o.least_visible}};
+  Json json = {{"undistort", o.undistort},  {"true_cameras", o.true_cameras},
+               {"split", o.split},          {"masks", to_string(o.masks)},
+               {"task", to_string(o.task)}, {"least_visible", o.least_visible}};
+  if (!o.category.empty()) json["category"] = o.category;
+  return json;
 }
 
 /// What a dataset is: its manifest, or the indices of a real capture's scenes.

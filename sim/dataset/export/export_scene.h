@@ -56,6 +56,8 @@ struct ExportOptions {
   std::array<double, 3> split = {0.8, 0.1, 0.1};
   MaskCode masks = MaskCode::rle;
   YoloTask task = YoloTask::detect;
+  /// Label of the specimens by which COCO and YOLO sort them; empty: the dataset's categories.
+  std::string category;
   double least_visible = 0;  ///< objects of which less is seen are left out of COCO and YOLO
 };
 /// Options by their names on a command line: "rle", "polygon"; "detect", "segment", "pose";

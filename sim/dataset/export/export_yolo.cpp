@@ -132,7 +132,7 @@ std::string data_yaml(const std::vector<Split>& splits, YoloTask task, const Yol
 void export_yolo(ExportJob& job) {
   const YoloTask task = job.options.task;
   YoloNames names;
-  names.categories = categories_of(job.scenes);
+  names.categories = categories_of(job.scenes, job.options.category);
   names.keypoints = all_keypoints(names.categories);
   if (task == YoloTask::pose && names.keypoints.empty()) {
     throw std::invalid_argument(

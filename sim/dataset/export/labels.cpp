@@ -20,6 +20,19 @@ const std::vector<Keypoint>& keypoints_of(const Scene& scene, const Instance& in
   return scene.models[static_cast<std::size_t>(instance.model)].keypoints;
 }
 
+std::string category_name(const Instance& instance, const std::string& label) {
+  return label.empty() ? instance.category : label_of(instance, label);
+}
+
+[[noreturn]] void refuse_label(const ExportScene& scene, const Instance& instance,
+                               const std::string& label) {
+  std::string has;
+  for (const TrueLabel& own : instance.labels) has += (has.empty() ? "" : ", ") + own.name;
+  throw std::runtime_error((scene.folder / "truth/scene.json").string() + ": \"" + instance.name +
+                           "\" has no label \"" + label +
+                           "\" to be a category; its labels: " + (has.empty() ? "none" : has));
+}
+
 /// Boxes and sizes of the values of an image of ids + 1.
 struct Extent {
   int low_x = 65536, low_y = 65536, high_x = -1, high_y = -1;
@@ -95,7 +108,8 @@ Image<std::uint16_t> instance_codes(const ExportScene& scene, const ExportPictur
 
 }  // namespace
 
-std::vector<Category> categories_of(const std::vector<ExportScene>& scenes) {
+std::vector<Category> categories_of(const std::vector<ExportScene>& scenes,
+                                    const std::string& label) {
   std::map<std::string, std::vector<std::string>> longest;
   std::map<std::string, std::set<std::string>> all;
   for (const ExportScene& scene : scenes) {
@@ -103,8 +117,10 @@ std::vector<Category> categories_of(const std::vector<ExportScene>& scenes) {
     for (const Instance* instance : specimens_of(scene.truth->scene)) {
       std::vector<std::string> names;
       for (const Keypoint& k : keypoints_of(scene.truth->scene, *instance)) names.push_back(k.name);
-      all[instance->category].insert(names.begin(), names.end());
-      std::vector<std::string>& best = longest[instance->category];
+      const std::string category = category_name(*instance, label);
+      if (!label.empty() && category.empty()) refuse_label(scene, *instance, label);
+      all[category].insert(names.begin(), names.end());
+      std::vector<std::string>& best = longest[category];
       if (names.size() > best.size()) best = names;
     }
   }
@@ -157,9 +173,9 @@ std::vector<LabelledObject> labels_of(const ExportScene& scene, const ExportPict
       if (v.instance == instance->id) object.visible_fraction = v.visible_fraction;
     }
     if (object.visible_fraction < options.least_visible) continue;
-    const auto category =
-        std::find_if(categories.begin(), categories.end(),
-                     [&](const Category& c) { return c.name == instance->category; });
+    const auto category = std::find_if(
+        categories.begin(), categories.end(),
+        [&](const Category& c) { return c.name == category_name(*instance, options.category); });
     object.category = category->id;
     object.keypoints.resize(category->keypoints.size());
     for (KeypointView keypoint : known.keypoints) {
