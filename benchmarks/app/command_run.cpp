@@ -197,7 +197,7 @@ std::vector<ScoreRow> left_out_rows(const RunJob& job, std::uint64_t seed,
     row.n = job.scene.views;
     rows.push_back(std::move(row));
   };
-  measure("truth_passes", [&] { built.truth(0, without(job.truth)); });
+  measure("truth_passes", [&] { built.truth(0, without(job.truth), 0); });
   const Streams there_are = streams_of(job.scene.rig), taken = job.scene.streams;
   const Streams left{.infrared = there_are.infrared && !taken.infrared,
                      .depth = there_are.depth && !taken.depth};

@@ -24,7 +24,9 @@ BuiltScene built_scene(Simulation made) {
   built.rig = &s->rig();
   built.views = &s->views();
   built.take = [s](int frame, const Streams& streams) { return s->take(frame, streams); };
-  built.truth = [s](int frame, const TruthNeeds& needs) { return s->truth(frame, needs); };
+  built.truth = [s](int frame, const TruthNeeds& needs, std::size_t sensor) {
+    return s->truth(frame, needs, sensor);
+  };
   built.capture_header = [s] { return s->capture_header(); };
   built.scene_truth = [s] { return s->scene_truth(); };
   return built;
@@ -52,11 +54,14 @@ inline void take_frames(const BuiltScene& built, const Streams& streams, const T
   const bool any = needs != TruthNeeds{};
   for (int i = 0; any && i < frames; ++i) {
     say("truth", i);
-    TruthImages& images = run.truth.images.emplace_back(built.truth(i, needs));
+    TruthImages& images = run.truth.images.emplace_back(built.truth(i, needs, 0));
     RigFrame& own = of_depth[static_cast<std::size_t>(i)];
     if (needs.noise_free_depth) images.noise_free_depth_m = std::move(own.noise_free_depth_m);
     if (needs.invalid_reason) images.invalid_reason = std::move(own.invalid_reason);
   }
+  add_other_sensors(
+      other_true_sensors(*built.rig, streams, needs),
+      [&](int frame, std::size_t sensor) { return built.truth(frame, needs, sensor); }, run.truth);
   run.timings.push_back(truth_clock.finish());
 }
 

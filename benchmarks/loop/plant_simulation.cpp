@@ -142,12 +142,13 @@ RigFrame PlantSimulation::take(int frame, const Streams& streams) const {
   });
 }
 
-TruthImages PlantSimulation::truth(int frame, const TruthNeeds& needs) const {
+TruthImages PlantSimulation::truth(int frame, const TruthNeeds& needs, std::size_t sensor) const {
   if (impl_->moves()) {
     const Moment moment = impl_->moment(frame);
+    if (sensor > 0) return true_images(moment.rays, scene(), moment.rig, frame, needs, sensor);
     return impl_->with_flow(moment, frame, needs);
   }
-  return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs);
+  return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs, sensor);
 }
 
 Capture PlantSimulation::capture_header() const {

@@ -24,7 +24,7 @@ class PlantSimulation {
   const std::vector<TrueView>& views() const;  ///< of the rig's first sensor
   const RigCapture& rig() const;
   RigFrame take(int frame, const Streams& streams) const;
-  TruthImages truth(int frame, const TruthNeeds& needs) const;
+  TruthImages truth(int frame, const TruthNeeds& needs, std::size_t sensor = 0) const;
   Capture capture_header() const;  ///< the capture without frames
   SceneTruth scene_truth() const;  ///< truth without images
 

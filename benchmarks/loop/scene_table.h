@@ -23,7 +23,7 @@ struct BuiltScene {
   const RigCapture* rig = nullptr;
   const std::vector<TrueView>* views = nullptr;  ///< of the rig's first sensor
   std::function<RigFrame(int frame, const Streams&)> take;
-  std::function<TruthImages(int frame, const TruthNeeds&)> truth;
+  std::function<TruthImages(int frame, const TruthNeeds&, std::size_t sensor)> truth;
   std::function<Capture()> capture_header;  ///< without frames
   std::function<SceneTruth()> scene_truth;  ///< without images
 };

@@ -21,6 +21,13 @@ std::optional<UserMesh> user_specimen(const SeedsSceneConfig& config) {
   return user;
 }
 
+/// What there is of every camera; the rest is of the first, of the whole rig or of all views.
+TruthNeeds of_any_sensor(TruthNeeds needs) {
+  needs.leaf_area = needs.flow = needs.disparity = false;
+  needs.noise_free_depth = needs.invalid_reason = false;
+  return needs;
+}
+
 std::optional<Environment> user_environment(const SeedsSceneConfig& config) {
   if (config.environment.empty()) return std::nullopt;
   return read_environment(config.environment, config.environment_scale);
@@ -98,12 +105,16 @@ RigFrame SeedsSimulation::take(int frame, const Streams& streams, std::uint64_t 
   return impl_->rig.take(frame, streams, renderer(), repeat);
 }
 
-TruthImages SeedsSimulation::truth(int frame, const TruthNeeds& needs) const {
-  return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs);
+TruthImages SeedsSimulation::truth(int frame, const TruthNeeds& needs, std::size_t sensor) const {
+  return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs, sensor);
 }
 
 TruthImages true_images(const RayScene& rays, const Scene& scene, const RigCapture& rig, int frame,
-                        const TruthNeeds& needs) {
+                        const TruthNeeds& needs, std::size_t sensor) {
+  if (sensor > 0) {
+    const std::vector<TrueView>& own = rig.views().at(sensor).views;
+    return render_truth(rays, scene, own.at(static_cast<std::size_t>(frame)), of_any_sensor(needs));
+  }
   const std::vector<TrueView>& views = rig.views().front().views;
   const TrueView& view = views.at(static_cast<std::size_t>(frame));
   const auto next = static_cast<std::size_t>(frame) + 1;
@@ -119,6 +130,27 @@ TruthImages true_images(const RayScene& rays, const Scene& scene, const RigCaptu
   if (!needs.depth) truth.depth_m = {};
   if (!needs.instance) truth.instance = {};
   return truth;
+}
+
+std::vector<std::size_t> other_true_sensors(const RigCapture& rig, const Streams& streams,
+                                            const TruthNeeds& needs) {
+  std::vector<std::size_t> sensors;
+  if (of_any_sensor(needs) == TruthNeeds{} || rig.views().front().views.empty()) return sensors;
+  const Frame pictures = rig.outline(0, {.color = streams.color, .raw = streams.raw});
+  for (std::size_t s = 1; s < pictures.sensors.size(); ++s) {
+    const SensorFrame& sensor = pictures.sensors[s];
+    if (!sensor.color.empty() || !sensor.raw.empty()) sensors.push_back(s);
+  }
+  return sensors;
+}
+
+void add_other_sensors(const std::vector<std::size_t>& sensors,
+                       const std::function<TruthImages(int frame, std::size_t sensor)>& truth_of,
+                       SceneTruth& truth) {
+  for (const std::size_t s : sensors) {
+    SensorViews& other = truth.other_sensors.at(s - 1);
+    for (const TrueView& view : other.views) other.images.push_back(truth_of(view.frame, s));
+  }
 }
 
 Capture SeedsSimulation::capture_header() const {
@@ -186,6 +218,10 @@ SimulatedRun simulate_seeds(const SeedsRunConfig& config, std::uint64_t seed, in
     images.noise_free_depth_m = std::move(of_depth.noise_free_depth_m);
     images.invalid_reason = std::move(of_depth.invalid_reason);
   }
+  add_other_sensors(
+      other_true_sensors(simulation.rig(), streams, needs),
+      [&](int frame, std::size_t sensor) { return simulation.truth(frame, needs, sensor); },
+      run.truth);
   run.timings.push_back(truth_clock.finish());
   return run;
 }

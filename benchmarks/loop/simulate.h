@@ -40,8 +40,8 @@ class SeedsSimulation {
   /// What the rig hands over for one view, of the streams asked for, and what is true of its depth.
   /// @param repeat  another number: the same with other noise of the colour
   RigFrame take(int frame, const Streams& streams, std::uint64_t repeat = 0) const;
-  /// What the first sensor sees. The depth sensor's truth comes with take().
-  TruthImages truth(int frame, const TruthNeeds& needs) const;
+  /// What a sensor sees. The depth sensor's truth comes with take().
+  TruthImages truth(int frame, const TruthNeeds& needs, std::size_t sensor = 0) const;
 
   /// The capture without frames: rig, pipeline, board.
   Capture capture_header() const;
@@ -53,10 +53,19 @@ class SeedsSimulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What the rig's first sensor sees in one frame, of what is asked for; the depth sensor's truth
-/// comes with RigCapture::take.
+/// What a sensor of the rig sees in one frame, of what is asked for; flow, disparity and leaf areas
+/// are of the first sensor alone, the depth sensor's truth comes with RigCapture::take.
 TruthImages true_images(const RayScene& rays, const Scene& scene, const RigCapture& rig, int frame,
-                        const TruthNeeds& needs);
+                        const TruthNeeds& needs, std::size_t sensor = 0);
+
+/// Places in the rig of the cameras beside the first that `streams` hold pictures of: truth is of
+/// what they see, too. None if `needs` asks for nothing that is of them.
+std::vector<std::size_t> other_true_sensors(const RigCapture& rig, const Streams& streams,
+                                            const TruthNeeds& needs);
+/// What these see in all frames, into `truth.other_sensors`.
+void add_other_sensors(const std::vector<std::size_t>& sensors,
+                       const std::function<TruthImages(int frame, std::size_t sensor)>& truth_of,
+                       SceneTruth& truth);
 
 /// All frames of a scene and the truth that `needs` asks for, in memory, with the seconds of each
 /// pass. Streams are those of planned_streams().

@@ -111,6 +111,36 @@ TEST_F(Export, CocoHasBoxesMasksKeypointsAndVisibleFractions) {
   EXPECT_EQ(coco["annotations"][3]["id"], 4);
 }
 
+TEST_F(Export, PicturesOfAllColourSensorsHaveTheirOwnLabels) {
+  write({});
+  make("coco", {}, "one");
+  write({.has_right = true});
+  make("coco");
+  const json one = json_in("one/annotations/train.json"),
+             two = json_in("out/annotations/train.json");
+  ASSERT_EQ(two["images"].size(), 4U);
+  ASSERT_EQ(two["annotations"].size(), 8U);
+  EXPECT_EQ(two["images"][1]["file_name"], "000000_000001.png");
+  EXPECT_FALSE(two["images"][1].contains("sensor"));
+  EXPECT_EQ(two["images"][3]["id"], 1'000'000'000'001);
+  EXPECT_EQ(two["images"][3]["file_name"], "000000_000001_right.png");
+  EXPECT_EQ(two["images"][3]["sensor"], "right");
+  EXPECT_EQ(read_file(path("out/images/train/000000_000001_right.png")),
+            read_file(path("data/000000/right/000001.png")));
+  const json& ring = two["annotations"][4];
+  EXPECT_EQ(ring["image_id"], 1'000'000'000'000);
+  EXPECT_EQ(ring["bbox"], json({10, 5, 6, 5}));
+  EXPECT_EQ(ring["visible_fraction"], 0.25);
+  EXPECT_EQ(ring["keypoints"], json({11.25, 6.5, 2}));
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(one["annotations"][i]["bbox"], two["annotations"][i]["bbox"]);
+  make("yolo", {}, "yolo");
+  EXPECT_THAT(read_file(path("yolo/labels/train/000000_000000_right.txt")),
+              HasSubstr("0 0.325 0.25 "));
+  make("bop", {}, "bop");  // has one camera a scene
+  EXPECT_EQ(json_in("bop/train/000000/scene_camera.json").size(), 2U);
+}
+
 TEST_F(Export, ALabelOfTheSpecimensIsTheCategoryIfAsked) {
   write({.has_labels = true});
   make("coco");

@@ -275,6 +275,38 @@ TEST(TruthIo, EveryBitComesBack) {
   }
 }
 
+TEST(TruthIo, WhatAnotherSensorSeesComesBackFromItsFolder) {
+  const TemporaryFolder folder;
+  SceneTruth truth = sample_truth();
+  SensorViews right{"right", truth.views, truth.images};
+  for (TruthImages& images : right.images) {
+    images.flow = images.stereo = {};
+    images.noise_free_depth_m = {};
+    images.invalid_reason = {};
+    images.instance(3, 4) = 10;
+    images.visibility[0].pixels_visible = 49;
+    images.keypoints.front().depth_m = 0.4;
+  }
+  truth.other_sensors.push_back(right);
+  // The images of a frame can be written before.
+  write_truth_images(folder.path() / "b", truth.scene, 0, right.images[0], "right");
+  write_truth(folder.path(), truth);
+  const fs::path own = folder.path() / "truth/sensors/right";
+  EXPECT_EQ(read_file(folder.path() / "b/truth/sensors/right/instance/000000.png"),
+            read_file(own / "instance/000000.png"));
+  EXPECT_NE(read_file(own / "instance/000000.png"),
+            read_file(folder.path() / "truth/instance/000000.png"));
+  EXPECT_FALSE(fs::exists(folder.path() / "truth/sensors/depth"));
+  const SceneTruth read = read_truth(folder.path());
+  EXPECT_EQ(sensors_with_truth(read), (std::vector<std::size_t>{0, 2}));
+  for (std::size_t i = 0; i < 2; ++i) {
+    expect_equal(truth_of_sensor(read, 2).images[i], right.images[i]);
+    expect_equal(truth_of_sensor(read, 0).images[i], truth.images[i]);
+  }
+  truth.other_sensors[1].images.pop_back();
+  EXPECT_THROW(write_truth(folder.path() / "c", truth), std::invalid_argument);
+}
+
 TEST(TruthIo, ADepthSensorsImagesMustFitItsOwnCamera) {
   const TemporaryFolder folder;
   SceneTruth truth = sample_truth();

@@ -24,12 +24,13 @@ struct TrueObject {
   std::map<std::string, std::string> labels;
 };
 
-/// A picture of the first sensor, with what it shows.
+/// A picture that truth is of, with what it shows.
 struct TruePicture {
   std::filesystem::path file;
-  std::string name;   ///< "000001_000012": scene and frame
-  std::string light;  ///< as the scene's configuration names it; empty if it does not
-  std::string plant;  ///< pictures of the same plants share it: intervals are over plants
+  std::string name;        ///< "000001_000012": scene and frame, and another sensor than the first
+  std::size_t sensor = 0;  ///< of the rig
+  std::string light;       ///< as the scene's configuration names it; empty if it does not
+  std::string plant;       ///< pictures of the same plants share it: intervals are over plants
   int width_px = 0, height_px = 0;
   std::vector<TrueObject> objects;
 };
@@ -45,5 +46,9 @@ struct TruePictures {
 /// @throws std::runtime_error naming the scene and the truth that `render` must write
 TruePictures read_true_pictures(const std::filesystem::path& dataset, const std::string& label = {},
                                 const std::function<void(int, int)>& progress = {});
+
+/// Leaves out the pictures of each sensor beside the first none of which the file names: no
+/// detector looked at them. @return how many
+std::size_t leave_out_sensors(TruePictures& truth, FoundFile& found);
 
 }  // namespace cousin

@@ -17,9 +17,10 @@ namespace cousin {
 struct ExportTruth {
   std::vector<std::string> shared_plants;  ///< that other scenes show too
   std::vector<TrueView> views;             ///< of the rig's first sensor
-  std::vector<SensorViews> other_sensors;  ///< of the rest, in the rig's order
-  Scene scene;                             ///< models without meshes
-  std::vector<std::string> mesh_files;     ///< of the models, below truth/
+  /// Of the rest, in the rig's order; images as `labels`, empty where truth is not of the sensor.
+  std::vector<SensorViews> other_sensors;
+  Scene scene;                          ///< models without meshes
+  std::vector<std::string> mesh_files;  ///< of the models, below truth/
   std::vector<TruthImages> labels;  ///< visibility and keypoints of each view; empty = not planned
 };
 

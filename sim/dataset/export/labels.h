@@ -35,7 +35,7 @@ struct LabelledObject {
 };
 
 /// @param categories  of categories_of by the label `options.category`
-/// What a picture of the first sensor shows, specimens by id; in the undistorted picture if asked.
+/// What a picture that truth is of shows, specimens by id; in the undistorted picture if asked.
 /// Visible fractions are those of the picture as it was taken.
 /// @throws std::runtime_error naming the scene and the truth that `render` must write.
 std::vector<LabelledObject> labels_of(const ExportScene& scene, const ExportPicture& picture,
