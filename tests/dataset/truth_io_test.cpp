@@ -307,6 +307,15 @@ TEST(TruthIo, WhatAnotherSensorSeesComesBackFromItsFolder) {
   EXPECT_THROW(write_truth(folder.path() / "c", truth), std::invalid_argument);
 }
 
+TEST(TruthIo, ASensorsNameLeadsNowhereElse) {
+  const TemporaryFolder folder;
+  SceneTruth truth = sample_truth();
+  truth.other_sensors[0].sensor = "../../elsewhere";
+  write_truth(folder.path(), truth);
+  EXPECT_THAT(error_of([&] { read_truth(folder.path()); }),
+              AllOf(HasSubstr("elsewhere"), HasSubstr("must lie inside the folder")));
+}
+
 TEST(TruthIo, ADepthSensorsImagesMustFitItsOwnCamera) {
   const TemporaryFolder folder;
   SceneTruth truth = sample_truth();
