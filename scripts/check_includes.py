@@ -48,6 +48,7 @@ MAY_INCLUDE = {
 TRUTH_FILES = (
     "sim/dataset/truth_io",
     "sim/dataset/truth_json",
+    "sim/dataset/truth_sensors",
     "sim/dataset/scene_look_json",
     "sim/dataset/environment_io",
     "sim/dataset/export/",

@@ -143,6 +143,23 @@ void render_frames(const Simulation& built, const fs::path& scene_dir, int first
   }
 }
 
+/// Truth images of one sensor, each written as it is made: those of all views together need
+/// gigabytes. What write_truth needs of them is kept.
+std::vector<TruthImages> write_sensor_truth(const Simulation& built, const fs::path& scene_dir,
+                                            const TruthNeeds& needs, std::size_t sensor) {
+  const std::vector<TrueView>& views = built.rig().views().at(sensor).views;
+  const std::string name = sensor == 0 ? "" : built.rig().views()[sensor].sensor;
+  std::vector<TruthImages> kept(views.size());
+  for_each_frame(views.size(), [&](std::size_t i) {
+    TruthImages images = built.truth(views[i].frame, needs, sensor);
+    write_truth_images(scene_dir, built.scene(), views[i].frame, images, name);
+    kept[i].visibility = std::move(images.visibility);
+    kept[i].keypoints = std::move(images.keypoints);
+    kept[i].leaf_areas = std::move(images.leaf_areas);
+  });
+  return kept;
+}
+
 /// Index and truth of a scene: both are pure functions of configuration and seed, whichever shard
 /// rendered the images.
 void write_index(const Simulation& built, const fs::path& scene_dir, const Contents& contents) {
@@ -152,16 +169,10 @@ void write_index(const Simulation& built, const fs::path& scene_dir, const Conte
   for (const TrueView& view : built.views())
     capture.frames.push_back(built.rig().outline(view.frame, contents.streams));
   if (to_string(contents.truth) != "none") {
-    // The images of all views together need gigabytes: each is written as it is made.
-    truth.images.resize(truth.views.size());
-    for_each_frame(truth.views.size(), [&](std::size_t i) {
-      const int frame = truth.views[i].frame;
-      TruthImages images = built.truth(frame, contents.truth);
-      write_truth_images(scene_dir, truth.scene, frame, images);
-      truth.images[i].visibility = std::move(images.visibility);
-      truth.images[i].keypoints = std::move(images.keypoints);
-      truth.images[i].leaf_areas = std::move(images.leaf_areas);
-    });
+    truth.images = write_sensor_truth(built, scene_dir, contents.truth, 0);
+    for (const std::size_t s : other_true_sensors(built.rig(), contents.streams, contents.truth))
+      truth.other_sensors.at(s - 1).images =
+          write_sensor_truth(built, scene_dir, contents.truth, s);
   }
   write_capture_index(scene_dir, capture);
   write_truth(scene_dir, truth);

@@ -52,6 +52,7 @@ const std::vector<FormatOption>& format_options() {
                                                      {"--split", {"bop", "coco", "yolo"}},
                                                      {"--masks", {"coco"}},
                                                      {"--task", {"yolo"}},
+                                                     {"--category", {"coco", "yolo"}},
                                                      {"--least-visible", {"coco", "yolo"}}};
   return kOptions;
 }
@@ -169,6 +170,7 @@ ExitCode export_view(const JobContext& context, const ExportFormat& format, cons
   options.split = split_from_string(o.split);
   options.masks = mask_code_from_string(o.masks);
   options.task = yolo_task_from_string(o.task);
+  options.category = o.category;
   options.least_visible = o.least_visible;
   const ExportSummary summary = export_dataset(o.arguments.at(0), format, options, out,
                                                COUSIN_VERSION, context.progress.function());

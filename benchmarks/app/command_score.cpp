@@ -183,7 +183,7 @@ ExitCode command_score(const JobContext& context) {
   const fs::path dataset = o.arguments.at(0);
   const fs::path estimates = o.arguments.at(1);
   if (is_detections(estimates, dataset)) return command_score_detections(context);
-  refuse_given(o, {"--class-map", "--confidence"}, "is of a detector's results");
+  refuse_given(o, {"--class-map", "--category", "--confidence"}, "is of a detector's results");
   for (const std::string& gate : o.gates) parse_gate(gate);
   const fs::path out = o.out.empty() ? estimates : fs::path(o.out);
   const FolderClaim claim{

@@ -18,6 +18,19 @@
 
 namespace cousin {
 namespace fs = std::filesystem;
+namespace {
+
+/// What the file says of the pictures that it is scored on.
+FoundFile read_found_of(const JobContext& context, const fs::path& file, TruePictures& truth) {
+  FoundFile found = read_found(file, truth.names);
+  if (const std::size_t out = leave_out_sensors(truth, found); out > 0) {
+    context.progress.line(std::to_string(out) +
+                          " pictures of sensors that the file names no picture of are left out");
+  }
+  return found;
+}
+
+}  // namespace
 
 ExitCode command_score_detections(const JobContext& context) {
   const Options& o = context.options;
@@ -41,9 +54,10 @@ ExitCode command_score_detections(const JobContext& context) {
     for (const fs::path& scene : scene_folders(dataset))
       check_unchanged(dataset, *manifest, scene.filename());
   }
-  const TruePictures truth = read_true_pictures(
-      dataset, [&](int done, int all) { context.progress.function()("read labels", done, all); });
-  const FoundFile found = read_found(path, truth.names);
+  TruePictures truth = read_true_pictures(dataset, o.category, [&](int done, int all) {
+    context.progress.function()("read labels", done, all);
+  });
+  const FoundFile found = read_found_of(context, path, truth);
   ScoreRow base;
   base.suite = "score";
   base.scene = dataset.filename().string();

@@ -144,6 +144,12 @@ CLI::Validator share() {
                                     "");
 }
 
+void add_category(CLI::App& verb, Options& o, const std::string& of) {
+  verb.add_option("--category", o.category,
+                  of + "label of the specimens that their classes are named by, as maturity or "
+                       "variety; without it the dataset's categories");
+}
+
 void add_export(CLI::App& verb, Options& o) {
   verb.add_option("DATASET", o.arguments, "Dataset, simulated or imported")
       ->expected(1, 1)
@@ -164,6 +170,7 @@ void add_export(CLI::App& verb, Options& o) {
   verb.add_option("--masks", o.masks, "coco: rle or polygon, both of the very pixels")
       ->capture_default_str();
   verb.add_option("--task", o.task, "yolo: detect, segment or pose")->capture_default_str();
+  add_category(verb, o, "coco, yolo: ");
   verb.add_option("--least-visible", o.least_visible,
                   "coco, yolo: leave out objects of which a smaller share is seen")
       ->check(share())
@@ -316,6 +323,7 @@ void add_score(CLI::App& verb, Options& o) {
   verb.add_option("--class-map", o.class_map,
                   "Of detections: what the file's classes are in the dataset, 0=low,1=high; "
                   "default: the dataset's classes in their order");
+  add_category(verb, o, "Of detections: ");
   verb.add_option("--confidence", o.confidence,
                   "Of detections: precision, recall and pictures are of those from here on")
       ->check(share())

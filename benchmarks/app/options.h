@@ -47,6 +47,7 @@ struct Options {
   std::string split = "0.8,0.1,0.1";  ///< shares of train, val and test
   std::string masks = "rle";
   std::string task = "detect";
+  std::string category;  ///< label of specimens that sorts them; empty: the dataset's categories
   double least_visible = 0;  ///< share of an object's pixels below which labels leave it out
   std::string rig;           ///< preset, or the path of one, that `fit-sensor` starts from
   std::string board;         ///< target that `calibrate` looks for; empty = the dataset's

@@ -36,18 +36,18 @@ Eigen::Vector3d middle_point_m(const TrueBox& box, int id, const TrueView& view,
 
 }  // namespace
 
-std::vector<TrueBox> true_boxes_of(const SceneTruth& truth) {
+std::vector<TrueBox> true_boxes_of(const SceneTruth& truth, std::size_t sensor) {
+  const SensorTruth own = truth_of_sensor(truth, sensor);
   const auto objects = specimens_of(truth.scene);
   std::map<int, int> place_of;
   for (std::size_t k = 0; k < objects.size(); ++k) place_of[objects[k]->id] = static_cast<int>(k);
   std::vector<TrueBox> result;
-  for (std::size_t f = 0; f < truth.views.size(); ++f) {
-    if (f >= truth.images.size() || truth.images[f].instance.empty() ||
-        truth.images[f].depth_m.empty())
+  for (std::size_t f = 0; f < own.views.size(); ++f) {
+    if (f >= own.images.size() || own.images[f].instance.empty() || own.images[f].depth_m.empty())
       throw std::invalid_argument(
           "boxes need true depth and instances of every view: render with --truth "
           "depth,instance");
-    const TruthImages& images = truth.images[f];
+    const TruthImages& images = own.images[f];
     std::map<int, TrueBox> boxes;
     for (int y = 0; y < images.instance.height(); ++y) {
       for (int x = 0; x < images.instance.width(); ++x) {
@@ -56,8 +56,10 @@ std::vector<TrueBox> true_boxes_of(const SceneTruth& truth) {
         const Eigen::Vector2d low(x - 0.5, y - 0.5), high(x + 0.5, y + 0.5);
         const auto [found, is_new] = boxes.try_emplace(place->second);
         TrueBox& box = found->second;
-        if (is_new)
-          box = {f, truth.views[f].frame, place->second, low, high, 0, Eigen::Vector3d::Zero()};
+        if (is_new) {
+          box = {sensor, f, own.views[f].frame,     place->second, low,
+                 high,   0, Eigen::Vector3d::Zero()};
+        }
         box.low_px = box.low_px.cwiseMin(low);
         box.high_px = box.high_px.cwiseMax(high);
         ++box.pixels;
@@ -65,7 +67,7 @@ std::vector<TrueBox> true_boxes_of(const SceneTruth& truth) {
     }
     for (auto& [specimen, box] : boxes) {
       const int id = objects[static_cast<std::size_t>(specimen)]->id;
-      box.point_m = middle_point_m(box, id, truth.views[f], images);
+      box.point_m = middle_point_m(box, id, own.views[f], images);
       result.push_back(box);
     }
   }

@@ -8,9 +8,10 @@
 
 namespace cousin {
 
-/// A specimen as one image of the first sensor shows it.
+/// A specimen as one image shows it.
 struct TrueBox {
-  std::size_t view = 0;  ///< place in SceneTruth::views
+  std::size_t sensor = 0;  ///< of the rig
+  std::size_t view = 0;    ///< place among the sensor's views
   int frame = 0;
   int specimen = 0;  ///< place in specimens_of()
   Eigen::Vector2d low_px = Eigen::Vector2d::Zero(), high_px = Eigen::Vector2d::Zero();
@@ -19,8 +20,8 @@ struct TrueBox {
   /// pixel that shows the specimen: in that camera's axes, by its true lens.
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
 };
-/// The boxes of all views, view after view.
+/// The boxes of all views of a sensor, view after view.
 /// @throws std::invalid_argument if a view has no true depth or no true instances
-std::vector<TrueBox> true_boxes_of(const SceneTruth& truth);
+std::vector<TrueBox> true_boxes_of(const SceneTruth& truth, std::size_t sensor = 0);
 
 }  // namespace cousin

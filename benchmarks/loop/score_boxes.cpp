@@ -30,7 +30,9 @@ std::vector<int> match_boxes(const std::vector<TrueBox>& truth, const Boxes& mea
   std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
   for (std::size_t t = 0; t < truth.size(); ++t) {
     for (std::size_t m = 0; m < measured.size(); ++m) {
-      if (measured[m].frame != truth[t].frame || measured[m].sensor != 0) continue;
+      if (measured[m].frame != truth[t].frame ||
+          measured[m].sensor != static_cast<int>(truth[t].sensor))
+        continue;
       const double share = overlap(truth[t], measured[m]);
       if (share >= kLeastOverlap) pairs.emplace_back(-share, t, m);
     }
@@ -62,7 +64,7 @@ SpecimenRow row_of_box(const TrueBox& box, const Instance& object, const std::st
   row.scene = labels.scene;
   row.frame = box.frame;
   row.instance = object.id;
-  row.cultivar = object.category;
+  row.cultivar = variety_of(object);
   row.run = labels.run;
   row.method = labels.method;
   row.trait = trait;
@@ -114,25 +116,25 @@ void add_errors(const std::string& case_name, const std::vector<SpecimenRow>& ro
   }
 }
 
-}  // namespace
+using TraitsOfBoxes = std::map<std::pair<int, int>, const SpecimenTraits*>;  ///< by frame and id
 
-SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
-                        const SeedsScoreLabels& labels) {
+/// Scores of the images of one sensor.
+SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxes& measured,
+                         const TraitsOfBoxes& traits_of, const SeedsScoreLabels& labels) {
   SeedsScores scores;
-  const ScoreRow base = labelled_row(labels);
+  ScoreRow base = labelled_row(labels);
+  const std::string other = sensor == 0 ? "" : truth.other_sensors.at(sensor - 1).sensor + ", ";
+  base.case_name = other + base.case_name;
   const auto objects = specimens_of(truth.scene);
-  const std::vector<TrueBox> boxes = true_boxes_of(truth);
-  const std::vector<int> match = match_boxes(boxes, estimate.boxes);
-  std::map<std::pair<int, int>, const SpecimenTraits*> traits_of;
-  for (const SpecimenTraits& traits : estimate.traits)
-    traits_of[{traits.frame, traits.instance}] = &traits;
+  const std::vector<TrueBox> boxes = true_boxes_of(truth, sensor);
+  const std::vector<int> match = match_boxes(boxes, measured);
   std::int64_t found = 0, measured_boxes = 0;
   double distance_m = 0;
   for (std::size_t t = 0; t < boxes.size(); ++t) {
     const SpecimenTraits* traits = nullptr;
     if (match[t] >= 0) {
       ++found;
-      const DetectedBox& box = estimate.boxes[static_cast<std::size_t>(match[t])];
+      const DetectedBox& box = measured[static_cast<std::size_t>(match[t])];
       const auto own = traits_of.find({box.frame, box.id});
       if (own != traits_of.end()) traits = own->second;
     }
@@ -148,8 +150,9 @@ SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
                              rows[2].measured - rows[2].truth);
   }
   const auto n = static_cast<std::int64_t>(boxes.size());
-  const auto there = std::count_if(estimate.boxes.begin(), estimate.boxes.end(),
-                                   [](const DetectedBox& box) { return box.sensor == 0; });
+  const auto there = std::count_if(measured.begin(), measured.end(), [&](const DetectedBox& box) {
+    return box.sensor == static_cast<int>(sensor);
+  });
   const auto add = [&](const std::string& metric, double value, const char* unit, std::int64_t of) {
     scores.rows.push_back(measured_row(base, metric, value, unit, of));
   };
@@ -163,9 +166,29 @@ SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
   for (std::size_t i = 0; i + 1 < std::size(kSteps_m); ++i) {
     char name[40];
     std::snprintf(name, sizeof name, "%.1f to %.1f m", kSteps_m[i], kSteps_m[i + 1]);
-    add_errors(name, scores.specimens, kSteps_m[i], kSteps_m[i + 1], base, scores.rows);
+    add_errors(other + name, scores.specimens, kSteps_m[i], kSteps_m[i + 1], base, scores.rows);
   }
-  score_timings(estimate, base, scores.rows);
+  return scores;
+}
+
+}  // namespace
+
+SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
+                        const SeedsScoreLabels& labels) {
+  TraitsOfBoxes traits_of;
+  for (const SpecimenTraits& traits : estimate.traits)
+    traits_of[{traits.frame, traits.instance}] = &traits;
+  SeedsScores scores;
+  for (const std::size_t sensor : sensors_with_truth(truth)) {
+    const bool has_boxes =
+        std::any_of(estimate.boxes.begin(), estimate.boxes.end(),
+                    [&](const DetectedBox& box) { return box.sensor == static_cast<int>(sensor); });
+    if (sensor > 0 && !has_boxes) continue;
+    SeedsScores own = score_sensor(truth, sensor, estimate.boxes, traits_of, labels);
+    scores.rows.insert(scores.rows.end(), own.rows.begin(), own.rows.end());
+    if (sensor == 0) scores.specimens = std::move(own.specimens);
+  }
+  score_timings(estimate, labelled_row(labels), scores.rows);
   return scores;
 }
 

@@ -184,7 +184,7 @@ void append_specimen_rows(const Instance& object, const SpecimenTraits* measured
     row.dataset = labels.suite;
     row.scene = labels.scene;
     row.instance = object.id;
-    row.cultivar = object.category;
+    row.cultivar = variety_of(object);
     row.run = labels.run;
     row.method = labels.method;
     row.trait = trait.name;

@@ -58,6 +58,13 @@ struct Moment {
       : rays(scene, span), rig(config.rig, config.capture, rays, scene, rng) {}
 };
 
+/// What there is of every camera; the rest is of the first, of the whole rig or of all views.
+TruthNeeds of_any_sensor(TruthNeeds needs) {
+  needs.leaf_area = needs.flow = needs.disparity = false;
+  needs.noise_free_depth = needs.invalid_reason = false;
+  return needs;
+}
+
 std::string light_stage(RadianceBy by) {
   return by == RadianceBy::paths ? "radiance_by_paths" : "radiance_by_cached";
 }
@@ -201,16 +208,21 @@ RigFrame Simulation::take(int frame, const Streams& streams, std::uint64_t repea
       repeat);
 }
 
-TruthImages Simulation::truth(int frame, const TruthNeeds& needs) const {
+TruthImages Simulation::truth(int frame, const TruthNeeds& needs, std::size_t sensor) const {
   if (impl_->moves()) {
     const Moment moment = impl_->moment(frame);
+    if (sensor > 0) return true_images(moment.rays, scene(), moment.rig, frame, needs, sensor);
     return impl_->with_flow(moment, frame, needs);
   }
-  return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs);
+  return true_images(impl_->rays, impl_->scene, impl_->rig, frame, needs, sensor);
 }
 
 TruthImages true_images(const RayScene& rays, const Scene& scene, const RigCapture& rig, int frame,
-                        const TruthNeeds& needs) {
+                        const TruthNeeds& needs, std::size_t sensor) {
+  if (sensor > 0) {
+    const std::vector<TrueView>& own = rig.views().at(sensor).views;
+    return render_truth(rays, scene, own.at(static_cast<std::size_t>(frame)), of_any_sensor(needs));
+  }
   const std::vector<TrueView>& views = rig.views().front().views;
   const TrueView& view = views.at(static_cast<std::size_t>(frame));
   const auto next = static_cast<std::size_t>(frame) + 1;
@@ -226,6 +238,27 @@ TruthImages true_images(const RayScene& rays, const Scene& scene, const RigCaptu
   if (!needs.depth) truth.depth_m = {};
   if (!needs.instance) truth.instance = {};
   return truth;
+}
+
+std::vector<std::size_t> other_true_sensors(const RigCapture& rig, const Streams& streams,
+                                            const TruthNeeds& needs) {
+  std::vector<std::size_t> sensors;
+  if (of_any_sensor(needs) == TruthNeeds{} || rig.views().front().views.empty()) return sensors;
+  const Frame pictures = rig.outline(0, {.color = streams.color, .raw = streams.raw});
+  for (std::size_t s = 1; s < pictures.sensors.size(); ++s) {
+    const SensorFrame& sensor = pictures.sensors[s];
+    if (!sensor.color.empty() || !sensor.raw.empty()) sensors.push_back(s);
+  }
+  return sensors;
+}
+
+void add_other_sensors(const std::vector<std::size_t>& sensors, const Simulation& simulation,
+                       const TruthNeeds& needs, SceneTruth& truth) {
+  for (const std::size_t s : sensors) {
+    SensorViews& other = truth.other_sensors.at(s - 1);
+    for (const TrueView& view : other.views)
+      other.images.push_back(simulation.truth(view.frame, needs, s));
+  }
 }
 
 Capture Simulation::capture_header() const {
@@ -288,6 +321,8 @@ SimulatedRun simulate(const RunConfig& config, std::uint64_t seed, int scene_ind
     images.noise_free_depth_m = std::move(own.noise_free_depth_m);
     images.invalid_reason = std::move(own.invalid_reason);
   }
+  add_other_sensors(other_true_sensors(simulation.rig(), streams, needs), simulation, needs,
+                    run.truth);
   run.timings.push_back(truth_clock.finish());
   return run;
 }

@@ -42,8 +42,8 @@ class Simulation {
   /// @param light_time  where there is one, adds the seconds of the renderer
   RigFrame take(int frame, const Streams& streams, std::uint64_t repeat = 0,
                 StageTiming* light_time = nullptr) const;
-  /// What the first sensor sees. The depth sensor's truth comes with take().
-  TruthImages truth(int frame, const TruthNeeds& needs) const;
+  /// What a sensor sees. The depth sensor's truth comes with take().
+  TruthImages truth(int frame, const TruthNeeds& needs, std::size_t sensor = 0) const;
 
   /// The capture without frames: rig, pipeline, board.
   Capture capture_header() const;
@@ -58,10 +58,18 @@ class Simulation {
 /// The scene that a run builds, before any photograph.
 Scene built_scene(const RunConfig& config, std::uint64_t seed, int scene_index);
 
-/// What the rig's first sensor sees in one frame, of what is asked for; the depth sensor's truth
-/// comes with RigCapture::take.
+/// What a sensor of the rig sees in one frame, of what is asked for; flow, disparity and leaf areas
+/// are of the first sensor alone, the depth sensor's truth comes with RigCapture::take.
 TruthImages true_images(const RayScene& rays, const Scene& scene, const RigCapture& rig, int frame,
-                        const TruthNeeds& needs);
+                        const TruthNeeds& needs, std::size_t sensor = 0);
+
+/// Places in the rig of the cameras beside the first that `streams` hold pictures of: truth is of
+/// what they see, too. None if `needs` asks for nothing that is of them.
+std::vector<std::size_t> other_true_sensors(const RigCapture& rig, const Streams& streams,
+                                            const TruthNeeds& needs);
+/// What these see in all frames, into `truth.other_sensors`.
+void add_other_sensors(const std::vector<std::size_t>& sensors, const Simulation& simulation,
+                       const TruthNeeds& needs, SceneTruth& truth);
 
 /// All frames of a scene and the truth that `needs` asks for, in memory, with the seconds of each
 /// pass. Streams are those of planned_streams().

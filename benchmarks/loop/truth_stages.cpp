@@ -65,52 +65,72 @@ Poses true_poses(const SimulatedRun& run) {
   return result;
 }
 
-/// Boxes and masks of the pixels that show a specimen. The first sensor's images only.
+/// A true box with the mask of the pixels that show its specimen.
+DetectedBox box_with_mask(const TrueBox& truth, int id, const Image<std::int32_t>& seen) {
+  DetectedBox box;
+  box.frame = truth.frame;
+  box.sensor = static_cast<int>(truth.sensor);
+  box.instance = truth.specimen;
+  box.low_px = truth.low_px;
+  box.high_px = truth.high_px;
+  box.image_px = {seen.width(), seen.height()};
+  box.mask_at_px = (truth.low_px.array() + 0.5).cast<int>();
+  const Eigen::Vector2i size = (truth.high_px - truth.low_px).cast<int>();
+  box.mask = Image<std::uint8_t>(size.x(), size.y());
+  for (int y = 0; y < size.y(); ++y) {
+    for (int x = 0; x < size.x(); ++x)
+      box.mask(x, y) = seen(box.mask_at_px.x() + x, box.mask_at_px.y() + y) == id ? 255 : 0;
+  }
+  return box;
+}
+
+/// Boxes and masks of the pixels that show a specimen, sensor after sensor.
 Boxes true_boxes(const SimulatedRun& run) {
   Boxes result;
   const auto objects = specimens_of(run.truth.scene);
-  for (const TrueBox& truth : true_boxes_of(run.truth)) {
-    const Image<std::int32_t>& seen = run.truth.images[truth.view].instance;
-    const int id = objects[static_cast<std::size_t>(truth.specimen)]->id;
-    DetectedBox box;
-    box.frame = truth.frame;
-    box.id = static_cast<int>(result.size());
-    box.instance = truth.specimen;
-    box.low_px = truth.low_px;
-    box.high_px = truth.high_px;
-    box.image_px = {seen.width(), seen.height()};
-    box.mask_at_px = (truth.low_px.array() + 0.5).cast<int>();
-    const Eigen::Vector2i size = (truth.high_px - truth.low_px).cast<int>();
-    box.mask = Image<std::uint8_t>(size.x(), size.y());
-    for (int y = 0; y < size.y(); ++y) {
-      for (int x = 0; x < size.x(); ++x)
-        box.mask(x, y) = seen(box.mask_at_px.x() + x, box.mask_at_px.y() + y) == id ? 255 : 0;
+  for (const std::size_t sensor : sensors_with_truth(run.truth)) {
+    const SensorTruth own = truth_of_sensor(run.truth, sensor);
+    for (const TrueBox& truth : true_boxes_of(run.truth, sensor)) {
+      const int id = objects[static_cast<std::size_t>(truth.specimen)]->id;
+      DetectedBox box = box_with_mask(truth, id, own.images[truth.view].instance);
+      box.id = static_cast<int>(result.size());
+      result.push_back(std::move(box));
     }
-    result.push_back(std::move(box));
   }
   return result;
 }
 
-/// Keypoints in the order of each specimen's model. The first sensor's images only.
+/// What a view shows of one specimen's keypoints, in the order of its model.
+std::vector<DetectedKeypoint> keypoints_of(const TruthImages& images, int id) {
+  std::vector<DetectedKeypoint> points;
+  for (const KeypointView& view : images.keypoints) {
+    if (view.instance != id) continue;
+    const bool is_seen = view.state == PointState::visible;
+    const bool is_inside = is_seen || view.state == PointState::occluded;
+    points.push_back({is_seen     ? KeypointStatus::seen
+                      : is_inside ? KeypointStatus::hidden
+                                  : KeypointStatus::missing,
+                      view.pixel_px, 0});
+  }
+  return points;
+}
+
+/// Keypoints of all specimens, sensor after sensor.
 Keypoints true_keypoints(const SimulatedRun& run) {
   Keypoints result;
   const auto objects = specimens_of(run.truth.scene);
-  for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
-    for (std::size_t k = 0; k < objects.size(); ++k) {
-      KeypointDetection detection;
-      detection.frame = run.truth.views[f].frame;
-      detection.id = static_cast<int>(result.size());
-      detection.instance = static_cast<int>(k);
-      for (const KeypointView& view : run.truth.images[f].keypoints) {
-        if (view.instance != objects[k]->id) continue;
-        const bool is_seen = view.state == PointState::visible;
-        const bool is_inside = is_seen || view.state == PointState::occluded;
-        detection.points.push_back({is_seen     ? KeypointStatus::seen
-                                    : is_inside ? KeypointStatus::hidden
-                                                : KeypointStatus::missing,
-                                    view.pixel_px, 0});
+  for (const std::size_t sensor : sensors_with_truth(run.truth)) {
+    const SensorTruth own = truth_of_sensor(run.truth, sensor);
+    for (std::size_t f = 0; f < own.views.size(); ++f) {
+      for (std::size_t k = 0; k < objects.size(); ++k) {
+        KeypointDetection detection;
+        detection.frame = own.views[f].frame;
+        detection.sensor = static_cast<int>(sensor);
+        detection.id = static_cast<int>(result.size());
+        detection.instance = static_cast<int>(k);
+        detection.points = keypoints_of(own.images[f], objects[k]->id);
+        if (!detection.points.empty()) result.push_back(std::move(detection));
       }
-      if (!detection.points.empty()) result.push_back(std::move(detection));
     }
   }
   return result;

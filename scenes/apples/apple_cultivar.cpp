@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "scenes/apples/apples_toml.h"
+#include "scenes/fruit/fruit_model.h"
 #include "sim/config/limits.h"
 
 namespace cousin {
@@ -41,6 +42,10 @@ Fields fields(AppleCultivar& c) {
       {"stalk_bow", &c.stalk_bow, "sigma of its end beside the axis over its length", 0, 1},
       {"red_share", &c.red_share, "mean of the red share of the surface", 0, 1},
       {"sigma_red_share", &c.sigma_red_share, "its standard deviation", 0, 0.5},
+      {"maturity_medium", &c.maturity_medium, "red share from which an apple is medium, not low", 0,
+       1},
+      {"maturity_high", &c.maturity_high, "red share above which an apple is high, not medium", 0,
+       1},
       {"albedo_ground", &c.albedo_ground, "linear reflectance", 0, 1},
       {"albedo_blush", &c.albedo_blush, "linear reflectance", 0, 1},
       {"albedo_red", &c.albedo_red, "linear reflectance", 0, 1},
@@ -60,6 +65,7 @@ Fields fields(AppleCultivar& c) {
 void validate(const AppleCultivar& c) {
   AppleCultivar copy = c;
   check_limits(fields(copy), "fuji");
+  check_maturity(c.maturity_medium, c.maturity_high);
   for (const auto* albedo :
        {&c.albedo_ground, &c.albedo_blush, &c.albedo_red, &c.albedo_lenticel, &c.albedo_russet}) {
     if (albedo->size() != 3) throw std::invalid_argument("an albedo_* needs 3 numbers");

@@ -21,6 +21,7 @@ struct AppleCultivar {
   double dent_spread = 0, lobes_spread = 0, lobes_at = 0, lobes_rad = 0;
   double stalk_length_m = 0, stalk_radius_m = 0, stalk_spread = 0, stalk_bow = 0;
   double red_share = 0, sigma_red_share = 0;
+  double maturity_medium = 0, maturity_high = 0;
   std::vector<double> albedo_ground, albedo_blush, albedo_red, albedo_lenticel, albedo_russet;
   double colour_width = 0, stripe_contrast = 0;
   int stripes = 0, lenticels = 0;

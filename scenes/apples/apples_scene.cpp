@@ -211,7 +211,7 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng, const BranchS
   tree.traits = tree_traits(grown);
   const FruitModels models = add_fruit_models(scene, grown.fruits);
   const std::vector<std::size_t> apples =
-      add_fruits(scene, "", grown.tree, {}, grown.fruits, models);
+      add_fruits(scene, "", grown.tree, {}, config.fuji, grown.fruits, models);
   std::vector<int> leaf_models;
   for (PlantModel& leaf : grown.leaves) {
     leaf_models.push_back(static_cast<int>(scene.models.size()));

@@ -47,10 +47,11 @@ Fields fields(ApplesSceneConfig& config);
 void validate(const ApplesSceneConfig& config);
 
 /// A Fuji tree in its row, seen view by view from 0.1 to 1 m of one of its fruits. Fruits of the
-/// tree and its neighbours are specimens "apple NNN" with traits and keypoints; each leaf of the
-/// tree is an instance. The wood of the tree, instance "tree", carries what is known of the whole
-/// and of each view: `target NNNNNN` (instance id), and with occlusion asked for `visible NNNNNN`
-/// and `met NNNNNN` (1: within 0.03).
+/// tree and its neighbours are specimens "apple NNN" of their maturity as category, with labels
+/// maturity (low, medium, high: see cultivars.toml) and variety, traits and keypoints; each leaf of
+/// the tree is an instance. The wood of the tree, instance "tree", carries what is known of the
+/// whole and of each view: `target NNNNNN` (instance id), and with occlusion asked for `visible
+/// NNNNNN` and `met NNNNNN` (1: within 0.03).
 /// @throws std::invalid_argument for fruits that the tree cannot hold, and with unmet = refuse for
 /// an occlusion that is not met.
 /// In wind, or under a hand, branches with all they carry move about the times of the views, each

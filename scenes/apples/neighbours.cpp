@@ -117,7 +117,7 @@ FruitModels add_fruit_models(Scene& scene, const std::vector<FruitModel>& fruits
 }
 
 std::vector<std::size_t> add_fruits(Scene& scene, const std::string& prefix, const AppleTree& tree,
-                                    const Pose& world_from_tree,
+                                    const Pose& world_from_tree, const AppleCultivar& cultivar,
                                     const std::vector<FruitModel>& fruits,
                                     const FruitModels& models) {
   std::vector<std::size_t> places;
@@ -133,8 +133,10 @@ std::vector<std::size_t> add_fruits(Scene& scene, const std::string& prefix, con
                           models.first_material + offset + part, pose);
     };
     Instance& flesh = add("apple", 0);
-    flesh.category = model.flesh.model.name;
     flesh.is_specimen = true;
+    set_labels(
+        flesh, model.flesh.model.name,
+        maturity_of(trait(model, "red_share"), cultivar.maturity_medium, cultivar.maturity_high));
     flesh.mass_kg = fruit.mass_kg;
     flesh.traits = traits_of(model, fruit.mass_kg, pose);
     places.push_back(scene.instances.size() - 1);
@@ -196,7 +198,7 @@ void add_neighbours(Scene& scene, const ApplesSceneConfig& config,
           .part_materials = looks;
       const bool is_near = across == 0 && std::abs(place) <= (config.neighbours + 1) / 2;
       if (is_near) {
-        add_fruits(scene, name + " ", kinds[kind].tree, pose, fruits, models);
+        add_fruits(scene, name + " ", kinds[kind].tree, pose, config.fuji, fruits, models);
       } else if (config.fruits > 0) {
         add_instance(scene, name + " fruits", "tree", model + 1, skin_material, pose);
       }

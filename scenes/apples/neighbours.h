@@ -14,7 +14,7 @@ struct FruitModels {
 FruitModels add_fruit_models(Scene& scene, const std::vector<FruitModel>& fruits);
 /// @return places of the flesh in scene.instances
 std::vector<std::size_t> add_fruits(Scene& scene, const std::string& prefix, const AppleTree& tree,
-                                    const Pose& world_from_tree,
+                                    const Pose& world_from_tree, const AppleCultivar& cultivar,
                                     const std::vector<FruitModel>& fruits,
                                     const FruitModels& models);
 

@@ -27,6 +27,21 @@ double trait(const FruitModel& fruit, const std::string& name) {
   throw std::invalid_argument("a fruit has no trait \"" + name + "\"");
 }
 
+int maturity_of(double red_share, double medium, double high) {
+  return red_share < medium ? 0 : (red_share <= high ? 1 : 2);
+}
+
+void check_maturity(double medium, double high) {
+  if (medium <= high) return;
+  throw std::invalid_argument("maturity_medium " + std::to_string(medium) +
+                              " is above maturity_high " + std::to_string(high));
+}
+
+void set_labels(Instance& fruit, const std::string& variety, int maturity) {
+  fruit.category = kMaturities.at(static_cast<std::size_t>(maturity));
+  fruit.labels = {{"maturity", fruit.category}, {"variety", variety}};
+}
+
 double mean_width_m(const std::vector<Eigen::Vector3d>& points_m) {
   constexpr int kDirections = 36;
   double sum = 0;

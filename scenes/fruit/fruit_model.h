@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -41,6 +42,15 @@ struct FruitModel {
 
 /// Value of a trait. @throws std::invalid_argument naming it if it is not there.
 double trait(const FruitModel& fruit, const std::string& name);
+
+/// Classes of maturity, by red share: 0, 1, 2.
+inline constexpr std::array<const char*, 3> kMaturities = {"low", "medium", "high"};
+/// 0 below `medium`, 2 above `high`, else 1.
+int maturity_of(double red_share, double medium, double high);
+/// @throws std::invalid_argument if `medium` is above `high`.
+void check_maturity(double medium, double high);
+/// Labels of a fruit, and its maturity as its category.
+void set_labels(Instance& fruit, const std::string& variety, int maturity);
 
 /// Mean over 36 directions across z of a shape's extent: what a caliper turned about the axis
 /// reads.

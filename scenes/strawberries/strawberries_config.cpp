@@ -14,7 +14,7 @@ Fields fields(StrawberriesSceneConfig& c) {
                  1000000},
                 {"ripens", &c.ripens, "each scene has its own colours; false: as it grew"},
                 {"light", &c.light, "drawn, morning, overcast, noon or lamp"},
-                {"category", &c.category, "of fruits: variety, or maturity (low, medium, high)"},
+                {"category", &c.category, "of fruits: maturity (low, medium, high) or variety"},
                 {"views", &c.views, "of the fruits", 1, 10000},
                 {"distance_min_m", &c.distance_min_m, "nearest to the fruits' middle", kNear_m,
                  kFar_m},
@@ -50,7 +50,7 @@ void validate(const StrawberriesSceneConfig& config) {
   ordered("pitch_min_rad", config.pitch_min_rad, "pitch_max_rad", config.pitch_max_rad);
   if (config.category != "variety" && config.category != "maturity")
     throw std::invalid_argument("category \"" + config.category +
-                                "\" is not one of variety, maturity");
+                                "\" is not one of maturity, variety");
   if (config.unmet != "state" && config.unmet != "refuse")
     throw std::invalid_argument("unmet \"" + config.unmet + "\" is not one of state, refuse");
   if (config.occlusion >= 0 && !is_still(config.motion))
@@ -62,6 +62,8 @@ void validate(const StrawberriesSceneConfig& config) {
   add_strawberry_light(scene, config.bed, config.light, {0.4, 0, 0}, {0, 0, 0}, Rng(0));
 }
 
-int maturity_of(double red_share) { return red_share < 0.3 ? 0 : (red_share <= 0.8 ? 1 : 2); }
+int maturity_of(double red_share) {
+  return maturity_of(red_share, truss_shape().maturity_medium, truss_shape().maturity_high);
+}
 
 }  // namespace cousin

@@ -39,15 +39,16 @@ void add_fruit(Scene& scene, const StrawberriesSceneConfig& config, const FruitM
   flesh.is_specimen = true;
   flesh.mass_kg = fruit.mass_kg;
   flesh.traits = fruit.traits;
-  const int maturity = maturity_of(trait(fruit, "red_share"));
+  const TrussShape& shape = config.stand.truss;
+  const int maturity =
+      maturity_of(trait(fruit, "red_share"), shape.maturity_medium, shape.maturity_high);
   flesh.traits.push_back({"maturity", "1", static_cast<double>(maturity)});
   const Vector3d axis = at.rotation * Vector3d::UnitZ();
   constexpr std::array<const char*, 3> kAxes = {"axis_x", "axis_y", "axis_z"};
   for (int k = 0; k < 3; ++k)
     flesh.traits.push_back({kAxes[static_cast<std::size_t>(k)], "1", axis[k]});
-  constexpr std::array<const char*, 3> kMaturities = {"low", "medium", "high"};
-  flesh.category = config.category == "maturity" ? kMaturities[static_cast<std::size_t>(maturity)]
-                                                 : fruit.flesh.model.name;
+  set_labels(flesh, fruit.flesh.model.name, maturity);
+  if (config.category == "variety") flesh.category = fruit.flesh.model.name;
   const auto add = [&](Instance instance, const FruitPart& part, const std::string& name) {
     instance.model = static_cast<int>(scene.models.size());
     instance.material = static_cast<int>(scene.materials.size());

@@ -17,10 +17,10 @@ namespace cousin {
 
 struct StrawberriesSceneConfig {
   StandConfig stand;
-  int plants = 200;                  ///< different stretches; scene i shows stretch i % plants
-  bool ripens = true;                ///< each scene has its own colours; false: as it grew
-  std::string light = "drawn";       ///< or one of strawberry_lights()
-  std::string category = "variety";  ///< or maturity: low, medium, high by red share
+  int plants = 200;                   ///< different stretches; scene i shows stretch i % plants
+  bool ripens = true;                 ///< each scene has its own colours; false: as it grew
+  std::string light = "drawn";        ///< or one of strawberry_lights()
+  std::string category = "maturity";  ///< low, medium, high by red share; or variety
   int views = 6;
   double distance_min_m = 0.3, distance_max_m = 0.6;  ///< from the fruits' middle
   double height_m = 0.05;                             ///< eye above or below it, at most
@@ -47,8 +47,8 @@ void validate(const StrawberriesSceneConfig& config);
 
 /// A stretch of raised bed with two rows of plants, trusses of the near row over its edge. World:
 /// the bed's top is z = 0, its edge x = 0 with the path on the side +x, rows along y. Fruits are
-/// specimens "fruit NN": traits of FruitModel and maturity (0 low, 1 medium, 2 high: red share
-/// below 0.3, to 0.8, above [Strawberries 2.1]), axis_x, axis_y, axis_z (unit, from tip to calyx,
+/// specimens "fruit NN": labels maturity and variety, traits of FruitModel and maturity (0 low,
+/// 1 medium, 2 high: see truss.toml), axis_x, axis_y, axis_z (unit, from tip to calyx,
 /// in the world), keypoints tip, calyx_centre, cut_point. Plants of the near row are instances
 /// "plant NN", parts as grow_strawberry_plant; stalks of a truss "truss NN". With occlusion asked
 /// for or in wind, leaves of the near row are instances "plant NN leaf K" of their own. In wind, or
@@ -66,7 +66,7 @@ Scene build_strawberries_scene(const StrawberriesSceneConfig& config, const Stan
 std::vector<View> strawberry_views(const StrawberriesSceneConfig& config,
                                    const Eigen::Vector3d& middle_m, Rng rng);
 
-/// Class of a red share: 0 low, 1 medium, 2 high [Strawberries 2.1].
+/// Class of a red share by truss.toml: 0 low, 1 medium, 2 high.
 int maturity_of(double red_share);
 
 /// Deepest that a scene's plants (leaves, petioles, flowers, runners) reach into its fruits' hulls;

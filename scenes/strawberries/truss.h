@@ -29,6 +29,7 @@ struct TrussShape {
   double one_branch_share = 0;             ///< of the forks, from which one branch goes on
   std::vector<double> mass_by_rank;
   double lag_by_rank = 0, lag_spread = 0, ripeness_low = 0, ripeness_high = 0;
+  double maturity_medium = 0, maturity_high = 0;
   double crown_m = 0, bed_half_width_m = 0, bed_height_m = 0, bed_round_m = 0;
   double bed_slope_rad = 0;
 };

@@ -67,6 +67,10 @@ Fields fields(TrussShape& s) {
               5},
              {"ripeness_high", &s.ripeness_high, "of the first fruit, where none is asked for", -1,
               5},
+             {"maturity_medium", &s.maturity_medium,
+              "red share from which a fruit is medium, not low", 0, 1},
+             {"maturity_high", &s.maturity_high, "red share above which a fruit is high, not medium",
+              0, 1},
              {"crown_m", &s.crown_m, "of the crown from the bed's edge", 0.01, 1},
              {"bed_half_width_m", &s.bed_half_width_m, "of the bed", 0.05, 5},
              {"bed_height_m", &s.bed_height_m, "of the bed", 0.05, 5},
@@ -81,6 +85,7 @@ void validate(const TrussShape& shape) {
   check_limits(fields(copy));
   if (shape.ripeness_low > shape.ripeness_high)
     throw std::invalid_argument("ripeness_low is above ripeness_high");
+  check_maturity(shape.maturity_medium, shape.maturity_high);
   if (shape.vigour_low > shape.vigour_high)
     throw std::invalid_argument("vigour_low is above vigour_high");
   if (shape.fork_low > shape.fork_high) throw std::invalid_argument("fork_low is above fork_high");

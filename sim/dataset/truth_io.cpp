@@ -10,9 +10,10 @@
 //   scene.json         name, rig, board, models (name, mesh file, part names, part of each
 //                      triangle), materials, instances, lights, views. An instance with "part_of"
 //                      is an organ of the specimen of that id, which then has "keypoint_carriers":
-//                      ids, one a keypoint of its model. Of an organ's motion what frames see is
-//                      kept. Shading (vertex albedo and
-//                      normals) is not kept: configuration and seed make it again. A light
+//                      ids, one a keypoint of its model. "labels" of a specimen, absent where it
+//                      has none: {"maturity": "low", "variety": "akihime"}. Of an organ's motion
+//                      what frames see is kept. Shading (vertex albedo and normals) is not kept:
+//                      configuration and seed make it again. A light
 //                      {"kind": "environment", "file": "environments/000000.exr", "scale": 1}
 //                      names an equirectangular OpenEXR (R, G, B; row 0 at the zenith, column 0 at
 //                      azimuth -pi) below truth/; "scale", 1 if absent, multiplies it.
@@ -31,6 +32,9 @@
 //                      "depth_m"}]}}; frames if planned; state: visible, occluded, outside;
 //                      numbers null where the lens makes no image
 //   models/            obj_000001.ply, ...: in the object's frame, metres
+//   sensors/NAME/      what another colour sensor of the rig sees: scene_gt.json,
+//                      scene_gt_info.json, keypoints.json (no models) and images, each as here.
+//                      Flow, disparity and leaf areas are of the first sensor alone
 // Images, each only if it was planned:
 //   depth/000000.exr   metres; likewise normal/ and position/ (three channels), coverage/
 //   coverage/          also 000000_000003.exr: shares of pixels, of frame 0's fourth specimen
@@ -59,6 +63,7 @@
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/truth_json.h"
+#include "sim/dataset/truth_sensors.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/exr_color.h"
 #include "sim/imaging/exr_vectors.h"
@@ -100,12 +105,12 @@ void check_images(const TruthImages& images, int frame, const std::vector<const 
   if (!same) throw std::invalid_argument(where + ": visibility is not of the specimens by id");
 }
 
-void check_images(const SceneTruth& truth, const std::vector<const Instance*>& order) {
-  if (truth.images.empty()) return;
-  if (truth.images.size() != truth.views.size())
+void check_images(const std::vector<TrueView>& views, const std::vector<TruthImages>& images,
+                  const std::vector<const Instance*>& order) {
+  if (images.empty()) return;
+  if (images.size() != views.size())
     throw std::invalid_argument("truth: not one image set for each view");
-  for (std::size_t i = 0; i < truth.images.size(); ++i)
-    check_images(truth.images[i], truth.views[i].frame, order);
+  for (std::size_t i = 0; i < images.size(); ++i) check_images(images[i], views[i].frame, order);
 }
 
 Image<std::uint16_t> instance_codes(const Image<std::int32_t>& instance, int frame) {
@@ -290,8 +295,13 @@ void read_masks(const fs::path& dir, const TrueView& view, TruthImages& images) 
   }
 }
 
-/// What all truth images take in memory, by the sizes that camera.json says.
-void check_image_memory(const fs::path& dir, const SceneTruth& truth, std::size_t specimens) {
+/// What the truth images of a sensor take in memory, by the sizes that camera.json says.
+/// @param sensor  its name; empty: the first
+/// @param bytes  of the sensors before
+/// @return of them and this one
+std::uint64_t check_image_memory(const fs::path& truth_dir, const std::string& sensor,
+                                 const std::vector<TrueView>& views, std::size_t specimens,
+                                 std::uint64_t bytes) {
   struct Kind {
     const char* folder;
     const char* ending;
@@ -307,8 +317,8 @@ void check_image_memory(const fs::path& dir, const SceneTruth& truth, std::size_
                                             {"disparity", ".exr", 9},
                                             {"noise_free_depth", ".exr", 4},
                                             {"invalid_reason", ".png", 1}}};
-  std::uint64_t bytes = 0;
-  for (const TrueView& view : truth.views) {
+  const fs::path dir = truth_dir / sensor_folder(sensor);
+  for (const TrueView& view : views) {
     const std::uint64_t pixels = bytes_times(static_cast<std::uint64_t>(view.camera.width_px),
                                              static_cast<std::uint64_t>(view.camera.height_px));
     std::uint64_t of_pixel = 0;
@@ -318,9 +328,10 @@ void check_image_memory(const fs::path& dir, const SceneTruth& truth, std::size_
     }
     if (fs::is_directory(dir / "mask")) of_pixel += specimens;
     bytes = bytes_plus(bytes, bytes_times(pixels, of_pixel));
-    check_memory(dir / "camera.json", bytes,
+    check_memory(truth_dir / "camera.json", bytes,
                  "the truth images up to frame " + std::to_string(view.frame));
   }
+  return bytes;
 }
 
 void read_images(const fs::path& dir, const TrueView& view, TruthImages& images) {
@@ -343,6 +354,16 @@ void read_images(const fs::path& dir, const TrueView& view, TruthImages& images)
   if (fs::is_directory(dir / "mask")) read_masks(dir, view, images);
 }
 
+/// All images of a sensor, whose folders are in `dir`.
+void read_all_images(const fs::path& dir, const std::vector<TrueView>& views,
+                     const std::vector<const Instance*>& order, std::vector<TruthImages>& images) {
+  for_each_frame(images.size(), [&](std::size_t i) {
+    read_images(dir, views[i], images[i]);
+    read_shares(dir, views[i], order, images[i]);
+    read_matches(dir, views[i], images[i]);
+  });
+}
+
 std::uint64_t read_seed(const fs::path& file) {
   const std::string text = read_file(file, 64);
   std::uint64_t seed = 0;
@@ -360,7 +381,9 @@ std::uint64_t read_seed(const fs::path& file) {
 void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
   validate(truth.scene);
   const std::vector<const Instance*> order = specimens_of(truth.scene);
-  check_images(truth, order);
+  check_images(truth.views, truth.images, order);
+  for (const SensorViews& other : truth.other_sensors)
+    check_images(other.views, other.images, order);
   const fs::path dir = scene_dir / "truth";
   fs::create_directories(dir / "models");
   for (std::size_t i = 0; i < truth.scene.models.size(); ++i)
@@ -372,6 +395,13 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
   for_each_frame(truth.images.size(), [&](std::size_t i) {
     write_images(dir, truth.images[i], truth.views[i].frame, order);
   });
+  for (const SensorViews& other : truth.other_sensors) {
+    if (other.images.empty()) continue;
+    for_each_frame(other.images.size(), [&](std::size_t i) {
+      write_images(dir / sensor_folder(other.sensor), other.images[i], other.views[i].frame, order);
+    });
+    write_sensor_labels(dir, truth.scene, other);
+  }
   write_file(dir / "config.toml", truth.config_toml);
   write_file(dir / "seed", std::to_string(truth.seed) + "\n");
   if (!truth.shared_plants.empty())
@@ -386,10 +416,24 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
 }
 
 void write_truth_images(const fs::path& scene_dir, const Scene& scene, int frame,
-                        const TruthImages& images) {
+                        const TruthImages& images, const std::string& sensor) {
   const std::vector<const Instance*> order = specimens_of(scene);
   check_images(images, frame, order);
-  write_images(scene_dir / "truth", images, frame, order);
+  write_images(scene_dir / "truth" / sensor_folder(sensor), images, frame, order);
+}
+
+SensorTruth truth_of_sensor(const SceneTruth& truth, std::size_t sensor) {
+  if (sensor == 0) return {truth.views, truth.images};
+  const SensorViews& other = truth.other_sensors.at(sensor - 1);
+  return {other.views, other.images};
+}
+
+std::vector<std::size_t> sensors_with_truth(const SceneTruth& truth) {
+  std::vector<std::size_t> sensors = {0};
+  for (std::size_t s = 0; s < truth.other_sensors.size(); ++s) {
+    if (!truth.other_sensors[s].images.empty()) sensors.push_back(s + 1);
+  }
+  return sensors;
 }
 
 SceneTruth read_truth(const fs::path& scene_dir) {
@@ -427,15 +471,20 @@ SceneTruth read_truth(const fs::path& scene_dir) {
   keypoint_views_from_json(text("keypoints.json"), name("keypoints.json"), truth.scene, truth.views,
                            truth.images);
   const std::vector<const Instance*> order = specimens_of(truth.scene);
-  check_image_memory(dir, truth, order.size());
-  for_each_frame(truth.views.size(), [&](std::size_t i) {
-    read_images(dir, truth.views[i], truth.images[i]);
-    read_shares(dir, truth.views[i], order, truth.images[i]);
-    read_matches(dir, truth.views[i], truth.images[i]);
-    for (const SensorViews& other : truth.other_sensors) {
-      if (other.sensor == kDepthSensor) read_depth_sensor(dir, other.views[i], truth.images[i]);
+  std::uint64_t bytes = check_image_memory(dir, "", truth.views, order.size(), 0);
+  read_all_images(dir, truth.views, order, truth.images);
+  for (SensorViews& other : truth.other_sensors) {
+    if (other.sensor == kDepthSensor) {
+      for_each_frame(truth.views.size(), [&](std::size_t i) {
+        read_depth_sensor(dir, other.views[i], truth.images[i]);
+      });
     }
-  });
+    read_sensor_labels(dir, truth.scene, other);
+    if (other.images.empty()) continue;
+    bytes = check_image_memory(dir, other.sensor, other.views, order.size(), bytes);
+    read_all_images(resolve_inside(dir, sensor_folder(other.sensor)), other.views, order,
+                    other.images);
+  }
   return truth;
 }
 

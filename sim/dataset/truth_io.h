@@ -20,27 +20,38 @@ struct SceneTruth {
   std::vector<std::string> shared_plants;
   std::vector<TrueView> views;             ///< of the rig's first sensor
   std::vector<SensorViews> other_sensors;  ///< in the rig's order, as many views each
-  std::vector<TruthImages> images;  ///< one for each view, or empty; what was not planned is empty
+  std::vector<TruthImages> images;  ///< of the first sensor: one for each view, or empty; what was
+                                    ///< not planned is empty
 };
 
 /// SCENE_DIR/truth: config.toml, seed, shared_plants.json (if there are some), camera.json,
 /// scene_gt.json, scene_gt_info.json (BOP), traits.json, keypoints.json, models/*.ply, and image
-/// folders for what is there. Library target of its own: perception cannot link it. `images` is
-/// empty or one for each view; visibility of an image is empty or of all specimens by id, and so
-/// are shares.
+/// folders for what is there; sensors/NAME/ for what another sensor sees. Library target of its
+/// own: perception cannot link it. `images` is empty or one for each view; visibility of an image
+/// is empty or of all specimens by id, and so are shares.
 /// @throws std::invalid_argument otherwise or if the scene is not valid, std::runtime_error if a
 /// file cannot be written.
 void write_truth(const std::filesystem::path& scene_dir, const SceneTruth& truth);
 /// The image files of one frame alone, so that a long scene need not be in memory at once:
 /// write_truth with what is then left of each frame, its `visibility`, `keypoints` and
 /// `leaf_areas`, makes the same folder.
+/// @param sensor  whose images they are; empty: the first
 /// @throws as write_truth.
 void write_truth_images(const std::filesystem::path& scene_dir, const Scene& scene, int frame,
-                        const TruthImages& images);
+                        const TruthImages& images, const std::string& sensor = {});
 /// Everything that scoring needs: specimens with meshes, poses, traits, views, visibility; images
 /// if they exist. All that was written comes back bit by bit but for the models' vertex albedo and
 /// vertex normals, and leaf areas seen, which no score uses.
 /// @throws std::runtime_error naming file, key, value and limit.
 SceneTruth read_truth(const std::filesystem::path& scene_dir);
+
+/// What is true of one sensor of the rig, 0 = first. @throws std::out_of_range
+struct SensorTruth {
+  const std::vector<TrueView>& views;
+  const std::vector<TruthImages>& images;
+};
+SensorTruth truth_of_sensor(const SceneTruth& truth, std::size_t sensor);
+/// Places in the rig of the first sensor and of those others whose images there are.
+std::vector<std::size_t> sensors_with_truth(const SceneTruth& truth);
 
 }  // namespace cousin

@@ -36,6 +36,7 @@ Json json_of(const Instance& instance) {
                {"mass_kg", instance.mass_kg},
                {"world_from_object", to_json(instance.world_from_object)},
                {"motion", motion}};
+  for (const TrueLabel& label : instance.labels) json["labels"][label.name] = label.value;
   if (!instance.part_materials.empty()) json["part_materials"] = instance.part_materials;
   if (instance.part_of >= 0) json["part_of"] = instance.part_of;
   if (!instance.keypoint_carriers.empty()) json["keypoint_carriers"] = instance.keypoint_carriers;
@@ -45,7 +46,7 @@ Json json_of(const Instance& instance) {
 Instance read_instance(const JsonNode& node) {
   node.expect_keys({"id", "name", "category", "is_specimen", "model", "material", "mass_kg",
                     "world_from_object", "motion"},
-                   {"part_materials", "part_of", "keypoint_carriers"});
+                   {"labels", "part_materials", "part_of", "keypoint_carriers"});
   Instance instance;
   instance.id = static_cast<int>(node["id"].integer(0, kMaxId));
   instance.name = node["name"].text();
@@ -53,6 +54,10 @@ Instance read_instance(const JsonNode& node) {
   instance.is_specimen = node["is_specimen"].boolean();
   instance.model = static_cast<int>(node["model"].integer(0, kMaxId));
   instance.material = static_cast<int>(node["material"].integer(0, kMaxId));
+  if (node.has("labels")) {
+    for (const auto& [label, value] : node["labels"].members(100))
+      instance.labels.push_back({label, value.text()});
+  }
   if (node.has("part_materials")) {
     for (const JsonNode& part : node["part_materials"].elements(65535))
       instance.part_materials.push_back(static_cast<int>(part.integer(0, kMaxId)));

@@ -148,6 +148,7 @@ std::vector<std::size_t> split_specimen(Scene& scene, std::size_t specimen,
     organ.model = models.at(i);
     organ.mass_kg = 0;
     organ.traits.clear();
+    organ.labels.clear();
     organ.keypoint_carriers.clear();
     places.push_back(scene.instances.size());
     scene.instances.push_back(std::move(organ));

@@ -78,6 +78,12 @@ struct TrueTrait {
   double value = 0;
 };
 
+/// A word about a specimen that people sort by.
+struct TrueLabel {
+  std::string name;   ///< variety, maturity, ...
+  std::string value;  ///< benihoppe; low, medium, high; ...
+};
+
 /// A shape that instances share, in its own frame.
 struct ObjectModel {
   std::string name;
@@ -98,7 +104,9 @@ struct TimedPose {
 struct Instance {
   int id = 0;  ///< unique; written to instance images; background is -1
   std::string name;
-  std::string category;  ///< cultivar for specimens; "board", "screen", "sphere" for the setting
+  /// Of specimens what detectors are to tell apart: the maturity of fruits, else the cultivar.
+  /// "board", "screen", "sphere" for the setting.
+  std::string category;
   bool is_specimen = false;  ///< scored; its traits are filled
   int model = 0;             ///< index into Scene::models
   int material = 0;          ///< index into Scene::materials
@@ -109,10 +117,11 @@ struct Instance {
   std::vector<TimedPose> motion;  ///< sorted by time; empty = static at world_from_object
   double mass_kg = 0;
   std::vector<TrueTrait> traits;
+  std::vector<TrueLabel> labels;  ///< of a specimen, sorted by name, each once
   /// Organs that move on their own are instances of their own. This is the id of the specimen that
   /// this one is an organ of, -1 = none: all truth counts its surface as that specimen's. An organ
-  /// is no specimen, has no organs and no traits, and its model has its specimen's part names. At
-  /// rest its axes are its specimen's.
+  /// is no specimen, has no organs, traits or labels, and its model has its specimen's part names.
+  /// At rest its axes are its specimen's.
   int part_of = -1;
   /// Of a specimen with organs: for each keypoint of its model the id of what carries it, itself or
   /// one of its organs, in whose axes `in_object_m` then is. Empty = itself.

@@ -179,6 +179,13 @@ void check_instance(const Instance& instance, const Scene& scene, const std::str
     if (!instance.part_materials.empty() && part >= instance.part_materials.size())
       fail(where, "no material of part", part, "of its model");
   }
+  for (std::size_t i = 0; i < instance.labels.size(); ++i) {
+    if (instance.labels[i].name.empty() || instance.labels[i].value.empty())
+      fail(where, "a label has an empty name or value");
+    if (i > 0 && instance.labels[i].name <= instance.labels[i - 1].name)
+      fail(where,
+           "its labels are not sorted by name, each once: \"" + instance.labels[i].name + "\"");
+  }
   check_pose(where, "its pose", instance.world_from_object);
   for (std::size_t i = 0; i < instance.motion.size(); ++i) {
     const TimedPose& step = instance.motion[i];
@@ -204,8 +211,9 @@ void check_links(const Instance& instance, const std::map<int, const Instance*>&
     if (whole->part_of != -1 || whole == &instance)
       fail(where, "part_of", instance.part_of, "is an organ itself: links have no chains");
     if (!whole->is_specimen) fail(where, "part_of", instance.part_of, "is no specimen");
-    if (instance.is_specimen || !instance.traits.empty() || !instance.keypoint_carriers.empty())
-      fail(where, "is an organ, and so no specimen, without traits and keypoint_carriers");
+    if (instance.is_specimen || !instance.traits.empty() || !instance.labels.empty() ||
+        !instance.keypoint_carriers.empty())
+      fail(where, "is an organ, and so no specimen, without traits, labels and keypoint_carriers");
     if (model_of(instance).part_names != model_of(*whole).part_names)
       fail(where, "its model's part_names are not those of its specimen \"" + whole->name + "\"");
   }

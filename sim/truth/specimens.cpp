@@ -16,6 +16,18 @@ std::vector<const Instance*> specimens_of(const Scene& scene) {
   return result;
 }
 
+std::string label_of(const Instance& instance, const std::string& name) {
+  for (const TrueLabel& label : instance.labels) {
+    if (label.name == name) return label.value;
+  }
+  return {};
+}
+
+std::string variety_of(const Instance& instance) {
+  const std::string variety = label_of(instance, "variety");
+  return variety.empty() ? instance.category : variety;
+}
+
 std::vector<std::size_t> places_of(const Scene& scene, const Instance& specimen) {
   std::vector<std::size_t> places = {static_cast<std::size_t>(&specimen - scene.instances.data())};
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {

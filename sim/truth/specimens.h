@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "sim/truth/scene.h"
@@ -17,6 +18,11 @@ inline int whole_id(const Instance& instance) {
 inline bool is_of_specimen(const Instance& instance) {
   return instance.is_specimen || instance.part_of >= 0;
 }
+
+/// Value of a specimen's label; empty where it has none of this name.
+std::string label_of(const Instance& instance, const std::string& name);
+/// The label "variety", else the category.
+std::string variety_of(const Instance& instance);
 
 /// Places in Scene::instances of a specimen's surface: its own first, then its organs' in order.
 std::vector<std::size_t> places_of(const Scene& scene, const Instance& specimen);

@@ -118,10 +118,11 @@ struct TruthImages {
   Image<std::uint8_t> invalid_reason;  ///< why there is no depth; 0 = there is
 };
 
-/// The true lenses and poses of one sensor of a rig, one for each frame.
+/// The true lenses and poses of one sensor of a rig, one for each frame, and what it sees.
 struct SensorViews {
   std::string sensor;
   std::vector<TrueView> views;
+  std::vector<TruthImages> images = {};  ///< one for each view, or empty
 };
 
 }  // namespace cousin

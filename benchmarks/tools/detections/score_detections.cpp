@@ -311,6 +311,8 @@ std::string size_group(const TruePicture&, const TrueObject& object) {
 }
 
 std::string maturity_group(const TruePicture&, const TrueObject& object) {
+  if (const auto label = object.labels.find("maturity"); label != object.labels.end())
+    return label->second;
   const auto maturity = object.traits.find("maturity");
   if (maturity == object.traits.end()) return {};
   constexpr std::array<const char*, 3> kNames = {"low", "medium", "high"};

@@ -46,7 +46,7 @@ std::map<int, std::string> class_map_from_string(const std::string& text);
 ///   each and "AP50.as_one_class" of all; of masks too ("mask_AP50") where the file has them;
 /// - precision, recall, F1 at the confidence; the best F1 over confidences, and where it is;
 /// - "recall.visible", "recall.size" (COCO's 32 and 96 px), "recall.light", and "recall.maturity"
-///   where there is such a trait: of the objects of each group;
+///   where there is such a label or trait: of the objects of each group;
 /// - confusion: objects of each class that were found as each other, and as nothing.
 /// @throws std::invalid_argument naming a class of the file that the dataset has not
 DetectionScores score_detections(const TruePictures& truth, const FoundFile& found,

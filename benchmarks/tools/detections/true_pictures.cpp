@@ -1,5 +1,6 @@
 #include "benchmarks/tools/detections/true_pictures.h"
 
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -13,7 +14,6 @@ namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::int64_t kFramesPerScene = 1'000'000;
 
 TrueObject object_of(const LabelledObject& labelled, const std::vector<Category>& categories) {
   TrueObject object;
@@ -27,16 +27,18 @@ TrueObject object_of(const LabelledObject& labelled, const std::vector<Category>
   object.area_px = labelled.area_px;
   object.visible_fraction = labelled.visible_fraction;
   for (const TrueTrait& trait : labelled.instance->traits) object.traits[trait.name] = trait.value;
+  for (const TrueLabel& label : labelled.instance->labels) object.labels[label.name] = label.value;
   return object;
 }
 
-/// The names that a file may call a picture: scene and frame, COCO's number, and the frame alone
-/// where there is one scene.
-void add_names(const ExportScene& scene, int frame, const std::string& name, bool is_only_scene,
+/// The names that a file may call a picture: scene, frame and sensor, COCO's number, and without
+/// the scene where there is one alone.
+void add_names(const ExportScene& scene, const ExportPicture& picture, bool is_only_scene,
                const PictureSize& size, PictureNames& names) {
+  const std::string name = picture_name(scene, picture);
   names.emplace(name, size);
-  names.emplace(std::to_string(kFramesPerScene * scene.number + frame), size);
-  if (is_only_scene) names.emplace(name.substr(name.size() - 6), size);
+  names.emplace(std::to_string(picture_id(scene, picture)), size);
+  if (is_only_scene) names.emplace(name.substr(name.find('_') + 1), size);
 }
 
 /// Scenes that show the same plants are one.
@@ -47,7 +49,7 @@ std::string plant_of(const ExportScene& scene) {
 
 }  // namespace
 
-TruePictures read_true_pictures(const fs::path& dataset,
+TruePictures read_true_pictures(const fs::path& dataset, const std::string& label,
                                 const std::function<void(int, int)>& progress) {
   const std::vector<fs::path> folders = scene_folders(dataset);
   if (folders.empty())
@@ -60,7 +62,9 @@ TruePictures read_true_pictures(const fs::path& dataset,
       throw std::runtime_error(folder.string() + ": there is no truth/ to score against");
     require_labels(scenes.back(), false);
   }
-  const std::vector<Category> categories = categories_of(scenes);
+  const std::vector<Category> categories = categories_of(scenes, label);
+  ExportOptions options;
+  options.category = label;
   TruePictures all;
   for (const Category& category : categories) all.categories.push_back(category.name);
   for (std::size_t s = 0; s < scenes.size(); ++s) {
@@ -73,19 +77,39 @@ TruePictures read_true_pictures(const fs::path& dataset,
       TruePicture one;
       one.file = picture->file;
       one.name = picture_name(scene, *picture);
+      one.sensor = picture->sensor;
       one.light = light;
       one.plant = plant_of(scene);
       const Camera camera = camera_of(scene, *picture, false).camera;
       one.width_px = camera.width_px;
       one.height_px = camera.height_px;
-      for (const LabelledObject& object : labels_of(scene, *picture, categories, {}))
+      for (const LabelledObject& object : labels_of(scene, *picture, categories, options))
         one.objects.push_back(object_of(object, categories));
-      add_names(scene, scene.capture.frames[picture->frame].id, one.name, scenes.size() == 1,
+      add_names(scene, *picture, scenes.size() == 1,
                 {all.pictures.size(), one.width_px, one.height_px}, all.names);
       all.pictures.push_back(std::move(one));
     }
   }
   return all;
+}
+
+std::size_t leave_out_sensors(TruePictures& truth, FoundFile& found) {
+  std::set<std::size_t> sensors = {0};
+  for (const auto& [place, objects] : found.of_picture)
+    sensors.insert(truth.pictures.at(place).sensor);
+  const std::size_t all = truth.pictures.size();
+  std::vector<TruePicture> kept;
+  std::map<std::size_t, std::vector<FoundObject>> of_kept;
+  for (std::size_t i = 0; i < all; ++i) {
+    if (!sensors.contains(truth.pictures[i].sensor)) continue;
+    const auto own = found.of_picture.find(i);
+    if (own != found.of_picture.end()) of_kept[kept.size()] = std::move(own->second);
+    kept.push_back(std::move(truth.pictures[i]));
+  }
+  truth.pictures = std::move(kept);
+  truth.names.clear();  // their places are of before
+  found.of_picture = std::move(of_kept);
+  return all - truth.pictures.size();
 }
 
 }  // namespace cousin

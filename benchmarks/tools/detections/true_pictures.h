@@ -15,20 +15,22 @@ namespace cousin {
 struct TrueObject {
   int instance = 0;
   std::string name;      ///< "fruit 03"
-  std::string category;  ///< as in the scene: maturity, variety, cultivar
+  std::string category;  ///< as in the scene, or of the label asked for
   PictureBox box;        ///< of what is seen
   PlacedMask mask;       ///< of what is seen
   std::int64_t area_px = 0;
   double visible_fraction = 0;
   std::map<std::string, double> traits;  ///< SI
+  std::map<std::string, std::string> labels;
 };
 
-/// A picture of the first sensor, with what it shows.
+/// A picture that truth is of, with what it shows.
 struct TruePicture {
   std::filesystem::path file;
-  std::string name;   ///< "000001_000012": scene and frame
-  std::string light;  ///< as the scene's configuration names it; empty if it does not
-  std::string plant;  ///< pictures of the same plants share it: intervals are over plants
+  std::string name;        ///< "000001_000012": scene and frame, and another sensor than the first
+  std::size_t sensor = 0;  ///< of the rig
+  std::string light;       ///< as the scene's configuration names it; empty if it does not
+  std::string plant;       ///< pictures of the same plants share it: intervals are over plants
   int width_px = 0, height_px = 0;
   std::vector<TrueObject> objects;
 };
@@ -39,9 +41,14 @@ struct TruePictures {
   PictureNames names;                   ///< that files of detections may use
 };
 
+/// @param label  of the specimens that is their category; empty: the scenes' own
 /// @param progress  called with scenes done and in all
 /// @throws std::runtime_error naming the scene and the truth that `render` must write
-TruePictures read_true_pictures(const std::filesystem::path& dataset,
+TruePictures read_true_pictures(const std::filesystem::path& dataset, const std::string& label = {},
                                 const std::function<void(int, int)>& progress = {});
+
+/// Leaves out the pictures of each sensor beside the first none of which the file names: no
+/// detector looked at them. @return how many
+std::size_t leave_out_sensors(TruePictures& truth, FoundFile& found);
 
 }  // namespace cousin

@@ -119,7 +119,7 @@ BopObjects write_objects(const ExportJob& job) {
       if (!is_new) continue;
       Json info = write_model(files, job.out / "models" / ("obj_" + six_digits(next) + ".ply"));
       info["name"] = specimens[i]->name;
-      info["category"] = specimens[i]->category;
+      info["category"] = variety_of(*specimens[i]);  // one shape, any maturity
       objects.info[std::to_string(next)] = info;
     }
   }
@@ -270,7 +270,7 @@ void add_targets(const BopFrame& frame, int scene, Json& targets) {
 void require_pinhole(const ExportJob& job) {
   for (const ExportScene& scene : job.scenes) {
     require_labels(scene, false);
-    for (const ExportPicture* picture : labelled_pictures(scene)) {
+    for (const ExportPicture* picture : first_pictures(scene)) {
       const Camera camera = handed_over(camera_of(scene, *picture, true).camera, job.options);
       if (camera.model == LensModel::pinhole) continue;
       throw std::invalid_argument(
@@ -298,9 +298,10 @@ void export_bop(ExportJob& job) {
     const ExportScene& scene = job.scenes[s];
     const fs::path out = job.out / to_string(splits[s]) / six_digits(scene.number);
     std::vector<BopFrame> frames(scene.capture.frames.size());
-    for_each_picture(job, scene, done, [&](std::size_t i, const ExportPicture& picture) {
-      frames[i] = write_frame(job, scene, picture, objects.id_of_model[s], out);
-    });
+    for_each_picture(job, scene, first_pictures(scene), done,
+                     [&](std::size_t i, const ExportPicture& picture) {
+                       frames[i] = write_frame(job, scene, picture, objects.id_of_model[s], out);
+                     });
     Json cameras = Json::object(), gt = Json::object(), info = Json::object();
     for (const BopFrame& frame : frames) {
       if (frame.camera.is_null()) continue;

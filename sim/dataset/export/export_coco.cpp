@@ -1,10 +1,12 @@
 // COCO [cocodataset.org, "Data format"]
-//   OUT/images/train/000000_000003.png     scene and frame
+//   OUT/images/train/000000_000003.png     scene and frame; _right.png of the rig's sensor "right",
+//                                          whose images have a key "sensor" more
 //   OUT/annotations/train.json             and val.json, test.json
 // Boxes and polygons count from the image's corner, keypoints are pixels, whose centres are
 // integers; visibility 0 not labelled, 1 hidden, 2 seen. Annotations have four keys more:
 // "visible_fraction" (of the amodal mask), "instance_id" (of scene.json), "instance_name", and
-// "attributes": the specimen's traits by name, in SI units.
+// "attributes": the specimen's traits by name, in SI units, and its labels, as text. Where a label
+// has a trait's name, as "maturity", the label stands there; the trait numbers the classes.
 
 #include <cmath>
 
@@ -20,7 +22,6 @@ namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::int64_t kFramesPerScene = 1'000'000;
 
 Json segmentation(const LabelledObject& object, const Camera& camera, MaskCode code) {
   if (code == MaskCode::rle) {
@@ -62,6 +63,7 @@ void add_keypoints(const LabelledObject& object, Json& annotation) {
 Json attributes_of(const Instance& instance) {
   Json attributes = Json::object();
   for (const TrueTrait& trait : instance.traits) attributes[trait.name] = trait.value;
+  for (const TrueLabel& label : instance.labels) attributes[label.name] = label.value;
   return attributes;
 }
 
@@ -105,7 +107,7 @@ struct CocoPicture {
 }  // namespace
 
 void export_coco(ExportJob& job) {
-  const std::vector<Category> categories = categories_of(job.scenes);
+  const std::vector<Category> categories = categories_of(job.scenes, job.options.category);
   for (const ExportScene& scene : job.scenes) require_labels(scene, false);
   const std::vector<Split> splits = splits_of(job.scenes, job.options.split, Split::val);
   if (const std::string empty = empty_splits(splits, job.options.split); !empty.empty())
@@ -117,18 +119,19 @@ void export_coco(ExportJob& job) {
     const ExportScene& scene = job.scenes[s];
     const auto side = static_cast<std::size_t>(splits[s]);
     const fs::path folder = job.out / "images" / to_string(splits[s]);
-    std::vector<CocoPicture> made(scene.capture.frames.size());
-    for_each_picture(job, scene, done, [&](std::size_t i, const ExportPicture& picture) {
+    const std::vector<const ExportPicture*> pictures = labelled_pictures(scene);
+    std::vector<CocoPicture> made(pictures.size());
+    for_each_picture(job, scene, pictures, done, [&](std::size_t i, const ExportPicture& picture) {
       const Camera lens = camera_of(scene, picture, job.options.true_cameras).camera;
       const Camera camera = handed_over(lens, job.options);
-      const std::int64_t id =
-          kFramesPerScene * scene.number + scene.capture.frames[picture.frame].id;
+      const std::int64_t id = picture_id(scene, picture);
       const fs::path file =
           write_picture(picture, lens, camera, folder / picture_name(scene, picture), job.options);
       made[i].image = {{"id", id},
                        {"file_name", file.filename().string()},
                        {"width", camera.width_px},
                        {"height", camera.height_px}};
+      if (picture.sensor > 0) made[i].image["sensor"] = scene.capture.rig[picture.sensor].name;
       for (const LabelledObject& object : labels_of(scene, picture, categories, job.options))
         made[i].annotations.push_back(annotation_of(object, id, camera, job.options.masks));
     });

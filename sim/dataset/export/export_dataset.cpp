@@ -19,9 +19,11 @@ namespace {
 namespace fs = std::filesystem;
 
 Json to_json(const ExportOptions& o) {
-  return {{"undistort", o.undistort},  {"true_cameras", o.true_cameras},
-          {"split", o.split},          {"masks", to_string(o.masks)},
-          {"task", to_string(o.task)}, {"least_visible", o.least_visible}};
+  Json json = {{"undistort", o.undistort},  {"true_cameras", o.true_cameras},
+               {"split", o.split},          {"masks", to_string(o.masks)},
+               {"task", to_string(o.task)}, {"least_visible", o.least_visible}};
+  if (!o.category.empty()) json["category"] = o.category;
+  return json;
 }
 
 /// What a dataset is: its manifest, or the indices of a real capture's scenes.
@@ -111,7 +113,7 @@ ExportSummary export_dataset(const fs::path& dataset, const ExportFormat& format
   return {static_cast<int>(job.scenes.size()), picture_count(job.scenes), std::move(job.warnings)};
 }
 
-std::vector<const ExportPicture*> labelled_pictures(const ExportScene& scene) {
+std::vector<const ExportPicture*> first_pictures(const ExportScene& scene) {
   std::vector<const ExportPicture*> pictures;
   for (const ExportPicture& picture : scene.pictures) {
     if (picture.sensor == 0) pictures.push_back(&picture);
@@ -124,8 +126,29 @@ std::vector<const ExportPicture*> labelled_pictures(const ExportScene& scene) {
   return pictures;
 }
 
+std::vector<const ExportPicture*> labelled_pictures(const ExportScene& scene) {
+  std::vector<const ExportPicture*> pictures = first_pictures(scene);
+  if (!scene.truth) return pictures;
+  for (const SensorViews& other : scene.truth->other_sensors) {
+    if (other.images.empty()) continue;
+    for (const ExportPicture& picture : scene.pictures) {
+      if (picture.sensor > 0 && scene.capture.rig[picture.sensor].name == other.sensor)
+        pictures.push_back(&picture);
+    }
+  }
+  return pictures;
+}
+
+std::int64_t picture_id(const ExportScene& scene, const ExportPicture& picture) {
+  constexpr std::int64_t kFrames = 1'000'000, kScenes = 1'000'000;
+  return kFrames * (kScenes * static_cast<std::int64_t>(picture.sensor) + scene.number) +
+         scene.capture.frames[picture.frame].id;
+}
+
 std::string picture_name(const ExportScene& scene, const ExportPicture& picture) {
-  return six_digits(scene.number) + "_" + six_digits(scene.capture.frames[picture.frame].id);
+  const std::string frame =
+      six_digits(scene.number) + "_" + six_digits(scene.capture.frames[picture.frame].id);
+  return picture.sensor == 0 ? frame : frame + "_" + scene.capture.rig[picture.sensor].name;
 }
 
 int picture_count(const std::vector<ExportScene>& scenes) {

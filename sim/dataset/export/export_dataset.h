@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <span>
@@ -59,9 +60,14 @@ ExportSummary export_dataset(const std::filesystem::path& dataset, const ExportF
                              const ExportOptions& options, const std::filesystem::path& out,
                              const std::string& program_version, const ExportProgress& progress);
 
-/// The first sensor's pictures of a scene: those that truth labels.
+/// The first sensor's pictures of a scene.
+std::vector<const ExportPicture*> first_pictures(const ExportScene& scene);
+/// Those, and after them the pictures of each other sensor that truth is of.
 std::vector<const ExportPicture*> labelled_pictures(const ExportScene& scene);
-/// "000001_000012": a name of a picture that is one of a whole dataset's.
+/// A number of a picture that is one of a whole dataset's: 1,000,000 scene + frame, and of another
+/// sensor than the first 1,000,000,000,000 times its place in the rig more.
+std::int64_t picture_id(const ExportScene& scene, const ExportPicture& picture);
+/// The same for people, "000001_000012", of another sensor "000001_000012_right".
 std::string picture_name(const ExportScene& scene, const ExportPicture& picture);
 /// Pictures of all scenes.
 int picture_count(const std::vector<ExportScene>& scenes);

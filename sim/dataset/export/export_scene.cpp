@@ -8,6 +8,7 @@
 #include "sim/dataset/capture_json.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/truth_json.h"
+#include "sim/dataset/truth_sensors.h"
 #include "sim/imaging/undistort.h"
 
 namespace cousin {
@@ -47,6 +48,7 @@ ExportTruth read_export_truth(const fs::path& scene_dir) {
                           truth.labels);
   keypoint_views_from_json(text("keypoints.json"), name("keypoints.json"), truth.scene, truth.views,
                            truth.labels);
+  for (SensorViews& other : truth.other_sensors) read_sensor_labels(dir, truth.scene, other);
   return truth;
 }
 

@@ -17,9 +17,10 @@ namespace cousin {
 struct ExportTruth {
   std::vector<std::string> shared_plants;  ///< that other scenes show too
   std::vector<TrueView> views;             ///< of the rig's first sensor
-  std::vector<SensorViews> other_sensors;  ///< of the rest, in the rig's order
-  Scene scene;                             ///< models without meshes
-  std::vector<std::string> mesh_files;     ///< of the models, below truth/
+  /// Of the rest, in the rig's order; images as `labels`, empty where truth is not of the sensor.
+  std::vector<SensorViews> other_sensors;
+  Scene scene;                          ///< models without meshes
+  std::vector<std::string> mesh_files;  ///< of the models, below truth/
   std::vector<TruthImages> labels;  ///< visibility and keypoints of each view; empty = not planned
 };
 
@@ -56,6 +57,8 @@ struct ExportOptions {
   std::array<double, 3> split = {0.8, 0.1, 0.1};
   MaskCode masks = MaskCode::rle;
   YoloTask task = YoloTask::detect;
+  /// Label of the specimens by which COCO and YOLO sort them; empty: the dataset's categories.
+  std::string category;
   double least_visible = 0;  ///< objects of which less is seen are left out of COCO and YOLO
 };
 /// Options by their names on a command line: "rle", "polygon"; "detect", "segment", "pose";

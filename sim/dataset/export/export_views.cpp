@@ -208,7 +208,7 @@ void export_tum(ExportJob& job) {
   int done = 0;
   for (const ExportScene& scene : job.scenes) {
     const fs::path folder = job.out / six_digits(scene.number);
-    const std::vector<const ExportPicture*> pictures = labelled_pictures(scene);
+    const std::vector<const ExportPicture*> pictures = first_pictures(scene);
     TumLists lists;
     const Camera first = camera_of(scene, *pictures.front(), job.options.true_cameras).camera;
     const Camera handed = handed_over(first, job.options);  // of all: TUM has one lens a sequence

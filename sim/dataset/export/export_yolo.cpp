@@ -132,7 +132,7 @@ std::string data_yaml(const std::vector<Split>& splits, YoloTask task, const Yol
 void export_yolo(ExportJob& job) {
   const YoloTask task = job.options.task;
   YoloNames names;
-  names.categories = categories_of(job.scenes);
+  names.categories = categories_of(job.scenes, job.options.category);
   names.keypoints = all_keypoints(names.categories);
   if (task == YoloTask::pose && names.keypoints.empty()) {
     throw std::invalid_argument(
@@ -151,15 +151,16 @@ void export_yolo(ExportJob& job) {
   for (std::size_t s = 0; s < job.scenes.size(); ++s) {
     const ExportScene& scene = job.scenes[s];
     const std::string side(to_string(splits[s]));
-    for_each_picture(job, scene, done, [&](std::size_t, const ExportPicture& picture) {
-      const std::string name = picture_name(scene, picture);
-      const Camera lens = camera_of(scene, picture, job.options.true_cameras).camera;
-      const Camera camera = handed_over(lens, job.options);
-      write_picture(picture, lens, camera, job.out / "images" / side / name, job.options);
-      write_once(job.out / "labels" / side / (name + ".txt"),
-                 label_text(labels_of(scene, picture, names.categories, job.options), camera, task,
-                            names));
-    });
+    for_each_picture(
+        job, scene, labelled_pictures(scene), done, [&](std::size_t, const ExportPicture& picture) {
+          const std::string name = picture_name(scene, picture);
+          const Camera lens = camera_of(scene, picture, job.options.true_cameras).camera;
+          const Camera camera = handed_over(lens, job.options);
+          write_picture(picture, lens, camera, job.out / "images" / side / name, job.options);
+          write_once(job.out / "labels" / side / (name + ".txt"),
+                     label_text(labels_of(scene, picture, names.categories, job.options), camera,
+                                task, names));
+        });
   }
   write_once(job.out / "data.yaml", data_yaml(splits, task, names));
 }

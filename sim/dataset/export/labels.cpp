@@ -7,6 +7,7 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/json_interop.h"
+#include "sim/dataset/truth_sensors.h"
 #include "sim/imaging/image_io.h"
 #include "sim/imaging/undistort.h"
 #include "sim/truth/specimens.h"
@@ -18,6 +19,19 @@ namespace fs = std::filesystem;
 
 const std::vector<Keypoint>& keypoints_of(const Scene& scene, const Instance& instance) {
   return scene.models[static_cast<std::size_t>(instance.model)].keypoints;
+}
+
+std::string category_name(const Instance& instance, const std::string& label) {
+  return label.empty() ? instance.category : label_of(instance, label);
+}
+
+[[noreturn]] void refuse_label(const ExportScene& scene, const Instance& instance,
+                               const std::string& label) {
+  std::string has;
+  for (const TrueLabel& own : instance.labels) has += (has.empty() ? "" : ", ") + own.name;
+  throw std::runtime_error((scene.folder / "truth/scene.json").string() + ": \"" + instance.name +
+                           "\" has no label \"" + label +
+                           "\" to be a category; its labels: " + (has.empty() ? "none" : has));
 }
 
 /// Boxes and sizes of the values of an image of ids + 1.
@@ -70,9 +84,23 @@ void undistort_keypoint(const Lens& lens, const Camera& pinhole, KeypointView& k
   if (!inside) keypoint.state = PointState::outside;
 }
 
-std::size_t view_index(const ExportTruth& truth, int frame, const ExportScene& scene) {
-  for (std::size_t i = 0; i < truth.views.size(); ++i) {
-    if (truth.views[i].frame == frame) return i;
+/// Where the truth of another sensor is; null for the first.
+const SensorViews* other_sensor(const ExportScene& scene, const ExportPicture& picture) {
+  if (picture.sensor == 0) return nullptr;
+  for (const SensorViews& other : scene.truth->other_sensors) {
+    if (other.sensor == scene.capture.rig[picture.sensor].name) return &other;
+  }
+  throw std::runtime_error((scene.folder / "truth/camera.json").string() + ": has no sensor \"" +
+                           scene.capture.rig[picture.sensor].name + "\"");
+}
+
+/// Visibility and keypoints of a picture.
+const TruthImages& known_of(const ExportScene& scene, const ExportPicture& picture) {
+  const SensorViews* other = other_sensor(scene, picture);
+  const std::vector<TrueView>& views = other ? other->views : scene.truth->views;
+  const int frame = scene.capture.frames[picture.frame].id;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (views[i].frame == frame) return (other ? other->images : scene.truth->labels).at(i);
   }
   throw std::runtime_error((scene.folder / "truth/camera.json").string() + ": has no frame " +
                            std::to_string(frame));
@@ -80,8 +108,9 @@ std::size_t view_index(const ExportTruth& truth, int frame, const ExportScene& s
 
 Image<std::uint16_t> instance_codes(const ExportScene& scene, const ExportPicture& picture,
                                     const Camera& lens, const ExportOptions& options) {
-  const fs::path relative =
-      "truth/instance/" + six_digits(scene.capture.frames[picture.frame].id) + ".png";
+  const SensorViews* other = other_sensor(scene, picture);
+  const fs::path relative = "truth" / sensor_folder(other ? other->sensor : "") / "instance" /
+                            (six_digits(scene.capture.frames[picture.frame].id) + ".png");
   const fs::path file = resolve_inside(scene.folder, relative);
   Image<std::uint16_t> codes = read_png16(file);
   if (codes.width() != lens.width_px || codes.height() != lens.height_px) {
@@ -95,7 +124,8 @@ Image<std::uint16_t> instance_codes(const ExportScene& scene, const ExportPictur
 
 }  // namespace
 
-std::vector<Category> categories_of(const std::vector<ExportScene>& scenes) {
+std::vector<Category> categories_of(const std::vector<ExportScene>& scenes,
+                                    const std::string& label) {
   std::map<std::string, std::vector<std::string>> longest;
   std::map<std::string, std::set<std::string>> all;
   for (const ExportScene& scene : scenes) {
@@ -103,8 +133,10 @@ std::vector<Category> categories_of(const std::vector<ExportScene>& scenes) {
     for (const Instance* instance : specimens_of(scene.truth->scene)) {
       std::vector<std::string> names;
       for (const Keypoint& k : keypoints_of(scene.truth->scene, *instance)) names.push_back(k.name);
-      all[instance->category].insert(names.begin(), names.end());
-      std::vector<std::string>& best = longest[instance->category];
+      const std::string category = category_name(*instance, label);
+      if (!label.empty() && category.empty()) refuse_label(scene, *instance, label);
+      all[category].insert(names.begin(), names.end());
+      std::vector<std::string>& best = longest[category];
       if (names.size() > best.size()) best = names;
     }
   }
@@ -139,8 +171,7 @@ std::vector<LabelledObject> labels_of(const ExportScene& scene, const ExportPict
                                       const std::vector<Category>& categories,
                                       const ExportOptions& options) {
   const ExportTruth& truth = truth_of(scene, "labels");
-  const int frame = scene.capture.frames[picture.frame].id;
-  const TruthImages& known = truth.labels.at(view_index(truth, frame, scene));
+  const TruthImages& known = known_of(scene, picture);
   const Camera lens = camera_of(scene, picture, options.true_cameras).camera;
   const Lens from(lens);
   const Camera pinhole = handed_over(lens, options);
@@ -157,9 +188,9 @@ std::vector<LabelledObject> labels_of(const ExportScene& scene, const ExportPict
       if (v.instance == instance->id) object.visible_fraction = v.visible_fraction;
     }
     if (object.visible_fraction < options.least_visible) continue;
-    const auto category =
-        std::find_if(categories.begin(), categories.end(),
-                     [&](const Category& c) { return c.name == instance->category; });
+    const auto category = std::find_if(
+        categories.begin(), categories.end(),
+        [&](const Category& c) { return c.name == category_name(*instance, options.category); });
     object.category = category->id;
     object.keypoints.resize(category->keypoints.size());
     for (KeypointView keypoint : known.keypoints) {

@@ -17,7 +17,10 @@ struct Category {
 };
 /// Of the specimens of all scenes. Keypoints are those of the specimen with the most, in its order,
 /// then what only others have.
-std::vector<Category> categories_of(const std::vector<ExportScene>& scenes);
+/// @param label  of the specimens by which they are sorted; empty: by Instance::category
+/// @throws std::runtime_error naming the scene, a specimen without that label, and what it has
+std::vector<Category> categories_of(const std::vector<ExportScene>& scenes,
+                                    const std::string& label = {});
 
 /// One specimen as a picture shows it.
 struct LabelledObject {
@@ -31,7 +34,8 @@ struct LabelledObject {
   std::vector<KeypointView> keypoints;  ///< one for each of the category's; none = state none
 };
 
-/// What a picture of the first sensor shows, specimens by id; in the undistorted picture if asked.
+/// @param categories  of categories_of by the label `options.category`
+/// What a picture that truth is of shows, specimens by id; in the undistorted picture if asked.
 /// Visible fractions are those of the picture as it was taken.
 /// @throws std::runtime_error naming the scene and the truth that `render` must write.
 std::vector<LabelledObject> labels_of(const ExportScene& scene, const ExportPicture& picture,

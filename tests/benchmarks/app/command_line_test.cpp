@@ -199,7 +199,7 @@ TEST(AppCommandLine, AnOptionThatASceneHasNotIsRefusedByItsNameWithWhatThereIs) 
 TEST(AppCommandLine, AnOptionThatAFormatHasNotIsRefusedByItsName) {
   EXPECT_THAT(refusal({"export", "d", "--format", "coco", "--task", "pose"}),
               HasSubstr("--task is of --format yolo; coco takes --undistort, --true-cameras, "
-                        "--split, --masks, --least-visible"));
+                        "--split, --masks, --category, --least-visible"));
   EXPECT_THAT(refusal({"export", "d", "--format", "tum", "--split", "1,0,0"}),
               HasSubstr("--split is of --format bop, coco, yolo"));
   EXPECT_THAT(refusal({"export", "d", "--format", "blend", "--undistort"}),

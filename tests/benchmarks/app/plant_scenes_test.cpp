@@ -147,6 +147,13 @@ TEST(PlantScenes, MaizeIsSeenByTwoCamerasWithAllItsTruth) {
   ASSERT_EQ(rendered.code, 0) << rendered.err;
   EXPECT_TRUE(fs::exists(program.path("field/000000/truth/disparity/000000.exr")));
   EXPECT_THAT(read_file(program.path("field/000000/truth/keypoints.json")), HasSubstr("node "));
+  const fs::path right = program.path("field/000000/truth/sensors/rgb_right");
+  EXPECT_TRUE(fs::exists(right / "part/000000.png"));
+  EXPECT_FALSE(fs::exists(right / "disparity"));
+  const nlohmann::json here = json_in(program.path("field/000000/truth/keypoints.json"))["frames"],
+                       there = json_in(right / "keypoints.json")["frames"];
+  ASSERT_EQ(here["0"].size(), there["0"].size());
+  EXPECT_NE(here["0"][0]["u_px"], there["0"][0]["u_px"]);
   EXPECT_EQ(program.run({"verify", "field"}).code, 0);
 }
 

@@ -48,6 +48,15 @@ TEST_F(AppScoreDetections, BoxesBecomeNumbersAndAPage) {
   EXPECT_EQ(read_file(program_.path("mine/report.html")), "mine");
 }
 
+TEST_F(AppScoreDetections, ACategoryThatTheDatasetLacksIsRefusedAndNoneIsOfEstimates) {
+  const Outcome none = score(kApples, {"--category", "variety"});
+  EXPECT_EQ(none.code, 3);
+  EXPECT_THAT(none.err, AllOf(HasSubstr("no label \"variety\""), HasSubstr("its labels: none")));
+  const Outcome folder = program_.run({"score", "data", "data", "--category", "variety"});
+  EXPECT_EQ(folder.code, 2);
+  EXPECT_THAT(folder.err, HasSubstr("--category"));
+}
+
 TEST_F(AppScoreDetections, AGateSetsTheExitCode) {
   EXPECT_EQ(score(kApples, {"--gate", "recall>=0.9"}).code, 1);
   EXPECT_EQ(score(kApples, {"--gate", "precision>=0.9"}).code, 0);

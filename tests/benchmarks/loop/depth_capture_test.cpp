@@ -2,12 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "benchmarks/loop/perceive.h"
 #include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/simulate.h"
 #include "benchmarks/loop/truth_choice.h"
+#include "benchmarks/loop/truth_stages.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/truth_io.h"
 #include "tests/sim/dataset/sample_capture.h"
@@ -69,6 +71,7 @@ void expect_same(const Capture& a, const Capture& b) {
 
 TEST(DepthCaptures, ThroughFilesComesBackWhatIsInMemory) {
   const SimulatedRun run = simulate(kSmallD405, {"streams=all"});
+  EXPECT_EQ(sensors_with_truth(run.truth), std::vector<std::size_t>{0});  // one is in colour
   const TemporaryFolder folder;
   write_capture(folder.path(), run.capture);
   write_truth(folder.path(), run.truth);
@@ -163,6 +166,68 @@ TEST(DepthCaptures, TheZedHandsOverBothEyesAndTheirDisparity) {
     EXPECT_EQ(sensor.color.width(), 160);
   EXPECT_NE(run.capture.frames[1].sensors[0].color, run.capture.frames[1].sensors[1].color);
   EXPECT_EQ(run.truth.images[1].stereo.state.width(), 160);
+}
+
+/// Both eyes of a small ZED, and what each sees.
+SimulatedRun small_zed(const std::string& streams) {
+  const SeedsRunConfig config =
+      seeds_run_config(sphere_with({"rig=zed_hd720", "rig.rgb.width_px=160", "rig.rgb.height_px=90",
+                                    "rig.rgb_right.width_px=160", "rig.rgb_right.height_px=90"}));
+  return simulate_seeds(config, 4, 0, {.color = streams == "color"},
+                        {.depth = true, .instance = true, .visibility = true, .disparity = true});
+}
+
+TEST(DepthCaptures, TruthIsOfBothEyesAndAgreesBetweenThem) {
+  const SimulatedRun run = small_zed("color");
+  ASSERT_EQ(sensors_with_truth(run.truth), (std::vector<std::size_t>{0, 1}));
+  const TruthImages& left = run.truth.images[1];
+  const TruthImages& right = run.truth.other_sensors[0].images.at(1);
+  EXPECT_TRUE(right.stereo.state.empty());
+  ASSERT_EQ(right.visibility.size(), left.visibility.size());
+  EXPECT_NE(right.visibility[0].box_x, left.visibility[0].box_x);
+  // What the left eye sees is where its disparity says in the right one, but for pixels' halves.
+  int same = 0, all = 0;
+  const int id = left.visibility[0].instance;
+  for (int y = 0; y < 90; ++y) {
+    for (int x = 0; x < 160; ++x) {
+      if (left.instance(x, y) != id || left.stereo.state(x, y) != PointState::visible) continue;
+      const Eigen::Vector2f there =
+          Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) + left.stereo.flow_px(x, y);
+      ++all;
+      same += right.instance(static_cast<int>(std::lround(there.x())),
+                             static_cast<int>(std::lround(there.y()))) == id;
+    }
+  }
+  EXPECT_GT(all, 20);
+  EXPECT_GE(same, 0.9 * all);
+  EXPECT_EQ(sensors_with_truth(small_zed("none").truth), std::vector<std::size_t>{0});
+}
+
+TEST(DepthCaptures, TrueBoxesAndFilesHaveBothEyes) {
+  const SimulatedRun run = small_zed("color");
+  Stages stages;
+  truth_row("boxes").put(stages, run, {});
+  const Boxes boxes = stages.boxes(run.capture, {});
+  ASSERT_EQ(boxes.size(), 4U);  // a sphere in two views of two eyes
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(boxes[i].id, static_cast<int>(i));
+    EXPECT_EQ(boxes[i].sensor, i < 2 ? 0 : 1);
+    EXPECT_EQ(boxes[i].frame, static_cast<int>(i % 2));
+    const TruthImages& seen = truth_of_sensor(run.truth, i < 2 ? 0 : 1).images[i % 2];
+    EXPECT_EQ(boxes[i].mask_at_px,
+              Eigen::Vector2i(seen.visibility[0].seen_x, seen.visibility[0].seen_y));
+  }
+  const TemporaryFolder folder;
+  write_truth(folder.path(), run.truth);
+  const SceneTruth read = read_truth(folder.path());
+  ASSERT_EQ(sensors_with_truth(read), (std::vector<std::size_t>{0, 1}));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const TruthImages &a = read.other_sensors[0].images[i],
+                      &b = run.truth.other_sensors[0].images[i];
+    EXPECT_TRUE(same_bits(a.depth_m, b.depth_m));
+    EXPECT_TRUE(same_bits(a.instance, b.instance));
+    EXPECT_EQ(a.masks_full, b.masks_full);
+  }
 }
 
 TEST(DepthCaptures, AMethodThatReadsDepthSaysWhatTheCaptureLacks) {

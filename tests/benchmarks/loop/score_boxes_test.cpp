@@ -60,12 +60,13 @@ SceneTruth two_squares() {
   return truth;
 }
 
-/// Boxes of all that is there, each with its true point.
-Estimate perfect(const SceneTruth& truth) {
+/// Boxes of all that a sensor sees, each with its true point.
+Estimate perfect(const SceneTruth& truth, std::size_t sensor = 0) {
   Estimate estimate;
-  for (const TrueBox& box : true_boxes_of(truth)) {
+  for (const TrueBox& box : true_boxes_of(truth, sensor)) {
     DetectedBox found;
     found.frame = box.frame;
+    found.sensor = static_cast<int>(sensor);
     found.id = 100 + static_cast<int>(estimate.boxes.size());
     found.low_px = box.low_px;
     found.high_px = box.high_px;
@@ -121,6 +122,36 @@ TEST(ScoreBoxes, PerfectPointsHaveNoErrorAndEachBoxItsRows) {
   EXPECT_EQ(scores.specimens[4].instance, 5);
   EXPECT_EQ(scores.specimens[4].frame, 0);
   EXPECT_EQ(scores.specimens[4].cultivar, "ripe");
+}
+
+TEST(ScoreBoxes, EachSensorThatHasBoxesIsScoredByItsOwnTruth) {
+  SceneTruth truth = two_squares();
+  const Estimate first = perfect(truth);
+  const std::size_t rows_of_first = score_boxes(truth, first, {}).rows.size();
+  SensorViews right{"right", truth.views, truth.images};
+  std::swap(right.images[0], right.images[1]);  // what it sees differs
+  truth.other_sensors = {{"depth", truth.views}, right};
+  // No box is of the second camera: nobody looked there.
+  EXPECT_EQ(score_boxes(truth, first, {}).rows.size(), rows_of_first);
+  Estimate both = first;
+  const Estimate second = perfect(truth, 2);
+  for (DetectedBox box : second.boxes) {
+    box.id += 1000;
+    both.boxes.push_back(box);
+  }
+  for (SpecimenTraits traits : second.traits) {
+    traits.instance += 1000;
+    both.traits.push_back(traits);
+  }
+  both.boxes.pop_back();
+  both.traits.back().traits[0].value += 0.01;  // of a box that is not there
+  const SeedsScores scores = score_boxes(truth, both, {});
+  EXPECT_EQ(value_of(scores, "boxes.found"), 3);
+  EXPECT_EQ(value_of(scores, "boxes.spurious"), 0);
+  EXPECT_EQ(value_of(scores, "boxes.found", "right, run"), 2);
+  EXPECT_EQ(value_of(scores, "boxes.missed", "right, run"), 1);
+  EXPECT_NEAR(value_of(scores, "distance.rmse_by_distance", "right, 0.3 to 0.4 m"), 0, 1e-12);
+  EXPECT_EQ(scores.specimens.size(), 12U);
 }
 
 TEST(ScoreBoxes, ErrorsMissedAndSpuriousBoxesAreCounted) {

@@ -10,6 +10,7 @@
 
 #include "sim/render/truth_pass.h"
 #include "tests/scenes/apples/small_orchard.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
@@ -58,7 +59,10 @@ TEST(ApplesScene, EveryAppleIsASpecimenWithTraitsAndKeypoints) {
   for (const Instance& instance : scene.instances) {
     if (!instance.is_specimen) continue;
     ++apples;
-    EXPECT_EQ(instance.category, "fuji");
+    EXPECT_EQ(label_of(instance, "variety"), "fuji");
+    const double red = trait(instance, "red_share");
+    EXPECT_EQ(instance.category, red < 0.55 ? "low" : red <= 0.8 ? "medium" : "high");
+    EXPECT_EQ(label_of(instance, "maturity"), instance.category);
     for (const char* name : {"length", "diameter", "volume", "mass", "red_share"})
       EXPECT_GT(trait(instance, name), 0) << name;
     const Vector3d axis(trait(instance, "axis_x"), trait(instance, "axis_y"),

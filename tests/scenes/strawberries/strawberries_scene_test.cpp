@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 #include "scenes/strawberries/bed_outline.h"
 #include "sim/geometry/measure.h"
 #include "tests/scenes/strawberries/small_stretch.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
@@ -165,13 +167,36 @@ TEST(StrawberriesScene, MaturityHasThePapersBounds) {
 
 TEST(StrawberriesScene, FruitsAreOfTheCategoryAskedFor) {
   StrawberriesSceneConfig config = small_stretch(3);
-  config.category = "maturity";
-  const Scene scene = weightless_scene(config, 9, 1);
-  const std::array<std::string, 3> names = {"low", "medium", "high"};
-  for (const Instance& instance : scene.instances) {
-    if (!instance.is_specimen) continue;
-    EXPECT_EQ(instance.category, names[static_cast<std::size_t>(trait_of(instance, "maturity"))]);
+  const Scene by_maturity = weightless_scene(config, 9, 1);
+  config.category = "variety";
+  const Scene by_variety = weightless_scene(config, 9, 1);
+  const std::vector<std::string> varieties = strawberry_varieties();
+  int fruits = 0;
+  for (std::size_t i = 0; i < by_maturity.instances.size(); ++i) {
+    const Instance &a = by_maturity.instances[i], &b = by_variety.instances[i];
+    EXPECT_EQ(a.labels.size(), a.is_specimen ? 2U : 0U) << a.name;
+    if (!a.is_specimen) continue;
+    ++fruits;
+    EXPECT_EQ(a.category, kMaturities.at(static_cast<std::size_t>(trait_of(a, "maturity"))));
+    EXPECT_EQ(label_of(a, "maturity"), a.category);
+    EXPECT_EQ(label_of(a, "variety"), b.category);
+    EXPECT_EQ(label_of(b, "maturity"), a.category);
+    EXPECT_TRUE(std::find(varieties.begin(), varieties.end(), b.category) != varieties.end());
+    EXPECT_EQ(variety_of(a), b.category);  // tables of cultivars name it either way
   }
+  EXPECT_GT(fruits, 1);
+}
+
+TEST(StrawberriesScene, MaturityIsByTheSharesOfTheConfiguration) {
+  StrawberriesSceneConfig config = small_stretch(3);
+  config.stand.truss.maturity_medium = config.stand.truss.maturity_high = 0;
+  for (const Instance& instance : weightless_scene(config, 9, 1).instances) {
+    if (instance.is_specimen)
+      EXPECT_EQ(instance.category, trait_of(instance, "red_share") > 0 ? "high" : "medium");
+  }
+  config.stand.truss.maturity_medium = 0.5;
+  config.stand.truss.maturity_high = 0.4;
+  EXPECT_THROW(validate(config), std::invalid_argument);
 }
 
 TEST(StrawberriesScene, IsTheSameOnAnyNumberOfThreads) {

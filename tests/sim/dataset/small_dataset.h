@@ -24,6 +24,9 @@ struct SmallDataset {
   bool knows_poses = true;  ///< as on a turntable
   bool has_depth = false;
   bool has_truth = true;
+  bool has_right =
+      false;  ///< a second camera, that sees all two pixels farther right, and its truth
+  bool has_labels = false;   ///< the apple is of low maturity, the zea of high, both "fuji"
   double focus_step_px = 0;  ///< that fx grows by from frame to frame
 };
 
@@ -85,6 +88,24 @@ inline TrueView small_view(const SmallDataset& options, int frame, Rng& rng) {
   return view;
 }
 
+/// Adds the second camera to all that is of a frame.
+inline void add_right(const SmallDataset& options, int frame, Rng& rng, Capture& capture,
+                      SceneTruth& truth) {
+  if (capture.rig.size() < 2) {
+    capture.rig.push_back(
+        {.name = "right", .camera = options.camera, .sensor_from_rig = odd_pose(rng)});
+    truth.other_sensors.push_back({"right", {}});
+  }
+  SensorFrame& sensor = capture.frames.back().sensors.emplace_back();
+  sensor.reported = options.camera;
+  sensor.color = noise<Rgb8>(40, 30, rng.fork("right").fork(static_cast<std::uint64_t>(frame)));
+  TruthImages images = small_labels(frame + 2);
+  images.visibility[0].visible_fraction = 0.25;
+  images.keypoints[0].pixel_px.x() += 2;
+  truth.other_sensors[0].views.push_back(small_view(options, frame, rng));
+  truth.other_sensors[0].images.push_back(std::move(images));
+}
+
 inline void write_small_dataset(const std::filesystem::path& folder, const SmallDataset& options) {
   for (int s = 0; s < options.scenes; ++s) {
     Rng rng(100 + static_cast<std::uint64_t>(s));
@@ -93,6 +114,10 @@ inline void write_small_dataset(const std::filesystem::path& folder, const Small
     capture.rig.push_back(
         {.name = "rgb", .camera = options.camera, .sensor_from_rig = odd_pose(rng)});
     SceneTruth truth{.seed = 1, .config_toml = "", .scene = small_scene(s)};
+    for (Instance& i : truth.scene.instances) {
+      if (options.has_labels && i.is_specimen)
+        i.labels = {{"maturity", i.id == 7 ? "low" : "high"}, {"variety", "fuji"}};
+    }
     for (int f = 0; f < 2; ++f) {
       Frame frame{.id = f, .time_s = f / 3.0};
       if (options.knows_poses) frame.rig_from_world = odd_pose(rng);
@@ -105,6 +130,7 @@ inline void write_small_dataset(const std::filesystem::path& folder, const Small
       capture.frames.push_back(std::move(frame));
       truth.views.push_back(small_view(options, f, rng));
       truth.images.push_back(small_labels(f));
+      if (options.has_right) add_right(options, f, rng, capture, truth);
     }
     write_capture(scene_dir, capture);
     if (options.has_truth) write_truth(scene_dir, truth);

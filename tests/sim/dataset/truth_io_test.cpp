@@ -49,6 +49,7 @@ Scene sample_scene(Rng& rng) {
     instance.mass_kg = 3e-4 / 7;
     if (instance.is_specimen)
       instance.traits = {{"volume", "m3", 1e-8 / 3}, {"length", "m", 0.01 / 7}};
+    if (i == 0) instance.labels = {{"maturity", "very \"ripe\""}, {"variety", "zea"}};
     scene.instances.push_back(instance);
   }
   scene.instances[0].part_materials = {1, 0};
@@ -174,6 +175,11 @@ void expect_equal(const Scene& a, const Scene& b) {
       EXPECT_EQ(x.motion[k].time_s, y.motion[k].time_s);
       EXPECT_TRUE(same_pose(x.motion[k].world_from_object, y.motion[k].world_from_object));
     }
+    ASSERT_EQ(x.labels.size(), y.labels.size());
+    for (std::size_t k = 0; k < x.labels.size(); ++k) {
+      EXPECT_EQ(std::tie(x.labels[k].name, x.labels[k].value),
+                std::tie(y.labels[k].name, y.labels[k].value));
+    }
     ASSERT_EQ(x.traits.size(), y.traits.size());
     for (std::size_t k = 0; k < x.traits.size(); ++k) {
       EXPECT_EQ(std::tie(x.traits[k].name, x.traits[k].unit, x.traits[k].value),
@@ -267,6 +273,47 @@ TEST(TruthIo, EveryBitComesBack) {
     EXPECT_EQ(a.time_s, b.time_s);
     EXPECT_TRUE(same_pose(a.camera_from_world, b.camera_from_world));
   }
+}
+
+TEST(TruthIo, WhatAnotherSensorSeesComesBackFromItsFolder) {
+  const TemporaryFolder folder;
+  SceneTruth truth = sample_truth();
+  SensorViews right{"right", truth.views, truth.images};
+  for (TruthImages& images : right.images) {
+    images.flow = images.stereo = {};
+    images.noise_free_depth_m = {};
+    images.invalid_reason = {};
+    images.instance(3, 4) = 10;
+    images.visibility[0].pixels_visible = 49;
+    images.keypoints.front().depth_m = 0.4;
+  }
+  truth.other_sensors.push_back(right);
+  // The images of a frame can be written before.
+  write_truth_images(folder.path() / "b", truth.scene, 0, right.images[0], "right");
+  write_truth(folder.path(), truth);
+  const fs::path own = folder.path() / "truth/sensors/right";
+  EXPECT_EQ(read_file(folder.path() / "b/truth/sensors/right/instance/000000.png"),
+            read_file(own / "instance/000000.png"));
+  EXPECT_NE(read_file(own / "instance/000000.png"),
+            read_file(folder.path() / "truth/instance/000000.png"));
+  EXPECT_FALSE(fs::exists(folder.path() / "truth/sensors/depth"));
+  const SceneTruth read = read_truth(folder.path());
+  EXPECT_EQ(sensors_with_truth(read), (std::vector<std::size_t>{0, 2}));
+  for (std::size_t i = 0; i < 2; ++i) {
+    expect_equal(truth_of_sensor(read, 2).images[i], right.images[i]);
+    expect_equal(truth_of_sensor(read, 0).images[i], truth.images[i]);
+  }
+  truth.other_sensors[1].images.pop_back();
+  EXPECT_THROW(write_truth(folder.path() / "c", truth), std::invalid_argument);
+}
+
+TEST(TruthIo, ASensorsNameLeadsNowhereElse) {
+  const TemporaryFolder folder;
+  SceneTruth truth = sample_truth();
+  truth.other_sensors[0].sensor = "../../elsewhere";
+  write_truth(folder.path(), truth);
+  EXPECT_THAT(error_of([&] { read_truth(folder.path()); }),
+              AllOf(HasSubstr("elsewhere"), HasSubstr("must lie inside the folder")));
 }
 
 TEST(TruthIo, ADepthSensorsImagesMustFitItsOwnCamera) {

@@ -73,6 +73,49 @@ TEST_F(ScoreDetections, TheDatasetHasItsPicturesObjectsAndNames) {
   EXPECT_FALSE(truth_.names.contains("000000")) << "two scenes have such a frame";
 }
 
+TEST_F(ScoreDetections, ClassesAreOfALabelIfAsked) {
+  const TemporaryFolder labelled;
+  write_small_dataset(labelled.path(), {.has_labels = true});
+  const TruePictures own = read_true_pictures(labelled.path());
+  EXPECT_THAT(own.categories, testing::ElementsAre("apple", "zea"));
+  const TruePictures maturity = read_true_pictures(labelled.path(), "maturity");
+  EXPECT_THAT(maturity.categories, testing::ElementsAre("high", "low"));
+  EXPECT_EQ(maturity.pictures[0].objects[0].category, "low");
+  FoundFile found;
+  found.of_picture[0].push_back({2, 0.9, maturity.pictures[0].objects[0].box, {}});
+  const DetectionScores scores = score_detections(maturity, found, {}, {});
+  EXPECT_EQ(value(scores, "is low, found as low", "confusion"), 1);
+  const auto recall_by_maturity = [&](const std::string& maturity_name) {
+    for (const ScoreRow& row : scores.rows) {
+      if (row.metric == "recall.maturity" && row.case_name.ends_with(maturity_name))
+        return row.value;
+    }
+    return -1.0;
+  };
+  EXPECT_EQ(recall_by_maturity("low"), 0.5);
+  EXPECT_EQ(recall_by_maturity("high"), 0);
+}
+
+TEST_F(ScoreDetections, PicturesOfAnotherSensorCountIfTheFileNamesOne) {
+  const TemporaryFolder stereo;
+  write_small_dataset(stereo.path(), {.has_right = true});
+  TruePictures truth = read_true_pictures(stereo.path());
+  ASSERT_EQ(truth.pictures.size(), 4U);
+  EXPECT_EQ(truth.pictures[2].name, "000000_000000_right");
+  EXPECT_EQ(truth.pictures[2].objects[0].box.x, 10);
+  EXPECT_EQ(truth.names.at("000001_right").place, 3U);
+  EXPECT_EQ(truth.names.at("1000000000001").place, 3U);
+  FoundFile found;
+  found.of_picture[3].push_back({1, 0.9, truth.pictures[3].objects[0].box, {}});
+  EXPECT_EQ(leave_out_sensors(truth, found), 0U);
+  EXPECT_EQ(value(score_detections(truth, found, {}, {}), "all classes", "recall"), 1.0 / 8);
+  found.of_picture.clear();
+  found.of_picture[1].push_back({1, 0.9, truth.pictures[1].objects[0].box, {}});
+  EXPECT_EQ(leave_out_sensors(truth, found), 2U);
+  EXPECT_EQ(truth.pictures.size(), 2U);
+  EXPECT_EQ(value(score_detections(truth, found, {}, {}), "all classes", "recall"), 1.0 / 4);
+}
+
 TEST_F(ScoreDetections, WhatIsAllRightScoresOne) {
   const DetectionScores scores = score(perfect());
   for (const char* metric : {"AP50", "AP75", "AP50_95", "mask_AP50", "mask_AP50_95"})

@@ -111,6 +111,68 @@ TEST_F(Export, CocoHasBoxesMasksKeypointsAndVisibleFractions) {
   EXPECT_EQ(coco["annotations"][3]["id"], 4);
 }
 
+TEST_F(Export, PicturesOfAllColourSensorsHaveTheirOwnLabels) {
+  write({});
+  make("coco", {}, "one");
+  write({.has_right = true});
+  make("coco");
+  const json one = json_in("one/annotations/train.json"),
+             two = json_in("out/annotations/train.json");
+  ASSERT_EQ(two["images"].size(), 4U);
+  ASSERT_EQ(two["annotations"].size(), 8U);
+  EXPECT_EQ(two["images"][1]["file_name"], "000000_000001.png");
+  EXPECT_FALSE(two["images"][1].contains("sensor"));
+  EXPECT_EQ(two["images"][3]["id"], 1'000'000'000'001);
+  EXPECT_EQ(two["images"][3]["file_name"], "000000_000001_right.png");
+  EXPECT_EQ(two["images"][3]["sensor"], "right");
+  EXPECT_EQ(read_file(path("out/images/train/000000_000001_right.png")),
+            read_file(path("data/000000/right/000001.png")));
+  const json& ring = two["annotations"][4];
+  EXPECT_EQ(ring["image_id"], 1'000'000'000'000);
+  EXPECT_EQ(ring["bbox"], json({10, 5, 6, 5}));
+  EXPECT_EQ(ring["visible_fraction"], 0.25);
+  EXPECT_EQ(ring["keypoints"], json({11.25, 6.5, 2}));
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(one["annotations"][i]["bbox"], two["annotations"][i]["bbox"]);
+  make("yolo", {}, "yolo");
+  EXPECT_THAT(read_file(path("yolo/labels/train/000000_000000_right.txt")),
+              HasSubstr("0 0.325 0.25 "));
+  make("bop", {}, "bop");  // has one camera a scene
+  EXPECT_EQ(json_in("bop/train/000000/scene_camera.json").size(), 2U);
+}
+
+TEST_F(Export, ALabelOfTheSpecimensIsTheCategoryIfAsked) {
+  write({.has_labels = true});
+  make("coco");
+  const json own = json_in("out/annotations/train.json");
+  EXPECT_EQ(own["categories"][0]["name"], "apple");
+  EXPECT_EQ(own["annotations"][0]["attributes"]["maturity"], "low");
+  EXPECT_EQ(own["annotations"][0]["attributes"]["variety"], "fuji");
+  EXPECT_FALSE(json_in("out/export.json")["options"].contains("category"));
+  make("coco", {.category = "maturity"}, "maturity");
+  const json maturity = json_in("maturity/annotations/train.json");
+  EXPECT_EQ(maturity["categories"][0]["name"], "high");
+  EXPECT_EQ(maturity["categories"][0]["keypoints"], json({"root", "node 1", "tip"}));
+  EXPECT_EQ(maturity["annotations"][0]["instance_id"], 7);
+  EXPECT_EQ(maturity["annotations"][0]["category_id"], 2);
+  make("yolo", {.category = "variety"}, "yolo");
+  EXPECT_THAT(read_file(path("yolo/data.yaml")),
+              AllOf(HasSubstr("0: \"fuji\""), testing::Not(HasSubstr("1: "))));
+  make("bop", {}, "bop");
+  EXPECT_EQ(json_in("bop/models/models_info.json")["1"]["category"], "fuji");
+}
+
+TEST_F(Export, ALabelThatNoSpecimenHasIsRefusedByName) {
+  write({});
+  try {
+    make("coco", {.category = "variety"});
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("scene.json: \"i7\""), HasSubstr("\"variety\""),
+                                    HasSubstr("its labels: none")));
+  }
+}
+
 TEST_F(Export, CocoPolygonsAndTheLeastVisibleFraction) {
   write({});
   make("coco", {.masks = MaskCode::polygon, .least_visible = 0.6});
