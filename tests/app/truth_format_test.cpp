@@ -100,10 +100,10 @@ TEST(AppTruthFormat, ShardsAgreeAndARenderThatWasStoppedGoesOn) {
   EXPECT_EQ(files, contents(program.path("whole")));
   EXPECT_TRUE(files.contains("000000/truth/noise_free_depth/000001.json"));
   // A frame that lacks a scale is not there yet.
+  const auto before = contents(program.path("whole"));
   fs::remove(program.path("whole/000000/truth/noise_free_depth/000001.json"));
   EXPECT_EQ(program.run(render + Words{"--out", "whole"}).code, 0);
-  EXPECT_EQ(contents(program.path("whole")), contents(program.path("whole")));
-  EXPECT_TRUE(fs::exists(program.path("whole/000000/truth/noise_free_depth/000001.json")));
+  EXPECT_EQ(contents(program.path("whole")), before);
 }
 
 TEST(AppTruthFormat, AFolderHoldsOneFormat) {
