@@ -46,6 +46,7 @@ MAY_INCLUDE = {
 }
 # Files of the dataset's truth target; the rest of sim/dataset must not see the truth.
 TRUTH_FILES = (
+    "sim/dataset/truth_format",
     "sim/dataset/truth_io",
     "sim/dataset/truth_json",
     "sim/dataset/truth_sensors",

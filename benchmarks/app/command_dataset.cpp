@@ -22,6 +22,7 @@
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/output_folder.h"
 #include "sim/dataset/seam_io.h"
+#include "sim/dataset/truth_format.h"
 #include "sim/dataset/truth_io.h"
 #include "sim/dataset/verify_progress.h"
 #include "sim/types/stage_clock.h"
@@ -31,8 +32,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kOfAnotherRun =
-    " belongs to another configuration, seed or choice of truth, or to another version of the "
-    "program; choose another --out";
+    " belongs to another configuration, seed or choice of truth or of its format, or to another "
+    "version of the program; choose another --out";
 
 using OwnFiles = std::vector<std::pair<std::string, std::string>>;
 
@@ -78,19 +79,28 @@ std::vector<fs::path> dataset_files(const fs::path& dataset, const OutputFolder&
   return files;
 }
 
-/// What the folder belongs to: the program's version, configuration and seed, and the truth where
-/// it is not the default.
-std::string owner_hash(const std::string& config_hash, const TruthNeeds& truth) {
-  const std::string names = to_string(truth);
-  return sha256_hex(std::string(COUSIN_VERSION) + "\n" + config_hash +
-                    (names == "visibility" ? "" : "\ntruth = " + names) + "\n");
-}
-
 /// What a dataset holds of each scene.
 struct Contents {
   Streams streams;
   TruthNeeds truth;
+  TruthFormat format = TruthFormat::npy;
 };
+
+/// Whether images are written that differ from one format to another.
+bool has_float_images(const TruthNeeds& t) {
+  return t.depth || t.normal || t.position || t.coverage || t.shares || t.flow || t.disparity ||
+         t.noise_free_depth;
+}
+
+/// What the folder belongs to: the program's version, configuration and seed, the truth where it is
+/// not the default, and the format of its images where it is not EXR.
+std::string owner_hash(const std::string& config_hash, const Contents& contents) {
+  const std::string names = to_string(contents.truth);
+  const bool is_exr = contents.format == TruthFormat::exr || !has_float_images(contents.truth);
+  return sha256_hex(std::string(COUSIN_VERSION) + "\n" + config_hash +
+                    (names == "visibility" ? "" : "\ntruth = " + names) +
+                    (is_exr ? "" : "\ntruth_format = " + to_string(contents.format)) + "\n");
+}
 
 /// Files below the scene's folder that come with one frame: its images and what is true of its
 /// depth.
@@ -100,8 +110,10 @@ std::vector<fs::path> frame_files(const Simulation& built, int frame, const Cont
   std::vector<fs::path> files = frame_image_files(one, 0);
   char name[16];
   std::snprintf(name, sizeof name, "%06d", frame);
-  if (contents.truth.noise_free_depth)
-    files.push_back(fs::path("truth/noise_free_depth") / (std::string(name) + ".exr"));
+  if (contents.truth.noise_free_depth) {
+    const std::string stem = std::string("truth/noise_free_depth/") + name;
+    for (const std::string& file : depth_files(stem, contents.format)) files.emplace_back(file);
+  }
   if (contents.truth.invalid_reason)
     files.push_back(fs::path("truth/invalid_reason") / (std::string(name) + ".png"));
   return files;
@@ -139,20 +151,20 @@ void render_frames(const Simulation& built, const fs::path& scene_dir, int first
     if (contents.truth.noise_free_depth)
       of_depth.noise_free_depth_m = std::move(taken.noise_free_depth_m);
     if (contents.truth.invalid_reason) of_depth.invalid_reason = std::move(taken.invalid_reason);
-    write_truth_images(scene_dir, built.scene(), frame, of_depth);
+    write_truth_images(scene_dir, built.scene(), frame, of_depth, contents.format);
   }
 }
 
 /// Truth images of one sensor, each written as it is made: those of all views together need
 /// gigabytes. What write_truth needs of them is kept.
 std::vector<TruthImages> write_sensor_truth(const Simulation& built, const fs::path& scene_dir,
-                                            const TruthNeeds& needs, std::size_t sensor) {
+                                            const Contents& contents, std::size_t sensor) {
   const std::vector<TrueView>& views = built.rig().views().at(sensor).views;
   const std::string name = sensor == 0 ? "" : built.rig().views()[sensor].sensor;
   std::vector<TruthImages> kept(views.size());
   for_each_frame(views.size(), [&](std::size_t i) {
-    TruthImages images = built.truth(views[i].frame, needs, sensor);
-    write_truth_images(scene_dir, built.scene(), views[i].frame, images, name);
+    TruthImages images = built.truth(views[i].frame, contents.truth, sensor);
+    write_truth_images(scene_dir, built.scene(), views[i].frame, images, contents.format, name);
     kept[i].visibility = std::move(images.visibility);
     kept[i].keypoints = std::move(images.keypoints);
     kept[i].leaf_areas = std::move(images.leaf_areas);
@@ -169,10 +181,9 @@ void write_index(const Simulation& built, const fs::path& scene_dir, const Conte
   for (const TrueView& view : built.views())
     capture.frames.push_back(built.rig().outline(view.frame, contents.streams));
   if (to_string(contents.truth) != "none") {
-    truth.images = write_sensor_truth(built, scene_dir, contents.truth, 0);
+    truth.images = write_sensor_truth(built, scene_dir, contents, 0);
     for (const std::size_t s : other_true_sensors(built.rig(), contents.streams, contents.truth))
-      truth.other_sensors.at(s - 1).images =
-          write_sensor_truth(built, scene_dir, contents.truth, s);
+      truth.other_sensors.at(s - 1).images = write_sensor_truth(built, scene_dir, contents, s);
   }
   write_capture_index(scene_dir, capture);
   write_truth(scene_dir, truth);
@@ -205,6 +216,7 @@ Contents contents_of(const Options& o, const SceneEntry& entry, const RunConfig&
                                          o.truth, truth_there_is(config.rig, contents.streams));
   if (o.truth.empty() && entry.text.has_points) contents.truth.keypoints = true;
   if (!o.truth_for.empty()) contents.truth = truth_needs_for(o.truth_for, contents.truth);
+  contents.format = truth_format_from_string(o.truth_format);
   return contents;
 }
 
@@ -260,7 +272,7 @@ ExitCode command_render(const JobContext& context) {
     std::printf("%s", (o.json ? to_json(plan) : describe(plan)).c_str());
     return ExitCode::done;
   }
-  const std::string hash = owner_hash(config_hash(config, o.seed), contents.truth);
+  const std::string hash = owner_hash(config_hash(config, o.seed), contents);
   require_writable(dataset);
   FolderClaim claim = render_claim(hash);
   check_output_folder(dataset, claim, listed_by_manifests(dataset, hash));

@@ -301,6 +301,14 @@ void add_render(CLI::App& verb, Options& o) {
       "keypoints");
   verb.add_option("--for", o.truth_for,
                   "Also the truth that `cousin export --format` coco, yolo or bop needs");
+  verb.add_option(
+          "--truth-format", o.truth_format,
+          "Files of truth images of floats. npy: float32, numpy.load; exr: OpenEXR, packed, "
+          "channels Z or X Y Z, which not every reader knows; png16: depth and "
+          "noise_free_depth as 16-bit PNG, 0 = none, rounded to steps of 0.1 mm, or of 1, "
+          "10, 100, 1000 mm where the image reaches beyond 6.5 m, 65 m, ...; the file's "
+          ".json says depth_scale, millimetres a step; other images are npy")
+      ->capture_default_str();
   add_set(verb, o);
 }
 

@@ -31,6 +31,7 @@ struct Options {
   std::string class_map;     ///< `score` of detections: "0=low,1=high"; "" = the dataset's order
   double confidence = 0.25;  ///< `score` of detections: those from here on are counted
   std::string truth_for;     ///< export format whose truth `render` writes too
+  std::string truth_format = "npy";  ///< of the truth images of floats that `render` writes
   std::string truth;     ///< images that `render` writes: list of names, all or none; "" = default
   std::string streams;   ///< images of the rig that `render` writes; "" = all that it has
   std::string captures;  ///< where `bench seeds` keeps what it renders; empty = nowhere

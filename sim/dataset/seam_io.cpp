@@ -1,6 +1,6 @@
 // JSON seams: schemas in seam_json.cpp and seam_masks.cpp. Besides:
 // depth/000000.exr, depth_sigma/000000.exr: metres, NaN = none; depth_normal/000000.exr: X, Y, Z,
-// unit, in the camera, towards it, 0 = none
+// unit, in the camera, towards it, 0 = none. Another program may write .npy (npy.h) in their place
 // depth/frames.json
 //   {"frames": [0, 1, ...]}: all frames in order, also those without a depth image. Another program
 //   may leave it out; then the frames are those with an image.
@@ -24,12 +24,12 @@
 #include <utility>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/float_files.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/seam_json.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/geometry/ply_rows.h"
-#include "sim/imaging/exr_size.h"
 #include "sim/imaging/exr_vectors.h"
 #include "sim/imaging/image_io.h"
 #include "sim/types/memory_limit.h"
@@ -65,7 +65,8 @@ std::vector<int> frames_with_depth(const fs::path& dir) {
   if (!fs::is_directory(dir / "depth"))
     throw std::runtime_error((dir / "depth").string() + ": the folder is missing");
   for (const fs::directory_entry& entry : fs::directory_iterator(dir / "depth")) {
-    if (entry.path().extension() != ".exr") continue;
+    const fs::path ending = entry.path().extension();
+    if (ending != ".exr" && ending != ".npy") continue;
     const int frame = number_of_six_digits(entry.path().stem().string());
     if (frame < 0)
       throw std::runtime_error(entry.path().string() + ": the name is not a frame's six digits");
@@ -88,15 +89,18 @@ void check_size(const fs::path& file, const Image<T>& image, const Image<float>&
 void check_depth_memory(const fs::path& dir, const std::vector<int>& frames) {
   std::uint64_t bytes = 0;
   for (const int frame : frames) {
-    const std::string name = six_digits(frame) + ".exr";
-    for (const auto& [folder, pixel_bytes] : {std::pair("depth", sizeof(float)),
-                                              {"depth_sigma", sizeof(float)},
-                                              {"depth_normal", sizeof(Eigen::Vector3f)}}) {
-      if (!fs::exists(dir / folder / name)) continue;
-      const std::uint64_t pixels = exr_pixels(resolve_inside(dir, fs::path(folder) / name));
+    const std::string name = six_digits(frame);
+    for (const auto& [folder, pixel_bytes] : {std::pair("depth/", sizeof(float)),
+                                              {"depth_sigma/", sizeof(float)},
+                                              {"depth_normal/", sizeof(Eigen::Vector3f)}}) {
+      const std::string file = float_file(dir, folder + name);
+      if (file.empty()) continue;
+      const std::uint64_t pixels = float_pixels(resolve_inside(dir, file));
       bytes = bytes_plus(bytes, bytes_times(pixels, pixel_bytes));
     }
-    check_memory(dir / "depth" / name, bytes, "the depth images up to this one");
+    const std::string file = float_file(dir, "depth/" + name);
+    check_memory(file.empty() ? dir / "depth" : dir / file, bytes,
+                 "the depth images up to frame " + std::to_string(frame));
   }
 }
 
@@ -116,17 +120,18 @@ void check_units(const fs::path& file, const Image<Eigen::Vector3f>& image) {
 
 FrameDepth read_frame_depth(const fs::path& dir, int frame) {
   FrameDepth depth{.frame = frame};
-  const std::string name = six_digits(frame) + ".exr";
-  if (!fs::exists(dir / "depth" / name)) return depth;
-  depth.depth_m = read_exr(resolve_inside(dir, "depth/" + name));
-  if (fs::exists(dir / "depth_sigma" / name)) {
-    const fs::path file = resolve_inside(dir, "depth_sigma/" + name);
-    depth.sigma_m = read_exr(file);
+  const std::string name = six_digits(frame);
+  const std::string depth_file = float_file(dir, "depth/" + name);
+  if (depth_file.empty()) return depth;
+  depth.depth_m = read_floats(resolve_inside(dir, depth_file));
+  if (const std::string sigma = float_file(dir, "depth_sigma/" + name); !sigma.empty()) {
+    const fs::path file = resolve_inside(dir, sigma);
+    depth.sigma_m = read_floats(file);
     check_size(file, depth.sigma_m, depth.depth_m);
   }
-  if (fs::exists(dir / "depth_normal" / name)) {
-    const fs::path file = resolve_inside(dir, "depth_normal/" + name);
-    depth.normal = read_exr_vectors(file);
+  if (const std::string normal = float_file(dir, "depth_normal/" + name); !normal.empty()) {
+    const fs::path file = resolve_inside(dir, normal);
+    depth.normal = read_float_vectors(file);
     check_size(file, depth.normal, depth.depth_m);
     check_units(file, depth.normal);
   }

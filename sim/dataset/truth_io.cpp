@@ -35,13 +35,14 @@
 //   sensors/NAME/      what another colour sensor of the rig sees: scene_gt.json,
 //                      scene_gt_info.json, keypoints.json (no models) and images, each as here.
 //                      Flow, disparity and leaf areas are of the first sensor alone
-// Images, each only if it was planned:
-//   depth/000000.exr   metres; likewise normal/ and position/ (three channels), coverage/
-//   coverage/          also 000000_000003.exr: shares of pixels, of frame 0's fourth specimen
+// Images, each only if it was planned. Of floats: .npy, .exr, or of depths .png with a .json beside
+// (truth_format.h); a reader takes the one that is there:
+//   depth/000000.npy   metres; likewise normal/ and position/ (three channels), coverage/
+//   coverage/          also 000000_000003.npy: shares of pixels, of frame 0's fourth specimen
 //   flow/              three channels: x, y in pixels to the next view; state there: 0 no surface,
 //                      1 visible, 2 occluded, 3 outside; disparity/ the same to the rig's second
 //                      camera, with x turned round: x here less x there
-//   noise_free_depth/  000000.exr: metres, in the pixels of the rig's depth sensor;
+//   noise_free_depth/  000000.npy: metres, in the pixels of the rig's depth sensor;
 //   invalid_reason/    000000.png: 8 bits, why these have no depth; 0 = they have
 //   instance/          16-bit PNG, id + 1; 0 = none
 //   part/              16-bit PNG, place in the model's part_names (0 where it has none);
@@ -60,13 +61,14 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_json.h"
 #include "sim/dataset/environment_io.h"
+#include "sim/dataset/float_files.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/json_interop.h"
+#include "sim/dataset/truth_format.h"
 #include "sim/dataset/truth_json.h"
 #include "sim/dataset/truth_sensors.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/exr_color.h"
-#include "sim/imaging/exr_vectors.h"
 #include "sim/imaging/image_io.h"
 #include "sim/truth/specimens.h"
 #include "sim/types/memory_limit.h"
@@ -192,18 +194,36 @@ void write_mask(const fs::path& file, const Image<std::uint8_t>& mask) {
     write_png(file, mask);
 }
 
+/// Images of floats.
+void write_float_images(const fs::path& dir, const TruthImages& images, int frame,
+                        TruthFormat format) {
+  const std::string name = "/" + six_digits(frame);
+  if (!images.depth_m.empty()) write_truth_depth(dir, "depth" + name, images.depth_m, format);
+  if (!images.noise_free_depth_m.empty())
+    write_truth_depth(dir, "noise_free_depth" + name, images.noise_free_depth_m, format);
+  if (!images.normal.empty()) write_truth_vectors(dir, "normal" + name, images.normal, format);
+  if (!images.position_m.empty())
+    write_truth_vectors(dir, "position" + name, images.position_m, format);
+  if (!images.specimen_coverage.empty())
+    write_truth_floats(dir, "coverage" + name, images.specimen_coverage, format);
+  for (std::size_t k = 0; k < images.shares.size(); ++k) {
+    write_truth_floats(dir, "coverage/" + specimen_file(frame, k, ""),
+                       share_image(images.shares[k]), format);
+  }
+  if (!images.flow.state.empty())
+    write_truth_vectors(dir, "flow" + name, match_channels(images.flow, 1), format);
+  if (!images.stereo.state.empty())
+    write_truth_vectors(dir, "disparity" + name, match_channels(images.stereo, -1), format);
+}
+
 void write_images(const fs::path& dir, const TruthImages& images, int frame,
-                  const std::vector<const Instance*>& order) {
+                  const std::vector<const Instance*>& order, TruthFormat format) {
+  write_float_images(dir, images, frame, format);
   const auto file = [&](const char* folder, const std::string& name) {
     fs::create_directories(dir / folder);
     return dir / folder / name;
   };
-  const std::string exr = six_digits(frame) + ".exr";
   const std::string png = six_digits(frame) + ".png";
-  if (!images.depth_m.empty()) write_exr(file("depth", exr), images.depth_m);
-  if (!images.normal.empty()) write_exr_vectors(file("normal", exr), images.normal);
-  if (!images.position_m.empty()) write_exr_vectors(file("position", exr), images.position_m);
-  if (!images.specimen_coverage.empty()) write_exr(file("coverage", exr), images.specimen_coverage);
   if (!images.part.empty()) write_png(file("part", png), images.part);
   if (!images.instance.empty()) {
     write_png(file("instance", png), instance_codes(images.instance, frame));
@@ -215,16 +235,7 @@ void write_images(const fs::path& dir, const TruthImages& images, int frame,
   for (std::size_t k = 0; k < images.masks_full.size(); ++k) {
     write_mask(file("mask", specimen_file(frame, k, ".png")), images.masks_full[k]);
   }
-  for (std::size_t k = 0; k < images.shares.size(); ++k) {
-    write_exr(file("coverage", specimen_file(frame, k, ".exr")), share_image(images.shares[k]));
-  }
-  if (!images.noise_free_depth_m.empty())
-    write_exr(file("noise_free_depth", exr), images.noise_free_depth_m);
   if (!images.invalid_reason.empty()) write_png(file("invalid_reason", png), images.invalid_reason);
-  if (!images.flow.state.empty())
-    write_exr_vectors(file("flow", exr), match_channels(images.flow, 1));
-  if (!images.stereo.state.empty())
-    write_exr_vectors(file("disparity", exr), match_channels(images.stereo, -1));
 }
 
 /// dir/folder/name by `read` if it is there, checked against the camera; else empty.
@@ -232,7 +243,7 @@ template <class Read>
 auto read_if_there(const fs::path& dir, const std::string& relative, const TrueView& view,
                    const Read& read) {
   decltype(read(dir)) image;
-  if (!fs::exists(dir / relative)) return image;
+  if (relative.empty() || !fs::exists(dir / relative)) return image;
   const fs::path file = resolve_inside(dir, relative);
   image = read(file);
   if (image.width() != view.camera.width_px || image.height() != view.camera.height_px) {
@@ -245,13 +256,29 @@ auto read_if_there(const fs::path& dir, const std::string& relative, const TrueV
   return image;
 }
 
+/// The same of an image of floats, of any of its formats.
+Image<float> floats_if_there(const fs::path& dir, const std::string& stem, const TrueView& view) {
+  return read_if_there(dir, float_file(dir, stem), view,
+                       [](const fs::path& f) { return read_floats(f); });
+}
+Image<Eigen::Vector3f> vectors_if_there(const fs::path& dir, const std::string& stem,
+                                        const TrueView& view) {
+  return read_if_there(dir, float_file(dir, stem), view,
+                       [](const fs::path& f) { return read_float_vectors(f); });
+}
+Image<float> depth_if_there(const fs::path& dir, const std::string& stem, const TrueView& view) {
+  const std::string relative = float_file(dir, stem, depth_endings());
+  return read_if_there(dir, relative, view,
+                       [&](const fs::path&) { return read_truth_depth(dir, relative); });
+}
+
 void read_shares(const fs::path& dir, const TrueView& view,
                  const std::vector<const Instance*>& order, TruthImages& images) {
-  const auto scalar = [](const fs::path& f) { return read_exr(f); };
   for (std::size_t k = 0; k < order.size(); ++k) {
-    const std::string name = "coverage/" + specimen_file(view.frame, k, ".exr");
-    const Image<float> image = read_if_there(dir, name, view, scalar);
-    if (!image.empty()) images.shares.push_back(shares_of(image, order[k]->id, dir / name));
+    const std::string stem = "coverage/" + specimen_file(view.frame, k, "");
+    const Image<float> image = floats_if_there(dir, stem, view);
+    if (image.empty()) continue;
+    images.shares.push_back(shares_of(image, order[k]->id, dir / float_file(dir, stem)));
   }
   if (!images.shares.empty() && images.shares.size() != order.size()) {
     throw std::runtime_error((dir / "coverage").string() + " (frame " + std::to_string(view.frame) +
@@ -262,19 +289,17 @@ void read_shares(const fs::path& dir, const TrueView& view,
 }
 
 void read_matches(const fs::path& dir, const TrueView& view, TruthImages& images) {
-  const auto vectors = [](const fs::path& f) { return read_exr_vectors(f); };
-  const auto read = [&](const std::string& name, float sign_x) {
-    const Image<Eigen::Vector3f> channels = read_if_there(dir, name, view, vectors);
-    return channels.empty() ? ViewMatch{} : match_of(channels, sign_x, dir / name);
+  const auto read = [&](const std::string& stem, float sign_x) {
+    const Image<Eigen::Vector3f> channels = vectors_if_there(dir, stem, view);
+    return channels.empty() ? ViewMatch{} : match_of(channels, sign_x, dir / float_file(dir, stem));
   };
-  images.flow = read("flow/" + six_digits(view.frame) + ".exr", 1);
-  images.stereo = read("disparity/" + six_digits(view.frame) + ".exr", -1);
+  images.flow = read("flow/" + six_digits(view.frame), 1);
+  images.stereo = read("disparity/" + six_digits(view.frame), -1);
 }
 
 void read_depth_sensor(const fs::path& dir, const TrueView& view, TruthImages& images) {
   images.noise_free_depth_m =
-      read_if_there(dir, "noise_free_depth/" + six_digits(view.frame) + ".exr", view,
-                    [](const fs::path& f) { return read_exr(f); });
+      depth_if_there(dir, "noise_free_depth/" + six_digits(view.frame), view);
   images.invalid_reason = read_if_there(dir, "invalid_reason/" + six_digits(view.frame) + ".png",
                                         view, [](const fs::path& f) { return read_png8(f); });
 }
@@ -304,27 +329,26 @@ std::uint64_t check_image_memory(const fs::path& truth_dir, const std::string& s
                                  std::uint64_t bytes) {
   struct Kind {
     const char* folder;
-    const char* ending;
     std::uint64_t pixel_bytes;  ///< of what is kept
   };
-  constexpr std::array<Kind, 10> kKinds = {{{"depth", ".exr", 4},
-                                            {"normal", ".exr", 12},
-                                            {"position", ".exr", 12},
-                                            {"coverage", ".exr", 4},
-                                            {"part", ".png", 2},
-                                            {"instance", ".png", 4},
-                                            {"flow", ".exr", 9},
-                                            {"disparity", ".exr", 9},
-                                            {"noise_free_depth", ".exr", 4},
-                                            {"invalid_reason", ".png", 1}}};
+  constexpr std::array<Kind, 10> kKinds = {{{"depth", 4},
+                                            {"normal", 12},
+                                            {"position", 12},
+                                            {"coverage", 4},
+                                            {"part", 2},
+                                            {"instance", 4},
+                                            {"flow", 9},
+                                            {"disparity", 9},
+                                            {"noise_free_depth", 4},
+                                            {"invalid_reason", 1}}};
   const fs::path dir = truth_dir / sensor_folder(sensor);
   for (const TrueView& view : views) {
     const std::uint64_t pixels = bytes_times(static_cast<std::uint64_t>(view.camera.width_px),
                                              static_cast<std::uint64_t>(view.camera.height_px));
     std::uint64_t of_pixel = 0;
     for (const Kind& kind : kKinds) {
-      if (fs::exists(dir / kind.folder / (six_digits(view.frame) + kind.ending)))
-        of_pixel += kind.pixel_bytes;
+      const std::string stem = std::string(kind.folder) + "/" + six_digits(view.frame);
+      if (!float_file(dir, stem, depth_endings()).empty()) of_pixel += kind.pixel_bytes;
     }
     if (fs::is_directory(dir / "mask")) of_pixel += specimens;
     bytes = bytes_plus(bytes, bytes_times(pixels, of_pixel));
@@ -335,15 +359,12 @@ std::uint64_t check_image_memory(const fs::path& truth_dir, const std::string& s
 }
 
 void read_images(const fs::path& dir, const TrueView& view, TruthImages& images) {
-  const auto scalar = [](const fs::path& f) { return read_exr(f); };
-  const auto vectors = [](const fs::path& f) { return read_exr_vectors(f); };
   const auto png16 = [](const fs::path& f) { return read_png16(f); };
-  const std::string exr = six_digits(view.frame) + ".exr";
-  const std::string png = six_digits(view.frame) + ".png";
-  images.depth_m = read_if_there(dir, "depth/" + exr, view, scalar);
-  images.normal = read_if_there(dir, "normal/" + exr, view, vectors);
-  images.position_m = read_if_there(dir, "position/" + exr, view, vectors);
-  images.specimen_coverage = read_if_there(dir, "coverage/" + exr, view, scalar);
+  const std::string name = six_digits(view.frame), png = name + ".png";
+  images.depth_m = depth_if_there(dir, "depth/" + name, view);
+  images.normal = vectors_if_there(dir, "normal/" + name, view);
+  images.position_m = vectors_if_there(dir, "position/" + name, view);
+  images.specimen_coverage = floats_if_there(dir, "coverage/" + name, view);
   images.part = read_if_there(dir, "part/" + png, view, png16);
   const Image<std::uint16_t> codes = read_if_there(dir, "instance/" + png, view, png16);
   if (!codes.empty()) {
@@ -378,7 +399,7 @@ std::uint64_t read_seed(const fs::path& file) {
 
 }  // namespace
 
-void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
+void write_truth(const fs::path& scene_dir, const SceneTruth& truth, TruthFormat format) {
   validate(truth.scene);
   const std::vector<const Instance*> order = specimens_of(truth.scene);
   check_images(truth.views, truth.images, order);
@@ -393,12 +414,13 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
       write_exr_color(dir / environment_file(i), environment->radiance);
   }
   for_each_frame(truth.images.size(), [&](std::size_t i) {
-    write_images(dir, truth.images[i], truth.views[i].frame, order);
+    write_images(dir, truth.images[i], truth.views[i].frame, order, format);
   });
   for (const SensorViews& other : truth.other_sensors) {
     if (other.images.empty()) continue;
     for_each_frame(other.images.size(), [&](std::size_t i) {
-      write_images(dir / sensor_folder(other.sensor), other.images[i], other.views[i].frame, order);
+      write_images(dir / sensor_folder(other.sensor), other.images[i], other.views[i].frame, order,
+                   format);
     });
     write_sensor_labels(dir, truth.scene, other);
   }
@@ -416,10 +438,10 @@ void write_truth(const fs::path& scene_dir, const SceneTruth& truth) {
 }
 
 void write_truth_images(const fs::path& scene_dir, const Scene& scene, int frame,
-                        const TruthImages& images, const std::string& sensor) {
+                        const TruthImages& images, TruthFormat format, const std::string& sensor) {
   const std::vector<const Instance*> order = specimens_of(scene);
   check_images(images, frame, order);
-  write_images(scene_dir / "truth" / sensor_folder(sensor), images, frame, order);
+  write_images(scene_dir / "truth" / sensor_folder(sensor), images, frame, order, format);
 }
 
 SensorTruth truth_of_sensor(const SceneTruth& truth, std::size_t sensor) {

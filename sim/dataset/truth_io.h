@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/dataset/truth_format.h"
 #include "sim/truth/scene.h"
 #include "sim/truth/truth_images.h"
 
@@ -31,17 +32,20 @@ struct SceneTruth {
 /// is empty or of all specimens by id, and so are shares.
 /// @throws std::invalid_argument otherwise or if the scene is not valid, std::runtime_error if a
 /// file cannot be written.
-void write_truth(const std::filesystem::path& scene_dir, const SceneTruth& truth);
+void write_truth(const std::filesystem::path& scene_dir, const SceneTruth& truth,
+                 TruthFormat format = TruthFormat::npy);
 /// The image files of one frame alone, so that a long scene need not be in memory at once:
 /// write_truth with what is then left of each frame, its `visibility`, `keypoints` and
 /// `leaf_areas`, makes the same folder.
 /// @param sensor  whose images they are; empty: the first
 /// @throws as write_truth.
 void write_truth_images(const std::filesystem::path& scene_dir, const Scene& scene, int frame,
-                        const TruthImages& images, const std::string& sensor = {});
+                        const TruthImages& images, TruthFormat format = TruthFormat::npy,
+                        const std::string& sensor = {});
 /// Everything that scoring needs: specimens with meshes, poses, traits, views, visibility; images
-/// if they exist. All that was written comes back bit by bit but for the models' vertex albedo and
-/// vertex normals, and leaf areas seen, which no score uses.
+/// if they exist, each of the format that is there. All that was written comes back bit by bit but
+/// for depths as png16, the models' vertex albedo and vertex normals, and leaf areas seen; of the
+/// last three no score uses any.
 /// @throws std::runtime_error naming file, key, value and limit.
 SceneTruth read_truth(const std::filesystem::path& scene_dir);
 

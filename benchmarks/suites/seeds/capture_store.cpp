@@ -107,7 +107,7 @@ void store(const fs::path& stored, const SimulatedRun& run) {
     if (entry.path() != part.path()) remove_if_stale(entry.path());
   }
   write_capture(part.path(), run.capture);
-  write_truth(part.path(), run.truth);
+  write_truth(part.path(), run.truth, TruthFormat::exr);  // packed: .npy takes several times that
   part.take_free_name();
 }
 

@@ -18,8 +18,10 @@
 #include "sim/dataset/export/for_each_picture.h"
 #include "sim/dataset/export/labels.h"
 #include "sim/dataset/export/splits.h"
+#include "sim/dataset/float_files.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/manifest.h"
+#include "sim/dataset/truth_format.h"
 #include "sim/geometry/measure.h"
 #include "sim/geometry/mesh_io.h"
 #include "sim/imaging/image_io.h"
@@ -165,9 +167,10 @@ ExportDepth depth_for(const ExportScene& scene, const ExportPicture& picture, co
                       const ExportOptions& options) {
   ExportDepth depth = depth_of(scene, picture, handed_over(lens, options), options);
   const int frame = scene.capture.frames[picture.frame].id;
-  const fs::path relative = "truth/depth/" + six_digits(frame) + ".exr";
-  if (!depth.depth.empty() || !fs::exists(scene.folder / relative)) return depth;
-  Image<float> depth_m = read_exr(resolve_inside(scene.folder, relative));
+  const std::string relative =
+      float_file(scene.folder, "truth/depth/" + six_digits(frame), depth_endings());
+  if (!depth.depth.empty() || relative.empty()) return depth;
+  Image<float> depth_m = read_truth_depth(scene.folder, relative);
   if (options.undistort)
     depth_m = undistort(depth_m, lens, {.interpolation = Interpolation::nearest}).image;
   depth.unit_m = 1e-4;

@@ -145,7 +145,7 @@ TEST(PlantScenes, MaizeIsSeenByTwoCamerasWithAllItsTruth) {
                    "--set", "rig=zed_hd720", "--set", "render.pixel_samples=1", "--set",
                    "maize.field.cell_m=0.2", "--truth", "part,keypoints,disparity", "--json"});
   ASSERT_EQ(rendered.code, 0) << rendered.err;
-  EXPECT_TRUE(fs::exists(program.path("field/000000/truth/disparity/000000.exr")));
+  EXPECT_TRUE(fs::exists(program.path("field/000000/truth/disparity/000000.npy")));
   EXPECT_THAT(read_file(program.path("field/000000/truth/keypoints.json")), HasSubstr("node "));
   const fs::path right = program.path("field/000000/truth/sensors/rgb_right");
   EXPECT_TRUE(fs::exists(right / "part/000000.png"));

@@ -43,7 +43,7 @@ TEST(AppRangeDataset, IsTheSameForAnyNumberOfThreadsAndInShards) {
     EXPECT_EQ(files, contents(program.path(rig + "_1")));
     EXPECT_TRUE(files.contains("000000/depth/000001.png")) << rig;
     EXPECT_TRUE(files.contains("000000/rgb/000001.png")) << rig;
-    EXPECT_TRUE(files.contains("000000/truth/noise_free_depth/000001.exr")) << rig;
+    EXPECT_TRUE(files.contains("000000/truth/noise_free_depth/000001.npy")) << rig;
     EXPECT_TRUE(files.contains("000000/truth/invalid_reason/000001.png")) << rig;
     EXPECT_EQ(program.run({"verify", rig}).code, 0);
   }

@@ -7,6 +7,7 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/imaging/image_io.h"
+#include "sim/imaging/npy.h"
 #include "tests/benchmarks/app/program.h"
 
 namespace cousin {
@@ -136,7 +137,7 @@ TEST(AppVerbs, RenderWritesTheTruthThatIsAskedFor) {
                 read_file(program.path("default") / image));
     }
   }
-  const Image<float> depth_m = read_exr(program.path("two/000000/truth/depth/000001.exr"));
+  const Image<float> depth_m = read_npy(program.path("two/000000/truth/depth/000001.npy"));
   EXPECT_EQ(depth_m.width(), 320);
   EXPECT_GT(depth_m(160, 90), 0.1F);
   EXPECT_EQ(read_png16(program.path("two/000000/truth/part/000001.png"))(160, 90), 0);

@@ -9,8 +9,8 @@
 
 #include "sim/geometry/measure.h"
 #include "sim/physics/penetration.h"
-#include "tests/scenes/apples/small_orchard.h"
 #include "tests/places/source_words.h"
+#include "tests/scenes/apples/small_orchard.h"
 
 namespace cousin {
 namespace {

@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "sim/render/truth_pass.h"
-#include "tests/scenes/apples/small_orchard.h"
 #include "sim/truth/specimens.h"
+#include "tests/scenes/apples/small_orchard.h"
 
 namespace cousin {
 namespace {

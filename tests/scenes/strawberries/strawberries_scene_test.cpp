@@ -10,8 +10,8 @@
 
 #include "scenes/strawberries/bed_outline.h"
 #include "sim/geometry/measure.h"
-#include "tests/scenes/strawberries/small_stretch.h"
 #include "sim/truth/specimens.h"
+#include "tests/scenes/strawberries/small_stretch.h"
 
 namespace cousin {
 namespace {

@@ -10,6 +10,7 @@
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/imaging/image_io.h"
+#include "sim/imaging/npy.h"
 #include "sim/types/memory_limit.h"
 #include "tests/sim/dataset/sample_capture.h"
 #include "tests/sim/dataset/temporary_folder.h"
@@ -241,10 +242,12 @@ void expect_equal(const TruthImages& a, const TruthImages& b) {
   EXPECT_EQ(a.invalid_reason, b.invalid_reason);
 }
 
-TEST(TruthIo, EveryBitComesBack) {
+class TruthIoInFormats : public testing::TestWithParam<TruthFormat> {};
+
+TEST_P(TruthIoInFormats, EveryBitComesBack) {
   const TemporaryFolder folder;
   const SceneTruth truth = sample_truth();
-  write_truth(folder.path(), truth);
+  write_truth(folder.path(), truth, GetParam());
   const SceneTruth read = read_truth(folder.path());
   EXPECT_EQ(read.seed, truth.seed);
   EXPECT_EQ(read.config_toml, truth.config_toml);
@@ -289,7 +292,8 @@ TEST(TruthIo, WhatAnotherSensorSeesComesBackFromItsFolder) {
   }
   truth.other_sensors.push_back(right);
   // The images of a frame can be written before.
-  write_truth_images(folder.path() / "b", truth.scene, 0, right.images[0], "right");
+  write_truth_images(folder.path() / "b", truth.scene, 0, right.images[0], TruthFormat::npy,
+                     "right");
   write_truth(folder.path(), truth);
   const fs::path own = folder.path() / "truth/sensors/right";
   EXPECT_EQ(read_file(folder.path() / "b/truth/sensors/right/instance/000000.png"),
@@ -314,6 +318,41 @@ TEST(TruthIo, ASensorsNameLeadsNowhereElse) {
   write_truth(folder.path(), truth);
   EXPECT_THAT(error_of([&] { read_truth(folder.path()); }),
               AllOf(HasSubstr("elsewhere"), HasSubstr("must lie inside the folder")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, TruthIoInFormats,
+                         testing::Values(TruthFormat::npy, TruthFormat::exr),
+                         [](const auto& format) { return to_string(format.param); });
+
+TEST(TruthIo, AsPngDepthsAreRoundedAndAllElseComesBack) {
+  const TemporaryFolder folder;
+  const SceneTruth truth = sample_truth();
+  write_truth(folder.path(), truth, TruthFormat::png16);
+  EXPECT_TRUE(fs::exists(folder.path() / "truth/noise_free_depth/000005.png"));
+  SceneTruth read = read_truth(folder.path());
+  ASSERT_EQ(read.images.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    TruthImages& images = read.images[i];
+    for (const auto depth : {&TruthImages::depth_m, &TruthImages::noise_free_depth_m}) {
+      const Image<float>& expected = truth.images[i].*depth;
+      ASSERT_EQ((images.*depth).size(), expected.size());
+      for (std::size_t k = 0; k < expected.size(); ++k) {
+        const float a = (images.*depth).data()[k], b = expected.data()[k];
+        ASSERT_EQ(std::isnan(a), std::isnan(b));
+        if (!std::isnan(b)) EXPECT_NEAR(a, b, 0.5e-4);  // half a step of 0.1 mm
+      }
+      images.*depth = expected;
+    }
+    expect_equal(images, truth.images[i]);
+  }
+}
+
+TEST(TruthIo, TheSameImageInTwoFormatsIsRefused) {
+  const TemporaryFolder folder;
+  write_truth(folder.path(), sample_truth(), TruthFormat::exr);
+  write_truth(folder.path(), sample_truth(), TruthFormat::npy);
+  EXPECT_THAT(error_of([&] { read_truth(folder.path()); }),
+              AllOf(HasSubstr("depth/000000.exr"), HasSubstr("depth/000000.npy")));
 }
 
 TEST(TruthIo, ADepthSensorsImagesMustFitItsOwnCamera) {
@@ -434,7 +473,7 @@ TEST(TruthIo, ACaptureReadsWithoutTruth) {
 
 TEST(TruthIo, BadFilesAreNamed) {
   const TemporaryFolder folder;
-  write_truth(folder.path(), sample_truth());
+  write_truth(folder.path(), sample_truth(), TruthFormat::exr);
   const fs::path truth = folder.path() / "truth";
   const auto error = [&] { return error_of([&] { read_truth(folder.path()); }); };
   const auto with = [&](const char* file, const std::string& from, const std::string& to) {
@@ -500,6 +539,27 @@ TEST(TruthIo, BadFilesAreNamed) {
   EXPECT_THAT(error(), AllOf(HasSubstr("000000_000001.exr"), HasSubstr("1.5")));
   fs::remove(truth / "coverage/000000_000001.exr");
   EXPECT_THAT(error(), AllOf(HasSubstr("coverage"), HasSubstr("2 specimens")));
+}
+
+TEST(TruthIo, BadNpyFilesAreNamed) {
+  const TemporaryFolder folder;
+  write_truth(folder.path(), sample_truth());
+  const fs::path truth = folder.path() / "truth";
+  const auto error = [&] { return error_of([&] { read_truth(folder.path()); }); };
+  EXPECT_EQ(error(), "");
+  const std::string depth = read_file(truth / "depth/000005.npy");
+  write_npy(truth / "depth/000005.npy", Image<float>(3, 3));
+  EXPECT_THAT(error(),
+              AllOf(HasSubstr("depth/000005.npy"), HasSubstr("frame 5"), HasSubstr("3 x 3")));
+  write_file(truth / "depth/000005.npy", depth.substr(0, depth.size() - 4));
+  EXPECT_THAT(error(), AllOf(HasSubstr("depth/000005.npy"), HasSubstr("its shape needs")));
+  fs::copy_file(truth / "normal/000005.npy", truth / "depth/000005.npy",
+                fs::copy_options::overwrite_existing);
+  EXPECT_THAT(error(), AllOf(HasSubstr("depth/000005.npy"), HasSubstr("(12, 16, 3)")));
+  fs::remove(truth / "depth/000005.npy");
+  Image<Eigen::Vector3f> flow(kWidth, kHeight, Eigen::Vector3f(0, 0, 4));
+  write_npy(truth / "flow/000005.npy", flow);
+  EXPECT_THAT(error(), AllOf(HasSubstr("flow/000005.npy"), HasSubstr("state 4")));
 }
 
 TEST(TruthIo, WhatCannotBeKeptIsRefused) {
