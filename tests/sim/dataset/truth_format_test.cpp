@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -82,16 +83,17 @@ TEST(TruthFormats, ThePngIsBopsDepthWithItsScaleBeside) {
 TEST(TruthFormats, DepthsThatAPngCannotHoldAreNamed) {
   const TemporaryFolder folder;
   for (const float depth_m : {-0.1F, 65536.0F, std::numeric_limits<float>::infinity()}) {
-    EXPECT_THAT(error_of([&] {
-                  write_truth_depth(folder.path(), "depth/000004", sample_depth(depth_m),
-                                    TruthFormat::png16);
-                }),
-                AllOf(HasSubstr("depth/000004.png"), HasSubstr(std::to_string(double(depth_m))),
-                      HasSubstr("[0, 65535]")));
+    const auto write = [&] {
+      write_truth_depth(folder.path(), "depth/000004", sample_depth(depth_m), TruthFormat::png16);
+    };
+    EXPECT_THAT(write, ThrowsMessage<std::invalid_argument>(
+                           AllOf(HasSubstr("depth/000004.png"), HasSubstr("[0, 65535]"),
+                                 HasSubstr(std::to_string(static_cast<double>(depth_m))))));
   }
   EXPECT_FALSE(fs::exists(folder.path() / "depth"));
-  EXPECT_THAT(error_of([] { truth_format_from_string("tiff"); }),
-              HasSubstr("--truth-format \"tiff\" is not one of npy, exr, png16"));
+  EXPECT_THAT([] { truth_format_from_string("tiff"); },
+              ThrowsMessage<std::invalid_argument>(
+                  HasSubstr("--truth-format \"tiff\" is not one of npy, exr, png16")));
 }
 
 TEST(TruthFormats, AScaleThatIsMissingOrWrongIsNamed) {
