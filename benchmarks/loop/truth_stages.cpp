@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "benchmarks/loop/box_truth.h"
+#include "benchmarks/loop/stage_pictures.h"
 #include "benchmarks/loop/true_outline.h"
 #include "sim/geometry/measure.h"
 #include "sim/truth/specimens.h"
@@ -295,10 +296,11 @@ Traits true_traits(const SimulatedRun& run) {
 
 /// The row of a stage whose seam is a function of the run alone.
 template <auto kStage, auto kTrue>
-constexpr TruthRow row_of(std::string_view stage) {
-  return {stage, [](Stages& stages, const SimulatedRun& run, const SeedBoard&) {
-            stages.*kStage = [&run](const Capture&, const Estimate&) { return kTrue(run); };
-          }};
+constexpr TruthRow row_of(TruthRow row) {
+  row.put = [](Stages& stages, const SimulatedRun& run, const SeedBoard&) {
+    stages.*kStage = [&run](const Capture&, const Estimate&) { return kTrue(run); };
+  };
+  return row;
 }
 
 Cloud true_cloud(const SimulatedRun& run) { return true_clusters(run).cloud; }
@@ -320,18 +322,23 @@ TruthNeeds truth_stage_needs() {
 
 std::span<const TruthRow> truth_table() {
   static constexpr auto kRows = std::to_array<TruthRow>({
-      {"corners", put_corners},
-      row_of<&Stages::poses, true_poses>("poses"),
-      {"splats", nullptr, "no set of Gaussians is the true one"},
-      row_of<&Stages::boxes, true_boxes>("boxes"),
-      row_of<&Stages::keypoints, true_keypoints>("keypoints"),
-      row_of<&Stages::depth, true_depths>("depth"),
-      row_of<&Stages::cloud, true_cloud>("cloud"),
-      row_of<&Stages::clusters, true_clusters>("clusters"),
-      row_of<&Stages::masks, true_silhouettes>("masks"),
-      {"fits", nullptr, "a fit's model is its pipeline's own"},
-      row_of<&Stages::surfaces, true_surfaces>("surfaces"),
-      row_of<&Stages::traits, true_traits>("traits"),
+      {.stage = "corners", .put = put_corners, .why_not_shown = "poses say how well they fit"},
+      row_of<&Stages::poses, true_poses>(
+          {.stage = "poses", .why_not_shown = "its error is a row of the scores"}),
+      {.stage = "splats", .why_none = "no set of Gaussians is the true one", .show = show_splats},
+      row_of<&Stages::boxes, true_boxes>({.stage = "boxes", .show = show_boxes}),
+      row_of<&Stages::keypoints, true_keypoints>({.stage = "keypoints", .show = show_keypoints}),
+      row_of<&Stages::depths, true_depths>(
+          {.stage = "depth", .why_not_shown = "the cloud shows what it gives"}),
+      row_of<&Stages::cloud, true_cloud>({.stage = "cloud", .show = show_cloud}),
+      row_of<&Stages::clusters, true_clusters>(
+          {.stage = "clusters", .why_not_shown = "the cloud is shown as a whole"}),
+      row_of<&Stages::silhouettes, true_silhouettes>({.stage = "masks", .show = show_outlines}),
+      {.stage = "fits",
+       .why_none = "a fit's model is its pipeline's own",
+       .why_not_shown = "no pipeline makes any yet"},
+      row_of<&Stages::surfaces, true_surfaces>({.stage = "surfaces", .show = show_surfaces}),
+      row_of<&Stages::traits, true_traits>({.stage = "traits", .show = show_numbers}),
   });
   return kRows;
 }

@@ -3,6 +3,7 @@
 #include <span>
 #include <string_view>
 
+#include "benchmarks/loop/report_scene.h"
 #include "benchmarks/loop/simulate.h"
 #include "perception/pipelines/stage_table.h"
 
@@ -11,12 +12,15 @@ namespace cousin {
 /// Truth passes that the true seams below read.
 TruthNeeds truth_stage_needs();
 
-/// How truth stands in the place of a stage.
+/// How truth stands in the place of a stage, and what a page shows of it.
 struct TruthRow {
   std::string_view stage;
   /// Puts its true seam into `stages`; the run must outlive these. Null if no seam is the true one.
   void (*put)(Stages& stages, const SimulatedRun& run, const SeedBoard& board) = nullptr;
   std::string_view why_none = {};
+  /// Adds its pictures and shapes to the page's scene (stage_pictures.h). Null if it has none.
+  void (*show)(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene) = nullptr;
+  std::string_view why_not_shown = {};
 };
 /// One for each row of stage_table().
 std::span<const TruthRow> truth_table();

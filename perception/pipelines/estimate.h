@@ -13,44 +13,37 @@
 
 namespace cousin {
 
+/// One member a stage of any pipeline, in the form that `Of` gives to its seam.
+template <template <class Seam> class Of>
+struct SeamsOf {
+  Of<Corners> corners;
+  Of<Poses> poses;
+  Of<SplatModel> splats;
+  Of<Boxes> boxes;
+  Of<Keypoints> keypoints;
+  Of<Depths> depths;
+  Of<Cloud> cloud;
+  Of<Clusters> clusters;
+  Of<Silhouettes> silhouettes;
+  Of<Fits> fits;
+  Of<Surfaces> surfaces;
+  Of<Traits> traits;
+};
+
+template <class Seam>
+using Made = Seam;
 /// Everything between a capture and its traits: what the stages of a pipeline made, the seams of
 /// stages that there are not being empty.
-struct Estimate {
-  Corners corners;
-  Poses poses;
-  SplatModel splats;
-  Boxes boxes;
-  Keypoints keypoints;
-  Depths depths;
-  Cloud cloud;
-  Clusters clusters;
-  Silhouettes silhouettes;
-  Fits fits;
-  Surfaces surfaces;
-  Traits traits;
+struct Estimate : SeamsOf<Made> {
   std::vector<StageTiming> timings;
 };
 
 /// Makes one seam of the capture and all earlier results.
-template <class Value>
-using Stage = std::function<Value(const Capture&, const Estimate&)>;
-
+template <class Seam>
+using Stage = std::function<Seam(const Capture&, const Estimate&)>;
 /// The stages of a pipeline; those that it has not are null. Any may be replaced by files, a
 /// program or truth (stage_table.h).
-struct Stages {
-  Stage<Corners> corners;
-  Stage<Poses> poses;
-  Stage<SplatModel> splats;
-  Stage<Boxes> boxes;
-  Stage<Keypoints> keypoints;
-  Stage<Depths> depth;
-  Stage<Cloud> cloud;
-  Stage<Clusters> clusters;
-  Stage<Silhouettes> masks;
-  Stage<Fits> fits;
-  Stage<Surfaces> surfaces;
-  Stage<Traits> traits;
-};
+struct Stages : SeamsOf<Stage> {};
 
 /// Names of stages in the order in which a pipeline runs them.
 using StageOrder = std::span<const std::string_view>;

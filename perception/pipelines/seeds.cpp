@@ -147,7 +147,7 @@ namespace {
 
 /// Poses, depth and cloud of a depth camera in place of those from several colour views.
 void take_sensor_depth(const SeedsPipelineConfig& config, Stages& stages) {
-  stages.depth = [config](const Capture& capture, const Estimate& so_far) {
+  stages.depths = [config](const Capture& capture, const Estimate& so_far) {
     return depths_of_sensor(capture, so_far.poses, depth_volume(config, board_of(capture, config)),
                             config.sensor_depth);
   };
@@ -211,7 +211,7 @@ Stages stages_of_method(const SeedsPipelineConfig& config, std::uint64_t seed,
   stages.poses = [config](const Capture& capture, const Estimate& so_far) {
     return estimate_board_poses(capture, so_far.corners, board_of(capture, config), config.poses);
   };
-  stages.depth = [config](const Capture& capture, const Estimate& so_far) {
+  stages.depths = [config](const Capture& capture, const Estimate& so_far) {
     return estimate_depths(capture, so_far.poses, volume_of(config, board_of(capture, config)),
                            config.mvs);
   };
@@ -233,7 +233,7 @@ Stages stages_of_method(const SeedsPipelineConfig& config, std::uint64_t seed,
     measure_points(config, stages);
     return stages;
   }
-  stages.masks = [config](const Capture& capture, const Estimate& so_far) {
+  stages.silhouettes = [config](const Capture& capture, const Estimate& so_far) {
     return find_outlines(capture, so_far.poses, board_of(capture, config), so_far.clusters,
                          config.outlines);
   };

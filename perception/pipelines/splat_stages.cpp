@@ -17,7 +17,7 @@ Stages stages_of_ours(SeedsPipelineConfig config, std::uint64_t seed) {
 /// The plane sweep's cloud on the same poses.
 Estimate found_by_sweep(const Stages& ours, const Capture& capture, const Estimate& so_far) {
   Estimate found = so_far;
-  found.depths = ours.depth(capture, found);
+  found.depths = ours.depths(capture, found);
   found.cloud = ours.cloud(capture, found);
   return found;
 }
@@ -28,7 +28,7 @@ Estimate found_without_splats(const Stages& stages, const Capture& capture,
   Estimate found = found_by_sweep(stages, capture, so_far);
   found.clusters = stages.clusters(capture, found);
   if (found.clusters.count == 0) return found;
-  found.silhouettes = stages.masks(capture, found);
+  found.silhouettes = stages.silhouettes(capture, found);
   found.surfaces = stages.surfaces(capture, found);
   return found;
 }
@@ -128,7 +128,7 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, const Sp
       return trained_as_paper(config, seed, capture, seen_in_training(config, so_far), *tracks,
                               watch);
     };
-    stages.depth = nullptr;
+    stages.depths = nullptr;
     stages.cloud = [config](const Capture&, const Estimate& so_far) {
       return splat_centres(so_far.splats, config.splats.least_opacity);
     };
@@ -137,7 +137,7 @@ void take_splats(const SeedsPipelineConfig& config, std::uint64_t seed, const Sp
   stages.splats = [config, seed, watch](const Capture& capture, const Estimate& so_far) {
     return trained_as_ours(config, seed, capture, seen_in_training(config, so_far), watch);
   };
-  stages.depth = [config](const Capture& capture, const Estimate& so_far) {
+  stages.depths = [config](const Capture& capture, const Estimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses,
                             volume_of(config, board_of(capture, config)),
                             config.splats.low_pass_px2);

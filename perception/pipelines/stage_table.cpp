@@ -161,7 +161,7 @@ std::vector<StageRow> make_rows() {
           {.name = "boxes", .files = {"boxes.json"}}),
       complete<&S::keypoints, &E::keypoints, read_keypoints_of, write_keypoints>(
           {.name = "keypoints", .files = {"keypoints.json"}}),
-      complete<&S::depth, &E::depths, reader<read_depths>, writer<write_depths>>(
+      complete<&S::depths, &E::depths, reader<read_depths>, writer<write_depths>>(
           {.name = "depth",
            .files = {"depth/frames.json", "depth/######.exr", "depth_sigma/######.exr",
                      "depth_normal/######.exr"},
@@ -173,7 +173,7 @@ std::vector<StageRow> make_rows() {
           {.name = "clusters",
            .files = {"clusters.ply"},
            .makes_needless = {"splats", "depth", "cloud"}}),
-      complete<&S::masks, &E::silhouettes, read_masks, write_masks>(
+      complete<&S::silhouettes, &E::silhouettes, read_masks, write_masks>(
           {.name = "masks", .files = {"masks.json"}}),
       complete<&S::fits, &E::fits, reader<read_fits>, writer<write_fits>>(
           {.name = "fits", .files = {"fits.json"}}),

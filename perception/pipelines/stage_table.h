@@ -40,7 +40,7 @@ struct StageRow {
   void (*write)(const std::filesystem::path& dir, const Estimate&, int scene_index) = nullptr;
 };
 
-/// To add a stage, add its member of Estimate and Stages, and a row.
+/// To add a stage, add its member of SeamsOf, and a row.
 std::span<const StageRow> stage_table();
 /// @throws std::invalid_argument listing the names that exist.
 const StageRow& stage_row(std::string_view name);

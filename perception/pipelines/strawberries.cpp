@@ -108,7 +108,7 @@ void check_capture(const Capture& capture, const StrawberriesPipelineConfig& con
 Stages stages_for(const StrawberriesPipelineConfig& config, const Capture& /*capture*/,
                   std::uint64_t /*seed*/, const SplatWatch& /*watch*/) {
   Stages stages;
-  stages.depth = [config](const Capture& capture, const Estimate&) {
+  stages.depths = [config](const Capture& capture, const Estimate&) {
     return aligned_depths(capture, config.sensor_depth);
   };
   stages.traits = [config](const Capture& capture, const Estimate& so_far) {

@@ -406,7 +406,7 @@ Stages views_stages(const ViewsPipelineConfig& config, const Capture& full, std:
                       const Capture& capture, const Estimate& so_far) {
     return train(config, capture, so_far.poses, masks, *findings, seed, watch);
   };
-  stages.depth = [normals = config.normals](const Capture&, const Estimate& so_far) {
+  stages.depths = [normals = config.normals](const Capture&, const Estimate& so_far) {
     return depths_of_splats(so_far.splats, so_far.poses, everywhere(), so_far.splats.low_pass_px2,
                             normals);
   };

@@ -47,8 +47,8 @@ std::vector<UserFile> user_files(const SeedsSceneConfig& config) {
 }
 
 PhysicsUse physics_of(const SeedsSceneConfig& config) {
-  if (config.sphere) return {false, "a sphere is placed on the board"};
-  return {true, "seeds are dropped and settle on the board"};
+  return {true, config.sphere ? "a sphere is dropped and settles on the board"
+                              : "seeds are dropped and settle on the board"};
 }
 
 void check_movable(const SeedsSceneConfig& config, const CousinDistance& distance) {

@@ -50,7 +50,7 @@ Estimate paper_on_same_cloud(const Capture& capture, const SeedsPipelineConfig& 
   Stages stages = seeds_stages(paper, seed);
   stages.corners = nullptr;
   stages.poses = nullptr;
-  stages.depth = nullptr;
+  stages.depths = nullptr;
   stages.cloud = [&ours](const Capture&, const Estimate&) { return ours.cloud; };
   Estimate estimate = run_seeds(capture, paper, stages);
   estimate.poses = ours.poses;

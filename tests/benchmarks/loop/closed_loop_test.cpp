@@ -257,7 +257,7 @@ TEST(ClosedLoop, AttributionExplainsTheStagesThatRan) {
   const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
   // A user's masks that see nothing: only the truth in their place (and later) measures a seed.
   Stages own = stages_of(pipeline, run.capture, 3, {}, 0);
-  own.masks = [](const Capture&, const Estimate&) { return Silhouettes{}; };
+  own.silhouettes = [](const Capture&, const Estimate&) { return Silhouettes{}; };
   const Estimate estimate = run_seeds(run.capture, pipeline, own);
   const std::vector<SeamStep> steps = attribute(run, pipeline, own, {}, &estimate);
   ASSERT_EQ(steps.size(), 9U);

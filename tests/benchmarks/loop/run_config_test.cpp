@@ -263,11 +263,11 @@ TEST(SeedsRunConfig, WhatNamesKeptCapturesOfPhonesIsAsItWas) {
   EXPECT_NE(simulator_toml(seeds_run_config({"knows_pose=true"})), text);
 }
 
-TEST(SeedsPlan, AttributionAddsDepthAndInstancesAndASphereNeedsNoPhysics) {
+TEST(SeedsPlan, AttributionAddsDepthAndInstances) {
   const RunConfig config = seeds_run_config({"sphere=true", "pipeline.method=paper"});
   for (const PlanEntry& entry : run_plan(config, true)) {
-    if (entry.pass == "physics" || entry.pass == "perceive: masks" ||
-        entry.pass == "truth: normal") {
+    if (entry.pass == "physics") EXPECT_TRUE(entry.runs);  // a sphere is dropped too
+    if (entry.pass == "perceive: masks" || entry.pass == "truth: normal") {
       EXPECT_FALSE(entry.runs) << entry.pass;
     }
     if (entry.pass == "truth: depth" || entry.pass == "truth: instance") {

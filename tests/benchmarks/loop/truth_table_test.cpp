@@ -5,10 +5,11 @@
 namespace cousin {
 namespace {
 
-TEST(TruthTable, EachStageHasATruthRowOrSaysWhyNot) {
+TEST(TruthTable, EachStageHasItsTruthAndItsPicturesOrSaysWhyNot) {
   for (const StageRow& stage : stage_table()) {
     const TruthRow& row = truth_row(stage.name);
     EXPECT_NE(row.put == nullptr, row.why_none.empty()) << stage.name;
+    EXPECT_NE(row.show == nullptr, row.why_not_shown.empty()) << stage.name;
     if (!row.put) continue;
     Stages stages;
     row.put(stages, SimulatedRun{}, SeedBoard{});

@@ -44,7 +44,7 @@ TEST(SeedsPipeline, AViewWithoutABoardGivesAStatusAndNoSeeds) {
 TEST(SeedsPipeline, AStageThatThrowsIsNamedAndEarlierResultsWereHandedOver) {
   const SeedsPipelineConfig config;
   Stages stages = seeds_stages(config, 1);
-  stages.depth = [](const Capture&, const Estimate&) -> Depths {
+  stages.depths = [](const Capture&, const Estimate&) -> Depths {
     throw std::runtime_error("no texture");
   };
   std::vector<std::string> finished;

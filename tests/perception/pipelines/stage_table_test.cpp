@@ -132,10 +132,10 @@ TEST(StageTable, WhatIsKnownWithoutThemIsLeftOut) {
   stages.splats = [](const Capture&, const Estimate&) { return SplatModel{}; };
   leave_out_needless(stages, {"corners", "depth"});
   EXPECT_FALSE(stages.splats);
-  EXPECT_TRUE(stages.depth && stages.cloud);
+  EXPECT_TRUE(stages.depths && stages.cloud);
   leave_out_needless(stages, {"clusters"});
-  EXPECT_FALSE(stages.depth || stages.cloud);
-  EXPECT_TRUE(stages.masks && stages.traits);
+  EXPECT_FALSE(stages.depths || stages.cloud);
+  EXPECT_TRUE(stages.silhouettes && stages.traits);
 }
 
 }  // namespace

@@ -293,7 +293,7 @@ TEST(ViewsPipeline, StagesSayOneThingOfEachFrame) {
   Stages stages = views_stages(quick(), capture, 1);
   stages.splats = [](const Capture&, const Estimate&) { return cube_of_splats(); };
   Stages no_depth = stages, no_poses = stages;
-  no_depth.depth = [](const Capture&, const Estimate&) { return Depths(); };
+  no_depth.depths = [](const Capture&, const Estimate&) { return Depths(); };
   EXPECT_TRUE(run_stages(capture, no_depth, views_stage_order()).cloud.empty());
   no_poses.poses = [](const Capture&, const Estimate&) { return Poses(); };
   EXPECT_THROW(run_stages(capture, no_poses, views_stage_order()), StageError);
@@ -304,10 +304,10 @@ TEST(ViewsPipeline, StagesSayOneThingOfEachFrame) {
     poses[2] = {.frame = poses[2].frame, .status = PoseStatus::no_board};
     return poses;
   };
-  one_lost.depth = [&](const Capture& of, const Estimate& so_far) {
+  one_lost.depths = [&](const Capture& of, const Estimate& so_far) {
     Estimate all = so_far;
     all.poses = reported_poses(of);
-    return stages.depth(of, all);
+    return stages.depths(of, all);
   };
   EXPECT_GT(run_stages(capture, one_lost, views_stage_order()).cloud.size(), 300U);
 }
