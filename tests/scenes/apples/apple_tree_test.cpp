@@ -41,9 +41,14 @@ TEST(AppleTree, IsPrunedAtItsGreatestHeight) {
 }
 
 TEST(AppleTree, RangesOutOfOrderAreRefusedByName) {
-  ApplesSceneConfig config = small_orchard();
-  config.orchard.shoot.spacing_spread = {1.5, 0.6};
-  EXPECT_THAT(refusal(config), HasSubstr("shoot.spacing_spread"));
+  OrchardConfig config = orchard();
+  config.shoot.spacing_spread = {1.5, 0.6};
+  try {
+    validate(config);
+    ADD_FAILURE() << "taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("shoot.spacing_spread [1.5"));
+  }
 }
 
 TEST(AppleTree, IsADwarfTreeThatStandsOnItsFoot) {
