@@ -48,6 +48,9 @@ constexpr Closing kClosings[] = {
      "  cousin run seeds --plan\n"
      "  cousin run seeds --set cultivar=jimai22 --out out/wheat\n"
      "  cousin run seedlings --pipeline scene --set knows_pose=true"},
+    {"board", "out/board_BOARD.pdf",
+     "  cousin board seeds --paper a4 --out board.pdf\n"
+     "  cousin board charuco_a4 --out charuco.svg"},
     {"calibrate", "out/calibrate",
      "  cousin calibrate photos --board chessboard:6x4:0.030 --out calibration"},
     {"fit-sensor", "out/fit_sensor", "  cousin fit-sensor desk --rig d457 --out fit"},

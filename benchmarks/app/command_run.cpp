@@ -75,7 +75,10 @@ RunConfig configure(const Options& o, const SceneEntry& entry,
   return read_config(o, keys, [&] {
     if (pipeline && !o.pipeline_config.empty())
       read_toml(o.pipeline_config, fields(*pipeline), MissingKeys::keep_default);
-    return run_config(built_row(entry), assignments_of(o, keys), o.config, pipeline);
+    RunConfig config =
+        run_config(built_row(entry), assignments_of(o, keys), o.config, std::move(pipeline));
+    planned_streams(config);  // refuses what the rig has not before anything is touched
+    return config;
   });
 }
 

@@ -26,6 +26,7 @@ ExitCode command_perceive(const JobContext& context);
 ExitCode command_score(const JobContext& context);
 ExitCode command_score_detections(const JobContext& context);  ///< score DATASET FILE
 ExitCode command_run(const JobContext& context);
+ExitCode command_board(const JobContext& context);
 ExitCode command_calibrate(const JobContext& context);
 ExitCode command_fit_sensor(const JobContext& context);
 ExitCode command_bench(const JobContext& context);

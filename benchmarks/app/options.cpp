@@ -113,6 +113,13 @@ void add_import(CLI::App& verb, Options& o) {
       ->check(CLI::Range(0, 1000));
 }
 
+constexpr const char* kBoardHelp =
+    "Write a board as a PDF in its true size, with a ruler to check the print and two pages on "
+    "how\n"
+    "to use it; or the board alone as SVG. BOARD is seeds (the plate that seeds are measured on),\n"
+    "charuco_a4, chessboard_a4, aprilgrid_a4, circles_a4, acircles_a4 and the like, or kind and\n"
+    "sizes as `cousin calibrate --board` takes them, which reads the same name.";
+
 constexpr const char* kExportHelp =
     "Write a dataset as other programs read it; the dataset stays the source of truth.\n\n"
     "  Labels of the first sensor's pictures (render with --truth visibility,instance,keypoints)\n"
@@ -443,6 +450,11 @@ KeyedVerbs add_verbs(CLI::App& app, Options& o) {
   add_perceive(*perceive, o);
   add_score(*verb("score", "Score estimates, ours or anybody's, against a dataset's truth"), o);
   add_run(*verb("run", "Render, perceive, score and report in one go"), o);
+  CLI::App* board = verb("board", kBoardHelp);
+  takes(*board, o, "BOARD", "A board's name, or its kind and sizes", 1, 1);
+  board->add_option("--paper", o.paper,
+                    "a5, a4, letter, legal, a3, tabloid, a2, a1, a0; the smallest that it fits on "
+                    "if not given");
   CLI::App* calibrate = verb("calibrate", kCalibrateHelp);
   add_calibrate(*calibrate, o);
 

@@ -51,6 +51,7 @@ struct Options {
   std::string category;  ///< label of specimens that sorts them; empty: the dataset's categories
   double least_visible = 0;  ///< share of an object's pixels below which labels leave it out
   std::string rig;           ///< preset, or the path of one, that `fit-sensor` starts from
+  std::string paper;         ///< that `board` prints on; empty = the smallest
   std::string board;         ///< target that `calibrate` looks for; empty = the dataset's
   std::string model;         ///< lens model of `calibrate`; empty = opencv5
   std::string solver;        ///< of `calibrate`; empty = ceres

@@ -27,7 +27,7 @@ inline std::string how_to_build(std::string_view part) {
 constexpr Part part_of(std::string_view verb) {
   if (verb == "import" || verb == "export") return kScenesPart;
   if (verb == "bench") return kBenchPart;
-  if (verb == "calibrate") return kCalibratePart;
+  if (verb == "calibrate" || verb == "board") return kCalibratePart;
   if (verb == "fit-sensor") return kFitSensorPart;
   return kJobsPart;
 }

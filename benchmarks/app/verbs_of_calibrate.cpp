@@ -1,4 +1,4 @@
-// Calibration from photographs of a target.
+// Targets to print, and calibration from photographs of one.
 #include <array>
 
 #include "benchmarks/app/commands.h"
@@ -7,6 +7,7 @@ namespace cousin {
 
 std::span<const Verb> module_verbs() {
   static constexpr auto kVerbs = std::to_array<Verb>({
+      {"board", command_board},
       {"calibrate", command_calibrate, Reads::input},
   });
   return kVerbs;

@@ -17,9 +17,18 @@ RadianceBy radiance_of(const std::string& text, const SceneRow& row) {
   if (text != "cached" && text != "paths")
     throw std::invalid_argument("\"" + text + "\" is not one of cached, paths");
   if (text == "cached" && !row.why_paths.empty())
-    throw std::invalid_argument("render.by = \"cached\", but scene " + std::string(row.text.name) +
+    throw std::invalid_argument("\"cached\": scene " + std::string(row.text.name) +
                                 " is by paths: " + std::string(row.why_paths));
   return text == "paths" ? RadianceBy::paths : RadianceBy::cached;
+}
+
+/// The same, refused by the name of the key.
+RadianceBy radiance_of_key(const std::string& text, const SceneRow& row) {
+  try {
+    return radiance_of(text, row);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("render.by = " + std::string(error.what()));
+  }
 }
 
 /// The renderer by its name. What else a table holds depends on it, so it is set before.
@@ -112,9 +121,9 @@ void read_run_file(const std::filesystem::path& file, RunConfig& config) {
   const std::string by = toml_text_of(file, "render", "by");
   if (!by.empty()) {
     try {
-      config.radiance = radiance_of(by, row_of(config.scene));
+      config.radiance = radiance_of_key(by, row_of(config.scene));
     } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(file.string() + ": render.by: " + error.what());
+      throw std::runtime_error(file.string() + ": " + error.what());
     }
   }
   read_keys(file, is_earlier, config);
@@ -199,9 +208,14 @@ RunConfig run_config(const SceneRow& row, const std::vector<std::string>& assign
     config.scene.rig() = *rig;
     config.rig = device_preset(*rig);
   }
-  if (const auto by = given(assignments, "render.by")) config.radiance = radiance_of(*by, row);
+  if (const auto by = given(assignments, "render.by")) config.radiance = radiance_of_key(*by, row);
   const Fields all = fields(config);
-  for (const std::string& assignment : assignments) set_field(all, assignment);
+  for (const std::string& assignment : assignments) {
+    if (assignment.starts_with("radiance=") || assignment.starts_with("paths."))
+      throw std::invalid_argument(assignment +
+                                  ": the renderer is render.by, and render.* are its keys");
+    set_field(all, assignment);
+  }
   validate(config);
   require_files(config.scene);
   see(config.scene, sight_of(config.rig));

@@ -289,6 +289,7 @@ SimulatedRun simulate(const RunConfig& config, std::uint64_t seed, int scene_ind
   const auto say = [&](const std::string& what, int done, int total) {
     if (progress) progress(what, done, total);
   };
+  const Streams streams = planned_streams(config);
   SimulatedRun run;
   say("scene", 0, 1);
   const StageClock scene_clock("scene");
@@ -296,7 +297,6 @@ SimulatedRun simulate(const RunConfig& config, std::uint64_t seed, int scene_ind
   run.timings.push_back(scene_clock.finish());
 
   const int frames = static_cast<int>(simulation.views().size());
-  const Streams streams = planned_streams(config);
   run.capture = simulation.capture_header();
   run.radiance.stage = light_stage(config.radiance);
   std::vector<TruthImages> of_depth;  // what is true of the depth taken

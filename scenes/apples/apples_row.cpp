@@ -58,11 +58,12 @@ BranchSettler tree_settler(const ApplesSceneConfig& config, const SceneBuild& wh
 }
 
 const SceneRow& apples_row() {
-  static const SceneRow kRow = {.text = kApplesText,
-                                .why_paths = kLeavesLetLightThrough,
-                                .metered_m = kApple_m,
-                                .cousin_moves = apples_moves,
-                                .defaults = []() -> SceneConfig { return ApplesSceneConfig(); }};
+  static const SceneRow kRow = {
+      .text = kApplesText,
+      .why_paths = kLeavesLetLightThrough,
+      .metered_m = kApple_m,
+      .cousin_moves = apples_moves,
+      .defaults = []() -> SceneConfig { return SceneConfig(ApplesSceneConfig()); }};
   return kRow;
 }
 

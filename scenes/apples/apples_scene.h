@@ -6,7 +6,7 @@
 #include "scenes/apples/apple_cultivar.h"
 #include "scenes/apples/apple_tree.h"
 #include "scenes/apples/orchard.h"
-#include "scenes/fruit/rig_eye.h"
+#include "scenes/row/rig_eye.h"
 #include "scenes/row/scene_row.h"
 #include "sim/config/fields.h"
 #include "sim/physics/wind.h"

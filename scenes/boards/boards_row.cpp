@@ -24,11 +24,16 @@ void see(BoardsSceneConfig& config, const RigSight& sight) {
   config.readout_s = sight.readout_s;
 }
 
+PhysicsUse physics_of(const BoardsSceneConfig& config) {
+  return {false, "nothing settles or moves by force", config.place == "hand"};
+}
+
 const SceneRow& boards_row() {
-  static const SceneRow kRow = {.text = kBoardsText,
-                                .why_paths = "a held board moves, and some are glossy",
-                                .cousin_moves = boards_moves,
-                                .defaults = []() -> SceneConfig { return BoardsSceneConfig(); }};
+  static const SceneRow kRow = {
+      .text = kBoardsText,
+      .why_paths = "a held board moves, and some are glossy",
+      .cousin_moves = boards_moves,
+      .defaults = []() -> SceneConfig { return SceneConfig(BoardsSceneConfig()); }};
   return kRow;
 }
 

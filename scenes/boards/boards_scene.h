@@ -80,6 +80,7 @@ std::vector<Pose> board_poses(const BoardsSceneConfig& config,
 
 Scene build_scene(const BoardsSceneConfig& config, const SceneBuild& which);
 void see(BoardsSceneConfig& config, const RigSight& sight);
+PhysicsUse physics_of(const BoardsSceneConfig& config);
 const SceneRow& boards_row();
 const SceneRow& row_of(const BoardsSceneConfig& config);
 

@@ -18,10 +18,11 @@ Scene build_scene(const MaizeSceneConfig& config, const SceneBuild& which) {
 }
 
 const SceneRow& maize_row() {
-  static const SceneRow kRow = {.text = kMaizeText,
-                                .why_paths = kLeavesLetLightThrough,
-                                .cousin_moves = maize_moves,
-                                .defaults = []() -> SceneConfig { return MaizeSceneConfig(); }};
+  static const SceneRow kRow = {
+      .text = kMaizeText,
+      .why_paths = kLeavesLetLightThrough,
+      .cousin_moves = maize_moves,
+      .defaults = []() -> SceneConfig { return SceneConfig(MaizeSceneConfig()); }};
   return kRow;
 }
 

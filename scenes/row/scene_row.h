@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/fruit/rig_eye.h"
 #include "scenes/row/rest_store.h"
+#include "scenes/row/rig_eye.h"
 #include "scenes/row/scene_text.h"
 #include "sim/config/cousin.h"
 #include "sim/config/fields.h"
@@ -93,9 +93,13 @@ void check_movable(const Config& /*config*/, const CousinDistance& /*distance*/)
 /// validate(), build_scene() and row_of(); and where the above do not do, those.
 class SceneConfig {
  public:
+  /// Explicit: else a scene without its own validate() would find the one of any scene.
   template <class Config>
-  requires(!std::same_as<Config, SceneConfig>) SceneConfig(Config config)
-      : own_(std::make_unique<Of<Config>>(std::move(config))) {}
+  requires requires(Config c) {
+    c.rig;
+    c.views;
+  }
+  explicit SceneConfig(Config config) : own_(std::make_unique<Of<Config>>(std::move(config))) {}
   SceneConfig(const SceneConfig& other) : own_(other.own_->copy()) {}
   SceneConfig(SceneConfig&&) noexcept = default;
   SceneConfig& operator=(SceneConfig other) noexcept {
@@ -193,7 +197,7 @@ inline constexpr std::string_view kLeavesLetLightThrough =
     "leaves let light through, so it is not cached";
 
 /// A scene. To add one, write scenes/NAME with its text and row, and add both to
-/// benchmarks/loop/scene_list.h.
+/// benchmarks/loop/scene_list.h and its folder to the root's COUSIN_SCENES.
 struct SceneRow {
   SceneText text;
   std::string_view shows =

@@ -28,10 +28,11 @@ std::vector<std::string> shared_plants(const SeedlingsSceneConfig& config, int /
 bool is_series(const SeedlingsSceneConfig& config) { return config.day_step > 0; }
 
 const SceneRow& seedlings_row() {
-  static const SceneRow kRow = {.text = kSeedlingsText,
-                                .why_paths = kLeavesLetLightThrough,
-                                .cousin_moves = seedlings_moves,
-                                .defaults = []() -> SceneConfig { return SeedlingsSceneConfig(); }};
+  static const SceneRow kRow = {
+      .text = kSeedlingsText,
+      .why_paths = kLeavesLetLightThrough,
+      .cousin_moves = seedlings_moves,
+      .defaults = []() -> SceneConfig { return SceneConfig(SeedlingsSceneConfig()); }};
   return kRow;
 }
 

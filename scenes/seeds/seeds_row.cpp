@@ -18,6 +18,7 @@ std::optional<UserMesh> user_specimen(const SeedsSceneConfig& config) {
 std::optional<Environment> user_environment(const SeedsSceneConfig& config,
                                             const SceneBuild& which) {
   if (config.environment.empty()) return std::nullopt;
+  if (!which.read_environment) throw std::logic_error("seeds: nobody reads environments");
   return which.read_environment(config.environment, config.environment_scale);
 }
 
@@ -79,12 +80,13 @@ std::string specimen_file(const SeedsSceneConfig& config) {
 }
 
 const SceneRow& seeds_row() {
-  static const SceneRow kRow = {.text = kSeedsText,
-                                .shows = "board, screen, specimens",
-                                // As deep as the cache, whose 4 bounces come after its points.
-                                .paths = {.max_bounces = 5},
-                                .cousin_moves = seeds_moves,
-                                .defaults = []() -> SceneConfig { return SeedsSceneConfig(); }};
+  static const SceneRow kRow = {
+      .text = kSeedsText,
+      .shows = "board, screen, specimens",
+      // As deep as the cache, whose 4 bounces come after its points.
+      .paths = {.max_bounces = 5},
+      .cousin_moves = seeds_moves,
+      .defaults = []() -> SceneConfig { return SceneConfig(SeedsSceneConfig()); }};
   return kRow;
 }
 

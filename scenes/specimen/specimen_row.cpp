@@ -16,9 +16,10 @@ std::vector<UserFile> user_files(const SpecimenSceneConfig& config) {
 }
 
 const SceneRow& specimen_row() {
-  static const SceneRow kRow = {.text = kSpecimenText,
-                                .why_paths = "leaves let light through, so it is not cached",
-                                .defaults = []() -> SceneConfig { return SpecimenSceneConfig(); }};
+  static const SceneRow kRow = {
+      .text = kSpecimenText, .why_paths = kLeavesLetLightThrough, .defaults = []() -> SceneConfig {
+        return SceneConfig(SpecimenSceneConfig());
+      }};
   return kRow;
 }
 

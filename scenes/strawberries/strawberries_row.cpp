@@ -60,7 +60,7 @@ const SceneRow& strawberries_row() {
       .text = kStrawberriesText,
       .why_paths = kLeavesLetLightThrough,
       .cousin_moves = strawberries_moves,
-      .defaults = []() -> SceneConfig { return StrawberriesSceneConfig(); }};
+      .defaults = []() -> SceneConfig { return SceneConfig(StrawberriesSceneConfig()); }};
   return kRow;
 }
 

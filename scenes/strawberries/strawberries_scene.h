@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/fruit/rig_eye.h"
+#include "scenes/row/rig_eye.h"
 #include "scenes/row/scene_row.h"
 #include "scenes/strawberries/stand_motion.h"
 #include "scenes/strawberries/strawberry_bed.h"

@@ -11,21 +11,23 @@
 #include "sim/render/truth_pass.h"
 
 namespace cousin {
-namespace {
 
-struct Ball {
+/// About a target.
+struct TargetBall {
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   double radius_m = 0;
 };
 
-Ball ball_of(const Mesh& mesh) {
+namespace {
+
+TargetBall ball_of(const Mesh& mesh) {
   if (mesh.vertices_m.empty()) return {};
   Eigen::Vector3d low = mesh.vertices_m.front(), high = low;
   for (const Eigen::Vector3d& p : mesh.vertices_m) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  Ball ball{0.5 * (low + high), 0};
+  TargetBall ball{0.5 * (low + high), 0};
   for (const Eigen::Vector3d& p : mesh.vertices_m)
     ball.radius_m = std::max(ball.radius_m, (p - ball.centre_m).norm());
   return ball;
@@ -69,7 +71,7 @@ struct VisibleShare::Impl {
   const Scene& scene;
   std::size_t target;
   std::vector<std::size_t> movable;
-  Ball ball;  ///< of the target, in the world
+  TargetBall ball;  ///< of the target, in the world
   Scene alone_scene, still_scene, movable_scene;
   RayScene alone, still;
 
@@ -85,21 +87,21 @@ struct VisibleShare::Impl {
         alone(alone_scene),
         still(still_scene) {}
 
-  static Ball placed_ball(const Scene& scene, std::size_t place) {
+  static TargetBall placed_ball(const Scene& scene, std::size_t place) {
     const Instance& instance = scene.instances.at(place);
-    Ball ball = ball_of(scene.models[static_cast<std::size_t>(instance.model)].mesh);
+    TargetBall ball = ball_of(scene.models[static_cast<std::size_t>(instance.model)].mesh);
     ball.centre_m = instance.world_from_object * ball.centre_m;
     return ball;
   }
 
   std::vector<std::size_t> still_places(double reach_m) const {
-    std::vector<Ball> balls;
+    std::vector<TargetBall> balls;
     for (const ObjectModel& model : scene.models) balls.push_back(ball_of(model.mesh));
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < scene.instances.size(); ++i) {
       if (std::find(movable.begin(), movable.end(), i) != movable.end()) continue;
       const Instance& instance = scene.instances[i];
-      const Ball& own = balls[static_cast<std::size_t>(instance.model)];
+      const TargetBall& own = balls[static_cast<std::size_t>(instance.model)];
       const double apart = (instance.world_from_object * own.centre_m - ball.centre_m).norm();
       if (apart - own.radius_m <= reach_m) places.push_back(i);
     }

@@ -55,8 +55,8 @@ std::vector<BuildCase> build_cases() {
   rows.stage = "V12";
   rows.rows = 5;
   rows.plants = 9;
-  return {{"seedlings", "tray of 50, day 12", tray, kTrayLimit_s},
-          {"maize", "5 rows of 9, V12", rows, kRowsLimit_s}};
+  return {{"seedlings", "tray of 50, day 12", SceneConfig(tray), kTrayLimit_s},
+          {"maize", "5 rows of 9, V12", SceneConfig(rows), kRowsLimit_s}};
 }
 
 void add_build_rows(ScoreFile& file, const BuildCase& c, int repeats, std::uint64_t seed) {

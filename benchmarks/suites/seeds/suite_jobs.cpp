@@ -124,9 +124,9 @@ std::vector<SeedsBlock> long_blocks() {
 std::vector<SeedsBlock> posed_blocks(const SeedsSuiteConfig& suite) {
   // A user's word about poses is of every job: these would be one of the others.
   const auto is_as_named = [&suite](const GridJob& job) {
-    return job_config(suite, {}).pipeline.splats.poses == SplatPoses::board &&
-           to_string(job_config(suite, job.sets).pipeline.splats.poses) ==
-               job.at("pipeline.splats.poses").word;
+    const RunConfig plain = job_config(suite, {}), own = job_config(suite, job.sets);
+    return seeds_pipeline(plain).splats.poses == SplatPoses::board &&
+           to_string(seeds_pipeline(own).splats.poses) == job.at("pipeline.splats.poses").word;
   };
   const Factor one = key_factor("cultivar", {"zhengdan958"});
   return {

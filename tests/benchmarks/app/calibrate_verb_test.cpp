@@ -105,5 +105,30 @@ TEST(AppCalibrate, WrongWordsAndImagesAreNamed) {
   EXPECT_FALSE(fs::exists(program.path("out/calibrate/calibration.json")));
 }
 
+TEST(AppBoard, IsWrittenAsPdfAndSvgAndNothingElseIsLost) {
+  const Program program;
+  const Outcome made =
+      program.run({"board", "seeds", "--paper", "a4", "--out", "kit.pdf", "--json"});
+  EXPECT_EQ(made.code, 0) << made.err;
+  const nlohmann::json said = nlohmann::json::parse(made.out);
+  EXPECT_EQ(said["pages"], 3);
+  EXPECT_EQ(said["paper"], "a4");
+  const std::string pdf = read_file(program.path("kit.pdf"));
+  EXPECT_TRUE(pdf.starts_with("%PDF-1.4"));
+  EXPECT_EQ(program.run({"board", "seeds", "--paper", "a4", "--out", "kit.pdf"}).code, 0);
+  EXPECT_EQ(program.run({"board", "charuco:11x8:0.022:0.73:DICT_4X4_50", "--out", "c.svg"}).code,
+            0);
+  EXPECT_THAT(read_file(program.path("c.svg")), testing::HasSubstr("<svg"));
+  write_file(program.path("mine.pdf"), "%PDF-1.7 somebody's");
+  const Outcome kept = program.run({"board", "seeds", "--out", "mine.pdf"});
+  EXPECT_EQ(kept.code, 2);
+  EXPECT_EQ(read_file(program.path("mine.pdf")), "%PDF-1.7 somebody's");
+  const Outcome wrong = program.run({"board", "seeds", "--out", "board.png"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, testing::HasSubstr(".pdf or .svg"));
+  EXPECT_EQ(program.run({"board", "charuco_a2", "--paper", "a4"}).code, 2);
+  EXPECT_EQ(program.run({"board", "no_such_board"}).code, 2);
+}
+
 }  // namespace
 }  // namespace cousin

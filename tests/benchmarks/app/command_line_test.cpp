@@ -19,9 +19,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kVerbs[] = {"scenes",   "rigs",   "methods", "doctor",    "render",
-                                  "perceive", "score",  "run",     "calibrate", "fit-sensor",
-                                  "bench",    "import", "export",  "verify",    "report"};
+constexpr const char* kVerbs[] = {
+    "scenes",    "rigs",       "methods", "doctor", "render", "perceive", "score",  "run",
+    "calibrate", "fit-sensor", "bench",   "import", "export", "verify",   "report", "board"};
 
 /// The message of a command that must be refused as wrong usage, before anything is written.
 std::string refusal(const Words& words) {

@@ -45,6 +45,11 @@ const std::vector<std::string>& small_scene() {
 }
 
 /// The least views and pixels that measure both seeds.
+SeedsPipelineConfig small_pipeline() {
+  const RunConfig config = seeds_run_config(small_scene());
+  return seeds_pipeline(config);
+}
+
 RunConfig measured_scene(const std::vector<std::string>& more = {}) {
   std::vector<std::string> sets = small_scene();
   sets.insert(sets.end(), {"views=18", "rig.width_px=960", "rig.height_px=540"});
@@ -80,7 +85,7 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 
 void perceive_into(const Capture& capture, const fs::path& folder, std::size_t threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  perceive(capture, seeds_run_config(small_scene()).pipeline, 3, {}, 0, folder);
+  perceive(capture, small_pipeline(), 3, {}, 0, folder);
 }
 
 TEST(ClosedLoop, ImagesAndEstimatesAreTheSameOnOneTwoAndSevenThreads) {
@@ -126,7 +131,7 @@ TEST(ClosedLoop, AFrameDoesNotDependOnWhichFramesCameBefore) {
 
 TEST(ClosedLoop, TruthInEverySeamScoresPerfectly) {
   const SimulatedRun run = simulate(2, truth_stage_needs());
-  const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
+  const SeedsPipelineConfig pipeline = small_pipeline();
   const Stages truth = truth_stages(run, board_of(run.capture, pipeline));
   const Estimate estimate = run_seeds(run.capture, pipeline, truth);
   const SeedsScores scores = score_run(run.truth, estimate, {});
@@ -254,7 +259,7 @@ TEST(ClosedLoop, APlainBoardsFrameIsTurnedToTheTruths) {
 
 TEST(ClosedLoop, AttributionExplainsTheStagesThatRan) {
   const SimulatedRun run = simulate(2, truth_stage_needs());
-  const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
+  const SeedsPipelineConfig pipeline = small_pipeline();
   // A user's masks that see nothing: only the truth in their place (and later) measures a seed.
   Stages own = stages_of(pipeline, run.capture, 3, {}, 0);
   own.silhouettes = [](const Capture&, const Estimate&) { return Silhouettes{}; };
@@ -272,7 +277,7 @@ TEST(ClosedLoop, AttributionExplainsTheStagesThatRan) {
 
 TEST(ClosedLoop, TrueCornersAgreeWithWhatIsFoundInTheImages) {
   const SimulatedRun run = simulate(2, truth_stage_needs());
-  const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
+  const SeedsPipelineConfig pipeline = small_pipeline();
   const SeedBoard board = board_of(run.capture, pipeline);
   const Corners truth = truth_stages(run, board).corners(run.capture, {});
   const Corners found = detect_board(run.capture, board, pipeline.board);
@@ -318,7 +323,7 @@ TEST(ClosedLoop, GaussiansThatAreNoneAreLeftOutAloud) {
 
 TEST(ClosedLoop, SeedsOfFilesAndPrograms) {
   const SimulatedRun run = simulate(2, truth_stage_needs());
-  const SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
+  const SeedsPipelineConfig pipeline = small_pipeline();
   const Stages truth = truth_stages(run, board_of(run.capture, pipeline));
   const Estimate perfect = run_seeds(run.capture, pipeline, truth);
   const fs::path folder = fresh_folder("seam") / "000000";
@@ -420,7 +425,7 @@ TEST(ClosedLoop, AStoppedTrainingGoesOnWithThePosesThatColmapFoundForIt) {
   StandInColmap program(folder / "p");
   program.add_model(0, true_model(run, 1));
   const ProgramPath path((folder / "p").string() + ":" + std::getenv("PATH"));
-  SeedsPipelineConfig pipeline = seeds_run_config(small_scene()).pipeline;
+  SeedsPipelineConfig pipeline = small_pipeline();
   pipeline.method = SeedsMethod::splats;
   pipeline.splats.poses = SplatPoses::sfm;
   pipeline.splats.steps = 700;

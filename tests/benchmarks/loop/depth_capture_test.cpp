@@ -169,16 +169,18 @@ TEST(DepthCaptures, TheZedHandsOverBothEyesAndTheirDisparity) {
 }
 
 /// Both eyes of a small ZED, and what each sees.
-SimulatedRun small_zed(const std::string& streams) {
-  const SeedsRunConfig config =
-      seeds_run_config(sphere_with({"rig=zed_hd720", "rig.rgb.width_px=160", "rig.rgb.height_px=90",
-                                    "rig.rgb_right.width_px=160", "rig.rgb_right.height_px=90"}));
-  return simulate_seeds(config, 4, 0, {.color = streams == "color"},
-                        {.depth = true, .instance = true, .visibility = true, .disparity = true});
+RunConfig small_zed() {
+  return seeds_run_config(
+      sphere_with({"rig=zed_hd720", "rig.rgb.width_px=160", "rig.rgb.height_px=90",
+                   "rig.rgb_right.width_px=160", "rig.rgb_right.height_px=90"}));
+}
+SimulatedRun run_of_small_zed() {
+  return simulate(small_zed(), 4, 0,
+                  {.depth = true, .instance = true, .visibility = true, .disparity = true});
 }
 
 TEST(DepthCaptures, TruthIsOfBothEyesAndAgreesBetweenThem) {
-  const SimulatedRun run = small_zed("color");
+  const SimulatedRun run = run_of_small_zed();
   ASSERT_EQ(sensors_with_truth(run.truth), (std::vector<std::size_t>{0, 1}));
   const TruthImages& left = run.truth.images[1];
   const TruthImages& right = run.truth.other_sensors[0].images.at(1);
@@ -200,11 +202,14 @@ TEST(DepthCaptures, TruthIsOfBothEyesAndAgreesBetweenThem) {
   }
   EXPECT_GT(all, 20);
   EXPECT_GE(same, 0.9 * all);
-  EXPECT_EQ(sensors_with_truth(small_zed("none").truth), std::vector<std::size_t>{0});
+  const Simulation simulation(small_zed(), 4, 0);
+  EXPECT_TRUE(other_true_sensors(simulation.rig(), Streams{}, {.depth = true}).empty());
+  EXPECT_EQ(other_true_sensors(simulation.rig(), {.color = true}, {.depth = true}),
+            std::vector<std::size_t>{1});
 }
 
 TEST(DepthCaptures, TrueBoxesAndFilesHaveBothEyes) {
-  const SimulatedRun run = small_zed("color");
+  const SimulatedRun run = run_of_small_zed();
   Stages stages;
   truth_row("boxes").put(stages, run, {});
   const Boxes boxes = stages.boxes(run.capture, {});

@@ -8,6 +8,7 @@
 #include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/stage_files.h"
 #include "benchmarks/loop/truth_choice.h"
+#include "scenes/seeds/seeds_text.h"
 #include "sim/dataset/atomic_file.h"
 #include "tests/sim/dataset/temporary_folder.h"
 
@@ -53,6 +54,11 @@ TEST(SeedsRunConfig, TheResolvedTextReadsBackToItself) {
   EXPECT_EQ(by, "cached");
   EXPECT_EQ(resolved_toml(copy), resolved_toml(config));
   EXPECT_NE(config_hash(config, 1), config_hash(config, 2));
+}
+
+TEST(SeedsRunConfig, TheScenesTextNamesEveryCultivar) {
+  for (const std::string& name : cultivar_names())
+    EXPECT_NE(kSeedsText.help.find(name), std::string_view::npos) << name;
 }
 
 TEST(SeedsRunConfig, AUsersMeshMustBeThere) {
