@@ -86,14 +86,14 @@ std::vector<BuildCase> crossing_cases() {
   for (const int day : {8, 12}) {
     SeedlingsSceneConfig tray;
     tray.day = day;
-    cases.push_back({"seedlings", "tray of 50, day " + std::to_string(day), tray, 0});
+    cases.push_back({"seedlings", "tray of 50, day " + std::to_string(day), SceneConfig(tray), 0});
   }
   for (const char* stage : {"V4", "V8", "V12", "VT"}) {
     MaizeSceneConfig field;
     field.stage = stage;
     field.rows = 3;
     field.plants = 3;
-    cases.push_back({"maize", "3 rows of 3, " + std::string(stage), field, 0});
+    cases.push_back({"maize", "3 rows of 3, " + std::string(stage), SceneConfig(field), 0});
   }
   return cases;
 }

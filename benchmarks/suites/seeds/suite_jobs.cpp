@@ -165,8 +165,8 @@ std::vector<SeedsBlock> seeds_blocks(const SeedsSuiteConfig& suite) {
 
 SuiteJob seeds_job(const SeedsSuiteConfig& suite, GridJob place, SeedsWork work) {
   const int run = place.has("run") ? place.number("run") : 0;
-  SuiteJob job{std::move(place), {}, suite.seed, run, std::move(work)};
-  job.config = job_config(suite, job.grid.sets);
+  RunConfig config = job_config(suite, place.sets);
+  SuiteJob job{std::move(place), std::move(config), suite.seed, run, std::move(work)};
   const int views = job.config.scene.views();
   std::vector<int>& counts = job.work.view_counts;
   if (job.work.noise_views > 0) {

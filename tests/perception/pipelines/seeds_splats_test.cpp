@@ -243,7 +243,7 @@ TEST(SeedsSplats, EachMethodReadsWhatItNeeds) {
   config.method = SeedsMethod::splats_paper;
   EXPECT_EQ(needs(config).stages, (std::vector<std::string>{"corners", "poses", "splats", "cloud",
                                                             "clusters", "surfaces", "traits"}));
-  EXPECT_FALSE(seeds_stages(config, 1).depth);
+  EXPECT_FALSE(seeds_stages(config, 1).depths);
 }
 
 TEST(SeedsSplats, KeysOutsideTheirLimitsAreNamed) {
