@@ -15,16 +15,15 @@ namespace {
 
 constexpr double kMargin_mm = 5;  ///< that printers do not reach
 /// Below the print: ruler, its numbers and two lines of text.
-constexpr double kFoot_mm = 24;
-constexpr double kQuiet_mm = 6;  ///< white about the print: detectors need it
+constexpr double kFoot_mm = 14.5;
+constexpr double kQuiet_mm = 5;        ///< white about the print: detectors need it
+constexpr double kPlateBorder_mm = 5;  ///< of the seed board: white about its squares
 constexpr double kCutMark_mm = 4;
 
 /// Cells of one colour as few boxes as rows and equal rows give.
 std::vector<PrintPage::Box> boxes_of(const PrintGrid& grid, double middle_x_mm,
                                      double middle_y_mm) {
-  const auto at = [&](int column, int row) {
-    return 1e3 * grid.at_m[grid.vertex(column, row)];
-  };
+  const auto at = [&](int column, int row) { return 1e3 * grid.at_m[grid.vertex(column, row)]; };
   const auto ink = [&](int column, int row) {
     return grid.has_ink[static_cast<std::size_t>(row * grid.columns + column)] != 0;
   };
@@ -32,7 +31,9 @@ std::vector<PrintPage::Box> boxes_of(const PrintGrid& grid, double middle_x_mm,
   std::vector<bool> done(grid.has_ink.size(), false);
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      const auto cell = [&](int c, int r) { return static_cast<std::size_t>(r * grid.columns + c); };
+      const auto cell = [&](int c, int r) {
+        return static_cast<std::size_t>(r * grid.columns + c);
+      };
       if (!ink(column, row) || done[cell(column, row)]) continue;
       int end = column;
       while (end < grid.columns && ink(end, row) && !done[cell(end, row)]) ++end;
@@ -48,8 +49,8 @@ std::vector<PrintPage::Box> boxes_of(const PrintGrid& grid, double middle_x_mm,
         for (int c = column; c < end; ++c) done[cell(c, r)] = true;
       }
       const Eigen::Vector2d low = at(column, row), high = at(end, top);
-      boxes.push_back({middle_x_mm + low.x(), middle_y_mm - high.y(), high.x() - low.x(),
-                       high.y() - low.y()});
+      boxes.push_back(
+          {middle_x_mm + low.x(), middle_y_mm - high.y(), high.x() - low.x(), high.y() - low.y()});
     }
   }
   return boxes;
@@ -76,9 +77,9 @@ void add_ruler(double left_mm, double top_mm, int length_mm, PrintPage& page) {
   constexpr double kLine_mm = 0.12;
   page.boxes.push_back({left_mm - 0.5 * kLine_mm, top_mm, length_mm + kLine_mm, kLine_mm});
   for (int i = 0; i <= length_mm; ++i) {
-    const double high_mm = i % 10 == 0 ? 5 : i % 5 == 0 ? 3.5 : 2;
+    const double high_mm = i % 10 == 0 ? 3.5 : i % 5 == 0 ? 2.5 : 1.5;
     page.boxes.push_back({left_mm + i - 0.5 * kLine_mm, top_mm, kLine_mm, high_mm});
-    if (i % 10 == 0) page.texts.push_back({left_mm + i - 1.2, top_mm + 8, 2.6, std::to_string(i)});
+    if (i % 10 == 0) page.texts.push_back({left_mm + i - 1.2, top_mm + 6, 2.4, std::to_string(i)});
   }
 }
 
@@ -97,8 +98,8 @@ void add_cut_marks(double left_mm, double top_mm, const Eigen::Vector2d& size_mm
 
 /// Width and height of the sheet, upright or lying; nothing if the print does not fit on it.
 std::optional<Eigen::Vector2d> sheet_for(const Paper& paper, const Eigen::Vector2d& size_mm) {
-  const Eigen::Vector2d needed =
-      size_mm + Eigen::Vector2d(2 * (kMargin_mm + kQuiet_mm), 2 * kMargin_mm + kQuiet_mm + kFoot_mm);
+  const Eigen::Vector2d needed = size_mm + Eigen::Vector2d(2 * (kMargin_mm + kQuiet_mm),
+                                                           2 * kMargin_mm + kQuiet_mm + kFoot_mm);
   for (const Eigen::Vector2d& sheet : {Eigen::Vector2d(paper.width_mm, paper.height_mm),
                                        Eigen::Vector2d(paper.height_mm, paper.width_mm)}) {
     if ((needed.array() <= sheet.array()).all()) return sheet;
@@ -130,8 +131,8 @@ const Paper& chosen_paper(const std::string& asked, const Eigen::Vector2d& size_
                                      size_mm.y() + 2 * kMargin_mm + kQuiet_mm + kFoot_mm);
   if (!paper) throw std::invalid_argument(what + ": no paper is that large, the largest is a0");
   throw std::invalid_argument(
-      "--paper " + std::string(paper->name) + " is " + size_text(paper->width_mm, paper->height_mm) +
-      "; " + what +
+      "--paper " + std::string(paper->name) + " is " +
+      size_text(paper->width_mm, paper->height_mm) + "; " + what +
       (smallest ? "; it fits on " + std::string(smallest->name) : "; it fits on none"));
 }
 
@@ -139,9 +140,9 @@ const Paper& chosen_paper(const std::string& asked, const Eigen::Vector2d& size_
 
 const std::vector<Paper>& papers() {
   static const std::vector<Paper> kPapers = {
-      {"a5", 148, 210},         {"a4", 210, 297}, {"letter", 215.9, 279.4},
-      {"legal", 215.9, 355.6},  {"a3", 297, 420}, {"tabloid", 279.4, 431.8},
-      {"a2", 420, 594},         {"a1", 594, 841}, {"a0", 841, 1189}};
+      {"a5", 148, 210},        {"a4", 210, 297}, {"letter", 215.9, 279.4},
+      {"legal", 215.9, 355.6}, {"a3", 297, 420}, {"tabloid", 279.4, 431.8},
+      {"a2", 420, 594},        {"a1", 594, 841}, {"a0", 841, 1189}};
   return kPapers;
 }
 
@@ -170,18 +171,21 @@ BoardPage board_page(const CalibrationTarget& target, const std::string& name,
   board.top_mm = kMargin_mm + std::max(kQuiet_mm, 0.5 * free_mm);
   add_print(target, board.left_mm + 0.5 * size_mm.x(), board.top_mm + 0.5 * size_mm.y(),
             board.page);
-  if (target.kind == TargetKind::seed_board)
-    add_cut_marks(board.left_mm, board.top_mm, size_mm, board.page);
+  if (target.kind == TargetKind::seed_board) {
+    const Eigen::Vector2d plate_mm = size_mm.array() + 2 * kPlateBorder_mm;
+    add_cut_marks(board.left_mm - kPlateBorder_mm, board.top_mm - kPlateBorder_mm, plate_mm,
+                  board.page);
+  }
   board.ruler_mm = sheet.x() - 2 * kMargin_mm >= 200 ? 150 : 100;
-  const double foot_mm = sheet.y() - kMargin_mm - kFoot_mm + 7;
+  const double foot_mm = sheet.y() - kMargin_mm - kFoot_mm + 1;
   add_ruler(kMargin_mm + 3, foot_mm, static_cast<int>(board.ruler_mm), board.page);
-  board.page.texts.push_back({kMargin_mm + 3, foot_mm + 12, 2.8,
-                              name + ": " + to_text(target) + "; print " +
-                                  size_text(size_mm.x(), size_mm.y())});
   board.page.texts.push_back(
-      {kMargin_mm + 3, foot_mm + 16, 2.8,
-       "Print at 100 %, not \"fit to page\". The ruler must then be " +
-           std::to_string(static_cast<int>(board.ruler_mm)) + ".0 mm long."});
+      {kMargin_mm + 3, foot_mm + 9.5, 2.6,
+       name + ": " + to_text(target) + "; print " + size_text(size_mm.x(), size_mm.y())});
+  board.page.texts.push_back({kMargin_mm + 3, foot_mm + 13, 2.6,
+                              "Print at 100 %, not \"fit to page\". The ruler must then be " +
+                                  std::to_string(static_cast<int>(board.ruler_mm)) +
+                                  ".0 mm long."});
   return board;
 }
 

@@ -35,9 +35,7 @@ std::string path_of(const PrintPage::Box& box, const PageSpace& space) {
 /// Arcs as cubic curves [Riskus 2006].
 std::string path_of(const PrintPage::Disc& disc, const PageSpace& space) {
   const double step = 2 * kPi / kArcs, handle = 4.0 / 3 * std::tan(step / 4) * disc.radius_mm;
-  const auto on = [&](int i) {
-    return std::array{std::cos(i * step), std::sin(i * step)};
-  };
+  const auto on = [&](int i) { return std::array{std::cos(i * step), std::sin(i * step)}; };
   const auto at = [&](const std::array<double, 2>& direction, double along_mm) {
     return space.at(disc.x_mm + disc.radius_mm * direction[0] - along_mm * direction[1],
                     disc.y_mm + disc.radius_mm * direction[1] + along_mm * direction[0]);

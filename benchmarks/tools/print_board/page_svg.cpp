@@ -15,10 +15,14 @@ std::string mm(double value) {
 std::string escaped(const std::string& words) {
   std::string text;
   for (const char c : checked_text(words)) {
-    if (c == '<') text += "&lt;";
-    else if (c == '>') text += "&gt;";
-    else if (c == '&') text += "&amp;";
-    else text += c;
+    if (c == '<')
+      text += "&lt;";
+    else if (c == '>')
+      text += "&gt;";
+    else if (c == '&')
+      text += "&amp;";
+    else
+      text += c;
   }
   return text;
 }
@@ -26,9 +30,9 @@ std::string escaped(const std::string& words) {
 }  // namespace
 
 std::string to_svg(const PrintPage& page) {
-  std::string file = std::string(kSvgHead) + "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + mm(page.width_mm) +
-                     "mm\" height=\"" + mm(page.height_mm) + "mm\" viewBox=\"0 0 " +
-                     mm(page.width_mm) + " " + mm(page.height_mm) +
+  std::string file = std::string(kSvgHead) + "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +
+                     mm(page.width_mm) + "mm\" height=\"" + mm(page.height_mm) +
+                     "mm\" viewBox=\"0 0 " + mm(page.width_mm) + " " + mm(page.height_mm) +
                      "\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n<path d=\"";
   for (const PrintPage::Box& box : page.boxes)
     file += "M" + mm(box.left_mm) + " " + mm(box.top_mm) + "h" + mm(box.width_mm) + "v" +

@@ -103,7 +103,7 @@ TEST(BoardPage, TheRulerIsAsLongAsItSays) {
   EXPECT_EQ(page.width(), std::lround(210 * dots_per_mm));
   // Of the lowest lines in the rows below the board, the first and the last column with ink.
   int first = page.width(), last = 0;
-  const int row = static_cast<int>((297 - 5 - 24 + 7 + 1.5) * dots_per_mm);
+  const int row = static_cast<int>((297 - 5 - 14.5 + 1 + 1) * dots_per_mm);
   for (int x = 0; x < page.width(); ++x) {
     if (page(x, row).g > 128) continue;
     first = std::min(first, x);
@@ -139,9 +139,13 @@ std::string refusal(const std::string& name, const std::string& paper) {
 TEST(BoardPage, APaperThatIsTooSmallIsRefusedWithOneThatIsNot) {
   EXPECT_THAT(refusal("charuco_a2", "a4"),
               AllOf(HasSubstr("210.0 x 297.0 mm"), HasSubstr("560.0 x 360.0 mm"),
-                    HasSubstr("it fits on a1")));
+                    HasSubstr("it fits on a2")));
   EXPECT_THAT(refusal("seeds", "b4"), HasSubstr("is not one of a5, a4"));
   EXPECT_EQ(board_page(board_preset("seeds"), "seeds", "").paper, "a5");
+  for (const std::string& name : board_names()) {
+    if (name.ends_with("_a4")) EXPECT_EQ(board_page(board_preset(name), name, "").paper, "a4");
+    if (name.ends_with("_a2")) EXPECT_EQ(board_page(board_preset(name), name, "").paper, "a2");
+  }
   CalibrationTarget huge = board_preset("chessboard_a4");
   huge.pitch_m = 0.5;
   EXPECT_THROW(board_page(huge, "huge", ""), std::invalid_argument);
