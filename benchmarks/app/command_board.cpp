@@ -34,7 +34,8 @@ ExitCode command_board(const JobContext& context) {
   for (char& c : file_name) {
     if (c == ':' || c == '/') c = '_';
   }
-  const fs::path file = o.out.empty() ? fs::path("out") / ("board_" + file_name + ".pdf") : fs::path(o.out);
+  const fs::path file =
+      o.out.empty() ? fs::path("out") / ("board_" + file_name + ".pdf") : fs::path(o.out);
   const std::string extension = file.extension().string();
   if (extension != ".pdf" && extension != ".svg")
     throw std::invalid_argument("--out " + file.string() + ": its name must end with .pdf or .svg");

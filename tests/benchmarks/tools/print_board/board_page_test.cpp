@@ -30,10 +30,10 @@ Image<Rgb8> drawn(const std::string& pdf, int dots_per_inch) {
   const TemporaryFolder folder;
   write_file(folder.path() / "page.pdf", pdf);
   const std::string stem = (folder.path() / "page").string();
-  const auto run = run_program({.words = {"/usr/bin/pdftoppm", "-r", std::to_string(dots_per_inch),
-                                          "-png", "-f", "1", "-l", "1", "-singlefile",
-                                          stem + ".pdf", stem},
-                                .log = folder.path() / "log"});
+  const auto run =
+      run_program({.words = {"/usr/bin/pdftoppm", "-r", std::to_string(dots_per_inch), "-png", "-f",
+                             "1", "-l", "1", "-singlefile", stem + ".pdf", stem},
+                   .log = folder.path() / "log"});
   EXPECT_EQ(run.code, 0) << read_file(folder.path() / "log");
   return read_color(folder.path() / "page.png");
 }
@@ -59,8 +59,8 @@ std::pair<double, std::size_t> largest_error_mm(const std::string& name, int dot
   const double dots_per_mm = dots_per_inch / 25.4;
   const Eigen::Vector2d size_mm = 1e3 * print_size_m(target);
   Eigen::Vector2i corner;
-  const Image<Rgb8> part = cropped(drawn(to_pdf({board.page}), dots_per_inch), board, size_mm,
-                                   dots_per_mm, corner);
+  const Image<Rgb8> part =
+      cropped(drawn(to_pdf({board.page}), dots_per_inch), board, size_mm, dots_per_mm, corner);
   const TargetView view = find_target(light_of(part), target);
   EXPECT_TRUE(is_usable(view)) << name << ": " << view.reason;
   std::map<int, Eigen::Vector2d> at_m;
@@ -79,8 +79,8 @@ std::pair<double, std::size_t> largest_error_mm(const std::string& name, int dot
 
 TEST(BoardPage, PointsLieWhereTheTargetHasThemWhenAnotherProgramDrawsThePage) {
   if (!has_pdftoppm()) GTEST_SKIP() << "pdftoppm (package poppler-utils) is not installed";
-  for (const char* name : {"chessboard_a4", "charuco_a4", "aprilgrid_a4", "circles_a4",
-                           "acircles_a4"}) {
+  for (const char* name :
+       {"chessboard_a4", "charuco_a4", "aprilgrid_a4", "circles_a4", "acircles_a4"}) {
     const auto [error_mm, count] = largest_error_mm(name, 200);
     EXPECT_EQ(count, target_points(board_preset(name)).size()) << name;
     // Poppler draws edges by four samples a pixel of 0.127 mm.
