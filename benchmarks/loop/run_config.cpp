@@ -54,7 +54,8 @@ Fields capture_fields(RunConfig& config) {
          fields(config.capture);
 }
 
-/// What is of the machine and decides no byte: not in a resolved configuration.
+/// Keys that change no byte of a result, such as a cache folder. A resolved configuration leaves
+/// them out.
 Fields machine_fields(RunConfig& config) {
   std::string* const cache = cache_folder(config.scene);
   if (!cache) return {};

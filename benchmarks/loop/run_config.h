@@ -72,7 +72,7 @@ struct StreamReader {
   Streams needed;
 };
 StreamReader reader_of(const PipelineConfig& pipeline);
-/// Who reads the images. Nobody reads those of a dataset when it is rendered.
+/// For whom the images are rendered: for the pipeline, or for anybody, as in a dataset.
 enum class Reader { pipeline, anybody };
 /// The streams that a capture holds: those that `streams` names; `auto` is what the pipeline needs,
 /// or for anybody all that the rig has.

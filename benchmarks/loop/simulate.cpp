@@ -138,7 +138,7 @@ struct Simulation::Impl {
         .first->second;
   }
 
-  /// Of the scene at rest.
+  /// The radiance of one view of the scene at rest.
   Image<Rgbf> light(const TrueView& view, std::uint64_t repeat, const Rng& stream) const {
     if (config.radiance == RadianceBy::paths)
       return path_tracer().render(view, config.paths, stream).radiance;

@@ -8,7 +8,7 @@ namespace cousin {
 namespace {
 
 constexpr const char* kExtension = ".tree";
-/// Who photographs an apple taps on it: it and the leaves about it are exposed for.
+/// A person taps on the apple to set the exposure: the camera meters it and the leaves near it.
 constexpr double kApple_m = 0.09;
 
 const std::vector<CousinMove>& apples_moves() {

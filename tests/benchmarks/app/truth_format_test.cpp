@@ -158,13 +158,14 @@ with open(out, 'w') as file:
 )";
 
 TEST(AppTruthFormat, NumpyAndCv2ReadWhatTheExrHolds) {
-  if (std::system("python3 -c 'import numpy' 2>/dev/null") != 0)
-    GTEST_SKIP() << "python3 has no numpy (Debian: python3-numpy)";
-  const bool has_cv2 = std::system("python3 -c 'import cv2' 2>/dev/null") == 0;
+  // Debian's, whatever else is first on the path: scripts/setup test installs both for it.
+  if (std::system("/usr/bin/python3 -c 'import numpy' 2>/dev/null") != 0)
+    GTEST_SKIP() << "/usr/bin/python3 has no numpy (Debian: python3-numpy)";
+  const bool has_cv2 = std::system("/usr/bin/python3 -c 'import cv2' 2>/dev/null") == 0;
   const Program program;
   render_all(program);
   write_file(program.path("read.py"), kReader);
-  const std::string command = "cd '" + program.path().string() + "' && python3 read.py " +
+  const std::string command = "cd '" + program.path().string() + "' && /usr/bin/python3 read.py " +
                               (has_cv2 ? "cv2" : "numpy") + " values > said 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0) << read_file(program.path("said"));
   const Image<float> depth_m = read_exr(program.path("exr/000000/truth/depth/000001.exr"));
