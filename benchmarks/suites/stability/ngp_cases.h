@@ -8,6 +8,7 @@ namespace cousin {
 
 /// Radiance fields trained on photographs that teach little, nothing or wrong things, from cameras
 /// that suggest no volume, and of scenes in other units and far from the origin.
-std::vector<StabilityRow> ngp_cases();
+/// @param quick  half as many steps
+std::vector<StabilityRow> ngp_cases(bool quick);
 
 }  // namespace cousin

@@ -60,7 +60,7 @@ std::vector<Module> stability_modules(bool quick) {
           {"watertight seeds", [quick] { return watertight_seeds(quick); }},
           {"splats", splat_cases},
           {"training of splats", [quick] { return splat_train_cases(quick); }},
-          {"radiance fields", ngp_cases},
+          {"radiance fields", [quick] { return ngp_cases(quick); }},
           {"contacts", [quick] { return contact_cases(quick); }},
           {"stems", [quick] { return stem_cases(quick); }}};
 }
