@@ -48,6 +48,9 @@ constexpr Closing kClosings[] = {
      "  cousin run seeds --plan\n"
      "  cousin run seeds --set cultivar=jimai22 --out out/wheat\n"
      "  cousin run seedlings --pipeline scene --set knows_pose=true"},
+    {"measure", "out/measured_SOURCE",
+     "  cousin measure seeds.mp4 --ruler 99.7 --expect 10 --out out/mine\n"
+     "  cousin measure maize_a/ maize_b/ --group cultivar"},
     {"board", "out/board_BOARD.pdf",
      "  cousin board seeds --paper a4 --out board.pdf\n"
      "  cousin board charuco_a4 --out charuco.svg"},

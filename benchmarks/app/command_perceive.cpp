@@ -14,6 +14,7 @@
 #include "benchmarks/loop/pipeline_run.h"
 #include "benchmarks/loop/specimens_text.h"
 #include "benchmarks/report/shown_numbers.h"
+#include "benchmarks/tools/measure/measured_page.h"
 #include "perception/sfm/sfm_poses.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
@@ -132,7 +133,34 @@ struct Printed {
   nlohmann::json traits = nlohmann::json::array();
   ScoreFile rows;
   std::vector<std::string> nothing_found;
+  MeasuredPage page;  ///< of real captures of specimens
 };
+
+/// A real capture's seeds go into a table and onto a page, as of `measure`.
+void keep_for_page(const Capture& capture, const std::string& name, const PerceivedScene& made,
+                   const PipelineRow& row, Printed& printed) {
+  if (!capture.pipeline.empty() || row.traits_of != TraitsOf::specimens) return;
+  printed.page.samples.push_back({name, name, made.estimate.traits, unchecked_print()});
+  printed.page.scenes.push_back(measured_scene(name, capture, made.estimate));
+}
+
+void write_page(const JobContext& context, const PerceiveJob& job, const fs::path& out,
+                Printed& printed) {
+  MeasuredPage& page = printed.page;
+  if (page.samples.empty()) return;
+  page.title = "Cousin: " + out.filename().string() + ", measured";
+  page.command_line = context.command_line;
+  PipelineConfig config = job.config;
+  page.config_toml = to_toml(fields(config));
+  std::vector<MeasuredRow> rows;
+  for (const MeasuredSample& sample : page.samples) {
+    for (MeasuredRow& each : measured_rows(sample)) rows.push_back(std::move(each));
+  }
+  write_file(out / "specimens.csv", to_tidy_csv(rows, ""));
+  write_file(out / "report.html", make_report(measured_page(page)));
+  context.progress.line("table: " + (out / "specimens.csv").string() +
+                        "; page: " + (out / "report.html").string());
+}
 
 void keep(const Options& o, const std::string& name, const PerceivedScene& made, bool has_traits,
           Printed& printed) {
@@ -198,9 +226,11 @@ ExitCode command_perceive(const JobContext& context) {
     context.progress.line(name + ": " + made.summary);
     for (const std::string& text : made.unmeasured) context.progress.line(text);
     keep(o, name, made, !job->row->traits.empty(), printed);
+    keep_for_page(capture, name, made, *job->row, printed);
     if (!made.nothing.empty())
       printed.nothing_found.push_back(scene_dir.string() + ": " + made.summary);
   }
+  write_page(context, *job, places.out, printed);
   print_end(o, printed, !job->row->traits.empty());
   context.progress.line("estimates: " + places.out.string());
   for (const std::string& text : printed.nothing_found) print_message("cousin: " + text);

@@ -33,6 +33,7 @@ ExitCode command_bench(const JobContext& context);
 ExitCode command_import(const JobContext& context);
 ExitCode command_export(const JobContext& context);
 ExitCode command_ledger(const JobContext& context);
+ExitCode command_measure(const JobContext& context);
 ExitCode command_verify(const JobContext& context);
 ExitCode command_report(const JobContext& context);
 

@@ -16,6 +16,7 @@ inline constexpr auto kJobVerbs = std::to_array<Verb>({
     {"perceive", command_perceive, Reads::input},
     {"score", command_score, Reads::input},
     {"run", command_run},
+    {"measure", command_measure, Reads::input},
     {"verify", command_verify, Reads::input},
     {"report", command_report, Reads::input},
     {"ledger", command_ledger, Reads::input},

@@ -243,6 +243,42 @@ void takes(CLI::App& verb, Options& o, const char* name, const char* help, int l
   verb.add_option(name, o.arguments, help)->expected(least, most)->required(least > 0);
 }
 
+constexpr const char* kMeasureHelp =
+    "Measure seeds on a printed board, from photographs or a video of a phone: a table in\n"
+    "millimetres, with 95 % intervals, and a page with every seed numbered.\n\n"
+    "`cousin board seeds` prints the board and how to use it. SOURCE is a video, a folder of\n"
+    "photographs of one board, a dataset, or a folder of such folders and videos. No calibration\n"
+    "is needed: the focal length is EXIF's or assumed, and the board tells it better.\n\n"
+    "specimens.csv has a row a seed and trait: sample, seed, trait, unit, value, low, high. Seeds\n"
+    "that are seen and not measured are rows with a reason.";
+
+void add_measure(CLI::App& verb, Options& o) {
+  verb.add_option("SOURCE", o.arguments, "Videos and folders; with --group each is a group")
+      ->expected(0, 1000);
+  verb.add_option("--ruler", o.ruler,
+                  "What a ruler or caliper reads for the printed 100 mm, as 99.7; of another "
+                  "length 149.6/150. Without it a scale of 100 % +- 0.5 % is assumed");
+  verb.add_option("--ruler-sigma", o.ruler_sigma_mm,
+                  "Standard deviation of that reading in millimetres")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  verb.add_option("--group", o.group,
+                  "What the sources are, as cultivar: the table has a column of that name, and "
+                  "groups are compared with the first");
+  verb.add_option("--expect", o.expect,
+                  "Exit code 1 if of some sample fewer seeds are measured; 0 = any number")
+      ->check(whole_number(0, 10000))
+      ->capture_default_str();
+  verb.add_option("--frames", o.frames, "Of a video: how many frames; 0 = 60")
+      ->check(whole_number(0, 1000));
+  verb.add_option("--intrinsics", o.intrinsics,
+                  "The lens, where it is known: a YAML file (OpenCV, ROS, Kalibr), a .cameramodel, "
+                  "a rig.json or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"");
+  verb.add_option("--method", o.method, "ours (default) or another of `cousin methods`");
+  add_config(verb, o);
+  add_set(verb, o);
+}
+
 constexpr const char* kFitSensorHelp =
     "Fit a sensor preset to your own recordings of a flat wall and of even light. Writes\n"
     "preset.toml, scores and report.html; exit code 1 and no preset if the model is rejected.\n\n"
@@ -429,6 +465,7 @@ void add_ledger(CLI::App& verb, Options& o) {
 struct KeyedVerbs {
   CLI::App* perceive = nullptr;
   CLI::App* calibrate = nullptr;
+  CLI::App* measure = nullptr;
 };
 
 KeyedVerbs add_verbs(CLI::App& app, Options& o) {
@@ -450,6 +487,8 @@ KeyedVerbs add_verbs(CLI::App& app, Options& o) {
   add_perceive(*perceive, o);
   add_score(*verb("score", "Score estimates, ours or anybody's, against a dataset's truth"), o);
   add_run(*verb("run", "Render, perceive, score and report in one go"), o);
+  CLI::App* measure = verb("measure", kMeasureHelp);
+  add_measure(*measure, o);
   CLI::App* board = verb("board", kBoardHelp);
   takes(*board, o, "BOARD", "A board's name, or its kind and sizes", 1, 1);
   board->add_option("--paper", o.paper,
@@ -470,7 +509,7 @@ KeyedVerbs add_verbs(CLI::App& app, Options& o) {
       o, "FOLDER", "Folder of a run or benchmark", 1, 1);
 
   add_ledger(*verb("ledger", kLedgerHelp), o);
-  return {perceive, calibrate};
+  return {perceive, calibrate, measure};
 }
 
 void parse_words(CLI::App& app, const std::vector<const char*>& words, const KeyedVerbs& keyed,
@@ -483,7 +522,8 @@ void parse_words(CLI::App& app, const std::vector<const char*>& words, const Key
     throw CLI::ValidationError("--out", "`cousin " + o.verb + "` writes no files");
   // What keys these have does not depend on what they are given.
   for (const auto& [sub, name] :
-       {std::pair(keyed.perceive, "DATASET"), std::pair(keyed.calibrate, "FOLDER")}) {
+       {std::pair(keyed.perceive, "DATASET"), std::pair(keyed.calibrate, "FOLDER"),
+        std::pair(keyed.measure, "SOURCE")}) {
     if (sub->parsed() && o.arguments.empty() && !o.keys) throw CLI::RequiredError(name);
   }
 }

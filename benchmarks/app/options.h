@@ -49,13 +49,17 @@ struct Options {
   std::string masks = "rle";
   std::string task = "detect";
   std::string category;  ///< label of specimens that sorts them; empty: the dataset's categories
-  double least_visible = 0;  ///< share of an object's pixels below which labels leave it out
-  std::string rig;           ///< preset, or the path of one, that `fit-sensor` starts from
-  std::string paper;         ///< that `board` prints on; empty = the smallest
-  std::string board;         ///< target that `calibrate` looks for; empty = the dataset's
-  std::string model;         ///< lens model of `calibrate`; empty = opencv5
-  std::string solver;        ///< of `calibrate`; empty = ceres
-  std::string fixed;         ///< parameters that `calibrate` keeps, parted by commas
+  double least_visible = 0;      ///< share of an object's pixels below which labels leave it out
+  std::string rig;               ///< preset, or the path of one, that `fit-sensor` starts from
+  std::string ruler;             ///< what `measure` is told of the print, "99.7" or "149.6/150"
+  double ruler_sigma_mm = 0.25;  ///< of that reading
+  int expect = 0;                ///< seeds a sample that `measure` should measure
+  std::string group;   ///< what sources are to each other, "cultivar"; empty: not compared
+  std::string paper;   ///< that `board` prints on; empty = the smallest
+  std::string board;   ///< target that `calibrate` looks for; empty = the dataset's
+  std::string model;   ///< lens model of `calibrate`; empty = opencv5
+  std::string solver;  ///< of `calibrate`; empty = ceres
+  std::string fixed;   ///< parameters that `calibrate` keeps, parted by commas
   bool plan = false;
   bool align = false;  ///< `score`: the estimate's frame and unit are its own
   bool quick = false;

@@ -253,6 +253,27 @@ std::vector<Attribution> attributions_of(const std::vector<ScoreRow>& rows) {
 
 }  // namespace
 
+void add_scene(const ReportScene& scene, const std::string& prefix, ReportInput& input) {
+  for (const ReportPicture& picture : scene.pictures) {
+    input.images.push_back({prefix + picture.name, picture.caption, picture.file});
+  }
+  if (!scene.splats.splats.empty())
+    input.shapes.push_back(shape_of(scene.splats, prefix + "Gaussians"));
+  if (!scene.cloud.empty()) {
+    const bool is_stereo = scene.splats.splats.empty();
+    input.shapes.push_back(shape_of(scene.cloud, prefix + "Cloud",
+                                    is_stereo ? "multi-view stereo" : "Gaussians' depth"));
+  }
+  if (!scene.measured.triangles.empty()) {
+    input.shapes.push_back(shape_of(scene.measured, prefix + "Measured surfaces",
+                                    "Closed surfaces fitted by our method", {214, 140, 60}));
+  }
+  if (!scene.truth.triangles.empty()) {
+    input.shapes.push_back(shape_of(scene.truth, prefix + "True surfaces",
+                                    "The specimens as they are", {90, 140, 200}));
+  }
+}
+
 void write_report(const std::filesystem::path& file, const SeedsReport& report) {
   ReportInput input;
   input.title = report.title;
@@ -277,24 +298,7 @@ void write_report(const std::filesystem::path& file, const SeedsReport& report) 
   input.limits = limits_of(report.scores.scores);
   for (const ReportScene& scene : report.scenes) {
     const std::string prefix = report.scenes.size() > 1 ? scene.name + ": " : "";
-    for (const ReportPicture& picture : scene.pictures) {
-      input.images.push_back({prefix + picture.name, picture.caption, picture.file});
-    }
-    if (!scene.splats.splats.empty())
-      input.shapes.push_back(shape_of(scene.splats, prefix + "Gaussians"));
-    if (!scene.cloud.empty()) {
-      const bool is_stereo = scene.splats.splats.empty();
-      input.shapes.push_back(shape_of(scene.cloud, prefix + "Cloud",
-                                      is_stereo ? "multi-view stereo" : "Gaussians' depth"));
-    }
-    if (!scene.measured.triangles.empty()) {
-      input.shapes.push_back(shape_of(scene.measured, prefix + "Measured surfaces",
-                                      "Closed surfaces fitted by our method", {214, 140, 60}));
-    }
-    if (!scene.truth.triangles.empty()) {
-      input.shapes.push_back(shape_of(scene.truth, prefix + "True surfaces",
-                                      "The specimens as they are", {90, 140, 200}));
-    }
+    add_scene(scene, prefix, input);
   }
   input.curves = curves_of(report.scores.scores);
   input.curves.insert(input.curves.end(), report.curves.begin(), report.curves.end());

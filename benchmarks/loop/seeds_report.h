@@ -30,6 +30,9 @@ struct SeedsReport {
   std::vector<ReportTable> tables;
 };
 
+/// Adds what a scene shows, in pictures and in 3D, to a page. @param prefix  of all names
+void add_scene(const ReportScene& scene, const std::string& prefix, ReportInput& input);
+
 /// One self-contained HTML file, written whole or not at all.
 void write_report(const std::filesystem::path& file, const SeedsReport& report);
 

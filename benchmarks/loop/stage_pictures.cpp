@@ -1,11 +1,11 @@
 #include "benchmarks/loop/stage_pictures.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "benchmarks/report/drawn_number.h"
 #include "sim/geometry/measure.h"
 #include "sim/imaging/image_io.h"
 #include "sim/truth/specimens.h"
@@ -112,38 +112,6 @@ Image<Rgb8> with_boxes(Image<Rgb8> image, int frame, const Camera& camera,
   return image;
 }
 
-/// Digits of 3 by 5 dots, a bit each, rows from above.
-constexpr std::array<std::array<int, 5>, 10> kDigits = {{{7, 5, 5, 5, 7},
-                                                         {2, 6, 2, 2, 7},
-                                                         {7, 1, 7, 4, 7},
-                                                         {7, 1, 7, 1, 7},
-                                                         {5, 5, 7, 1, 1},
-                                                         {7, 4, 7, 1, 7},
-                                                         {7, 4, 7, 5, 7},
-                                                         {7, 1, 1, 2, 2},
-                                                         {7, 5, 7, 5, 7},
-                                                         {7, 5, 7, 1, 7}}};
-
-/// White digits on black about a pixel.
-void write_number(Image<Rgb8>& image, int number, const Eigen::Vector2d& at_px, int dot_px) {
-  const std::string text = std::to_string(std::max(0, number));
-  const int width = dot_px * (4 * static_cast<int>(text.size()) + 1), height = dot_px * 7;
-  const int x0 = static_cast<int>(std::lround(at_px.x())) - width / 2,
-            y0 = static_cast<int>(std::lround(at_px.y())) - height / 2;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (!image.contains(x0 + x, y0 + y)) continue;
-      const int column = x / dot_px - 1, row = y / dot_px - 1;
-      const bool is_inside = column >= 0 && column % 4 < 3 && row >= 0 && row < 5;
-      const auto digit =
-          static_cast<std::size_t>(text[static_cast<std::size_t>(std::max(0, column) / 4)] - '0');
-      const bool is_dot =
-          is_inside && (kDigits[digit][static_cast<std::size_t>(row)] >> (2 - column % 4) & 1) != 0;
-      image(x0 + x, y0 + y) = is_dot ? Rgb8{255, 255, 255} : Rgb8{0, 0, 0};
-    }
-  }
-}
-
 /// The image with each specimen's number at its middle, as specimens.csv has it.
 Image<Rgb8> with_numbers(Image<Rgb8> image, const SceneTruth& truth, const TrueView& view) {
   const int dot_px = std::max(1, image.width() / 480);
@@ -221,29 +189,40 @@ void show_cloud(const SimulatedRun&, const Estimate& estimate, ReportScene& scen
   scene.cloud = estimate.cloud;
 }
 
-void show_outlines(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene) {
+std::vector<ReportPicture> outline_pictures(const Capture& capture, const Estimate& estimate) {
+  std::vector<ReportPicture> pictures;
   std::map<int, std::vector<const Silhouette*>> by_frame;
   for (const Silhouette& s : estimate.silhouettes) {
     if (!s.outline.empty()) by_frame[s.frame].push_back(&s);
   }
-  const auto& frames = run.capture.frames;
+  const auto& frames = capture.frames;
   const std::size_t count = frames.size();
   for (const std::size_t i : std::set{count / 6, 5 * count / 6}) {
     if (i >= count || !by_frame.contains(frames[i].id)) continue;
     if (frames[i].sensors[0].color.empty()) continue;
-    scene.pictures.push_back(
+    pictures.push_back(
         {"Outlines found in view " + std::to_string(frames[i].id),
          "magenta; blue where something else cuts them; 3 times enlarged",
          encode_png(with_outlines(frames[i].sensors[0].color, by_frame[frames[i].id]))});
   }
+  return pictures;
 }
 
-void show_surfaces(const SimulatedRun&, const Estimate& estimate, ReportScene& scene) {
+void show_outlines(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene) {
+  for (ReportPicture& picture : outline_pictures(run.capture, estimate))
+    scene.pictures.push_back(std::move(picture));
+}
+
+Mesh all_surfaces(const Estimate& estimate) {
   std::vector<Mesh> measured;
   for (const Surface& surface : estimate.surfaces) {
     if (!surface.mesh.triangles.empty()) measured.push_back(surface.mesh);
   }
-  scene.measured = merged(measured);
+  return merged(measured);
+}
+
+void show_surfaces(const SimulatedRun&, const Estimate& estimate, ReportScene& scene) {
+  scene.measured = all_surfaces(estimate);
 }
 
 void show_numbers(const SimulatedRun& run, const Estimate&, ReportScene& scene) {

@@ -6,6 +6,11 @@
 
 namespace cousin {
 
+/// Two of the images with the outlines that were found in them.
+std::vector<ReportPicture> outline_pictures(const Capture& capture, const Estimate& estimate);
+/// All measured surfaces as one mesh, in the world.
+Mesh all_surfaces(const Estimate& estimate);
+
 // What a page shows of a stage: pictures and shapes, added to the scene's. Nothing where the stage
 // made nothing.
 

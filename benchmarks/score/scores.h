@@ -126,6 +126,8 @@ std::vector<TraitPair> trait_pairs(std::span<const SpecimenRow> rows, std::strin
   return pairs;
 }
 
+/// A cell of a CSV table [RFC 4180]: in quotes where the text needs them.
+std::string csv_cell(const std::string& text);
 /// scores.csv and specimens.csv: a header line with the names above, settings last, RFC 4180
 /// quoting, "\n" line ends, doubles in their shortest form that reads back equal.
 std::string to_csv(std::span<const ScoreRow> rows);

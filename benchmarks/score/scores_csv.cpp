@@ -8,6 +8,17 @@
 #include "sim/types/utf8.h"
 
 namespace cousin {
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"') result += '"';
+    result += c;
+  }
+  return result + '"';
+}
+
 namespace {
 
 constexpr std::size_t kMaxCell = 64 * 1024;
@@ -19,17 +30,7 @@ std::string shortest(double value) {
   return {buffer, end.ptr};
 }
 
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"') result += '"';
-    result += c;
-  }
-  return result + '"';
-}
-
-std::string cell_of(const std::string& value) { return quoted(value); }
+std::string cell_of(const std::string& value) { return csv_cell(value); }
 std::string cell_of(double value) { return shortest(value); }
 std::string cell_of(std::int64_t value) { return std::to_string(value); }
 std::string cell_of(std::uint64_t value) { return std::to_string(value); }

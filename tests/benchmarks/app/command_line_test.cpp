@@ -188,8 +188,8 @@ TEST(AppCommandLine, AnOptionThatASceneHasNotIsRefusedByItsNameWithWhatThereIs) 
     EXPECT_THAT(refusal({"render", scene, "--truth", "beauty", "--plan"}),
                 HasSubstr("--truth \"beauty\""));
     EXPECT_THAT(refusal({"render", scene, "--method", "ours"}),
-                HasSubstr("unknown option --method of `cousin render`; `cousin perceive` and "
-                          "`cousin run` have it"));
+                HasSubstr("unknown option --method of `cousin render`; `cousin perceive`, "
+                          "`cousin run` and `cousin measure` have it"));
   }
   EXPECT_THAT(refusal({"run", "seeds", "--align", "--plan"}), HasSubstr("--align is of"));
   EXPECT_THAT(refusal({"run", "seeds", "--method", "magic", "--plan"}),
