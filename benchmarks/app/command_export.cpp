@@ -13,6 +13,7 @@
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/scene_table.h"
 #include "benchmarks/loop/simulate.h"
+#include "benchmarks/tools/kit/print_kit.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/export/export_dataset.h"
@@ -186,10 +187,36 @@ ExitCode export_view(const JobContext& context, const ExportFormat& format, cons
   return ExitCode::done;
 }
 
+/// Objects for a 3D printer.
+ExitCode export_kit(const JobContext& context) {
+  const Options& o = context.options;
+  refuse_given(o,
+               {"--undistort", "--true-cameras", "--split", "--masks", "--task", "--category",
+                "--least-visible"},
+               "is of datasets; `cousin export kit` takes none of them");
+  const fs::path out = o.out.empty() ? fs::path("out/kit") : fs::path(o.out);
+  const std::vector<KitObject> objects = print_kit(o.seed);
+  require_writable(out);
+  const FolderClaim claim = {
+      .verb = "export",
+      .version = COUSIN_VERSION,
+      .config = sha256_hex(std::string(COUSIN_VERSION) + "\nkit\n" + std::to_string(o.seed)),
+      .names = print_kit_files(objects)};
+  const OutputFolder folder(out, claim);
+  write_print_kit(out, objects);
+  if (o.json) print_json({{"folder", out.string()}, {"files", print_kit_files(objects)}});
+  context.progress.line("kit: " + out.string() + ", " + std::to_string(objects.size()) +
+                        " STL files in millimetres, traits.csv, README.txt");
+  return ExitCode::done;
+}
+
 }  // namespace
 
 ExitCode command_export(const JobContext& context) {
   const Options& o = context.options;
+  if (o.format.empty() && o.arguments.at(0) == "kit") return export_kit(context);
+  if (o.format.empty())
+    throw std::invalid_argument("--format is required for a dataset; see `cousin export --help`");
   const ExportFormat* format = find_format(o.format);
   if (format == nullptr && o.format != "blend" && o.format != "gltf") refuse_format(o.format);
   check_format_reads(o);

@@ -63,7 +63,9 @@ constexpr Closing kClosings[] = {
     {"import", "out/NAME, as SOURCE is named",
      "  cousin import photos --format folder --intrinsics 1088,1088,640,360 --out out/real\n"
      "  cousin import workspace --format colmap --out out/posed"},
-    {"export", "DATASET_FORMAT", "  cousin export out/data --format coco --out out/coco"},
+    {"export", "DATASET_FORMAT; kit: out/kit",
+     "  cousin export out/data --format coco --out out/coco\n"
+     "  cousin export kit --out out/kit"},
     {"verify", nullptr, "  cousin verify out/data"},
     {"report", "FOLDER", "  cousin report out/seeds"},
 };

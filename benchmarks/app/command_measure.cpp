@@ -28,15 +28,6 @@ namespace {
 // ---- How it is configured
 // ------------------------------------------------------------------------
 
-/// Where nobody says the lens, the board tells it: the focal length that is assumed may be a
-/// quarter off, and a phone's autofocus changes it from image to image.
-void trust_the_board(SeedsPipelineConfig& config) {
-  config.poses.focal_prior = 0.25;
-  config.poses.focal_jitter = 0.003;
-  config.poses.centre_prior_px_per_width = 0.02;
-  config.poses.distortion_prior = 0.2;
-}
-
 /// `is_blind`: of photographs without --intrinsics.
 PipelineConfig configured(const Options& o, bool is_blind) {
   const KeyOption method{"--method", "method", o.method};
@@ -109,8 +100,7 @@ Measured measure_sample(const JobContext& context, const SamplePlace& place, int
     notes.push_back(text);
   };
   context.progress.line(place.name + ": reading " + place.path.string());
-  Capture capture =
-      read_sample(place, {.intrinsics = o.intrinsics, .frames = o.frames});
+  Capture capture = read_sample(place, {.intrinsics = o.intrinsics, .frames = o.frames});
   PipelineConfig config = configured(o, is_blind(o, place));
   check_capture(capture, config);
   for (const std::string& warning : capture.warnings) warn(warning);
@@ -215,8 +205,7 @@ ExitCode command_measure(const JobContext& context) {
   std::vector<std::string> nothing;
   std::vector<MeasuredRow> rows;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    Measured measured =
-        measure_sample(context, places[i], static_cast<int>(i), out, page.notes);
+    Measured measured = measure_sample(context, places[i], static_cast<int>(i), out, page.notes);
     const std::vector<MeasuredRow> more = measured_rows(measured.sample);
     rows.insert(rows.end(), more.begin(), more.end());
     page.samples.push_back(std::move(measured.sample));
@@ -225,8 +214,9 @@ ExitCode command_measure(const JobContext& context) {
     // The table is whole after each sample: what is finished is never lost.
     write_file(out / "specimens.csv", to_tidy_csv(rows, o.group));
   }
-  page.title = "Cousin: " + (o.arguments.size() == 1 ? places.front().source
-                                                      : std::to_string(places.size()) + " samples") +
+  page.title = "Cousin: " +
+               (o.arguments.size() == 1 ? places.front().source
+                                        : std::to_string(places.size()) + " samples") +
                ", measured";
   PipelineConfig config = configured(o, is_blind(o, places.front()));
   page.config_toml = to_toml(fields(config));

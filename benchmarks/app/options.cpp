@@ -138,6 +138,8 @@ constexpr const char* kExportHelp =
     "  mrcal        SENSOR.cameramodel\n"
     "  Scenes, by Blender, which must be installed\n"
     "  gltf, blend  000000.glb or .blend: meshes, materials, lights, the first view's camera\n\n"
+    "`cousin export kit` writes no dataset but the simulator's own seeds and fruits for a 3D\n"
+    "printer: STL files in millimetres and a table of their exact traits; --seed draws others.\n\n"
     "docs/formats.md says what each can and cannot hold.";
 
 /// A number from 0 to 1; CLI11's range takes NaN for one.
@@ -158,13 +160,12 @@ void add_category(CLI::App& verb, Options& o, const std::string& of) {
 }
 
 void add_export(CLI::App& verb, Options& o) {
-  verb.add_option("DATASET", o.arguments, "Dataset, simulated or imported")
+  verb.add_option("DATASET", o.arguments, "Dataset, simulated or imported; or kit")
       ->expected(1, 1)
       ->required();
   verb.add_option("--format", o.format,
                   "bop, coco, yolo, colmap, nerfstudio, tum, opencv, ros, kalibr, mrcal, gltf or "
-                  "blend")
-      ->required();
+                  "blend");
   verb.add_flag("--undistort", o.undistort,
                 "Pictures, labels and cameras as a pinhole camera in the same place would have "
                 "them");

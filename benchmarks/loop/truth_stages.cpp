@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -31,20 +32,58 @@ int board_id(const Scene& scene) {
   return -2;  // no board: no pixel carries this id
 }
 
-Corners true_corners(const SimulatedRun& run, const SeedBoard& board) {
+/// The board as it was printed, which may have another size than it should have.
+SeedBoard printed_board(const Scene& scene, const SeedBoard& board) {
+  for (const Instance& instance : scene.instances) {
+    if (instance.category != "board" || instance.material < 0) continue;
+    const auto& print = scene.materials[static_cast<std::size_t>(instance.material)].print;
+    if (print) return *print;
+  }
+  return board;
+}
+
+/// Height of the board's face at a place, which a bent sheet has.
+double face_height_m(const Scene& scene, int board, const Eigen::Vector2d& at_m) {
+  for (const Instance& instance : scene.instances) {
+    if (instance.id != board) continue;
+    const Mesh& mesh = scene.models[static_cast<std::size_t>(instance.model)].mesh;
+    double height_m = -std::numeric_limits<double>::infinity();
+    for (const auto& t : mesh.triangles) {
+      const Eigen::Vector3d a = mesh.vertices_m[t[0]], b = mesh.vertices_m[t[1]],
+                            c = mesh.vertices_m[t[2]];
+      Eigen::Matrix2d edges;
+      edges << (b - a).head<2>(), (c - a).head<2>();
+      if (!(edges.determinant() > 1e-15)) continue;  // a side or the underside
+      const Eigen::Vector2d part = edges.inverse() * (at_m - a.head<2>());
+      if (part.minCoeff() < -1e-9 || part.sum() > 1 + 1e-9) continue;
+      height_m = std::max(height_m, a.z() + part.x() * (b - a).z() + part.y() * (c - a).z());
+    }
+    if (std::isfinite(height_m)) return height_m;
+  }
+  return 0;
+}
+
+Corners true_corners(const SimulatedRun& run, const SeedBoard& nominal) {
   const int id = board_id(run.truth.scene);
+  const SeedBoard board = printed_board(run.truth.scene, nominal);
+  std::map<std::pair<int, int>, Eigen::Vector3d> places_m;
+  for (int row = 0; row < board.squares - 1; ++row) {
+    for (int column = 0; column < board.squares - 1; ++column) {
+      if (!corner_exists(board, column, row)) continue;
+      Eigen::Vector3d place_m = corner_in_world_m(board, column, row);
+      place_m.z() = face_height_m(run.truth.scene, id, place_m.head<2>());
+      places_m[{row, column}] = place_m;
+    }
+  }
   Corners result;
   for (std::size_t f = 0; f < run.truth.views.size(); ++f) {
     const TrueView& view = run.truth.views[f];
     FrameCorners frame;
     frame.frame = view.frame;
-    for (int row = 0; row < board.squares - 1; ++row) {
-      for (int column = 0; column < board.squares - 1; ++column) {
-        if (!corner_exists(board, column, row)) continue;
-        const auto pixel = project_rolling(view, corner_in_world_m(board, column, row));
-        if (!pixel || instance_at(run.truth.images[f], *pixel) != id) continue;
-        frame.corners.push_back({column, row, *pixel, isotropic_px2(0.01)});
-      }
+    for (const auto& [place, place_m] : places_m) {
+      const auto pixel = project_rolling(view, place_m);
+      if (!pixel || instance_at(run.truth.images[f], *pixel) != id) continue;
+      frame.corners.push_back({place.second, place.first, *pixel, isotropic_px2(0.01)});
     }
     frame.status = frame.corners.size() >= 12 ? BoardStatus::ok : BoardStatus::too_few_corners;
     result.push_back(std::move(frame));

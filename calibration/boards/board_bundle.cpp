@@ -19,11 +19,20 @@ namespace {
 // Parameters of a view: rotation vector and translation added to the start, focal jitter, then, for
 // a rolling shutter, turn (rad) and shift (m) during readout.
 constexpr int kPose = 6, kJitter = 6, kMotion = 7, kGlobalSize = 7, kRollingSize = 13;
-// Shared parameters: relative focal scale, principal point offset (px), distortion offsets.
-constexpr int kScale = 0, kCentre = 1, kDistortion = 3;
+// Shared parameters: relative focal scale, principal point offset (px), distortion offsets; of a
+// bent sheet its bends (m) last.
+constexpr int kScale = 0, kCentre = 1, kDistortion = 3, kBends = 3;
+constexpr double kBendReach_m = 0.05;  ///< where a bend of 1 m would be 2/3 m high
 constexpr double kLossSigmas = 3;
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Heights of a sheet at a place of the board, a bend of 1 m each: along x, twisted, along y. Their
+/// means over a plate of twice the reach are 0.
+Eigen::Vector3d bend_heights(const Eigen::Vector3d& in_board_m) {
+  const double x = in_board_m.x() / kBendReach_m, y = in_board_m.y() / kBendReach_m;
+  return {x * x - 1.0 / 3, x * y, y * y - 1.0 / 3};
+}
 
 int view_size(const BundleView& view) { return view.readout_s > 0 ? kRollingSize : kGlobalSize; }
 
@@ -54,15 +63,18 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& v) {
 /// Residual of one corner, whitened by its covariance, with analytic derivatives.
 class CornerCost final : public ceres::CostFunction {
  public:
-  CornerCost(const BundleView& view, const BoardPoint& point, const Eigen::Matrix2d& white)
+  CornerCost(const BundleView& view, const BoardPoint& point, const Eigen::Matrix2d& white,
+             bool is_bent)
       : view_(view),
         point_(point),
         white_(white),
+        is_bent_(is_bent),
         fraction_((point.pixel_px.y() - 0.5 * (view.reported.height_px - 1)) /
                   std::max(1, view.reported.height_px - 1)) {
     set_num_residuals(2);
     mutable_parameter_block_sizes()->push_back(view_size(view));
-    mutable_parameter_block_sizes()->push_back(kDistortion + distortion_count(view.reported.model));
+    mutable_parameter_block_sizes()->push_back(kDistortion + distortion_count(view.reported.model) +
+                                               (is_bent ? kBends : 0));
   }
 
   bool Evaluate(double const* const* parameters, double* residuals,
@@ -70,8 +82,16 @@ class CornerCost final : public ceres::CostFunction {
     const double* v = parameters[0];
     const Camera camera = adjusted(view_.reported, v[kJitter], parameters[1]);
     const bool rolling = view_size(view_) == kRollingSize;
+    const Eigen::Index bend = parameter_block_sizes()[1] - kBends;
+    Eigen::Vector3d in_board_m = point_.in_board_m;
+    if (is_bent_)
+      in_board_m.z() += bend_heights(point_.in_board_m)
+                            .dot(Eigen::Map<const Eigen::Vector3d>(parameters[1] + bend));
+    const Eigen::Matrix3d rotation =
+        (exp_rotation(Eigen::Map<const Eigen::Vector3d>(v)) * view_.camera_from_board.rotation)
+            .toRotationMatrix();
     const Eigen::Vector3d turned = exp_rotation(Eigen::Map<const Eigen::Vector3d>(v)) *
-                                   (view_.camera_from_board.rotation * point_.in_board_m);
+                                   (view_.camera_from_board.rotation * in_board_m);
     const Eigen::Vector3d still =
         turned + view_.camera_from_board.translation_m + Eigen::Map<const Eigen::Vector3d>(v + 3);
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
@@ -106,7 +126,10 @@ class CornerCost final : public ceres::CostFunction {
       Eigen::Map<RowMatrix> j(jacobians[1], 2, parameter_block_sizes()[1]);
       j.col(kScale) = from_centre / (1 + parameters[1][kScale]);
       j.middleCols<2>(kCentre).setIdentity();
-      j.rightCols(j.cols() - kDistortion) = d_pixel_d_distortion(camera, p);
+      j.middleCols(kDistortion, distortion_count(camera.model)) = d_pixel_d_distortion(camera, p);
+      if (is_bent_)
+        j.rightCols<kBends>() =
+            seen->d_point * turn * rotation.col(2) * bend_heights(point_.in_board_m).transpose();
       j = white_ * j;
     }
     return true;
@@ -116,6 +139,7 @@ class CornerCost final : public ceres::CostFunction {
   const BundleView& view_;
   const BoardPoint& point_;
   Eigen::Matrix2d white_;
+  bool is_bent_;
   double fraction_;  ///< of the readout, from the middle row
 };
 
@@ -152,9 +176,10 @@ Eigen::VectorXd view_prior(const BundleView& view, const BoardPosesConfig& confi
   return sigma;
 }
 
-Eigen::VectorXd shared_prior(const Camera& camera, const BoardPosesConfig& config) {
-  Eigen::VectorXd sigma(kDistortion + distortion_count(camera.model));
+Eigen::VectorXd shared_prior(const Camera& camera, const BoardPosesConfig& config, bool is_bent) {
+  Eigen::VectorXd sigma(kDistortion + distortion_count(camera.model) + (is_bent ? kBends : 0));
   sigma.setConstant(config.distortion_prior);
+  if (is_bent) sigma.tail<kBends>().setConstant(config.sheet_bend_m);
   sigma(kScale) = config.focal_prior;
   sigma.segment<2>(kCentre).setConstant(config.centre_prior_px_per_width * camera.width_px);
   return sigma;
@@ -169,12 +194,15 @@ struct Bundle {
   std::vector<double> parameters;
   std::vector<std::size_t> offsets;  ///< of each view's parameters
   int shared_size = 0;
+  bool is_bent = false;
   bool lens_fixed = false;
 
-  Bundle(const std::vector<BundleView>& all, const BoardPosesConfig& c)
+  Bundle(const std::vector<BundleView>& all, const BoardPosesConfig& c, bool bent)
       : views(all),
         config(c),
-        shared_size(kDistortion + distortion_count(all.front().reported.model)),
+        shared_size(kDistortion + distortion_count(all.front().reported.model) +
+                    (bent ? kBends : 0)),
+        is_bent(bent),
         lens_fixed(!c.refine_lens || static_cast<int>(all.size()) < c.min_views_for_lens) {
     std::size_t size = 0;
     for (const BundleView& view : all) {
@@ -203,7 +231,8 @@ bool solve(Bundle& bundle) {
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   const Camera& first = bundle.views.front().reported;
   problem.AddParameterBlock(bundle.shared(), bundle.shared_size);
-  problem.AddResidualBlock(new Prior(shared_prior(first, bundle.config)), nullptr, bundle.shared());
+  problem.AddResidualBlock(new Prior(shared_prior(first, bundle.config, bundle.is_bent)), nullptr,
+                           bundle.shared());
   if (bundle.lens_fixed) problem.SetParameterBlockConstant(bundle.shared());
   ordering->AddElementToGroup(bundle.shared(), 1);
   for (std::size_t i = 0; i < bundle.views.size(); ++i) {
@@ -213,7 +242,7 @@ bool solve(Bundle& bundle) {
     ordering->AddElementToGroup(parameters, 0);
     problem.AddResidualBlock(new Prior(view_prior(view, bundle.config)), nullptr, parameters);
     for (const BoardPoint& p : view.points) {
-      problem.AddResidualBlock(new CornerCost(view, p, bundle.white(p)),
+      problem.AddResidualBlock(new CornerCost(view, p, bundle.white(p), bundle.is_bent),
                                new ceres::CauchyLoss(kLossSigmas), parameters, bundle.shared());
     }
     if (bundle.lens_fixed)
@@ -248,7 +277,7 @@ ViewSystem linearize(const Bundle& bundle, std::size_t i) {
   RowMatrix jv(2, own), js(2, all);
   for (const BoardPoint& p : view.points) {
     const Eigen::Matrix2d white = bundle.white(p);
-    const CornerCost cost(view, p, white);
+    const CornerCost cost(view, p, white, bundle.is_bent);
     const std::array<const double*, 2> parameters{bundle.own(i), bundle.shared()};
     std::array<double*, 2> jacobians{jv.data(), js.data()};
     Eigen::Vector2d r;
@@ -270,7 +299,8 @@ ViewSystem linearize(const Bundle& bundle, std::size_t i) {
 /// the residuals where that is above what the corners predict. A lens that is not refined counts
 /// with its prior.
 void add_covariances(const Bundle& bundle, BundleResult& result) {
-  const Eigen::VectorXd prior = shared_prior(bundle.views.front().reported, bundle.config);
+  const Eigen::VectorXd prior =
+      shared_prior(bundle.views.front().reported, bundle.config, bundle.is_bent);
   Eigen::MatrixXd schur = prior.cwiseAbs2().cwiseInverse().asDiagonal();
   std::vector<ViewSystem> systems;
   std::vector<Eigen::MatrixXd> inverses;
@@ -284,6 +314,7 @@ void add_covariances(const Bundle& bundle, BundleResult& result) {
     squares += s.weighted_squares;
     count += 2.0 * static_cast<double>(bundle.views[i].points.size()) - kPose;
   }
+  result.misfit = std::sqrt(squares / std::max(1.0, count));
   const double factor = std::max(1.0, squares / std::max(1.0, count));
   const Eigen::MatrixXd shared =
       schur.ldlt().solve(Eigen::MatrixXd::Identity(schur.rows(), schur.cols()));
@@ -298,15 +329,19 @@ void add_covariances(const Bundle& bundle, BundleResult& result) {
 
 }  // namespace
 
-BundleResult bundle_adjust(const std::vector<BundleView>& views, const BoardPosesConfig& config) {
+BundleResult bundle_adjust(const std::vector<BundleView>& views, const BoardPosesConfig& config,
+                           bool is_bent) {
   BundleResult result;
   result.adjusted = true;
   if (views.empty()) {
     result.converged = true;
     return result;
   }
-  Bundle bundle(views, config);
+  Bundle bundle(views, config, is_bent);
   result.converged = solve(bundle);
+  if (is_bent)
+    result.bends_m =
+        Eigen::Map<const Eigen::Vector3d>(bundle.shared() + bundle.shared_size - kBends);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double* own = bundle.own(i);
     result.views.push_back({moved(views[i].camera_from_board, own),

@@ -5,7 +5,7 @@
 namespace cousin {
 
 /// Without Ceres each view keeps its own pose, found through the reported lens.
-BundleResult bundle_adjust(const std::vector<BundleView>& views, const BoardPosesConfig&) {
+BundleResult bundle_adjust(const std::vector<BundleView>& views, const BoardPosesConfig&, bool) {
   BundleResult result;
   result.converged = true;
   for (const BundleView& view : views) {

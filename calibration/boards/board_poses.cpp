@@ -75,6 +75,9 @@ Fields fields(BoardPosesConfig& config) {
        "sigma of the principal point, over the width", 1e-8, 1},
       {"distortion_prior", &config.distortion_prior, "sigma of each distortion coefficient", 1e-8,
        10},
+      {"sheet_bend_m", &config.sheet_bend_m,
+       "sigma of a printed sheet's bends, solved for where corners fit no plane; 0 = flat", 0,
+       0.01},
       {"hand_speed_m_per_s", &config.hand_speed_m_per_s,
        "sigma of the velocity while reading; 0 = still", 0, 10},
       {"hand_rate_rad_per_s", &config.hand_rate_rad_per_s,
@@ -176,11 +179,21 @@ Poses estimate_board_poses(const Capture& capture, const Corners& corners, const
     solved.push_back(std::move(views[i]));
   }
   BundleResult result = bundle_adjust(solved, config);
+  constexpr double kMostMisfit = 3;
+  bool is_bent = false;
+  const bool is_plane = result.converged && !(result.misfit > kMostMisfit);
+  if (result.adjusted && config.refine_lens && config.sheet_bend_m > 0 && !is_plane) {
+    BundleResult bent = bundle_adjust(solved, config, true);
+    if (bent.converged && bent.misfit < result.misfit) {
+      result = std::move(bent);
+      is_bent = true;
+    }
+  }
   if (config.focus_law && config.refine_lens && result.converged && result.adjusted &&
       follow_focus_law(result, solved)) {
     BoardPosesConfig held = config;
     held.focal_jitter = config.focus_law_jitter;
-    result = bundle_adjust(solved, held);
+    result = bundle_adjust(solved, held, is_bent);
   }
   for (std::size_t k = 0; k < used.size(); ++k) {
     FramePose& pose = poses[used[k]];

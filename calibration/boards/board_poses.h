@@ -18,6 +18,9 @@ struct BoardPosesConfig {
   double focus_law_jitter = 1e-4;  ///< relative sigma of one image's focal length about that law
   double centre_prior_px_per_width = 0.005;
   double distortion_prior = 0.02;  ///< sigma of each coefficient about the reported one
+  /// Sigma of the bends of a printed sheet, which are solved for where corners fit a plane badly
+  /// (by more than three sigmas) and the lens is refined; 0 = every board is flat.
+  double sheet_bend_m = 0.0005;
   double hand_speed_m_per_s =
       0.02;  ///< sigma of the camera's velocity while a rolling shutter reads; 0 = still
   double hand_rate_rad_per_s = 0.02;  ///< sigma of its turning rate

@@ -103,6 +103,11 @@ Fields fields(SeedsSceneConfig& c) {
               "views",
               0.05, 1},
              {"markers", &c.markers, "false: the paper's plain board"},
+             {"print_scale", &c.print_scale, "of the print over what it should be", 0.5, 2},
+             {"sheet_sag_m", &c.sheet_sag_m,
+              "how much deeper the middle of the sheet lies than its left and right edges", -0.002,
+              0.002},
+             {"background", &c.background, "what the board lies on: green, white, black or wood"},
              {"gloss", &c.gloss, "false: seeds without a coat, that mirror nothing"},
              {"sphere", &c.sphere, "a 22 mm matt speckled sphere instead of the seeds"},
              {"views", &c.views, "photographs, spread over the rings", 1, 10000},
@@ -156,6 +161,7 @@ void validate(const SeedsSceneConfig& config) {
   if (config.views < 1)
     throw std::invalid_argument("views is " + std::to_string(config.views) +
                                 "; it must be at least 1");
+  (void)background_albedo(seeds_setting(), config.background);  // throws
   Scene scene;
   add_lights(scene, config.light);  // throws, naming those that exist
 }
@@ -179,8 +185,12 @@ Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
   scene.board = config.markers ? "markers" : "plain";
   SeedBoard board;
   board.has_markers = config.markers;
-  add_board(scene, setting, board);
-  add_screen(scene, setting);
+  board.plate_m *= config.print_scale;
+  board.square_m *= config.print_scale;
+  board.marker_m *= config.print_scale;
+  const SheetShape sheet{config.sheet_sag_m, 0.5 * board.plate_m};
+  add_board(scene, setting, board, sheet);
+  add_screen(scene, setting, config.background);
   if (environment) {
     scene.lights.emplace_back(*environment);
   } else {
@@ -205,6 +215,9 @@ Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
     instance.model = static_cast<int>(scene.models.size());
     instance.material = static_cast<int>(scene.materials.size());
     instance.world_from_object = heap.world_from_specimen[i];
+    Eigen::Vector3d& place_m = instance.world_from_object.translation_m;
+    if (config.sheet_sag_m != 0)
+      place_m.z() += sheet.height_m(place_m.x());  // it lies on the sheet
     instance.mass_kg = specimen.seed.mass_kg;
     instance.traits = specimen.seed.traits;
     if (is_heap) {

@@ -26,7 +26,11 @@ struct SeedsSceneConfig {
   std::string placing = "apart";
   /// Of a heap: share of a seed's image that others leave free, mean over seeds and views.
   double visible_fraction = 0.7;
-  bool markers = true;  ///< false: the paper's plain board
+  bool markers = true;     ///< false: the paper's plain board
+  double print_scale = 1;  ///< of the print over what it should be; 0.97: printed "to fit"
+  /// How much deeper the middle of the sheet lies than two of its edges: a sheet that is bent.
+  double sheet_sag_m = 0;
+  std::string background = "green";  ///< what the board lies on: green, white, black or wood
   bool gloss = true;    ///< false: seeds without their coat, to see what its mirrors cost
   bool sphere = false;  ///< a 22 mm matt speckled sphere instead of the seeds
   int views = 60;       ///< spread over three rings

@@ -68,6 +68,9 @@ Fields fields(SettingConfig& c) {
       {"screen.radius_m", &c.screen_radius_m, "of the green floor", 0.1, kMetre},
       {"screen.wall_m", &c.screen_wall_m, "height of the green wall around it", 0, kMetre},
       {"screen.albedo", &c.screen_albedo, "chroma-key green", 0, 1},
+      {"screen.white", &c.screen_white, "a white table", 0, 1},
+      {"screen.black", &c.screen_black, "a black cloth", 0, 1},
+      {"screen.wood", &c.screen_wood, "a table of light wood", 0, 1},
       {"sphere.radius_m", &c.sphere_radius_m, "reference sphere", 1e-3, 0.1},
       {"sphere.grid", &c.sphere_grid, "cells along an edge of its cube", 4, 400},
       {"sphere.albedo", &c.sphere_albedo, "mean", 0, 1},
@@ -95,7 +98,8 @@ Fields fields(SettingConfig& c) {
 
 void validate(const SettingConfig& c) {
   for (const auto* albedo :
-       {&c.paper_albedo, &c.ink_albedo, &c.screen_albedo, &c.sphere_albedo, &c.specimen_albedo}) {
+       {&c.paper_albedo, &c.ink_albedo, &c.screen_albedo, &c.screen_white, &c.screen_black,
+        &c.screen_wood, &c.sphere_albedo, &c.specimen_albedo}) {
     if (albedo->size() != 3) throw std::invalid_argument("setting.toml: an albedo needs 3 numbers");
   }
   if (c.reach_m < c.spot_radius_m)
@@ -112,7 +116,18 @@ const SettingConfig& seeds_setting() {
   return setting;
 }
 
-void add_board(Scene& scene, const SettingConfig& setting, const SeedBoard& board) {
+const std::vector<double>& background_albedo(const SettingConfig& setting,
+                                             const std::string& background) {
+  if (background == "green") return setting.screen_albedo;
+  if (background == "white") return setting.screen_white;
+  if (background == "black") return setting.screen_black;
+  if (background == "wood") return setting.screen_wood;
+  throw std::invalid_argument("background \"" + background +
+                              "\" is not one of green, white, black, wood");
+}
+
+void add_board(Scene& scene, const SettingConfig& setting, const SeedBoard& board,
+               const SheetShape& sheet) {
   const double h = board.plate_m / 2;
   const double t = setting.board_thickness_m;
   const int cells =
@@ -128,6 +143,9 @@ void add_board(Scene& scene, const SettingConfig& setting, const SeedBoard& boar
   add_face(model.mesh, {h, -h, -t}, y, z, cells, 1);
   add_face(model.mesh, {h, h, -t}, -x, z, cells, 1);
   add_face(model.mesh, {-h, h, -t}, -y, z, cells, 1);
+  for (Eigen::Vector3d& vertex_m : model.mesh.vertices_m) {
+    if (vertex_m.z() > -0.5 * t) vertex_m.z() += sheet.height_m(vertex_m.x());
+  }
   Material material;
   material.name = "printed paper";
   material.albedo = to_rgb(setting.paper_albedo);
@@ -135,10 +153,11 @@ void add_board(Scene& scene, const SettingConfig& setting, const SeedBoard& boar
   material.roughness = setting.board_roughness;
   material.ior = setting.board_ior;
   material.print = board;
+  material.print_bend_m = std::abs(sheet.sag_m);
   add_instance(scene, std::move(model), std::move(material), "board");
 }
 
-void add_screen(Scene& scene, const SettingConfig& setting) {
+void add_screen(Scene& scene, const SettingConfig& setting, const std::string& background) {
   // A dish: flat floor, a quarter-round foot, an upright wall. Rows of rings from the centre
   // outward.
   const double r = setting.screen_radius_m;
@@ -182,8 +201,8 @@ void add_screen(Scene& scene, const SettingConfig& setting) {
   }
   model.vertex_normals = smooth_normals(model.mesh);
   Material material;
-  material.name = "green fabric";
-  material.albedo = to_rgb(setting.screen_albedo);
+  material.name = background == "green" ? "green fabric" : background;
+  material.albedo = to_rgb(background_albedo(setting, background));
   material.ior = 1;
   material.roughness = 1;
   add_instance(scene, std::move(model), std::move(material), "screen");

@@ -13,7 +13,7 @@ struct SettingConfig {
   std::vector<double> paper_albedo, ink_albedo;
   double board_roughness = 0, board_ior = 0;
   double screen_radius_m = 0, screen_wall_m = 0;
-  std::vector<double> screen_albedo;
+  std::vector<double> screen_albedo, screen_white, screen_black, screen_wood;
   double sphere_radius_m = 0;
   int sphere_grid = 0;
   std::vector<double> sphere_albedo;
@@ -30,11 +30,25 @@ Fields fields(SettingConfig& config);
 void validate(const SettingConfig& config);
 const SettingConfig& seeds_setting();
 
-/// The plate with its print on z = 0, and its material.
-void add_board(Scene& scene, const SettingConfig& setting, const SeedBoard& board);
-/// Green floor at the plate's underside with a low wall around, open above so that the sky lights
-/// the scene.
-void add_screen(Scene& scene, const SettingConfig& setting);
+/// A sheet bent about the board's y axis: a parabola whose mean height over the plate is 0.
+struct SheetShape {
+  double sag_m = 0;   ///< the edges at +-x are higher than the middle by so much
+  double half_m = 0;  ///< of the plate's side
+  double height_m(double x_m) const {
+    const double x = x_m / half_m;
+    return sag_m * (x * x - 1.0 / 3);
+  }
+};
+
+/// The plate with its print on z = 0, bent as the sheet is, and its material.
+void add_board(Scene& scene, const SettingConfig& setting, const SeedBoard& board,
+               const SheetShape& sheet);
+/// @param background  as SeedsSceneConfig's. @throws std::invalid_argument naming those that exist.
+const std::vector<double>& background_albedo(const SettingConfig& setting,
+                                             const std::string& background);
+/// Floor of the background's colour at the plate's underside with a low wall around, open above so
+/// that the sky lights the scene.
+void add_screen(Scene& scene, const SettingConfig& setting, const std::string& background);
 /// @param light  window, lamps or sun. @throws std::invalid_argument for another.
 void add_lights(Scene& scene, const std::string& light);
 /// The 22 mm sphere, matt with speckle, at its centroid.

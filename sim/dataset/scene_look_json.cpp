@@ -61,6 +61,7 @@ Json to_json(const Material& material) {
                {"roughness", material.roughness},
                {"ink_albedo", array_of(material.ink_albedo)}};
   if (material.print) json["print"] = to_json(*material.print);
+  if (material.print_bend_m != usual.print_bend_m) json["print_bend_m"] = material.print_bend_m;
   if (material.kind != usual.kind)
     json["kind"] = kSurfaceNames[static_cast<std::size_t>(material.kind)];
   if (material.transmittance != usual.transmittance)
@@ -87,9 +88,10 @@ Json to_json(const Material& material) {
 }
 
 Material read_material(const JsonNode& node) {
-  node.expect_keys({"name", "albedo", "ior", "roughness", "ink_albedo"},
-                   {"print", "kind", "transmittance", "back_albedo", "mean_free_path_m", "noise",
-                    "infrared_albedo", "infrared_transmittance", "infrared_noise"});
+  node.expect_keys(
+      {"name", "albedo", "ior", "roughness", "ink_albedo"},
+      {"print", "print_bend_m", "kind", "transmittance", "back_albedo", "mean_free_path_m", "noise",
+       "infrared_albedo", "infrared_transmittance", "infrared_noise"});
   Material material;
   material.name = node["name"].text();
   material.albedo = read_color(node["albedo"]);
@@ -97,6 +99,7 @@ Material read_material(const JsonNode& node) {
   material.roughness = node["roughness"].number(0, 1);
   material.ink_albedo = read_color(node["ink_albedo"]);
   if (node.has("print")) material.print = read_board(node["print"]);
+  if (node.has("print_bend_m")) material.print_bend_m = node["print_bend_m"].number(0, 1);
   if (node.has("kind")) material.kind = read_kind(node["kind"]);
   if (node.has("transmittance")) material.transmittance = read_color(node["transmittance"]);
   if (node.has("back_albedo")) material.back_albedo = read_color(node["back_albedo"]);

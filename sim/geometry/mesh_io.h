@@ -15,6 +15,10 @@ Mesh read_mesh(const std::filesystem::path& file);
 /// Binary little-endian PLY with double vertices. Written beside, then renamed.
 void write_ply(const std::filesystem::path& file, const Mesh& mesh);
 
+/// Binary STL with float corners of `factor` times the mesh's, repeated a triangle; normals are the
+/// triangles'. @throws std::invalid_argument for 2^32 triangles or more, which it cannot count.
+void write_stl(const std::filesystem::path& file, const Mesh& mesh, double factor = 1);
+
 /// Points with float x y z, nx ny nz, uchar red green blue, float sigma; with `instance`, an int
 /// more.
 void write_ply(const std::filesystem::path& file, const Cloud& cloud);

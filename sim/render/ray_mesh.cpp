@@ -30,10 +30,10 @@ bool has_boundary(const Mesh& mesh) {
   return false;
 }
 
-/// The printed face: all three corners on z = 0 of the object, facing +z.
-bool on_printed_face(const Mesh& mesh, const std::array<std::uint32_t, 3>& t, double size_m) {
+/// The printed face: all three corners within `bend_m` of z = 0 of the object, facing +z.
+bool on_printed_face(const Mesh& mesh, const std::array<std::uint32_t, 3>& t, double bend_m) {
   for (const std::uint32_t v : t) {
-    if (std::abs(mesh.vertices_m[v].z()) > 1e-9 * size_m) return false;
+    if (std::abs(mesh.vertices_m[v].z()) > bend_m) return false;
   }
   const Eigen::Vector3d a = mesh.vertices_m[t[0]];
   return (mesh.vertices_m[t[1]] - a).cross(mesh.vertices_m[t[2]] - a).z() > 0;
@@ -118,10 +118,10 @@ RayMesh make_ray_mesh(const ObjectModel& model, const MeshPlacement& placement) 
   std::vector<Eigen::Vector3d> vertices = place_vertices(model, placement, mesh);
   mesh.parts = model.triangle_part;
   if (placement.has_print) {
-    const double size_m = (box[7] - box[0]).norm();
+    const double bend_m = placement.print_bend_m + 1e-9 * (box[7] - box[0]).norm();
     mesh.has_print.resize(mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-      mesh.has_print[i] = on_printed_face(model.mesh, mesh.triangles[i], size_m) ? 1 : 0;
+      mesh.has_print[i] = on_printed_face(model.mesh, mesh.triangles[i], bend_m) ? 1 : 0;
   }
   if (!placement.keeps_planes) {
     mesh.exact_m = std::move(vertices);

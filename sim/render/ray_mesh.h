@@ -15,6 +15,7 @@ struct MeshPlacement {
   Pose world_from_object;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< RayScene's, subtracted from the world
   bool has_print = false;                              ///< some instance's material has a print
+  double print_bend_m = 0;                             ///< Material's, the largest of them
   bool keeps_planes = true;
 };
 

@@ -36,6 +36,7 @@ struct Bounds {
 struct ModelUse {
   int instances = 0;
   bool has_print = false;
+  double print_bend_m = 0;
   bool is_shared = false;  ///< kept once, in its own axes
   std::array<Eigen::Vector3d, 8> corners_m;
 };
@@ -52,7 +53,9 @@ std::vector<ModelUse> model_uses(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     ModelUse& use = uses[static_cast<std::size_t>(instance.model)];
     ++use.instances;
-    use.has_print |= scene.materials[static_cast<std::size_t>(instance.material)].print.has_value();
+    const Material& material = scene.materials[static_cast<std::size_t>(instance.material)];
+    use.has_print |= material.print.has_value();
+    if (material.print) use.print_bend_m = std::max(use.print_bend_m, material.print_bend_m);
   }
   tbb::parallel_for(std::size_t{0}, uses.size(),
                     [&](std::size_t i) { uses[i].corners_m = box_corners(scene.models[i].mesh); });
@@ -279,6 +282,7 @@ RayScene::RayScene(const Scene& scene, const TimeSpan& span_s) : impl_(std::make
         scene.instances[static_cast<std::size_t>(g.instance_index)], span_s.begin_s);
     placement.centre_m = impl.centre_m;
     placement.has_print = uses[model].has_print;
+    placement.print_bend_m = uses[model].print_bend_m;
     placement.keeps_planes = !is_many;
     impl.meshes[i] = make_ray_mesh(scene.models[model], placement);
   });

@@ -55,6 +55,7 @@ struct Material {
   double ior = 1.5;                ///< of coat, wax, glass or water; 1 = no coat, purely diffuse
   double roughness = 0.5;          ///< in [0.05, 1]; clear has none
   std::optional<SeedBoard> print;  ///< face z = 0 of the object carries this print
+  double print_bend_m = 0;         ///< corners of that face lie within so much of z = 0
   Rgbf ink_albedo{0.03F, 0.03F, 0.03F};  ///< where the print is black
   std::optional<NoiseTexture> noise;
   // At 850 nm, for infrared imagers; leaves are bright there [Jacquemoud & Baret 1990].

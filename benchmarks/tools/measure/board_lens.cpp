@@ -43,6 +43,13 @@ void report_lens(const Camera& lens, Capture& capture) {
 
 }  // namespace
 
+void trust_the_board(SeedsPipelineConfig& config) {
+  config.poses.focal_prior = 0.25;
+  config.poses.focal_jitter = 0.003;
+  config.poses.centre_prior_px_per_width = 0.02;
+  config.poses.distortion_prior = 0.2;
+}
+
 BoardLens take_lens_of_board(const SeedsPipelineConfig& config, Capture& capture) {
   BoardLens found;
   if (capture.frames.empty()) return found;

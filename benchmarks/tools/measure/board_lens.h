@@ -5,6 +5,10 @@
 
 namespace cousin {
 
+/// Where nobody says the lens, the board tells it: the focal length that is assumed may be a
+/// quarter off, and a phone's autofocus changes it from image to image.
+void trust_the_board(SeedsPipelineConfig& config);
+
 /// The lens that a board tells.
 struct BoardLens {
   double focal_px = 0;  ///< median over the views that are posed; 0 = no view is

@@ -21,7 +21,8 @@ double mean_of(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-/// Seeds a group for a difference of `share` of the mean: 2 (z_0.975 + z_0.8)^2 (sd / difference)^2.
+/// Seeds a group for a difference of `share` of the mean: 2 (z_0.975 + z_0.8)^2 (sd /
+/// difference)^2.
 int seeds_needed(double sd, double mean, double share) {
   constexpr double kZ80 = 0.8416212335729143;
   const double ratio = sd / (share * std::abs(mean));

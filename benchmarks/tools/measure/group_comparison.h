@@ -27,9 +27,9 @@ struct GroupTrait {
 /// A later group's mean less the first one's.
 struct GroupDifference {
   std::string trait, unit, group, first;
-  WithInterval difference;       ///< 95 % [Welch 1947], in the unit
-  WithInterval relative;         ///< over the first group's mean, a ratio
-  double p_value = kNaN;         ///< two-sided
+  WithInterval difference;  ///< 95 % [Welch 1947], in the unit
+  WithInterval relative;    ///< over the first group's mean, a ratio
+  double p_value = kNaN;    ///< two-sided
 };
 
 struct GroupComparison {

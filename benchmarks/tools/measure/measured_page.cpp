@@ -63,8 +63,7 @@ Enlarged enlarged_about(const Image<Rgb8>& image, const std::vector<Eigen::Vecto
   const int right = std::max(part.left + 1, clamped(box.max().x() + margin, image.width()));
   const int bottom = std::max(part.top + 1, clamped(box.max().y() + margin, image.height()));
   part.factor = std::clamp(kLeastWidth / (right - part.left), 1, kMostFactor);
-  part.image =
-      Image<Rgb8>((right - part.left) * part.factor, (bottom - part.top) * part.factor);
+  part.image = Image<Rgb8>((right - part.left) * part.factor, (bottom - part.top) * part.factor);
   for (int y = 0; y < part.image.height(); ++y) {
     for (int x = 0; x < part.image.width(); ++x)
       part.image(x, y) = image(part.left + x / part.factor, part.top + y / part.factor);
@@ -93,8 +92,7 @@ void show_seed_numbers(const Capture& capture, const Estimate& estimate, ReportS
   for (const auto& [number, pixel_px] : numbers)
     write_number(part.image, number, part.place_of(pixel_px), dot_px);
   scene.pictures.push_back(
-      {"Seeds by number, view " +
-           std::to_string(capture.frames[static_cast<std::size_t>(view)].id),
+      {"Seeds by number, view " + std::to_string(capture.frames[static_cast<std::size_t>(view)].id),
        "the numbers of specimens.csv (seed), in the view that looks down most",
        encode_jpeg(part.image, kQuality)});
 }
@@ -154,9 +152,8 @@ std::vector<Distribution> distributions_of(const MeasuredPage& page) {
   for (const MeasuredSample& sample : page.samples) {
     for (const MeasuredRow& row : measured_rows(sample)) {
       if (row.trait.empty()) continue;
-      auto of_trait = std::find_if(result.begin(), result.end(), [&](const Distribution& d) {
-        return d.quantity == row.trait;
-      });
+      auto of_trait = std::find_if(result.begin(), result.end(),
+                                   [&](const Distribution& d) { return d.quantity == row.trait; });
       if (of_trait == result.end()) {
         const std::string si = row.unit == "mm"    ? "m"
                                : row.unit == "mm2" ? "m2"
@@ -192,11 +189,11 @@ std::string summary_of(const MeasuredPage& page) {
   }
   std::string text = std::to_string(measured) + " of " + std::to_string(seen) +
                      " seeds that are seen are measured";
-  if (page.samples.size() > 1)
-    text += ", in " + std::to_string(page.samples.size()) + " samples";
+  if (page.samples.size() > 1) text += ", in " + std::to_string(page.samples.size()) + " samples";
   text += ". " + page.samples.front().scale.from;
-  return text + " Sizes are in millimetres; the interval of a seed holds its true size in 95 of "
-                "100 cases on simulated seeds of known size; on real seeds it was never confirmed.";
+  return text +
+         " Sizes are in millimetres; the interval of a seed holds its true size in 95 of "
+         "100 cases on simulated seeds of known size; on real seeds it was never confirmed.";
 }
 
 std::string interval_text(const WithInterval& value, double factor, const char* unit) {
@@ -235,8 +232,8 @@ std::vector<ReportTable> group_tables(const MeasuredPage& page) {
       "Spread of the seeds as measured; the part that is the measurement's own error, by the "
       "deviations that it gives; what is left from seed to seed; and how many seeds a group it "
       "takes to see a difference of 2 % (power 80 %, level 5 %).";
-  groups.columns = {"trait", page.group, "seeds", "mean", "spread", "measurement", "seed to seed",
-                    "seeds to see 2 %"};
+  groups.columns = {"trait",  page.group,    "seeds",        "mean",
+                    "spread", "measurement", "seed to seed", "seeds to see 2 %"};
   for (const GroupTrait& t : comparison.traits) {
     const std::string unit = t.unit == "1" ? "" : " " + shown_of(t.unit);
     groups.lines.push_back(

@@ -102,8 +102,7 @@ std::vector<MeasuredRow> measured_rows(const MeasuredSample& sample) {
       row.unit = unit.shown;
       row.value = trait.value * unit.factor * scale;
       row.own_sigma = trait.sigma * unit.factor * scale;
-      const double of_print =
-          row.value * unit.power * sample.scale.sigma / sample.scale.factor;
+      const double of_print = row.value * unit.power * sample.scale.sigma / sample.scale.factor;
       const double half = kSigmas95 * std::hypot(row.own_sigma, of_print);
       row.low = row.value - half;
       row.high = row.value + half;
@@ -114,9 +113,9 @@ std::vector<MeasuredRow> measured_rows(const MeasuredSample& sample) {
 }
 
 int count_measured(const Traits& traits) {
-  return static_cast<int>(std::count_if(
-      traits.begin(), traits.end(),
-      [](const SpecimenTraits& seed) { return seed.status == TraitStatus::ok; }));
+  return static_cast<int>(
+      std::count_if(traits.begin(), traits.end(),
+                    [](const SpecimenTraits& seed) { return seed.status == TraitStatus::ok; }));
 }
 
 std::string to_tidy_csv(const std::vector<MeasuredRow>& rows, const std::string& group) {

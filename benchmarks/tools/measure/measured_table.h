@@ -35,13 +35,13 @@ struct MeasuredSample {
 struct MeasuredRow {
   std::string sample, source;
   int seed = 0;
-  std::string trait;             ///< "" of a seed that is not measured
-  std::string unit;              ///< mm, mm2, mm3
-  double value = kNaN;           ///< in `unit`, at the print's true size
-  double low = kNaN;             ///< of the 95 % interval; NaN where no deviation is known
-  double high = kNaN;            ///< with the deviation of the print's scale
-  double own_sigma = kNaN;       ///< in `unit`, without that of the scale, which seeds share
-  std::string status, reason;    ///< "ok", or "not_solved" and why
+  std::string trait;           ///< "" of a seed that is not measured
+  std::string unit;            ///< mm, mm2, mm3
+  double value = kNaN;         ///< in `unit`, at the print's true size
+  double low = kNaN;           ///< of the 95 % interval; NaN where no deviation is known
+  double high = kNaN;          ///< with the deviation of the print's scale
+  double own_sigma = kNaN;     ///< in `unit`, without that of the scale, which seeds share
+  std::string status, reason;  ///< "ok", or "not_solved" and why
 };
 
 /// A row a trait of each seed; one row with a reason for a seed that is seen and not measured.

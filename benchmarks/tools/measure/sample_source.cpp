@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Kind = SamplePlace::Kind;
 
-constexpr std::array<std::string_view, 8> kVideoEndings = {".mp4", ".mov", ".m4v", ".mkv",
+constexpr std::array<std::string_view, 8> kVideoEndings = {".mp4",  ".mov", ".m4v", ".mkv",
                                                            ".webm", ".avi", ".mts", ".3gp"};
 
 std::string ending_of(const fs::path& file) {
@@ -29,9 +29,8 @@ std::string ending_of(const fs::path& file) {
 }
 
 bool is_video(const fs::path& file) {
-  return fs::is_regular_file(file) &&
-         std::find(kVideoEndings.begin(), kVideoEndings.end(), ending_of(file)) !=
-             kVideoEndings.end();
+  return fs::is_regular_file(file) && std::find(kVideoEndings.begin(), kVideoEndings.end(),
+                                                ending_of(file)) != kVideoEndings.end();
 }
 
 bool is_photograph(const fs::path& file) {
@@ -69,8 +68,9 @@ void add_folder(const fs::path& folder, const std::string& name, const std::stri
   }
   if (!is_source) return;
   const std::vector<fs::path> entries = entries_of(folder);
-  const auto scenes = std::count_if(entries.begin(), entries.end(),
-                                    [](const fs::path& e) { return fs::is_directory(e) && is_scene(e); });
+  const auto scenes = std::count_if(entries.begin(), entries.end(), [](const fs::path& e) {
+    return fs::is_directory(e) && is_scene(e);
+  });
   for (const fs::path& entry : entries) {
     const std::string within = name + "/" + entry.filename().string();
     if (is_video(entry)) {

@@ -3,13 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <sstream>
+#include <tuple>
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/process/program_run.h"
 #include "tests/benchmarks/app/program.h"
+#include "tests/places/places.h"
 
 namespace cousin {
 namespace {
@@ -45,6 +48,30 @@ void photograph(const Program& program) {
   fs::copy(program.path("data/000000/rgb"), program.path("photos"));
 }
 
+/// The first block of this language in docs/measure.md.
+std::string documented(const std::string& language) {
+  const std::string text = read_file(source_folder() / "docs/measure.md");
+  const std::string open = "```" + language + "\n";
+  const std::size_t first = text.find(open);
+  EXPECT_NE(first, text.npos) << language;
+  const std::size_t begin = first + open.size();
+  return text.substr(begin, text.find("```", begin) - begin);
+}
+
+/// What a documented program prints beside the table; empty where the interpreter is absent.
+std::string printed_by(const Program& program, const std::string& interpreter,
+                       const std::string& language, const std::string& file) {
+  if (find_program(interpreter).empty()) return {};
+  write_file(program.path("m/" + file), documented(language));
+  ProgramCall call;
+  call.words = {"sh", "-c",
+                "cd '" + program.path("m").string() + "' && " + interpreter + " " + file};
+  call.log = program.path("log");
+  call.time_limit_s = 60;
+  EXPECT_TRUE(succeeded(run_program(call))) << read_file(program.path("log"));
+  return read_file(program.path("log"));
+}
+
 TEST(AppMeasure, PhotographsOfALensTwiceAsLongAsAssumedAreMeasuredAtThePrintsSize) {
   const Program program;
   photograph(program);
@@ -52,17 +79,27 @@ TEST(AppMeasure, PhotographsOfALensTwiceAsLongAsAssumedAreMeasuredAtThePrintsSiz
   const Outcome nominal = program.run(measure + Words{"--expect", "2"});
   ASSERT_EQ(nominal.code, 0) << nominal.err;
   // The rig's lens has 1.7 times the width, 816 px; 408 are assumed.
-  EXPECT_THAT(nominal.err, AllOf(HasSubstr("408.0 px was assumed"), HasSubstr("by the board in 18")));
+  EXPECT_THAT(nominal.err,
+              AllOf(HasSubstr("408.0 px was assumed"), HasSubstr("by the board in 18")));
   EXPECT_THAT(nominal.err, HasSubstr("18 of 18 views posed, 2 specimens"));
   const auto sizes = numbers_of(program.path("m/specimens.csv"));
   ASSERT_EQ(sizes.size(), 10U);
   EXPECT_THAT(read_file(program.path("m/report.html")),
               AllOf(HasSubstr("2 of 2 seeds that are seen are measured"),
                     HasSubstr("Seeds by number, view"), HasSubstr("Nobody has checked")));
+  // The lines of docs/measure.md read the table: two lengths and their mean.
+  char mean[32];
+  std::snprintf(mean, sizeof mean, "2 %.3f",
+                0.5 * (sizes.at("0,length").first + sizes.at("1,length").first));
+  for (const auto& [interpreter, language, file] :
+       {std::tuple("python3", "python", "read.py"), std::tuple("Rscript", "r", "read.R")}) {
+    const std::string printed = printed_by(program, interpreter, language, file);
+    if (!printed.empty()) EXPECT_THAT(printed, HasSubstr(std::string(mean).substr(0, 6)));
+    fs::remove(program.path("m/" + std::string(file)));
+  }
   // The estimate is scored like any other's.
-  const Outcome scored = program.run(
-      {"score", "data", "m/estimate", "--out", "s", "--gate", "length.rmse<=0.0003", "--gate",
-       "height.rmse<=0.0004"});
+  const Outcome scored = program.run({"score", "data", "m/estimate", "--out", "s", "--gate",
+                                      "length.rmse<=0.0003", "--gate", "height.rmse<=0.0004"});
   EXPECT_EQ(scored.code, 0) << scored.out << scored.err;
 
   const Outcome shrunk = program.run(measure + Words{"--ruler", "97", "--expect", "3"});
@@ -80,10 +117,20 @@ TEST(AppMeasure, AVideoIsMeasuredLikeItsPhotographs) {
   const Program program;
   photograph(program);
   ProgramCall encode;
-  encode.words = {"ffmpeg",    "-v",      "error", "-framerate", "10",
-                  "-i",        program.path("photos/%06d.png").string(),
-                  "-c:v",      "libx264", "-b:v",  "8M",         "-pix_fmt",
-                  "yuv420p",   program.path("seeds.mp4").string()};
+  encode.words = {"ffmpeg",
+                  "-v",
+                  "error",
+                  "-framerate",
+                  "10",
+                  "-i",
+                  program.path("photos/%06d.png").string(),
+                  "-c:v",
+                  "libx264",
+                  "-b:v",
+                  "8M",
+                  "-pix_fmt",
+                  "yuv420p",
+                  program.path("seeds.mp4").string()};
   encode.log = program.path("log");
   encode.time_limit_s = 60;
   if (!succeeded(run_program(encode))) GTEST_SKIP() << "this ffmpeg has no H.264 encoder";

@@ -115,6 +115,42 @@ TEST(BoardPoses, CornersKnownBetterAlongOneLineAreUsedAsSuch) {
   EXPECT_LT(with.centre_rms_m, 0.8 * without.centre_rms_m);
 }
 
+/// What a sheet does to corners whose middle lies `sag_m` deeper than the edges at +-x, twisted by
+/// as much.
+void bend(const synthetic::Shoot& shoot, const SeedBoard& board, double sag_m, Corners& corners) {
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (CornerObservation& corner : corners[i].corners) {
+      const Eigen::Vector3d flat_m = corner_in_world_m(board, corner.column, corner.row);
+      const double x = flat_m.x() / 0.05, y = flat_m.y() / 0.05;
+      const Eigen::Vector3d bent_m =
+          flat_m + Eigen::Vector3d(0, 0, sag_m * (x * x - 1.0 / 3 + x * y));
+      corner.pixel_px += synthetic::true_pixel(shoot.views[i], bent_m) -
+                         synthetic::true_pixel(shoot.views[i], flat_m);
+    }
+  }
+}
+
+TEST(BoardPoses, ABentSheetIsSolvedForAndPosesAreAsGoodAsOnAFlatOne) {
+  const SeedBoard board;
+  synthetic::ShootConfig config;
+  config.views = 24;
+  const synthetic::Shoot shoot = synthetic::plan_shoot(config, Rng(31));
+  const Corners flat = true_corners(shoot, board, 0.01, Rng(32));
+  Corners bent = flat;
+  bend(shoot, board, 0.0005, bent);
+  const Score of_flat = score(estimate_board_poses(shoot.capture, flat, board), shoot);
+  const Score of_bent = score(estimate_board_poses(shoot.capture, bent, board), shoot);
+  EXPECT_EQ(of_bent.posed, 24);
+  EXPECT_LT(of_bent.centre_rms_m, 1.5 * of_flat.centre_rms_m);
+  EXPECT_LT(of_bent.normalized, 1.6);
+  // Taken for flat, fewer views are posed, or cameras are far off.
+  BoardPosesConfig plane;
+  plane.sheet_bend_m = 0;
+  const Score by_plane = score(estimate_board_poses(shoot.capture, bent, board, plane), shoot);
+  EXPECT_TRUE(by_plane.posed < 24 || by_plane.centre_rms_m > 2 * of_bent.centre_rms_m)
+      << by_plane.posed << " " << by_plane.centre_rms_m;
+}
+
 TEST(BoardPoses, HandMotionIsWorthSolvingFor) {
   const SeedBoard board;
   synthetic::ShootConfig config;

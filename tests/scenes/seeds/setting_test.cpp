@@ -14,7 +14,7 @@ namespace {
 
 TEST(Setting, TheBoardIsAClosedPlateWithItsPrintOnTop) {
   Scene scene;
-  add_board(scene, seeds_setting(), {});
+  add_board(scene, seeds_setting(), {}, {});
   const Mesh& mesh = scene.models.at(0).mesh;
   // Faces are tessellated apart; their outlines meet where the grids agree. Volume is what the
   // outline encloses.
@@ -28,7 +28,7 @@ TEST(Setting, TheBoardIsAClosedPlateWithItsPrintOnTop) {
 
 TEST(Setting, TheScreenHoldsTheBoardTheCamerasAndLooksUp) {
   Scene scene;
-  add_screen(scene, seeds_setting());
+  add_screen(scene, seeds_setting(), "green");
   const Mesh& mesh = scene.models.at(0).mesh;
   for (const Eigen::Vector3d& v : mesh.vertices_m)
     EXPECT_GE(v.z(), -seeds_setting().board_thickness_m - 1e-12);

@@ -30,8 +30,8 @@ std::vector<MeasuredRow> both(std::vector<MeasuredRow> a, const std::vector<Meas
   return a;
 }
 
-// By Welch's formulas: standard error 0.359942, 3.537396 degrees of freedom, t 2.875462, whose tails
-// integrated numerically are 0.0523605; 2.925674 leaves 5 %.
+// By Welch's formulas: standard error 0.359942, 3.537396 degrees of freedom, t 2.875462, whose
+// tails integrated numerically are 0.0523605; 2.925674 leaves 5 %.
 TEST(CompareGroups, DifferencesAreWelchs) {
   const auto rows = both(rows_of("a", {9.8, 10.1, 10.4, 10.0, 9.9}, 0.05),
                          rows_of("b", {10.9, 11.4, 10.2, 11.8}, 0.05));
@@ -72,19 +72,18 @@ TEST(CompareGroups, SeeADifferenceAsOftenAsTheySay) {
       a.push_back(10 + 0.5 * normal(rng));
       b.push_back(10.2 + 0.5 * normal(rng));
     }
-    const GroupComparison found =
-        compare_groups(both(rows_of("a", a, 0.1), rows_of("b", b, 0.1)),
-                       {{"a", exact_print()}, {"b", exact_print()}});
+    const GroupComparison found = compare_groups(both(rows_of("a", a, 0.1), rows_of("b", b, 0.1)),
+                                                 {{"a", exact_print()}, {"b", exact_print()}});
     seen += found.differences[0].difference.low > 0 ? 1 : 0;
   }
   EXPECT_NEAR(static_cast<double>(seen) / kTrials, 0.8, 0.06);
 }
 
 TEST(CompareGroups, TwoPrintsMakeAnIntervalWiderAndOnePrintDoesNot) {
-  const auto rows = both(rows_of("a", {9.9, 10.0, 10.1}, 0.01), rows_of("b", {10.0, 10.1, 10.2}, 0.01));
+  const auto rows =
+      both(rows_of("a", {9.9, 10.0, 10.1}, 0.01), rows_of("b", {10.0, 10.1, 10.2}, 0.01));
   const auto width = [&](const PrintScale& of_a, const PrintScale& of_b) {
-    const GroupDifference d =
-        compare_groups(rows, {{"a", of_a}, {"b", of_b}}).differences.front();
+    const GroupDifference d = compare_groups(rows, {{"a", of_a}, {"b", of_b}}).differences.front();
     return d.difference.high - d.difference.low;
   };
   const PrintScale one{1, 0.02, ""}, other{1.001, 0.02, ""};

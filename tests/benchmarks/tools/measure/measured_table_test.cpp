@@ -14,9 +14,8 @@ MeasuredSample one_seed(PrintScale scale) {
   SpecimenTraits seed;
   seed.instance = 3;
   seed.status = TraitStatus::ok;
-  seed.traits = {{"length", "m", 0.010, 0.0001},
-                 {"area", "m2", 200e-6, 4e-6},
-                 {"volume", "m3", 250e-9, 5e-9}};
+  seed.traits = {
+      {"length", "m", 0.010, 0.0001}, {"area", "m2", 200e-6, 4e-6}, {"volume", "m3", 250e-9, 5e-9}};
   SpecimenTraits lost;
   lost.instance = 4;
   lost.reason = "seen in 2 views, \"too few\"";
@@ -30,7 +29,8 @@ TEST(PrintScale, IsReadOverNominal) {
   const PrintScale of_150 = print_scale_of_ruler("149.6/150", 0.3);
   EXPECT_DOUBLE_EQ(of_150.factor, 149.6 / 150);
   EXPECT_DOUBLE_EQ(of_150.sigma, 0.002);
-  for (const char* bad : {"", "x", "99.7mm", "99.7/", "/100", "99.7/0", "nan", "inf", "9.97", "130"})
+  for (const char* bad :
+       {"", "x", "99.7mm", "99.7/", "/100", "99.7/0", "nan", "inf", "9.97", "130"})
     EXPECT_THROW((void)print_scale_of_ruler(bad, 0.25), std::invalid_argument) << bad;
 }
 
