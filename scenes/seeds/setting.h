@@ -32,8 +32,8 @@ const SettingConfig& seeds_setting();
 
 /// A sheet bent about the board's y axis: a parabola whose mean height over the plate is 0.
 struct SheetShape {
-  double sag_m = 0;   ///< the edges at +-x are higher than the middle by so much
-  double half_m = 0;  ///< of the plate's side
+  double sag_m = 0;      ///< the edges at +-x are higher than the middle by so much
+  double half_m = 0.05;  ///< of the plate's side
   double height_m(double x_m) const {
     const double x = x_m / half_m;
     return sag_m * (x * x - 1.0 / 3);

@@ -74,17 +74,27 @@ void encode(const Capture& capture, int pictures_per_s, const fs::path& folder,
     write_png(folder / picture_name(i), capture.frames[i].sensors.front().color);
   }
   ProgramCall call;
-  call.words = {"ffmpeg",  "-v",
-                "error",   "-nostdin",
-                "-y",      "-framerate",
+  call.words = {"ffmpeg",
+                "-v",
+                "error",
+                "-nostdin",
+                "-y",
+                "-framerate",
                 std::to_string(pictures_per_s),
-                "-i",      (folder / "%06d.png").string(),
-                "-c:v",    "libx264",
-                "-b:v",    "8M",
-                "-maxrate", "8M",
-                "-bufsize", "8M",
-                "-threads", "1",
-                "-pix_fmt", "yuv420p",
+                "-i",
+                (folder / "%06d.png").string(),
+                "-c:v",
+                "libx264",
+                "-b:v",
+                "8M",
+                "-maxrate",
+                "8M",
+                "-bufsize",
+                "8M",
+                "-threads",
+                "1",
+                "-pix_fmt",
+                "yuv420p",
                 video.string()};
   call.log = folder / "log";
   call.time_limit_s = 1800;
@@ -153,8 +163,8 @@ ScoreFile run_job(const PhoneSuiteConfig& suite, const GridJob& job) {
 std::vector<ShardJob> phone_suite_jobs(const PhoneSuiteConfig& config) {
   std::vector<ShardJob> jobs;
   for (GridJob& place : jobs_of(phone_grid(config))) {
-    std::string key = std::string(COUSIN_VERSION) + "/phone/" + std::to_string(config.seed) + "/" +
-                      place.name;
+    std::string key =
+        std::string(COUSIN_VERSION) + "/phone/" + std::to_string(config.seed) + "/" + place.name;
     for (const std::string& set : place.sets) key += "\n" + set;
     for (const std::string& set : config.sets) key += "\n" + set;
     jobs.push_back(

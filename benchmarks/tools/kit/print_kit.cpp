@@ -56,11 +56,14 @@ constexpr const char* kReadme =
     "NAME.stl    closed meshes in millimetres; each stands on the print bed\n"
     "traits.csv  the exact length, width, height, area and volume of each mesh, in millimetres\n"
     "\n"
-    "1. Print at 100 %, with the finest layers there are: a layer of 0.1 mm is an error of 0.1 mm.\n"
-    "2. Measure the sphere with a caliper, 22.00 mm in every direction: what it is off, the printer\n"
+    "1. Print at 100 %, with the finest layers there are: a layer of 0.1 mm is an error of 0.1 "
+    "mm.\n"
+    "2. Measure the sphere with a caliper, 22.00 mm in every direction: what it is off, the "
+    "printer\n"
     "   is off. Put that number beside the results.\n"
     "3. Matt paint in a seed's colour; gloss and glassy plastic mislead every method.\n"
-    "4. `cousin board seeds` prints the board, `cousin measure` the table to hold against traits.csv.\n";
+    "4. `cousin board seeds` prints the board, `cousin measure` the table to hold against "
+    "traits.csv.\n";
 
 }  // namespace
 

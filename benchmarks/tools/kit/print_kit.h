@@ -11,9 +11,9 @@ namespace cousin {
 
 /// An object for a 3D printer, and what is true of it.
 struct KitObject {
-  std::string name;  ///< of its file: letters, digits, _
-  std::string kind;  ///< "maize seed", "strawberry", ...
-  Mesh mesh;         ///< closed, metres, standing on z = 0
+  std::string name;               ///< of its file: letters, digits, _
+  std::string kind;               ///< "maize seed", "strawberry", ...
+  Mesh mesh;                      ///< closed, metres, standing on z = 0
   std::vector<TrueTrait> traits;  ///< of this very mesh
 };
 

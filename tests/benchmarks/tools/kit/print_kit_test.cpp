@@ -53,7 +53,9 @@ TEST(PrintKit, FilesAreClosedAtTrueSizeAndHaveTheTraitsThatTheTableSays) {
 }
 
 TEST(PrintKit, IsTheSameOfOneSeedAndAnotherOfAnother) {
-  const auto volume = [](std::uint64_t seed) { return trait_of(print_kit(seed).front(), "volume"); };
+  const auto volume = [](std::uint64_t seed) {
+    return trait_of(print_kit(seed).front(), "volume");
+  };
   EXPECT_EQ(volume(3), volume(3));
   EXPECT_NE(volume(3), volume(4));
 }
