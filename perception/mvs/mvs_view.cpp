@@ -103,39 +103,6 @@ Image<float> smoothed(const Image<float>& image) {
   return result;
 }
 
-/// The image less its mean over a Gaussian, cut at three sigmas; the border's pixels go on outside.
-Image<float> without_mean(const Image<float>& image, double sigma_px) {
-  const int w = image.width(), h = image.height();
-  const int reach = std::max(1, static_cast<int>(std::ceil(3 * sigma_px)));
-  std::vector<float> weights;
-  float sum = 0;
-  for (int k = -reach; k <= reach; ++k) {
-    weights.push_back(static_cast<float>(std::exp(-0.5 * k * k / (sigma_px * sigma_px))));
-    sum += weights.back();
-  }
-  for (float& weight : weights) weight /= sum;
-  const auto weight_at = [&](int k) { return weights[static_cast<std::size_t>(k + reach)]; };
-  Image<float> rows(w, h), result(w, h);
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      float mean = 0;
-      for (int k = -reach; k <= reach; ++k)
-        mean += weight_at(k) * image(std::clamp(x + k, 0, w - 1), y);
-      rows(x, y) = mean;
-    }
-  }
-  for (int y = 0; y < h; ++y) {
-    const auto out = result.row(y);
-    const auto here = image.row(y);
-    std::copy(here.begin(), here.end(), out.begin());
-    for (int k = -reach; k <= reach; ++k) {
-      const auto line = rows.row(std::clamp(y + k, 0, h - 1));
-      for (std::size_t x = 0; x < out.size(); ++x) out[x] -= weight_at(k) * line[x];
-    }
-  }
-  return result;
-}
-
 Image<float> laplacian(const Image<float>& image) {
   const int w = image.width(), h = image.height();
   Image<float> result(w, h);
@@ -174,8 +141,7 @@ float sample_cubic(const Image<float>& image, float x, float y) {
   return sum;
 }
 
-void fill_source(const Image<Rgb8>& image, const Camera& camera, double high_pass_px,
-                 MvsView& view) {
+void fill_source(const Image<Rgb8>& image, const Camera& camera, MvsView& view) {
   const PixelRect& rect = view.rect;
   const Lens lens(camera);
   const LensGrid rays(rect, [&](const Eigen::Vector2d& pixel) { return normalized(lens, pixel); });
@@ -195,7 +161,6 @@ void fill_source(const Image<Rgb8>& image, const Camera& camera, double high_pas
     }
   }
   view.luma = smoothed(luma);
-  if (high_pass_px > 0) view.luma = without_mean(view.luma, high_pass_px);
   view.detail = laplacian(view.luma);
 }
 
@@ -245,7 +210,7 @@ std::array<Eigen::Vector3d, 8> corners_in_world_m(const SweepVolume& volume) {
 }
 
 std::optional<MvsView> prepare_view(const Capture& capture, const Poses& poses, int index,
-                                    const SweepVolume& volume, double high_pass_px) {
+                                    const SweepVolume& volume) {
   const FramePose& pose = poses[static_cast<std::size_t>(index)];
   const Image<Rgb8>& image = capture.frames[static_cast<std::size_t>(index)].sensors.at(0).color;
   MvsView view;
@@ -256,7 +221,7 @@ std::optional<MvsView> prepare_view(const Capture& capture, const Poses& poses, 
   const Footprint seen = footprint(pose.camera, pose.camera_from_world, volume);
   view.rect = intersection(rect_around(seen.image_px, 6), {0, 0, image.width(), image.height()});
   if (view.rect.width < 16 || view.rect.height < 16) return std::nullopt;
-  fill_source(image, pose.camera, high_pass_px, view);
+  fill_source(image, pose.camera, view);
   fill_pinhole(pose.camera, seen.tangents, view);
   if (view.pinhole_rect.width < 16 || view.pinhole_rect.height < 16) return std::nullopt;
   return view;

@@ -34,9 +34,9 @@ struct MvsView {
   LensGrid distorted_from_pinhole;
 };
 
-/// Nothing if the volume is behind the camera or outside the image. @param high_pass_px MvsConfig's
+/// Nothing if the volume is behind the camera or outside the image.
 std::optional<MvsView> prepare_view(const Capture& capture, const Poses& poses, int index,
-                                    const SweepVolume& volume, double high_pass_px = 0);
+                                    const SweepVolume& volume);
 
 std::array<Eigen::Vector3d, 8> corners_in_world_m(const SweepVolume& volume);
 

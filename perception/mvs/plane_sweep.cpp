@@ -82,8 +82,6 @@ Fields fields(MvsConfig& c) {
       {"neighbours", &c.neighbours, "views each reference is matched with", 2, 32},
       {"window_px", &c.window_px, "side of the matching window, odd", 3, 21},
       {"step_px", &c.step_px, "depth step as disparity", 0.1, 4},
-      {"high_pass_px", &c.high_pass_px,
-       "sigma of the mean that is taken off each picture before matching; 0 = none", 0, 100},
       {"min_angle_rad", &c.min_angle_rad, "least parallax to a neighbour", 0.005, 1.5},
       {"max_angle_rad", &c.max_angle_rad, "most parallax to a neighbour", 0.01, 1.57},
       {"min_score", &c.min_score, "least mean correlation", 0, 1},
@@ -126,7 +124,7 @@ Depths estimate_depths(const Capture& capture, const Poses& poses, const SweepVo
   const std::vector<int> usable = usable_frames(capture, poses);
   std::vector<std::optional<MvsView>> prepared(usable.size());
   tbb::parallel_for(std::size_t{0}, usable.size(), [&](std::size_t i) {
-    prepared[i] = prepare_view(capture, poses, usable[i], volume, config.high_pass_px);
+    prepared[i] = prepare_view(capture, poses, usable[i], volume);
   });
   std::vector<MvsView> views;
   for (std::optional<MvsView>& view : prepared) {

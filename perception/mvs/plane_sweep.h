@@ -13,12 +13,9 @@ struct SweepVolume {
 };
 
 struct MvsConfig {
-  int neighbours = 6;     ///< views each reference is matched with
-  int window_px = 7;      ///< side of the matching window, odd
-  double step_px = 0.75;  ///< depth step as disparity in the neighbour that moves most
-  /// Sigma of the Gaussian mean that is taken off each picture before matching; 0 = none. What a
-  /// coat mirrors is smooth and lies deeper than the surface; its texture is fine.
-  double high_pass_px = 0;
+  int neighbours = 6;           ///< views each reference is matched with
+  int window_px = 7;            ///< side of the matching window, odd
+  double step_px = 0.75;        ///< depth step as disparity in the neighbour that moves most
   double min_angle_rad = 0.08;  ///< parallax to a neighbour
   double max_angle_rad = 0.6;
   double min_score = 0.6;    ///< zero-mean NCC averaged over the better half of the neighbours
