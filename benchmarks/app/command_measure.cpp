@@ -1,17 +1,19 @@
 // measure: the way of a real capture in one verb, from photographs or a video to a table of sizes.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "benchmarks/app/commands.h"
 #include "benchmarks/app/option_keys.h"
+#include "benchmarks/app/pipeline_options.h"
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/terminal.h"
 #include "benchmarks/loop/pipeline_run.h"
 #include "benchmarks/loop/result_folder.h"
+#include "benchmarks/score/length_units.h"
 #include "benchmarks/tools/measure/board_lens.h"
 #include "benchmarks/tools/measure/measured_page.h"
 #include "benchmarks/tools/measure/measured_table.h"
@@ -30,24 +32,31 @@ namespace {
 
 /// `is_blind`: of photographs without --intrinsics.
 PipelineConfig configured(const Options& o, bool is_blind) {
-  const KeyOption method{"--method", "method", o.method};
-  return read_config(o, {method}, [&] {
-    PipelineConfig config = pipeline_row("seeds").defaults();
-    if (is_blind) trust_the_board(*config.get_if<SeedsPipelineConfig>());
-    if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
-    if (!method.value.empty()) set_field(fields(config), method.assignment());
-    for (const std::string& assignment : o.sets) {
-      constexpr std::string_view kPrefix = "pipeline.";
-      set_field(fields(config),
-                assignment.starts_with(kPrefix) ? assignment.substr(kPrefix.size()) : assignment);
-    }
-    validate(config);
-    return config;
-  });
+  PipelineConfig start = pipeline_row("seeds").defaults();
+  if (is_blind) trust_the_board(*start.get_if<SeedsPipelineConfig>());
+  return configured_pipeline(o, start);
 }
 
 bool is_blind(const Options& o, const SamplePlace& place) {
   return place.kind != SamplePlace::Kind::scene && o.intrinsics.empty();
+}
+
+/// Refuses what would change nothing. @throws std::invalid_argument
+void check_options(const Options& o, const std::vector<SamplePlace>& places) {
+  const auto has = [&](SamplePlace::Kind kind) {
+    return std::any_of(places.begin(), places.end(),
+                       [&](const SamplePlace& place) { return place.kind == kind; });
+  };
+  if (!has(SamplePlace::Kind::video))
+    refuse_given(o, {"--frames"}, "is of videos; all photographs of a folder are read");
+  if (!has(SamplePlace::Kind::video) && !has(SamplePlace::Kind::photographs))
+    refuse_given(o, {"--intrinsics"}, "is of photographs and videos; a dataset has its own lens");
+  if (o.ruler.empty()) refuse_given(o, {"--ruler-sigma"}, "is the deviation of --ruler");
+  for (const char* column :
+       {"sample", "seed", "trait", "unit", "value", "low", "high", "status", "reason"}) {
+    if (o.group == column)
+      throw std::invalid_argument("--group " + o.group + ": the table has a column of that name");
+  }
 }
 
 /// All that decides the folder's files but the pictures themselves.
@@ -136,7 +145,7 @@ nlohmann::json to_json_row(const MeasuredRow& row, const std::string& group) {
     return json;
   }
   json["trait"] = row.trait;
-  json["unit"] = row.unit;
+  json["unit"] = length_unit(row.unit).millimetres;
   json["value"] = row.value;
   json["low"] = row.low;
   json["high"] = row.high;
@@ -154,10 +163,12 @@ void print_seeds(const std::vector<MeasuredRow>& rows) {
       last = seed;
     }
     if (row.trait.empty()) continue;
-    char number[160];
-    std::snprintf(number, sizeof number, "  %s %.3f ± %.3f %s", terminal_text(row.trait).c_str(),
-                  row.value, row.high - row.value, row.unit.c_str());
-    line += number;
+    char number[64];
+    std::snprintf(number, sizeof number, " %.3f", row.value);
+    line += "  " + terminal_text(row.trait) + number;
+    std::snprintf(number, sizeof number, " ± %.3f", row.high - row.value);
+    if (std::isfinite(row.high)) line += number;
+    line += " " + std::string(length_unit(row.unit).millimetres);
   }
   if (!line.empty()) std::printf("%s\n", line.c_str());
 }
@@ -191,6 +202,7 @@ ExitCode command_measure(const JobContext& context) {
   }
   if (!o.ruler.empty()) (void)print_scale_of_ruler(o.ruler, o.ruler_sigma_mm);
   const std::vector<SamplePlace> places = sample_places(o.arguments);
+  check_options(o, places);
   const FolderClaim claim{.verb = "measure",
                           .version = COUSIN_VERSION,
                           .config = measure_key(o, places),
@@ -203,16 +215,13 @@ ExitCode command_measure(const JobContext& context) {
   page.command_line = context.command_line;
   page.group = o.group;
   std::vector<std::string> nothing;
-  std::vector<MeasuredRow> rows;
   for (std::size_t i = 0; i < places.size(); ++i) {
     Measured measured = measure_sample(context, places[i], static_cast<int>(i), out, page.notes);
-    const std::vector<MeasuredRow> more = measured_rows(measured.sample);
-    rows.insert(rows.end(), more.begin(), more.end());
     page.samples.push_back(std::move(measured.sample));
     page.scenes.push_back(std::move(measured.scene));
     if (!measured.nothing.empty()) nothing.push_back(measured.nothing);
     // The table is whole after each sample: what is finished is never lost.
-    write_file(out / "specimens.csv", to_tidy_csv(rows, o.group));
+    write_file(out / "specimens.csv", to_tidy_csv(all_rows(page), o.group));
   }
   page.title = "Cousin: " +
                (o.arguments.size() == 1 ? places.front().source
@@ -222,6 +231,7 @@ ExitCode command_measure(const JobContext& context) {
   page.config_toml = to_toml(fields(config));
   write_file(out / "report.html", make_report(measured_page(page)));
   folder.remove_earlier();
+  const std::vector<MeasuredRow> rows = all_rows(page);
   if (o.json) {
     nlohmann::json list = nlohmann::json::array();
     for (const MeasuredRow& row : rows) list.push_back(to_json_row(row, o.group));

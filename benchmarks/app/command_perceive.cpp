@@ -50,22 +50,6 @@ const PipelineRow& row_of_dataset(const fs::path& dataset, const Capture& captur
                               "\", which has no pipeline yet" + pipelines_of_anything());
 }
 
-PipelineConfig configured(const Options& o, const PipelineRow& row) {
-  const KeyOption method{"--method", "method", o.method};
-  return read_config(o, {method}, [&] {
-    PipelineConfig config = row.defaults();
-    if (!o.config.empty()) read_toml(o.config, fields(config), MissingKeys::keep_default);
-    if (!method.value.empty()) set_field(fields(config), method.assignment());
-    for (const std::string& assignment : o.sets) {
-      constexpr std::string_view kPrefix = "pipeline.";
-      set_field(fields(config),
-                assignment.starts_with(kPrefix) ? assignment.substr(kPrefix.size()) : assignment);
-    }
-    validate(config);
-    return config;
-  });
-}
-
 /// The pipeline, and all that it is told.
 struct PerceiveJob {
   const PipelineRow* row = nullptr;
@@ -75,7 +59,7 @@ struct PerceiveJob {
 
 PerceiveJob perceive_job(const Options& o, const PipelineRow& row) {
   refuse_foreign_options(o, row);
-  return {&row, configured(o, row), stage_sources(o, row)};
+  return {&row, configured_pipeline(o, row.defaults()), stage_sources(o, row)};
 }
 
 /// Stages that nobody gives.
@@ -137,9 +121,12 @@ struct Printed {
 };
 
 /// A real capture's seeds go into a table and onto a page, as of `measure`.
+bool has_page(const Capture& capture, const PipelineRow& row) {
+  return capture.pipeline.empty() && row.traits_of == TraitsOf::specimens;
+}
+
 void keep_for_page(const Capture& capture, const std::string& name, const PerceivedScene& made,
-                   const PipelineRow& row, Printed& printed) {
-  if (!capture.pipeline.empty() || row.traits_of != TraitsOf::specimens) return;
+                   Printed& printed) {
   printed.page.samples.push_back({name, name, made.estimate.traits, unchecked_print()});
   printed.page.scenes.push_back(measured_scene(name, capture, made.estimate));
 }
@@ -152,11 +139,7 @@ void write_page(const JobContext& context, const PerceiveJob& job, const fs::pat
   page.command_line = context.command_line;
   PipelineConfig config = job.config;
   page.config_toml = to_toml(fields(config));
-  std::vector<MeasuredRow> rows;
-  for (const MeasuredSample& sample : page.samples) {
-    for (MeasuredRow& each : measured_rows(sample)) rows.push_back(std::move(each));
-  }
-  write_file(out / "specimens.csv", to_tidy_csv(rows, ""));
+  write_file(out / "specimens.csv", to_tidy_csv(all_rows(page), ""));
   write_file(out / "report.html", make_report(measured_page(page)));
   context.progress.line("table: " + (out / "specimens.csv").string() +
                         "; page: " + (out / "report.html").string());
@@ -211,7 +194,7 @@ ExitCode command_perceive(const JobContext& context) {
     const std::string name = scene_dir.filename().string();
     const int index = scene_index_of(scene_dir);
     const fs::path estimate_dir = places.out / scene_id(index);
-    if (!folder) folder.emplace(estimate_folder(places));
+    if (!folder) folder.emplace(estimate_folder(places, has_page(capture, *job->row)));
     PipelineConfig written = job->config;
     write_file(estimate_dir / "config.toml", to_toml(fields(written)));
     const PerceivedScene made = perceive_scene({.capture = capture,
@@ -226,7 +209,7 @@ ExitCode command_perceive(const JobContext& context) {
     context.progress.line(name + ": " + made.summary);
     for (const std::string& text : made.unmeasured) context.progress.line(text);
     keep(o, name, made, !job->row->traits.empty(), printed);
-    keep_for_page(capture, name, made, *job->row, printed);
+    if (has_page(capture, *job->row)) keep_for_page(capture, name, made, printed);
     if (!made.nothing.empty())
       printed.nothing_found.push_back(scene_dir.string() + ": " + made.summary);
   }

@@ -142,15 +142,15 @@ constexpr const char* kExportHelp =
     "printer: STL files in millimetres and a table of their exact traits; --seed draws others.\n\n"
     "docs/formats.md says what each can and cannot hold.";
 
-/// A number from 0 to 1; CLI11's range takes NaN for one.
-CLI::Validator share() {
-  return CLI::Range(0.0, 1.0) & CLI::Validator(
-                                    [](const std::string& text) {
-                                      return text.find_first_of("nN") == std::string::npos
-                                                 ? std::string()
-                                                 : "is no number";
-                                    },
-                                    "");
+/// A number from `least` to `most`; CLI11's range alone takes NaN for one.
+CLI::Validator number(double least, double most) {
+  return CLI::Range(least, most) & CLI::Validator(
+                                       [](const std::string& text) {
+                                         return text.find_first_of("nN") == std::string::npos
+                                                    ? std::string()
+                                                    : "is no number";
+                                       },
+                                       "");
 }
 
 void add_category(CLI::App& verb, Options& o, const std::string& of) {
@@ -181,7 +181,7 @@ void add_export(CLI::App& verb, Options& o) {
   add_category(verb, o, "coco, yolo: ");
   verb.add_option("--least-visible", o.least_visible,
                   "coco, yolo: leave out objects of which a smaller share is seen")
-      ->check(share())
+      ->check(number(0, 1))
       ->capture_default_str();
 }
 
@@ -261,7 +261,7 @@ void add_measure(CLI::App& verb, Options& o) {
                   "length 149.6/150. Without it a scale of 100 % +- 0.5 % is assumed");
   verb.add_option("--ruler-sigma", o.ruler_sigma_mm,
                   "Standard deviation of that reading in millimetres")
-      ->check(CLI::Range(0.001, 10.0))
+      ->check(number(0.001, 10))
       ->capture_default_str();
   verb.add_option("--group", o.group,
                   "What the sources are, as cultivar: the table has a column of that name, and "
@@ -378,7 +378,7 @@ void add_score(CLI::App& verb, Options& o) {
   add_category(verb, o, "Of detections: ");
   verb.add_option("--confidence", o.confidence,
                   "Of detections: precision, recall and pictures are of those from here on")
-      ->check(share())
+      ->check(number(0, 1))
       ->capture_default_str();
   verb.add_flag("--align", o.align,
                 "Of estimates without traits.json: turn, move and scale them so that camera "

@@ -55,8 +55,9 @@ PerceivePlaces perceive_places(const Options& options) {
   return places;
 }
 
-OutputFolder estimate_folder(const PerceivePlaces& places) {
+OutputFolder estimate_folder(const PerceivePlaces& places, bool has_page) {
   FolderClaim claim{.verb = "perceive", .version = COUSIN_VERSION, .config = {}, .names = {}};
+  if (has_page) claim.names = {"specimens.csv", "report.html"};
   for (const fs::path& scene : places.scenes) {
     for (std::string& name : estimate_names(scene_id(scene_index_of(scene))))
       claim.names.push_back(std::move(name));

@@ -17,9 +17,10 @@ struct PerceivePlaces {
 /// holds no scene
 PerceivePlaces perceive_places(const Options& options);
 
-/// The folder of the estimates, taken for this command. @throws std::invalid_argument naming what
+/// The folder of the estimates, taken for this command. @param has_page  a table and a page are
+/// written too. @throws std::invalid_argument naming what
 /// is in the way
-OutputFolder estimate_folder(const PerceivePlaces& places);
+OutputFolder estimate_folder(const PerceivePlaces& places, bool has_page);
 
 /// 3 of a folder "000003"; 0 of any other.
 int scene_index_of(const std::filesystem::path& scene);

@@ -18,6 +18,23 @@ std::string whole_scene_pipelines() {
 
 }  // namespace
 
+PipelineConfig configured_pipeline(const Options& options, const PipelineConfig& start) {
+  const KeyOption method{"--method", "method", options.method};
+  return read_config(options, {method}, [&] {
+    PipelineConfig config = start;
+    if (!options.config.empty())
+      read_toml(options.config, fields(config), MissingKeys::keep_default);
+    if (!method.value.empty()) set_field(fields(config), method.assignment());
+    for (const std::string& assignment : options.sets) {
+      constexpr std::string_view kPrefix = "pipeline.";
+      set_field(fields(config),
+                assignment.starts_with(kPrefix) ? assignment.substr(kPrefix.size()) : assignment);
+    }
+    validate(config);
+    return config;
+  });
+}
+
 std::vector<StageSource> stage_sources(const Options& options, const PipelineRow& row) {
   std::vector<StageSource> sources;
   for (const std::string& stage : options.stages)

@@ -11,6 +11,10 @@
 
 namespace cousin {
 
+/// `start` with --config, then --method, then --set, whose keys may have "pipeline." before them.
+/// @throws std::invalid_argument naming what is wrong
+PipelineConfig configured_pipeline(const Options& options, const PipelineConfig& start);
+
 /// --stage of the command line, each of which the pipeline has.
 /// @throws std::invalid_argument naming one that it has not: it would be read and never used
 std::vector<StageSource> stage_sources(const Options& options, const PipelineRow& row);

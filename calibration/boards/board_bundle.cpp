@@ -22,7 +22,7 @@ constexpr int kPose = 6, kJitter = 6, kMotion = 7, kGlobalSize = 7, kRollingSize
 // Shared parameters: relative focal scale, principal point offset (px), distortion offsets; of a
 // bent sheet its bends (m) last.
 constexpr int kScale = 0, kCentre = 1, kDistortion = 3, kBends = 3;
-constexpr double kBendReach_m = 0.05;  ///< where a bend of 1 m would be 2/3 m high
+constexpr double kBendReach_m = 0.05;  ///< half of the seed board's side
 constexpr double kLossSigmas = 3;
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -87,9 +87,6 @@ class CornerCost final : public ceres::CostFunction {
     if (is_bent_)
       in_board_m.z() += bend_heights(point_.in_board_m)
                             .dot(Eigen::Map<const Eigen::Vector3d>(parameters[1] + bend));
-    const Eigen::Matrix3d rotation =
-        (exp_rotation(Eigen::Map<const Eigen::Vector3d>(v)) * view_.camera_from_board.rotation)
-            .toRotationMatrix();
     const Eigen::Vector3d turned = exp_rotation(Eigen::Map<const Eigen::Vector3d>(v)) *
                                    (view_.camera_from_board.rotation * in_board_m);
     const Eigen::Vector3d still =
@@ -127,9 +124,13 @@ class CornerCost final : public ceres::CostFunction {
       j.col(kScale) = from_centre / (1 + parameters[1][kScale]);
       j.middleCols<2>(kCentre).setIdentity();
       j.middleCols(kDistortion, distortion_count(camera.model)) = d_pixel_d_distortion(camera, p);
-      if (is_bent_)
+      if (is_bent_) {
+        const Eigen::Vector3d upwards =
+            exp_rotation(Eigen::Map<const Eigen::Vector3d>(v)) *
+            (view_.camera_from_board.rotation * Eigen::Vector3d(0, 0, 1));
         j.rightCols<kBends>() =
-            seen->d_point * turn * rotation.col(2) * bend_heights(point_.in_board_m).transpose();
+            seen->d_point * (turn * upwards) * bend_heights(point_.in_board_m).transpose();
+      }
       j = white_ * j;
     }
     return true;
@@ -339,9 +340,6 @@ BundleResult bundle_adjust(const std::vector<BundleView>& views, const BoardPose
   }
   Bundle bundle(views, config, is_bent);
   result.converged = solve(bundle);
-  if (is_bent)
-    result.bends_m =
-        Eigen::Map<const Eigen::Vector3d>(bundle.shared() + bundle.shared_size - kBends);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double* own = bundle.own(i);
     result.views.push_back({moved(views[i].camera_from_board, own),

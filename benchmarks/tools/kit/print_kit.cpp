@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cstdio>
 
+#include "benchmarks/score/length_units.h"
 #include "scenes/apples/apple.h"
 #include "scenes/seeds/seeds_scene.h"
 #include "scenes/seeds/setting.h"
@@ -27,8 +27,8 @@ Mesh standing(Mesh mesh) {
   return mesh;
 }
 
-/// What is true of the very mesh: a strawberry's own volume leaves its achenes out. A print has its
-/// own mass and colour.
+/// Traits of the very mesh. The scene's volume of a strawberry is another one: without its achenes.
+/// A print has its own mass and colour.
 std::vector<TrueTrait> traits_of_shape(const Mesh& mesh) {
   std::vector<TrueTrait> result = measure_traits(mesh, 1);
   std::erase_if(result, [](const TrueTrait& trait) { return trait.unit == "kg"; });
@@ -42,13 +42,6 @@ KitObject kit_object(const std::string& name, const std::string& kind, Mesh mesh
 }
 
 std::string numbered(const std::string& name, int i) { return name + "_" + std::to_string(i + 1); }
-
-struct ShownUnit {
-  const char *si, *shown;
-  double factor;
-};
-constexpr std::array<ShownUnit, 3> kUnits = {
-    {{"m", "mm", 1e3}, {"m2", "mm2", 1e6}, {"m3", "mm3", 1e9}}};
 
 constexpr const char* kReadme =
     "Seeds and fruits of Cousin's scenes at their true size, for a 3D printer.\n"
@@ -102,12 +95,11 @@ void write_print_kit(const std::filesystem::path& folder, const std::vector<KitO
   for (const KitObject& object : objects) {
     write_stl(folder / (object.name + ".stl"), object.mesh, kMillimetres);
     for (const TrueTrait& trait : object.traits) {
-      const auto unit = std::find_if(kUnits.begin(), kUnits.end(),
-                                     [&](const ShownUnit& u) { return trait.unit == u.si; });
+      const LengthUnit unit = length_unit(trait.unit);
       char line[200];
       std::snprintf(line, sizeof line, "%s,\"%s\",%s,%s,%.6g\n", object.name.c_str(),
-                    object.kind.c_str(), trait.name.c_str(), unit->shown,
-                    trait.value * unit->factor);
+                    object.kind.c_str(), trait.name.c_str(), unit.millimetres.data(),
+                    trait.value * unit.factor);
       table += line;
     }
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "benchmarks/score/distributions.h"
+#include "benchmarks/score/length_units.h"
 
 namespace cousin {
 namespace {
@@ -48,15 +49,11 @@ GroupTrait group_trait(const std::string& group, const std::string& trait, const
   return result;
 }
 
-int power_of(const std::string& unit) {
-  return unit == "mm" ? 1 : unit == "mm2" ? 2 : unit == "mm3" ? 3 : 0;
-}
-
 /// Deviation of a difference of means that two different prints give.
 double scale_sigma(const GroupTrait& a, const PrintScale& of_a, const GroupTrait& b,
                    const PrintScale& of_b) {
   const bool is_same = of_a.factor == of_b.factor && of_a.sigma == of_b.sigma;
-  const int power = power_of(a.unit);
+  const int power = length_unit(a.unit).power;
   const double relative_a = power * of_a.sigma / of_a.factor;
   const double relative_b = power * of_b.sigma / of_b.factor;
   if (is_same) return std::abs(a.mean - b.mean) * relative_a;

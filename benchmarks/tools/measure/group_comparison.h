@@ -8,9 +8,10 @@
 
 namespace cousin {
 
-/// One trait of the seeds of one group, in the unit of its rows.
+/// One trait of the seeds of one group, in the millimetres of its rows.
 struct GroupTrait {
-  std::string group, trait, unit;
+  std::string group, trait;
+  std::string unit;  ///< of the trait, SI
   int seeds = 0;
   double mean = kNaN;
   double sd = kNaN;  ///< of what is measured
@@ -26,8 +27,10 @@ struct GroupTrait {
 
 /// A later group's mean less the first one's.
 struct GroupDifference {
-  std::string trait, unit, group, first;
-  WithInterval difference;  ///< 95 % [Welch 1947], in the unit
+  std::string trait;
+  std::string unit;  ///< of the trait, SI
+  std::string group, first;
+  WithInterval difference;  ///< 95 % [Welch 1947], in millimetres
   WithInterval relative;    ///< over the first group's mean, a ratio
   double p_value = kNaN;    ///< two-sided
 };

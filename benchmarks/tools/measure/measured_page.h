@@ -26,6 +26,9 @@ struct MeasuredPage {
   std::vector<std::string> notes;   ///< warnings
 };
 
+/// The table's rows, sample after sample.
+std::vector<MeasuredRow> all_rows(const MeasuredPage& page);
+
 /// The page: a sentence of what was measured, a table a sample in millimetres with 95 % intervals,
 /// how traits are spread, groups compared, pictures.
 ReportInput measured_page(const MeasuredPage& page);

@@ -1,13 +1,13 @@
 #include "benchmarks/tools/measure/measured_table.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
 
 #include "benchmarks/score/distributions.h"
+#include "benchmarks/score/length_units.h"
 #include "benchmarks/score/scores.h"
 
 namespace cousin {
@@ -16,22 +16,6 @@ namespace {
 constexpr double kUncheckedSigma = 0.005;
 constexpr double kMostOff = 0.2;
 constexpr double kNominal_mm = 100;
-
-struct Unit {
-  std::string_view si, shown;
-  double factor;
-  int power;  ///< of a length
-};
-constexpr std::array<Unit, 3> kUnits = {
-    {{"m", "mm", 1e3, 1}, {"m2", "mm2", 1e6, 2}, {"m3", "mm3", 1e9, 3}}};
-
-/// A number without a power of a length keeps its unit and does not depend on the print.
-Unit unit_of(const std::string& si) {
-  for (const Unit& unit : kUnits) {
-    if (unit.si == si) return unit;
-  }
-  return {si, si, 1, 0};
-}
 
 /// All of the text as a finite number.
 bool read_number(std::string_view text, double& value) {
@@ -96,10 +80,10 @@ std::vector<MeasuredRow> measured_rows(const MeasuredSample& sample) {
       continue;
     }
     for (const Trait& trait : seed.traits) {
-      const Unit unit = unit_of(trait.unit);
+      const LengthUnit unit = length_unit(trait.unit);
       const double scale = std::pow(sample.scale.factor, unit.power);
       row.trait = trait.name;
-      row.unit = unit.shown;
+      row.unit = trait.unit;
       row.value = trait.value * unit.factor * scale;
       row.own_sigma = trait.sigma * unit.factor * scale;
       const double of_print = row.value * unit.power * sample.scale.sigma / sample.scale.factor;
@@ -125,7 +109,8 @@ std::string to_tidy_csv(const std::vector<MeasuredRow>& rows, const std::string&
   for (const MeasuredRow& row : rows) {
     text += csv_cell(row.sample) + ",";
     if (!group.empty()) text += csv_cell(row.source) + ",";
-    text += std::to_string(row.seed) + "," + csv_cell(row.trait) + "," + csv_cell(row.unit) + "," +
+    text += std::to_string(row.seed) + "," + csv_cell(row.trait) + "," +
+            csv_cell(std::string(length_unit(row.unit).millimetres)) + "," +
             number_text(row.value) + "," + number_text(row.low) + "," + number_text(row.high) +
             "," + csv_cell(row.status) + "," + csv_cell(row.reason) + "\n";
   }

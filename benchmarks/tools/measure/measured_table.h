@@ -36,11 +36,11 @@ struct MeasuredRow {
   std::string sample, source;
   int seed = 0;
   std::string trait;           ///< "" of a seed that is not measured
-  std::string unit;            ///< mm, mm2, mm3
-  double value = kNaN;         ///< in `unit`, at the print's true size
+  std::string unit;            ///< of the trait, SI: m, m2, m3
+  double value = kNaN;         ///< in length_unit(unit).millimetres, at the print's true size
   double low = kNaN;           ///< of the 95 % interval; NaN where no deviation is known
   double high = kNaN;          ///< with the deviation of the print's scale
-  double own_sigma = kNaN;     ///< in `unit`, without that of the scale, which seeds share
+  double own_sigma = kNaN;     ///< likewise, without that of the scale, which seeds share
   std::string status, reason;  ///< "ok", or "not_solved" and why
 };
 

@@ -16,10 +16,11 @@ namespace {
 
 constexpr double kMostCells = 4e6;
 
-/// Whether a triangle lies in the face z = 0 that prints are on.
-bool in_face(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-  return std::all_of(triangle.begin(), triangle.end(),
-                     [&](std::uint32_t v) { return std::abs(mesh.vertices_m[v].z()) < 1e-9; });
+/// Whether a triangle lies in the face that prints are on, z = 0 but for its bend.
+bool in_face(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle, double bend_m) {
+  return std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) {
+    return std::abs(mesh.vertices_m[v].z()) < bend_m + 1e-9;
+  });
 }
 
 /// The model with its printed face as a grid of coloured cells in place of the face's triangles.
@@ -31,7 +32,7 @@ ObjectModel with_print(const ObjectModel& model, const Material& material, doubl
   out.part_names.clear();
   out.vertex_normals.clear();
   for (const auto& triangle : model.mesh.triangles) {
-    if (!in_face(model.mesh, triangle)) {
+    if (!in_face(model.mesh, triangle, material.print_bend_m)) {
       out.mesh.triangles.push_back(triangle);
       continue;
     }
@@ -82,7 +83,8 @@ void paint_prints(PlainScene& plain, double cell_m) {
         with_print(plain.scene.models[static_cast<std::size_t>(instance.model)], material, cell_m));
     instance.model = static_cast<int>(plain.scene.models.size()) - 1;
     plain.changes.push_back("the print of \"" + instance.name + "\" is colours of " +
-                            std::to_string(cell_m * 1000) + " mm cells");
+                            std::to_string(cell_m * 1000) + " mm cells" +
+                            (material.print_bend_m > 0 ? ", on a flat face" : ""));
   }
 }
 

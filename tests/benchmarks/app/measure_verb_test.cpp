@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/imaging/image_io.h"
 #include "sim/process/program_run.h"
 #include "tests/benchmarks/app/program.h"
 #include "tests/places/places.h"
@@ -97,7 +98,7 @@ TEST(AppMeasure, PhotographsOfALensTwiceAsLongAsAssumedAreMeasuredAtThePrintsSiz
     if (!printed.empty()) EXPECT_THAT(printed, HasSubstr(std::string(mean).substr(0, 6)));
     fs::remove(program.path("m/" + std::string(file)));
   }
-  // The estimate is scored like any other's.
+  // The estimate is scored like any other's; a pixel spans 0.37 mm.
   const Outcome scored = program.run({"score", "data", "m/estimate", "--out", "s", "--gate",
                                       "length.rmse<=0.0003", "--gate", "height.rmse<=0.0004"});
   EXPECT_EQ(scored.code, 0) << scored.out << scored.err;
@@ -155,6 +156,18 @@ TEST(AppMeasure, MistakesAreNamed) {
   EXPECT_THAT(error_of({"measure", "absent", "--ruler", "9.97"}, 2), HasSubstr("--ruler \"9.97\""));
   fs::create_directories(program.path("nothing"));
   EXPECT_THAT(error_of({"measure", "nothing"}, 3), HasSubstr("nothing: holds no photographs"));
+  fs::create_directories(program.path("photos"));
+  write_png(program.path("photos/1.png"), Image<Rgb8>(64, 48, Rgb8{90, 90, 90}));
+  EXPECT_THAT(error_of({"measure", "photos", "--frames", "9"}, 2), HasSubstr("--frames is of vid"));
+  EXPECT_THAT(error_of({"measure", "photos", "--group", "seed"}, 2), HasSubstr("--group seed: "));
+  for (const char* sigma : {"0.1", "nan"})
+    EXPECT_THAT(error_of({"measure", "photos", "--ruler-sigma", sigma}, 2),
+                HasSubstr("--ruler-sigma"));
+  // A photograph without a board: nothing is measured, and the exit code says so.
+  EXPECT_THAT(error_of({"measure", "photos", "--out", "m"}, 3),
+              HasSubstr("no view shows the board"));
+  EXPECT_EQ(read_file(program.path("m/specimens.csv")),
+            "sample,seed,trait,unit,value,low,high,status,reason\n");
 }
 
 }  // namespace

@@ -48,7 +48,9 @@ TEST(PrintKit, FilesAreClosedAtTrueSizeAndHaveTheTraitsThatTheTableSays) {
     EXPECT_LT(box.sizes().maxCoeff(), 120) << object.name;
     EXPECT_GT(box.sizes().maxCoeff(), 4) << object.name;
   }
-  EXPECT_THAT(read_file(folder / "traits.csv"), HasSubstr("sphere_22mm,\"sphere\",length,mm,2"));
+  for (const char* trait : {"length", "width", "height"})  // of the box about its facets
+    EXPECT_NEAR(trait_of(kit.back(), trait), 0.022, 2e-5) << trait;
+  EXPECT_THAT(read_file(folder / "traits.csv"), HasSubstr("sphere_22mm,\"sphere\",length,mm,"));
   fs::remove_all(folder);
 }
 

@@ -17,7 +17,7 @@ std::vector<MeasuredRow> rows_of(const std::string& group, const std::vector<dou
     row.sample = row.source = group;
     row.seed = static_cast<int>(rows.size());
     row.trait = "length";
-    row.unit = "mm";
+    row.unit = "m";  // in millimetres
     row.value = length_mm;
     row.own_sigma = sigma_mm;
     rows.push_back(row);

@@ -38,11 +38,11 @@ TEST(MeasuredRows, ABoardPrintedAt97PerCentMakesSeedsSmallerByThePowerOfTheirUni
   const std::vector<MeasuredRow> rows = measured_rows(one_seed(print_scale_of_ruler("97", 0.25)));
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_NEAR(rows[0].value, 10 * 0.97, 1e-12);
-  EXPECT_EQ(rows[0].unit, "mm");
+  EXPECT_EQ(rows[0].unit, "m");
   EXPECT_NEAR(rows[1].value, 200 * 0.97 * 0.97, 1e-9);
-  EXPECT_EQ(rows[1].unit, "mm2");
+  EXPECT_EQ(rows[1].unit, "m2");
   EXPECT_NEAR(rows[2].value, 250 * 0.97 * 0.97 * 0.97, 1e-9);
-  EXPECT_EQ(rows[2].unit, "mm3");
+  EXPECT_EQ(rows[2].unit, "m3");
 }
 
 TEST(MeasuredRows, IntervalsHoldThePrintsDeviationToo) {
