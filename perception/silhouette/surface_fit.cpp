@@ -288,8 +288,8 @@ Fields fields(SurfaceFitConfig& config) {
        10},
       {"contact_sigma_px", &config.contact_sigma_px, "of outlines at the board, beside their own",
        0, 10},
-      {"contact_height_m", &config.contact_height_m, "over which that falls by a factor e", 1e-6,
-       1},
+      {"contact_height_px", &config.contact_height_px,
+       "height over which that falls by a factor e, in pixels as they span it there", 1e-3, 1e3},
       {"min_solidity", &config.min_solidity, "least volume over the convex hull's", 0, 1},
   };
 }

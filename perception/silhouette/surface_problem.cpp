@@ -61,6 +61,13 @@ struct NormalEquations {
   std::vector<Eigen::Vector2d> g_view;
 };
 
+/// What the gap under the object adds to an outline's sigma: it is as blurred as the image.
+/// @param pixels_per_m  at the surface
+double contact_sigma_px(const SurfaceFitConfig& config, double height_m, double pixels_per_m) {
+  const double height_px = std::max(0.0, height_m) * pixels_per_m;
+  return config.contact_sigma_px * std::exp(-height_px / config.contact_height_px);
+}
+
 std::vector<Match> match_views(const SurfaceProblem& problem, const SurfaceState& state,
                                const SampledSurface& surface, double limit_px) {
   std::vector<std::vector<Match>> found(problem.views.size());
@@ -87,9 +94,9 @@ std::vector<Match> match_views(const SurfaceProblem& problem, const SurfaceState
       match.residual_px = normal.dot(pixel - projection->pixel_px);
       match.gain_px =
           normal.dot(projection->d_point * (camera_from_world.rotation * (state.frame.axes_m * u)));
-      match.sigma_px = std::hypot(point.sigma_px, problem.config.contact_sigma_px *
-                                                      std::exp(-std::max(0.0, surface_m.z()) /
-                                                               problem.config.contact_height_m));
+      match.sigma_px = std::hypot(
+          point.sigma_px,
+          contact_sigma_px(problem.config, surface_m.z(), projection->d_point.row(1).norm()));
       match.normalized =
           (match.residual_px - state.outline_bias_px - normal.dot(state.view_shifts_px[v])) /
           match.sigma_px;

@@ -10,6 +10,7 @@
 
 #include "scenes/seeds/cultivar.h"
 #include "scenes/seeds/heap.h"
+#include "scenes/seeds/mesh_variation.h"
 #include "scenes/seeds/placing.h"
 #include "scenes/seeds/setting.h"
 #include "scenes/seeds/specimen.h"
@@ -40,10 +41,11 @@ BoardSpecimen reference_sphere(const SettingConfig& setting, Rng rng) {
   return sphere;
 }
 
-BoardSpecimen users(const SettingConfig& setting, const std::string& name, const UserMesh& user,
-                    Rng rng) {
+BoardSpecimen users(const SettingConfig& setting, const SeedsSceneConfig& config,
+                    const UserMesh& user, Rng rng) {
+  const Mesh mesh = varied_mesh(user.mesh, config.specimen_variation, rng.fork("shape"));
   BoardSpecimen specimen{
-      make_specimen(name, user.mesh, setting.specimen_density_kg_m3), {}, "specimen"};
+      make_specimen(config.specimen, mesh, setting.specimen_density_kg_m3), {}, "specimen"};
   specimen.seed.model.vertex_albedo =
       user.vertex_albedo.empty()
           ? mottle(specimen.seed.model.mesh, setting.specimen_albedo, setting.specimen_mottle,
@@ -60,7 +62,7 @@ std::vector<BoardSpecimen> make_specimens(const SeedsSceneConfig& config,
   const std::vector<std::string> names = cultivar_names();
   const auto make = [&](std::size_t i) {
     if (config.sphere) return reference_sphere(setting, rng.fork("sphere"));
-    if (user_mesh) return users(setting, config.specimen, *user_mesh, rng.fork(i));
+    if (user_mesh) return users(setting, config, *user_mesh, rng.fork(i));
     const std::string& name =
         config.cultivar == "mixed" ? names[i % names.size()] : config.cultivar;
     return grown(name, config, rng.fork(i));
@@ -96,6 +98,8 @@ Fields fields(SeedsSceneConfig& c) {
              {"specimen", &c.specimen,
               "\"\" = grown; mesh:FILE = a closed mesh (PLY, OBJ, STL, glTF)"},
              {"specimen_scale", &c.specimen_scale, "metres per unit of that mesh", 1e-9, 1e6},
+             {"specimen_variation", &c.specimen_variation,
+              "how much each differs from that mesh in size and shape; 0 = all alike", 0, 0.3},
              {"placing", &c.placing,
               "apart: none touches another; heap: poured on one another, as visible_fraction asks"},
              {"visible_fraction", &c.visible_fraction,

@@ -21,7 +21,8 @@ struct SeedsSceneConfig {
   int seeds = 10;
   SizeSpread spread = SizeSpread::literature;  ///< "paper": the spread its R^2 and RMSE imply
   std::string specimen;  ///< "" = grown by us; "mesh:FILE" = a user's watertight mesh in metres
-  double specimen_scale = 1;  ///< metres per unit of that mesh
+  double specimen_scale = 1;      ///< metres per unit of that mesh
+  double specimen_variation = 0;  ///< how much each differs from that mesh (mesh_variation.h)
   /// "apart": none touches another; "heap": poured on one another.
   std::string placing = "apart";
   /// Of a heap: share of a seed's image that others leave free, mean over seeds and views.
