@@ -13,9 +13,8 @@ struct LengthUnit {
   double factor = 1;             ///< from SI to millimetres
   int power = 0;                 ///< of a length
 };
-inline constexpr std::array<LengthUnit, 3> kLengthUnits = {{{"m", "mm", "mm", 1e3, 1},
-                                                            {"m2", "mm2", "mm²", 1e6, 2},
-                                                            {"m3", "mm3", "mm³", 1e9, 3}}};
+inline constexpr std::array<LengthUnit, 3> kLengthUnits = {
+    {{"m", "mm", "mm", 1e3, 1}, {"m2", "mm2", "mm²", 1e6, 2}, {"m3", "mm3", "mm³", 1e9, 3}}};
 
 /// That of an SI unit; another unit stays as it is and is no power of a length.
 constexpr LengthUnit length_unit(std::string_view si) {
