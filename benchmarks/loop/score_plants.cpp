@@ -15,7 +15,7 @@
 namespace cousin {
 namespace {
 
-constexpr double kPlant_px = 60, kNode_px = 40;
+constexpr double kPlant_px = 60, kNode_px = 40, kOne_px = 6;
 
 /// A measured stem as the first image shows it.
 struct SeenStem {
@@ -245,6 +245,9 @@ std::vector<TruePlant> true_plants(const SceneTruth& truth, std::size_t view) {
       const bool is_root = point.name == "root";
       const auto way = unproject(truth.views[view].camera, seen.pixel_px);
       if ((!is_root && !point.name.starts_with("node ")) || !way) continue;
+      const bool is_one = !plant.points.empty() && !plant.points.back().is_root &&
+                          (plant.points.back().pixel_px - seen.pixel_px).norm() < kOne_px;
+      if (is_one) continue;
       plant.points.push_back(
           {is_root, seen.pixel_px, seen.depth_m / way->z() * *way, point.in_object_m});
     }

@@ -8,7 +8,8 @@ namespace cousin {
 /// (estimate.fits). In each frame a measured stem stands for the true plant whose points in the
 /// first image are nearest to its own, within 60 pixels in the mean; its nodes stand for true ones
 /// in their order, within 40 pixels, each once. True points are the keypoints "root" and "node ..."
-/// that are inside the image.
+/// that are inside the image; a node nearer than 6 pixels to the node below it is one with it to
+/// any detector and left out.
 /// - plants.found, .missed, .spurious; nodes.found, .missed, .spurious;
 /// - internodes.measured: true internodes whose ends are measured next to each other;
 ///   internodes.false: measured ones that are no true one, for a node is missed or false;

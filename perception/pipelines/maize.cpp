@@ -62,14 +62,16 @@ std::string why_no_pair(const Capture& capture, const Frame& frame,
 }
 
 /// Points of one image, whatever entry they are of.
-EyeNodes nodes_of_image(const Keypoints& keypoints, int frame, int sensor, double sigma_px) {
+EyeNodes nodes_of_image(const Keypoints& keypoints, int frame, int sensor,
+                        const MaizePipelineConfig& config) {
   EyeNodes nodes;
   for (const KeypointDetection& entry : keypoints) {
     if (entry.frame != frame || entry.sensor != sensor) continue;
     for (std::size_t k = 0; k < entry.points.size(); ++k) {
       const DetectedKeypoint& point = entry.points[k];
       if (point.status == KeypointStatus::missing || !point.pixel_px.allFinite()) continue;
-      const EyeNode node{point.pixel_px, std::isfinite(point.sigma_px) ? point.sigma_px : sigma_px};
+      const double told_px = std::isfinite(point.sigma_px) ? point.sigma_px : config.sigma_px;
+      const EyeNode node{point.pixel_px, std::hypot(told_px, config.lens_px)};
       (k == 0 ? nodes.roots : nodes.nodes).push_back(node);
     }
   }
@@ -141,8 +143,8 @@ std::vector<MaizeFrame> matched_frames(const Capture& capture, const Keypoints& 
     here.why_none = why_no_pair(capture, *here.frame, config);
     if (here.why_none.empty()) {
       const EyePair eyes = eyes_of(capture, *here.frame);
-      here.left = nodes_of_image(keypoints, here.frame->id, 0, config.sigma_px);
-      here.right = nodes_of_image(keypoints, here.frame->id, 1, config.sigma_px);
+      here.left = nodes_of_image(keypoints, here.frame->id, 0, config);
+      here.right = nodes_of_image(keypoints, here.frame->id, 1, config);
       const bool is_row = here.left.roots.size() > 1 || here.right.roots.size() > 1;
       here.plants = config.method == MaizeMethod::paper
                         ? match_by_paper(eyes, here.left, here.right, config.match)
@@ -309,6 +311,8 @@ Fields fields(MaizePipelineConfig& c) {
                  "itself; paper: epipolar test and mid-points"},
                 {"sigma_px", &c.sigma_px, "deviation of a keypoint whose detector gives none", 0.01,
                  1000},
+                {"lens_px", &c.lens_px, "deviation of what the reported lens is off in one place",
+                 0, 100},
                 {"most_apart_s", &c.most_apart_s, "exposures farther apart are no pair", 0, 1000},
                 {"match_images", &c.match_images,
                  "ours: the images themselves say how far nodes are apart in them"},

@@ -22,6 +22,7 @@ enum class MaizeMethod { ours, triangulation, paper };
 struct MaizePipelineConfig {
   MaizeMethod method = MaizeMethod::ours;
   double sigma_px = 1;         ///< of a keypoint whose detector says nothing of it
+  double lens_px = 0.2;        ///< of what the reported lens is off in one place
   double most_apart_s = 0.05;  ///< exposures farther apart are no pair
   bool match_images = true;    ///< ours: shifts from the images themselves
   bool measure_height = true;  ///< else the images are not matched as a whole

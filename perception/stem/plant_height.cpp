@@ -17,7 +17,10 @@ using Eigen::Vector2d;
 using Eigen::Vector2i;
 using Eigen::Vector3d;
 
-bool is_plant(const Rgb8& c, int least_green) { return 2 * c.g - c.r - c.b >= least_green; }
+/// Excess green over brightness: shade makes leaves dark, not grey.
+bool is_plant(const Rgb8& c, double least_green) {
+  return 2 * c.g - c.r - c.b > least_green * (c.r + c.g + c.b);
+}
 
 PlantHeight no_height(std::string why) {
   PlantHeight none;
@@ -76,14 +79,15 @@ std::optional<Vector2d> nearest_on_line(const EyePair& eyes, const Image<std::ui
   std::optional<Vector2d> best;
   double least = 1e300;
   const int row = static_cast<int>(like_px.y());
-  constexpr int kRows = 40;  // lines of a rig's two eyes are nearly level
+  constexpr int kRows = 40;       // lines of a rig's two eyes are nearly level
+  constexpr double kLine_px = 4;  // as the paper's test of nodes
   for (int y = std::max(0, row - kRows); y <= std::min(mask.height() - 1, row + kRows); ++y) {
     for (int x = 0; x < mask.width(); ++x) {
       if (mask(x, y) == 0) continue;
       const double away = (Vector2d(x, y) - like_px).squaredNorm();
       if (away >= least) continue;
       const auto off = epipolar_distance(eyes, left_px, Vector2d(x, y));
-      if (!off || std::abs(off->in_right_px) > 1) continue;
+      if (!off || std::abs(off->in_right_px) > kLine_px) continue;
       least = away;
       best = Vector2d(x, y);
     }
@@ -176,13 +180,23 @@ struct LeafPixel {
   double depth_m = 0;
 };
 
-/// Green pixels within reach of the root, the highest first.
+/// Whether a pixel has a leaf's or a stem's depth.
+bool has_leaf(const PairDepth& depth, int x, int y) {
+  return depth.green(x, y) != 0 && !std::isnan(depth.depth_m(x, y));
+}
+
+Vector3d point_at(const PairDepth& depth, const Vector2i& px, double depth_m) {
+  return {(px.x() - depth.camera.cx_px) * depth_m / depth.camera.fx_px,
+          (px.y() - depth.camera.cy_px) * depth_m / depth.camera.fy_px, depth_m};
+}
+
+/// Green pixels with a depth within reach of the root; the highest first.
 std::vector<LeafPixel> leaves_of(const PairDepth& depth, const Vector3d& root_m, const Vector3d& up,
                                  const PlantHeightConfig& config) {
   std::vector<LeafPixel> leaves;
   for (int y = 0; y < depth.depth_m.height(); ++y) {
     for (int x = 0; x < depth.depth_m.width(); ++x) {
-      if (depth.green(x, y) == 0 || std::isnan(depth.depth_m(x, y))) continue;
+      if (!has_leaf(depth, x, y)) continue;
       const Vector3d point = point_of(depth, x, y), apart = point - root_m;
       const double up_m = up.dot(apart);
       if (up_m < 0 || (apart - up_m * up).norm() > config.reach_m) continue;
@@ -194,6 +208,44 @@ std::vector<LeafPixel> leaves_of(const PairDepth& depth, const Vector3d& root_m,
     return a.px.y() != b.px.y() ? a.px.y() < b.px.y() : a.px.x() < b.px.x();
   });
   return leaves;
+}
+
+/// The middle depth of the green pixels about one that are as deep; NaN where too few are: a match
+/// that stands alone is wrong.
+double supported_depth_m(const PairDepth& depth, const LeafPixel& leaf,
+                         const PlantHeightConfig& config) {
+  constexpr int kAbout_px = 10;
+  std::vector<double> depths;
+  for (int dy = -kAbout_px; dy <= kAbout_px; ++dy) {
+    for (int dx = -kAbout_px; dx <= kAbout_px; ++dx) {
+      const int x = leaf.px.x() + dx, y = leaf.px.y() + dy;
+      if (!depth.green.contains(x, y) || !has_leaf(depth, x, y)) continue;
+      const auto z = static_cast<double>(depth.depth_m(x, y));
+      if (std::abs(z - leaf.depth_m) < config.step_m) depths.push_back(z);
+    }
+  }
+  if (static_cast<int>(depths.size()) < config.top_pixels) return kNaN;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+/// The highest of the leaves by the depth of what is about it.
+std::optional<LeafPixel> top_of(const PairDepth& depth, const std::vector<LeafPixel>& leaves,
+                                const Vector3d& root_m, const Vector3d& up,
+                                const PlantHeightConfig& config) {
+  constexpr int kMost = 400;  // of those that have support: lower ones are not the top
+  std::optional<LeafPixel> top;
+  int supported = 0;
+  for (const LeafPixel& leaf : leaves) {
+    if (supported == kMost || (top && leaf.up_m + config.step_m < top->up_m)) break;
+    const double depth_m = supported_depth_m(depth, leaf, config);
+    if (std::isnan(depth_m)) continue;
+    ++supported;
+    const double up_m = up.dot(point_at(depth, leaf.px, depth_m) - root_m);
+    if (!top || up_m > top->up_m) top = LeafPixel{leaf.px, up_m, depth_m};
+  }
+  return top;
 }
 
 /// The highest pixel that continues a top: green, without a depth, at the same depth.
@@ -213,15 +265,16 @@ Vector2i tip_above(const PairDepth& depth, const LeafPixel& top) {
 }  // namespace
 
 Fields fields(PlantHeightConfig& c) {
-  return {
-      {"least_green", &c.least_green, "2 g - r - b of a green pixel, codes", 1, 510},
-      {"range_px", &c.range_px, "disparities that are matched", 16, 254},
-      {"reach_m", &c.reach_m, "leaves are within this of the stem", 0.05, 10},
-      {"ground_m", &c.ground_m, "soil about the root that its plane is laid through", 0.1, 20},
-      {"soil_m", &c.soil_m, "soil farther from the plane is none", 0.001, 1},
-      {"least_ground", &c.least_ground, "fewer points of soil are no ground", 3, 1000000},
-      {"top_pixels", &c.top_pixels, "so many matched pixels may be higher than the top", 0, 10000},
-      {"leaf_sigma_m", &c.leaf_sigma_m, "deviation of the top, beside calibration", 0, 1}};
+  return {{"least_green", &c.least_green, "2 g - r - b of a green pixel over r + g + b", 0, 2},
+          {"range_px", &c.range_px, "disparities that are matched", 16, 254},
+          {"reach_m", &c.reach_m, "leaves are within this of the stem", 0.05, 10},
+          {"step_m", &c.step_m, "depth changes by less between pixels of one plant", 0.001, 1},
+          {"ground_m", &c.ground_m, "soil about the root that its plane is laid through", 0.1, 20},
+          {"soil_m", &c.soil_m, "soil farther from the plane is none", 0.001, 1},
+          {"least_ground", &c.least_ground, "fewer points of soil are no ground", 3, 1000000},
+          {"top_pixels", &c.top_pixels, "green pixels about the top that are as deep, at least", 0,
+           10000},
+          {"leaf_sigma_m", &c.leaf_sigma_m, "deviation of the top, beside calibration", 0, 1}};
 }
 
 void validate(const PlantHeightConfig& config) {
@@ -229,25 +282,23 @@ void validate(const PlantHeightConfig& config) {
   check_limits(fields(copy), "height");
 }
 
-Image<std::uint8_t> green_about(const Image<Rgb8>& color, const Vector2d& place_px,
-                                int least_green) {
+Image<std::uint8_t> green_along(const Image<Rgb8>& color, const Vector2d& root_px,
+                                const Vector2d& node_px, double least_green) {
   Image<std::uint8_t> mask(color.width(), color.height());
-  constexpr int kAbout_px = 12;
-  const Vector2i place = place_px.array().round().cast<int>();
-  std::optional<Vector2i> begin;
-  int least = kAbout_px * kAbout_px + 1;
-  for (int dy = -kAbout_px; dy <= kAbout_px; ++dy) {
-    for (int dx = -kAbout_px; dx <= kAbout_px; ++dx) {
-      const Vector2i at = place + Vector2i(dx, dy);
-      if (!color.contains(at.x(), at.y()) || dx * dx + dy * dy >= least) continue;
-      if (!is_plant(color(at.x(), at.y()), least_green)) continue;
-      least = dx * dx + dy * dy;
-      begin = at;
+  constexpr int kAside_px = 6;
+  constexpr double kLeast_px = 80;
+  const Vector2d way = (node_px - root_px).normalized(), aside(-way.y(), way.x());
+  const double length_px = std::max(3 * (node_px - root_px).norm(), kLeast_px);
+  const auto part = [&](int x, int y) { return is_plant(color(x, y), least_green); };
+  std::vector<Vector2i> begin;
+  for (double along = 0; along <= length_px; along += 1) {
+    for (int off = -kAside_px; off <= kAside_px; ++off) {
+      const Vector2d at = root_px + along * way + off * aside;
+      const Vector2i px = at.array().round().cast<int>();
+      if (color.contains(px.x(), px.y()) && part(px.x(), px.y())) begin.push_back(px);
     }
   }
-  if (!begin) return mask;
-  const auto part = [&](int x, int y) { return is_plant(color(x, y), least_green); };
-  for (const Vector2i& px : together(color.width(), color.height(), {*begin}, part))
+  for (const Vector2i& px : together(color.width(), color.height(), begin, part))
     mask(px.x(), px.y()) = 255;
   return mask;
 }
@@ -260,7 +311,8 @@ PlantHeight height_by_green(const EyePair& eyes, const Image<Rgb8>& left, const 
   Vector2d tops[2];
   Image<std::uint8_t> masks[2];
   for (int eye = 0; eye < 2; ++eye) {
-    masks[eye] = green_about(eye == 0 ? left : right, node[eye].pixel_px, config.least_green);
+    masks[eye] = green_along(eye == 0 ? left : right, root[eye].pixel_px, node[eye].pixel_px,
+                             config.least_green);
     const Vector2d way = (node[eye].pixel_px - root[eye].pixel_px).normalized();
     const auto top = farthest(masks[eye], root[eye].pixel_px, way);
     if (!top) return no_height("nothing green hangs together with the stem");
@@ -279,7 +331,13 @@ PlantHeight height_by_green(const EyePair& eyes, const Image<Rgb8>& left, const 
 PairDepth pair_depth(const EyePair& eyes, const Image<Rgb8>& left, const Image<Rgb8>& right,
                      const PlantHeightConfig& config) {
   const Rectification rect = rectify(eyes.left.camera(), eyes.right.camera(), eyes.right_from_left);
-  StereoMatchConfig match{.margin = 3, .range_px = config.range_px};
+  // Leaves have little texture: what is smooth about edges counts, and single errors are found by
+  // what is about them.
+  const StereoMatchConfig match{.margin = 2,
+                                .block_px = 7,
+                                .range_px = config.range_px,
+                                .uniqueness = 0.03,
+                                .texture = 0.005};
   PairDepth result;
   result.depth_m = passive_depth(left, right, rect, match).depth_m;
   result.camera = rect.camera;
@@ -303,14 +361,14 @@ PlantHeight height_above_ground(const PairDepth& depth, const Vector3d& root_m, 
   const GroundPlane ground = find_ground(soil_about(depth, foot, config), config);
   if (ground.points < config.least_ground) return no_height("no soil is matched about the root");
   const auto leaves = leaves_of(depth, foot, ground.normal, config);
-  if (static_cast<int>(leaves.size()) <= config.top_pixels)
-    return no_height("no leaf is matched above the root");
-  const LeafPixel& top = leaves[static_cast<std::size_t>(config.top_pixels)];
-  const Vector2i tip = tip_above(depth, top);
-  const Vector3d way((tip.x() - depth.camera.cx_px) / depth.camera.fx_px,
-                     (tip.y() - depth.camera.cy_px) / depth.camera.fy_px, 1);
+  const auto top = top_of(depth, leaves, foot, ground.normal, config);
+  if (!top) return no_height("no leaf is matched above the root");
   PlantHeight result;
-  const Vector3d top_m = top.depth_m * way;
+  // Of a plant that the image cuts the highest point seen is not its top.
+  constexpr int kBorder_px = 4;
+  if (top->px.y() < kBorder_px || tip_above(depth, *top).y() < kBorder_px)
+    return no_height("the plant leaves the image");
+  const Vector3d top_m = point_at(depth, tip_above(depth, *top), top->depth_m);
   result.height_m = ground.normal.dot(top_m - foot);
   result.top_m = depth.rectified_from_left.transpose() * top_m;
   result.up = depth.rectified_from_left.transpose() * ground.normal;

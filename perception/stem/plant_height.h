@@ -13,13 +13,14 @@ namespace cousin {
 
 /// How high a plant is, from both images and its root.
 struct PlantHeightConfig {
-  int least_green = 12;         ///< 2 g - r - b of a green pixel, codes
+  double least_green = 0.06;    ///< 2 g - r - b of a green pixel over r + g + b
   int range_px = 190;           ///< ours: disparities that are matched
   double reach_m = 0.6;         ///< ours: leaves are within this of the root's depth and place
+  double step_m = 0.03;         ///< ours: depth changes by less between pixels of one plant
   double ground_m = 1.0;        ///< ours: soil about the root that its plane is laid through
   double soil_m = 0.02;         ///< ours: soil farther from the plane is a clod or none
   int least_ground = 200;       ///< fewer points of soil are no ground
-  int top_pixels = 6;           ///< ours: so many pixels are higher still: matches err
+  int top_pixels = 40;          ///< ours: green pixels about the top that are as deep, at least
   double leaf_sigma_m = 0.006;  ///< deviation of the top, beside calibration
 };
 Fields fields(PlantHeightConfig& config);
@@ -32,10 +33,10 @@ struct PlantHeight {
   Eigen::Vector3d up = Eigen::Vector3d::Constant(kNaN);     ///< ours: the ground's normal
 };
 
-/// Pixels of a plant that hang together with a place: 255. Places that are not green start from the
-/// nearest green pixel within 12.
-Image<std::uint8_t> green_about(const Image<Rgb8>& color, const Eigen::Vector2d& place_px,
-                                int least_green);
+/// Green pixels that hang together with a stem, 255: with what is green beside the line from its
+/// root through a node and three times as far.
+Image<std::uint8_t> green_along(const Image<Rgb8>& color, const Eigen::Vector2d& root_px,
+                                const Eigen::Vector2d& node_px, double least_green);
 
 /// The paper's rule [Maize 3.1]: of the green pixels that hang together with the stem, the farthest
 /// from the root along the direction to its nearest node; the same in the right image, on the

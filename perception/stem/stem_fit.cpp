@@ -31,9 +31,9 @@ double motion_px(const EyePair& eyes, const StemFitConfig& config, double depth_
 // -----------------------------------------------------------------------------------
 
 /// The inverse root of the covariance of (left x, left y, right x, right y).
-Eigen::Matrix4d whitening(const StemSighting& s, double common_share, double moved_px) {
+Eigen::Matrix4d whitening(const StemSighting& s, const StemFitConfig& config, double moved_px) {
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
-  const double both = common_share * s.left.sigma_px * s.right.sigma_px;
+  const double both = config.common_share * s.left.sigma_px * s.right.sigma_px;
   for (int k = 0; k < 2; ++k) {
     covariance(k, k) = s.left.sigma_px * s.left.sigma_px;
     covariance(k + 2, k + 2) = s.right.sigma_px * s.right.sigma_px;
@@ -212,8 +212,8 @@ StemSolution solve_stem(StemProblem& p, double apart_s) {
   p.frame = frame_of(points_m);
   p.white.clear();
   for (const StemSighting& s : p.sightings) {
-    p.white.push_back(whitening(s, p.config.common_share,
-                                motion_px(p.eyes, p.config, p.frame.origin_m.z(), apart_s)));
+    p.white.push_back(
+        whitening(s, p.config, motion_px(p.eyes, p.config, p.frame.origin_m.z(), apart_s)));
   }
   VectorXd at = VectorXd::Zero(p.unknowns());
   for (std::size_t i = 0; i < points_m.size(); ++i)
@@ -249,7 +249,10 @@ StemNodes as_nodes(const StemProblem& p, const StemSolution& solution, std::vect
     result.along_m.push_back(value(4 * static_cast<Eigen::Index>(i) + 3));
   }
   const MatrixXd slope = slopes(numbers, solution.at, value.size());
-  const auto freedoms = std::max<Eigen::Index>(1, solution.residual.size() - p.unknowns());
+  const auto unknown_shifts = std::count_if(p.sightings.begin(), p.sightings.end(),
+                                            [](const StemSighting& s) { return !s.shifted_px; });
+  const auto freedoms = std::max<Eigen::Index>(
+      1, solution.residual.size() - p.unknowns() - static_cast<Eigen::Index>(unknown_shifts));
   const double misfit = solution.residual.squaredNorm() / static_cast<double>(freedoms);
   result.residual_sigmas = std::sqrt(misfit);
   result.covariance_m2 = std::max(1.0, misfit) * slope * solution.covariance * slope.transpose();
@@ -295,6 +298,20 @@ int worst_node(const VectorXd& residual, std::size_t nodes, double most_sigmas) 
         residual.segment<kPerNode>(kPerNode * static_cast<Eigen::Index>(i)).squaredNorm();
     if (squares <= most) continue;
     most = squares;
+    worst = static_cast<int>(i);
+  }
+  return worst;
+}
+
+/// The matched shift that fits worst; -1 if all fit. A window may show a leaf before the stem.
+int worst_shift(const VectorXd& residual, std::size_t nodes) {
+  constexpr double kMost = 3;
+  int worst = -1;
+  double most = kMost;
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const double off = std::abs(residual(kPerNode * static_cast<Eigen::Index>(i) + 4));
+    if (off <= most) continue;
+    most = off;
     worst = static_cast<int>(i);
   }
   return worst;
@@ -422,14 +439,16 @@ StemNodes nodes_by_pixels(const EyePair& eyes, std::span<const StemSighting> sig
   return result;
 }
 
-StemNodes nodes_on_stem(const EyePair& eyes, std::span<const StemSighting> sightings,
+StemNodes nodes_on_stem(const EyePair& eyes, std::span<const StemSighting> seen,
                         const StemFitConfig& config, double apart_s) {
+  std::vector<StemSighting> sightings(seen.begin(), seen.end());
   std::vector<int> places = usable(eyes, sightings);
   if (places.empty()) return none(FitStatus::degenerate, "no rays meet before the eyes");
+  const std::size_t there = places.size();
   while (true) {
     if (places.size() < 2) {
-      StemNodes single = nodes_by_pixels(
-          eyes, sightings.subspan(static_cast<std::size_t>(places[0]), 1), config, apart_s);
+      StemNodes single = nodes_by_pixels(eyes, seen.subspan(static_cast<std::size_t>(places[0]), 1),
+                                         config, apart_s);
       single.places = places;
       if (single.status != FitStatus::ok) single.places.clear();
       return single;
@@ -439,14 +458,21 @@ StemNodes nodes_on_stem(const EyePair& eyes, std::span<const StemSighting> sight
       problem.sightings.push_back(sightings[static_cast<std::size_t>(place)]);
     const StemSolution solution = solve_stem(problem, apart_s);
     if (!solution.is_there) return none(FitStatus::not_converged, "the stem does not converge");
+    if (const int off = worst_shift(solution.residual, places.size()); off >= 0) {
+      sightings[static_cast<std::size_t>(places[static_cast<std::size_t>(off)])].shifted_px.reset();
+      continue;
+    }
     const int worst = worst_node(solution.residual, places.size(), config.most_sigmas);
     if (worst >= 0 && places.size() >= 4) {
       places.erase(places.begin() + worst);
       continue;
     }
     StemNodes result = as_nodes(problem, solution, places);
-    if (result.residual_sigmas > config.most_residual_sigmas)
-      return none(FitStatus::not_converged, disagreement(result.residual_sigmas));
+    // Where most are no node of the stem that the others make, neither may be it.
+    const bool is_most = 5 * places.size() >= 3 * there;
+    if (result.residual_sigmas > config.most_residual_sigmas || !is_most)
+      return none(FitStatus::not_converged,
+                  disagreement(is_most ? result.residual_sigmas : config.most_sigmas));
     return result;
   }
 }

@@ -19,7 +19,7 @@ struct StemFitConfig {
   double common_share = 0;
   double calibration_px = 1.5;       ///< deviation of the right image's offset, each axis
   double calibration_share = 0.002;  ///< deviation of a length's scale by focal length and baseline
-  double shift_bias_px = 0.3;        ///< deviation of what all matched shifts of a plant are off
+  double shift_bias_px = 1;          ///< deviation of what all matched shifts of a plant are off
   double bend_rad = 0.08;            ///< deviation of a stem's turn between its ends
   double lean_rad = 0.35;            ///< deviation of its lean to or from the camera
   double scatter_m = 0.0007;         ///< deviation of a node from the smooth stem, across it

@@ -5,10 +5,10 @@
 
 #include "benchmarks/loop/keypoint_noise.h"
 #include "benchmarks/loop/perceive.h"
-#include "benchmarks/loop/scene_table.h"
 #include "benchmarks/loop/score_plants.h"
 #include "benchmarks/study/shard_scores.h"
 #include "perception/pipelines/maize.h"
+#include "scenes/maize/maize_scene.h"
 #include "sim/types/rng.h"
 #include "sim/types/stage_clock.h"
 
@@ -35,14 +35,14 @@ const std::vector<SuiteMethod>& suite_methods() {
 Factor stage_factor() {
   // Nearer, the taller ones are not whole in the frame.
   return {"stage",
-          {{"V6", {"stage=V6", "distance_min_m=0.6", "distance_max_m=0.9"}},
-           {"V7", {"stage=V7", "distance_min_m=0.8", "distance_max_m=1.05"}},
-           {"V8", {"stage=V8", "distance_min_m=0.95", "distance_max_m=1.2"}}}};
+          {{"V6", {"stage=V6", "distance_min_m=0.65", "distance_max_m=0.85"}},
+           {"V7", {"stage=V7", "distance_min_m=0.85", "distance_max_m=1.05"}},
+           {"V8", {"stage=V8", "distance_min_m=1.05", "distance_max_m=1.2"}}}};
 }
 std::vector<Factor> common_factors(const char* views) {
   return {key_factor("views", {views}),         key_factor("pitch_min_rad", {"-0.05"}),
-          key_factor("pitch_max_rad", {"0.2"}), key_factor("height_min", {"0.42"}),
-          key_factor("height_max", {"0.5"}),    key_factor("render.pixel_samples", {"6"})};
+          key_factor("pitch_max_rad", {"0.2"}), key_factor("height_min", {"0.48"}),
+          key_factor("height_max", {"0.52"}),    key_factor("render.pixel_samples", {"6"})};
 }
 std::vector<Factor> joined(std::vector<Factor> first, const std::vector<Factor>& more) {
   first.insert(first.end(), more.begin(), more.end());
@@ -51,7 +51,7 @@ std::vector<Factor> joined(std::vector<Factor> first, const std::vector<Factor>&
 
 /// The special captures: each with the keys that make it so.
 Factor special_factor() {
-  const std::vector<std::string> v7 = {"stage=V7", "distance_min_m=0.8", "distance_max_m=1.05"};
+  const std::vector<std::string> v7 = {"stage=V7", "distance_min_m=0.85", "distance_max_m=1.05"};
   const auto with = [&](std::vector<std::string> sets) {
     sets.insert(sets.begin(), v7.begin(), v7.end());
     return sets;
@@ -146,8 +146,7 @@ void add_draw(const CaptureJob& job, const NodeErrorCase& node_case, int draw,
 ScoreFile run_capture(const MaizeSuiteConfig& suite, const GridJob& job) {
   std::vector<std::string> sets = job.sets;
   sets.insert(sets.end(), suite.sets.begin(), suite.sets.end());
-  const RunConfig config =
-      run_config(built_row(scene_entry("maize")), sets, {}, PipelineConfig(MaizePipelineConfig{}));
+  const RunConfig config = run_config(maize_row(), sets, {}, PipelineConfig(MaizePipelineConfig{}));
   TruthNeeds needs;
   needs.depth = needs.instance = needs.keypoints = true;
   const int run = job.has("run") ? job.number("run") : 0;
