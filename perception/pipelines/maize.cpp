@@ -102,16 +102,54 @@ void add_shifts(const EyePair& eyes, const Frame& frame, const EpipolarOffset& o
   }
 }
 
+/// A frame's depth, found once it is asked for.
+class FrameDepths {
+ public:
+  FrameDepths(const Capture& capture, const PlantHeightConfig& config)
+      : capture_(capture), config_(config) {}
+  const PairDepth& of(std::size_t place) {
+    const auto known = known_.find(place);
+    if (known != known_.end()) return known->second;
+    const Frame& frame = capture_.frames[place];
+    known_.clear();  // plants come frame by frame
+    return known_
+        .emplace(place, pair_depth(eyes_of(capture_, frame), frame.sensors[0].color,
+                                   frame.sensors[1].color, config_))
+        .first->second;
+  }
+
+ private:
+  const Capture& capture_;
+  const PlantHeightConfig& config_;
+  std::map<std::size_t, PairDepth> known_;
+};
+
+/// Where a plant grows to, by the soil about its root.
+StemUp up_of(const EyePair& eyes, const MaizeFrame& frame, const MatchedPlant& plant,
+             FrameDepths& depths, const MaizePipelineConfig& config) {
+  const Frame& images = *frame.frame;
+  if (!plant.has_root || images.sensors[0].color.empty() || images.sensors[1].color.empty())
+    return {};
+  const NodePair& root = plant.pairs.front();
+  const auto foot = middle_of_rays(eyes, root.left.pixel_px, root.right.pixel_px);
+  if (!foot) return {};
+  const auto up = ground_up(depths.of(frame.place), *foot, config.height);
+  return up ? StemUp{*up, true} : StemUp{};
+}
+
 StemNodes nodes_of(const EyePair& eyes, const MaizeFrame& frame, const MatchedPlant& plant,
-                   const EpipolarOffset& offset, const MaizePipelineConfig& config) {
+                   const EpipolarOffset& offset, FrameDepths& depths,
+                   const MaizePipelineConfig& config) {
   std::vector<StemSighting> sightings;
   for (const NodePair& pair : plant.pairs) sightings.push_back({pair.left, pair.right, {}, 0.2});
   if (config.method == MaizeMethod::paper) return nodes_by_middle(eyes, sightings);
   const double wait_s = apart_s(*frame.frame);
   if (config.method == MaizeMethod::triangulation)
     return nodes_by_pixels(eyes, sightings, config.stem, wait_s);
-  if (config.match_images) add_shifts(eyes, *frame.frame, offset, config.shift, sightings);
-  return nodes_on_stem(eyes, sightings, config.stem, wait_s);
+  if (!config.match_images) return nodes_on_stem(eyes, sightings, config.stem, wait_s);
+  add_shifts(eyes, *frame.frame, offset, config.shift, sightings);
+  return nodes_on_stem(eyes, sightings, config.stem, wait_s,
+                       up_of(eyes, frame, plant, depths, config));
 }
 
 /// How unlike two roots look.
@@ -174,6 +212,7 @@ Fits stems_of(const Capture& capture, const Keypoints& keypoints,
     frames = matched_frames(capture, keypoints, config, offset);
   }
   Fits fits;
+  FrameDepths depths(capture, config.height);
   for (const MaizeFrame& frame : frames) {
     int number = static_cast<int>(frame.place) * kPlantsOfFrame;
     if (frame.plants.empty()) {
@@ -185,8 +224,8 @@ Fits stems_of(const Capture& capture, const Keypoints& keypoints,
                              ? EyePair(capture.rig[0].camera, capture.rig[1].camera, Pose{})
                              : eyes_of(capture, *frame.frame);
     for (const MatchedPlant& plant : frame.plants)
-      fits.push_back(
-          stem_as_fit(nodes_of(eyes, frame, plant, offset, config), number++, plant.has_root));
+      fits.push_back(stem_as_fit(nodes_of(eyes, frame, plant, offset, depths, config), number++,
+                                 plant.has_root));
   }
   return fits;
 }
@@ -213,28 +252,6 @@ double scale_sigma(const EyePair& eyes, const StemFitConfig& config, double dept
   const double disparity_px = eyes.baseline_m * eyes.left.camera().fx_px / depth_m;
   return std::hypot(config.calibration_px / disparity_px, config.calibration_share);
 }
-
-/// A frame's depth, found once it is asked for.
-class FrameDepths {
- public:
-  FrameDepths(const Capture& capture, const PlantHeightConfig& config)
-      : capture_(capture), config_(config) {}
-  const PairDepth& of(std::size_t place) {
-    const auto known = known_.find(place);
-    if (known != known_.end()) return known->second;
-    const Frame& frame = capture_.frames[place];
-    known_.clear();  // plants come frame by frame
-    return known_
-        .emplace(place, pair_depth(eyes_of(capture_, frame), frame.sensors[0].color,
-                                   frame.sensors[1].color, config_))
-        .first->second;
-  }
-
- private:
-  const Capture& capture_;
-  const PlantHeightConfig& config_;
-  std::map<std::size_t, PairDepth> known_;
-};
 
 PlantHeight height_of(const EyePair& eyes, const Frame& frame, std::size_t place,
                       const FittedStem& stem, FrameDepths& depths,
@@ -315,7 +332,8 @@ Fields fields(MaizePipelineConfig& c) {
                  0, 100},
                 {"most_apart_s", &c.most_apart_s, "exposures farther apart are no pair", 0, 1000},
                 {"match_images", &c.match_images,
-                 "ours: the images themselves say how far nodes are apart in them"},
+                 "ours: the images themselves say how far nodes are apart in them, and the soil "
+                 "what is up"},
                 {"measure_height", &c.measure_height, "of plants, too"}} +
          nested("match", fields(c.match)) + nested("shift", fields(c.shift)) +
          nested("stem", fields(c.stem)) + nested("height", fields(c.height));

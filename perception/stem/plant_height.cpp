@@ -355,6 +355,14 @@ PairDepth pair_depth(const EyePair& eyes, const Image<Rgb8>& left, const Image<R
   return result;
 }
 
+std::optional<Vector3d> ground_up(const PairDepth& depth, const Vector3d& root_m,
+                                  const PlantHeightConfig& config) {
+  const Vector3d foot = depth.rectified_from_left * root_m;
+  const GroundPlane ground = find_ground(soil_about(depth, foot, config), config);
+  if (ground.points < config.least_ground) return std::nullopt;
+  return depth.rectified_from_left.transpose() * ground.normal;
+}
+
 PlantHeight height_above_ground(const PairDepth& depth, const Vector3d& root_m, double root_sigma_m,
                                 double scale_sigma, const PlantHeightConfig& config) {
   const Vector3d foot = depth.rectified_from_left * root_m;

@@ -55,6 +55,11 @@ struct PairDepth {
 PairDepth pair_depth(const EyePair& eyes, const Image<Rgb8>& left, const Image<Rgb8>& right,
                      const PlantHeightConfig& config = {});
 
+/// Unit normal of the soil about a root, upwards, in the left eye's axes; nothing where too little
+/// of it is matched.
+std::optional<Eigen::Vector3d> ground_up(const PairDepth& depth, const Eigen::Vector3d& root_m,
+                                         const PlantHeightConfig& config = {});
+
 /// Ours: a plane through the soil about the root (RANSAC, then least squares) says which way is up;
 /// the highest green point within reach of the root, above it. Green pixels without a depth that
 /// continue the top upwards take its depth: tips are thinner than what is matched.

@@ -77,6 +77,7 @@ struct StemProblem {
   std::vector<Eigen::Matrix4d> white;
   StemFrame frame;
   StemFitConfig config;
+  StemUp up;
 
   Eigen::Index unknowns() const {
     return kShape + kRig + static_cast<Eigen::Index>(sightings.size());
@@ -105,6 +106,13 @@ struct StemProblem {
 
 constexpr Eigen::Index kPerNode = 5;
 
+/// Slopes of a stem that grows straight up, along the line of sight and to the side.
+Eigen::Vector2d upright_slopes(const StemProblem& p) {
+  const double along = p.up.up.dot(p.frame.up);
+  if (along < 0.2) return Eigen::Vector2d::Zero();
+  return {p.up.up.dot(p.frame.depth) / along, p.up.up.dot(p.frame.side) / along};
+}
+
 /// Whitened residuals: five of each node, then the priors. Empty where a node is behind an eye.
 VectorXd residuals(const StemProblem& p, const VectorXd& at) {
   const auto n = static_cast<Eigen::Index>(p.sightings.size());
@@ -128,10 +136,12 @@ VectorXd residuals(const StemProblem& p, const VectorXd& at) {
   }
   Eigen::Index row = kPerNode * n;
   const double half = p.frame.half_m, bend_m = 0.25 * p.config.bend_rad * half;
-  r(row++) = at(1) / (half * std::tan(p.config.lean_rad));
+  const Eigen::Vector2d lean = upright_slopes(p);
+  const double lean_tan = std::tan(p.up.is_of_ground ? p.config.upright_rad : p.config.lean_rad);
+  r(row++) = (at(1) / half - lean.x()) / lean_tan;
   r(row++) = at(2) / bend_m;
   r(row++) = at(3) / bend_m;
-  r(row++) = at(5) / (half * std::tan(p.config.lean_rad));
+  r(row++) = (at(5) / half - lean.y()) / lean_tan;
   r(row++) = at(6) / bend_m;
   r(row++) = at(7) / bend_m;
   r.segment<2>(row) = offset_px / std::max(1e-3, p.config.calibration_px);
@@ -216,6 +226,7 @@ StemSolution solve_stem(StemProblem& p, double apart_s) {
         whitening(s, p.config, motion_px(p.eyes, p.config, p.frame.origin_m.z(), apart_s)));
   }
   VectorXd at = VectorXd::Zero(p.unknowns());
+  at(1) = p.frame.half_m * upright_slopes(p).x();
   for (std::size_t i = 0; i < points_m.size(); ++i)
     at(kShape + kRig + static_cast<Eigen::Index>(i)) =
         p.frame.up.dot(points_m[i] - p.frame.origin_m);
@@ -348,22 +359,24 @@ PointSighting sighting_of(const Lens& lens, const Pose& pose, const EyeNode& nod
 }  // namespace
 
 Fields fields(StemFitConfig& c) {
-  return {{"common_share", &c.common_share,
-           "share of a node's variance that both eyes have in common", 0, 0.999},
-          {"calibration_px", &c.calibration_px,
-           "deviation of the right image's offset from its calibration, each axis", 0, 100},
-          {"calibration_share", &c.calibration_share,
-           "deviation of the scale of lengths by focal length and baseline", 0, 1},
-          {"shift_bias_px", &c.shift_bias_px,
-           "deviation of what all matched shifts of a plant are off", 0, 100},
-          {"bend_rad", &c.bend_rad, "deviation of a stem's turn between its ends", 1e-3, 3},
-          {"lean_rad", &c.lean_rad, "deviation of its lean to or from the camera", 0.01, 1.5},
-          {"scatter_m", &c.scatter_m, "deviation of a node from the smooth stem", 0, 0.1},
-          {"most_sigmas", &c.most_sigmas, "a node farther from the stem is left out", 1, 100},
-          {"most_residual_sigmas", &c.most_residual_sigmas,
-           "RMS of the residuals beyond which the images disagree", 1, 100},
-          {"motion_m_per_s", &c.motion_m_per_s,
-           "speed of plants between exposures that are not at once", 0, 100}};
+  return {
+      {"common_share", &c.common_share, "share of a node's variance that both eyes have in common",
+       0, 0.999},
+      {"calibration_px", &c.calibration_px,
+       "deviation of the right image's offset from its calibration, each axis", 0, 100},
+      {"calibration_share", &c.calibration_share,
+       "deviation of the scale of lengths by focal length and baseline", 0, 1},
+      {"shift_bias_px", &c.shift_bias_px, "deviation of what all matched shifts of a plant are off",
+       0, 100},
+      {"bend_rad", &c.bend_rad, "deviation of a stem's turn between its ends", 1e-3, 3},
+      {"lean_rad", &c.lean_rad, "deviation of its lean from where the image is upright", 0.01, 1.5},
+      {"upright_rad", &c.upright_rad, "and from where the ground says that it is", 0.01, 1.5},
+      {"scatter_m", &c.scatter_m, "deviation of a node from the smooth stem", 0, 0.1},
+      {"most_sigmas", &c.most_sigmas, "a node farther from the stem is left out", 1, 100},
+      {"most_residual_sigmas", &c.most_residual_sigmas,
+       "RMS of the residuals beyond which the images disagree", 1, 100},
+      {"motion_m_per_s", &c.motion_m_per_s,
+       "speed of plants between exposures that are not at once", 0, 100}};
 }
 
 void validate(const StemFitConfig& config) {
@@ -440,7 +453,7 @@ StemNodes nodes_by_pixels(const EyePair& eyes, std::span<const StemSighting> sig
 }
 
 StemNodes nodes_on_stem(const EyePair& eyes, std::span<const StemSighting> seen,
-                        const StemFitConfig& config, double apart_s) {
+                        const StemFitConfig& config, double apart_s, const StemUp& up) {
   std::vector<StemSighting> sightings(seen.begin(), seen.end());
   std::vector<int> places = usable(eyes, sightings);
   if (places.empty()) return none(FitStatus::degenerate, "no rays meet before the eyes");
@@ -453,7 +466,7 @@ StemNodes nodes_on_stem(const EyePair& eyes, std::span<const StemSighting> seen,
       if (single.status != FitStatus::ok) single.places.clear();
       return single;
     }
-    StemProblem problem{eyes, {}, {}, {}, config};
+    StemProblem problem{eyes, {}, {}, {}, config, up};
     for (const int place : places)
       problem.sightings.push_back(sightings[static_cast<std::size_t>(place)]);
     const StemSolution solution = solve_stem(problem, apart_s);

@@ -21,7 +21,8 @@ struct StemFitConfig {
   double calibration_share = 0.002;  ///< deviation of a length's scale by focal length and baseline
   double shift_bias_px = 1;          ///< deviation of what all matched shifts of a plant are off
   double bend_rad = 0.08;            ///< deviation of a stem's turn between its ends
-  double lean_rad = 0.35;            ///< deviation of its lean to or from the camera
+  double lean_rad = 0.35;            ///< deviation of its lean from where the image is upright
+  double upright_rad = 0.1;          ///< and from where the ground says that it is
   double scatter_m = 0.0007;         ///< deviation of a node from the smooth stem, across it
   double most_sigmas = 4.5;          ///< a node farther from the stem than this is no node of it
   double most_residual_sigmas = 3;   ///< RMS of the residuals: beyond it the images disagree
@@ -59,12 +60,19 @@ StemNodes nodes_by_middle(const EyePair& eyes, std::span<const StemSighting> sig
 StemNodes nodes_by_pixels(const EyePair& eyes, std::span<const StemSighting> sightings,
                           const StemFitConfig& config = {}, double apart_s = 0);
 
+/// Where stems grow to, in the left eye's axes: up in its image, if nobody knows better.
+struct StemUp {
+  Eigen::Vector3d up = -Eigen::Vector3d::UnitY();  ///< unit
+  bool is_of_ground = false;  ///< a plane's normal (plant_height.h), not the image's side
+};
+
 /// All nodes on one smooth stem: a cubic across an axis in the image's plane, whose turn and lean
 /// have priors, a place along it for each node, and the right image's offset, by least squares on
 /// all pixels and matched shifts at once. A node that no stem explains is left out, the worst
 /// first. Two nodes make a straight stem; one is placed by itself.
 StemNodes nodes_on_stem(const EyePair& eyes, std::span<const StemSighting> sightings,
-                        const StemFitConfig& config = {}, double apart_s = 0);
+                        const StemFitConfig& config = {}, double apart_s = 0,
+                        const StemUp& up = {});
 
 /// A length of a plant with its standard deviation; the second-order part of the error of two
 /// points, which is always positive, is in it.

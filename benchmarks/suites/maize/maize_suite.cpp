@@ -42,7 +42,7 @@ Factor stage_factor() {
 std::vector<Factor> common_factors(const char* views) {
   return {key_factor("views", {views}),         key_factor("pitch_min_rad", {"-0.05"}),
           key_factor("pitch_max_rad", {"0.2"}), key_factor("height_min", {"0.48"}),
-          key_factor("height_max", {"0.52"}),    key_factor("render.pixel_samples", {"6"})};
+          key_factor("height_max", {"0.52"}),   key_factor("render.pixel_samples", {"6"})};
 }
 std::vector<Factor> joined(std::vector<Factor> first, const std::vector<Factor>& more) {
   first.insert(first.end(), more.begin(), more.end());

@@ -144,7 +144,8 @@ TEST(DetectedKeypoints, ErrAsTheyAreAskedTo) {
   constexpr int kDraws = 500;
   for (int seed = 0; seed < kDraws; ++seed) {
     const auto off = [&](const KeypointNoiseConfig& noise, std::size_t eye) {
-      const Keypoints found = detected_keypoints(run, words, noise, static_cast<std::uint64_t>(seed));
+      const Keypoints found =
+          detected_keypoints(run, words, noise, static_cast<std::uint64_t>(seed));
       return Eigen::Vector2d(found.at(eye).points[0].pixel_px - truth[eye].points[0].pixel_px);
     };
     common += (off({.common_sigma_px = 1}, 0) - off({.common_sigma_px = 1}, 1)).squaredNorm();

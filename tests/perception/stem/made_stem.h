@@ -38,9 +38,9 @@ inline MadeView made_view(const EyePair& eyes, const std::vector<Eigen::Vector3d
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Eigen::Vector2d both(common_px * normal(rng), common_px * normal(rng));
     StemSighting s;
-    s.left = {*eyes.left.project(nodes[i]) + both +
-                  own_px * Eigen::Vector2d(normal(rng), normal(rng)),
-              told_px};
+    s.left = {
+        *eyes.left.project(nodes[i]) + both + own_px * Eigen::Vector2d(normal(rng), normal(rng)),
+        told_px};
     s.right = {*eyes.right.project(eyes.right_from_left * nodes[i]) + both +
                    own_px * Eigen::Vector2d(normal(rng), normal(rng)),
                told_px};

@@ -47,11 +47,11 @@ TEST(FindShift, IsSharpToAFractionOfAPixelFromAPoorStart) {
 
 TEST(FindShift, SaysWhyThereIsNone) {
   const EyePicture left = eye_picture(speckle(0)), right = eye_picture(speckle(40));
-  EXPECT_FALSE(find_shift(small_eyes(), left, right, {{3, 150}, 1}, {{0, 150}, 1}, 0)
-                   .why_none.empty());
+  EXPECT_FALSE(
+      find_shift(small_eyes(), left, right, {{3, 150}, 1}, {{0, 150}, 1}, 0).why_none.empty());
   // The right eye's point is of another place, farther than what is searched.
-  EXPECT_FALSE(find_shift(small_eyes(), left, right, {{200, 150}, 1}, {{100, 150}, 1}, 0)
-                   .why_none.empty());
+  EXPECT_FALSE(
+      find_shift(small_eyes(), left, right, {{200, 150}, 1}, {{100, 150}, 1}, 0).why_none.empty());
 }
 
 }  // namespace

@@ -72,16 +72,14 @@ double coverage_of(const LengthErrors& errors) {
 }
 
 TEST(NodesOnStem, HalveTheErrorOfNodesPlacedAlone) {
-  const LengthErrors alone = errors_of(
-      [](const EyePair& e, std::span<const StemSighting> s) {
-        return nodes_by_pixels(e, s, sure_rig());
-      },
-      1, 0);
-  const LengthErrors stem = errors_of(
-      [](const EyePair& e, std::span<const StemSighting> s) {
-        return nodes_on_stem(e, s, sure_rig());
-      },
-      1, 0);
+  const LengthErrors alone =
+      errors_of([](const EyePair& e,
+                   std::span<const StemSighting> s) { return nodes_by_pixels(e, s, sure_rig()); },
+                1, 0);
+  const LengthErrors stem =
+      errors_of([](const EyePair& e,
+                   std::span<const StemSighting> s) { return nodes_on_stem(e, s, sure_rig()); },
+                1, 0);
   EXPECT_GT(alone.absolute.size(), 1400U);
   EXPECT_LT(median_of(stem), 0.0012);
   EXPECT_LT(median_of(stem), 0.6 * median_of(alone));
@@ -92,11 +90,10 @@ TEST(NodesOnStem, IntervalsHoldTheTruthAndAreNoWiderThanTheyNeedToBe) {
     SCOPED_TRACE(common_px);
     StemFitConfig config = sure_rig();
     if (common_px > 0) config.common_share = 0.5;
-    const LengthErrors errors = errors_of(
-        [&](const EyePair& e, std::span<const StemSighting> s) {
-          return nodes_on_stem(e, s, config);
-        },
-        1, common_px);
+    const LengthErrors errors =
+        errors_of([&](const EyePair& e,
+                      std::span<const StemSighting> s) { return nodes_on_stem(e, s, config); },
+                  1, common_px);
     // 1500 lengths of 300 plants: a share of 0.95 has a deviation of 0.6 to 1.3 %.
     EXPECT_GT(coverage_of(errors), 0.92);
     EXPECT_LT(coverage_of(errors), 0.975);
