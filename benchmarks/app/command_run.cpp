@@ -12,6 +12,7 @@
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/app/run_folder.h"
 #include "benchmarks/loop/attribution.h"
+#include "benchmarks/loop/keypoint_noise.h"
 #include "benchmarks/loop/pipeline_run.h"
 #include "benchmarks/loop/plan.h"
 #include "benchmarks/loop/result_folder.h"
@@ -20,12 +21,12 @@
 #include "benchmarks/loop/seeds_report.h"
 #include "benchmarks/loop/simulate.h"
 #include "benchmarks/loop/specimens_text.h"
-#include "benchmarks/loop/truth_stages.h"
 #include "benchmarks/study/shard.h"
 #include "perception/sfm/colmap_run.h"
 #include "perception/sfm/sfm_poses.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/manifest.h"
+#include "sim/types/rng.h"
 #include "sim/types/stage_clock.h"
 #include "sim/types/whole_file.h"
 
@@ -209,12 +210,9 @@ std::vector<ScoreRow> left_out_rows(const RunJob& job, std::uint64_t seed,
 }
 
 /// True seams for the stages that the pipeline has not.
-Stages stages_from_truth(const RunJob& job, const SimulatedRun& run) {
-  Stages stages;
-  for (const std::string_view stage : job.row.from_outside) {
-    if (const auto put = truth_row(stage).put) put(stages, run, SeedBoard{});
-  }
-  return stages;
+Stages stages_from_truth(const RunJob& job, const SimulatedRun& run, int scene) {
+  Rng rng = Rng(run.truth.seed).fork("keypoints").fork(static_cast<std::uint64_t>(scene));
+  return outside_stages(run, job.row, job.config.keypoints, rng());
 }
 
 /// One scene of a run: rows and specimens. The first scene's pictures go into `report`.
@@ -236,7 +234,7 @@ ScoreFile run_scene(const JobContext& context, const RunJob& job, int scene, See
        .name = labels.scene,
        .estimate_dir = estimate_dir,
        .learned = job.learned.get(),
-       .outside = stages_from_truth(job, run)},
+       .outside = stages_from_truth(job, run, scene)},
       progress, [&](const std::string& text) { context.progress.line("warning: " + text); });
   context.progress.line(labels.scene + ": " + made.summary);
   for (const std::string& text : made.unmeasured) context.progress.line(text);
@@ -249,7 +247,7 @@ ScoreFile run_scene(const JobContext& context, const RunJob& job, int scene, See
   if (o.attribution) {
     const Stages own =
         with_outside(stages_of(job.pipeline(), run.capture, o.seed, job.sources, scene),
-                     stages_from_truth(job, run), job.row);
+                     stages_from_truth(job, run, scene), job.row);
     const auto steps = attribute(run, job.pipeline(), own, labels, &made.estimate, progress);
     append({.scores = attribution_rows(steps, job.row.traits, labels)}, file);
   }

@@ -57,6 +57,7 @@ DetectionImages images_of(const fs::path& dir, const SceneTruth& truth) {
 TraitsOf traits_of(const Estimate& estimate) {
   const bool of_boxes = std::any_of(estimate.traits.begin(), estimate.traits.end(),
                                     [](const SpecimenTraits& t) { return t.frame >= 0; });
+  if (of_boxes && !estimate.fits.empty()) return TraitsOf::plants;
   return of_boxes ? TraitsOf::boxes : TraitsOf::specimens;
 }
 
@@ -77,6 +78,7 @@ Estimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
     estimate.silhouettes = read_silhouettes(dir, images);
   }
   if (fs::exists(dir / "boxes.json")) estimate.boxes = read_boxes(dir, images_of(dir, truth));
+  if (fs::exists(dir / "fits.json")) estimate.fits = read_fits(dir);
   if (fs::exists(dir / "timings.json")) estimate.timings = read_timings(dir);
   return estimate;
 }

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "benchmarks/loop/keypoint_noise.h"
 #include "benchmarks/loop/score_boxes.h"
 #include "benchmarks/loop/truth_stages.h"
 #include "benchmarks/score/trait_statistics.h"
@@ -35,7 +36,8 @@ std::vector<std::string> bars_of(const PipelineConfig& config) {
   const PipelineNeeds needed = needs(config);
   std::vector<std::string> bars = {"none"};
   for (const std::string_view stage : row.order) {
-    if (!truth_row(stage).put || (stage == "traits" && row.traits_of == TraitsOf::boxes)) continue;
+    if (!truth_row(stage).put || (stage == "traits" && row.traits_of != TraitsOf::specimens))
+      continue;
     if (std::find(needed.stages.begin(), needed.stages.end(), stage) != needed.stages.end())
       bars.emplace_back(stage);
   }
@@ -47,7 +49,9 @@ std::vector<std::string> bars_of(const PipelineConfig& config) {
 std::vector<SeamStep> attribute(const SimulatedRun& run, const PipelineConfig& config,
                                 const Stages& own, const SeedsScoreLabels& labels,
                                 const Estimate* estimate, const Progress& progress) {
-  const Stages truth = truth_stages(run, board_for(run.capture, config));
+  Stages truth = truth_stages(run, board_for(run.capture, config));
+  if (takes_keypoints(row_of(config)))
+    truth.keypoints = outside_stages(run, row_of(config), {}, 0).keypoints;
   const TraitsOf traits_of = row_of(config).traits_of;
   std::vector<std::string> replaced;
   std::vector<SeamStep> steps;

@@ -98,6 +98,8 @@ std::string why_nothing(const Estimate& estimate, const SeedsPipelineConfig& con
 std::string why_nothing(const Estimate& estimate, const PipelineConfig& config, int posed) {
   if (const auto* seeds = config.get_if<SeedsPipelineConfig>())
     return why_nothing(estimate, *seeds, posed);
+  if (row_of(config).traits_of == TraitsOf::plants)
+    return estimate.keypoints.empty() ? "no keypoints" : "no plant is measured";
   return estimate.boxes.empty() ? "no boxes" : "no box is measured";
 }
 
@@ -226,6 +228,11 @@ std::string page_summary(const PipelineConfig& config) {
              "axes of each image's camera. Intervals are 95 % bootstrap intervals, drawn by scene "
              "where there are several. The scene and the sensor are verified against theory only; "
              "no real device has been compared with them.";
+    case TraitsOf::plants:
+      return "Every number here is measured against the exact plants: their keypoints in the axes "
+             "of each frame's first camera, their internodes and heights. Intervals are 95 % "
+             "bootstrap intervals, drawn by scene where there are several. The scene and the "
+             "sensor are verified against theory only; no real device has been compared with them.";
     case TraitsOf::nothing:
       break;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "benchmarks/loop/keypoint_noise_config.h"
 #include "benchmarks/loop/rig_sight.h"
 #include "benchmarks/loop/truth_stages.h"
 
@@ -10,7 +11,9 @@ namespace cousin {
 TruthNeeds planned_truth(const PipelineConfig& pipeline, bool attribution) {
   const PipelineRow& row = row_of(pipeline);
   const bool reads_truth = row.traits_of == TraitsOf::boxes || !row.from_outside.empty();
-  return attribution || reads_truth ? truth_stage_needs() : TruthNeeds{};
+  TruthNeeds needs = attribution || reads_truth ? truth_stage_needs() : TruthNeeds{};
+  if (row.traits_of == TraitsOf::plants || takes_keypoints(row)) needs.keypoints = true;
+  return needs;
 }
 
 namespace {
@@ -143,6 +146,8 @@ const char* score_text(TraitsOf what) {
       return "traits, cloud and poses against the truth";
     case TraitsOf::boxes:
       return "what each box shows against the true surface under its middle";
+    case TraitsOf::plants:
+      return "nodes, internodes and heights of each plant against the truth";
     case TraitsOf::nothing:
       break;
   }

@@ -64,7 +64,9 @@ Fields machine_fields(RunConfig& config) {
 }
 
 Fields last_fields(RunConfig& config) {
-  return (config.pipeline ? nested("pipeline", fields(*config.pipeline)) : Fields{}) +
+  const bool has_keypoints = config.pipeline && takes_keypoints(row_of(*config.pipeline));
+  return (has_keypoints ? nested("keypoints", fields(config.keypoints)) : Fields{}) +
+         (config.pipeline ? nested("pipeline", fields(*config.pipeline)) : Fields{}) +
          nested("cousin", fields(config.cousin));
 }
 
@@ -184,6 +186,7 @@ void validate(const RunConfig& config) {
   validate(config.cached);
   validate(config.paths);
   if (config.pipeline) validate(*config.pipeline);
+  validate(config.keypoints);
   RunConfig copy = config;  // fields point into what they describe
   check_limits(nested("cousin", fields(copy.cousin)));
   if (is_twin(config.cousin)) return;

@@ -11,6 +11,7 @@
 
 #include "benchmarks/loop/box_truth.h"
 #include "benchmarks/loop/score_geometry.h"
+#include "benchmarks/loop/score_plants.h"
 #include "sim/truth/specimens.h"
 
 namespace cousin {
@@ -194,8 +195,9 @@ SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
 
 SeedsScores score_estimate(TraitsOf traits_of, const SceneTruth& truth, const Estimate& estimate,
                            const SeedsScoreLabels& labels) {
-  return traits_of == TraitsOf::boxes ? score_boxes(truth, estimate, labels)
-                                      : score_run(truth, estimate, labels);
+  if (traits_of == TraitsOf::boxes) return score_boxes(truth, estimate, labels);
+  if (traits_of == TraitsOf::plants) return score_plants(truth, estimate, labels);
+  return score_run(truth, estimate, labels);
 }
 
 }  // namespace cousin

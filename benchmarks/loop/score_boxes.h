@@ -19,7 +19,7 @@ namespace cousin {
 SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
                         const SeedsScoreLabels& labels);
 
-/// Scores an estimate as its traits ask for: score_run or score_boxes.
+/// Scores an estimate as its traits ask for: score_run, score_boxes or score_plants.
 SeedsScores score_estimate(TraitsOf traits_of, const SceneTruth& truth, const Estimate& estimate,
                            const SeedsScoreLabels& labels);
 

@@ -35,15 +35,19 @@ std::vector<std::string> unmeasured_lines(const Traits& traits) {
 
 std::string unmeasured_sentence(const std::vector<SpecimenRow>& specimens) {
   std::set<std::tuple<std::string, std::int64_t, std::int64_t>> all, measured;
-  bool is_of_boxes = false;
+  bool is_of_boxes = false, is_of_plants = false;
   for (const SpecimenRow& row : specimens) {
     is_of_boxes = is_of_boxes || row.frame >= 0;
+    is_of_plants = is_of_plants || row.trait == "internode";
     all.emplace(row.scene, row.frame, row.instance);
     if (row.status == ScoreStatus::ok) measured.emplace(row.scene, row.frame, row.instance);
   }
   if (measured.size() == all.size()) return {};
   return std::to_string(measured.size()) + " of " + std::to_string(all.size()) +
-         (is_of_boxes ? " boxes" : " specimens") + " are measured; errors are of these alone.";
+         (is_of_plants  ? " internodes and plants"
+          : is_of_boxes ? " boxes"
+                        : " specimens") +
+         " are measured; errors are of these alone.";
 }
 
 }  // namespace cousin

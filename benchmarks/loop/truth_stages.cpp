@@ -11,6 +11,7 @@
 
 #include "benchmarks/loop/box_truth.h"
 #include "benchmarks/loop/stage_pictures.h"
+#include "benchmarks/loop/stem_pictures.h"
 #include "benchmarks/loop/true_outline.h"
 #include "sim/geometry/measure.h"
 #include "sim/truth/specimens.h"
@@ -373,9 +374,7 @@ std::span<const TruthRow> truth_table() {
       row_of<&Stages::clusters, true_clusters>(
           {.stage = "clusters", .why_not_shown = "the cloud is shown as a whole"}),
       row_of<&Stages::silhouettes, true_silhouettes>({.stage = "masks", .show = show_outlines}),
-      {.stage = "fits",
-       .why_none = "a fit's model is its pipeline's own",
-       .why_not_shown = "no pipeline makes any yet"},
+      {.stage = "fits", .why_none = "a fit's model is its pipeline's own", .show = show_stems},
       row_of<&Stages::surfaces, true_surfaces>({.stage = "surfaces", .show = show_surfaces}),
       row_of<&Stages::traits, true_traits>({.stage = "traits", .show = show_numbers}),
   });

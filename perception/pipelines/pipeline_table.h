@@ -142,6 +142,7 @@ struct MethodRow {
 enum class TraitsOf {
   specimens,  ///< of each object, over all views
   boxes,      ///< of what one box of one image shows
+  plants,     ///< of one plant in one frame, and of its nodes
   nothing     ///< there are none: the scene is scored as a whole
 };
 
@@ -154,6 +155,9 @@ struct PipelineRow {
   StageOrder order;                      ///< all stages that any of its methods has
   /// Stages without one of ours: `run` puts truth there, `perceive` asks for --stage.
   std::vector<std::string_view> from_outside = {};
+  /// What the points of `keypoints` are, by the first words of their names in the scene: an entry's
+  /// first point is of the first, the others are of the rest. Empty: all points of the scene.
+  std::vector<std::string_view> keypoints = {};
   TraitsOf traits_of = TraitsOf::specimens;
   std::vector<std::string_view> traits = {};  ///< rows of trait_table()
   std::vector<MethodRow> methods;             ///< the default is the first

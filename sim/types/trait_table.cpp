@@ -22,6 +22,9 @@ std::span<const TraitRow> trait_table() {
       {"point_y", "m", "mm", 1e3, TraitScoring::absolute},
       {"point_z", "m", "mm", 1e3, TraitScoring::absolute},
       {"distance", "m", "mm", 1e3, TraitScoring::absolute},
+      {"internode", "m", "mm", 1e3},
+      {"internode_geodesic", "m", "mm", 1e3},
+      {"plant_height", "m", "mm", 1e3},
   });
   return kRows;
 }
