@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "benchmarks/loop/rig_sight.h"
+#include "benchmarks/loop/score_boxes.h"
 #include "benchmarks/loop/truth_stages.h"
 
 namespace cousin {
@@ -10,7 +11,10 @@ namespace cousin {
 TruthNeeds planned_truth(const PipelineConfig& pipeline, bool attribution) {
   const PipelineRow& row = row_of(pipeline);
   const bool reads_truth = row.traits_of == TraitsOf::boxes || !row.from_outside.empty();
-  return attribution || reads_truth ? truth_stage_needs() : TruthNeeds{};
+  TruthNeeds needs = attribution || reads_truth ? truth_stage_needs() : TruthNeeds{};
+  // Sizes of what boxes show are scored by how much of it is hidden.
+  needs.visibility = row.traits_of == TraitsOf::boxes && !are_of_points(row.traits);
+  return needs;
 }
 
 namespace {
