@@ -43,7 +43,8 @@ std::vector<Vector3d> deformed_sphere(const ClvConfig& c, Rng rng) {
                 std::sin(one.frequency * std::acos(std::clamp(d.dot(one.direction), -1.0, 1.0)));
     const double angle = std::acos(std::clamp(d.z(), -1.0, 1.0));
     const auto bell = [&](double a) { return std::exp(-a * a / (c.dent_rad * c.dent_rad)); };
-    radius *= (1 - c.stalk_dent * bell(angle)) * (1 - c.calyx_dent * bell(std::numbers::pi - angle));
+    radius *=
+        (1 - c.stalk_dent * bell(angle)) * (1 - c.calyx_dent * bell(std::numbers::pi - angle));
     points.emplace_back(radius * d);
   }
   return points;

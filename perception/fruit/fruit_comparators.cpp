@@ -181,8 +181,8 @@ FruitFit fit_allometry(const FruitSurface& surface, const FruitPrior& prior) {
   if (!(radius_m > 0) || radius_m > 1) return failed("its outline is of no circle");
   const FruitNumbers mean = numbers_of(mean_shape(prior));
   const double ratio = 2 * radius_m / mean.diameter_m.value;
-  const Vector3d centre_m = (surface.depth_m + 0.65 * radius_m) *
-                            Vector3d(circle.centre.x(), circle.centre.y(), 1);
+  const Vector3d centre_m =
+      (surface.depth_m + 0.65 * radius_m) * Vector3d(circle.centre.x(), circle.centre.y(), 1);
   return sized(centre_m, 2 * radius_m, mean.length_m.value * ratio,
                mean.volume_m3.value * std::pow(ratio, 3), prior);
 }

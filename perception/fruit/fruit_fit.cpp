@@ -35,10 +35,12 @@ struct Normal {
   FruitParameters gradient = FruitParameters::Zero();
   double cost = 0;
   double depth_squares = 0, depth_weights = 0;  ///< of residuals in sigmas
+  double rim_squares = 0, rim_places = 0;       ///< and of the fruit's own outline
 
   void add(const FruitParameters& derivative, double residual, double weight, int used) {
-    information.topLeftCorner(used, used).noalias() +=
-        weight * derivative.head(used) * derivative.head(used).transpose();
+    for (int i = 0; i < used; ++i)  // below the diagonal
+      information.col(i).segment(i, used - i) +=
+          (weight * derivative[i]) * derivative.segment(i, used - i);
     gradient.head(used) += weight * residual * derivative.head(used);
   }
 };
@@ -46,17 +48,19 @@ struct Normal {
 /// One search for a fruit.
 class Search {
  public:
-  Search(const FruitSurface& surface, const FruitPrior& prior, const FruitFitConfig& config)
-      : surface_(surface), config_(config), mean_(mean_shape(prior)), sigmas_(prior_sigmas(prior)) {
-    point_share_ = std::min(
-        1.0, surface.independent_points / static_cast<double>(std::max<std::size_t>(1, surface.points.size())));
+  Search(const FruitSurface& surface, const FruitKind& kind, const FruitFitConfig& config)
+      : surface_(surface), config_(config), mean_(kind.mean), sigmas_(kind.sigmas) {
+    point_share_ =
+        std::min(1.0, surface.independent_points /
+                          static_cast<double>(std::max<std::size_t>(1, surface.points.size())));
   }
 
   const FruitShape& mean() const { return mean_; }
   const FruitParameters& sigmas() const { return sigmas_; }
 
   /// @param stride  of points and places that are taken
-  Normal normal_at(const FruitShape& shape, bool waves, double wave_scale, std::size_t stride) const {
+  Normal normal_at(const FruitShape& shape, bool waves, double wave_scale,
+                   std::size_t stride) const {
     const int used = waves ? kFruitNumbers : kWaves;
     Normal normal;
     add_prior(shape, used, wave_scale, normal);
@@ -68,9 +72,13 @@ class Search {
     return normal;
   }
 
+  struct Found {
+    FruitShape shape;
+    Normal normal;
+  };
   /// Levenberg-Marquardt for so many steps.
-  FruitShape improved(FruitShape shape, bool waves, double wave_scale, std::size_t stride,
-                      int steps) const {
+  Found improved(FruitShape shape, bool waves, double wave_scale, std::size_t stride,
+                 int steps) const {
     const int used = waves ? kFruitNumbers : kWaves;
     double damping = 1e-3;
     Normal now = normal_at(shape, waves, wave_scale, stride);
@@ -78,7 +86,7 @@ class Search {
       Eigen::MatrixXd damped = now.information.topLeftCorner(used, used);
       damped.diagonal() *= 1 + damping;
       FruitParameters by = FruitParameters::Zero();
-      by.head(used) = -damped.ldlt().solve(now.gradient.head(used));
+      by.head(used) = -damped.selfadjointView<Eigen::Lower>().ldlt().solve(now.gradient.head(used));
       limit(by);
       const FruitShape next = changed(shape, by);
       Normal then = normal_at(next, waves, wave_scale, stride);
@@ -92,7 +100,7 @@ class Search {
       damping *= 0.1;
       if (is_done) break;
     }
-    return shape;
+    return {shape, std::move(now)};
   }
 
   /// The start with this axis in the camera.
@@ -167,21 +175,37 @@ class Search {
     if (!(first_m > 0)) return;
     const FruitDistance at_first = distance_to(shape, first_m * place.ray, false);
     const double most_m = 0.3 * shape.radius_m();
-    const double on_m = std::clamp(-at_first.normal.dot(place.ray) * shape.radius_m(), -most_m, most_m);
+    const double on_m =
+        std::clamp(-at_first.normal.dot(place.ray) * shape.radius_m(), -most_m, most_m);
     const Vector3d nearest_m = (first_m + on_m) * place.ray;
     const FruitDistance d = distance_to(shape, nearest_m, waves);
     const double sigma_m = config_.outline_sigma_px * nearest_m.z() / surface_.focal_px;
     const double r = d.distance_m / sigma_m;
-    if (r < 0 && place.beyond == Beyond::nearer) return;
-    const Robust robust = r > 0 ? huber(r) : cauchy(r);
+    // An edge that is not along the model's rim is what hides it.
+    const bool is_along = d.normal.dot(place.outward) > config_.along_rim;
+    const bool is_own = is_along && place.beyond == Beyond::farther;
+    const bool may_be_own = is_along && place.beyond == Beyond::unknown;
+    if (!is_own && r > 1) {  // the mask is of the fruit, whatever ends it
+      const Robust outside = huber(r - 1);
+      normal.add(d.derivative, d.distance_m - sigma_m, share * outside.weight / (sigma_m * sigma_m),
+                 used);
+      normal.cost += share * outside.cost;
+    }
+    if (!is_own && !may_be_own) return;
+    if (may_be_own) share *= config_.unknown_share;
+    const Robust robust = is_own && r > 0 ? huber(r) : cauchy(r);
+    if (is_own) {
+      normal.rim_squares += std::min(r * r, 16.0);
+      normal.rim_places += 1;
+    }
     normal.add(d.derivative, d.distance_m, share * robust.weight / (sigma_m * sigma_m), used);
     normal.cost += share * robust.cost;
   }
 
   const FruitSurface& surface_;
   const FruitFitConfig& config_;
-  FruitShape mean_;
-  FruitParameters sigmas_;
+  const FruitShape& mean_;
+  const FruitParameters& sigmas_;
   double point_share_ = 1;
 };
 
@@ -197,6 +221,7 @@ std::vector<Vector3d> start_axes() {
 struct Candidate {
   FruitShape shape;
   double cost = 0;
+  FruitNumbers numbers;  ///< coarsely
 };
 void sort_by_cost(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -208,15 +233,15 @@ std::vector<Candidate> candidates_of(const Search& search, const FruitFitConfig&
   constexpr int kFirstSteps = 5;
   std::vector<Candidate> candidates;
   for (const Vector3d& axis : start_axes()) {
-    Candidate one{search.improved(search.start(axis), false, 1, kStride, kFirstSteps), 0};
-    one.cost = search.normal_at(one.shape, false, 1, kStride).cost;
-    candidates.push_back(one);
+    const Search::Found found = search.improved(search.start(axis), false, 1, kStride, kFirstSteps);
+    candidates.push_back({found.shape, found.normal.cost, {}});
   }
   sort_by_cost(candidates);
-  candidates.resize(std::min<std::size_t>(candidates.size(), static_cast<std::size_t>(config.followed)));
+  candidates.resize(
+      std::min<std::size_t>(candidates.size(), static_cast<std::size_t>(config.followed)));
   for (Candidate& one : candidates) {
-    one.shape = search.improved(one.shape, false, 1, 1, config.iterations);
-    one.cost = search.normal_at(one.shape, false, 1, 1).cost;
+    const Search::Found found = search.improved(one.shape, false, 1, 1, config.iterations);
+    one = {found.shape, found.normal.cost, numbers_of(found.shape, 12)};
   }
   sort_by_cost(candidates);
   return candidates;
@@ -225,17 +250,18 @@ std::vector<Candidate> candidates_of(const Search& search, const FruitFitConfig&
 FruitCovariance covariance_of(const Normal& normal, bool waves) {
   const int used = waves ? kFruitNumbers : kWaves;
   FruitCovariance covariance = FruitCovariance::Zero();
-  covariance.topLeftCorner(used, used) = normal.information.topLeftCorner(used, used)
-                                             .ldlt()
-                                             .solve(Eigen::MatrixXd::Identity(used, used));
+  const Eigen::MatrixXd information =
+      normal.information.topLeftCorner(used, used).selfadjointView<Eigen::Lower>();
+  covariance.topLeftCorner(used, used) =
+      information.ldlt().solve(Eigen::MatrixXd::Identity(used, used));
   return covariance;
 }
 
 /// The strength of waves and of other departures from the mean shape, over the prior's, as the
 /// last fit has it: mean square over both what is found and what is not known of it. So many
 /// degrees of freedom say that it is 1.
-double scale_of_waves(const Search& search, const FruitShape& shape, const FruitCovariance& covariance,
-                      double scale) {
+double scale_of_waves(const Search& search, const FruitShape& shape,
+                      const FruitCovariance& covariance, double scale) {
   constexpr double kFor1 = 8;
   double squares = kFor1, count = kFor1;
   for (int k = kConic; k < kFruitNumbers; ++k) {
@@ -257,7 +283,7 @@ double between_axes(const std::vector<Candidate>& candidates,
     const double lead = one.cost - candidates.front().cost;
     if (lead > 12) continue;
     const double w = std::exp(-0.5 * lead);
-    const double value = number(numbers_of(one.shape));
+    const double value = number(one.numbers);
     weights += w;
     mean += w * value;
     square += w * value * value;
@@ -276,13 +302,17 @@ FruitMeasure measure(const FruitNumber& number, const FruitCovariance& covarianc
 void set_sizes(const std::vector<Candidate>& candidates, const FruitPrior& prior,
                const FruitFitConfig& config, FruitFit& fit) {
   const FruitNumbers numbers = numbers_of(fit.shape);
-  const auto size = [&](const FruitNumber& number, double (*value)(const FruitNumbers&), double dimensions) {
+  const auto size = [&](const FruitNumber& number, double (*value)(const FruitNumbers&),
+                        double dimensions) {
     return measure(number, fit.covariance, between_axes(candidates, value),
                    dimensions * config.unit_sigma, config.widen);
   };
-  fit.volume_m3 = size(numbers.volume_m3, [](const FruitNumbers& n) { return n.volume_m3.value; }, 3);
-  fit.diameter_m = size(numbers.diameter_m, [](const FruitNumbers& n) { return n.diameter_m.value; }, 1);
-  fit.length_m = size(numbers.length_m, [](const FruitNumbers& n) { return n.length_m.value; }, 1);
+  fit.volume_m3 = size(
+      numbers.volume_m3, [](const FruitNumbers& n) { return n.volume_m3.value; }, 3);
+  fit.diameter_m = size(
+      numbers.diameter_m, [](const FruitNumbers& n) { return n.diameter_m.value; }, 1);
+  fit.length_m = size(
+      numbers.length_m, [](const FruitNumbers& n) { return n.length_m.value; }, 1);
   fit.mass_kg.value = prior.density_kg_m3 * fit.volume_m3.value;
   fit.mass_kg.sigma =
       fit.mass_kg.value * std::hypot(fit.volume_m3.sigma / fit.volume_m3.value,
@@ -292,12 +322,13 @@ void set_sizes(const std::vector<Candidate>& candidates, const FruitPrior& prior
 /// Says why a fit is not to be trusted; empty: it is.
 std::string why_not(const FruitFit& fit, const Search& search, const FruitFitConfig& config) {
   if (!(fit.rms < config.most_rms))
-    return "its depths are " + std::to_string(fit.rms) + " sigmas off any such fruit: most_rms is " +
-           std::to_string(config.most_rms);
+    return "its depths are " + std::to_string(fit.rms) +
+           " sigmas off any such fruit: most_rms is " + std::to_string(config.most_rms);
   if (!(fit.volume_m3.sigma < config.most_sigma_volume * fit.volume_m3.value))
     return "too little of it is seen: its volume is known to " +
            std::to_string(100 * fit.volume_m3.sigma / fit.volume_m3.value) + " %";
-  for (const auto& [k, what] : {std::pair(static_cast<int>(kLogRadius), "size"), {static_cast<int>(kLogStretch), "length over diameter"}}) {
+  for (const auto& [k, what] : {std::pair(static_cast<int>(kLogRadius), "size"),
+                                {static_cast<int>(kLogStretch), "length over diameter"}}) {
     const double odd = (fit.shape.numbers[k] - search.mean().numbers[k]) / search.sigmas()[k];
     if (std::abs(odd) > config.most_odd)
       return "its " + std::string(what) + " is " + std::to_string(odd) +
@@ -314,6 +345,9 @@ Fields fields(FruitFitConfig& c) {
       {"followed", &c.followed, "starts, of those that are tried", 1, 7},
       {"wave_rounds", &c.wave_rounds, "in which the waves' strength is found; 0: no waves", 0, 100},
       {"outline_sigma_px", &c.outline_sigma_px, "sigma of a place of the outline", 0.01, 100},
+      {"along_rim", &c.along_rim, "cosine of an edge's turn against the rim; less is not the rim",
+       -1, 1},
+      {"unknown_share", &c.unknown_share, "weight of an outline with no depth beyond it", 0, 1},
       {"floor_m", &c.floor_m, "sigma of a surface finer than the model's", 1e-6, 1},
       {"unit_sigma", &c.unit_sigma, "sigma of what all lengths of a unit are off, over them", 0, 1},
       {"lean_sigma", &c.lean_sigma, "sigma of the axis sideways", 0.01, 100},
@@ -330,12 +364,13 @@ void validate(const FruitFitConfig& config) {
   check_limits(fields(copy), "fit");
 }
 
-FruitFit unseen_fruit(const FruitPrior& prior, const std::string& reason) {
+FruitFit unseen_fruit(const FruitKind& kind, const std::string& reason) {
+  const FruitPrior& prior = kind.prior;
   FruitFit fit;
   fit.status = FitStatus::too_few_points;
   fit.reason = reason;
-  fit.shape = mean_shape(prior);
-  const FruitNumbers numbers = numbers_of(fit.shape);
+  fit.shape = kind.mean;
+  const FruitNumbers numbers = numbers_of(fit.shape, 12);
   const double size = prior.sigma_diameter, index = prior.sigma_shape_index / prior.shape_index;
   const double volume = std::hypot(3 * size, index);
   fit.volume_m3 = {numbers.volume_m3.value, volume * numbers.volume_m3.value};
@@ -347,29 +382,31 @@ FruitFit unseen_fruit(const FruitPrior& prior, const std::string& reason) {
   return fit;
 }
 
-FruitFit fit_fruit(const FruitSurface& surface, const FruitPrior& prior,
+FruitFit fit_fruit(const FruitSurface& surface, const FruitKind& kind,
                    const FruitFitConfig& config) {
-  if (!surface.why_none.empty()) return unseen_fruit(prior, surface.why_none);
-  const Search search(surface, prior, config);
+  if (!surface.why_none.empty()) return unseen_fruit(kind, surface.why_none);
+  const Search search(surface, kind, config);
   const std::vector<Candidate> candidates = candidates_of(search, config);
   FruitFit fit;
   fit.shape = candidates.front().shape;
   const bool waves = config.wave_rounds > 0;
+  Normal last = search.normal_at(fit.shape, false, 1, 1);
   for (int round = 0; round < config.wave_rounds; ++round) {
-    fit.shape = search.improved(fit.shape, true, fit.wave_scale, 1, round == 0 ? 2 : 1);
-    const Normal normal = search.normal_at(fit.shape, true, fit.wave_scale, 1);
-    fit.wave_scale =
-        scale_of_waves(search, fit.shape, covariance_of(normal, true), fit.wave_scale);
+    Search::Found found = search.improved(fit.shape, true, fit.wave_scale, 1, round == 0 ? 2 : 1);
+    fit.shape = found.shape;
+    last = std::move(found.normal);
+    if (round + 1 < config.wave_rounds)
+      fit.wave_scale = scale_of_waves(search, fit.shape, covariance_of(last, true), fit.wave_scale);
   }
-  const Normal last = search.normal_at(fit.shape, waves, fit.wave_scale, 1);
   fit.rms = std::sqrt(last.depth_squares / std::max(1.0, last.depth_weights));
-  const double spread = std::max(1.0, fit.rms);
+  const double rim = std::sqrt(last.rim_squares / std::max(1.0, last.rim_places));
+  const double spread = std::max({1.0, fit.rms, rim});
   fit.covariance = spread * spread * covariance_of(last, waves);
-  set_sizes(candidates, prior, config, fit);
+  set_sizes(candidates, kind.prior, config, fit);
   fit.reason = why_not(fit, search, config);
   fit.status = fit.reason.empty() ? FitStatus::ok : FitStatus::degenerate;
   if (!fit.covariance.allFinite() || !std::isfinite(fit.volume_m3.value))
-    return unseen_fruit(prior, "its fit does not converge");
+    return unseen_fruit(kind, "its fit does not converge");
   return fit;
 }
 

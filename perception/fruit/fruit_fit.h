@@ -9,19 +9,21 @@ namespace cousin {
 
 /// How a fruit's whole surface, its hidden side too, is found from what is seen of it.
 struct FruitFitConfig {
-  int iterations = 8;        ///< of each start that is followed
-  int followed = 3;          ///< starts, of those that are tried
-  int wave_rounds = 6;       ///< in which the waves' strength is found; 0: no waves
-  double outline_sigma_px = 0.5;   ///< of a place of the outline
-  double floor_m = 0.0004;         ///< sigma of a surface finer than the model's
-  double unit_sigma = 0.003;  ///< of what all lengths of a unit are off, over them
+  int iterations = 8;             ///< of each start that is followed
+  int followed = 3;               ///< starts, of those that are tried
+  int wave_rounds = 6;            ///< in which the waves' strength is found; 0: no waves
+  double outline_sigma_px = 0.5;  ///< of a place of the outline
+  double along_rim = 0.85;     ///< cosine of an edge against the rim; less is no rim
+  double unknown_share = 0.3;  ///< weight of an outline with no depth beyond it
+  double floor_m = 0.0004;        ///< sigma of a surface finer than the model's
+  double unit_sigma = 0.003;      ///< of what all lengths of a unit are off, over them
   /// Sigmas of the axis beside upright in the image: cameras are held level, fruits hang.
-  double lean_sigma = 0.5;   ///< sideways, of the axis's unit vector
-  double pitch_sigma = 0.8;  ///< towards the camera or away
-  double most_rms = 4;       ///< residuals of more sigmas are of no such fruit
+  double lean_sigma = 0.5;         ///< sideways, of the axis's unit vector
+  double pitch_sigma = 0.8;        ///< towards the camera or away
+  double most_rms = 4;             ///< residuals of more sigmas are of no such fruit
   double most_sigma_volume = 0.3;  ///< over the volume; more is too little seen
-  double most_odd = 3.5;     ///< sigmas of the prior that a size or shape may be off
-  double widen = 1;          ///< times all sigmas; fitted to coverage on other seeds
+  double most_odd = 3.5;           ///< sigmas of the prior that a size or shape may be off
+  double widen = 1;                ///< times all sigmas; fitted to coverage on other seeds
 };
 Fields fields(FruitFitConfig& config);
 void validate(const FruitFitConfig& config);
@@ -37,8 +39,8 @@ struct FruitFit {
   FruitShape shape;
   FruitCovariance covariance = FruitCovariance::Zero();
   FruitMeasure volume_m3, diameter_m, length_m, mass_kg;
-  double rms = kNaN;         ///< of depths about the surface, over their sigmas
-  double wave_scale = 1;     ///< strength of the waves found, over the prior's
+  double rms = kNaN;      ///< of depths about the surface, over their sigmas
+  double wave_scale = 1;  ///< strength of the waves found, over the prior's
 };
 
 /// Most probable shape by its prior, depths and outline [Levenberg-Marquardt from several axes]:
@@ -50,10 +52,10 @@ struct FruitFit {
 ///   that fruits of another shape than the prior's get wider intervals;
 /// - sigmas are those of the linearised posterior, times the residuals' spread where that is more
 ///   than expected, with what other axes that fit as well would give.
-FruitFit fit_fruit(const FruitSurface& surface, const FruitPrior& prior = {},
+FruitFit fit_fruit(const FruitSurface& surface, const FruitKind& kind,
                    const FruitFitConfig& config = {});
 
 /// What is known of a fruit that is not seen: the prior's means and sigmas.
-FruitFit unseen_fruit(const FruitPrior& prior, const std::string& reason);
+FruitFit unseen_fruit(const FruitKind& kind, const std::string& reason);
 
 }  // namespace cousin

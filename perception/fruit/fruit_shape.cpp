@@ -41,8 +41,8 @@ void add_low_waves(const Vector3d& d, WaveValues& w) {
 void add_fourth_waves(const Vector3d& d, WaveValues& w) {
   const double x = d.x(), y = d.y(), z = d.z();
   const double x2 = x * x, y2 = y * y, z2 = z * z;
-  const double a = 3 * std::sqrt(10.0) / 4, b = 3 * std::sqrt(5.0) / 4,
-               c = 3 * std::sqrt(70.0) / 4, e = 3 * std::sqrt(35.0) / 8;
+  const double a = 3 * std::sqrt(10.0) / 4, b = 3 * std::sqrt(5.0) / 4, c = 3 * std::sqrt(70.0) / 4,
+               e = 3 * std::sqrt(35.0) / 8;
   w[9] = {0.375 * (35 * z2 * z2 - 30 * z2 + 3), 0.375 * Vector3d(0, 0, 140 * z2 * z - 60 * z)};
   const double u = z * (7 * z2 - 3), v = 7 * z2 - 1;
   w[10] = {a * x * u, a * Vector3d(u, 0, x * (21 * z2 - 3))};
@@ -86,8 +86,8 @@ Radius radius_in(const FruitShape& shape, const Vector3d& d, bool waves) {
   Radius r;
   r.value = base * dents;
   r.gradient = dents * Vector3d(n[kLopsidedX], n[kLopsidedY], n[kConic]);
-  r.gradient.z() += base * (n[kCalyxDent] * low.by_cosine * with_top -
-                            n[kStalkDent] * top.by_cosine * with_low);
+  r.gradient.z() +=
+      base * (n[kCalyxDent] * low.by_cosine * with_top - n[kStalkDent] * top.by_cosine * with_low);
   r.derivative[kConic] = d.z() * dents;
   r.derivative[kLopsidedX] = d.x() * dents;
   r.derivative[kLopsidedY] = d.y() * dents;
@@ -200,6 +200,10 @@ FruitParameters prior_sigmas(const FruitPrior& prior) {
   return sigmas;
 }
 
+FruitKind kind_of(const FruitPrior& prior) {
+  return {prior, mean_shape(prior), prior_sigmas(prior)};
+}
+
 FruitDistance distance_to(const FruitShape& shape, const Vector3d& point_m, bool waves) {
   const double radius_m = shape.radius_m(), stretch = shape.stretch();
   const Vector3d x_m = shape.camera_from_fruit.transpose() * (point_m - shape.centre_m());
@@ -236,18 +240,18 @@ FruitShape changed(const FruitShape& shape, const FruitParameters& by) {
   return result;
 }
 
-FruitNumbers numbers_of(const FruitShape& shape) {
-  constexpr int kRows = 36, kColumns = 36, kWidths = 18;  // columns stand where widths are taken
+FruitNumbers numbers_of(const FruitShape& shape, int rows) {
+  const int widths = rows / 2;  // columns stand where widths are taken
   constexpr double kPi = std::numbers::pi;
   std::vector<Vector3d> directions, points_m;
   FruitNumbers result;
   const double scale = std::pow(shape.radius_m(), 3) * shape.stretch();
-  for (int i = 0; i < kRows; ++i) {
-    const double angle = (i + 0.5) * kPi / kRows;
-    for (int k = 0; k < kColumns; ++k) {
-      const Vector3d d = direction(angle, 2 * kPi * k / kColumns);
+  for (int i = 0; i < rows; ++i) {
+    const double angle = (i + 0.5) * kPi / rows;
+    for (int k = 0; k < rows; ++k) {
+      const Vector3d d = direction(angle, 2 * kPi * k / rows);
       const Radius r = radius_in(shape, d, true);
-      const double part = std::sin(angle) * (kPi / kRows) * (2 * kPi / kColumns) * scale;
+      const double part = std::sin(angle) * (kPi / rows) * (2 * kPi / rows) * scale;
       result.volume_m3.value += part * std::pow(r.value, 3) / 3;
       result.volume_m3.derivative += part * r.value * r.value * r.derivative;
       directions.push_back(d);
@@ -257,11 +261,11 @@ FruitNumbers numbers_of(const FruitShape& shape) {
   }
   result.volume_m3.derivative[kLogRadius] = 3 * result.volume_m3.value;
   result.volume_m3.derivative[kLogStretch] = result.volume_m3.value;
-  for (int k = 0; k < kWidths; ++k) {
+  for (int k = 0; k < widths; ++k) {
     const FruitNumber one =
-        extent(shape, directions, points_m, direction(kPi / 2, kPi * k / kWidths));
-    result.diameter_m.value += one.value / kWidths;
-    result.diameter_m.derivative += one.derivative / kWidths;
+        extent(shape, directions, points_m, direction(kPi / 2, kPi * k / widths));
+    result.diameter_m.value += one.value / widths;
+    result.diameter_m.derivative += one.derivative / widths;
   }
   result.length_m = extent(shape, directions, points_m, Vector3d::UnitZ());
   return result;
@@ -271,11 +275,12 @@ std::vector<Vector3d> points_of(const FruitShape& shape, int rows, int columns) 
   std::vector<Vector3d> points_m;
   for (int i = 0; i < rows; ++i) {
     for (int k = 0; k < columns; ++k) {
-      const Vector3d d = direction((i + 0.5) * std::numbers::pi / rows,
-                                   2 * std::numbers::pi * k / columns);
+      const Vector3d d =
+          direction((i + 0.5) * std::numbers::pi / rows, 2 * std::numbers::pi * k / columns);
       const double r = shape.radius_m() * radius_in(shape, d, true).value;
-      points_m.push_back(shape.centre_m() + shape.camera_from_fruit *
-                                                (r * Vector3d(d.x(), d.y(), d.z() * shape.stretch())));
+      points_m.push_back(shape.centre_m() +
+                         shape.camera_from_fruit *
+                             (r * Vector3d(d.x(), d.y(), d.z() * shape.stretch())));
     }
   }
   return points_m;

@@ -14,23 +14,23 @@ namespace cousin {
 /// shape's numbers are fitted to apples drawn from the scene with seeds that no suite scores.
 /// Lengths in metres; means, and standard deviations of normal distributions.
 struct FruitPrior {
-  double diameter_m = 0.088;       ///< mean extent across the axis
-  double sigma_diameter = 0.09;    ///< over the mean: wide, trees and years differ
-  double shape_index = 0.86;       ///< length along the axis over diameter
+  double diameter_m = 0.088;     ///< mean extent across the axis
+  double sigma_diameter = 0.09;  ///< over the mean: wide, trees and years differ
+  double shape_index = 0.86;     ///< length along the axis over diameter
   double sigma_shape_index = 0.035;
-  double conic = 0.08;             ///< wider to the stalk, over the radius
+  double conic = 0.08;  ///< wider to the stalk, over the radius
   double sigma_conic = 0.02;
-  double sigma_lopsided = 0.021;   ///< one side's excess over the radius, each of two directions
-  double stalk_dent = 0.44;        ///< depth over the radius
-  double stalk_dent_rad = 0.24;    ///< where it is e times shallower
+  double sigma_lopsided = 0.021;  ///< one side's excess over the radius, each of two directions
+  double stalk_dent = 0.44;       ///< depth over the radius
+  double stalk_dent_rad = 0.24;   ///< where it is e times shallower
   double calyx_dent = 0.25;
   double calyx_dent_rad = 0.18;
-  double sigma_dents = 0.12;       ///< of both depths, over their means
+  double sigma_dents = 0.12;  ///< of both depths, over their means
   /// Of each wave (spherical harmonic of unit mean square) of degree 2, 3 and 4, over the radius.
   double sigma_waves_2 = 0.002;
   double sigma_waves_3 = 0.0015;
   double sigma_waves_4 = 0.001;
-  double density_kg_m3 = 858;      ///< [Korean Journal of Food Preservation 21(5), 618, 2014]
+  double density_kg_m3 = 858;  ///< [Korean Journal of Food Preservation 21(5), 618, 2014]
   double sigma_density_kg_m3 = 14;
 };
 Fields fields(FruitPrior& prior);
@@ -75,6 +75,14 @@ FruitShape mean_shape(const FruitPrior& prior);
 /// Standard deviations of the numbers; infinite for those that say where it is.
 FruitParameters prior_sigmas(const FruitPrior& prior);
 
+/// A prior and what follows from it, found once for all fruits of a kind.
+struct FruitKind {
+  FruitPrior prior;
+  FruitShape mean;
+  FruitParameters sigmas;
+};
+FruitKind kind_of(const FruitPrior& prior);
+
 /// The signed distance of a point from the surface, to first order, and its derivative by all
 /// numbers. Positive outside.
 struct FruitDistance {
@@ -97,7 +105,9 @@ struct FruitNumbers {
   FruitNumber volume_m3, diameter_m, length_m;
 };
 /// Volume, mean extent across the axis and extent along it.
-FruitNumbers numbers_of(const FruitShape& shape);
+/// @param rows  from pole to pole, on which the surface is sampled, and as many about the axis;
+/// even
+FruitNumbers numbers_of(const FruitShape& shape, int rows = 36);
 
 /// Points of the surface, in the camera: `rows` from pole to pole by `columns` about the axis.
 std::vector<Eigen::Vector3d> points_of(const FruitShape& shape, int rows, int columns);

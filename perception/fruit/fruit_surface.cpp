@@ -178,19 +178,29 @@ std::vector<EdgeStep> edge_of(const Region& region, const Image<float>& away, in
   return edge;
 }
 
-/// What stands beyond an edge: the median of depths on the way outward, and of another box's mask
-/// the same. What is nearer than the fruit's own rim can be may hide it.
-Beyond beyond_of(const FrameDepth& depth, const EdgeStep& step, double rim_m, double look_out_px) {
-  std::vector<double> found;
-  for (const double far : {look_out_px - 1.5, look_out_px, look_out_px + 1.5}) {
-    const Eigen::Vector2d at = step.at_px + far * step.outward;
-    const int x = static_cast<int>(std::lround(at.x())), y = static_cast<int>(std::lround(at.y()));
-    if (!depth.depth_m.contains(x, y)) continue;
-    const auto z_m = static_cast<double>(depth.depth_m(x, y));
-    if (z_m > 0) found.push_back(z_m);
+double depth_at(const FrameDepth& depth, const Eigen::Vector2d& at) {
+  const int x = static_cast<int>(std::lround(at.x())), y = static_cast<int>(std::lround(at.y()));
+  return depth.depth_m.contains(x, y) ? static_cast<double>(depth.depth_m(x, y)) : kNaN;
+}
+
+/// What stands beyond an edge. What hides a fruit is nearer than the fruit is where it ends, and
+/// what the rim stands before is farther. Near the edge the sensor smears the one into the other.
+Beyond beyond_of(const FrameDepth& depth, const EdgeStep& step, double middle_m,
+                 const FruitSurfaceConfig& config) {
+  std::vector<double> inner, outer;
+  for (const double in : {3.0, 4.5, 6.0}) {
+    const double z_m = depth_at(depth, step.at_px - in * step.outward);
+    if (z_m > 0 && std::abs(z_m - middle_m) < config.largest_fruit_m) inner.push_back(z_m);
   }
-  if (found.empty()) return Beyond::unknown;
-  return middle_of(found) > rim_m ? Beyond::farther : Beyond::nearer;
+  const double own_m = inner.empty() ? middle_m : middle_of(inner);
+  for (const double out : {0.2, 0.4, 0.6, 0.8, 1.0, 1.2}) {
+    const double z_m = depth_at(depth, step.at_px + out * config.look_out_px * step.outward);
+    if (!(z_m > 0)) continue;
+    if (z_m < own_m - config.before_m) return Beyond::nearer;
+    if (out > 0.7) outer.push_back(z_m);
+  }
+  if (outer.empty()) return Beyond::unknown;
+  return middle_of(outer) > own_m + config.behind_m ? Beyond::farther : Beyond::unknown;
 }
 
 FruitSurface no_surface(FruitSurface surface, const std::string& why) {
@@ -213,8 +223,6 @@ bool is_cut(const Region& region, int width, int height) {
 void add_outline(const FrameDepth& depth, const Lens& lens, const std::vector<EdgeStep>& edge,
                  const FruitSurfaceConfig& config, FruitSurface& surface) {
   surface.outline_length_px = static_cast<double>(edge.size()) * std::numbers::pi / 4;
-  // The rim lies behind the median of what is seen by up to its radius.
-  const double rim_m = surface.depth_m + config.rim_behind_m;
   for (const EdgeStep& step : thinned(edge, config.most_outline)) {
     const auto ray = lens.unproject(step.at_px);
     const auto out = lens.unproject(step.at_px + step.outward);
@@ -222,7 +230,7 @@ void add_outline(const FrameDepth& depth, const Lens& lens, const std::vector<Ed
     OutlinePlace place;
     place.ray = *ray;
     place.outward = (*out - *ray * ray->dot(*out)).normalized();
-    place.beyond = beyond_of(depth, step, rim_m, config.look_out_px);
+    place.beyond = beyond_of(depth, step, surface.depth_m, config);
     surface.outline.push_back(place);
   }
 }
@@ -230,21 +238,21 @@ void add_outline(const FrameDepth& depth, const Lens& lens, const std::vector<Ed
 }  // namespace
 
 Fields fields(FruitSurfaceConfig& c) {
-  return {{"rim_px", &c.rim_px, "depths so near to the mask's edge are mixed", 0, 100},
-          {"least_rim_px", &c.least_rim_px, "what is left of that where a mask is thin", 0, 100},
-          {"most_points", &c.most_points, "points of the surface", 10, 100000},
-          {"most_outline", &c.most_outline, "places of the outline", 8, 100000},
-          {"least_depths", &c.least_depths, "fewer are no surface", 4, 100000},
-          {"least_share", &c.least_share, "of inner pixels with depth; less is no surface", 0, 1},
-          {"rim_behind_m", &c.rim_behind_m,
-           "what is so far behind the middle of the depths hides no rim", 0, 1},
-          {"look_out_px", &c.look_out_px, "from the outline to where what is beside it is seen", 1,
-           100},
-          {"largest_fruit_m", &c.largest_fruit_m, "depths farther from their median are not of it",
-           0.01, 1},
-          {"smallest_fruit_m", &c.smallest_fruit_m, "a visible part of less is too little", 0.001,
-           1},
-          {"correlated_px", &c.correlated_px, "depths within this err alike", 1, 100}};
+  return {
+      {"rim_px", &c.rim_px, "depths so near to the mask's edge are mixed", 0, 100},
+      {"least_rim_px", &c.least_rim_px, "what is left of that where a mask is thin", 0, 100},
+      {"most_points", &c.most_points, "points of the surface", 10, 100000},
+      {"most_outline", &c.most_outline, "places of the outline", 8, 100000},
+      {"least_depths", &c.least_depths, "fewer are no surface", 4, 100000},
+      {"least_share", &c.least_share, "of inner pixels with depth; less is no surface", 0, 1},
+          {"before_m", &c.before_m, "what is so far before the fruit's edge may hide it", 0, 1},
+          {"behind_m", &c.behind_m, "what is so far behind the fruit's edge does not", 0, 1},
+      {"look_out_px", &c.look_out_px, "from the outline to where what is beside it is seen", 1,
+       100},
+      {"largest_fruit_m", &c.largest_fruit_m, "depths farther from their median are not of it",
+       0.01, 1},
+      {"smallest_fruit_m", &c.smallest_fruit_m, "a visible part of less is too little", 0.001, 1},
+      {"correlated_px", &c.correlated_px, "depths within this err alike", 1, 100}};
 }
 
 void validate(const FruitSurfaceConfig& config) {
@@ -260,9 +268,9 @@ FruitSurface fruit_surface(const FrameDepth& depth, const Camera& camera, const 
   if (depth.depth_m.empty()) return no_surface(surface, "the frame has no depth");
   if (!box.mask.empty() && box.image_px != Eigen::Vector2i::Zero() &&
       box.image_px != Eigen::Vector2i(width, height))
-    return no_surface(surface, "its mask is of an image of " + std::to_string(box.image_px.x()) + " x " +
-                             std::to_string(box.image_px.y()) + "; the depth is of " +
-                             std::to_string(width) + " x " + std::to_string(height));
+    return no_surface(surface, "its mask is of an image of " + std::to_string(box.image_px.x()) +
+                                   " x " + std::to_string(box.image_px.y()) + "; the depth is of " +
+                                   std::to_string(width) + " x " + std::to_string(height));
   const Region region = region_of(box, width, height);
   surface.mask_px = region.pixels;
   if (region.pixels == 0) return no_surface(surface, "no pixel of the image is in it");
@@ -275,7 +283,7 @@ FruitSurface fruit_surface(const FrameDepth& depth, const Camera& camera, const 
   surface.share_with_depth = inner.all > 0 ? found / inner.all : 0;
   if (found < config.least_depths || surface.share_with_depth < config.least_share)
     return no_surface(surface, std::to_string(inner.with_depth.size()) + " of its " +
-                             std::to_string(inner.all) + " inner pixels have depth");
+                                   std::to_string(inner.all) + " inner pixels have depth");
   std::vector<double> depths;
   for (const InnerPixel& pixel : inner.with_depth) depths.push_back(pixel.depth_m);
   surface.depth_m = middle_of(depths);
@@ -291,8 +299,7 @@ FruitSurface fruit_surface(const FrameDepth& depth, const Camera& camera, const 
     if (ray && ray->z() > 0)
       surface.points.push_back({*ray * (pixel.depth_m / ray->z()), pixel.sigma_m});
   }
-  surface.independent_points =
-      std::max(1.0, found / (config.correlated_px * config.correlated_px));
+  surface.independent_points = std::max(1.0, found / (config.correlated_px * config.correlated_px));
   add_outline(depth, lens, edge_of(region, away, width, height), config, surface);
   return surface;
 }

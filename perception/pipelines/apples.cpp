@@ -93,7 +93,7 @@ double parameter_of(const ObjectFit& fit, const std::string& name, double* sigma
 }
 
 FruitFit fit_of(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                const ApplesPipelineConfig& config, std::uint64_t seed) {
+                const FruitKind& kind, const ApplesPipelineConfig& config, std::uint64_t seed) {
   if (config.method == ApplesMethod::paper)
     return fit_clv(depth, camera, box, config.clv, seed + static_cast<std::uint64_t>(box.id));
   const FruitSurface surface = fruit_surface(depth, camera, box, config.surface);
@@ -107,7 +107,7 @@ FruitFit fit_of(const FrameDepth& depth, const Camera& camera, const DetectedBox
     case ApplesMethod::allometry:
       return fit_allometry(surface, config.prior);
     default:
-      return fit_fruit(surface, config.prior, config.fit);
+      return fit_fruit(surface, kind, config.fit);
   }
 }
 
@@ -136,6 +136,7 @@ Fits fits_of(const Capture& capture, const Estimate& so_far, const ApplesPipelin
              std::uint64_t seed) {
   const auto places = places_of_frames(capture);
   const std::vector<const DetectedBox*> boxes = boxes_of_first(capture, so_far.boxes);
+  const FruitKind kind = kind_of(config.prior);
   Fits fits(boxes.size());
   tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t i) {
     const DetectedBox& box = *boxes[i];
@@ -143,7 +144,7 @@ Fits fits_of(const Capture& capture, const Estimate& so_far, const ApplesPipelin
     const FrameDepth none;
     const FrameDepth& depth = so_far.depths.empty() ? none : so_far.depths[place];
     const Camera& camera = capture.frames[place].sensors.front().reported;
-    fits[i] = seam_of(fit_of(depth, camera, box, config, seed), box, config.method);
+    fits[i] = seam_of(fit_of(depth, camera, box, kind, config, seed), box, config.method);
   });
   return fits;
 }
@@ -200,8 +201,7 @@ FruitShape shape_of(const ObjectFit& fit) {
   const Eigen::Vector3d turn(parameter_of(fit, "rotation_x"), parameter_of(fit, "rotation_y"),
                              parameter_of(fit, "rotation_z"));
   if (turn.norm() > 0)
-    shape.camera_from_fruit =
-        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+    shape.camera_from_fruit = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
   return shape;
 }
 
@@ -235,7 +235,7 @@ Stages stages_for(const ApplesPipelineConfig& config, const Capture& /*capture*/
                   std::uint64_t seed, const SplatWatch& /*watch*/) {
   Stages stages;
   stages.depths = [config](const Capture& capture, const Estimate&) {
-    return depths_in_cameras(capture, config.sensor_depth);
+    return gathered_depths(capture, config.sensor_depth);
   };
   stages.fits = [config, seed](const Capture& capture, const Estimate& so_far) {
     return fits_of(capture, so_far, config, seed);

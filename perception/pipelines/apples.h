@@ -9,7 +9,7 @@
 #include "perception/pipelines/estimate.h"
 #include "perception/pipelines/pipeline_needs.h"
 #include "perception/pipelines/seeds_splats.h"
-#include "perception/stereo/sensor_depth.h"
+#include "perception/stereo/gathered_depth.h"
 
 namespace cousin {
 

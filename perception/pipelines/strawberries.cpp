@@ -16,6 +16,21 @@ namespace {
 constexpr std::array<Named<StrawberriesMethod>, 2> kStrawberryMethods = {
     {{StrawberriesMethod::ours, "ours"}, {StrawberriesMethod::paper, "paper"}}};
 
+/// The whole of space, in each camera's own axes.
+Depths aligned_depths(const Capture& capture, const SensorDepthConfig& config) {
+  Poses cameras;
+  for (const Frame& frame : capture.frames) {
+    FramePose pose;
+    pose.frame = frame.id;
+    pose.status = PoseStatus::ok;
+    pose.camera = frame.sensors.front().reported;
+    cameras.push_back(pose);
+  }
+  constexpr double kFar_m = 1e6;
+  const DepthVolume all{Eigen::Vector3d::Constant(-kFar_m), Eigen::Vector3d::Constant(kFar_m), 0};
+  return depths_of_sensor(capture, cameras, all, config);
+}
+
 SpecimenTraits traits_of(const DetectedBox& box, const FruitPoint& point) {
   SpecimenTraits traits;
   traits.instance = box.id;
@@ -94,7 +109,7 @@ Stages stages_for(const StrawberriesPipelineConfig& config, const Capture& /*cap
                   std::uint64_t /*seed*/, const SplatWatch& /*watch*/) {
   Stages stages;
   stages.depths = [config](const Capture& capture, const Estimate&) {
-    return depths_in_cameras(capture, config.sensor_depth);
+    return aligned_depths(capture, config.sensor_depth);
   };
   stages.traits = [config](const Capture& capture, const Estimate& so_far) {
     return points_of(capture, so_far, config);

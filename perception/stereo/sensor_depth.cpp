@@ -179,20 +179,6 @@ Depths depths_of_sensor(const Capture& capture, const Poses& poses, const DepthV
   return depths;
 }
 
-Depths depths_in_cameras(const Capture& capture, const SensorDepthConfig& config) {
-  Poses cameras;
-  for (const Frame& frame : capture.frames) {
-    FramePose pose;
-    pose.frame = frame.id;
-    pose.status = PoseStatus::ok;
-    pose.camera = frame.sensors.front().reported;
-    cameras.push_back(pose);
-  }
-  constexpr double kFar_m = 1e6;
-  const DepthVolume all{Eigen::Vector3d::Constant(-kFar_m), Eigen::Vector3d::Constant(kFar_m), 0};
-  return depths_of_sensor(capture, cameras, all, config);
-}
-
 Poses poses_of_rig(const Capture& capture) {
   Poses poses;
   for (const Frame& frame : capture.frames) {

@@ -52,9 +52,6 @@ PlateResidual plate_residual(const Image<float>& depth_m, const FramePose& pose,
 Depths depths_of_sensor(const Capture& capture, const Poses& poses, const DepthVolume& volume,
                         const SensorDepthConfig& config = {});
 
-/// The same in each camera's own axes, all of space, for what needs no pose.
-Depths depths_in_cameras(const Capture& capture, const SensorDepthConfig& config = {});
-
 /// Poses of a rig that knows where it is, of its first sensor; `no_board` for frames that do not
 /// say.
 Poses poses_of_rig(const Capture& capture);
