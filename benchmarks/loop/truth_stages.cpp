@@ -375,7 +375,7 @@ std::span<const TruthRow> truth_table() {
       row_of<&Stages::silhouettes, true_silhouettes>({.stage = "masks", .show = show_outlines}),
       {.stage = "fits",
        .why_none = "a fit's model is its pipeline's own",
-       .why_not_shown = "no pipeline makes any yet"},
+       .why_not_shown = "the numbers show what it gives"},
       row_of<&Stages::surfaces, true_surfaces>({.stage = "surfaces", .show = show_surfaces}),
       row_of<&Stages::traits, true_traits>({.stage = "traits", .show = show_numbers}),
   });

@@ -54,6 +54,25 @@ Scaled scaled(const FruitSurface& surface) {
   return s;
 }
 
+/// Least squares of the points' distances from a sphere, from a first centre and radius.
+Eigen::Vector4d nearest_ball(const std::vector<Vector3d>& points, Eigen::Vector4d ball) {
+  constexpr int kSteps = 15;
+  for (int step = 0; step < kSteps; ++step) {
+    Eigen::Matrix4d normal = 1e-9 * Eigen::Matrix4d::Identity();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    for (const Vector3d& p : points) {
+      const Vector3d from = p - ball.head<3>();
+      const double norm = std::max(1e-9, from.norm());
+      Eigen::Vector4d slope;
+      slope << from / norm, 1;
+      normal += slope * slope.transpose();
+      right += (norm - ball[3]) * slope;
+    }
+    ball += normal.ldlt().solve(right);
+  }
+  return ball;
+}
+
 /// Circle by three places of a plane; radius NaN where they lie in a line.
 struct Circle {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
@@ -89,7 +108,8 @@ Circle agreed_circle(const std::vector<Eigen::Vector2d>& places, double near) {
         if (!std::isfinite(circle.radius)) continue;
         std::vector<Eigen::Vector2d> agree;
         for (const Eigen::Vector2d& p : places) {
-          if (std::abs((p - circle.centre).norm() - circle.radius) < near) agree.push_back(p);
+          if (std::abs((p - circle.centre).norm() - circle.radius) < near * circle.radius)
+            agree.push_back(p);
         }
         if (agree.size() > best.size()) best = std::move(agree);
       }
@@ -111,9 +131,12 @@ FruitFit fit_sphere(const FruitSurface& surface, const FruitPrior& prior) {
     right += p.squaredNorm() * term;
   }
   const Eigen::Vector4d found = normal.ldlt().solve(right);
-  const double radius_m = s.scale_m * std::sqrt(found[3] + found.head<3>().squaredNorm());
+  const Eigen::Vector4d ball = nearest_ball(
+      s.points,
+      {found[0], found[1], found[2], std::sqrt(found[3] + found.head<3>().squaredNorm())});
+  const double radius_m = s.scale_m * ball[3];
   if (!(radius_m > 0) || radius_m > 1) return failed("its depths are of no sphere");
-  return sized(s.mean_m + s.scale_m * found.head<3>(), 2 * radius_m, 2 * radius_m,
+  return sized(s.mean_m + s.scale_m * ball.head<3>(), 2 * radius_m, 2 * radius_m,
                4 * std::numbers::pi / 3 * std::pow(radius_m, 3), prior);
 }
 
@@ -173,7 +196,8 @@ FruitFit fit_allometry(const FruitSurface& surface, const FruitPrior& prior) {
       places.emplace_back(place.ray.x() / place.ray.z(), place.ray.y() / place.ray.z());
   }
   if (places.size() < 6) return failed("too little of its outline is its own");
-  const Circle circle = agreed_circle(places, 1.0 / surface.focal_px);
+  constexpr double kNear = 0.07;  // over the radius: half of what an apple is flatter
+  const Circle circle = agreed_circle(places, kNear);
   if (!std::isfinite(circle.radius)) return failed("its outline is of no circle");
   // Its rim stands about a radius behind its front, of which the median depth is a third away.
   double radius_m = circle.radius * surface.depth_m;

@@ -8,7 +8,8 @@ namespace cousin {
 
 /// Other ways from a fruit's visible surface to its size. None says how sure it is: sigmas are NaN.
 
-/// The sphere through the points, by least squares on |p|^2 = 2 c p + d [Coope 1993].
+/// The sphere through the points by least squares of their distances, from that on |p|^2 = 2 c p +
+/// d [Coope 1993].
 FruitFit fit_sphere(const FruitSurface& surface, const FruitPrior& prior = {});
 
 /// The general quadric through the points by least squares, refused where it is no ellipsoid, as

@@ -12,14 +12,14 @@ namespace cousin {
 /// What of a box's depth is a fruit's visible surface, and which part of its mask's outline is its
 /// own.
 struct FruitSurfaceConfig {
-  double rim_px = 5;         ///< depths so near to the mask's edge are mixed with what is beside it
-  double least_rim_px = 1;   ///< what is left of that where a mask is thin
-  int most_points = 160;     ///< of the surface; spread evenly
-  int most_outline = 72;     ///< places of the outline
-  int least_depths = 12;     ///< fewer are no surface
-  double least_share = 0.08;  ///< of the inner pixels that have depth; less is no surface
-  double before_m = 0.008;  ///< what is so far before the fruit's edge may hide it
-  double behind_m = 0.012;  ///< what is so far behind the fruit's edge does not
+  double rim_px = 5;        ///< depths so near to the mask's edge are mixed with what is beside it
+  double least_rim_px = 1;  ///< what is left of that where a mask is thin
+  int most_points = 160;    ///< of the surface; spread evenly
+  int most_outline = 72;    ///< places of the outline
+  int least_depths = 12;    ///< fewer are no surface
+  double least_share = 0.08;       ///< of the inner pixels that have depth; less is no surface
+  double before_m = 0.008;         ///< what is so far before the fruit's edge may hide it
+  double behind_m = 0.012;         ///< what is so far behind the fruit's edge does not
   double look_out_px = 7;          ///< from the outline to where what is beside it is looked at
   double largest_fruit_m = 0.2;    ///< depths farther from their median are not of it
   double smallest_fruit_m = 0.02;  ///< a visible part of less is too little
