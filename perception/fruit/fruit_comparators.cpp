@@ -171,12 +171,16 @@ FruitFit fit_hull(const FruitSurface& surface, const FruitPrior& prior) {
   Vector3d way = Vector3d::Zero();
   for (const SurfacePoint& p : surface.points) way += p.point_m.normalized();
   way.normalize();
-  double farthest_m = 0;
-  for (const SurfacePoint& p : surface.points)
-    farthest_m = std::max(farthest_m, p.point_m.dot(way));
+  // Of the farthest some are of what is behind.
+  std::vector<double> along_m;
+  for (const SurfacePoint& p : surface.points) along_m.push_back(p.point_m.dot(way));
+  const auto most = along_m.begin() + static_cast<std::ptrdiff_t>(0.95 * along_m.size());
+  std::nth_element(along_m.begin(), most, along_m.end());
+  const double farthest_m = *most;
   std::vector<Vector3d> points_m;
   Vector3d low = Vector3d::Constant(1e9), high = -low;
   for (const SurfacePoint& p : surface.points) {
+    if (p.point_m.dot(way) > farthest_m) continue;
     points_m.push_back(p.point_m);
     points_m.emplace_back(p.point_m + 2 * (farthest_m - p.point_m.dot(way)) * way);
     low = low.cwiseMin(p.point_m), high = high.cwiseMax(p.point_m);

@@ -16,8 +16,9 @@ FruitFit fit_sphere(const FruitSurface& surface, const FruitPrior& prior = {});
 /// often of a part of one. Its size across is the mean of its two longer axes.
 FruitFit fit_ellipsoid(const FruitSurface& surface, const FruitPrior& prior = {});
 
-/// The convex hull of the points and of their mirror images behind the plane across the view
-/// through the farthest of them: twice what is seen.
+/// The convex hull of the points and of their mirror images behind the plane across the view beyond
+/// 95 % of them: twice what is seen. It wants points up to the outline
+/// (FruitSurfaceConfig::rim_px).
 FruitFit fit_hull(const FruitSurface& surface, const FruitPrior& prior = {});
 
 /// The circle through the places of the outline that are the fruit's own [Kasa 1976], of three that

@@ -45,6 +45,14 @@ struct Normal {
   }
 };
 
+/// How much wider the prior of a number is where a fruit is of an odd shape: what is no wave has
+/// bounds of its own.
+double scale_at(int place, double scale) {
+  constexpr double kMost = 4;
+  if (place < kConic) return 1;
+  return place < kWaves ? std::min(scale, kMost) : scale;
+}
+
 /// One search for a fruit.
 class Search {
  public:
@@ -130,7 +138,7 @@ class Search {
 
   void add_prior(const FruitShape& shape, int used, double wave_scale, Normal& normal) const {
     for (int k = kLogRadius; k < used; ++k) {
-      const double sigma = sigmas_[k] * (k >= kConic ? wave_scale : 1);
+      const double sigma = sigmas_[k] * scale_at(k, wave_scale);
       const double off = shape.numbers[k] - mean_.numbers[k];
       normal.information(k, k) += 1 / (sigma * sigma);
       normal.gradient[k] += off / (sigma * sigma);
@@ -247,32 +255,33 @@ std::vector<Candidate> candidates_of(const Search& search, const FruitFitConfig&
   return candidates;
 }
 
-FruitCovariance covariance_of(const Normal& normal, bool waves) {
-  const int used = waves ? kFruitNumbers : kWaves;
-  FruitCovariance covariance = FruitCovariance::Zero();
-  const Eigen::MatrixXd information =
-      normal.information.topLeftCorner(used, used).selfadjointView<Eigen::Lower>();
-  covariance.topLeftCorner(used, used) =
-      information.ldlt().solve(Eigen::MatrixXd::Identity(used, used));
-  return covariance;
-}
+/// A fit under one prior of shapes.
+struct Hypothesis {
+  double scale = 1;
+  FruitShape shape;
+  FruitCovariance covariance;
+  double evidence = 0;  ///< -2 log of the probability of what is seen, but for a constant [Laplace]
+  double rms = kNaN;    ///< of depths, in sigmas
+  FruitMeasure volume_m3, diameter_m, length_m;
+};
 
-/// The strength of waves and of other departures from the mean shape, over the prior's, as the
-/// last fit has it: mean square over both what is found and what is not known of it. So many
-/// degrees of freedom say that it is 1.
-double scale_of_waves(const Search& search, const FruitShape& shape,
-                      const FruitCovariance& covariance, double scale) {
-  constexpr double kFor1 = 8;
-  double squares = kFor1, count = kFor1;
-  for (int k = kConic; k < kFruitNumbers; ++k) {
-    const double sigma = search.sigmas()[k];
-    const double off = shape.numbers[k] - search.mean().numbers[k];
-    squares += (off * off + covariance(k, k)) / (sigma * sigma);
-    count += 1;
-  }
-  // A step towards where the recursion leads: it is slow where little is seen.
-  const double next = std::sqrt(squares / count);
-  return std::clamp(scale * std::pow(next / scale, 2.0), 0.7, 40.0);
+Hypothesis fit_under(const Search& search, const FruitShape& from, double scale, int steps) {
+  const Search::Found found = search.improved(from, true, scale, 1, steps);
+  const Normal& normal = found.normal;
+  Hypothesis fit;
+  fit.scale = scale;
+  fit.shape = found.shape;
+  const Eigen::MatrixXd information = normal.information.selfadjointView<Eigen::Lower>();
+  const Eigen::LDLT<Eigen::MatrixXd> solver(information);
+  fit.evidence = normal.cost + solver.vectorD().array().abs().max(1e-300).log().sum();
+  for (int k = kLogRadius; k < kFruitNumbers; ++k)
+    fit.evidence += 2 * std::log(search.sigmas()[k] * scale_at(k, scale));
+  fit.rms = std::sqrt(normal.depth_squares / std::max(1.0, normal.depth_weights));
+  const double rim = std::sqrt(normal.rim_squares / std::max(1.0, normal.rim_places));
+  const double spread = std::max({1.0, fit.rms, rim});
+  fit.covariance =
+      spread * spread * solver.solve(Eigen::MatrixXd::Identity(kFruitNumbers, kFruitNumbers));
+  return fit;
 }
 
 /// What other axes that fit about as well add to the variance of a number.
@@ -299,8 +308,8 @@ FruitMeasure measure(const FruitNumber& number, const FruitCovariance& covarianc
   return {number.value, widen * std::sqrt(std::max(0.0, own) + between + unit * unit)};
 }
 
-void set_sizes(const std::vector<Candidate>& candidates, const FruitPrior& prior,
-               const FruitFitConfig& config, FruitFit& fit) {
+void set_sizes(const std::vector<Candidate>& candidates, const FruitFitConfig& config,
+               Hypothesis& fit) {
   const FruitNumbers numbers = numbers_of(fit.shape);
   const auto size = [&](const FruitNumber& number, double (*value)(const FruitNumbers&),
                         double dimensions) {
@@ -313,10 +322,36 @@ void set_sizes(const std::vector<Candidate>& candidates, const FruitPrior& prior
       numbers.diameter_m, [](const FruitNumbers& n) { return n.diameter_m.value; }, 1);
   fit.length_m = size(
       numbers.length_m, [](const FruitNumbers& n) { return n.length_m.value; }, 1);
+}
+
+/// The likelier one's value; its variance has what the other, so likely, would make of it.
+FruitMeasure either(const FruitMeasure& likelier, const FruitMeasure& other, double share) {
+  const double off = other.value - likelier.value;
+  return {likelier.value, std::sqrt((1 - share) * likelier.sigma * likelier.sigma +
+                                    share * (other.sigma * other.sigma + off * off))};
+}
+
+/// One fit of two hypotheses. @param odd_share  probability of an odd shape before it is seen
+FruitFit combined(const Hypothesis& usual, const Hypothesis& odd, double odd_share,
+                  const FruitPrior& prior) {
+  const double lead = std::clamp(0.5 * (odd.evidence - usual.evidence), -50.0, 50.0);
+  const double is_odd = 1 / (1 + std::exp(lead) * (1 - odd_share) / std::max(1e-9, odd_share));
+  const Hypothesis& likelier = is_odd > 0.5 ? odd : usual;
+  const Hypothesis& other = is_odd > 0.5 ? usual : odd;
+  const double share = std::min(is_odd, 1 - is_odd);
+  FruitFit fit;
+  fit.shape = likelier.shape;
+  fit.covariance = likelier.covariance;
+  fit.rms = likelier.rms;
+  fit.wave_scale = likelier.scale;
+  fit.volume_m3 = either(likelier.volume_m3, other.volume_m3, share);
+  fit.diameter_m = either(likelier.diameter_m, other.diameter_m, share);
+  fit.length_m = either(likelier.length_m, other.length_m, share);
   fit.mass_kg.value = prior.density_kg_m3 * fit.volume_m3.value;
   fit.mass_kg.sigma =
       fit.mass_kg.value * std::hypot(fit.volume_m3.sigma / fit.volume_m3.value,
                                      prior.sigma_density_kg_m3 / prior.density_kg_m3);
+  return fit;
 }
 
 /// Says why a fit is not to be trusted; empty: it is.
@@ -343,7 +378,10 @@ Fields fields(FruitFitConfig& c) {
   return {
       {"iterations", &c.iterations, "of each start that is followed", 1, 1000},
       {"followed", &c.followed, "starts, of those that are tried", 1, 7},
-      {"wave_rounds", &c.wave_rounds, "in which the waves' strength is found; 0: no waves", 0, 100},
+      {"wave_iterations", &c.wave_iterations, "of the whole shape; twice that of an odd one", 1,
+       1000},
+      {"odd_scale", &c.odd_scale, "of an odd shape's waves over the prior's", 1, 1000},
+      {"odd_share", &c.odd_share, "probability of an odd shape before it is seen", 0, 1},
       {"outline_sigma_px", &c.outline_sigma_px, "sigma of a place of the outline", 0.01, 100},
       {"along_rim", &c.along_rim, "cosine of an edge's turn against the rim; less is not the rim",
        -1, 1},
@@ -387,22 +425,11 @@ FruitFit fit_fruit(const FruitSurface& surface, const FruitKind& kind,
   if (!surface.why_none.empty()) return unseen_fruit(kind, surface.why_none);
   const Search search(surface, kind, config);
   const std::vector<Candidate> candidates = candidates_of(search, config);
-  FruitFit fit;
-  fit.shape = candidates.front().shape;
-  const bool waves = config.wave_rounds > 0;
-  Normal last = search.normal_at(fit.shape, false, 1, 1);
-  for (int round = 0; round < config.wave_rounds; ++round) {
-    Search::Found found = search.improved(fit.shape, true, fit.wave_scale, 1, round == 0 ? 2 : 1);
-    fit.shape = found.shape;
-    last = std::move(found.normal);
-    if (round + 1 < config.wave_rounds)
-      fit.wave_scale = scale_of_waves(search, fit.shape, covariance_of(last, true), fit.wave_scale);
-  }
-  fit.rms = std::sqrt(last.depth_squares / std::max(1.0, last.depth_weights));
-  const double rim = std::sqrt(last.rim_squares / std::max(1.0, last.rim_places));
-  const double spread = std::max({1.0, fit.rms, rim});
-  fit.covariance = spread * spread * covariance_of(last, waves);
-  set_sizes(candidates, kind.prior, config, fit);
+  Hypothesis usual = fit_under(search, candidates.front().shape, 1, config.wave_iterations);
+  Hypothesis odd = fit_under(search, usual.shape, config.odd_scale, 2 * config.wave_iterations);
+  set_sizes(candidates, config, usual);
+  set_sizes(candidates, config, odd);
+  FruitFit fit = combined(usual, odd, config.odd_share, kind.prior);
   fit.reason = why_not(fit, search, config);
   fit.status = fit.reason.empty() ? FitStatus::ok : FitStatus::degenerate;
   if (!fit.covariance.allFinite() || !std::isfinite(fit.volume_m3.value))

@@ -11,7 +11,9 @@ namespace cousin {
 struct FruitFitConfig {
   int iterations = 8;             ///< of each start that is followed
   int followed = 3;               ///< starts, of those that are tried
-  int wave_rounds = 6;            ///< in which the waves' strength is found; 0: no waves
+  int wave_iterations = 3;        ///< of the whole shape; twice that of an odd one
+  double odd_scale = 12;          ///< of an odd shape's waves over the prior's
+  double odd_share = 0.05;        ///< probability of an odd shape before it is seen
   double outline_sigma_px = 0.5;  ///< of a place of the outline
   double along_rim = 0.85;        ///< cosine of an edge against the rim; less is no rim
   double unknown_share = 0.3;     ///< weight of an outline with no depth beyond it
@@ -40,7 +42,7 @@ struct FruitFit {
   FruitCovariance covariance = FruitCovariance::Zero();
   FruitMeasure volume_m3, diameter_m, length_m, mass_kg;
   double rms = kNaN;      ///< of depths about the surface, over their sigmas
-  double wave_scale = 1;  ///< strength of the waves found, over the prior's
+  double wave_scale = 1;  ///< of the likelier prior's waves
 };
 
 /// Most probable shape by its prior, depths and outline [Levenberg-Marquardt from several axes]:
@@ -48,8 +50,8 @@ struct FruitFit {
 /// - where what is beyond an outline is farther, the outline is the fruit's rim; it may be cut by
 ///   what is too thin for the sensor, so a fruit larger than its outline costs less [Cauchy];
 /// - where what is beyond is nearer, the rim is there or farther out, and no residual pulls it in;
-/// - the strength of the waves is found with them [expectation maximisation of their variance], so
-///   that fruits of another shape than the prior's get wider intervals;
+/// - two priors are tried, the kind's and one whose waves are far stronger; each counts by the
+///   evidence for it [Laplace's approximation], so fruits of another shape get wider intervals;
 /// - sigmas are those of the linearised posterior, times the residuals' spread where that is more
 ///   than expected, with what other axes that fit as well would give.
 FruitFit fit_fruit(const FruitSurface& surface, const FruitKind& kind,

@@ -96,7 +96,9 @@ FruitFit fit_of(const FrameDepth& depth, const Camera& camera, const DetectedBox
                 const FruitKind& kind, const ApplesPipelineConfig& config, std::uint64_t seed) {
   if (config.method == ApplesMethod::paper)
     return fit_clv(depth, camera, box, config.clv, seed + static_cast<std::uint64_t>(box.id));
-  const FruitSurface surface = fruit_surface(depth, camera, box, config.surface);
+  FruitSurfaceConfig seen = config.surface;
+  if (config.method == ApplesMethod::hull) seen.rim_px = std::min(seen.rim_px, 1.5);
+  const FruitSurface surface = fruit_surface(depth, camera, box, seen);
   switch (config.method) {
     case ApplesMethod::sphere:
       return fit_sphere(surface, config.prior);

@@ -31,7 +31,10 @@ TEST(FruitComparators, ASphereIsASphereAndItsHullMostOfIt) {
   EXPECT_NEAR(fit_sphere(surface).volume_m3.value, volume_m3, 1e-3 * volume_m3);
   EXPECT_NEAR(fit_ellipsoid(surface).volume_m3.value, volume_m3, 0.01 * volume_m3);
   EXPECT_NEAR(fit_allometry(surface).diameter_m.value, 0.08, 0.02 * 0.08);
-  const double hull_m3 = fit_hull(surface).volume_m3.value;
+  const DrawnFruit drawn = draw_fruit(ball_of(0.04, 1), 0, Rng(1));
+  const double hull_m3 =
+      fit_hull(fruit_surface(drawn.depth, kFruitCamera, drawn.box, {.rim_px = 1.5}))
+          .volume_m3.value;
   EXPECT_LT(hull_m3, volume_m3);
   EXPECT_GT(hull_m3, 0.4 * volume_m3);
   EXPECT_TRUE(std::isnan(fit_sphere(surface).volume_m3.sigma));
