@@ -38,7 +38,7 @@ Fields fields(FruitPrior& prior);
 void validate(const FruitPrior& prior);
 
 /// Places of a fruit's numbers in FruitParameters. The first five say where it is.
-enum FruitPlace {
+enum FruitEntry {
   kCentreX,
   kCentreY,
   kCentreZ,

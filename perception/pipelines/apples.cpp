@@ -23,7 +23,7 @@ constexpr std::array<Named<ApplesMethod>, 6> kApplesMethods = {
      {ApplesMethod::hull, "hull"},
      {ApplesMethod::allometry, "allometry"}}};
 
-/// Names and units of a fit's parameters: where FruitPlace has them, then the turn from the fruit's
+/// Names and units of a fit's parameters: where FruitEntry has them, then the turn from the fruit's
 /// axes to the camera's as a rotation vector, then sizes.
 struct ApplesParameter {
   const char* name;

@@ -8,12 +8,12 @@
 
 #include "benchmarks/loop/perceive.h"
 #include "benchmarks/loop/plan.h"
-#include "benchmarks/loop/scene_table.h"
 #include "benchmarks/loop/score_boxes.h"
 #include "benchmarks/loop/simulate.h"
 #include "benchmarks/loop/truth_stages.h"
 #include "benchmarks/study/grid.h"
 #include "perception/pipelines/apples.h"
+#include "scenes/apples/apples_scene.h"
 #include "sim/config/fields.h"
 #include "sim/types/trait_table.h"
 
@@ -66,7 +66,7 @@ PipelineConfig with_method(const std::string& method) {
 ScoreFile run_apples_job(const ApplesSuiteConfig& suite, const GridJob& job) {
   std::vector<std::string> sets = job.sets;
   sets.insert(sets.end(), suite.sets.begin(), suite.sets.end());
-  const RunConfig config = run_config(built_row(scene_entry("apples")), sets, {},
+  const RunConfig config = run_config(apples_row(), sets, {},
                                       PipelineConfig(ApplesPipelineConfig{}));
   const SimulatedRun run =
       simulate(config, suite.seed, job.number("run"), planned_truth(*config.pipeline, false));
