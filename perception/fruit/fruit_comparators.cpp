@@ -45,11 +45,11 @@ struct Scaled {
 Scaled scaled(const FruitSurface& surface) {
   Scaled s;
   const auto n = static_cast<double>(surface.points.size());
-  for (const SurfacePoint& p : surface.points) s.mean_m += p.point_m / n;
+  for (const SeenPoint& p : surface.points) s.mean_m += p.point_m / n;
   double square = 0;
-  for (const SurfacePoint& p : surface.points) square += (p.point_m - s.mean_m).squaredNorm() / n;
+  for (const SeenPoint& p : surface.points) square += (p.point_m - s.mean_m).squaredNorm() / n;
   s.scale_m = std::max(1e-9, std::sqrt(square));
-  for (const SurfacePoint& p : surface.points)
+  for (const SeenPoint& p : surface.points)
     s.points.emplace_back((p.point_m - s.mean_m) / s.scale_m);
   return s;
 }
@@ -169,17 +169,17 @@ FruitFit fit_ellipsoid(const FruitSurface& surface, const FruitPrior& prior) {
 FruitFit fit_hull(const FruitSurface& surface, const FruitPrior& prior) {
   if (!surface.why_none.empty()) return failed(surface.why_none);
   Vector3d way = Vector3d::Zero();
-  for (const SurfacePoint& p : surface.points) way += p.point_m.normalized();
+  for (const SeenPoint& p : surface.points) way += p.point_m.normalized();
   way.normalize();
   // Of the farthest some are of what is behind.
   std::vector<double> along_m;
-  for (const SurfacePoint& p : surface.points) along_m.push_back(p.point_m.dot(way));
+  for (const SeenPoint& p : surface.points) along_m.push_back(p.point_m.dot(way));
   const auto most = along_m.begin() + static_cast<std::ptrdiff_t>(0.95 * along_m.size());
   std::nth_element(along_m.begin(), most, along_m.end());
   const double farthest_m = *most;
   std::vector<Vector3d> points_m;
   Vector3d low = Vector3d::Constant(1e9), high = -low;
-  for (const SurfacePoint& p : surface.points) {
+  for (const SeenPoint& p : surface.points) {
     if (p.point_m.dot(way) > farthest_m) continue;
     points_m.push_back(p.point_m);
     points_m.emplace_back(p.point_m + 2 * (farthest_m - p.point_m.dot(way)) * way);

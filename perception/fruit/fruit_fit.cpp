@@ -117,7 +117,7 @@ class Search {
     shape.camera_from_fruit =
         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), axis).toRotationMatrix();
     Vector3d middle = Vector3d::Zero();
-    for (const SurfacePoint& p : surface_.points)
+    for (const SeenPoint& p : surface_.points)
       middle += p.point_m / static_cast<double>(surface_.points.size());
     shape.numbers.head<3>() = middle + 0.7 * shape.radius_m() * middle.normalized();
     return shape;
@@ -155,7 +155,7 @@ class Search {
     }
   }
 
-  void add_point(const FruitShape& shape, const SurfacePoint& p, bool waves, double share, int used,
+  void add_point(const FruitShape& shape, const SeenPoint& p, bool waves, double share, int used,
                  Normal& normal) const {
     const FruitDistance d = distance_to(shape, p.point_m, waves);
     const double across = std::sqrt(std::max(0.0, 1 - d.normal.z() * d.normal.z()));

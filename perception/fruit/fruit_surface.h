@@ -29,7 +29,7 @@ Fields fields(FruitSurfaceConfig& config);
 void validate(const FruitSurfaceConfig& config);
 
 /// A depth as a point in the camera.
-struct SurfacePoint {
+struct SeenPoint {
   Eigen::Vector3d point_m;
   double sigma_m = 0.002;  ///< along the axis
 };
@@ -49,7 +49,7 @@ struct OutlinePlace {
 
 struct FruitSurface {
   std::string why_none;  ///< empty: it is found
-  std::vector<SurfacePoint> points;
+  std::vector<SeenPoint> points;
   /// Points that say something of their own: neighbours err alike.
   double independent_points = 0;
   std::vector<OutlinePlace> outline;

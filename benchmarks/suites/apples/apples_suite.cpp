@@ -66,8 +66,8 @@ PipelineConfig with_method(const std::string& method) {
 ScoreFile run_apples_job(const ApplesSuiteConfig& suite, const GridJob& job) {
   std::vector<std::string> sets = job.sets;
   sets.insert(sets.end(), suite.sets.begin(), suite.sets.end());
-  const RunConfig config = run_config(apples_row(), sets, {},
-                                      PipelineConfig(ApplesPipelineConfig{}));
+  const RunConfig config =
+      run_config(apples_row(), sets, {}, PipelineConfig(ApplesPipelineConfig{}));
   const SimulatedRun run =
       simulate(config, suite.seed, job.number("run"), planned_truth(*config.pipeline, false));
   ScoreFile file;

@@ -28,7 +28,7 @@ TEST(FruitSurface, AFreeFruitsOutlineIsItsOwn) {
   ASSERT_EQ(surface.why_none, "");
   EXPECT_FALSE(surface.is_cut);
   EXPECT_EQ(surface.share_with_depth, 1);
-  for (const SurfacePoint& p : surface.points)
+  for (const SeenPoint& p : surface.points)
     EXPECT_NEAR(distance_to(shape, p.point_m, true).distance_m, 0, 2e-6);
   EXPECT_EQ(places_with(surface, Beyond::farther), static_cast<int>(surface.outline.size()));
 }
