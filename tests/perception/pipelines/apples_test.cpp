@@ -67,6 +67,10 @@ TEST(ApplesPipeline, EachMethodMeasuresAFreeApple) {
     ASSERT_EQ(apple.traits.size(), 4U);
     EXPECT_EQ(apple.traits[2].name, "volume");
     EXPECT_EQ(std::isfinite(apple.traits[3].sigma), method.name == "ours");
+    if (method.name == "hull") {  // of what is seen: it has no rim, and lacks what follows
+      EXPECT_LT(apple.traits[2].value, truth_m3);
+      continue;
+    }
     const double most = method.name == "ours" ? 0.03 : 0.6;
     EXPECT_NEAR(apple.traits[2].value, truth_m3, most * truth_m3);
   }
