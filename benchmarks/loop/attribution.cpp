@@ -68,8 +68,9 @@ std::vector<SeamStep> attribute(const SimulatedRun& run, const PipelineConfig& c
       leave_out_needless(stages, replaced);
       result = run_pipeline(run.capture, config, stages);
     }
-    steps.push_back(
-        {bars[i], score_estimate(traits_of, run.truth, result, labels), wall_s(result)});
+    steps.push_back({bars[i],
+                     score_estimate(traits_of, run.truth, result, labels, row_of(config).traits),
+                     wall_s(result)});
   }
   return steps;
 }

@@ -199,7 +199,8 @@ ScoreFile score_scene(const SimulatedRun& run, const PerceivedScene& made,
                       const SeedsScoreLabels& labels) {
   const TraitsOf traits_of = row_of(config).traits_of;
   if (traits_of == TraitsOf::nothing) return score_whole(run, made, alignment, labels);
-  SeedsScores scores = score_estimate(traits_of, run.truth, made.estimate, labels);
+  SeedsScores scores =
+      score_estimate(traits_of, run.truth, made.estimate, labels, row_of(config).traits);
   ScoreFile file;
   file.scores = std::move(scores.rows);
   file.specimens = std::move(scores.specimens);

@@ -4,15 +4,19 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <tuple>
 #include <vector>
 
 #include "benchmarks/loop/box_truth.h"
 #include "benchmarks/loop/score_geometry.h"
 #include "benchmarks/loop/score_plants.h"
+#include "benchmarks/score/trait_statistics.h"
 #include "sim/truth/specimens.h"
+#include "sim/types/trait_table.h"
 
 namespace cousin {
 namespace {
@@ -49,18 +53,26 @@ std::vector<int> match_boxes(const std::vector<TrueBox>& truth, const Boxes& mea
   return result;
 }
 
-/// The true value of a box's trait.
-double true_value(const TrueBox& box, const std::string& trait) {
-  if (trait == "point_x") return box.point_m.x();
-  if (trait == "point_y") return box.point_m.y();
-  if (trait == "point_z") return box.point_m.z();
-  if (trait == "distance") return box.point_m.norm();
-  throw std::invalid_argument("trait \"" + trait + "\" is not one of a box");
+/// A true value and its unit.
+struct TrueValue {
+  double value = 0;
+  std::string unit;
+};
+TrueValue true_value(const TrueBox& box, const Instance& object, std::string_view trait) {
+  if (trait == "point_x") return {box.point_m.x(), "m"};
+  if (trait == "point_y") return {box.point_m.y(), "m"};
+  if (trait == "point_z") return {box.point_m.z(), "m"};
+  if (trait == "distance") return {box.point_m.norm(), "m"};
+  for (const TrueTrait& own : object.traits) {
+    if (own.name == trait) return {own.value, own.unit};
+  }
+  throw std::invalid_argument("trait \"" + std::string(trait) + "\" is not one of " + object.name);
 }
 
-SpecimenRow row_of_box(const TrueBox& box, const Instance& object, const std::string& trait,
+SpecimenRow row_of_box(const TrueBox& box, const Instance& object, std::string_view trait,
                        const SpecimenTraits* measured, const SeedsScoreLabels& labels) {
   SpecimenRow row;
+  const TrueValue truth = true_value(box, object, trait);
   row.dataset = labels.suite;
   row.scene = labels.scene;
   row.frame = box.frame;
@@ -69,15 +81,16 @@ SpecimenRow row_of_box(const TrueBox& box, const Instance& object, const std::st
   row.run = labels.run;
   row.method = labels.method;
   row.trait = trait;
-  row.unit = "m";
-  row.truth = true_value(box, trait);
+  row.unit = truth.unit;
+  row.truth = truth.value;
   row.status = ScoreStatus::not_solved;
   if (!measured || measured->status != TraitStatus::ok) return row;
   for (const Trait& m : measured->traits) {
     if (m.name != trait) continue;
     if (m.unit != row.unit)
       throw std::invalid_argument("traits.json: box " + std::to_string(measured->instance) + ": " +
-                                  m.name + " is in " + m.unit + ", and the true one in m");
+                                  m.name + " is in " + m.unit + ", and the true one in " +
+                                  row.unit);
     row.measured = m.value;
     row.sigma = m.sigma;
     row.status = ScoreStatus::ok;
@@ -85,7 +98,51 @@ SpecimenRow row_of_box(const TrueBox& box, const Instance& object, const std::st
   return row;
 }
 
-constexpr const char* kBoxTraits[] = {"point_x", "point_y", "point_z", "distance"};
+constexpr std::string_view kBoxTraits[] = {"point_x", "point_y", "point_z", "distance"};
+
+/// Those that an estimate has.
+std::vector<std::string_view> traits_in(const Estimate& estimate) {
+  std::vector<std::string_view> names;
+  for (const SpecimenTraits& box : estimate.traits) {
+    for (const Trait& trait : box.traits) {
+      if (std::find(names.begin(), names.end(), trait.name) == names.end())
+        names.push_back(trait.name);
+    }
+  }
+  if (names.empty() || are_of_points(names))
+    names.assign(std::begin(kBoxTraits), std::end(kBoxTraits));
+  return names;
+}
+
+/// Of each case and trait: how many boxes there are and were measured, and how well.
+void add_cases(const std::string& other, const std::vector<SpecimenRow>& rows,
+               const std::vector<std::string>& case_of, TraitNames traits, const ScoreRow& base,
+               std::vector<ScoreRow>& scores) {
+  const std::set<std::string> cases(case_of.begin(), case_of.end());
+  for (const std::string& name : cases) {
+    if (name.empty()) continue;
+    std::vector<SpecimenRow> own;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (case_of[i] == name) own.push_back(rows[i]);
+    }
+    ScoreRow row = base;
+    row.case_name = other + name;
+    const auto boxes = static_cast<std::int64_t>(own.size() / traits.size());
+    scores.push_back(measured_row(row, "boxes.there", static_cast<double>(boxes), "1", boxes));
+    for (const std::string_view trait : traits) {
+      const auto pairs = trait_pairs(own, trait, [](const SpecimenRow&) { return true; });
+      scores.push_back(measured_row(row, std::string(trait) + ".measured",
+                                    static_cast<double>(pairs.size()), "1", boxes));
+      if (pairs.empty()) continue;
+      const std::string unit(trait_row(trait).unit);
+      for (ScoreRow& one :
+           score_rows(row, std::string(trait), unit, trait_statistics(pairs, Rng(base.seed))))
+        scores.push_back(std::move(one));
+      for (ScoreRow& one : score_rows(row, std::string(trait), sigma_coverage(pairs)))
+        scores.push_back(std::move(one));
+    }
+  }
+}
 
 /// RMSE and mean absolute error of rows whose box is between two distances.
 void add_errors(const std::string& case_name, const std::vector<SpecimenRow>& rows, double from_m,
@@ -94,7 +151,7 @@ void add_errors(const std::string& case_name, const std::vector<SpecimenRow>& ro
   for (const SpecimenRow& row : rows) {
     if (row.trait == "distance") distance_m[{row.frame, row.instance}] = row.truth;
   }
-  for (const char* trait : kBoxTraits) {
+  for (const std::string_view trait : kBoxTraits) {
     double squares = 0, absolute = 0;
     std::int64_t n = 0;
     for (const SpecimenRow& row : rows) {
@@ -121,7 +178,8 @@ using TraitsOfBoxes = std::map<std::pair<int, int>, const SpecimenTraits*>;  ///
 
 /// Scores of the images of one sensor.
 SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxes& measured,
-                         const TraitsOfBoxes& traits_of, const SeedsScoreLabels& labels) {
+                         const TraitsOfBoxes& traits_of, TraitNames traits_wanted,
+                         const SeedsScoreLabels& labels) {
   SeedsScores scores;
   ScoreRow base = labelled_row(labels);
   const std::string other = sensor == 0 ? "" : truth.other_sensors.at(sensor - 1).sensor + ", ";
@@ -129,6 +187,8 @@ SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxe
   const auto objects = specimens_of(truth.scene);
   const std::vector<TrueBox> boxes = true_boxes_of(truth, sensor);
   const std::vector<int> match = match_boxes(boxes, measured);
+  const bool is_point = are_of_points(traits_wanted);
+  std::vector<std::string> case_of;  // one for each specimen row
   std::int64_t found = 0, measured_boxes = 0;
   double distance_m = 0;
   for (std::size_t t = 0; t < boxes.size(); ++t) {
@@ -140,13 +200,22 @@ SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxe
       if (own != traits_of.end()) traits = own->second;
     }
     const Instance& object = *objects[static_cast<std::size_t>(boxes[t].specimen)];
-    for (const char* trait : kBoxTraits)
-      scores.specimens.push_back(row_of_box(boxes[t], object, trait, traits, labels));
-    const auto rows = std::span(scores.specimens).last(std::size(kBoxTraits));
+    const std::string own_case =
+        is_point
+            ? ""
+            : box_case(boxes[t], object.id, truth_of_sensor(truth, sensor).images[boxes[t].view]);
+    for (const std::string_view trait : traits_wanted) {
+      SpecimenRow row = row_of_box(boxes[t], object, trait, traits, labels);
+      if (!own_case.empty()) row.cultivar += ", " + own_case;
+      scores.specimens.push_back(std::move(row));
+      case_of.push_back(own_case);
+    }
+    const auto rows = std::span(scores.specimens).last(traits_wanted.size());
     if (std::any_of(rows.begin(), rows.end(),
                     [](const SpecimenRow& row) { return row.status != ScoreStatus::ok; }))
       continue;
     ++measured_boxes;
+    if (!is_point) continue;
     distance_m += std::hypot(rows[0].measured - rows[0].truth, rows[1].measured - rows[1].truth,
                              rows[2].measured - rows[2].truth);
   }
@@ -161,6 +230,10 @@ SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxe
   add("boxes.missed", static_cast<double>(n - found), "1", n);
   add("boxes.spurious", static_cast<double>(there - found), "1", n);
   add("boxes.measured", static_cast<double>(measured_boxes), "1", n);
+  if (!is_point) {
+    add_cases(other, scores.specimens, case_of, traits_wanted, base, scores.rows);
+    return scores;
+  }
   if (measured_boxes > 0)
     add("point.error_3d", distance_m / static_cast<double>(measured_boxes), "m", measured_boxes);
   constexpr double kSteps_m[] = {0.3, 0.4, 0.5, 0.6};
@@ -174,8 +247,34 @@ SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxe
 
 }  // namespace
 
+bool are_of_points(TraitNames traits) {
+  return std::any_of(traits.begin(), traits.end(), [](std::string_view name) {
+    return std::find(std::begin(kBoxTraits), std::end(kBoxTraits), name) != std::end(kBoxTraits);
+  });
+}
+
+std::string box_case(const TrueBox& box, int instance, const TruthImages& images) {
+  const auto own =
+      std::find_if(images.visibility.begin(), images.visibility.end(),
+                   [&](const InstanceVisibility& v) { return v.instance == instance; });
+  if (own == images.visibility.end()) return {};
+  const bool is_cut = own->box_x <= 0 || own->box_y <= 0 ||
+                      own->box_x + own->box_width >= images.instance.width() ||
+                      own->box_y + own->box_height >= images.instance.height();
+  if (is_cut) return "cut by the image";
+  if (box.point_m.z() < 0.3) return "nearer than 0.3 m";
+  if (box.point_m.z() > 1) return "farther than 1 m";
+  const double hidden = 1 - own->visible_fraction;
+  if (hidden < 0.05) return "unoccluded";
+  if (hidden < 0.4) return "hidden below 40 %";
+  return hidden < 0.7 ? "hidden 40 to 70 %" : "hidden above 70 %";
+}
+
 SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
-                        const SeedsScoreLabels& labels) {
+                        const SeedsScoreLabels& labels, TraitNames traits) {
+  const std::vector<std::string_view> wanted =
+      traits.empty() ? traits_in(estimate)
+                     : std::vector<std::string_view>(traits.begin(), traits.end());
   TraitsOfBoxes traits_of;
   for (const SpecimenTraits& traits : estimate.traits)
     traits_of[{traits.frame, traits.instance}] = &traits;
@@ -185,7 +284,7 @@ SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
         std::any_of(estimate.boxes.begin(), estimate.boxes.end(),
                     [&](const DetectedBox& box) { return box.sensor == static_cast<int>(sensor); });
     if (sensor > 0 && !has_boxes) continue;
-    SeedsScores own = score_sensor(truth, sensor, estimate.boxes, traits_of, labels);
+    SeedsScores own = score_sensor(truth, sensor, estimate.boxes, traits_of, wanted, labels);
     scores.rows.insert(scores.rows.end(), own.rows.begin(), own.rows.end());
     if (sensor == 0) scores.specimens = std::move(own.specimens);
   }
@@ -194,8 +293,8 @@ SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
 }
 
 SeedsScores score_estimate(TraitsOf traits_of, const SceneTruth& truth, const Estimate& estimate,
-                           const SeedsScoreLabels& labels) {
-  if (traits_of == TraitsOf::boxes) return score_boxes(truth, estimate, labels);
+                           const SeedsScoreLabels& labels, TraitNames traits) {
+  if (traits_of == TraitsOf::boxes) return score_boxes(truth, estimate, labels, traits);
   if (traits_of == TraitsOf::plants) return score_plants(truth, estimate, labels);
   return score_run(truth, estimate, labels);
 }

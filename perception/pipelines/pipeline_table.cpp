@@ -7,6 +7,7 @@ namespace cousin {
 
 // To add a pipeline, add its line: the function that its own file has.
 #define COUSIN_PIPELINES(PIPELINE) \
+  PIPELINE(apples_pipeline)        \
   PIPELINE(seeds_pipeline)         \
   PIPELINE(maize_pipeline)         \
   PIPELINE(strawberries_pipeline)  \

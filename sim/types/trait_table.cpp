@@ -14,6 +14,7 @@ std::span<const TraitRow> trait_table() {
       {"area", "m2", "mm²", 1e6},
       {"volume", "m3", "mm³", 1e9},
       {"mass", "kg", "g", 1e3},
+      {"diameter", "m", "mm", 1e3},
       {"leaf_area", "m2", "mm²", 1e6},
       {"visible_leaf_area", "m2", "mm²", 1e6},
       {"leaves", "1", "", 1, TraitScoring::count},

@@ -162,7 +162,7 @@ const Words kPipelineOptions[] = {{"--method", "ours"},
                                   {"--gate", "length.rmse<=1"}};
 
 TEST(AppCommandLine, AnOptionThatASceneHasNotIsRefusedByItsNameWithWhatThereIs) {
-  for (const char* scene : {"seedlings", "apples", "boards", "specimen"}) {
+  for (const char* scene : {"seedlings", "boards", "specimen"}) {
     for (const Words& option : kPipelineOptions) {
       const std::string text = refusal(Words{"run", scene, "--plan"} + option);
       EXPECT_THAT(text, AllOf(HasSubstr("cousin: " + option[0] + " is not read"), HasSubstr(scene),

@@ -172,6 +172,51 @@ TEST(ScoreBoxes, ErrorsMissedAndSpuriousBoxesAreCounted) {
   EXPECT_EQ(solved, 4);
 }
 
+/// Each specimen weighs 0.2 kg; in the first view 3 is free and 5 is half hidden.
+SceneTruth two_weights() {
+  SceneTruth truth = two_squares();
+  for (Instance& instance : truth.scene.instances) instance.traits = {{"mass", "kg", 0.2}};
+  for (TruthImages& images : truth.images) {
+    InstanceVisibility first{3, 81, 81, 1, 2, 3, 9, 9, 2, 3, 9, 9};
+    InstanceVisibility second{5, 160, 80, 0.5, 20, 15, 9, 9, 20, 15, 9, 9};
+    images.visibility = {first, second};
+  }
+  return truth;
+}
+
+TEST(ScoreBoxes, SizesAreThoseOfTheSpecimenByHowMuchIsHidden) {
+  const SceneTruth truth = two_weights();
+  Estimate estimate = perfect(truth);
+  for (SpecimenTraits& traits : estimate.traits) traits.traits = {{"mass", "kg", 0.21, 0.01}};
+  estimate.traits[1].traits[0].value = 0.17;
+  const SeedsScores scores = score_boxes(truth, estimate, {}, {});
+  EXPECT_EQ(value_of(scores, "boxes.measured"), 3);
+  EXPECT_EQ(value_of(scores, "boxes.there", "unoccluded"), 2);
+  EXPECT_NEAR(value_of(scores, "mass.mape", "unoccluded"), 0.05, 1e-9);
+  EXPECT_NEAR(value_of(scores, "mass.mape", "hidden 40 to 70 %"), 0.15, 1e-9);
+  EXPECT_EQ(value_of(scores, "mass.coverage_95", "hidden 40 to 70 %"), 0);
+  ASSERT_EQ(scores.specimens.size(), 3U);
+  EXPECT_EQ(scores.specimens[1].cultivar, "ripe, hidden 40 to 70 %");
+  EXPECT_EQ(scores.specimens[1].unit, "kg");
+  static constexpr std::string_view kArea[] = {"area"};
+  EXPECT_THAT([&] { score_boxes(truth, estimate, {}, kArea); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("\"area\" is not one of fruit 3")));
+}
+
+TEST(ScoreBoxes, WhatTheImageCutsIsACaseOfItsOwn) {
+  SceneTruth truth = two_weights();
+  truth.images[0].visibility[0].box_x = 0;
+  const std::vector<TrueBox> boxes = true_boxes_of(truth);
+  EXPECT_EQ(box_case(boxes[0], 3, truth.images[0]), "cut by the image");
+  EXPECT_EQ(box_case(boxes[1], 5, truth.images[0]), "hidden 40 to 70 %");
+  TrueBox far = boxes[1];
+  far.point_m.z() = 1.2;
+  EXPECT_EQ(box_case(far, 5, truth.images[0]), "farther than 1 m");
+  far.point_m.z() = 0.2;
+  EXPECT_EQ(box_case(far, 5, truth.images[0]), "nearer than 0.3 m");
+  EXPECT_EQ(box_case(far, 99, truth.images[0]), "");
+}
+
 TEST(ScoreBoxes, WithoutTrueImagesAndInOtherUnitsItIsRefused) {
   SceneTruth truth = two_squares();
   Estimate estimate = perfect(truth);

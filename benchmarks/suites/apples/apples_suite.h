@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "benchmarks/score/scores.h"
+#include "benchmarks/study/shard.h"
+
+namespace cousin {
+
+struct ApplesSuiteConfig {
+  std::uint64_t seed = 1;
+  bool quick = false;  ///< one run, and the sensor's law in place of matched images
+  int runs = 0;        ///< trees of each occlusion; 0 = 3
+  std::vector<std::string> sets;
+};
+
+/// Trees of apples before a D455 at 0.35 to 0.75 m of a target that is hidden as far as asked for,
+/// measured by all methods of the pipeline apples:
+///   hidden_P_runN   of the Fuji shape, P percent of the target hidden
+///   family_P_runN   of another shape family, which no prior was written for
+///   level_runN      all views level, nothing of the target hidden: fruits are seen from one side
+///   near_runN       0.1 to 0.3 m, the paper's range that lies below the sensor's least distance
+/// Every box of a view counts, not the target's alone.
+std::vector<ShardJob> apples_suite_jobs(const ApplesSuiteConfig& config);
+
+/// Of each method and case (box_case; those of other jobs after "family, ", "level, "), over all
+/// trees: boxes there and measured, errors of each trait, coverage of its intervals and their mean
+/// width over the RMSE, error of the mass with the density known (that of the volume); ours over
+/// the paper's and others' on the same boxes, with paired tests; seconds of 20 fruits. What the
+/// project aims at is a row's limit.
+std::vector<ScoreRow> apples_pooled_rows(const ScoreFile& jobs, std::uint64_t seed);
+
+}  // namespace cousin

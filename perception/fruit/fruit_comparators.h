@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "perception/fruit/fruit_fit.h"
+
+namespace cousin {
+
+/// Other ways from a fruit's visible surface to its size. None says how sure it is: sigmas are NaN.
+
+/// The sphere through the points by least squares of their distances, from that on |p|^2 = 2 c p +
+/// d [Coope 1993].
+FruitFit fit_sphere(const FruitSurface& surface, const FruitPrior& prior = {});
+
+/// The general quadric through the points by least squares, refused where it is no ellipsoid, as
+/// often of a part of one. Its size across is the mean of its two longer axes.
+FruitFit fit_ellipsoid(const FruitSurface& surface, const FruitPrior& prior = {});
+
+/// The convex hull of the points and of their mirror images behind the plane across the view beyond
+/// 95 % of them: twice what is seen. It wants points up to the outline
+/// (FruitSurfaceConfig::rim_px).
+FruitFit fit_hull(const FruitSurface& surface, const FruitPrior& prior = {});
+
+/// The circle through the places of the outline that are the fruit's own [Kasa 1976], of three that
+/// most others agree with, at the fruit's depth: its amodal diameter. Volume is that of the kind's
+/// mean shape at this diameter, which is allometry with exponent 3.
+FruitFit fit_allometry(const FruitSurface& surface, const FruitPrior& prior = {});
+
+}  // namespace cousin

@@ -1,0 +1,279 @@
+#include "perception/pipelines/apples.h"
+
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "perception/pipelines/pipeline_table.h"
+#include "sim/config/choice_field.h"
+#include "sim/config/limits.h"
+
+namespace cousin {
+namespace {
+
+constexpr std::array<Named<ApplesMethod>, 6> kApplesMethods = {
+    {{ApplesMethod::ours, "ours"},
+     {ApplesMethod::paper, "paper"},
+     {ApplesMethod::sphere, "sphere"},
+     {ApplesMethod::ellipsoid, "ellipsoid"},
+     {ApplesMethod::hull, "hull"},
+     {ApplesMethod::allometry, "allometry"}}};
+
+/// Names and units of a fit's parameters: where FruitEntry has them, then the turn from the fruit's
+/// axes to the camera's as a rotation vector, then sizes.
+struct ApplesParameter {
+  const char* name;
+  const char* unit;
+};
+constexpr int kRotation = kFruitNumbers, kSizes = kFruitNumbers + 3, kApplesNumbers = kSizes + 3;
+std::array<FitParameter, kApplesNumbers> apples_parameters() {
+  std::array<FitParameter, kApplesNumbers> all;
+  const ApplesParameter first[] = {{"centre_x", "m"},    {"centre_y", "m"},   {"centre_z", "m"},
+                                   {"turn_x", "rad"},    {"turn_y", "rad"},   {"log_radius", "1"},
+                                   {"log_stretch", "1"}, {"conic", "1"},      {"lopsided_x", "1"},
+                                   {"lopsided_y", "1"},  {"stalk_dent", "1"}, {"calyx_dent", "1"}};
+  for (std::size_t k = 0; k < std::size(first); ++k) all[k] = {first[k].name, first[k].unit, kNaN};
+  for (int k = 0; k < kWaveCount; ++k)
+    all[static_cast<std::size_t>(kWaves + k)] = {"wave_" + std::to_string(k), "1", kNaN};
+  const ApplesParameter last[] = {{"rotation_x", "rad"}, {"rotation_y", "rad"},
+                                  {"rotation_z", "rad"}, {"volume", "m3"},
+                                  {"diameter", "m"},     {"length", "m"}};
+  for (std::size_t k = 0; k < std::size(last); ++k)
+    all[kRotation + k] = {last[k].name, last[k].unit, kNaN};
+  return all;
+}
+
+std::array<const FruitMeasure*, 3> sizes_of(const FruitFit& fit) {
+  return {&fit.volume_m3, &fit.diameter_m, &fit.length_m};
+}
+
+ObjectFit seam_of(const FruitFit& fit, const DetectedBox& box, ApplesMethod method) {
+  ObjectFit seam;
+  seam.instance = box.id;
+  seam.model = "fruit by " + std::string(to_string(method));
+  seam.status = fit.status;
+  seam.reason = fit.reason;
+  const auto parameters = apples_parameters();
+  seam.parameters.assign(parameters.begin(), parameters.end());
+  for (int k = 0; k < kFruitNumbers; ++k)
+    seam.parameters[static_cast<std::size_t>(k)].value = fit.shape.numbers[k];
+  const Eigen::AngleAxisd turn(fit.shape.camera_from_fruit);
+  for (int k = 0; k < 3; ++k)
+    seam.parameters[static_cast<std::size_t>(kRotation + k)].value = turn.angle() * turn.axis()[k];
+  const auto sizes = sizes_of(fit);
+  bool is_sure = true;
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    seam.parameters[kSizes + k].value = sizes[k]->value;
+    is_sure = is_sure && std::isfinite(sizes[k]->sigma);
+  }
+  if (!is_sure) return seam;
+  // Sizes follow from the numbers; what their sigmas have beyond that stands beside them.
+  seam.covariance = Eigen::MatrixXd::Zero(kApplesNumbers, kApplesNumbers);
+  seam.covariance.topLeftCorner(kFruitNumbers, kFruitNumbers) =
+      0.5 * (fit.covariance + fit.covariance.transpose());
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(kSizes + k);
+    seam.covariance(at, at) = sizes[k]->sigma * sizes[k]->sigma;
+  }
+  return seam;
+}
+
+double parameter_of(const ObjectFit& fit, const std::string& name, double* sigma = nullptr) {
+  for (std::size_t k = 0; k < fit.parameters.size(); ++k) {
+    if (fit.parameters[k].name != name) continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    if (sigma) *sigma = fit.covariance.size() > 0 ? std::sqrt(fit.covariance(at, at)) : kNaN;
+    return fit.parameters[k].value;
+  }
+  throw std::invalid_argument("fit of box " + std::to_string(fit.instance) + " has no " + name);
+}
+
+FruitFit fit_of(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
+                const FruitKind& kind, const ApplesPipelineConfig& config, std::uint64_t seed) {
+  if (config.method == ApplesMethod::paper)
+    return fit_clv(depth, camera, box, config.clv, seed + static_cast<std::uint64_t>(box.id));
+  FruitSurfaceConfig seen = config.surface;
+  if (config.method == ApplesMethod::hull) seen.rim_px = std::min(seen.rim_px, 1.5);
+  const FruitSurface surface = fruit_surface(depth, camera, box, seen);
+  switch (config.method) {
+    case ApplesMethod::sphere:
+      return fit_sphere(surface, config.prior);
+    case ApplesMethod::ellipsoid:
+      return fit_ellipsoid(surface, config.prior);
+    case ApplesMethod::hull:
+      return fit_hull(surface, config.prior);
+    case ApplesMethod::allometry:
+      return fit_allometry(surface, config.prior);
+    default:
+      return fit_fruit(surface, kind, config.fit);
+  }
+}
+
+std::map<int, std::size_t> places_of_frames(const Capture& capture) {
+  std::map<int, std::size_t> places;
+  for (std::size_t i = 0; i < capture.frames.size(); ++i) places[capture.frames[i].id] = i;
+  return places;
+}
+
+/// Boxes of the first sensor, to whose image depth is aligned. @throws StageError for a box of a
+/// frame that there is not
+std::vector<const DetectedBox*> boxes_of_first(const Capture& capture, const Boxes& boxes) {
+  const auto places = places_of_frames(capture);
+  std::vector<const DetectedBox*> own;
+  for (const DetectedBox& box : boxes) {
+    if (box.sensor != 0) continue;
+    if (!places.contains(box.frame))
+      throw StageError("fits", "box " + std::to_string(box.id) + " is of frame " +
+                                   std::to_string(box.frame) + ", which the capture has not");
+    own.push_back(&box);
+  }
+  return own;
+}
+
+Fits fits_of(const Capture& capture, const Estimate& so_far, const ApplesPipelineConfig& config,
+             std::uint64_t seed) {
+  const auto places = places_of_frames(capture);
+  const std::vector<const DetectedBox*> boxes = boxes_of_first(capture, so_far.boxes);
+  const FruitKind kind = kind_of(config.prior);
+  Fits fits(boxes.size());
+  tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t i) {
+    const DetectedBox& box = *boxes[i];
+    const std::size_t place = places.at(box.frame);
+    const FrameDepth none;
+    const FrameDepth& depth = so_far.depths.empty() ? none : so_far.depths[place];
+    const Camera& camera = capture.frames[place].sensors.front().reported;
+    fits[i] = seam_of(fit_of(depth, camera, box, kind, config, seed), box, config.method);
+  });
+  return fits;
+}
+
+SpecimenTraits traits_of_fit(const ObjectFit& fit, int frame, const FruitPrior& prior) {
+  SpecimenTraits traits;
+  traits.instance = fit.instance;
+  traits.frame = frame;
+  traits.status = fit.status == FitStatus::ok ? TraitStatus::ok : TraitStatus::not_solved;
+  traits.reason = fit.reason;
+  double sigma = kNaN;
+  for (const auto& [name, unit] : {std::pair("diameter", "m"), {"length", "m"}, {"volume", "m3"}}) {
+    const double value = parameter_of(fit, name, &sigma);
+    if (std::isfinite(value)) traits.traits.push_back({name, unit, value, sigma});
+  }
+  const double volume_m3 = parameter_of(fit, "volume", &sigma);
+  if (!std::isfinite(volume_m3)) return traits;
+  const double mass_kg = prior.density_kg_m3 * volume_m3;
+  traits.traits.push_back(
+      {"mass", "kg", mass_kg,
+       mass_kg * std::hypot(sigma / volume_m3, prior.sigma_density_kg_m3 / prior.density_kg_m3)});
+  return traits;
+}
+
+Traits traits_of(const Capture& capture, const Estimate& so_far,
+                 const ApplesPipelineConfig& config) {
+  std::map<int, const ObjectFit*> fit_of_box;
+  for (const ObjectFit& fit : so_far.fits) fit_of_box[fit.instance] = &fit;
+  FruitPrior prior = config.prior;
+  if (config.method == ApplesMethod::paper) prior.density_kg_m3 = config.clv.density_kg_m3;
+  Traits traits;
+  for (const DetectedBox* box : boxes_of_first(capture, so_far.boxes)) {
+    const auto fit = fit_of_box.find(box->id);
+    if (fit == fit_of_box.end()) {
+      traits.push_back({.instance = box->id, .frame = box->frame, .reason = "no fit is of it"});
+      continue;
+    }
+    traits.push_back(traits_of_fit(*fit->second, box->frame, prior));
+  }
+  return traits;
+}
+
+}  // namespace
+
+std::string_view to_string(ApplesMethod method) {
+  return name_in<ApplesMethod>(kApplesMethods, method);
+}
+
+FruitShape shape_of(const ObjectFit& fit) {
+  FruitShape shape;
+  const auto parameters = apples_parameters();
+  for (int k = 0; k < kFruitNumbers; ++k)
+    shape.numbers[k] = parameter_of(fit, parameters[static_cast<std::size_t>(k)].name);
+  const Eigen::Vector3d turn(parameter_of(fit, "rotation_x"), parameter_of(fit, "rotation_y"),
+                             parameter_of(fit, "rotation_z"));
+  if (turn.norm() > 0)
+    shape.camera_from_fruit = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+  return shape;
+}
+
+Fields fields(ApplesPipelineConfig& c) {
+  return Fields{{"method", choice_field<ApplesMethod>("method", kApplesMethods, c.method),
+                 "how an apple's size follows from its box"}} +
+         nested("sensor_depth", fields(c.sensor_depth)) + nested("surface", fields(c.surface)) +
+         nested("prior", fields(c.prior)) + nested("fit", fields(c.fit)) +
+         nested("clv", fields(c.clv));
+}
+
+void validate(const ApplesPipelineConfig& config) {
+  validate(config.sensor_depth);
+  validate(config.surface);
+  validate(config.prior);
+  validate(config.fit);
+  validate(config.clv);
+}
+
+PipelineNeeds needs(const ApplesPipelineConfig&) {
+  return {.images = {"depth"}, .stages = {"boxes", "depth", "fits", "traits"}, .left_out = {}};
+}
+
+void check_capture(const Capture& capture, const ApplesPipelineConfig& config) {
+  if (has_sensor_depth(capture)) return;
+  throw std::invalid_argument("method " + std::string(to_string(config.method)) +
+                              " of apples reads depth images, and the capture has none");
+}
+
+Stages stages_for(const ApplesPipelineConfig& config, const Capture& /*capture*/,
+                  std::uint64_t seed, const SplatWatch& /*watch*/) {
+  Stages stages;
+  stages.depths = [config](const Capture& capture, const Estimate&) {
+    return gathered_depths(capture, config.sensor_depth);
+  };
+  stages.fits = [config, seed](const Capture& capture, const Estimate& so_far) {
+    return fits_of(capture, so_far, config, seed);
+  };
+  stages.traits = [config](const Capture& capture, const Estimate& so_far) {
+    return traits_of(capture, so_far, config);
+  };
+  return stages;
+}
+
+const PipelineRow& apples_pipeline();
+const PipelineRow& row_of(const ApplesPipelineConfig& /*config*/) { return apples_pipeline(); }
+
+const PipelineRow& apples_pipeline() {
+  static constexpr auto kOrder =
+      std::to_array<std::string_view>({"boxes", "depth", "fits", "traits"});
+  static const PipelineRow kRow = {
+      .name = "apples",
+      .help = "size, volume and mass of each apple, hidden in part, from boxes and a depth camera",
+      .scenes = {"apples"},
+      .order = kOrder,
+      .from_outside = {"boxes"},
+      .traits_of = TraitsOf::boxes,
+      .traits = {"diameter", "length", "volume", "mass"},
+      .methods = {{"ours",
+                   "the most probable whole surface by a prior of shapes, depths and the outline, "
+                   "with its uncertainty"},
+                  {"paper",
+                   "the paper's chain: box and depth give a deformed sphere; its convex hull, "
+                   "corrected by sphericity"},
+                  {"sphere", "the sphere through the visible surface"},
+                  {"ellipsoid", "the ellipsoid through the visible surface"},
+                  {"hull", "the convex hull of the visible surface and its mirror image"},
+                  {"allometry", "the circle through the outline, and the kind's mean shape"}},
+      .defaults = [] { return PipelineConfig(ApplesPipelineConfig{}); }};
+  return kRow;
+}
+
+}  // namespace cousin
