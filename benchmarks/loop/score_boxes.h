@@ -40,7 +40,8 @@ std::string box_case(const TrueBox& box, int instance, const TruthImages& images
 SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
                         const SeedsScoreLabels& labels, TraitNames traits = {});
 
-/// Scores an estimate as its traits ask for: score_run, score_plants, or score_boxes of these traits.
+/// Scores an estimate as its traits ask for: score_run, score_plants, or score_boxes of these
+/// traits.
 SeedsScores score_estimate(TraitsOf traits_of, const SceneTruth& truth, const Estimate& estimate,
                            const SeedsScoreLabels& labels, TraitNames traits = {});
 

@@ -42,9 +42,10 @@ Eigen::Vector3d lentil(const Eigen::Vector3d& u) {
 Eigen::Vector3d wedge(const Eigen::Vector3d& u) {
   // A superellipsoid: its sides are flatter and its edges tighter than an ellipsoid's.
   constexpr double kPower = 3;
-  const double norm = std::pow(std::pow(std::abs(u.x()), kPower) + std::pow(std::abs(u.y()), kPower) +
-                                   std::pow(std::abs(u.z()), kPower),
-                               1 / kPower);
+  const double norm =
+      std::pow(std::pow(std::abs(u.x()), kPower) + std::pow(std::abs(u.y()), kPower) +
+                   std::pow(std::abs(u.z()), kPower),
+               1 / kPower);
   const Eigen::Vector3d p = u / norm;
   return {0.005 * p.x(), 0.0038 * p.y(), 0.0023 * p.z() * (1 - 0.55 * p.y())};
 }
@@ -95,7 +96,8 @@ Mesh shape_mesh(std::string_view name) {
     return mesh;
   }
   std::string list;
-  for (const std::string_view known : kNames) list += (list.empty() ? "" : ", ") + std::string(known);
+  for (const std::string_view known : kNames)
+    list += (list.empty() ? "" : ", ") + std::string(known);
   throw std::invalid_argument("shape \"" + std::string(name) + "\" is not one of " + list);
 }
 

@@ -16,8 +16,8 @@ struct ShapesSuiteConfig {
   std::vector<std::string> sets;
 };
 
-/// Specimens of five shapes that nothing here was tuned on, each grown its own way (mesh_variation.h),
-/// measured as seeds are: do sizes and their intervals hold on any shape?
+/// Specimens of five shapes that nothing here was tuned on, each grown its own way
+/// (mesh_variation.h), measured as seeds are: do sizes and their intervals hold on any shape?
 std::vector<ShardJob> shapes_suite_jobs(const ShapesSuiteConfig& config);
 
 /// Statistics of each shape over all runs. Held to limits for each shape: the bias of height
