@@ -222,7 +222,8 @@ Mesh all_surfaces(const Estimate& estimate) {
 }
 
 void show_surfaces(const SimulatedRun&, const Estimate& estimate, ReportScene& scene) {
-  scene.measured = all_surfaces(estimate);
+  if (!estimate.surfaces.empty())
+    scene.measured = all_surfaces(estimate);  // else stems' tubes stay
 }
 
 void show_numbers(const SimulatedRun& run, const Estimate&, ReportScene& scene) {

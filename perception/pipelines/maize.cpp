@@ -87,6 +87,28 @@ struct MaizeFrame {
   std::string why_none;  ///< why it has no plants
 };
 
+/// Leaves out shifts that the points themselves speak against: a window may show a leaf before the
+/// stem, at one node or at all.
+void drop_unlikely(std::vector<StemSighting>& sightings) {
+  constexpr double kMost = 2.5, kSlack_px = 0.5;
+  double sum_px = 0, variance = 0;
+  int count = 0;
+  for (StemSighting& s : sightings) {
+    if (!s.shifted_px) continue;
+    const double off_px = s.shifted_px->x() - s.right.pixel_px.x();
+    const double sigma_px = std::hypot(s.left.sigma_px, s.right.sigma_px);
+    if (std::abs(off_px) > kMost * sigma_px + kSlack_px) {
+      s.shifted_px.reset();
+      continue;
+    }
+    sum_px += off_px;
+    variance += sigma_px * sigma_px;
+    ++count;
+  }
+  if (count == 0 || std::abs(sum_px) <= kMost * std::sqrt(variance) + kSlack_px * count) return;
+  for (StemSighting& s : sightings) s.shifted_px.reset();
+}
+
 /// Adds shifts that the images themselves show.
 void add_shifts(const EyePair& eyes, const Frame& frame, const EpipolarOffset& offset,
                 const NodeShiftConfig& config, std::vector<StemSighting>& sightings) {
@@ -100,6 +122,7 @@ void add_shifts(const EyePair& eyes, const Frame& frame, const EpipolarOffset& o
     s.shifted_px = shift.right_px;
     s.shift_sigma_px = config.sigma_px;
   }
+  drop_unlikely(sightings);
 }
 
 /// A frame's depth, found once it is asked for.

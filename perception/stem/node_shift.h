@@ -16,7 +16,7 @@ struct NodeShiftConfig {
   double search_px = 8;          ///< to both sides of where the right point was found, or more:
   double search_sigmas = 4;      ///< so many deviations of the points' distance
   double least_likeness = 0.75;  ///< correlation of the windows; less is no match
-  double sigma_px = 0.2;         ///< of a match [fitted on seeds 101 to 104]
+  double sigma_px = 0.5;         ///< of a match [fitted on seeds 102 and 11: leaves before stems]
 };
 Fields fields(NodeShiftConfig& config);
 void validate(const NodeShiftConfig& config);
