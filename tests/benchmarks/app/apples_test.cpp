@@ -42,13 +42,14 @@ TEST(AppApples, OneCommandMeasuresThemAndFilesGiveTheSame) {
   EXPECT_LT(value_of_apples(file.scores, "mass.mape", "unoccluded"), 0.1);
 
   // The same from files, with the boxes of the run as somebody's.
-  const Words render = {"render", "apples",  "--out",  "data",
-                        "--truth", "depth,instance,visibility", "--streams", "depth"};
+  const Words render = {"render",    "apples",  "--out",
+                        "data",      "--truth", "depth,instance,visibility",
+                        "--streams", "depth"};
   ASSERT_EQ(program.run(render + small_tree()).code, 0);
-  ASSERT_EQ(program
-                .run({"perceive", "data", "--out", "est", "--stage", "boxes=dir:apples/estimate"})
-                .code,
-            0);
+  ASSERT_EQ(
+      program.run({"perceive", "data", "--out", "est", "--stage", "boxes=dir:apples/estimate"})
+          .code,
+      0);
   for (const char* seam : {"traits.json", "fits.json", "boxes.json"}) {
     EXPECT_EQ(read_file(program.path("est/000000") / seam),
               read_file(program.path("apples/estimate/000000") / seam))
