@@ -5,13 +5,14 @@
 
 namespace cousin {
 
-// To add a pipeline, add its line: the function that its own file has.
+// To add a pipeline, add its line: the function that its own file has. The first is taken where
+// nobody says which.
 #define COUSIN_PIPELINES(PIPELINE) \
-  PIPELINE(apples_pipeline)        \
   PIPELINE(seeds_pipeline)         \
   PIPELINE(maize_pipeline)         \
   PIPELINE(strawberries_pipeline)  \
-  PIPELINE(views_pipeline)
+  PIPELINE(views_pipeline)         \
+  PIPELINE(apples_pipeline)
 
 #define COUSIN_DECLARE(row) const PipelineRow& row();
 COUSIN_PIPELINES(COUSIN_DECLARE)
