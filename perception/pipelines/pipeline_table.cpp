@@ -9,10 +9,10 @@ namespace cousin {
 // nobody says which.
 #define COUSIN_PIPELINES(PIPELINE) \
   PIPELINE(seeds_pipeline)         \
-  PIPELINE(maize_pipeline)         \
   PIPELINE(strawberries_pipeline)  \
-  PIPELINE(views_pipeline)         \
-  PIPELINE(apples_pipeline)
+  PIPELINE(apples_pipeline)        \
+  PIPELINE(maize_pipeline)         \
+  PIPELINE(views_pipeline)
 
 #define COUSIN_DECLARE(row) const PipelineRow& row();
 COUSIN_PIPELINES(COUSIN_DECLARE)
