@@ -15,6 +15,7 @@
 #include "benchmarks/loop/score_boxes.h"
 #include "benchmarks/loop/score_views.h"
 #include "benchmarks/study/shard.h"
+#include "perception/pipelines/pipeline_table.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/links.h"
@@ -53,12 +54,28 @@ DetectionImages images_of(const fs::path& dir, const SceneTruth& truth) {
   return images;
 }
 
-/// What the traits are of, as they say themselves.
+/// Whether a pipeline that measures plants names the trait.
+bool is_of_plants(const std::string& trait) {
+  for (const PipelineRow* row : pipeline_table()) {
+    if (row->traits_of != TraitsOf::plants) continue;
+    if (std::find(row->traits.begin(), row->traits.end(), trait) != row->traits.end()) return true;
+  }
+  return false;
+}
+
+/// What the traits are of, as they say themselves; where nothing was measured, as the seams do.
 TraitsOf traits_of(const Estimate& estimate) {
-  const bool of_boxes = std::any_of(estimate.traits.begin(), estimate.traits.end(),
-                                    [](const SpecimenTraits& t) { return t.frame >= 0; });
-  if (of_boxes && !estimate.fits.empty()) return TraitsOf::plants;
-  return of_boxes ? TraitsOf::boxes : TraitsOf::specimens;
+  bool is_of_images = false, has_names = false, has_plants = false;
+  for (const SpecimenTraits& specimen : estimate.traits) {
+    is_of_images = is_of_images || specimen.frame >= 0;
+    for (const Trait& trait : specimen.traits) {
+      has_names = true;
+      has_plants = has_plants || is_of_plants(trait.name);
+    }
+  }
+  if (!is_of_images) return TraitsOf::specimens;
+  if (has_names) return has_plants ? TraitsOf::plants : TraitsOf::boxes;
+  return estimate.boxes.empty() && !estimate.fits.empty() ? TraitsOf::plants : TraitsOf::boxes;
 }
 
 /// The seams that scores are of.

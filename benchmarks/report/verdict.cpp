@@ -20,19 +20,19 @@ std::string method_shown(const std::vector<SpecimenRow>& specimens) {
   return has_ours ? "ours" : specimens.front().method;
 }
 
-/// "42 of 47 boxes" of a method.
+/// "42 of 47 objects in images" of a method: a fruit in two views is two, as internodes are.
 std::string measured_text(const std::vector<SpecimenRow>& specimens, const std::string& method) {
   std::set<std::tuple<std::string, std::string, std::int64_t, std::int64_t>> all, measured;
-  bool are_boxes = false;
+  bool are_in_images = false;
   for (const SpecimenRow& row : specimens) {
     if (row.method != method) continue;
-    are_boxes = are_boxes || row.frame >= 0;
+    are_in_images = are_in_images || row.frame >= 0;
     const std::tuple which(row.dataset + "/" + row.scene, row.run, row.frame, row.instance);
     all.insert(which);
     if (row.status == ScoreStatus::ok) measured.insert(which);
   }
   return std::to_string(measured.size()) + " of " + std::to_string(all.size()) +
-         (are_boxes ? " boxes" : " specimens");
+         (are_in_images ? " objects in images" : " specimens");
 }
 
 /// RMSE of a trait over all that a method measured; null where it was not pooled.

@@ -47,7 +47,7 @@ TEST(Verdict, OfBoxesAndOfLimitsAlone) {
   ScoreFile file;
   file.specimens = {specimen("paper", 1, ScoreStatus::ok, 0),
                     specimen("paper", 1, ScoreStatus::ok, 1)};
-  EXPECT_EQ(verdict(file), "2 of 2 boxes are measured by paper.");
+  EXPECT_EQ(verdict(file), "2 of 2 objects in images are measured by paper.");
   file.specimens.clear();
   EXPECT_EQ(verdict(file), "");
   file.scores = {limited(pooled("x", "all", 1, 1, 1), at_most(2))};
