@@ -15,7 +15,6 @@
 #include "benchmarks/loop/score_boxes.h"
 #include "benchmarks/loop/score_views.h"
 #include "benchmarks/study/shard.h"
-#include "perception/pipelines/pipeline_table.h"
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/capture_io.h"
 #include "sim/dataset/links.h"
@@ -52,30 +51,6 @@ DetectionImages images_of(const fs::path& dir, const SceneTruth& truth) {
   for (std::size_t s = 0; s < truth.other_sensors.size(); ++s)
     add(truth.other_sensors[s].views, static_cast<int>(s) + 1);
   return images;
-}
-
-/// Whether a pipeline that measures plants names the trait.
-bool is_of_plants(const std::string& trait) {
-  for (const PipelineRow* row : pipeline_table()) {
-    if (row->traits_of != TraitsOf::plants) continue;
-    if (std::find(row->traits.begin(), row->traits.end(), trait) != row->traits.end()) return true;
-  }
-  return false;
-}
-
-/// What the traits are of, as they say themselves; where nothing was measured, as the seams do.
-TraitsOf traits_of(const Estimate& estimate) {
-  bool is_of_images = false, has_names = false, has_plants = false;
-  for (const SpecimenTraits& specimen : estimate.traits) {
-    is_of_images = is_of_images || specimen.frame >= 0;
-    for (const Trait& trait : specimen.traits) {
-      has_names = true;
-      has_plants = has_plants || is_of_plants(trait.name);
-    }
-  }
-  if (!is_of_images) return TraitsOf::specimens;
-  if (has_names) return has_plants ? TraitsOf::plants : TraitsOf::boxes;
-  return estimate.boxes.empty() && !estimate.fits.empty() ? TraitsOf::plants : TraitsOf::boxes;
 }
 
 /// The seams that scores are of.
@@ -133,7 +108,7 @@ ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path&
           score_views(truth, estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
                       fs::exists(estimate_dir / "cloud.ply"), labelled_row(labels));
     } else {
-      SeedsScores scores = score_estimate(traits_of(estimate), truth, estimate, labels);
+      SeedsScores scores = score_estimate(traits_of_estimate(estimate), truth, estimate, labels);
       file.scores = std::move(scores.rows);
       file.specimens = std::move(scores.specimens);
     }

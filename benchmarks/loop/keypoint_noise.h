@@ -9,11 +9,11 @@
 
 namespace cousin {
 
-/// What such a detector finds in all images of a run: of each object an entry with the point that
-/// is first in `words` at its place 0, missing or not, and those of the other words behind it in
-/// random order. A point is of a word if its name is that or begins with it and a space. Without
-/// words all points in their order. Points hidden by others are found too; those outside the image
-/// are missing. Entries' instances are not known to it, nor what is whose in another image.
+/// What such a detector finds in all images of a run. Each object gives one entry an image. Its
+/// place 0 is the point of the first word, missing or not; points of the other words follow in
+/// random order. A point is of a word if its name is the word or begins with it and a space.
+/// Without words, all points follow in their order. Points behind others are found too; those
+/// outside the image are missing. Entries do not say which object they are of.
 /// @param seed  the same gives the same errors
 Keypoints detected_keypoints(const SimulatedRun& run, std::span<const std::string_view> words,
                              const KeypointNoiseConfig& config, std::uint64_t seed);

@@ -15,6 +15,7 @@
 #include "benchmarks/loop/score_geometry.h"
 #include "benchmarks/loop/score_plants.h"
 #include "benchmarks/score/trait_statistics.h"
+#include "perception/pipelines/pipeline_table.h"
 #include "sim/truth/specimens.h"
 #include "sim/types/trait_table.h"
 
@@ -290,6 +291,36 @@ SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
   }
   score_timings(estimate, labelled_row(labels), scores.rows);
   return scores;
+}
+
+namespace {
+
+/// Whether a pipeline that measures plants names the trait; internode_3 is one of internode.
+bool is_of_plants(const std::string& trait) {
+  const auto is_named = [&](std::string_view own) {
+    return trait == own || trait.starts_with(std::string(own) + "_");
+  };
+  const std::vector<const PipelineRow*> table = pipeline_table();
+  return std::any_of(table.begin(), table.end(), [&](const PipelineRow* row) {
+    return row->traits_of == TraitsOf::plants &&
+           std::any_of(row->traits.begin(), row->traits.end(), is_named);
+  });
+}
+
+}  // namespace
+
+TraitsOf traits_of_estimate(const Estimate& estimate) {
+  bool is_of_images = false, has_names = false, has_plants = false;
+  for (const SpecimenTraits& specimen : estimate.traits) {
+    is_of_images = is_of_images || specimen.frame >= 0;
+    for (const Trait& trait : specimen.traits) {
+      has_names = true;
+      has_plants = has_plants || is_of_plants(trait.name);
+    }
+  }
+  if (!is_of_images) return TraitsOf::specimens;
+  if (has_names) return has_plants ? TraitsOf::plants : TraitsOf::boxes;
+  return estimate.boxes.empty() && !estimate.fits.empty() ? TraitsOf::plants : TraitsOf::boxes;
 }
 
 SeedsScores score_estimate(TraitsOf traits_of, const SceneTruth& truth, const Estimate& estimate,

@@ -40,6 +40,10 @@ std::string box_case(const TrueBox& box, int instance, const TruthImages& images
 SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
                         const SeedsScoreLabels& labels, TraitNames traits = {});
 
+/// What the traits of an estimate are of, as their names say; where nothing was measured, as its
+/// seams say. For estimates from files, whose pipeline nobody names.
+TraitsOf traits_of_estimate(const Estimate& estimate);
+
 /// Scores an estimate as its traits ask for: score_run, score_plants, or score_boxes of these
 /// traits.
 SeedsScores score_estimate(TraitsOf traits_of, const SceneTruth& truth, const Estimate& estimate,

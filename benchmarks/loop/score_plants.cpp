@@ -9,7 +9,9 @@
 #include <tuple>
 
 #include "benchmarks/loop/score_geometry.h"
+#include "benchmarks/score/order_statistics.h"
 #include "perception/pipelines/maize.h"
+#include "perception/stem/stem_seam.h"
 #include "sim/truth/specimens.h"
 
 namespace cousin {
@@ -183,12 +185,6 @@ void add_plant(const TruePlant& plant, const Instance& object, const SeenStem* s
                            trait_named(seen ? seen->traits : nullptr, "plant_height")));
 }
 
-double middle_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
 /// Medians of the absolute errors of a trait's rows that are at least so long.
 void add_medians(const std::vector<SpecimenRow>& specimens, const std::string& trait,
                  double least_m, const ScoreRow& base, std::vector<ScoreRow>& rows) {
@@ -200,8 +196,8 @@ void add_medians(const std::vector<SpecimenRow>& specimens, const std::string& t
   }
   if (errors.empty()) return;
   const auto n = static_cast<std::int64_t>(errors.size());
-  rows.push_back(measured_row(base, trait + ".median_error", middle_of(errors), "m", n));
-  rows.push_back(measured_row(base, trait + ".median_share", middle_of(shares), "1", n));
+  rows.push_back(measured_row(base, trait + ".median_error", quantile(errors, 0.5), "m", n));
+  rows.push_back(measured_row(base, trait + ".median_share", quantile(shares, 0.5), "1", n));
 }
 
 void add_sums(const PlantSums& sums, const ScoreRow& base, std::vector<ScoreRow>& rows) {

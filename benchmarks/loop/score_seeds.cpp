@@ -54,6 +54,15 @@ ScoreRow labelled_row(const SeedsScoreLabels& labels) {
   return row;
 }
 
+ScoreRow seconds_row(const SeedsScoreLabels& labels, double wall_s, std::int64_t views) {
+  ScoreRow row = labelled_row(labels);
+  row.metric = "seconds.measure";
+  row.unit = "s";
+  row.value = row.wall_s = wall_s;
+  row.n = views;
+  return row;
+}
+
 namespace {
 
 constexpr std::array<double, 3> kTolerances_m = {0.0001, 0.0002, 0.0005};

@@ -29,6 +29,8 @@ std::string case_text(const std::string& scene, const ScoreSettings& settings);
 
 /// A row with these labels and no metric yet.
 ScoreRow labelled_row(const SeedsScoreLabels& labels);
+/// "seconds.measure": wall time from `views` pictures to sizes.
+ScoreRow seconds_row(const SeedsScoreLabels& labels, double wall_s, std::int64_t views);
 /// Why a training left no Gaussian (SplatModel::why_none), not_solved.
 ScoreRow untrained_row(ScoreRow base, const SplatModel& none);
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "perception/pipelines/maize.h"
+#include "perception/stem/stem_seam.h"
 #include "sim/geometry/measure.h"
 #include "sim/imaging/image_io.h"
 

@@ -159,7 +159,7 @@ SigmaCoverage sigma_coverage(std::span<const TraitPair> pairs) {
   SigmaCoverage result;
   long long within_68 = 0;
   long long within_95 = 0;
-  double sum = 0;
+  double sum = 0, squares = 0, widths = 0;
   for (const TraitPair& pair : pairs) {
     if (!(pair.sigma > 0) || !std::isfinite(pair.measured)) continue;
     const double z = (pair.measured - pair.truth) / pair.sigma;
@@ -167,12 +167,15 @@ SigmaCoverage sigma_coverage(std::span<const TraitPair> pairs) {
     within_68 += std::abs(z) <= 1 ? 1 : 0;
     within_95 += std::abs(z) <= kSigmas95 ? 1 : 0;
     sum += z * z;
+    squares += (pair.measured - pair.truth) * (pair.measured - pair.truth);
+    widths += 2 * kSigmas95 * pair.sigma;
   }
   const BinomialInterval a = binomial_interval(within_68, result.n);
   const BinomialInterval b = binomial_interval(within_95, result.n);
   result.within_68 = {a.share, a.low, a.high};
   result.within_95 = {b.share, b.low, b.high};
   if (result.n > 0) result.normalised_rms = std::sqrt(sum / result.n);
+  if (squares > 0) result.width_over_rmse = widths / result.n / std::sqrt(squares / result.n);
   return result;
 }
 

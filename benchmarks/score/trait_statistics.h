@@ -65,6 +65,8 @@ struct SigmaCoverage {
   WithInterval within_95;
   double normalised_rms =
       std::numeric_limits<double>::quiet_NaN();  ///< rms of e / sigma; 1 if honest
+  /// Mean width of the 95 % intervals over the RMSE; 3.92 where errors are normal and sigmas right.
+  double width_over_rmse = std::numeric_limits<double>::quiet_NaN();
 };
 SigmaCoverage sigma_coverage(std::span<const TraitPair> pairs);
 

@@ -71,6 +71,19 @@ ShardJob shard_of(GridJob job, std::string key, std::function<std::string()> run
   return {std::move(file), std::move(key), std::move(run), std::move(unfinished), std::move(job)};
 }
 
+std::vector<ShardJob> shards_of(const Grid& grid, const std::string& prefix,
+                                const std::vector<std::string>& sets,
+                                const std::function<std::string(const GridJob&)>& run) {
+  std::vector<ShardJob> jobs;
+  for (GridJob& job : jobs_of(grid)) {
+    std::string key = prefix + "/" + job.name;
+    for (const std::string& set : job.sets) key += "\n" + set;
+    for (const std::string& set : sets) key += "\n" + set;
+    jobs.push_back(shard_of(job, std::move(key), [run, job] { return run(job); }));
+  }
+  return jobs;
+}
+
 std::vector<ShardJob> jobs_named(std::vector<ShardJob> jobs, const std::string& parts) {
   constexpr std::size_t kNamed = 5;
   std::string some;

@@ -35,6 +35,11 @@ struct ShardJob {
 /// The piece of work of a grid's job, in the file NAME.json.
 ShardJob shard_of(GridJob job, std::string key, std::function<std::string()> run,
                   std::filesystem::path unfinished = {});
+/// A piece of work for each job of a grid, which makes `run` of it. Its key is `prefix` (the
+/// program, the suite, the seed), the job's name, its own configuration keys and the user's.
+std::vector<ShardJob> shards_of(const Grid& grid, const std::string& prefix,
+                                const std::vector<std::string>& sets,
+                                const std::function<std::string(const GridJob&)>& run);
 struct ShardResult {
   std::string name;
   std::string text;   ///< empty if the job threw or belongs to another shard and is not there yet

@@ -101,7 +101,7 @@ void validate(const ClvConfig& config) {
 }
 
 FruitFit fit_clv(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                 const ClvConfig& config, std::uint64_t seed) {
+                 const ClvConfig& config, Rng rng) {
   FruitFit fit;
   fit.status = FitStatus::too_few_points;
   if (depth.depth_m.empty()) {
@@ -113,10 +113,17 @@ FruitFit fit_clv(const FrameDepth& depth, const Camera& camera, const DetectedBo
     fit.reason = "no depth in the middle of its box";
     return fit;
   }
-  const double side_px = 0.25 * (box.high_px - box.low_px).sum();  // half of the mean side
-  double radius_m = 0;
-  for (int i = 0; i < 8; ++i) radius_m = side_px / camera.fx_px * (*front_m + radius_m);
-  std::vector<Vector3d> points = deformed_sphere(config, Rng(seed));
+  // Half of the mean side over the focal length. The rim stands one radius behind the front, so
+  // radius = share (front + radius) [eq. 10 to 16].
+  const double share = 0.25 * (box.high_px - box.low_px).sum() / camera.fx_px;
+  constexpr double kMostShare = 0.5;  // a sphere that fills 53 degrees of the view
+  if (!(share > 0) || share > kMostShare) {
+    fit.reason =
+        "its box is no fruit's: half of it spans " + std::to_string(share) + " of the distance";
+    return fit;
+  }
+  const double radius_m = share * *front_m / (1 - share);
+  std::vector<Vector3d> points = deformed_sphere(config, rng);
   const double ratio = sphericity(points);
   for (Vector3d& p : points) p *= radius_m;
   const double hull_m3 = mass_properties(convex_hull(points)).volume_m3;

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "perception/fruit/fruit_fit.h"
+#include "sim/types/rng.h"
 
 namespace cousin {
 
@@ -26,8 +27,9 @@ void validate(const ClvConfig& config);
 /// radius by the pinhole [eq. 10 to 16]; a deformed sphere of this radius is sampled [17 to 28];
 /// its convex hull [29, 30], corrected by the sphericity of its covariance [31 to 34], times
 /// density is the mass. It looks at the box alone, and says nothing of its error.
-/// @param seed  of the deformation
+/// A box that spans more than its distance is no fruit's: too_few_points, with the reason.
+/// @param rng  of the deformation
 FruitFit fit_clv(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
-                 const ClvConfig& config, std::uint64_t seed);
+                 const ClvConfig& config, Rng rng);
 
 }  // namespace cousin

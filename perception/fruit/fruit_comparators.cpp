@@ -171,7 +171,7 @@ FruitFit fit_hull(const FruitSurface& surface, const FruitPrior& prior) {
   Vector3d way = Vector3d::Zero();
   for (const SeenPoint& p : surface.points) way += p.point_m.normalized();
   way.normalize();
-  // Of the farthest some are of what is behind.
+  // The farthest 5 % may belong to a surface behind the fruit.
   std::vector<double> along_m;
   for (const SeenPoint& p : surface.points) along_m.push_back(p.point_m.dot(way));
   const auto most = along_m.begin() + static_cast<std::ptrdiff_t>(0.95 * along_m.size());
@@ -204,8 +204,7 @@ FruitFit fit_allometry(const FruitSurface& surface, const FruitPrior& prior) {
   const Circle circle = agreed_circle(places, kNear);
   if (!std::isfinite(circle.radius)) return failed("its outline is of no circle");
   // Its rim stands about a radius behind its front, of which the median depth is a third away.
-  double radius_m = circle.radius * surface.depth_m;
-  for (int i = 0; i < 5; ++i) radius_m = circle.radius * (surface.depth_m + 0.65 * radius_m);
+  const double radius_m = circle.radius * surface.depth_m / (1 - 0.65 * circle.radius);
   if (!(radius_m > 0) || radius_m > 1) return failed("its outline is of no circle");
   const FruitNumbers mean = numbers_of(mean_shape(prior));
   const double ratio = 2 * radius_m / mean.diameter_m.value;

@@ -21,9 +21,9 @@ FruitFit fit_ellipsoid(const FruitSurface& surface, const FruitPrior& prior = {}
 /// (FruitSurfaceConfig::rim_px).
 FruitFit fit_hull(const FruitSurface& surface, const FruitPrior& prior = {});
 
-/// The circle through the places of the outline that are the fruit's own [Kasa 1976], of three that
-/// most others agree with, at the fruit's depth: its amodal diameter. Volume is that of the kind's
-/// mean shape at this diameter, which is allometry with exponent 3.
+/// Circles through three places of the outline are tried. The one that most other places agree with
+/// is refined on those [Kasa 1976]. Its size at the fruit's depth is the diameter. Volume is that
+/// of the kind's mean shape at this diameter (allometry with exponent 3).
 FruitFit fit_allometry(const FruitSurface& surface, const FruitPrior& prior = {});
 
 }  // namespace cousin

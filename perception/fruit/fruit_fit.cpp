@@ -34,8 +34,8 @@ struct Normal {
   FruitCovariance information = FruitCovariance::Zero();
   FruitParameters gradient = FruitParameters::Zero();
   double cost = 0;
-  double depth_squares = 0, depth_weights = 0;  ///< of residuals in sigmas
-  double rim_squares = 0, rim_places = 0;       ///< and of the fruit's own outline
+  double depth_squares = 0, depth_count = 0;  ///< residuals in sigmas, and how many
+  double rim_squares = 0, rim_places = 0;     ///< and of the fruit's own outline
 
   void add(const FruitParameters& derivative, double residual, double weight, int used) {
     for (int i = 0; i < used; ++i)  // below the diagonal
@@ -168,7 +168,7 @@ class Search {
     normal.add(d.derivative, d.distance_m, share * robust.weight / (sigma_m * sigma_m), used);
     normal.cost += share * robust.cost;
     normal.depth_squares += robust.weight * r * r;
-    normal.depth_weights += 1;
+    normal.depth_count += 1;
   }
 
   void add_place(const FruitShape& shape, const OutlinePlace& place, bool waves, double share,
@@ -276,7 +276,7 @@ Hypothesis fit_under(const Search& search, const FruitShape& from, double scale,
   fit.evidence = normal.cost + solver.vectorD().array().abs().max(1e-300).log().sum();
   for (int k = kLogRadius; k < kFruitNumbers; ++k)
     fit.evidence += 2 * std::log(search.sigmas()[k] * scale_at(k, scale));
-  fit.rms = std::sqrt(normal.depth_squares / std::max(1.0, normal.depth_weights));
+  fit.rms = std::sqrt(normal.depth_squares / std::max(1.0, normal.depth_count));
   const double rim = std::sqrt(normal.rim_squares / std::max(1.0, normal.rim_places));
   const double spread = std::max({1.0, fit.rms, rim});
   fit.covariance =

@@ -59,7 +59,7 @@ struct FruitFit {
 FruitFit fit_fruit(const FruitSurface& surface, const FruitKind& kind,
                    const FruitFitConfig& config = {});
 
-/// What is known of a fruit that is not seen: the prior's means and sigmas.
+/// A fruit that no image shows: it has the prior's means and sigmas.
 FruitFit unseen_fruit(const FruitKind& kind, const std::string& reason);
 
 }  // namespace cousin

@@ -9,11 +9,12 @@
 
 namespace cousin {
 
-/// What is known of a kind of fruit before one is seen: a sphere that is stretched along its axis,
-/// dented at both ends and waves a little [the deformed sphere of Apples 2.3.2, eq. 17 to 28]. The
-/// defaults are the numbers that scenes/apples/cultivars.toml draws its Fuji from, as if they had
-/// been measured on many fruits; sigma_diameter and those of the waves are free, and wider.
-/// Lengths in metres; means, and standard deviations of normal distributions.
+/// How the fruits of a kind differ in shape, before one is seen. A fruit is a sphere that is
+/// stretched along its axis, has a dent at both ends and waves a little [the deformed sphere of
+/// Apples 2.3.2, eq. 17 to 28]. The defaults are the numbers that scenes/apples/cultivars.toml
+/// draws its Fuji from, as if they had been measured on many fruits; sigma_diameter and those of
+/// the waves are free, and wider. Lengths in metres; means, and standard deviations of normal
+/// distributions.
 struct FruitPrior {
   double diameter_m = 0.088;     ///< mean extent across the axis
   double sigma_diameter = 0.09;  ///< over the mean: wide, trees and years differ

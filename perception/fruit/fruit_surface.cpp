@@ -151,7 +151,7 @@ std::vector<EdgeStep> edge_of(const Region& region, const Image<float>& away, in
     for (int x = 1; x + 1 < region.size.x(); ++x) {
       if (region.inside(x, y) == 0) continue;
       const int ix = region.low.x() + x, iy = region.low.y() + y;
-      // The gradient of the distance over five pixels says where out is.
+      // Out is towards the pixels outside the mask, summed over 7 x 7.
       Eigen::Vector2d out = Eigen::Vector2d::Zero();
       for (const auto& [dx, dy] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
         if (region.inside(x + dx, y + dy) != 0) continue;
@@ -290,6 +290,8 @@ FruitSurface fruit_surface(const FrameDepth& depth, const Camera& camera, const 
   std::erase_if(inner.with_depth, [&](const InnerPixel& pixel) {
     return std::abs(pixel.depth_m - surface.depth_m) > config.largest_fruit_m;
   });
+  const auto kept = static_cast<double>(inner.with_depth.size());
+  if (kept < config.least_depths) return no_surface(surface, "its depths are of several surfaces");
   const double across_m = 2 * deepest * surface.depth_m / camera.fx_px;
   if (across_m < config.smallest_fruit_m)
     return no_surface(surface, "what is seen is " + std::to_string(across_m * 1e3) + " mm wide");
@@ -299,7 +301,7 @@ FruitSurface fruit_surface(const FrameDepth& depth, const Camera& camera, const 
     if (ray && ray->z() > 0)
       surface.points.push_back({*ray * (pixel.depth_m / ray->z()), pixel.sigma_m});
   }
-  surface.independent_points = std::max(1.0, found / (config.correlated_px * config.correlated_px));
+  surface.independent_points = std::max(1.0, kept / (config.correlated_px * config.correlated_px));
   add_outline(depth, lens, edge_of(region, away, width, height), config, surface);
   return surface;
 }

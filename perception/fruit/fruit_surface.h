@@ -34,7 +34,7 @@ struct SeenPoint {
   double sigma_m = 0.002;  ///< along the axis
 };
 
-/// What is beyond a place of the outline.
+/// What the depth camera sees just outside the outline at one place.
 enum class Beyond {
   farther,  ///< what is behind: the outline is the fruit's own
   nearer,   ///< what may hide it: the fruit goes on, or not
@@ -61,7 +61,8 @@ struct FruitSurface {
   bool is_cut = false;          ///< the image's edge cuts it
 };
 
-/// Of a box with a mask; without one every pixel of the box's ellipse counts.
+/// The visible surface of the fruit in a box: the pixels of its mask, or, without a mask, those of
+/// the ellipse that fills the box.
 /// @param depth  aligned to the camera's image, with sigmas or without
 FruitSurface fruit_surface(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
                            const FruitSurfaceConfig& config = {});

@@ -82,20 +82,22 @@ ObjectFit seam_of(const FruitFit& fit, const DetectedBox& box, ApplesMethod meth
   return seam;
 }
 
-double parameter_of(const ObjectFit& fit, const std::string& name, double* sigma = nullptr) {
+/// A number of a fit with its sigma; NaN where the fit has none of this name.
+FruitMeasure parameter_of(const ObjectFit& fit, std::string_view name) {
   for (std::size_t k = 0; k < fit.parameters.size(); ++k) {
     if (fit.parameters[k].name != name) continue;
     const auto at = static_cast<Eigen::Index>(k);
-    if (sigma) *sigma = fit.covariance.size() > 0 ? std::sqrt(fit.covariance(at, at)) : kNaN;
-    return fit.parameters[k].value;
+    return {fit.parameters[k].value,
+            fit.covariance.size() > 0 ? std::sqrt(fit.covariance(at, at)) : kNaN};
   }
-  throw std::invalid_argument("fit of box " + std::to_string(fit.instance) + " has no " + name);
+  return {};
 }
 
 FruitFit fit_of(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
                 const FruitKind& kind, const ApplesPipelineConfig& config, std::uint64_t seed) {
   if (config.method == ApplesMethod::paper)
-    return fit_clv(depth, camera, box, config.clv, seed + static_cast<std::uint64_t>(box.id));
+    return fit_clv(depth, camera, box, config.clv,
+                   Rng(seed).fork("clv").fork(static_cast<std::uint64_t>(box.id)));
   FruitSurfaceConfig seen = config.surface;
   if (config.method == ApplesMethod::hull) seen.rim_px = std::min(seen.rim_px, 1.5);
   const FruitSurface surface = fruit_surface(depth, camera, box, seen);
@@ -157,17 +159,23 @@ SpecimenTraits traits_of_fit(const ObjectFit& fit, int frame, const FruitPrior& 
   traits.frame = frame;
   traits.status = fit.status == FitStatus::ok ? TraitStatus::ok : TraitStatus::not_solved;
   traits.reason = fit.reason;
-  double sigma = kNaN;
-  for (const auto& [name, unit] : {std::pair("diameter", "m"), {"length", "m"}, {"volume", "m3"}}) {
-    const double value = parameter_of(fit, name, &sigma);
-    if (std::isfinite(value)) traits.traits.push_back({name, unit, value, sigma});
+  constexpr std::pair<const char*, const char*> kSizesOfFit[] = {
+      {"diameter", "m"}, {"length", "m"}, {"volume", "m3"}};
+  for (const auto& [name, unit] : kSizesOfFit) {
+    const FruitMeasure size = parameter_of(fit, name);
+    if (std::isfinite(size.value)) traits.traits.push_back({name, unit, size.value, size.sigma});
   }
-  const double volume_m3 = parameter_of(fit, "volume", &sigma);
-  if (!std::isfinite(volume_m3)) return traits;
-  const double mass_kg = prior.density_kg_m3 * volume_m3;
-  traits.traits.push_back(
-      {"mass", "kg", mass_kg,
-       mass_kg * std::hypot(sigma / volume_m3, prior.sigma_density_kg_m3 / prior.density_kg_m3)});
+  const bool has_all = traits.traits.size() == std::size(kSizesOfFit);
+  if (!has_all && traits.status == TraitStatus::ok) {
+    traits.status = TraitStatus::not_solved;
+    traits.reason = "its fit has not all of diameter, length and volume";
+  }
+  const FruitMeasure volume_m3 = parameter_of(fit, "volume");
+  if (!std::isfinite(volume_m3.value)) return traits;
+  const double mass_kg = prior.density_kg_m3 * volume_m3.value;
+  traits.traits.push_back({"mass", "kg", mass_kg,
+                           mass_kg * std::hypot(volume_m3.sigma / volume_m3.value,
+                                                prior.sigma_density_kg_m3 / prior.density_kg_m3)});
   return traits;
 }
 
@@ -199,9 +207,10 @@ FruitShape shape_of(const ObjectFit& fit) {
   FruitShape shape;
   const auto parameters = apples_parameters();
   for (int k = 0; k < kFruitNumbers; ++k)
-    shape.numbers[k] = parameter_of(fit, parameters[static_cast<std::size_t>(k)].name);
-  const Eigen::Vector3d turn(parameter_of(fit, "rotation_x"), parameter_of(fit, "rotation_y"),
-                             parameter_of(fit, "rotation_z"));
+    shape.numbers[k] = parameter_of(fit, parameters[static_cast<std::size_t>(k)].name).value;
+  const Eigen::Vector3d turn(parameter_of(fit, "rotation_x").value,
+                             parameter_of(fit, "rotation_y").value,
+                             parameter_of(fit, "rotation_z").value);
   if (turn.norm() > 0)
     shape.camera_from_fruit = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
   return shape;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "perception/pipelines/pipeline_table.h"
+#include "perception/stem/stem_seam.h"
 #include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
 
@@ -58,6 +59,12 @@ std::string why_no_pair(const Capture& capture, const Frame& frame,
   const Pose right_from_left =
       capture.rig[1].sensor_from_rig * inverse(capture.rig[0].sensor_from_rig);
   if (!(right_from_left.translation_m.norm() > 1e-6)) return "both eyes are at one place";
+  const bool is_matched =
+      config.method != MaizeMethod::paper &&
+      (config.measure_height || (config.method == MaizeMethod::ours && config.match_images));
+  // Images are rectified row by row: a baseline up to 45 degrees from their rows.
+  if (is_matched && !(centre_in_world_m(right_from_left).normalized().x() > std::sqrt(0.5)))
+    return "the second camera is not to the right of the first";
   return {};
 }
 
@@ -164,7 +171,8 @@ StemNodes nodes_of(const EyePair& eyes, const MaizeFrame& frame, const MatchedPl
                    const EpipolarOffset& offset, FrameDepths& depths,
                    const MaizePipelineConfig& config) {
   std::vector<StemSighting> sightings;
-  for (const NodePair& pair : plant.pairs) sightings.push_back({pair.left, pair.right, {}, 0.2});
+  for (const NodePair& pair : plant.pairs)
+    sightings.push_back({.left = pair.left, .right = pair.right});
   if (config.method == MaizeMethod::paper) return nodes_by_middle(eyes, sightings);
   const double wait_s = apart_s(*frame.frame);
   if (config.method == MaizeMethod::triangulation)
@@ -206,6 +214,14 @@ std::vector<MaizeFrame> matched_frames(const Capture& capture, const Keypoints& 
       const EyePair eyes = eyes_of(capture, *here.frame);
       here.left = nodes_of_image(keypoints, here.frame->id, 0, config);
       here.right = nodes_of_image(keypoints, here.frame->id, 1, config);
+      const std::size_t most = std::max(here.left.roots.size() + here.left.nodes.size(),
+                                        here.right.roots.size() + here.right.nodes.size());
+      if (most > static_cast<std::size_t>(config.most_points)) {
+        here.why_none = "an image has " + std::to_string(most) +
+                        " keypoints; most_points = " + std::to_string(config.most_points);
+        frames.push_back(std::move(here));
+        continue;
+      }
       const bool is_row = here.left.roots.size() > 1 || here.right.roots.size() > 1;
       here.plants = config.method == MaizeMethod::paper
                         ? match_by_paper(eyes, here.left, here.right, config.match)
@@ -290,7 +306,10 @@ PlantHeight height_of(const EyePair& eyes, const Frame& frame, std::size_t place
   }
   const Eigen::Vector3d& root_m = stem.nodes.nodes_m.front();
   // The root's height alone counts; what its depth is off is the scale's.
-  const double root_sigma_m = root_m.z() / eyes.left.camera().fy_px * config.sigma_px;
+  const Eigen::MatrixXd& covariance_m2 = stem.nodes.covariance_m2;  // the root is first
+  const double root_sigma_m = covariance_m2.size() > 0
+                                  ? std::sqrt(covariance_m2(1, 1))
+                                  : root_m.z() / eyes.left.camera().fy_px * config.sigma_px;
   return height_above_ground(depths.of(place), root_m, root_sigma_m,
                              scale_sigma(eyes, config.stem, root_m.z()), config.height);
 }
@@ -357,7 +376,9 @@ Fields fields(MaizePipelineConfig& c) {
                 {"match_images", &c.match_images,
                  "ours: the images themselves say how far nodes are apart in them, and the soil "
                  "what is up"},
-                {"measure_height", &c.measure_height, "of plants, too"}} +
+                {"measure_height", &c.measure_height, "of plants, too"},
+                {"most_points", &c.most_points,
+                 "keypoints of an image; a frame with more is not solved", 2, 250}} +
          nested("match", fields(c.match)) + nested("shift", fields(c.shift)) +
          nested("stem", fields(c.stem)) + nested("height", fields(c.height));
 }

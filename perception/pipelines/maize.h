@@ -25,7 +25,10 @@ struct MaizePipelineConfig {
   double lens_px = 0.2;        ///< of what the reported lens is off in one place
   double most_apart_s = 0.05;  ///< exposures farther apart are no pair
   bool match_images = true;    ///< ours: shifts from the images themselves
-  bool measure_height = true;  ///< else the images are not matched as a whole
+  bool measure_height = true;  ///< else plants have no height
+  /// Of an image: a frame with more keypoints is not solved, for matching takes the square of their
+  /// number and a stem its cube.
+  int most_points = 250;
   NodeMatchConfig match;
   NodeShiftConfig shift;
   StemFitConfig stem;

@@ -95,7 +95,7 @@ struct Matcher {
     const double sigma_px = std::sqrt(l.sigma_px * l.sigma_px + r.sigma_px * r.sigma_px +
                                       root.left.sigma_px * root.left.sigma_px +
                                       root.right.sigma_px * root.right.sigma_px);
-    const double allowed_m = 0.5 * config.lean_rad * up_m + sigma_px * per_px;
+    const double allowed_m = config.lean_sigma_rad * up_m + sigma_px * per_px;
     const double off = (node->z() - foot->z()) / allowed_m;
     return off * off > config.most_sigmas * config.most_sigmas ? kNever : 0.25 * off * off;
   }
@@ -201,8 +201,8 @@ Fields fields(NodeMatchConfig& c) {
            "deviation of the right image's offset from its calibration, each axis", 0, 100},
           {"cone_rad", &c.cone_rad, "a node is above its root within this of the image's vertical",
            0, 1.5},
-          {"lean_rad", &c.lean_rad, "deviation of a stem's lean to or from the camera, twice", 0.01,
-           1.5}};
+          {"lean_sigma_rad", &c.lean_sigma_rad, "deviation of a stem's lean to or from the camera",
+           0.005, 0.75}};
 }
 
 void validate(const NodeMatchConfig& config) {
@@ -284,9 +284,6 @@ EpipolarOffset epipolar_offset(const std::vector<MatchedPlant>& plants,
   result.offset_px = kept * middle;
   result.sigma_px = std::sqrt(kept * one / (0.64 * n));
   result.matches = static_cast<int>(off.size());
-  double squares = 0;
-  for (const double each : off) squares += (each - result.offset_px) * (each - result.offset_px);
-  result.scatter_px = std::sqrt(squares / n);
   return result;
 }
 

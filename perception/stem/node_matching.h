@@ -10,11 +10,11 @@ namespace cousin {
 
 /// Which point of the left image is which of the right one.
 struct NodeMatchConfig {
-  double paper_epsilon_px = 4;  ///< method paper: largest epipolar distance [free; not published]
-  double most_sigmas = 4;       ///< ours: largest epipolar distance over its deviation
-  double calibration_px = 1.5;  ///< deviation of the right image's offset from its calibration
-  double cone_rad = 0.25;       ///< a node is above its root within this of the image's vertical
-  double lean_rad = 0.35;       ///< and the stem leans to or from the camera by less
+  double paper_epsilon_px = 4;    ///< method paper: largest epipolar distance [free; not published]
+  double most_sigmas = 4;         ///< ours: largest epipolar distance over its deviation
+  double calibration_px = 1.5;    ///< deviation of the right image's offset from its calibration
+  double cone_rad = 0.25;         ///< a node is above its root within this of the image's vertical
+  double lean_sigma_rad = 0.175;  ///< deviation of a stem's lean to or from the camera
 };
 Fields fields(NodeMatchConfig& config);
 void validate(const NodeMatchConfig& config);
@@ -24,7 +24,6 @@ struct EpipolarOffset {
   double offset_px = 0;
   double sigma_px = 0;  ///< of the offset
   int matches = 0;
-  double scatter_px = 0;  ///< RMS distance of a match from the offset
 };
 
 /// A pair of points that are one.

@@ -125,11 +125,15 @@ GroundPlane plane_through(const std::vector<Vector3d>& points_m) {
   return plane;
 }
 
+bool is_near(const Vector3d& point_m, const GroundPlane& plane, double within_m) {
+  return std::abs(plane.normal.dot(point_m) - plane.distance_m) < within_m;
+}
+
 std::vector<Vector3d> near_plane(const std::vector<Vector3d>& points_m, const GroundPlane& plane,
                                  double within_m) {
   std::vector<Vector3d> near;
   for (const Vector3d& p : points_m) {
-    if (std::abs(plane.normal.dot(p) - plane.distance_m) < within_m) near.push_back(p);
+    if (is_near(p, plane, within_m)) near.push_back(p);
   }
   return near;
 }
@@ -140,15 +144,19 @@ GroundPlane find_ground(const std::vector<Vector3d>& points_m, const PlantHeight
   if (static_cast<int>(points_m.size()) < config.least_ground) return best;
   Rng rng = Rng(1).fork("ground");  // the same for the same points
   constexpr int kDraws = 200;
-  constexpr double kMostTilt = 0.7;  // cosine: the camera looks up or down by 45 degrees at most
+  constexpr double kLeastUpright =
+      0.7;  // cosine: the camera looks up or down by 45 degrees at most
   for (int draw = 0; draw < kDraws; ++draw) {
     std::vector<Vector3d> three;
     for (int k = 0; k < 3; ++k) three.push_back(points_m[uniform_index(rng, points_m.size())]);
     const Vector3d across = (three[1] - three[0]).cross(three[2] - three[0]);
     if (!(across.norm() > 1e-5)) continue;
     GroundPlane plane = plane_through(three);
-    if (-plane.normal.y() < kMostTilt) continue;
-    plane.points = static_cast<int>(near_plane(points_m, plane, config.soil_m).size());
+    if (-plane.normal.y() < kLeastUpright) continue;
+    plane.points =
+        static_cast<int>(std::count_if(points_m.begin(), points_m.end(), [&](const Vector3d& p) {
+          return is_near(p, plane, config.soil_m);
+        }));
     if (plane.points > best.points) best = plane;
   }
   for (int round = 0; round < 5 && best.points >= config.least_ground; ++round) {
@@ -324,7 +332,6 @@ PlantHeight height_by_green(const EyePair& eyes, const Image<Rgb8>& left, const 
   if (!top) return no_height("the top's rays do not meet");
   PlantHeight result;
   result.height_m = (*top - *foot).norm();
-  result.top_m = *top;
   return result;
 }
 
@@ -371,15 +378,14 @@ PlantHeight height_above_ground(const PairDepth& depth, const Vector3d& root_m, 
   const auto leaves = leaves_of(depth, foot, ground.normal, config);
   const auto top = top_of(depth, leaves, foot, ground.normal, config);
   if (!top) return no_height("no leaf is matched above the root");
+  const auto tip_px = tip_above(depth, *top);
   PlantHeight result;
-  // Of a plant that the image cuts the highest point seen is not its top.
+  // If the image cuts the plant, its top is outside, and no height follows.
   constexpr int kBorder_px = 4;
-  if (top->px.y() < kBorder_px || tip_above(depth, *top).y() < kBorder_px)
+  if (top->px.y() < kBorder_px || tip_px.y() < kBorder_px)
     return no_height("the plant leaves the image");
-  const Vector3d top_m = point_at(depth, tip_above(depth, *top), top->depth_m);
+  const Vector3d top_m = point_at(depth, tip_px, top->depth_m);
   result.height_m = ground.normal.dot(top_m - foot);
-  result.top_m = depth.rectified_from_left.transpose() * top_m;
-  result.up = depth.rectified_from_left.transpose() * ground.normal;
   result.sigma_m =
       std::sqrt(config.leaf_sigma_m * config.leaf_sigma_m + root_sigma_m * root_sigma_m +
                 std::pow(scale_sigma * result.height_m, 2));

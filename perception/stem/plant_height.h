@@ -29,12 +29,10 @@ void validate(const PlantHeightConfig& config);
 struct PlantHeight {
   std::string why_none;  ///< empty: it is measured
   double height_m = kNaN, sigma_m = kNaN;
-  Eigen::Vector3d top_m = Eigen::Vector3d::Constant(kNaN);  ///< in the left eye's axes
-  Eigen::Vector3d up = Eigen::Vector3d::Constant(kNaN);     ///< ours: the ground's normal
 };
 
-/// Green pixels that hang together with a stem, 255: with what is green beside the line from its
-/// root through a node and three times as far.
+/// 255 at green pixels that are connected to the stem. The stem is what is green near the line from
+/// the root through the node, up to three times their distance.
 Image<std::uint8_t> green_along(const Image<Rgb8>& color, const Eigen::Vector2d& root_px,
                                 const Eigen::Vector2d& node_px, double least_green);
 

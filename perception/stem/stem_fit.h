@@ -74,22 +74,12 @@ StemNodes nodes_on_stem(const EyePair& eyes, std::span<const StemSighting> sight
                         const StemFitConfig& config = {}, double apart_s = 0,
                         const StemUp& up = {});
 
-/// A length of a plant with its standard deviation; the second-order part of the error of two
-/// points, which is always positive, is in it.
+/// A length of a plant with its standard deviation. That of a chord includes the second-order part
+/// of the errors of its two ends, which only lengthens it.
 struct StemLength {
   double value_m = kNaN, sigma_m = kNaN;
 };
 StemLength chord(const StemNodes& nodes, std::size_t from, std::size_t to);
 StemLength along(const StemNodes& nodes, std::size_t from, std::size_t to);
-
-/// Nodes as a fit of fits.json, "stem": node_I_x, _y, _z, _along (m); node 0 is the root if
-/// `has_root` is 1.
-ObjectFit stem_as_fit(const StemNodes& nodes, int instance, bool has_root);
-/// The converse. @throws std::invalid_argument for a fit of another model or without nodes
-struct FittedStem {
-  StemNodes nodes;
-  bool has_root = false;
-};
-FittedStem stem_of_fit(const ObjectFit& fit);
 
 }  // namespace cousin

@@ -56,6 +56,9 @@ Image<float> first_guess_m(const DepthPair& pair, const RayGrid& rays) {
   Image<float> guess_m(pair.first.width_px, pair.first.height_px, kNoDepth);
   const Lens lens(pair.first);
   const Eigen::Matrix3d turn = pair.first_from_depth.rotation.toRotationMatrix();
+  // Every second pixel is drawn, as wide as two of them are in the first sensor.
+  const int reach =
+      std::max(1, static_cast<int>(std::ceil(pair.first.fx_px / pair.depth.reported.fx_px)));
   for (int y = 0; y < pair.depth.depth.height(); y += 2) {
     for (int x = 0; x < pair.depth.depth.width(); x += 2) {
       if (pair.depth.depth(x, y) == 0) continue;
@@ -66,8 +69,8 @@ Image<float> first_guess_m(const DepthPair& pair, const RayGrid& rays) {
       if (!pixel) continue;
       const auto px = static_cast<int>(std::lround(pixel->x())),
                  py = static_cast<int>(std::lround(pixel->y()));
-      for (int j = py - 1; j <= py + 1; ++j) {
-        for (int i = px - 1; i <= px + 1; ++i) {
+      for (int j = py - reach; j <= py + reach; ++j) {
+        for (int i = px - reach; i <= px + reach; ++i) {
           if (!guess_m.contains(i, j)) continue;
           float& own = guess_m(i, j);
           if (std::isnan(own) || at_m.z() < static_cast<double>(own))

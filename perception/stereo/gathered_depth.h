@@ -4,12 +4,11 @@
 
 namespace cousin {
 
-/// A depth camera's depth in the pixels of the first sensor, where no pose is known: as
-/// depths_of_sensor, in each camera's own axes, but read between the depth camera's pixels where
-/// each pixel's ray meets the surface. What is drawn pixel by pixel instead, nearest first, brings
-/// slopes nearer by up to a pixel's part of them: a fruit would be flatter. At steps of depth there
-/// is none.
-/// Of `config` sigma_px and max_sigma_m count; sigma is NaN where the rig reports no infrared pair.
+/// Depth of a depth camera in the pixels of the first sensor, in its axes; no pose is needed. Each
+/// pixel's ray is followed to where it meets the surface between depth pixels. Drawing depth pixels
+/// nearest first would bring slopes nearer by up to a pixel's part of them, and flatten a fruit. A
+/// pixel at a step of depth has no depth. Only sigma_px and max_sigma_m of `config` are used; sigma
+/// is NaN where the rig reports no infrared pair.
 /// @throws std::invalid_argument if the configuration is invalid
 Depths gathered_depths(const Capture& capture, const SensorDepthConfig& config = {});
 

@@ -57,8 +57,7 @@ Grid apples_grid(const ApplesSuiteConfig& config) {
 }
 
 /// The pipeline with a method of its row.
-PipelineConfig with_method(const std::string& method) {
-  PipelineConfig config = ApplesPipelineConfig{};
+PipelineConfig with_method(PipelineConfig config, const std::string& method) {
   set_field(fields(config), "method=" + method);
   return config;
 }
@@ -75,8 +74,9 @@ ScoreFile run_apples_job(const ApplesSuiteConfig& suite, const GridJob& job) {
   for (const MethodRow& method : pipeline.methods) {
     Stages outside;
     truth_row("boxes").put(outside, run, SeedBoard{});
-    const Estimate estimate = perceive(run.capture, with_method(std::string(method.name)),
-                                       suite.seed, {}, 0, {}, {}, {}, outside);
+    const Estimate estimate =
+        perceive(run.capture, with_method(*config.pipeline, std::string(method.name)), suite.seed,
+                 {}, 0, {}, {}, {}, outside);
     SeedsScoreLabels labels;
     labels.suite = kSuite;
     labels.scene = job.has("family") ? "family" : job.has("look") ? "level" : kPlain;
@@ -86,7 +86,7 @@ ScoreFile run_apples_job(const ApplesSuiteConfig& suite, const GridJob& job) {
     labels.seed = suite.seed;
     labels.settings.views = config.scene.views();
     SeedsScores scores = score_boxes(run.truth, estimate, labels, pipeline.traits);
-    // What is pooled over all trees is not repeated for each.
+    // Only the pooled rows have these statistics; a single tree does not repeat them.
     std::erase_if(scores.rows, [](const ScoreRow& row) {
       return !row.metric.starts_with("seconds.") && !row.metric.starts_with("boxes.");
     });
@@ -144,14 +144,6 @@ void add_limited(ScoreRow row, std::vector<ScoreRow>& rows) {
   rows.push_back(limit ? limited(std::move(row), *limit) : std::move(row));
 }
 
-/// Mean width of 95 % intervals over the RMSE; 3.92 where errors are normal and sigmas right.
-double width_over_rmse(const std::vector<TraitPair>& pairs, double rmse) {
-  double width = 0;
-  for (const TraitPair& pair : pairs)
-    width += 2 * 1.96 * pair.sigma / static_cast<double>(pairs.size());
-  return width / rmse;
-}
-
 void add_trait_rows(const std::vector<SpecimenRow>& own, const ScoreRow& base,
                     std::string_view trait, std::vector<ScoreRow>& rows) {
   const auto pairs = trait_pairs(own, trait, [](const SpecimenRow&) { return true; });
@@ -180,8 +172,8 @@ void add_trait_rows(const std::vector<SpecimenRow>& own, const ScoreRow& base,
   ScoreRow width = base;
   width.metric = name + ".width_over_rmse";
   width.unit = "1";
-  width.value = width_over_rmse(pairs, s.rmse.value);
-  width.n = s.n;
+  width.value = coverage.width_over_rmse;
+  width.n = coverage.n;
   add_limited(width, rows);
 }
 
@@ -191,11 +183,16 @@ bool counts_in_all(const SpecimenRow& row) {
   return name.ends_with("unoccluded") || name.find("hidden") != std::string::npos;
 }
 
-/// Specimens as boxes of their own: what one image shows of a fruit is paired with the same.
-std::vector<SpecimenRow> boxes_apart(std::vector<SpecimenRow> rows) {
+/// Each box is a specimen of its own. The jobs of one run show the same tree with the same fruits,
+/// so their boxes are drawn together: "hidden_25_run0" is of tree "run0".
+std::vector<SpecimenRow> boxes_of_trees(std::vector<SpecimenRow> rows) {
+  std::map<std::string, std::int64_t> numbers;
   for (SpecimenRow& row : rows) {
-    row.cultivar = case_of(row);
-    row.instance += 1000000 * row.frame;
+    const std::string box =
+        row.run + "/" + std::to_string(row.frame) + "/" + std::to_string(row.instance);
+    row.instance =
+        numbers.try_emplace(box, static_cast<std::int64_t>(numbers.size())).first->second;
+    row.run = row.run.substr(row.run.rfind("run"));
   }
   return rows;
 }
@@ -224,23 +221,17 @@ void add_seconds(const ScoreFile& jobs, const std::string& method, ScoreRow base
 }  // namespace
 
 std::vector<ShardJob> apples_suite_jobs(const ApplesSuiteConfig& config) {
-  std::vector<ShardJob> jobs;
-  for (GridJob& place : jobs_of(apples_grid(config))) {
-    std::string key =
-        std::string(COUSIN_VERSION) + "/apples/" + std::to_string(config.seed) + "/" + place.name;
-    for (const std::string& set : place.sets) key += "\n" + set;
-    for (const std::string& set : config.sets) key += "\n" + set;
-    jobs.push_back(
-        shard_of(place, key, [config, place] { return to_json(run_apples_job(config, place)); }));
-  }
-  return jobs;
+  return shards_of(
+      apples_grid(config), std::string(COUSIN_VERSION) + "/apples/" + std::to_string(config.seed),
+      config.sets, [config](const GridJob& job) { return to_json(run_apples_job(config, job)); });
 }
 
 std::vector<ScoreRow> apples_pooled_rows(const ScoreFile& jobs, std::uint64_t seed) {
   std::vector<ScoreRow> rows;
   std::set<std::string> methods;
   std::map<std::pair<std::string, std::string>, std::vector<SpecimenRow>> groups;
-  for (const SpecimenRow& row : jobs.specimens) {
+  std::vector<SpecimenRow> boxes = boxes_of_trees(jobs.specimens);
+  for (const SpecimenRow& row : boxes) {
     methods.insert(row.method);
     groups[{row.method, case_of(row)}].push_back(row);
     const std::string all = row.scene == kPlain ? "all" : row.scene + ", all";
@@ -260,13 +251,13 @@ std::vector<ScoreRow> apples_pooled_rows(const ScoreFile& jobs, std::uint64_t se
   labels.suite = kSuite;
   labels.scene = "pooled";
   labels.seed = seed;
-  const std::vector<SpecimenRow> apart = boxes_apart(jobs.specimens);
+  for (SpecimenRow& row : boxes) row.cultivar = case_of(row);
   for (const std::string& method : methods) {
     base.method = method;
     base.case_name = "all";
     add_seconds(jobs, method, base, rows);
     if (method == "ours") continue;
-    for (ScoreRow& row : paired_rows(apart, "ours", method, labels)) rows.push_back(std::move(row));
+    for (ScoreRow& row : paired_rows(boxes, "ours", method, labels)) rows.push_back(std::move(row));
   }
   return rows;
 }

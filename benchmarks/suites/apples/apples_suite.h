@@ -19,7 +19,8 @@ struct ApplesSuiteConfig {
 /// Trees of apples before a D455 at 0.35 to 0.75 m of a target that is hidden as far as asked for,
 /// measured by all methods of the pipeline apples:
 ///   hidden_P_runN   of the Fuji shape, P percent of the target hidden
-///   family_P_runN   of another shape family, which no prior was written for
+///   family_P_runN   of another shape family; the strength of the second prior was set with it
+///                   in view
 ///   level_runN      all views level, nothing of the target hidden: fruits are seen from one side
 ///   near_runN       0.1 to 0.3 m, the paper's range that lies below the sensor's least distance
 /// Every box of a view counts, not the target's alone.

@@ -21,12 +21,6 @@ std::string specimen_of(const SpecimenRow& row) {
   return row.run + "/" + std::to_string(row.frame) + "/" + std::to_string(row.instance);
 }
 
-double middle_value(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
 bool is_solved(const SpecimenRow& row) {
   return row.status == ScoreStatus::ok && std::isfinite(row.measured);
 }
@@ -36,13 +30,11 @@ void add_statistics(const std::vector<const SpecimenRow*>& all, const std::strin
                     const ScoreRow& base, std::vector<ScoreRow>& rows) {
   std::vector<TraitPair> pairs;
   std::vector<double> errors, shares;
-  double width_m = 0;
   for (const SpecimenRow* row : all) {
     if (!is_solved(*row)) continue;
     pairs.push_back({row->truth, row->measured, row->sigma, row->run});
     errors.push_back(std::abs(row->measured - row->truth));
     shares.push_back(errors.back() / row->truth);
-    width_m += 2 * 1.96 * row->sigma;
   }
   const auto n = static_cast<std::int64_t>(pairs.size());
   rows.push_back(measured_row(base, trait + ".solved",
@@ -54,13 +46,13 @@ void add_statistics(const std::vector<const SpecimenRow*>& all, const std::strin
   rows.push_back(with_interval(base, trait + ".rmse", "m", s.rmse, n));
   rows.push_back(with_interval(base, trait + ".mape", "1", s.mape, n));
   rows.push_back(with_interval(base, trait + ".bias", "m", s.bias, n));
-  rows.push_back(measured_row(base, trait + ".median_error", middle_value(errors), "m", n));
-  rows.push_back(measured_row(base, trait + ".median_share", middle_value(shares), "1", n));
+  rows.push_back(measured_row(base, trait + ".median_error", quantile(errors, 0.5), "m", n));
+  rows.push_back(measured_row(base, trait + ".median_share", quantile(shares, 0.5), "1", n));
   const SigmaCoverage coverage = sigma_coverage(pairs);
   if (coverage.n == 0) return;
   rows.push_back(with_interval(base, trait + ".coverage_95", "1", coverage.within_95, coverage.n));
-  rows.push_back(measured_row(base, trait + ".width_over_rmse",
-                              width_m / static_cast<double>(n) / s.rmse.value, "1", n));
+  rows.push_back(
+      measured_row(base, trait + ".width_over_rmse", coverage.width_over_rmse, "1", coverage.n));
 }
 
 /// A method against the paper's on what both measured.
@@ -116,24 +108,33 @@ std::vector<ScoreRow> maize_pooled_rows(std::span<const SpecimenRow> specimens,
   return rows;
 }
 
+// What is aimed at, of three plants or more: the two medians and the height are free aims; 0.92 to
+// 0.97 is 0.95 within what 400 internodes scatter by; 4.7 is 1.2 times the width of right sigmas.
+constexpr double kAloneMedian_m = 0.0020, kStemMedian_m = 0.0012, kHeightShare = 0.01;
+constexpr double kLeastCover = 0.92, kMostCover = 0.97, kMostWidthOfRmse = 4.7;
+/// The paper's 2 mm, within 25 %.
+constexpr double kPaperLeast_m = 0.0015, kPaperMost_m = 0.0025;
+
 void hold_maize_to_limits(std::vector<ScoreRow>& rows) {
   for (ScoreRow& row : rows) {
     if (row.scene != "plants") continue;
     const bool is_own_1px = row.case_name == "own_1px";
     if (is_own_1px && row.metric == "internode.median_error") {
-      if (row.method == "triangulation") row = limited(row, at_most(0.0020));
-      if (row.method == "ours" || row.method == "stem") row = limited(row, at_most(0.0012));
+      if (row.method == "triangulation") row = limited(row, at_most(kAloneMedian_m));
+      if (row.method == "ours" || row.method == "stem") row = limited(row, at_most(kStemMedian_m));
     }
     if (row.case_name == "truth" && row.metric == "plant_height.median_share" &&
         row.method == "ours")
-      row = limited(row, at_most(0.01));
+      row = limited(row, at_most(kHeightShare));
     const bool is_interval = is_own_1px && row.method == "ours";
     if (is_interval && row.metric == "internode.coverage_95")
-      row = limited(row, between(0.92, 0.97));
-    if (is_interval && row.metric == "internode.width_over_rmse") row = limited(row, at_most(4.7));
+      row = limited(row, between(kLeastCover, kMostCover));
+    if (is_interval && row.metric == "internode.width_over_rmse")
+      row = limited(row, at_most(kMostWidthOfRmse));
     // The paper's figure, internodes at most 2 mm or 2 to 3 % off, on a copy of its errors.
     if (row.case_name == "gross" && row.method == kPaperMethod) {
-      if (row.metric == "internode.median_error") row = limited(row, between(0.0015, 0.0025));
+      if (row.metric == "internode.median_error")
+        row = limited(row, between(kPaperLeast_m, kPaperMost_m));
     }
   }
 }

@@ -31,7 +31,7 @@ const std::vector<SuiteMethod>& suite_methods() {
   return kMethods;
 }
 
-/// What is photographed.
+/// The plants of the ordinary captures: growth stage, and how far the camera is.
 Factor stage_factor() {
   // Nearer, the taller ones are not whole in the frame.
   return {"stage",
@@ -133,13 +133,10 @@ void add_draw(const CaptureJob& job, const NodeErrorCase& node_case, int draw,
     file.scores.push_back(std::move(row));
   }
   if (draw > 0) return;
-  ScoreRow seconds = labelled_row(labels);
+  ScoreRow seconds =
+      seconds_row(labels, wall_s, static_cast<std::int64_t>(job.simulated.capture.frames.size()));
   seconds.suite = kMaizeSuite;
   seconds.case_name = node_case.name + " " + job.run;
-  seconds.metric = "seconds.measure";
-  seconds.unit = "s";
-  seconds.value = seconds.wall_s = wall_s;
-  seconds.n = static_cast<std::int64_t>(job.simulated.capture.frames.size());
   file.scores.push_back(std::move(seconds));
 }
 
@@ -187,16 +184,9 @@ const std::vector<NodeErrorCase>& node_error_cases() {
 }
 
 std::vector<ShardJob> maize_suite_jobs(const MaizeSuiteConfig& config) {
-  std::vector<ShardJob> jobs;
-  for (GridJob& place : jobs_of(maize_grid(config))) {
-    std::string key =
-        std::string(COUSIN_VERSION) + "/maize/" + std::to_string(config.seed) + "/" + place.name;
-    for (const std::string& set : place.sets) key += "\n" + set;
-    for (const std::string& set : config.sets) key += "\n" + set;
-    jobs.push_back(
-        shard_of(place, key, [config, place] { return to_json(run_capture(config, place)); }));
-  }
-  return jobs;
+  return shards_of(
+      maize_grid(config), std::string(COUSIN_VERSION) + "/maize/" + std::to_string(config.seed),
+      config.sets, [config](const GridJob& job) { return to_json(run_capture(config, job)); });
 }
 
 }  // namespace cousin

@@ -149,28 +149,16 @@ ScoreFile run_job(const PhoneSuiteConfig& suite, const GridJob& job) {
   ScoreFile file;
   file.scores = std::move(scores.rows);
   file.specimens = std::move(scores.specimens);
-  ScoreRow seconds = labelled_row(labels);
-  seconds.metric = "seconds.measure";
-  seconds.unit = "s";
-  seconds.value = seconds.wall_s = wall_s;
-  seconds.n = config.scene.views();
-  file.scores.push_back(std::move(seconds));
+  file.scores.push_back(seconds_row(labels, wall_s, config.scene.views()));
   return file;
 }
 
 }  // namespace
 
 std::vector<ShardJob> phone_suite_jobs(const PhoneSuiteConfig& config) {
-  std::vector<ShardJob> jobs;
-  for (GridJob& place : jobs_of(phone_grid(config))) {
-    std::string key =
-        std::string(COUSIN_VERSION) + "/phone/" + std::to_string(config.seed) + "/" + place.name;
-    for (const std::string& set : place.sets) key += "\n" + set;
-    for (const std::string& set : config.sets) key += "\n" + set;
-    jobs.push_back(
-        shard_of(place, key, [config, place] { return to_json(run_job(config, place)); }));
-  }
-  return jobs;
+  return shards_of(
+      phone_grid(config), std::string(COUSIN_VERSION) + "/phone/" + std::to_string(config.seed),
+      config.sets, [config](const GridJob& job) { return to_json(run_job(config, job)); });
 }
 
 std::vector<ScoreRow> phone_pooled_rows(const std::vector<SpecimenRow>& specimens,

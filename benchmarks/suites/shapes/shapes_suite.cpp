@@ -1,8 +1,5 @@
 #include "benchmarks/suites/shapes/shapes_suite.h"
 
-#include <cmath>
-#include <map>
-
 #include "benchmarks/loop/perceive.h"
 #include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/loop/seeds_run.h"
@@ -20,7 +17,6 @@ constexpr int kShapeRuns = 4;
 constexpr double kMostHeightBias_m = 5e-5;
 constexpr double kLeastCover = 0.90, kMostCover = 0.98;
 constexpr double kMostWidthOfRmse = 4.7;
-constexpr double kHalfWidth_sigmas = 1.96;  ///< of a 95 % interval
 
 Grid shapes_grid(const ShapesSuiteConfig& config) {
   std::vector<std::string> names;
@@ -61,59 +57,34 @@ ScoreFile run_shape_job(const ShapesSuiteConfig& suite, const GridJob& job) {
   file.scores = std::move(scores.rows);
   file.specimens = std::move(scores.specimens);
   for (SpecimenRow& row : file.specimens) row.cultivar = shape;
-  ScoreRow seconds = labelled_row(labels);
-  seconds.metric = "seconds.measure";
-  seconds.unit = "s";
-  seconds.value = seconds.wall_s = wall_s;
-  seconds.n = config.scene.views();
-  file.scores.push_back(std::move(seconds));
+  file.scores.push_back(seconds_row(labels, wall_s, config.scene.views()));
   return file;
 }
-
-/// Errors and intervals of one trait of one shape.
-struct IntervalSum {
-  double squares = 0, widths = 0;
-  int n = 0, held = 0;
-  void add(const SpecimenRow& row) {
-    const double error = row.measured - row.truth, half = kHalfWidth_sigmas * row.sigma;
-    squares += error * error;
-    widths += 2 * half;
-    held += std::abs(error) <= half ? 1 : 0;
-    ++n;
-  }
-};
 
 /// The shares of intervals that hold and the widths of these, with limits.
 std::vector<ScoreRow> interval_rows(const std::vector<SpecimenRow>& specimens,
                                     const SeedsScoreLabels& labels) {
   std::vector<ScoreRow> rows;
   for (const std::string_view shape : shape_names()) {
-    std::map<std::string, IntervalSum> sums;
-    int n = 0, held = 0;
-    for (const SpecimenRow& row : specimens) {
-      if (row.cultivar != shape || row.status != ScoreStatus::ok || !(row.sigma > 0)) continue;
-      sums[row.trait].add(row);
+    ScoreRow base = labelled_row(labels);
+    base.case_name = shape;
+    base.method = "ours";
+    std::vector<TraitPair> of_all;
+    for (const std::string_view trait : kSeedTraits) {
+      const std::vector<TraitPair> pairs = trait_pairs(
+          specimens, trait, [&](const SpecimenRow& row) { return row.cultivar == shape; });
+      of_all.insert(of_all.end(), pairs.begin(), pairs.end());
+      if (trait == "area" || trait == "volume") continue;
+      const SigmaCoverage own = sigma_coverage(pairs);
+      if (own.n > 0)
+        rows.push_back(limited(measured_row(base, std::string(trait) + ".width_over_rmse",
+                                            own.width_over_rmse, "1", own.n),
+                               at_most(kMostWidthOfRmse)));
     }
-    const auto add = [&](std::string metric, double value, int count, const ScoreLimit& limit) {
-      ScoreRow row = labelled_row(labels);
-      row.case_name = shape;
-      row.method = "ours";
-      row.metric = std::move(metric);
-      row.unit = "1";
-      row.value = value;
-      row.n = count;
-      rows.push_back(limited(std::move(row), limit));
-    };
-    for (const auto& [trait, sum] : sums) {
-      n += sum.n;
-      held += sum.held;
-      if (trait == "length" || trait == "width" || trait == "height")
-        add(trait + ".width_over_rmse", sum.widths / sum.n / std::sqrt(sum.squares / sum.n), sum.n,
-            at_most(kMostWidthOfRmse));
-    }
-    if (n > 0)
-      add("traits.coverage_95", static_cast<double>(held) / n, n,
-          {.low = kLeastCover, .high = kMostCover});
+    const SigmaCoverage all = sigma_coverage(of_all);
+    if (all.n > 0)
+      rows.push_back(limited(with_interval(base, "traits.coverage_95", "1", all.within_95, all.n),
+                             {.low = kLeastCover, .high = kMostCover}));
   }
   return rows;
 }
@@ -121,16 +92,9 @@ std::vector<ScoreRow> interval_rows(const std::vector<SpecimenRow>& specimens,
 }  // namespace
 
 std::vector<ShardJob> shapes_suite_jobs(const ShapesSuiteConfig& config) {
-  std::vector<ShardJob> jobs;
-  for (GridJob& place : jobs_of(shapes_grid(config))) {
-    std::string key =
-        std::string(COUSIN_VERSION) + "/shapes/" + std::to_string(config.seed) + "/" + place.name;
-    for (const std::string& set : place.sets) key += "\n" + set;
-    for (const std::string& set : config.sets) key += "\n" + set;
-    jobs.push_back(
-        shard_of(place, key, [config, place] { return to_json(run_shape_job(config, place)); }));
-  }
-  return jobs;
+  return shards_of(
+      shapes_grid(config), std::string(COUSIN_VERSION) + "/shapes/" + std::to_string(config.seed),
+      config.sets, [config](const GridJob& job) { return to_json(run_shape_job(config, job)); });
 }
 
 std::vector<ScoreRow> shapes_pooled_rows(const std::vector<SpecimenRow>& specimens,

@@ -94,11 +94,14 @@ TEST(ScorePlants, AKnownErrorOfALengthScoresItself) {
     if (trait.name == "internode_2") trait.value = 0.07 + 0.005;
   }
   const SeedsScores scores = score_plants(run.truth, estimate, {});
+  int seen = 0;
   for (const SpecimenRow& row : scores.specimens) {
     if (row.trait != "internode" || row.instance != 402) continue;
+    ++seen;
     EXPECT_NEAR(row.truth, 0.07, 1e-12);
     EXPECT_NEAR(row.measured - row.truth, 0.005, 1e-12);
   }
+  EXPECT_EQ(seen, 1);
 }
 
 TEST(ScorePlants, AMissedNodeMakesNoInternodeOfTwo) {
@@ -115,6 +118,34 @@ TEST(ScorePlants, AMissedNodeMakesNoInternodeOfTwo) {
   EXPECT_EQ(value_of(scores.rows, "nodes.missed"), 1);
   EXPECT_EQ(value_of(scores.rows, "internodes.measured"), 1);  // root to node 5
   EXPECT_EQ(value_of(scores.rows, "internodes.false"), 1);     // node 5 to node 7
+}
+
+TEST(ScorePlants, TraitsFromFilesSayByTheirNamesWhatTheyAreOf) {
+  const SimulatedRun run = one_plant();
+  Estimate estimate = measured(run);
+  EXPECT_EQ(traits_of_estimate(estimate), TraitsOf::plants);
+  // Without a height internode_1 and its like are all that is left.
+  for (SpecimenTraits& plant : estimate.traits)
+    std::erase_if(plant.traits, [](const Trait& trait) { return trait.name == "plant_height"; });
+  EXPECT_EQ(traits_of_estimate(estimate), TraitsOf::plants);
+  // Apples have fits too, and are of boxes.
+  estimate.traits = {{.frame = 0}};
+  estimate.traits[0].traits = {{"mass", "kg", 0.2, 0.01}};
+  EXPECT_EQ(traits_of_estimate(estimate), TraitsOf::boxes);
+  estimate.traits[0].frame = -1;
+  EXPECT_EQ(traits_of_estimate(estimate), TraitsOf::specimens);
+}
+
+TEST(MaizePipeline, AFrameWithTooManyPointsIsNotSolvedAndSaysSo) {
+  const SimulatedRun run = one_plant();
+  Estimate estimate = measured(run);
+  auto& points = estimate.keypoints.at(0).points;
+  points.resize(300, points.back());
+  const PipelineConfig config(MaizePipelineConfig{});
+  const Fits fits = stages_for(config, run.capture, 1).fits(run.capture, estimate);
+  ASSERT_EQ(fits.size(), 1U);
+  EXPECT_NE(fits[0].status, FitStatus::ok);
+  EXPECT_THAT(fits[0].reason, HasSubstr("most_points = 250"));
 }
 
 TEST(ScorePlants, AsksForKeypoints) {

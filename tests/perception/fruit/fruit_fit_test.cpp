@@ -27,7 +27,8 @@ TEST(FruitFit, WithoutNoiseAFreeAppleIsFound) {
     const FruitFit fit = fit_drawn(draw_fruit(shape, 0, Rng(1)));
     ASSERT_EQ(fit.status, FitStatus::ok) << fit.reason;
     const FruitNumbers truth = numbers_of(shape);
-    // An outline of whole pixels is known to a tenth of a pixel: 0.15 % of 64.
+    // The prior pulls by a few tenths of a sigma: 0.3 % of a diameter, three times that of a
+    // volume.
     EXPECT_NEAR(fit.diameter_m.value, truth.diameter_m.value, 0.01 * truth.diameter_m.value);
     EXPECT_NEAR(fit.volume_m3.value, truth.volume_m3.value, 0.025 * truth.volume_m3.value);
     EXPECT_LT((fit.shape.centre_m() - shape.centre_m()).norm(), 0.003);
