@@ -34,6 +34,24 @@ Eigen::Vector3d middle_point_m(const TrueBox& box, int id, const TrueView& view,
   return *ray * (depth_m / ray->z());
 }
 
+void set_places(const Scene& scene, const Instance& object, const TrueView& view, TrueBox& box) {
+  const double row = 0.5 * (box.low_px.y() + box.high_px.y());
+  const double time_s = time_at_row(view, row);
+  const Pose camera_from_world = pose_at_row(view, row);
+  const Pose camera_from_object = camera_from_world * world_from_object(object, time_s);
+  box.centre_m = camera_from_object.translation_m;
+  box.axis = camera_from_object.rotation * Eigen::Vector3d::UnitZ();
+  const std::vector<Keypoint>& keypoints =
+      scene.models[static_cast<std::size_t>(object.model)].keypoints;
+  for (std::size_t k = 0; k < keypoints.size(); ++k) {
+    const bool is_calyx = keypoints[k].name == "calyx_centre";
+    if (!is_calyx && keypoints[k].name != "cut_point") continue;
+    const Instance& carrier = scene.instances[carrier_of(scene, object, k)];
+    (is_calyx ? box.calyx_m : box.cut_m) =
+        camera_from_world * (world_from_object(carrier, time_s) * keypoints[k].in_object_m);
+  }
+}
+
 }  // namespace
 
 std::vector<TrueBox> true_boxes_of(const SceneTruth& truth, std::size_t sensor) {
@@ -57,8 +75,12 @@ std::vector<TrueBox> true_boxes_of(const SceneTruth& truth, std::size_t sensor) 
         const auto [found, is_new] = boxes.try_emplace(place->second);
         TrueBox& box = found->second;
         if (is_new) {
-          box = {sensor, f, own.views[f].frame,     place->second, low,
-                 high,   0, Eigen::Vector3d::Zero()};
+          box.sensor = sensor;
+          box.view = f;
+          box.frame = own.views[f].frame;
+          box.specimen = place->second;
+          box.low_px = low;
+          box.high_px = high;
         }
         box.low_px = box.low_px.cwiseMin(low);
         box.high_px = box.high_px.cwiseMax(high);
@@ -66,8 +88,9 @@ std::vector<TrueBox> true_boxes_of(const SceneTruth& truth, std::size_t sensor) 
       }
     }
     for (auto& [specimen, box] : boxes) {
-      const int id = objects[static_cast<std::size_t>(specimen)]->id;
-      box.point_m = middle_point_m(box, id, own.views[f], images);
+      const Instance& object = *objects[static_cast<std::size_t>(specimen)];
+      box.point_m = middle_point_m(box, object.id, own.views[f], images);
+      set_places(truth.scene, object, own.views[f], box);
       result.push_back(box);
     }
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/dataset/truth_io.h"
+#include "sim/types/seams.h"
 
 namespace cousin {
 
@@ -19,6 +20,12 @@ struct TrueBox {
   /// The surface under the middle of the box, or where something else is there, at the nearest
   /// pixel that shows the specimen: in that camera's axes, by its true lens.
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  /// Of a fruit, in that camera's axes when the middle of the box is read: its model's origin, its
+  /// keypoints tip, calyx_centre and cut_point (NaN where it has none), and its z axis.
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Constant(kNaN);
+  Eigen::Vector3d calyx_m = Eigen::Vector3d::Constant(kNaN);
+  Eigen::Vector3d cut_m = Eigen::Vector3d::Constant(kNaN);
+  Eigen::Vector3d axis = Eigen::Vector3d::Constant(kNaN);
 };
 /// The boxes of all views of a sensor, view after view.
 /// @throws std::invalid_argument if a view has no true depth or no true instances

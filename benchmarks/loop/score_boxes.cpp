@@ -13,6 +13,7 @@
 
 #include "benchmarks/loop/box_truth.h"
 #include "benchmarks/loop/score_geometry.h"
+#include "benchmarks/loop/score_places.h"
 #include "benchmarks/loop/score_plants.h"
 #include "benchmarks/score/trait_statistics.h"
 #include "perception/pipelines/pipeline_table.h"
@@ -64,6 +65,12 @@ TrueValue true_value(const TrueBox& box, const Instance& object, std::string_vie
   if (trait == "point_y") return {box.point_m.y(), "m"};
   if (trait == "point_z") return {box.point_m.z(), "m"};
   if (trait == "distance") return {box.point_m.norm(), "m"};
+  if (is_of_place(trait)) {
+    const std::string_view name = trait.substr(0, trait.size() - 2);
+    const int k = trait.back() - 'x';
+    if (name == "axis") return {box.axis[k], "1"};
+    return {(name == "centre" ? box.centre_m : name == "calyx" ? box.calyx_m : box.cut_m)[k], "m"};
+  }
   for (const TrueTrait& own : object.traits) {
     if (own.name == trait) return {own.value, own.unit};
   }
@@ -101,8 +108,12 @@ SpecimenRow row_of_box(const TrueBox& box, const Instance& object, std::string_v
 
 constexpr std::string_view kBoxTraits[] = {"point_x", "point_y", "point_z", "distance"};
 
-/// Those that an estimate has.
-std::vector<std::string_view> traits_in(const Estimate& estimate) {
+bool is_point(std::string_view trait) {
+  return std::find(std::begin(kBoxTraits), std::end(kBoxTraits), trait) != std::end(kBoxTraits);
+}
+
+/// Those that an estimate has, of those asked for if any are.
+std::vector<std::string_view> traits_in(const Estimate& estimate, TraitNames asked) {
   std::vector<std::string_view> names;
   for (const SpecimenTraits& box : estimate.traits) {
     for (const Trait& trait : box.traits) {
@@ -110,12 +121,21 @@ std::vector<std::string_view> traits_in(const Estimate& estimate) {
         names.push_back(trait.name);
     }
   }
-  if (names.empty() || are_of_points(names))
-    names.assign(std::begin(kBoxTraits), std::end(kBoxTraits));
-  return names;
+  if (names.empty()) {
+    if (asked.empty()) return {std::begin(kBoxTraits), std::end(kBoxTraits)};
+    return {asked.begin(), asked.end()};
+  }
+  if (asked.empty()) return names;
+  std::vector<std::string_view> own;
+  for (const std::string_view name : asked) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) own.push_back(name);
+  }
+  return own;
 }
 
 /// Of each case and trait: how many boxes there are and were measured, and how well.
+/// @param case_of  of each row; empty: it does not count
+/// @param traits  of the rows of a box that count
 void add_cases(const std::string& other, const std::vector<SpecimenRow>& rows,
                const std::vector<std::string>& case_of, TraitNames traits, const ScoreRow& base,
                std::vector<ScoreRow>& scores) {
@@ -130,6 +150,7 @@ void add_cases(const std::string& other, const std::vector<SpecimenRow>& rows,
     row.case_name = other + name;
     const auto boxes = static_cast<std::int64_t>(own.size() / traits.size());
     scores.push_back(measured_row(row, "boxes.there", static_cast<double>(boxes), "1", boxes));
+    add_place_rows(own, traits, row, scores);
     for (const std::string_view trait : traits) {
       const auto pairs = trait_pairs(own, trait, [](const SpecimenRow&) { return true; });
       scores.push_back(measured_row(row, std::string(trait) + ".measured",
@@ -175,6 +196,16 @@ void add_errors(const std::string& case_name, const std::vector<SpecimenRow>& ro
   }
 }
 
+/// Distance of a box's measured point from the true one.
+double point_error_m(std::span<const SpecimenRow> rows) {
+  double squares = 0;
+  for (const SpecimenRow& row : rows) {
+    if (row.trait == "point_x" || row.trait == "point_y" || row.trait == "point_z")
+      squares += (row.measured - row.truth) * (row.measured - row.truth);
+  }
+  return std::sqrt(squares);
+}
+
 using TraitsOfBoxes = std::map<std::pair<int, int>, const SpecimenTraits*>;  ///< by frame and id
 
 /// Scores of the images of one sensor.
@@ -188,7 +219,12 @@ SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxe
   const auto objects = specimens_of(truth.scene);
   const std::vector<TrueBox> boxes = true_boxes_of(truth, sensor);
   const std::vector<int> match = match_boxes(boxes, measured);
-  const bool is_point = are_of_points(traits_wanted);
+  const bool has_points = are_of_points(traits_wanted);
+  std::vector<std::string_view> others;
+  std::copy_if(traits_wanted.begin(), traits_wanted.end(), std::back_inserter(others),
+               [](std::string_view trait) { return !is_point(trait); });
+  const HiddenEdges hidden =
+      std::any_of(others.begin(), others.end(), is_of_place) ? kPickersEdges : HiddenEdges{};
   std::vector<std::string> case_of;  // one for each specimen row
   std::int64_t found = 0, measured_boxes = 0;
   double distance_m = 0;
@@ -201,24 +237,24 @@ SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxe
       if (own != traits_of.end()) traits = own->second;
     }
     const Instance& object = *objects[static_cast<std::size_t>(boxes[t].specimen)];
-    const std::string own_case =
-        is_point
-            ? ""
-            : box_case(boxes[t], object.id, truth_of_sensor(truth, sensor).images[boxes[t].view]);
+    const std::string box_is =
+        others.empty() ? ""
+                       : box_case(boxes[t], object.id,
+                                  truth_of_sensor(truth, sensor).images[boxes[t].view], hidden);
     for (const std::string_view trait : traits_wanted) {
       SpecimenRow row = row_of_box(boxes[t], object, trait, traits, labels);
+      const std::string own_case = is_point(trait) ? "" : box_is;
       if (!own_case.empty()) row.cultivar += ", " + own_case;
       scores.specimens.push_back(std::move(row));
       case_of.push_back(own_case);
     }
     const auto rows = std::span(scores.specimens).last(traits_wanted.size());
-    if (std::any_of(rows.begin(), rows.end(),
-                    [](const SpecimenRow& row) { return row.status != ScoreStatus::ok; }))
+    if (std::any_of(rows.begin(), rows.end(), [&](const SpecimenRow& row) {
+          return row.status != ScoreStatus::ok && (!has_points || is_point(row.trait));
+        }))
       continue;
     ++measured_boxes;
-    if (!is_point) continue;
-    distance_m += std::hypot(rows[0].measured - rows[0].truth, rows[1].measured - rows[1].truth,
-                             rows[2].measured - rows[2].truth);
+    if (has_points) distance_m += point_error_m(rows);
   }
   const auto n = static_cast<std::int64_t>(boxes.size());
   const auto there = std::count_if(measured.begin(), measured.end(), [&](const DetectedBox& box) {
@@ -231,10 +267,8 @@ SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxe
   add("boxes.missed", static_cast<double>(n - found), "1", n);
   add("boxes.spurious", static_cast<double>(there - found), "1", n);
   add("boxes.measured", static_cast<double>(measured_boxes), "1", n);
-  if (!is_point) {
-    add_cases(other, scores.specimens, case_of, traits_wanted, base, scores.rows);
-    return scores;
-  }
+  if (!others.empty()) add_cases(other, scores.specimens, case_of, others, base, scores.rows);
+  if (!has_points) return scores;
   if (measured_boxes > 0)
     add("point.error_3d", distance_m / static_cast<double>(measured_boxes), "m", measured_boxes);
   constexpr double kSteps_m[] = {0.3, 0.4, 0.5, 0.6};
@@ -249,12 +283,11 @@ SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxe
 }  // namespace
 
 bool are_of_points(TraitNames traits) {
-  return std::any_of(traits.begin(), traits.end(), [](std::string_view name) {
-    return std::find(std::begin(kBoxTraits), std::end(kBoxTraits), name) != std::end(kBoxTraits);
-  });
+  return std::any_of(traits.begin(), traits.end(), is_point);
 }
 
-std::string box_case(const TrueBox& box, int instance, const TruthImages& images) {
+std::string box_case(const TrueBox& box, int instance, const TruthImages& images,
+                     HiddenEdges edges) {
   const auto own =
       std::find_if(images.visibility.begin(), images.visibility.end(),
                    [&](const InstanceVisibility& v) { return v.instance == instance; });
@@ -267,15 +300,15 @@ std::string box_case(const TrueBox& box, int instance, const TruthImages& images
   if (box.point_m.z() > 1) return "farther than 1 m";
   const double hidden = 1 - own->visible_fraction;
   if (hidden < 0.05) return "unoccluded";
-  if (hidden < 0.4) return "hidden below 40 %";
-  return hidden < 0.7 ? "hidden 40 to 70 %" : "hidden above 70 %";
+  const std::string half = std::to_string(edges.half), most = std::to_string(edges.most);
+  if (hidden < 0.01 * edges.half) return "hidden below " + half + " %";
+  if (hidden < 0.01 * edges.most) return "hidden " + half + " to " + most + " %";
+  return "hidden above " + most + " %";
 }
 
 SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
                         const SeedsScoreLabels& labels, TraitNames traits) {
-  const std::vector<std::string_view> wanted =
-      traits.empty() ? traits_in(estimate)
-                     : std::vector<std::string_view>(traits.begin(), traits.end());
+  const std::vector<std::string_view> wanted = traits_in(estimate, traits);
   TraitsOfBoxes traits_of;
   for (const SpecimenTraits& traits : estimate.traits)
     traits_of[{traits.frame, traits.instance}] = &traits;

@@ -14,11 +14,20 @@ using TraitNames = std::span<const std::string_view>;
 /// Whether traits are the place of a surface's point, and so of a box rather than of its specimen.
 bool are_of_points(TraitNames traits);
 
+/// Percents between little, half and most of a specimen hidden.
+struct HiddenEdges {
+  int half = 40, most = 70;
+};
+/// Those that pickers ask for: half of the fruit is in sight, or three quarters of it.
+inline constexpr HiddenEdges kPickersEdges{30, 50};
+
 /// What of a box makes its specimen hard to measure: "cut by the image", "nearer than 0.3 m",
 /// "farther than 1 m" [0.1 to 1 m, Apples 2.1.1; a D455 sees nothing nearer than 0.29 m], else
 /// "unoccluded" (below 5 % hidden), "hidden below 40 %", "hidden 40 to 70 %", "hidden above 70 %".
 /// "" where the truth does not say how much is hidden.
-std::string box_case(const TrueBox& box, int instance, const TruthImages& images);
+/// @param hidden  other edges than 40 and 70 %
+std::string box_case(const TrueBox& box, int instance, const TruthImages& images,
+                     HiddenEdges hidden = {});
 
 /// Scores traits that are of one box each (TraitsOf::boxes), such as the place of a fruit's surface
 /// in the camera. In each image of each sensor a measured box stands for the true one that it
@@ -30,9 +39,11 @@ std::string box_case(const TrueBox& box, int instance, const TruthImages& images
 /// - one specimen row for each true box and trait, not_solved where it was not measured.
 /// Cases of another sensor than the first begin with its name, "right, 0.3 to 0.4 m", and it has no
 /// specimen rows; one that no box of the estimate is of is left out.
-/// Other traits than point_x, point_y, point_z and distance are those of the box's specimen. Their
-/// rows are by how much of it is hidden (box_case), statistics of the trait and of its sigmas, and
-/// so are the cultivars of their specimen rows: "fuji, unoccluded".
+/// Other traits than point_x, point_y, point_z and distance are those of the box's specimen, or its
+/// places in that camera (is_of_place). Their rows are by how much of it is hidden (box_case, with
+/// kPickersEdges where places are among them), statistics of the trait and of its sigmas and of
+/// places (add_place_rows), and so are the cultivars of their specimen rows: "fuji, unoccluded".
+/// A trait that no box of the estimate has is left out, if it has any.
 /// `estimate.boxes` hold the boxes that traits are of.
 /// @param traits  that are scored; empty: those that the estimate has, or of none the point's
 /// @throws std::invalid_argument without true depth and instances of every view, or if a specimen

@@ -214,4 +214,24 @@ FruitFit fit_allometry(const FruitSurface& surface, const FruitPrior& prior) {
                mean.volume_m3.value * std::pow(ratio, 3), prior);
 }
 
+FruitFit fit_box(const DetectedBox& box, const Camera& camera, const Vector3d& surface_m,
+                 const std::string& why_none, BoxBody body, const FruitPrior& prior) {
+  if (!why_none.empty()) return failed(why_none);
+  const Eigen::Vector2d size_px = box.high_px - box.low_px;
+  const double width_m = size_px.x() / camera.fx_px * surface_m.z(),
+               height_m = size_px.y() / camera.fy_px * surface_m.z();
+  if (!(width_m > 0) || !(height_m > 0) || !std::isfinite(width_m * height_m))
+    return failed("its box has no size");
+  // Seen from before, its sides are half a width farther than its front.
+  const double grown = 1 + 0.5 * width_m / surface_m.z();
+  const double diameter_m = grown * width_m, length_m = grown * height_m;
+  const double cylinder_m3 = std::numbers::pi / 4 * diameter_m * diameter_m * length_m;
+  const double share = body == BoxBody::cone ? (1 + kConeTip + kConeTip * kConeTip) / 3 : 2.0 / 3;
+  FruitFit fit = sized(surface_m + 0.5 * diameter_m * surface_m.normalized(), diameter_m, length_m,
+                       share * cylinder_m3, prior);
+  fit.shape.camera_from_fruit =
+      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), -Vector3d::UnitY()).toRotationMatrix();
+  return fit;
+}
+
 }  // namespace cousin

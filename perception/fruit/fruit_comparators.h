@@ -26,4 +26,14 @@ FruitFit fit_hull(const FruitSurface& surface, const FruitPrior& prior = {});
 /// of the kind's mean shape at this diameter (allometry with exponent 3).
 FruitFit fit_allometry(const FruitSurface& surface, const FruitPrior& prior = {});
 
+/// What fills a box when it stands upright.
+enum class BoxBody { ellipsoid, cone };
+/// An upright body as wide and high as its box at a depth: its centre is half its width behind the
+/// surface. A cone is truncated: its tip is `kConeTip` as wide as its shoulders.
+/// @param surface_m  under the middle of the box
+/// @param why_none   not empty: there is no such point, and so no body
+FruitFit fit_box(const DetectedBox& box, const Camera& camera, const Eigen::Vector3d& surface_m,
+                 const std::string& why_none, BoxBody body, const FruitPrior& prior);
+inline constexpr double kConeTip = 0.4;
+
 }  // namespace cousin

@@ -309,7 +309,7 @@ FruitMeasure measure(const FruitNumber& number, const FruitCovariance& covarianc
 }
 
 void set_sizes(const std::vector<Candidate>& candidates, const FruitFitConfig& config,
-               Hypothesis& fit) {
+               double solid_share, Hypothesis& fit) {
   const FruitNumbers numbers = numbers_of(fit.shape);
   const auto size = [&](const FruitNumber& number, double (*value)(const FruitNumbers&),
                         double dimensions) {
@@ -318,6 +318,8 @@ void set_sizes(const std::vector<Candidate>& candidates, const FruitFitConfig& c
   };
   fit.volume_m3 = size(
       numbers.volume_m3, [](const FruitNumbers& n) { return n.volume_m3.value; }, 3);
+  fit.volume_m3.value *= solid_share;
+  fit.volume_m3.sigma *= solid_share;
   fit.diameter_m = size(
       numbers.diameter_m, [](const FruitNumbers& n) { return n.diameter_m.value; }, 1);
   fit.length_m = size(
@@ -411,7 +413,8 @@ FruitFit unseen_fruit(const FruitKind& kind, const std::string& reason) {
   const FruitNumbers numbers = numbers_of(fit.shape, 12);
   const double size = prior.sigma_diameter, index = prior.sigma_shape_index / prior.shape_index;
   const double volume = std::hypot(3 * size, index);
-  fit.volume_m3 = {numbers.volume_m3.value, volume * numbers.volume_m3.value};
+  fit.volume_m3.value = prior.solid_share * numbers.volume_m3.value;
+  fit.volume_m3.sigma = volume * fit.volume_m3.value;
   fit.diameter_m = {numbers.diameter_m.value, size * numbers.diameter_m.value};
   fit.length_m = {numbers.length_m.value, std::hypot(size, index) * numbers.length_m.value};
   fit.mass_kg.value = prior.density_kg_m3 * fit.volume_m3.value;
@@ -427,8 +430,8 @@ FruitFit fit_fruit(const FruitSurface& surface, const FruitKind& kind,
   const std::vector<Candidate> candidates = candidates_of(search, config);
   Hypothesis usual = fit_under(search, candidates.front().shape, 1, config.wave_iterations);
   Hypothesis odd = fit_under(search, usual.shape, config.odd_scale, 2 * config.wave_iterations);
-  set_sizes(candidates, config, usual);
-  set_sizes(candidates, config, odd);
+  set_sizes(candidates, config, kind.prior.solid_share, usual);
+  set_sizes(candidates, config, kind.prior.solid_share, odd);
   FruitFit fit = combined(usual, odd, config.odd_share, kind.prior);
   fit.reason = why_not(fit, search, config);
   fit.status = fit.reason.empty() ? FitStatus::ok : FitStatus::degenerate;

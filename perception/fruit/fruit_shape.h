@@ -22,6 +22,8 @@ struct FruitPrior {
   double sigma_shape_index = 0.035;
   double conic = 0.08;  ///< wider to the stalk, over the radius
   double sigma_conic = 0.02;
+  /// Zonal waves of degree 3 and 4 about the axis: the outline of a kind that is no sphere.
+  double zonal_3 = 0, zonal_4 = 0;
   double sigma_lopsided = 0.021;  ///< one side's excess over the radius, each of two directions
   double stalk_dent = 0.44;       ///< depth over the radius
   double stalk_dent_rad = 0.24;   ///< where it is e times shallower
@@ -32,6 +34,9 @@ struct FruitPrior {
   double sigma_waves_2 = 0.002;
   double sigma_waves_3 = 0.0015;
   double sigma_waves_4 = 0.001;
+  /// Lumps and dimples: outlines are those of the highest places, so a rough fruit has less volume
+  /// than the smooth one with its outline.
+  double solid_share = 1;
   double density_kg_m3 = 858;  ///< [Korean Journal of Food Preservation 21(5), 618, 2014]
   double sigma_density_kg_m3 = 14;
 };
@@ -84,6 +89,9 @@ struct FruitKind {
   FruitParameters sigmas;
 };
 FruitKind kind_of(const FruitPrior& prior);
+/// Strawberries of any variety and maturity. Means and sigmas of the outline are those of the three
+/// varieties of scenes/strawberries; sizes are wider, for fruits grow.
+FruitPrior strawberry_prior();
 
 /// The signed distance of a point from the surface, to first order, and its derivative by all
 /// numbers. Positive outside.
@@ -92,7 +100,7 @@ struct FruitDistance {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit, outward, in the camera
   FruitParameters derivative;
 };
-/// @param waves  whether waves count; without, their derivatives are zero
+/// @param waves  whether waves count; without, only the zonal ones do, which have no derivative
 FruitDistance distance_to(const FruitShape& shape, const Eigen::Vector3d& point_m, bool waves);
 
 /// The same shape after small changes of its numbers; turns go into camera_from_fruit.
@@ -110,6 +118,20 @@ struct FruitNumbers {
 /// @param rows  from pole to pole, on which the surface is sampled, and as many about the axis;
 /// even
 FruitNumbers numbers_of(const FruitShape& shape, int rows = 36);
+
+/// A point in a fruit's own axes, from the shape's own centre, and how it moves with the numbers.
+struct FruitVector {
+  Eigen::Vector3d value_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 3, kFruitNumbers> derivative =
+      Eigen::Matrix<double, 3, kFruitNumbers>::Zero();
+};
+/// Centre of the volume.
+FruitVector centroid_in_fruit(const FruitShape& shape, int rows = 16);
+/// How far the surface is from the shape's centre along the axis, at the stalk.
+FruitNumber pole_m(const FruitShape& shape);
+/// The surface's unit normal, outward, where a ray from the camera meets it; the ray's own opposite
+/// where it passes. Waves are left out.
+Eigen::Vector3d normal_on_ray(const FruitShape& shape, const Eigen::Vector3d& ray);
 
 /// Points of the surface, in the camera: `rows` from pole to pole by `columns` about the axis.
 std::vector<Eigen::Vector3d> points_of(const FruitShape& shape, int rows, int columns);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "perception/fruit/fruit_seam.h"
 #include "perception/pipelines/pipeline_table.h"
 #include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
@@ -22,76 +23,6 @@ constexpr std::array<Named<ApplesMethod>, 6> kApplesMethods = {
      {ApplesMethod::ellipsoid, "ellipsoid"},
      {ApplesMethod::hull, "hull"},
      {ApplesMethod::allometry, "allometry"}}};
-
-/// Names and units of a fit's parameters: where FruitEntry has them, then the turn from the fruit's
-/// axes to the camera's as a rotation vector, then sizes.
-struct ApplesParameter {
-  const char* name;
-  const char* unit;
-};
-constexpr int kRotation = kFruitNumbers, kSizes = kFruitNumbers + 3, kApplesNumbers = kSizes + 3;
-std::array<FitParameter, kApplesNumbers> apples_parameters() {
-  std::array<FitParameter, kApplesNumbers> all;
-  const ApplesParameter first[] = {{"centre_x", "m"},    {"centre_y", "m"},   {"centre_z", "m"},
-                                   {"turn_x", "rad"},    {"turn_y", "rad"},   {"log_radius", "1"},
-                                   {"log_stretch", "1"}, {"conic", "1"},      {"lopsided_x", "1"},
-                                   {"lopsided_y", "1"},  {"stalk_dent", "1"}, {"calyx_dent", "1"}};
-  for (std::size_t k = 0; k < std::size(first); ++k) all[k] = {first[k].name, first[k].unit, kNaN};
-  for (int k = 0; k < kWaveCount; ++k)
-    all[static_cast<std::size_t>(kWaves + k)] = {"wave_" + std::to_string(k), "1", kNaN};
-  const ApplesParameter last[] = {{"rotation_x", "rad"}, {"rotation_y", "rad"},
-                                  {"rotation_z", "rad"}, {"volume", "m3"},
-                                  {"diameter", "m"},     {"length", "m"}};
-  for (std::size_t k = 0; k < std::size(last); ++k)
-    all[kRotation + k] = {last[k].name, last[k].unit, kNaN};
-  return all;
-}
-
-std::array<const FruitMeasure*, 3> sizes_of(const FruitFit& fit) {
-  return {&fit.volume_m3, &fit.diameter_m, &fit.length_m};
-}
-
-ObjectFit seam_of(const FruitFit& fit, const DetectedBox& box, ApplesMethod method) {
-  ObjectFit seam;
-  seam.instance = box.id;
-  seam.model = "fruit by " + std::string(to_string(method));
-  seam.status = fit.status;
-  seam.reason = fit.reason;
-  const auto parameters = apples_parameters();
-  seam.parameters.assign(parameters.begin(), parameters.end());
-  for (int k = 0; k < kFruitNumbers; ++k)
-    seam.parameters[static_cast<std::size_t>(k)].value = fit.shape.numbers[k];
-  const Eigen::AngleAxisd turn(fit.shape.camera_from_fruit);
-  for (int k = 0; k < 3; ++k)
-    seam.parameters[static_cast<std::size_t>(kRotation + k)].value = turn.angle() * turn.axis()[k];
-  const auto sizes = sizes_of(fit);
-  bool is_sure = true;
-  for (std::size_t k = 0; k < sizes.size(); ++k) {
-    seam.parameters[kSizes + k].value = sizes[k]->value;
-    is_sure = is_sure && std::isfinite(sizes[k]->sigma);
-  }
-  if (!is_sure) return seam;
-  // Sizes follow from the numbers; what their sigmas have beyond that stands beside them.
-  seam.covariance = Eigen::MatrixXd::Zero(kApplesNumbers, kApplesNumbers);
-  seam.covariance.topLeftCorner(kFruitNumbers, kFruitNumbers) =
-      0.5 * (fit.covariance + fit.covariance.transpose());
-  for (std::size_t k = 0; k < sizes.size(); ++k) {
-    const auto at = static_cast<Eigen::Index>(kSizes + k);
-    seam.covariance(at, at) = sizes[k]->sigma * sizes[k]->sigma;
-  }
-  return seam;
-}
-
-/// A number of a fit with its sigma; NaN where the fit has none of this name.
-FruitMeasure parameter_of(const ObjectFit& fit, std::string_view name) {
-  for (std::size_t k = 0; k < fit.parameters.size(); ++k) {
-    if (fit.parameters[k].name != name) continue;
-    const auto at = static_cast<Eigen::Index>(k);
-    return {fit.parameters[k].value,
-            fit.covariance.size() > 0 ? std::sqrt(fit.covariance(at, at)) : kNaN};
-  }
-  return {};
-}
 
 FruitFit fit_of(const FrameDepth& depth, const Camera& camera, const DetectedBox& box,
                 const FruitKind& kind, const ApplesPipelineConfig& config, std::uint64_t seed) {
@@ -148,7 +79,8 @@ Fits fits_of(const Capture& capture, const Estimate& so_far, const ApplesPipelin
     const FrameDepth none;
     const FrameDepth& depth = so_far.depths.empty() ? none : so_far.depths[place];
     const Camera& camera = capture.frames[place].sensors.front().reported;
-    fits[i] = seam_of(fit_of(depth, camera, box, kind, config, seed), box, config.method);
+    fits[i] = seam_of(fit_of(depth, camera, box, kind, config, seed), box.id,
+                      "fruit by " + std::string(to_string(config.method)));
   });
   return fits;
 }
@@ -201,19 +133,6 @@ Traits traits_of(const Capture& capture, const Estimate& so_far,
 
 std::string_view to_string(ApplesMethod method) {
   return name_in<ApplesMethod>(kApplesMethods, method);
-}
-
-FruitShape shape_of(const ObjectFit& fit) {
-  FruitShape shape;
-  const auto parameters = apples_parameters();
-  for (int k = 0; k < kFruitNumbers; ++k)
-    shape.numbers[k] = parameter_of(fit, parameters[static_cast<std::size_t>(k)].name).value;
-  const Eigen::Vector3d turn(parameter_of(fit, "rotation_x").value,
-                             parameter_of(fit, "rotation_y").value,
-                             parameter_of(fit, "rotation_z").value);
-  if (turn.norm() > 0)
-    shape.camera_from_fruit = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-  return shape;
 }
 
 Fields fields(ApplesPipelineConfig& c) {

@@ -42,8 +42,4 @@ Stages stages_for(const ApplesPipelineConfig& config, const Capture& capture, st
 struct PipelineRow;
 const PipelineRow& row_of(const ApplesPipelineConfig& config);
 
-/// A fit of a seam as a shape in its camera. @throws std::invalid_argument naming a parameter that
-/// is not there
-FruitShape shape_of(const ObjectFit& fit);
-
 }  // namespace cousin

@@ -3,7 +3,10 @@
 #include <cstdint>
 #include <string_view>
 
+#include "perception/fruit/fruit_fit.h"
+#include "perception/fruit/fruit_place.h"
 #include "perception/fruit/fruit_point.h"
+#include "perception/fruit/red_share.h"
 #include "perception/pipelines/estimate.h"
 #include "perception/pipelines/pipeline_needs.h"
 #include "perception/pipelines/seeds_splats.h"
@@ -11,16 +14,23 @@
 
 namespace cousin {
 
-/// `ours` fits a curved patch to a window of depths; `paper` reads the depth under the middle of a
-/// box, or a 5 x 5 window's [Strawberries 2.6]. Both take boxes from outside: there is no detector
-/// yet.
-enum class StrawberriesMethod { ours, paper };
+/// How places and sizes follow from a box; help texts are in its row. `paper` knows the surface's
+/// point alone.
+enum class StrawberriesMethod { ours, paper, ellipsoid, cone };
 
-/// Each fruit of each image by itself: no pose is needed, and none is found.
+/// Each fruit of each image by itself: no pose is needed, and none is found. Boxes come from
+/// outside, with instance masks for all but the paper's rule: there is no detector yet.
+FruitSurfaceConfig strawberry_surface();
+FruitFitConfig strawberry_fit();
 struct StrawberriesPipelineConfig {
   StrawberriesMethod method = StrawberriesMethod::ours;
   SensorDepthConfig sensor_depth{.max_sigma_m = 0.05, .level_on_plate = false};
   FruitPointConfig point;
+  FruitSurfaceConfig surface = strawberry_surface();
+  FruitPrior prior = strawberry_prior();
+  FruitFitConfig fit = strawberry_fit();
+  StalkPrior stalk;
+  RedShareConfig red;
 };
 Fields fields(StrawberriesPipelineConfig& config);
 void validate(const StrawberriesPipelineConfig& config);
@@ -30,8 +40,11 @@ PipelineNeeds needs(const StrawberriesPipelineConfig& config);
 /// @throws std::invalid_argument if the capture has no depth
 void check_capture(const Capture& capture, const StrawberriesPipelineConfig& config);
 
-/// Stages depth and traits. Traits are of one box each (SpecimenTraits::frame): point_x, point_y,
-/// point_z in the axes of that image's camera, and distance from it.
+/// Stages depth, fits (not by `paper`) and traits, which are of one box each
+/// (SpecimenTraits::frame). Places are in the axes of that image's camera: point (the surface under
+/// the middle of the box) and distance from it, centre, calyx, cut (on the stalk), and the axis, a
+/// unit vector from tip to calyx. Then length, diameter, volume, red_share. What is not known of a
+/// box is left out, and the reason says why.
 Stages stages_for(const StrawberriesPipelineConfig& config, const Capture& capture,
                   std::uint64_t seed, const SplatWatch& watch);
 struct PipelineRow;

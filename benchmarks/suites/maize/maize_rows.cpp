@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "benchmarks/loop/score_geometry.h"
+#include "benchmarks/score/order_statistics.h"
 
 namespace cousin {
 namespace {

@@ -1,6 +1,7 @@
 #include "benchmarks/suites/shapes/shapes_suite.h"
 
 #include "benchmarks/loop/perceive.h"
+#include "benchmarks/loop/score_geometry.h"
 #include "benchmarks/loop/score_seeds.h"
 #include "benchmarks/loop/seeds_run.h"
 #include "benchmarks/loop/simulate.h"

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <numbers>
 #include <stdexcept>
 
 #include "benchmarks/loop/box_truth.h"
@@ -110,6 +112,25 @@ TEST(BoxTruth, ThePointIsUnderTheMiddleOrAtTheNearestPixelThatShowsIt) {
   EXPECT_EQ(boxes[2].frame, 1);
 }
 
+TEST(BoxTruth, PlacesOfAFruitAreInTheCamera) {
+  SceneTruth truth = two_squares();
+  Instance& fruit = truth.scene.instances[0];
+  fruit.world_from_object.translation_m = {0, 0.1, 0.4};
+  fruit.world_from_object.rotation =
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
+  truth.scene.models[0].keypoints = {
+      {"tip", {0, 0, -0.02}}, {"calyx_centre", {0, 0, 0.02}}, {"cut_point", {0.001, 0, 0.035}}};
+  for (TrueView& view : truth.views) view.camera_from_world.translation_m = {0.05, 0, 0};
+  for (TrueView& view : truth.views) view.camera_from_world_end = view.camera_from_world;
+  const TrueBox box = true_boxes_of(truth)[0];
+  EXPECT_LT((box.centre_m - Eigen::Vector3d(0.05, 0.1, 0.4)).norm(), 1e-12);
+  EXPECT_LT((box.axis - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
+  EXPECT_LT((box.calyx_m - Eigen::Vector3d(0.05, 0.08, 0.4)).norm(), 1e-12);
+  EXPECT_LT((box.cut_m - Eigen::Vector3d(0.051, 0.065, 0.4)).norm(), 1e-12);
+  truth.scene.models[0].keypoints.clear();
+  EXPECT_FALSE(true_boxes_of(truth)[0].cut_m.allFinite());
+}
+
 TEST(ScoreBoxes, PerfectPointsHaveNoErrorAndEachBoxItsRows) {
   const SceneTruth truth = two_squares();
   const SeedsScores scores = score_boxes(truth, perfect(truth), {});
@@ -201,6 +222,30 @@ TEST(ScoreBoxes, SizesAreThoseOfTheSpecimenByHowMuchIsHidden) {
   static constexpr std::string_view kArea[] = {"area"};
   EXPECT_THAT([&] { score_boxes(truth, estimate, {}, kArea); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("\"area\" is not one of fruit 3")));
+}
+
+TEST(ScoreBoxes, PointsAndPlacesAreScoredSideBySide) {
+  SceneTruth truth = two_weights();
+  truth.scene.models[0].keypoints = {{"cut_point", {0, 0, 0.03}}};
+  Estimate estimate = perfect(truth);
+  const std::vector<TrueBox> boxes = true_boxes_of(truth);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (int k = 0; k < 3; ++k)
+      estimate.traits[i].traits.push_back(
+          {std::string("cut_") + "xyz"[k], "m", boxes[i].cut_m[k] + (k == 2 ? 0.004 : 0), 0.004});
+  }
+  static constexpr std::string_view kWanted[] = {"point_x", "point_y", "point_z", "distance",
+                                                 "cut_x",   "cut_y",   "cut_z",   "mass"};
+  const SeedsScores scores = score_boxes(truth, estimate, {}, kWanted);
+  EXPECT_EQ(value_of(scores, "point.error_3d"), 0);
+  EXPECT_EQ(value_of(scores, "boxes.measured"), 3);
+  EXPECT_NEAR(value_of(scores, "cut.error_3d", "unoccluded"), 0.004, 1e-12);
+  // Pickers ask for half of a fruit in sight. No box has a mass: it is not scored.
+  EXPECT_NEAR(value_of(scores, "cut.error_3d", "hidden above 50 %"), 0.004, 1e-12);
+  EXPECT_EQ(value_of(scores, "mass.measured", "unoccluded"), ScoreRow::kNone);
+  ASSERT_EQ(scores.specimens.size(), 3U * 7U);
+  EXPECT_EQ(scores.specimens[0].cultivar, "ripe");
+  EXPECT_EQ(scores.specimens[4].cultivar, "ripe, unoccluded");
 }
 
 TEST(ScoreBoxes, WhatTheImageCutsIsACaseOfItsOwn) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "perception/fruit/fruit_seam.h"
 #include "perception/pipelines/pipeline_table.h"
 #include "tests/perception/fruit/drawn_fruit.h"
 

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "perception/fruit/fruit_shape.h"
+
+namespace cousin {
+
+/// What is known of stalks before one is seen.
+struct StalkPrior {
+  double cut_above_m = 0.015;  ///< from the calyx to the cut, along the stalk; robots cut 10-20 mm
+  double sigma_turn_rad =
+      0.15;  ///< of the stalk's way to the cut beside the fruit's axis, each way
+  double sigma_base_m = 0.0015;  ///< of where the stalk leaves the fruit, beside its end; each way
+};
+Fields fields(StalkPrior& prior);
+/// @throws std::invalid_argument naming key, value and limit
+void validate(const StalkPrior& prior);
+
+/// A point in the camera with what is known of it.
+struct FruitPlace {
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
+};
+
+/// Where a picker's gripper and blade go, in the camera.
+struct FruitPlaces {
+  FruitPlace centre;  ///< of the volume
+  FruitPlace calyx;   ///< where the axis leaves the surface at the stalk
+  FruitPlace cut;     ///< on the stalk
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< unit, from tip to calyx
+  double sigma_axis_rad = 0;                        ///< each way across
+  /// Unit: the way of a gripper from the camera's side, across the axis. It closes on the stalk
+  /// from before and not along it.
+  Eigen::Vector3d approach = Eigen::Vector3d::UnitZ();
+};
+
+/// To first order in the numbers' covariance. The stalk is taken to leave along the fruit's axis.
+/// @param widen  times all sigmas of the shape, as FruitFitConfig::widen
+FruitPlaces places_of(const FruitShape& shape, const FruitCovariance& covariance,
+                      const StalkPrior& stalk = {}, double widen = 1);
+
+}  // namespace cousin
