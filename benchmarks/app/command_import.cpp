@@ -19,6 +19,7 @@ std::string import_key(const ImportRequest& request) {
   std::string key = std::string(COUSIN_VERSION) + "\n" + request.format + "\n" +
                     fs::absolute(request.source).lexically_normal().string() + "\n" +
                     std::to_string(request.depth_unit_m.value_or(0)) + "\n" +
+                    std::to_string(request.length_unit_m.value_or(0)) + "\n" +
                     std::to_string(request.frames) + "\n";
   const fs::path intrinsics = request.intrinsics;
   if (fs::is_regular_file(intrinsics)) key += sha256_hex_of_file(intrinsics);
@@ -32,6 +33,7 @@ ExitCode command_import(const JobContext& context) {
   const fs::path source = o.arguments.at(0);
   ImportRequest request{.format = o.format, .source = source, .intrinsics = o.intrinsics};
   if (o.depth_unit_m > 0) request.depth_unit_m = o.depth_unit_m;
+  if (o.length_unit_m > 0) request.length_unit_m = o.length_unit_m;
   request.frames = o.frames;
   const fs::path dataset = o.out.empty() ? fs::path("out") / source.filename() : fs::path(o.out);
   const FolderClaim claim{.verb = "import",

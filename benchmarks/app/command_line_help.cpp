@@ -62,7 +62,8 @@ constexpr Closing kClosings[] = {
      "  cousin bench seeds --quick --out out/bench"},
     {"import", "out/NAME, as SOURCE is named",
      "  cousin import photos --format folder --intrinsics 1088,1088,640,360 --out out/real\n"
-     "  cousin import workspace --format colmap --out out/posed"},
+     "  cousin import workspace --format colmap --out out/posed\n"
+     "  cousin import shots --format rgbd --depth-unit 0.001 --out out/shots"},
     {"export", "DATASET_FORMAT; kit: out/kit",
      "  cousin export out/data --format coco --out out/coco\n"
      "  cousin export kit --out out/kit"},

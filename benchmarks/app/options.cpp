@@ -87,27 +87,39 @@ constexpr const char* kLedgerHelp =
     "  ledger seen SET                        with --why: its results are known already\n\n"
     "The file only grows. An outcome counts where its line's commit is after its prediction's.";
 constexpr const char* kImportHelp =
-    "Make a dataset of another program's capture.\n\n"
+    "Make a dataset of another program's or a camera's capture.\n\n"
+    "  rgbd         rgb/ and depth/ (16-bit PNG, or floats in metres), or files such as\n"
+    "               a_rgb.png and a_depth.png, with intrinsics.json or --intrinsics\n"
+    "  stereo       left/ and right/ (or image_2 and image_3, cam0 and cam1, im0.png and im1.png)\n"
+    "               with stereo.yaml, calib.txt or --intrinsics\n"
+    "  tum          a TUM RGB-D sequence: rgb.txt, depth.txt, groundtruth.txt\n"
     "  nerfstudio   transforms.json of nerfstudio, instant-ngp or Blender, with its images\n"
     "  colmap       a workspace: images/ and a sparse model, text or binary\n"
-    "  tum          a TUM RGB-D sequence: rgb.txt, depth.txt, groundtruth.txt\n"
     "  phenomenal   a turntable cabin's calibration and silhouettes\n"
     "  folder       photographs of one camera, without poses\n"
     "  video        a video of one camera: its sharpest frames, evenly spread (needs ffmpeg)\n\n"
     "folder and video without --intrinsics: the focal length is that of EXIF, else found by\n"
     "self-calibration (needs colmap), else assumed; a warning says which, and how sure it is.\n"
-    "docs/formats.md says what is read.";
+    "rosbag2: scripts/rosbag2_to_rgbd.py makes a folder for rgbd. docs/import.md has an example "
+    "of\n"
+    "each; docs/formats.md says what is read.";
 
 void add_import(CLI::App& verb, Options& o) {
   verb.add_option("SOURCE", o.arguments, "File or folder")->expected(1, 1)->required();
-  verb.add_option("--format", o.format, "nerfstudio, colmap, tum, phenomenal, folder or video")
+  verb.add_option("--format", o.format,
+                  "rgbd, stereo, tum, nerfstudio, colmap, phenomenal, folder or video")
       ->required();
   verb.add_option("--intrinsics", o.intrinsics,
-                  "For folder, video and tum: a YAML file (OpenCV, ROS, Kalibr), a .cameramodel, a "
-                  "rig.json or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"");
+                  "For folder, video, tum and rgbd: a YAML file (OpenCV, ROS, Kalibr), a "
+                  ".cameramodel, a rig.json or \"fx,fy,cx,cy[,k1,k2,p1,p2,k3]\"; for rgbd also a "
+                  "file of a colour and a depth camera; for stereo a file of two cameras");
   verb.add_option("--depth-unit", o.depth_unit_m,
-                  "For tum and nerfstudio: metres a unit of the depth images, as 0.001 of "
-                  "millimetres; default: tum 0.0002, nerfstudio 0.001")
+                  "For rgbd, tum and nerfstudio: metres a unit of the depth images, as 0.001 of "
+                  "millimetres; default: what rgbd's intrinsics say, tum 0.0002, nerfstudio 0.001")
+      ->check(CLI::Range(1e-6, 1.0));
+  verb.add_option("--length-unit", o.length_unit_m,
+                  "For stereo and rgbd: metres a unit of the distance between the two cameras, as "
+                  "0.001 of millimetres; default: 1, or as the format says")
       ->check(CLI::Range(1e-6, 1.0));
   verb.add_option("--frames", o.frames, "For video: how many frames; 0 = 60")
       ->check(CLI::Range(0, 1000));

@@ -43,6 +43,7 @@ struct Options {
   std::string format;
   std::string intrinsics;
   double depth_unit_m = 0;            ///< metres a unit of imported depth; 0 = as the format says
+  double length_unit_m = 0;           ///< metres a unit of an imported calibration; 0 = likewise
   bool undistort = false;             ///< `export` makes pinhole pictures
   bool true_cameras = false;          ///< `export` takes the truth's lenses and poses
   std::string split = "0.8,0.1,0.1";  ///< shares of train, val and test

@@ -61,7 +61,7 @@ FruitPlaces places_of(const FruitShape& shape, const FruitCovariance& covariance
   const auto on_axis = [&](double above_m) {
     Slope slope = rigid_slope(shape, Vector3d(0, 0, height.value + above_m));
     slope += places.axis * height.derivative.transpose();
-    return FruitPlace{shape.centre_m() + (height.value + above_m) * places.axis,
+    return LocatedPoint{shape.centre_m() + (height.value + above_m) * places.axis,
                       spread(slope, wide) + across(places.axis, stalk.sigma_base_m)};
   };
   places.calyx = on_axis(0);

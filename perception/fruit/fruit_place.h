@@ -18,16 +18,16 @@ Fields fields(StalkPrior& prior);
 void validate(const StalkPrior& prior);
 
 /// A point in the camera with what is known of it.
-struct FruitPlace {
+struct LocatedPoint {
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
 };
 
 /// Where a picker's gripper and blade go, in the camera.
 struct FruitPlaces {
-  FruitPlace centre;  ///< of the volume
-  FruitPlace calyx;   ///< where the axis leaves the surface at the stalk
-  FruitPlace cut;     ///< on the stalk
+  LocatedPoint centre;  ///< of the volume
+  LocatedPoint calyx;   ///< where the axis leaves the surface at the stalk
+  LocatedPoint cut;     ///< on the stalk
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< unit, from tip to calyx
   double sigma_axis_rad = 0;                        ///< each way across
   /// Unit: the way of a gripper from the camera's side, across the axis. It closes on the stalk

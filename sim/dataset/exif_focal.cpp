@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "sim/dataset/for_each_frame.h"
+#include "sim/dataset/text_fields.h"
 
 namespace cousin {
 namespace {
@@ -13,12 +13,6 @@ namespace {
 constexpr double kFilmDiagonal_mm = 43.266615305567875;  ///< of 36 x 24 mm
 constexpr double kMostDifference = 0.15;                 ///< of two statements of one file
 constexpr double kSameShare = 0.02;                      ///< of two photographs of one lens
-
-std::string short_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
 
 /// Whether the picture has the shape that it was taken with, upright or turned.
 bool is_whole(const ExifTags& tags, int width_px, int height_px) {

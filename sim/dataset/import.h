@@ -95,6 +95,35 @@ struct TumPose {
 };
 std::vector<TumPose> tum_poses(std::string_view text, const std::string& name);
 
+/// What a person says of a capture's units.
+struct ImportUnits {
+  std::optional<double> depth_m;   ///< metres of one unit of a depth image
+  std::optional<double> length_m;  ///< metres of one unit of a calibration's lengths
+};
+
+/// Colour and depth images: folders rgb/ (color, colour, image, images) and depth/, or files with
+/// such words in their names, as frame-000000.color.png; poses beside them. Depth is 16-bit PNG, or
+/// floats in metres (.npy, .exr). One sensor, with depth in the colour image's pixels; or a second
+/// one "depth" in its own, where the intrinsics have a depth camera and its place.
+/// @param intrinsics  file of one camera or of both, or "fx,fy,cx,cy[,k1,k2,p1,p2,k3]"; "" = of a
+/// usual name in the folder. @throws std::runtime_error naming file, key, value and limit: no unit
+/// of the depth, a median depth outside 1 cm to 20 m, an image of another size than its camera,
+/// cameras more than 0.5 m apart, a pose that is none.
+Capture import_rgbd(const std::filesystem::path& folder, const std::string& intrinsics,
+                    const ImportUnits& units = {});
+
+/// Pictures of two cameras side by side: in folders left/ and right/ (or image_0 and image_1,
+/// image_2 and image_3, cam0 and cam1, their pictures in data/ or not), or with such words in their
+/// names. The rig's sensors are "rgb", the left one, and "rgb_right". Names that are time stamps
+/// give the frames' times.
+/// @param intrinsics  file of both cameras in a format of camera_pair.h; "" = of a usual name in
+/// the folder, or two such files. @param length_unit_m  metres of the file's lengths; none: as the
+/// format says, else metres. @throws std::runtime_error naming file, key, value and limit: a
+/// picture without its partner or of another size than its camera, cameras less than 5 mm or more
+/// than 2 m apart, or a second camera that is not on the right of the first.
+Capture import_stereo(const std::filesystem::path& folder, const std::string& intrinsics,
+                      std::optional<double> length_unit_m = {});
+
 /// A lens that nobody has calibrated.
 struct AssumedLens {
   Camera camera;

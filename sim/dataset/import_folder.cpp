@@ -1,18 +1,19 @@
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/camera_files.h"
+#include "sim/dataset/camera_values.h"
 #include "sim/dataset/capture_json.h"
 #include "sim/dataset/exif_focal.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/import.h"
 #include "sim/dataset/import_images.h"
+#include "sim/dataset/picture_list.h"
+#include "sim/dataset/text_fields.h"
 #include "sim/imaging/image_io.h"
 #include "sim/types/utf8.h"
 
@@ -21,44 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-/// Endings of pictures that are not read.
-constexpr std::array<std::string_view, 15> kOtherEndings = {
-    ".heic", ".heif", ".avif", ".webp", ".tif", ".tiff", ".bmp", ".gif",
-    ".jxl",  ".dng",  ".cr2",  ".cr3",  ".nef", ".arw",  ".raf"};
-
 /// Sorted by name. What looks like a picture of a format that is not read is added to `warnings`.
 std::vector<fs::path> images_in(const fs::path& folder, std::vector<std::string>& warnings) {
-  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + ": not a folder");
-  std::vector<fs::path> images;
-  std::vector<std::string> others;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with('.')) continue;  // what systems put beside pictures
-    const std::string ending = lower(entry.path().extension().string());
-    if (std::find(kOtherEndings.begin(), kOtherEndings.end(), ending) != kOtherEndings.end())
-      others.push_back(name);
-    if (ending != ".png" && ending != ".jpg" && ending != ".jpeg") continue;
-    require_utf8(name, folder.string());
-    images.push_back(resolve_inside(folder, entry.path().filename()));
-  }
-  std::string not_read;
-  if (!others.empty()) {
-    std::sort(others.begin(), others.end());
-    not_read = std::to_string(others.size()) + " pictures are not read, as " +
-               readable_utf8(others.front()) + ": only PNG and JPEG are";
-  }
-  if (images.empty())
+  PictureList list = list_pictures(folder, {".png", ".jpg", ".jpeg"});
+  if (list.files.empty())
     throw std::runtime_error(folder.string() + ": no .png, .jpg or .jpeg in this folder" +
-                             (not_read.empty() ? "" : "; " + not_read));
-  if (!not_read.empty()) warnings.push_back(folder.string() + ": " + not_read);
-  std::sort(images.begin(), images.end());
-  return images;
+                             (list.not_read.empty() ? "" : "; " + list.not_read));
+  if (!list.not_read.empty()) warnings.push_back(folder.string() + ": " + list.not_read);
+  return std::move(list.files);
 }
 
 /// "fx,fy,cx,cy[,k1,k2,p1,p2,k3]" without a size.
@@ -103,8 +74,11 @@ std::optional<Camera> camera_from_file(const std::string& intrinsics) {
     return std::nullopt;
   }
   const std::string text = read_file(intrinsics, std::size_t{1} << 24);
-  if (fs::path(intrinsics).extension() == ".json")
-    return rig_from_json(text, intrinsics).rig.front().camera;
+  if (fs::path(intrinsics).extension() == ".json") {
+    const YamlValues values = YamlValues::of_json(text, intrinsics);
+    return is_rig_json(values) ? rig_from_json(text, intrinsics).rig.front().camera
+                               : camera_from_values(values);
+  }
   if (fs::path(intrinsics).extension() == ".cameramodel")
     return camera_from_mrcal(text, intrinsics).camera;
   return camera_from_yaml(text, intrinsics);
@@ -136,12 +110,6 @@ Camera camera_of_focal(double focal_px, int width_px, int height_px) {
 
 namespace {
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
 /// The lens of photographs without a calibration, said in a warning.
 Camera lens_without_calibration(const fs::path& folder, const std::vector<fs::path>& images,
                                 const LensOfPhotographs& solve, Capture& capture) {
@@ -160,9 +128,9 @@ Camera lens_without_calibration(const fs::path& folder, const std::vector<fs::pa
   }
   validate(lens.camera);
   capture.warnings.push_back(
-      folder.string() + ": without --intrinsics the focal length is " + rounded(lens.camera.fx_px) +
-      " px, standard deviation " + rounded(lens.focal_sigma_px) + " px (" +
-      rounded(100 * lens.focal_sigma_px / lens.camera.fx_px) + " %), " + lens.from);
+      folder.string() + ": without --intrinsics the focal length is " +
+      short_text(lens.camera.fx_px) + " px, standard deviation " + short_text(lens.focal_sigma_px) +
+      " px (" + short_text(100 * lens.focal_sigma_px / lens.camera.fx_px) + " %), " + lens.from);
   return lens.camera;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/float_files.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/imaging/exif.h"
 #include "sim/imaging/image_io.h"
@@ -25,6 +26,19 @@ std::optional<fs::path> regular_file(const fs::path& folder, const fs::path& rel
   if (!fs::exists(file)) return std::nullopt;
   if (!fs::is_regular_file(file)) throw std::runtime_error(file.string() + ": not a regular file");
   return file;
+}
+
+/// Pixels by the file's head; 0 of a file that whoever reads it says what is wrong with.
+std::uint64_t depth_pixels(const fs::path& image) {
+  try {
+    const std::string ending = image.extension().string();
+    if (ending == ".npy" || ending == ".exr") return float_pixels(image);
+    const ImageSize size = read_image_size(image);
+    return bytes_times(static_cast<std::uint64_t>(size.width_px),
+                       static_cast<std::uint64_t>(size.height_px));
+  } catch (const std::runtime_error&) {
+    return 0;
+  }
 }
 
 }  // namespace
@@ -110,27 +124,19 @@ void check_depth_memory(const fs::path& folder, const Capture& capture,
     for (const SensorFrame& sensor : frame.sensors)
       bytes = bytes_plus(bytes, sizeof(Rgb8) * std::uint64_t{sensor.color.size()});
   }
-  for (const fs::path& image : depth_images) {
-    ImageSize size;
-    try {
-      size = read_image_size(image);
-    } catch (const std::runtime_error&) {
-      continue;  // whoever reads it says what is wrong
-    }
-    bytes = bytes_plus(
-        bytes, sizeof(std::uint16_t) * bytes_times(static_cast<std::uint64_t>(size.width_px),
-                                                   static_cast<std::uint64_t>(size.height_px)));
-  }
+  for (const fs::path& image : depth_images)
+    bytes = bytes_plus(bytes, bytes_times(sizeof(std::uint16_t), depth_pixels(image)));
   check_memory(folder, bytes,
                "the colour images and " + std::to_string(depth_images.size()) + " depth images");
 }
 
-void read_frame_colors(Capture& capture, const std::vector<fs::path>& images) {
+void read_frame_colors(Capture& capture, const std::vector<fs::path>& images,
+                       std::size_t sensor_index) {
   if (!images.empty()) check_images_memory(images.front().parent_path(), images);
   std::vector<char> alpha(images.size());
   for_each_frame(images.size(), [&](std::size_t i) {
     Frame& frame = capture.frames[i];
-    SensorFrame& sensor = frame.sensors.front();
+    SensorFrame& sensor = frame.sensors[sensor_index];
     sensor.color = read_color(images[i]);
     check_image_size(images[i], frame.id, sensor.color.width(), sensor.color.height(),
                      sensor.reported);

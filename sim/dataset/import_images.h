@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -26,16 +27,17 @@ std::optional<std::filesystem::path> find_listed_image(const std::filesystem::pa
 
 /// @throws std::runtime_error naming the folder if the images, as their heads tell their sizes,
 /// would take more memory than is allowed; no pixel is decoded.
+void check_images_memory(const std::filesystem::path& folder,
+                         const std::vector<std::filesystem::path>& images);
 /// What depth images take beside the colour images that the capture holds.
 void check_depth_memory(const std::filesystem::path& folder, const Capture& capture,
                         const std::vector<std::filesystem::path>& depth_images);
-void check_images_memory(const std::filesystem::path& folder,
-                         const std::vector<std::filesystem::path>& images);
 
-/// The colour image of each frame's first sensor, of the size of its camera. Adds a warning where
+/// The colour image of a sensor of each frame, of the size of its camera. Adds a warning where
 /// images have an alpha channel, which is not used, or an EXIF orientation, which is not applied.
 /// @throws std::runtime_error naming file, frame and both sizes.
-void read_frame_colors(Capture& capture, const std::vector<std::filesystem::path>& images);
+void read_frame_colors(Capture& capture, const std::vector<std::filesystem::path>& images,
+                       std::size_t sensor_index = 0);
 
 /// @throws std::runtime_error naming file, frame and both sizes unless they are equal.
 void check_image_size(const std::filesystem::path& file, int frame, int width_px, int height_px,

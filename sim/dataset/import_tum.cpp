@@ -5,17 +5,17 @@
 // caller, or by a comment of depth.txt such as "# 5000 = 1 m". Times are seconds, or nanoseconds
 // since 1970, as robots write them.
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/depth_units.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/import.h"
 #include "sim/dataset/import_images.h"
 #include "sim/dataset/text_fields.h"
+#include "sim/dataset/time_stamps.h"
 #include "sim/imaging/image_io.h"
 
 namespace cousin {
@@ -23,16 +23,10 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr double kDepthUnit_m = 1 / 5000.0;
-/// Seconds since 1970 are known to 0.24 microseconds by a double, so that no time is compared
-/// exactly.
-constexpr double kRounding_s = 1e-6;
-constexpr double kMostApart_s = 0.02;  ///< as the benchmark's associate.py
-constexpr double kMostGap_s = 0.1;     ///< between poses, which come at 100 Hz
+constexpr double kMostGap_s = 0.1;  ///< between poses, which come at 100 Hz
 /// A pose so near to a picture is its own: a hand moves by less than a millimetre in that time.
 constexpr double kSameTime_s = 1e-3;
 constexpr std::size_t kMaxTumFrames = 1'000'000;
-constexpr double kLeastNanoseconds = 1e17;  ///< since 1970: the year 1973
-constexpr double kMostSeconds = 1e11;       ///< since 1970: the year 5138
 
 template <class Record>
 void check_times(const std::vector<Record>& records, const std::string& name) {
@@ -48,32 +42,10 @@ void check_times(const std::vector<Record>& records, const std::string& name) {
                              " images; the limit is 1000000");
 }
 
-/// The first record not before the time.
-template <class Record>
-auto first_from(const std::vector<Record>& records, double time_s) {
-  return std::lower_bound(records.begin(), records.end(), time_s,
-                          [](const Record& record, double t) { return record.time_s < t; });
-}
-
-/// The record nearest in time; the end of `records` if there is none within `most_apart_s`.
-template <class Record>
-auto nearest(const std::vector<Record>& records, double time_s, double most_apart_s) {
-  const auto after = first_from(records, time_s);
-  auto best = records.end();
-  const auto consider = [&](auto record) {
-    const double apart_s = std::abs(record->time_s - time_s);
-    if (apart_s > most_apart_s + kRounding_s) return;
-    if (best == records.end() || apart_s < std::abs(best->time_s - time_s)) best = record;
-  };
-  if (after != records.begin()) consider(std::prev(after));
-  if (after != records.end()) consider(after);
-  return best;
-}
-
 std::optional<Pose> world_from_camera_at(const std::vector<TumPose>& poses, double time_s) {
   const auto after = first_from(poses, time_s);
   const bool is_between = after != poses.begin() && after != poses.end();
-  if (is_between && after->time_s - std::prev(after)->time_s <= kMostGap_s + kRounding_s) {
+  if (is_between && after->time_s - std::prev(after)->time_s <= kMostGap_s + kTimeRounding_s) {
     const TumPose& before = *std::prev(after);
     // `interpolate` moves the origin of b on a line: of the camera, in the world.
     if (after->time_s == time_s) return after->world_from_camera;
@@ -107,47 +79,17 @@ std::optional<double> unit_in_comments(std::string_view text, const std::string&
   return std::nullopt;
 }
 
-/// Median of all depth that there is, in units; nothing if there is none.
-std::optional<double> median_units(const Capture& capture) {
-  std::vector<std::uint64_t> counts(65536);
-  std::uint64_t all = 0;
-  for (const Frame& frame : capture.frames) {
-    for (const std::uint16_t value : frame.sensors.front().depth) {
-      if (value == 0) continue;
-      ++counts[value];
-      ++all;
-    }
-  }
-  if (all == 0) return std::nullopt;
-  std::uint64_t below = 0;
-  std::size_t value = 0;
-  while (2 * (below += counts[value]) < all) ++value;
-  return static_cast<double>(value);
-}
-
 /// Where nothing says the unit: the benchmark's, unless the depth is then none that its cameras
 /// measure. @throws std::runtime_error naming the option and what usual units make of the depth.
 void check_default_unit(const Capture& capture, const std::string& name) {
   constexpr double kLeast_m = 0.4, kMost_m = 10;
-  const std::optional<double> units = median_units(capture);
+  const std::optional<double> units = median_depth(capture, 0, DepthMeasure::units);
   if (!units) return;
   const double metres = *units * kDepthUnit_m;
   if (metres >= kLeast_m && metres <= kMost_m) return;
-  std::string text = name + ": the median depth is " + exact_text(*units) +
-                     " units; with TUM's 5000 units a metre that is " + exact_text(metres) +
-                     " m, outside [0.4, 10] m. Give --depth-unit, metres a unit: 0.0002 (TUM)";
-  struct Unit {
-    double metres;
-    const char* text;
-    const char* whose;
-  };
-  constexpr std::array<Unit, 2> kUsual = {
-      {{0.001, "0.001", "millimetres, RealSense and Kinect"}, {0.0001, "0.0001", "0.1 mm"}}};
-  for (const Unit& unit : kUsual) {
-    text += std::string(", ") + unit.text + " (" + unit.whose + ": " +
-            exact_text(*units * unit.metres) + " m)";
-  }
-  throw std::runtime_error(text);
+  throw std::runtime_error(name + ": the median depth is " + exact_text(*units) +
+                           " units; with TUM's 5000 units a metre that is " + short_text(metres) +
+                           " m, outside [0.4, 10] m. " + usual_depth_units(*units));
 }
 
 void read_depth(const fs::path& folder, const std::string& name,
@@ -180,8 +122,7 @@ void read_depth(const fs::path& folder, const std::string& name,
 /// Seconds, of a list's first word.
 double seconds_of(const TextLine& line) {
   const double time = line.number(0);
-  if (std::abs(time) < kMostSeconds) return time;
-  if (time >= kLeastNanoseconds && time < 1e19) return 1e-9 * time;
+  if (const std::optional<double> seconds = seconds_of_stamp(time)) return *seconds;
   line.fail("the time " + exact_text(time) +
             " is neither in seconds, below 1e11, nor in nanoseconds since 1970, from 1e17 on");
 }
@@ -278,7 +219,10 @@ Capture import_tum(const fs::path& folder, const std::string& intrinsics,
   const std::optional<double> said =
       depth_unit_m ? depth_unit_m : unit_in_comments(depth_text, name("depth.txt"));
   read_depth(folder, name("depth.txt"), depth_of, said.value_or(kDepthUnit_m), capture);
-  if (!said) check_default_unit(capture, name("depth.txt"));
+  if (said)
+    check_median_depth(capture, 0, name("depth.txt"));
+  else
+    check_default_unit(capture, name("depth.txt"));
   return capture;
 }
 

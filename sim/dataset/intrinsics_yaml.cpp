@@ -1,4 +1,4 @@
-// Camera calibrations in YAML:
+// Camera calibrations by their keys, in YAML:
 //   OpenCV   image_width, image_height, camera_matrix {data: [9]}, distortion_coefficients {data:
 //            [4, 5, 8, 12 or 14]}; a fisheye says so by fisheye_model: 1
 //   ROS      the same with distortion_model: plumb_bob, rational_polynomial, equidistant (fisheye),
@@ -6,6 +6,10 @@
 //   BoofCV   model: pinhole_radial_tangential, pinhole {fx, fy, cx, cy, width, height, skew},
 //            radial_tangential {radial: [up to 3], t1, t2}
 //   Kalibr   cam0 {camera_model, intrinsics, distortion_model, distortion_coeffs, resolution}
+//   EuRoC    resolution, intrinsics [4], distortion_model, distortion_coefficients
+// and in JSON:
+//   RealSense  width, height, fx, fy, ppx, ppy, model, coeffs
+//   Open3D     width, height, intrinsic_matrix [9, column by column]
 // The words for a lens are in lens_words.h.
 
 #include <algorithm>
@@ -14,6 +18,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/camera_files.h"
+#include "sim/dataset/camera_values.h"
 #include "sim/dataset/import.h"
 #include "sim/dataset/lens_words.h"
 #include "sim/dataset/yaml_values.h"
@@ -113,9 +118,13 @@ LensModel lens_model(const YamlValues& yaml, const std::string& key, std::vector
       if (values.size() != 4) count_error("4");
       return LensModel::kannala_brandt4;
     case LensKind::none:
+    case LensKind::not_read:
       for (const double value : values) {
         if (value != 0)
-          yaml.fail(key + " is not zero, but " + said.key + " = " + cut_utf8(said.word, 60));
+          yaml.fail(key + " is not zero, but " + said.key + " = " + cut_utf8(said.word, 60) +
+                    (said.kind == LensKind::none
+                         ? ""
+                         : ", whose polynomial is not read; `cousin calibrate` finds a lens"));
       }
       break;
     case LensKind::plumb_bob:
@@ -152,36 +161,114 @@ void refuse_part_of_imager(const YamlValues& yaml) {
   }
 }
 
-Camera from_opencv(const YamlValues& yaml) {
-  const auto data_key = [&](std::initializer_list<const char*> names) {
-    for (const std::string name : names) {
-      for (const std::string& key : {name + ".data", name}) {
-        if (yaml.has(key)) return key;
-      }
+/// The first of the keys that is there, as `key` or as OpenCV's matrix `key.data`; "" if none is.
+std::string first_there(const YamlValues& values, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) {
+    for (const std::string& name : {key + ".data", key}) {
+      if (values.has(name)) return name;
     }
-    yaml.fail(std::string("the key \"") + *names.begin() + "\" is missing");
-  };
-  Camera camera;
-  const bool is_message = !yaml.has("image_width") && yaml.has("width") && yaml.has("height");
-  camera.width_px = yaml.pixels(is_message ? "width" : "image_width");
-  camera.height_px = yaml.pixels(is_message ? "height" : "image_height");
-  refuse_part_of_imager(yaml);
-  const std::string matrix_key =
-      data_key({"camera_matrix", "Camera_Matrix", "cameraMatrix", "K", "k"});
-  const std::vector<double> k = yaml.numbers(matrix_key);
-  if (k.size() != 9 || k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1) {
-    yaml.fail(matrix_key + " is not fx 0 cx, 0 fy cy, 0 0 1");
   }
+  return "";
+}
+
+void read_size(const YamlValues& values, std::optional<ImageSize> images, Camera& camera) {
+  const bool is_message = !values.has("image_width") && values.has("width") && values.has("height");
+  for (const std::string key : {"resolution", "image_size", "imageSize"}) {
+    if (!values.has(key)) continue;
+    const std::vector<double> size = values.numbers(key);
+    const auto is_side = [](double side) {
+      return side >= 1 && side <= 65535 && side == static_cast<int>(side);
+    };
+    if (size.size() != 2 || !is_side(size[0]) || !is_side(size[1]))
+      values.fail(key + " is not two whole numbers in [1, 65535]");
+    camera.width_px = static_cast<int>(size[0]);
+    camera.height_px = static_cast<int>(size[1]);
+    return;
+  }
+  if (images && !is_message && !values.has("image_width")) {
+    camera.width_px = images->width_px;
+    camera.height_px = images->height_px;
+    return;
+  }
+  camera.width_px = values.pixels(is_message ? "width" : "image_width");
+  camera.height_px = values.pixels(is_message ? "height" : "image_height");
+}
+
+void read_matrix(const YamlValues& values, const std::string& key, Camera& camera) {
+  std::vector<double> k = values.numbers(key);
+  // Open3D's stands column by column.
+  if (key == "intrinsic_matrix" && k.size() == 9 && k[2] == 0 && k[5] == 0) {
+    std::swap(k[2], k[6]);
+    std::swap(k[5], k[7]);
+  }
+  if (k.size() != 9 || k[1] != 0 || k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
+    values.fail(key + " is not fx 0 cx, 0 fy cy, 0 0 1");
   camera.fx_px = k[0];
   camera.cx_px = k[2];
   camera.fy_px = k[4];
   camera.cy_px = k[5];
-  const std::string distortion_key =
-      data_key({"distortion_coefficients", "Distortion_Coefficients", "distCoeffs", "D", "d"});
-  std::vector<double> distortion = yaml.numbers(distortion_key);
-  camera.model = lens_model(yaml, distortion_key, distortion);
-  std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
-  return camera;
+}
+
+/// Focal lengths and principal point by a matrix, by four keys or by a list of four.
+/// @return whether it is a matrix of OpenCV's or ROS's, beside which the distortion must stand.
+bool read_projection(const YamlValues& values, const CameraKeys& keys, Camera& camera) {
+  const std::string matrix = first_there(values, keys.matrix);
+  if (!matrix.empty()) {
+    read_matrix(values, matrix, camera);
+    return matrix != "intrinsic_matrix" && matrix != "cam_K";
+  }
+  if (values.has("fx")) {
+    camera.fx_px = values.number("fx");
+    camera.fy_px = values.number("fy");
+    camera.cx_px = values.number(values.has("ppx") ? "ppx" : "cx");
+    camera.cy_px = values.number(values.has("ppy") ? "ppy" : "cy");
+    if (values.has("skew") && values.number("skew") != 0) values.fail("skew is not zero");
+    return false;
+  }
+  if (values.has("intrinsics")) {
+    const std::vector<double> four = values.numbers("intrinsics");
+    if (four.size() != 4) values.fail("intrinsics is not fx, fy, cx, cy");
+    camera.fx_px = four[0];
+    camera.fy_px = four[1];
+    camera.cx_px = four[2];
+    camera.cy_px = four[3];
+    return true;
+  }
+  values.fail("the key \"" + keys.matrix.front() + "\" is missing");
+}
+
+/// Of keys "k1", "k2", ...: OpenCV's order; nothing where there is none.
+std::vector<double> single_coefficients(const YamlValues& values) {
+  constexpr std::array<const char*, 12> kKeys = {"k1", "k2", "p1", "p2", "k3", "k4",
+                                                 "k5", "k6", "s1", "s2", "s3", "s4"};
+  if (std::none_of(kKeys.begin(), kKeys.end(), [&](const char* key) { return values.has(key); }))
+    return {};
+  std::vector<double> result;
+  for (const char* key : kKeys) result.push_back(values.has(key) ? values.number(key) : 0);
+  while (result.size() > 5 && result.back() == 0) result.pop_back();
+  if (result.size() > 5) result.resize(result.size() > 8 ? 12 : 8);
+  return result;
+}
+
+void read_distortion(const YamlValues& values, const CameraKeys& keys, bool is_needed,
+                     Camera& camera) {
+  std::string key = first_there(values, keys.distortion);
+  std::vector<double> coefficients;
+  if (!key.empty()) {
+    coefficients = values.numbers(key);
+  } else {
+    coefficients = single_coefficients(values);
+    key = "k1";
+    if (is_needed && coefficients.empty())
+      values.fail("the key \"" + keys.distortion.front() + "\" is missing");
+    for (const std::string& other : values.first_keys()) {
+      if ((other.starts_with("dist") || other == "coefficients") && !other.ends_with("_model") &&
+          other != "distortion_type")
+        values.fail(other + " is not a list of coefficients");
+    }
+  }
+  camera.model = lens_model(values, key, coefficients);
+  std::copy(coefficients.begin(), coefficients.end(), camera.distortion.begin());
 }
 
 }  // namespace
@@ -193,11 +280,24 @@ Camera camera_from_yaml(std::string_view text, const std::string& name) {
       yaml.fail("has cam0 and cam1; keep the camera that took the images, as cam0");
     return cameras_from_kalibr(text, name).front().camera;
   }
-  const Camera camera = yaml.has("pinhole.fx") ? from_boofcv(yaml) : from_opencv(yaml);
+  return camera_from_values(yaml);
+}
+
+Camera camera_from_values(const YamlValues& values, std::optional<ImageSize> images,
+                          const CameraKeys& keys) {
+  Camera camera;
+  if (values.has("pinhole.fx")) {
+    camera = from_boofcv(values);
+  } else {
+    read_size(values, images, camera);
+    refuse_part_of_imager(values);
+    const bool has_opencv_matrix = read_projection(values, keys, camera);
+    read_distortion(values, keys, has_opencv_matrix, camera);
+  }
   try {
     validate(camera);
   } catch (const std::invalid_argument& error) {
-    yaml.fail(error.what());
+    values.fail(error.what());
   }
   return camera;
 }

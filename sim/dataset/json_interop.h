@@ -50,6 +50,7 @@ class JsonNode {
   bool is_object() const { return value_->is_object(); }
   bool is_array() const { return value_->is_array(); }
   bool is_number() const { return value_->is_number(); }
+  bool is_text() const { return value_->is_string(); }
   bool is_false() const { return value_->is_boolean() && !value_->get<bool>(); }
   /// Array of finite numbers.
   std::vector<double> numbers(std::size_t min_count, std::size_t max_count) const;

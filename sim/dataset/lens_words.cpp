@@ -11,7 +11,7 @@ struct Word {
   LensKind kind;
 };
 
-constexpr std::array<Word, 23> kWords = {{{"none", LensKind::none},
+constexpr std::array<Word, 25> kWords = {{{"none", LensKind::none},
                                           {"pinhole", LensKind::none},
                                           {"perspective", LensKind::none},
                                           {"plumb_bob", LensKind::plumb_bob},
@@ -27,6 +27,8 @@ constexpr std::array<Word, 23> kWords = {{{"none", LensKind::none},
                                           {"full_opencv", LensKind::rational},
                                           {"thin_prism", LensKind::thin_prism},
                                           {"opencv12", LensKind::thin_prism},
+                                          {"inverse_brown_conrady", LensKind::not_read},
+                                          {"modified_brown_conrady", LensKind::not_read},
                                           {"fisheye", LensKind::fisheye},
                                           {"equidistant", LensKind::fisheye},
                                           {"kannala_brandt", LensKind::fisheye},
@@ -47,6 +49,8 @@ std::string letters(std::string_view word) {
 }  // namespace
 
 std::optional<LensKind> lens_kind_of(std::string_view word) {
+  constexpr std::string_view kOfRealSense = "distortion.";
+  if (word.starts_with(kOfRealSense)) word.remove_prefix(kOfRealSense.size());
   const std::string given = letters(word);
   if (given.empty()) return LensKind::unsaid;
   for (const Word& known : kWords) {

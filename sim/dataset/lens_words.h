@@ -8,11 +8,13 @@ namespace cousin {
 
 /// Private to sim/dataset: what calibration files of other programs call a lens's distortion.
 /// `none`: a pinhole camera. `plumb_bob`: k1 k2 p1 p2 [k3]; `rational`: with k4 k5 k6;
-/// `thin_prism`: with s1 s2 s3 s4; `fisheye`: four coefficients of Kannala and Brandt.
-enum class LensKind { unsaid, none, plumb_bob, rational, thin_prism, fisheye };
+/// `thin_prism`: with s1 s2 s3 s4; `fisheye`: four coefficients of Kannala and Brandt; `not_read`:
+/// a polynomial of librealsense that no model of ours is, unless all of it is zero.
+enum class LensKind { unsaid, none, plumb_bob, rational, thin_prism, fisheye, not_read };
 
-/// Of a word in any case, with "_", "-", blanks or nothing between its parts; an empty word is
-/// `unsaid`, one that is not known is nothing.
+/// Of a word in any case, with "_", "-", blanks or nothing between its parts, and with
+/// librealsense's "distortion." before it or not; an empty word is `unsaid`, one that is not known
+/// is nothing.
 std::optional<LensKind> lens_kind_of(std::string_view word);
 
 /// The words that are known, for messages.

@@ -11,7 +11,9 @@ namespace cousin {
 
 /// Shortest decimal text that reads back to the same double: at most 17 digits.
 std::string exact_text(double value);
-/// The numbers so, with `between` between them.
+/// At most four digits, for messages.
+std::string short_text(double value);
+/// The exact texts of numbers, with `between` between them.
 std::string exact_text(const std::vector<double>& values, std::string_view between = " ");
 
 /// One line of a file that knows its place. Errors are std::runtime_error "NAME: line 3: ...".
@@ -30,6 +32,7 @@ class TextLine {
   long long integer(std::size_t word, long long min, long long max) const;
   [[noreturn]] void fail(const std::string& what) const;
   std::string where() const;  ///< "NAME: line 3: "
+  int line_number() const { return number_; }
 
  private:
   std::string_view text_;

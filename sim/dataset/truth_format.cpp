@@ -1,12 +1,12 @@
 #include "sim/dataset/truth_format.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/depth_codes.h"
 #include "sim/dataset/float_files.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/imaging/exr_vectors.h"
@@ -19,44 +19,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostCode = 65535, kMillimetresAMetre = 1000;
-constexpr std::array<double, 5> kDepthSteps_mm = {0.1, 1, 10, 100, 1000};
+constexpr double kMillimetresAMetre = 1000;
 
 /// The ending of an image that is not of depths.
 const char* float_ending(TruthFormat format) {
   return format == TruthFormat::exr ? ".exr" : ".npy";
 }
 
-double depth_step_mm(const Image<float>& depth_m, const fs::path& file) {
+/// The largest depth of an image that a 16-bit PNG holds.
+double most_depth_m(const Image<float>& depth_m, const fs::path& file) {
   double most_m = 0;
   for (const float value : depth_m) {
     if (std::isnan(value)) continue;
     const double depth = static_cast<double>(value);
-    if (!(depth >= 0 && depth <= kMostCode)) {
+    if (!(depth >= 0 && depth <= kMostCodedDepth_m)) {
       throw std::invalid_argument(file.string() + ": the depth " + std::to_string(depth) +
                                   " m is not in [0, 65535], which a 16-bit PNG holds");
     }
     most_m = std::max(most_m, depth);
   }
-  return *std::find_if(kDepthSteps_mm.begin(), kDepthSteps_mm.end(), [&](double step_mm) {
-    return std::round(most_m * kMillimetresAMetre / step_mm) <= kMostCode;
-  });
+  return most_m;
 }
 
 void write_depth_png(const fs::path& dir, const std::string& stem, const Image<float>& depth_m) {
   const fs::path png = dir / (stem + ".png");
-  const double step_mm = depth_step_mm(depth_m, png);
-  Image<std::uint16_t> codes(depth_m.width(), depth_m.height());
-  for (std::size_t i = 0; i < codes.size(); ++i) {
-    const double depth = static_cast<double>(depth_m.data()[i]);
-    if (std::isnan(depth)) continue;
-    codes.data()[i] =
-        static_cast<std::uint16_t>(std::max(1.0, std::round(depth * kMillimetresAMetre / step_mm)));
-  }
+  const double step_mm = depth_step_mm(most_depth_m(depth_m, png));
   Json scale = Json::object();
   scale["depth_scale"] = step_mm;
   write_file(dir / (stem + ".json"), to_text(scale));  // before the image, which needs it
-  write_png(png, codes);
+  write_png(png, depth_codes(depth_m, step_mm));
 }
 
 double read_depth_scale(const fs::path& file) {

@@ -31,6 +31,24 @@ YamlValues::YamlValues(std::string_view text, std::string name) : name_(std::mov
   parse(text);
 }
 
+YamlValues YamlValues::below(const std::string& key) const {
+  YamlValues result;
+  result.name_ = name_ + ": " + key;
+  const std::string start = key + ".";
+  for (auto at = values_.lower_bound(start); at != values_.end() && at->first.starts_with(start);
+       ++at)
+    result.values_.emplace(at->first.substr(start.size()), at->second);
+  for (auto at = nested_.lower_bound(start); at != nested_.end() && at->starts_with(start); ++at)
+    result.nested_.insert(at->substr(start.size()));
+  return result;
+}
+
+std::set<std::string> YamlValues::first_keys() const {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : values_) keys.insert(key.substr(0, key.find('.')));
+  return keys;
+}
+
 const std::vector<std::string>& YamlValues::list(const std::string& key) const {
   const auto found = values_.find(key);
   if (found == values_.end()) fail("the key \"" + key + "\" is missing");
@@ -100,6 +118,7 @@ void YamlValues::parse(std::string_view text) {
       std::vector<std::string>& into = values_[parents.back().second];
       const std::string item = trimmed(std::string_view(content).substr(2));
       if (item.starts_with('[') && item.ends_with(']')) {
+        nested_.insert(parents.back().second);
         split(std::string_view(item).substr(1, item.size() - 2), into);
       } else {
         into.push_back(item);

@@ -47,18 +47,35 @@ Capture import_video(const ImportRequest& request) {
   return capture;
 }
 
-}  // namespace
-
-Capture import_capture(const ImportRequest& request) {
+/// An option that the format has no use for is a mistake.
+void refuse_options(const ImportRequest& request) {
   const std::string& format = request.format;
-  const bool is_posed = format == "nerfstudio" || format == "colmap" || format == "phenomenal";
-  if (is_posed && !request.intrinsics.empty())
+  const auto is_one_of = [&](std::initializer_list<const char*> formats) {
+    return std::find(formats.begin(), formats.end(), format) != formats.end();
+  };
+  if (is_one_of({"nerfstudio", "colmap", "phenomenal"}) && !request.intrinsics.empty())
     throw std::invalid_argument("--intrinsics: " + format + " has its own lens");
-  if (request.depth_unit_m && format != "nerfstudio" && format != "tum")
-    throw std::invalid_argument("--depth-unit: " + format + " has no depth; nerfstudio and tum do");
+  if (request.depth_unit_m && !is_one_of({"rgbd", "tum", "nerfstudio"}))
+    throw std::invalid_argument("--depth-unit: " + format +
+                                " has no depth; rgbd, tum and nerfstudio do");
+  if (request.length_unit_m && !is_one_of({"rgbd", "stereo"}))
+    throw std::invalid_argument("--length-unit: " + format +
+                                " has no calibration of two cameras; rgbd and stereo do");
   if (request.frames > 0 && format != "video")
     throw std::invalid_argument("--frames: all images of " + format +
                                 " are read; it is for --format video");
+}
+
+}  // namespace
+
+Capture import_capture(const ImportRequest& request) {
+  refuse_options(request);
+  const std::string& format = request.format;
+  if (format == "rgbd")
+    return import_rgbd(request.source, request.intrinsics,
+                       {request.depth_unit_m, request.length_unit_m});
+  if (format == "stereo")
+    return import_stereo(request.source, request.intrinsics, request.length_unit_m);
   if (format == "nerfstudio")
     return import_nerfstudio(transforms_file(request.source), request.depth_unit_m);
   if (format == "colmap") return import_colmap(request.source);
@@ -67,8 +84,8 @@ Capture import_capture(const ImportRequest& request) {
   if (format == "video") return import_video(request);
   if (format != "folder") {
     throw std::invalid_argument("--format \"" + format +
-                                "\" is not one of nerfstudio, colmap, tum, phenomenal, folder, "
-                                "video");
+                                "\" is not one of rgbd, stereo, tum, nerfstudio, colmap, "
+                                "phenomenal, folder, video");
   }
   if (fs::is_regular_file(request.source))
     throw std::runtime_error(request.source.string() +

@@ -10,11 +10,12 @@ namespace cousin {
 
 /// What `import` is asked for.
 struct ImportRequest {
-  std::string format;  ///< nerfstudio, colmap, tum, phenomenal, folder or video
+  std::string format;  ///< rgbd, stereo, tum, nerfstudio, colmap, phenomenal, folder or video
   std::filesystem::path source;
-  std::string intrinsics;              ///< as for import_folder; "" = none
-  std::optional<double> depth_unit_m;  ///< of nerfstudio and tum
-  int frames = 0;                      ///< of a video; 0 = 60
+  std::string intrinsics;               ///< as for import_folder; "" = none
+  std::optional<double> depth_unit_m;   ///< of rgbd, tum and nerfstudio
+  int frames = 0;                       ///< of a video; 0 = 60
+  std::optional<double> length_unit_m;  ///< of rgbd and stereo
 };
 
 /// The capture that another program or a camera wrote. Photographs without intrinsics get those of

@@ -30,7 +30,8 @@ TEST(AppExport, HelpSaysWhatEachFormatGives) {
   EXPECT_THAT(help, AllOf(HasSubstr("gltf"), HasSubstr("--undistort"), HasSubstr("--true-cameras"),
                           HasSubstr("--split"), HasSubstr("visible_fraction")));
   EXPECT_THAT(Program().run({"import", "--help"}).out,
-              AllOf(HasSubstr("colmap"), HasSubstr("tum"), HasSubstr("nerfstudio")));
+              AllOf(HasSubstr("colmap"), HasSubstr("tum"), HasSubstr("nerfstudio"),
+                    HasSubstr("rgbd"), HasSubstr("stereo"), HasSubstr("--length-unit")));
 }
 
 TEST(AppExport, EveryFormatOfASeedlingDatasetIsMadeAndComesBack) {

@@ -55,6 +55,49 @@ TEST(AppImport, NerfstudioGivesPosedViewsAndNamesTheImageThatIsAbsent) {
   EXPECT_THAT(broken.err, AllOf(HasSubstr("fox/transforms.json: "), HasSubstr("/frames/0")));
 }
 
+TEST(AppImport, ColourAndDepthOfTwoCamerasBecomeTwoSensors) {
+  const Program program;
+  write_png(program.path("shot/rgb/0.png"), Image<Rgb8>(20, 12, {90, 90, 90}));
+  write_png(program.path("shot/depth/0.png"), Image<std::uint16_t>(10, 8, 1500));
+  write_file(program.path("shot/intrinsics.json"), R"({
+    "color": {"width": 20, "height": 12, "fx": 30, "fy": 31, "cx": 9.5, "cy": 5.5},
+    "depth": {"width": 10, "height": 8, "fx": 12, "fy": 12, "cx": 4.5, "cy": 3.5},
+    "depth_to_color": [[1, 0, 0, 15], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]})");
+  const Words import = {"import", "shot", "--format", "rgbd", "--out", "real"};
+  const Outcome far = program.run(import);
+  EXPECT_EQ(far.code, 3);
+  EXPECT_THAT(far.err, AllOf(HasSubstr("depth_to_color"), HasSubstr("--length-unit")));
+  const Outcome unit = program.run(import + Words{"--length-unit", "0.001"});
+  EXPECT_EQ(unit.code, 3);
+  EXPECT_THAT(unit.err, AllOf(HasSubstr("shot/depth"), HasSubstr("--depth-unit")));
+  const Outcome imported =
+      program.run(import + Words{"--length-unit", "0.001", "--depth-unit", "0.001"});
+  ASSERT_EQ(imported.code, 0) << imported.err;
+  const Capture capture = read_capture(program.path("real/000000"));
+  ASSERT_EQ(capture.rig.size(), 2U);
+  EXPECT_EQ(capture.rig[1].name, "depth");
+  EXPECT_EQ(capture.frames[0].sensors[1].depth(3, 4) * capture.frames[0].sensors[1].depth_unit_m,
+            1.5);
+  EXPECT_EQ(program.run({"verify", "real"}).code, 0);
+  EXPECT_EQ(program.run(import + Words{"--length-unit", "0.0011", "--depth-unit", "0.001"}).code, 2)
+      << "another configuration of the same folder";
+}
+
+TEST(AppImport, APairBecomesTwoEyes) {
+  const Program program;
+  for (const char* name : {"im0.png", "im1.png"})
+    write_png(program.path("pair") / name, Image<Rgb8>(20, 12, {90, 90, 90}));
+  write_file(program.path("pair/calib.txt"),
+             "cam0=[30 0 9.5; 0 30 5.5; 0 0 1]\ncam1=[30 0 9.5; 0 30 5.5; 0 0 1]\ndoffs=0\n"
+             "baseline=120\nwidth=20\nheight=12\n");
+  const Outcome imported = program.run({"import", "pair", "--format", "stereo", "--out", "real"});
+  ASSERT_EQ(imported.code, 0) << imported.err;
+  const Capture capture = read_capture(program.path("real/000000"));
+  ASSERT_EQ(capture.rig.size(), 2U);
+  EXPECT_EQ(capture.rig[1].name, "rgb_right");
+  EXPECT_EQ(program.run({"verify", "real"}).code, 0);
+}
+
 TEST(AppImport, PhenomenalGivesSilhouettesOnATurntable) {
   const Program program;
   // 5 m from the axis, along -y of the cabin, and level: R = [x right, y up, z back].

@@ -55,11 +55,15 @@ TEST(ImportCapture, OptionsThatAFormatHasNoUseForAreWrongUsage) {
   const auto error = [](const ImportRequest& request) {
     return usage_error_of([&] { import_capture(request); });
   };
-  EXPECT_THAT(error({.format = "stereo", .source = "x"}), HasSubstr("--format \"stereo\""));
+  EXPECT_THAT(error({.format = "zip", .source = "x"}), HasSubstr("--format \"zip\""));
   EXPECT_THAT(error({.format = "colmap", .source = "x", .intrinsics = "1,1,1,1"}),
               HasSubstr("--intrinsics"));
   EXPECT_THAT(error({.format = "folder", .source = "x", .depth_unit_m = 0.001}),
               HasSubstr("--depth-unit"));
+  EXPECT_THAT(error({.format = "stereo", .source = "x", .depth_unit_m = 0.001}),
+              HasSubstr("--depth-unit"));
+  EXPECT_THAT(error({.format = "tum", .source = "x", .length_unit_m = 0.001}),
+              HasSubstr("--length-unit"));
   EXPECT_THAT(error({.format = "folder", .source = "x", .frames = 3}), HasSubstr("--frames"));
 }
 
