@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "benchmarks/report/drawn_number.h"
 #include "sim/geometry/measure.h"
@@ -71,9 +72,20 @@ Image<Rgb8> with_outlines(const Image<Rgb8>& image,
   return picture;
 }
 
-constexpr Rgb8 kBoxColor{255, 0, 160}, kPointColor{0, 200, 255};
+constexpr Rgb8 kBoxColor{255, 0, 160}, kPointColor{0, 200, 255}, kCutColor{255, 230, 0};
 
-/// The image with boxes of its first sensor, and a cross where each measured point is seen.
+/// The place NAME_x, NAME_y, NAME_z of traits; NaN if they have it not.
+Eigen::Vector3d place_of(const SpecimenTraits& traits, const std::string& name) {
+  Eigen::Vector3d place_m = Eigen::Vector3d::Constant(kNaN);
+  for (const Trait& trait : traits.traits) {
+    for (int k = 0; k < 3; ++k) {
+      if (trait.name == name + "_" + "xyz"[k]) place_m[k] = trait.value;
+    }
+  }
+  return place_m;
+}
+
+/// The image with boxes of its first sensor, and crosses where each measured point and cut is seen.
 Image<Rgb8> with_boxes(Image<Rgb8> image, int frame, const Camera& camera,
                        const Estimate& estimate) {
   const auto dot = [&](int x, int y, Rgb8 color) {
@@ -94,19 +106,17 @@ Image<Rgb8> with_boxes(Image<Rgb8> image, int frame, const Camera& camera,
   }
   for (const SpecimenTraits& traits : estimate.traits) {
     if (traits.frame != frame || traits.status != TraitStatus::ok) continue;
-    Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-    for (const Trait& trait : traits.traits) {
-      for (int k = 0; k < 3; ++k) {
-        if (trait.name == std::string("point_") + "xyz"[k]) point_m[k] = trait.value;
+    for (const auto& [name, color] : {std::pair("point", kPointColor), {"cut", kCutColor}}) {
+      const Eigen::Vector3d place_m = place_of(traits, name);
+      if (!place_m.allFinite()) continue;
+      const auto pixel = project(camera, place_m);
+      if (!pixel) continue;
+      const int x = static_cast<int>(std::lround(pixel->x())),
+                y = static_cast<int>(std::lround(pixel->y()));
+      for (int k = -4; k <= 4; ++k) {
+        dot(x + k, y, color);
+        dot(x, y + k, color);
       }
-    }
-    const auto pixel = project(camera, point_m);
-    if (!pixel) continue;
-    const int x = static_cast<int>(std::lround(pixel->x())),
-              y = static_cast<int>(std::lround(pixel->y()));
-    for (int k = -4; k <= 4; ++k) {
-      dot(x + k, y, kPointColor);
-      dot(x, y + k, kPointColor);
     }
   }
   return image;
@@ -171,7 +181,7 @@ void show_boxes(const SimulatedRun& run, const Estimate& estimate, ReportScene& 
     const SensorFrame& seen = frame->sensors[0];
     scene.pictures.push_back(
         {"Boxes in view " + std::to_string(frame->id),
-         "magenta: boxes; blue crosses: where the measured points are seen",
+         "magenta: boxes; crosses: where measured points (blue) and cuts (yellow) are seen",
          encode_png(enlarged(with_boxes(seen.color, frame->id, seen.reported, estimate), 2))});
   }
 }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "benchmarks/loop/keypoint_noise.h"
+#include "benchmarks/loop/score_boxes.h"
 #include "perception/pipelines/maize.h"
 #include "tests/benchmarks/loop/row_value.h"
 

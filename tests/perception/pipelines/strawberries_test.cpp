@@ -154,7 +154,7 @@ TEST(StrawberriesPipeline, BodiesThatFillTheBoxHaveASizeAndThePapersRuleNone) {
     SCOPED_TRACE(method);
     const SpecimenTraits own = run_with(hanging.capture, hanging.boxes, method).traits.at(0);
     EXPECT_NEAR(value_of(own, "length"), length_m, 0.1 * length_m);
-    EXPECT_EQ(place_of(own, "axis"), Eigen::Vector3d(0, -1, 0));
+    EXPECT_LT((place_of(own, "axis") - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
     EXPECT_LT((place_of(own, "centre") - hanging.shape.centre_m()).norm(), 0.006);
     volume_m3[at++] = value_of(own, "volume");
   }
