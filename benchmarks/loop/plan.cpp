@@ -14,8 +14,8 @@ TruthNeeds planned_truth(const PipelineConfig& pipeline, bool attribution) {
   const bool reads_truth = row.traits_of == TraitsOf::boxes || !row.from_outside.empty();
   TruthNeeds needs = attribution || reads_truth ? truth_stage_needs() : TruthNeeds{};
   if (row.traits_of == TraitsOf::plants || takes_keypoints(row)) needs.keypoints = true;
-  // Sizes of what boxes show are scored by how much of it is hidden.
-  needs.visibility = row.traits_of == TraitsOf::boxes && !are_of_points(row.traits);
+  // Sizes and places of what boxes show are scored by how much of it is hidden.
+  needs.visibility = row.traits_of == TraitsOf::boxes && !are_all_of_points(row.traits);
   return needs;
 }
 

@@ -130,6 +130,7 @@ std::vector<std::string_view> traits_in(const Estimate& estimate, TraitNames ask
   for (const std::string_view name : asked) {
     if (std::find(names.begin(), names.end(), name) != names.end()) own.push_back(name);
   }
+  if (own.empty()) own.assign(asked.begin(), asked.end());  // none of them is measured
   return own;
 }
 
@@ -284,6 +285,10 @@ SeedsScores score_sensor(const SceneTruth& truth, std::size_t sensor, const Boxe
 
 bool are_of_points(TraitNames traits) {
   return std::any_of(traits.begin(), traits.end(), is_point);
+}
+
+bool are_all_of_points(TraitNames traits) {
+  return std::all_of(traits.begin(), traits.end(), is_point);
 }
 
 std::string box_case(const TrueBox& box, int instance, const TruthImages& images,

@@ -13,6 +13,8 @@ struct TrueBox;
 using TraitNames = std::span<const std::string_view>;
 /// Whether traits are the place of a surface's point, and so of a box rather than of its specimen.
 bool are_of_points(TraitNames traits);
+/// Whether all of them are.
+bool are_all_of_points(TraitNames traits);
 
 /// Percents between little, half and most of a specimen hidden.
 struct HiddenEdges {
@@ -43,7 +45,7 @@ std::string box_case(const TrueBox& box, int instance, const TruthImages& images
 /// places in that camera (is_of_place). Their rows are by how much of it is hidden (box_case, with
 /// kPickersEdges where places are among them), statistics of the trait and of its sigmas and of
 /// places (add_place_rows), and so are the cultivars of their specimen rows: "fuji, unoccluded".
-/// A trait that no box of the estimate has is left out, if it has any.
+/// A trait that no box of the estimate has is left out, if any has another of them.
 /// `estimate.boxes` hold the boxes that traits are of.
 /// @param traits  that are scored; empty: those that the estimate has, or of none the point's
 /// @throws std::invalid_argument without true depth and instances of every view, or if a specimen
