@@ -62,7 +62,7 @@ FruitPlaces places_of(const FruitShape& shape, const FruitCovariance& covariance
     Slope slope = rigid_slope(shape, Vector3d(0, 0, height.value + above_m));
     slope += places.axis * height.derivative.transpose();
     return LocatedPoint{shape.centre_m() + (height.value + above_m) * places.axis,
-                      spread(slope, wide) + across(places.axis, stalk.sigma_base_m)};
+                        spread(slope, wide) + across(places.axis, stalk.sigma_base_m)};
   };
   places.calyx = on_axis(0);
   places.cut = on_axis(stalk.cut_above_m);

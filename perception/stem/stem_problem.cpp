@@ -68,7 +68,8 @@ VectorXd residuals(const StemProblem& p, const VectorXd& at) {
     if (s.shifted_px) {
       const double seen_px = s.shifted_px->x() - s.left.pixel_px.x();
       r(kPerNode * i + 4) =
-          (right->x() + offset_px.x() + at(kStemShape + 2) - left->x() - seen_px) / s.shift_sigma_px;
+          (right->x() + offset_px.x() + at(kStemShape + 2) - left->x() - seen_px) /
+          s.shift_sigma_px;
     }
   }
   Eigen::Index row = kPerNode * n;

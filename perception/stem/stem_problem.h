@@ -41,7 +41,9 @@ struct StemProblem {
   double t_m(const Eigen::VectorXd& at, std::size_t i) const {
     return at(kStemShape + kStemRig + static_cast<Eigen::Index>(i));
   }
-  Eigen::Vector3d node_m(const Eigen::VectorXd& at, std::size_t i) const { return point_m(at, t_m(at, i)); }
+  Eigen::Vector3d node_m(const Eigen::VectorXd& at, std::size_t i) const {
+    return point_m(at, t_m(at, i));
+  }
 
   /// Arc from the first node, as the sum of eight chords.
   double along_m(const Eigen::VectorXd& at, std::size_t i) const {
