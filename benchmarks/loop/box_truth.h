@@ -20,8 +20,9 @@ struct TrueBox {
   /// The surface under the middle of the box, or where something else is there, at the nearest
   /// pixel that shows the specimen: in that camera's axes, by its true lens.
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-  /// Of a fruit, in that camera's axes when the middle of the box is read: its model's origin, its
-  /// keypoints tip, calyx_centre and cut_point (NaN where it has none), and its z axis.
+  /// Places of a fruit in that camera's axes, at the time when the box's middle row is read. The
+  /// centre is its model's origin, the axis its model's z. Calyx and cut are its keypoints
+  /// calyx_centre and cut_point; NaN where it has none.
   Eigen::Vector3d centre_m = Eigen::Vector3d::Constant(kNaN);
   Eigen::Vector3d calyx_m = Eigen::Vector3d::Constant(kNaN);
   Eigen::Vector3d cut_m = Eigen::Vector3d::Constant(kNaN);

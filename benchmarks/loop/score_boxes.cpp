@@ -16,6 +16,7 @@
 #include "benchmarks/loop/score_places.h"
 #include "benchmarks/loop/score_plants.h"
 #include "benchmarks/score/trait_statistics.h"
+#include "perception/fruit/fruit_place.h"
 #include "perception/pipelines/pipeline_table.h"
 #include "sim/truth/specimens.h"
 #include "sim/types/trait_table.h"
@@ -69,6 +70,7 @@ TrueValue true_value(const TrueBox& box, const Instance& object, std::string_vie
     const std::string_view name = trait.substr(0, trait.size() - 2);
     const int k = trait.back() - 'x';
     if (name == "axis") return {box.axis[k], "1"};
+    if (name == "approach") return {approach_to(box.cut_m, box.axis)[k], "1"};
     return {(name == "centre" ? box.centre_m : name == "calyx" ? box.calyx_m : box.cut_m)[k], "m"};
   }
   for (const TrueTrait& own : object.traits) {

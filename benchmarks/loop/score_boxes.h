@@ -16,11 +16,11 @@ bool are_of_points(TraitNames traits);
 /// Whether all of them are.
 bool are_all_of_points(TraitNames traits);
 
-/// Percents between little, half and most of a specimen hidden.
+/// Hidden shares in percent that divide the cases: below `half`, `half` to `most`, above.
 struct HiddenEdges {
   int half = 40, most = 70;
 };
-/// Those that pickers ask for: half of the fruit is in sight, or three quarters of it.
+/// Those of pickers' targets: 70 % and 50 % of the fruit in sight.
 inline constexpr HiddenEdges kPickersEdges{30, 50};
 
 /// What of a box makes its specimen hard to measure: "cut by the image", "nearer than 0.3 m",

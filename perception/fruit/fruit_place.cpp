@@ -45,8 +45,8 @@ void validate(const StalkPrior& prior) {
 }
 
 FruitPlaces places_of(const FruitShape& shape, const FruitCovariance& covariance,
-                      const StalkPrior& stalk, double widen) {
-  const FruitCovariance wide = widen * widen * covariance;
+                      const StalkPrior& stalk, const PlaceSpread& more) {
+  const FruitCovariance wide = more.widen * more.widen * covariance;
   FruitPlaces places;
   places.axis = shape.camera_from_fruit * Vector3d::UnitZ();
   places.sigma_axis_rad =
@@ -68,10 +68,18 @@ FruitPlaces places_of(const FruitShape& shape, const FruitCovariance& covariance
   places.cut = on_axis(stalk.cut_above_m);
   places.cut.covariance_m2 += across(places.axis, stalk.cut_above_m * stalk.sigma_turn_rad);
 
-  const Vector3d ray = places.cut.point_m.normalized();
-  const Vector3d level = ray - ray.dot(places.axis) * places.axis;
-  places.approach = level.norm() > 0.1 ? level.normalized() : ray;
+  for (LocatedPoint* place : {&places.centre, &places.calyx, &places.cut})
+    place->covariance_m2 +=
+        more.unit_sigma * more.unit_sigma * place->point_m * place->point_m.transpose();
+  places.approach = approach_to(places.cut.point_m, places.axis);
   return places;
+}
+
+Vector3d approach_to(const Vector3d& cut_m, const Vector3d& axis) {
+  constexpr double kLeastSine = 0.1;  // of the angle between sight and stalk
+  const Vector3d sight = cut_m.normalized();
+  const Vector3d across_axis = sight - sight.dot(axis) * axis;
+  return across_axis.norm() > kLeastSine ? across_axis.normalized() : sight;
 }
 
 }  // namespace cousin

@@ -10,6 +10,7 @@
 
 #include "perception/fruit/fruit_seam.h"
 #include "perception/pipelines/pipeline_table.h"
+#include "perception/pipelines/seen_boxes.h"
 #include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
 
@@ -46,41 +47,15 @@ FruitFit fit_of(const FrameDepth& depth, const Camera& camera, const DetectedBox
   }
 }
 
-std::map<int, std::size_t> places_of_frames(const Capture& capture) {
-  std::map<int, std::size_t> places;
-  for (std::size_t i = 0; i < capture.frames.size(); ++i) places[capture.frames[i].id] = i;
-  return places;
-}
-
-/// Boxes of the first sensor, to whose image depth is aligned. @throws StageError for a box of a
-/// frame that there is not
-std::vector<const DetectedBox*> boxes_of_first(const Capture& capture, const Boxes& boxes) {
-  const auto places = places_of_frames(capture);
-  std::vector<const DetectedBox*> own;
-  for (const DetectedBox& box : boxes) {
-    if (box.sensor != 0) continue;
-    if (!places.contains(box.frame))
-      throw StageError("fits", "box " + std::to_string(box.id) + " is of frame " +
-                                   std::to_string(box.frame) + ", which the capture has not");
-    own.push_back(&box);
-  }
-  return own;
-}
-
 Fits fits_of(const Capture& capture, const Estimate& so_far, const ApplesPipelineConfig& config,
              std::uint64_t seed) {
-  const auto places = places_of_frames(capture);
-  const std::vector<const DetectedBox*> boxes = boxes_of_first(capture, so_far.boxes);
+  const std::vector<SeenBox> boxes = seen_boxes(capture, so_far, "fits");
   const FruitKind kind = kind_of(config.prior);
   Fits fits(boxes.size());
   tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t i) {
-    const DetectedBox& box = *boxes[i];
-    const std::size_t place = places.at(box.frame);
-    const FrameDepth none;
-    const FrameDepth& depth = so_far.depths.empty() ? none : so_far.depths[place];
-    const Camera& camera = capture.frames[place].sensors.front().reported;
-    fits[i] = seam_of(fit_of(depth, camera, box, kind, config, seed), box.id,
-                      "fruit by " + std::string(to_string(config.method)));
+    const SeenBox& seen = boxes[i];
+    fits[i] = seam_of(fit_of(*seen.depth, seen.image->reported, *seen.box, kind, config, seed),
+                      seen.box->id, "fruit by " + std::string(to_string(config.method)));
   });
   return fits;
 }
@@ -113,18 +88,18 @@ SpecimenTraits traits_of_fit(const ObjectFit& fit, int frame, const FruitPrior& 
 
 Traits traits_of(const Capture& capture, const Estimate& so_far,
                  const ApplesPipelineConfig& config) {
-  std::map<int, const ObjectFit*> fit_of_box;
-  for (const ObjectFit& fit : so_far.fits) fit_of_box[fit.instance] = &fit;
+  const std::map<int, const ObjectFit*> fit_of_box = fits_by_box(so_far.fits);
   FruitPrior prior = config.prior;
   if (config.method == ApplesMethod::paper) prior.density_kg_m3 = config.clv.density_kg_m3;
   Traits traits;
-  for (const DetectedBox* box : boxes_of_first(capture, so_far.boxes)) {
-    const auto fit = fit_of_box.find(box->id);
+  for (const SeenBox& seen : seen_boxes(capture, so_far, "traits")) {
+    const int id = seen.box->id, frame = seen.box->frame;
+    const auto fit = fit_of_box.find(id);
     if (fit == fit_of_box.end()) {
-      traits.push_back({.instance = box->id, .frame = box->frame, .reason = "no fit is of it"});
+      traits.push_back({.instance = id, .frame = frame, .reason = "no fit is of it"});
       continue;
     }
-    traits.push_back(traits_of_fit(*fit->second, box->frame, prior));
+    traits.push_back(traits_of_fit(*fit->second, frame, prior));
   }
   return traits;
 }

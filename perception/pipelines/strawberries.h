@@ -18,10 +18,11 @@ namespace cousin {
 /// point alone.
 enum class StrawberriesMethod { ours, paper, ellipsoid, cone };
 
-/// Each fruit of each image by itself: no pose is needed, and none is found. Boxes come from
-/// outside, with instance masks for all but the paper's rule: there is no detector yet.
 FruitSurfaceConfig strawberry_surface();
 FruitFitConfig strawberry_fit();
+
+/// Each fruit of each image by itself: no pose is needed, and none is found. Boxes come from
+/// outside, with instance masks for all but the paper's rule: there is no detector yet.
 struct StrawberriesPipelineConfig {
   StrawberriesMethod method = StrawberriesMethod::ours;
   SensorDepthConfig sensor_depth{.max_sigma_m = 0.05, .level_on_plate = false};
@@ -42,9 +43,9 @@ void check_capture(const Capture& capture, const StrawberriesPipelineConfig& con
 
 /// Stages depth, fits (not by `paper`) and traits, which are of one box each
 /// (SpecimenTraits::frame). Places are in the axes of that image's camera: point (the surface under
-/// the middle of the box) and distance from it, centre, calyx, cut (on the stalk), and the axis, a
-/// unit vector from tip to calyx. Then length, diameter, volume, red_share. What is not known of a
-/// box is left out, and the reason says why.
+/// the middle of the box) and distance from it, centre, calyx, cut (on the stalk). Unit vectors are
+/// the axis, from tip to calyx, and the approach, a gripper's way to the cut. Then length,
+/// diameter, volume, red_share. What is not known of a box is left out, and the reason says why.
 Stages stages_for(const StrawberriesPipelineConfig& config, const Capture& capture,
                   std::uint64_t seed, const SplatWatch& watch);
 struct PipelineRow;

@@ -14,7 +14,7 @@ namespace cousin {
 /// Text of a calibration, of at most 16 MiB.
 std::string read_calibration(const std::filesystem::path& file);
 
-/// Of the names those that are files in `folder`; a name of several parts may lie deeper.
+/// The files of `folder` that have one of the names. A name may be a path below the folder.
 /// @throws std::runtime_error naming a link that leads out.
 std::vector<std::filesystem::path> files_there(const std::filesystem::path& folder,
                                                const std::vector<std::string>& names);

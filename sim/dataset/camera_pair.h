@@ -38,8 +38,9 @@ std::optional<CameraPair> pair_of_values(const YamlValues& values, const PairSiz
 /// Whether keys say where one of two cameras stands: R and T, or a transform of the sections above.
 bool says_pair_pose(const YamlValues& values);
 
-/// Of a file for each camera: R and T of the second (OpenCV, as `cousin export` writes them), T_BS
-/// of both (EuRoC), or rectification_matrix and projection_matrix of both (ROS).
+/// A pair from two files, one a camera. The pose between the cameras is R and T in the second file
+/// (OpenCV, as `cousin export` writes them), T_BS in both (EuRoC), or rectification_matrix and
+/// projection_matrix in both (ROS).
 CameraPair pair_of_two(const YamlValues& first, const YamlValues& second, const PairSizes& sizes);
 
 /// OpenCV's intrinsics.yml (M1, D1, M2, D2) beside extrinsics.yml (R, T).

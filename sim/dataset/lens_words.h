@@ -12,9 +12,8 @@ namespace cousin {
 /// a polynomial of librealsense that no model of ours is, unless all of it is zero.
 enum class LensKind { unsaid, none, plumb_bob, rational, thin_prism, fisheye, not_read };
 
-/// Of a word in any case, with "_", "-", blanks or nothing between its parts, and with
-/// librealsense's "distortion." before it or not; an empty word is `unsaid`, one that is not known
-/// is nothing.
+/// What a word means. Case does not matter, nor do "_", "-" and blanks between its parts, nor
+/// librealsense's "distortion." before it. An empty word is `unsaid`; an unknown one has no kind.
 std::optional<LensKind> lens_kind_of(std::string_view word);
 
 /// The words that are known, for messages.

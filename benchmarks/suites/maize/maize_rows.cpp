@@ -109,8 +109,9 @@ std::vector<ScoreRow> maize_pooled_rows(std::span<const SpecimenRow> specimens,
   return rows;
 }
 
-// What is aimed at, of three plants or more: the two medians and the height are free aims; 0.92 to
-// 0.97 is 0.95 within what 400 internodes scatter by; 4.7 is 1.2 times the width of right sigmas.
+// Limits for cases of three plants or more. The medians and the height are aims, free. A coverage
+// of 0.92 to 0.97 is 0.95 and what 400 internodes scatter by. Right sigmas give intervals of 3.92
+// RMSE; 4.7 is 1.2 times that.
 constexpr double kAloneMedian_m = 0.0020, kStemMedian_m = 0.0012, kHeightShare = 0.01;
 constexpr double kLeastCover = 0.92, kMostCover = 0.97, kMostWidthOfRmse = 4.7;
 /// The paper's 2 mm, within 25 %.

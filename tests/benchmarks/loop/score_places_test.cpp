@@ -57,7 +57,8 @@ TEST(ScorePlaces, MediansSharesAndAngles) {
 TEST(ScorePlaces, OnlyPlacesArePlaces) {
   EXPECT_TRUE(is_of_place("cut_x"));
   EXPECT_TRUE(is_of_place("axis_z"));
-  for (const char* other : {"point_x", "length", "x", "", "cut", "red_share"})
+  EXPECT_TRUE(is_of_place("approach_y"));
+  for (const char* other : {"point_x", "length", "x", "", "cut", "cut_q", "cut_w", "red_share"})
     EXPECT_FALSE(is_of_place(other)) << other;
   std::vector<ScoreRow> scores;
   add_place_rows({}, kTraits, {}, scores);

@@ -83,9 +83,16 @@ TEST(FruitPlace, CovariancesAreThoseOfDrawnShapes) {
   }
   const StalkPrior bent{.cut_above_m = 0.015, .sigma_turn_rad = 0.4, .sigma_base_m = 0.002};
   const FruitPlaces wider =
-      places_of(shape, sigmas.cwiseAbs2().asDiagonal().toDenseMatrix(), bent, 2);
+      places_of(shape, sigmas.cwiseAbs2().asDiagonal().toDenseMatrix(), bent, {.widen = 2});
   EXPECT_NEAR(wider.cut.covariance_m2(0, 0),
               4 * places.cut.covariance_m2(0, 0) + std::pow(0.015 * 0.4, 2) + 4e-6, 1e-12);
+}
+
+TEST(FruitPlace, WhatAllLengthsOfAUnitAreOffIsAlongTheLineOfSight) {
+  const FruitPlaces places =
+      places_of(hanging_strawberry(0.2), FruitCovariance::Zero(), {}, {.unit_sigma = 0.01});
+  const Eigen::Vector3d& at_m = places.centre.point_m;
+  EXPECT_LT((places.centre.covariance_m2 - 1e-4 * at_m * at_m.transpose()).norm(), 1e-15);
 }
 
 TEST(FruitPlace, WhatIsNotKnownIsNotANumber) {
