@@ -21,6 +21,7 @@
 #include "sim/dataset/camera_values.h"
 #include "sim/dataset/import.h"
 #include "sim/dataset/lens_words.h"
+#include "sim/dataset/picture_list.h"
 #include "sim/dataset/yaml_values.h"
 #include "sim/types/utf8.h"
 
@@ -161,6 +162,19 @@ void refuse_part_of_imager(const YamlValues& yaml) {
   }
 }
 
+/// An angle of view beside a focal length says the same again, or something else.
+void refuse_angles_of_view(const YamlValues& values) {
+  constexpr std::array<const char*, 4> kWords = {"fov", "angle_of_view", "view_angle",
+                                                 "camera_angle"};
+  for (const std::string& key : values.first_keys()) {
+    const std::string lower = lower_case(key);
+    if (std::any_of(kWords.begin(), kWords.end(),
+                    [&](const char* word) { return lower.find(word) != std::string::npos; }))
+      values.fail("the key \"" + cut_utf8(key, 60) +
+                  "\" may be an angle of view, which fx and fy say, and is not read; remove it");
+  }
+}
+
 /// The first of the keys that is there, as `key` or as OpenCV's matrix `key.data`; "" if none is.
 std::string first_there(const YamlValues& values, const std::vector<std::string>& keys) {
   for (const std::string& key : keys) {
@@ -291,6 +305,7 @@ Camera camera_from_values(const YamlValues& values, std::optional<ImageSize> ima
   } else {
     read_size(values, images, camera);
     refuse_part_of_imager(values);
+    refuse_angles_of_view(values);
     const bool has_opencv_matrix = read_projection(values, keys, camera);
     read_distortion(values, keys, has_opencv_matrix, camera);
   }

@@ -53,6 +53,13 @@ TEST(LensWords, EveryWordForABrownLensGivesOne) {
   EXPECT_EQ(model("distortion_model: plumb_bob\n", "0.1,0,0,0,0,0,0,0"), LensModel::opencv5);
 }
 
+TEST(LensWords, AnAngleOfViewBesideTheFocalLengthIsRefused) {
+  for (const char* key : {"hfov", "FOV_x", "camera_angle_x", "angle_of_view"})
+    EXPECT_THAT(error(std::string(key) + ": 1.2\n", kFour),
+                AllOf(HasSubstr(key), HasSubstr("may be an angle of view")))
+        << key;
+}
+
 TEST(LensWords, WordsThatAreNotKnownAreRefusedByName) {
   for (const char* words :
        {"camera_model: omni\n", "distortion_model: fov\n", "distortion_model: ds\n",
