@@ -13,7 +13,12 @@ TEST(TraitTable, NamesAreOnceAndUnitsFit) {
   for (const TraitRow& row : trait_table()) {
     EXPECT_TRUE(names.insert(row.name).second) << row.name;
     EXPECT_GT(row.factor, 0) << row.name;
-    EXPECT_EQ(row.shown.empty(), row.unit == "1") << row.name;
+    // A number without a unit is shown as it is or in percent.
+    if (row.unit == "1")
+      EXPECT_EQ(row.factor, row.shown == "%" ? 100 : 1) << row.name;
+    else
+      EXPECT_FALSE(row.shown.empty()) << row.name;
+    EXPECT_TRUE(row.unit != "1" || row.shown.empty() || row.shown == "%") << row.name << row.shown;
   }
 }
 
