@@ -107,8 +107,9 @@ std::vector<const BenchSuite*> wanted_suites(const Options& o) {
   const std::vector<BenchSuite>& suites = bench_suites();
   std::vector<const BenchSuite*> wanted;
   for (const std::string& name : names) {
-    const auto suite = std::find_if(suites.begin(), suites.end(),
-                                    [&](const BenchSuite& s) { return name == s.name; });
+    const auto suite = std::find_if(suites.begin(), suites.end(), [&](const BenchSuite& s) {
+      return name == s.name || (!name.empty() && name == s.old_name);
+    });
     if (suite == suites.end()) {
       std::string all;
       for (const BenchSuite& other : suites) all += (all.empty() ? "" : ", ") + other.name;

@@ -226,7 +226,7 @@ std::vector<Want> wants() {
           "colmap", colmap_status(), "colmap",
           "poses without a board (perceive --pipeline scene, bench sfm; splats.poses=sfm or "
           "adjusted of the methods splats and splats_paper); tested with 3.8"),
-      program("blender", "scenes for others (export --format gltf or blend), bench renderers"),
+      program("blender", "scenes for others (export --format gltf or blend), bench light"),
       found_or_missing(
           "ffmpeg",
           find_program("ffmpeg").empty() || find_program("ffprobe").empty() ? "" : "found",

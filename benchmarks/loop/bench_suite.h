@@ -41,6 +41,7 @@ struct SuitePage {
 /// One suite: a row of the table that `cousin bench` runs by name.
 struct BenchSuite {
   std::string name;
+  std::string old_name = {};       ///< what earlier versions called it; still taken
   std::string help;                ///< below the page's title
   std::vector<std::string> takes;  ///< options that it reads, of those not all do
   /// The jobs of its grid (grid.h); null: it measures at once, and has no --list.

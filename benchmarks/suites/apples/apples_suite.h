@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/loop/bench_suite.h"
 #include "benchmarks/score/scores.h"
 #include "benchmarks/study/shard.h"
 
@@ -22,15 +23,15 @@ struct ApplesSuiteConfig {
 ///   family_P_runN   of another shape family; the strength of the second prior was set with it
 ///                   in view
 ///   level_runN      all views level, nothing of the target hidden: fruits are seen from one side
+///   camera_NAME_P_runN  the same trees by other cameras
 ///   near_runN       0.1 to 0.3 m, the paper's range that lies below the sensor's least distance
 /// Every box of a view counts, not the target's alone.
 std::vector<ShardJob> apples_suite_jobs(const ApplesSuiteConfig& config);
 
-/// Of each method and case (box_case; those of other jobs after "family, ", "level, "), over all
-/// trees: boxes there and measured, errors of each trait, coverage of its intervals and their mean
-/// width over the RMSE, error of the mass with the density known (that of the volume); ours over
-/// the paper's and others' on the same boxes, with paired tests; seconds of 20 fruits. What the
-/// project aims at is a row's limit.
+/// fruit_pooled_rows with what the project aims at as limits; of the paper's chain its own figures.
 std::vector<ScoreRow> apples_pooled_rows(const ScoreFile& jobs, std::uint64_t seed);
+
+/// Errors of what is reported first, and what each camera comes to.
+void add_apples_plots(SeedsReport& report);
 
 }  // namespace cousin

@@ -25,7 +25,8 @@ BenchSuite bench_apples() {
             ScoreFile file = scores_of_shards(results, "apples", run.seed);
             append({.scores = apples_pooled_rows(file, run.seed)}, file);
             return suite_page(std::move(file));
-          }};
+          },
+      .plots = [](SeedsReport& report) { add_apples_plots(report); }};
 }
 
 }  // namespace cousin

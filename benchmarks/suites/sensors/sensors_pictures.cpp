@@ -5,7 +5,7 @@
 #include <string>
 
 #include "benchmarks/report/pictures.h"
-#include "benchmarks/suites/renderers/leafy_scene.h"
+#include "benchmarks/suites/light/leafy_scene.h"
 #include "benchmarks/suites/sensors/sensors_page.h"
 #include "sim/imaging/image_io.h"
 #include "sim/render/ray_scene.h"

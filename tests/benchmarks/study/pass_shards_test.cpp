@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "benchmarks/study/shard.h"
-#include "benchmarks/suites/renderers/leafy_scene.h"
+#include "benchmarks/suites/light/leafy_scene.h"
 #include "sim/dataset/manifest.h"
 #include "sim/render/path_tracer.h"
 #include "sim/render/truth_pass.h"

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "benchmarks/suites/renderers/closed_forms.h"
-#include "benchmarks/suites/renderers/leafy_scene.h"
+#include "benchmarks/suites/light/closed_forms.h"
+#include "benchmarks/suites/light/leafy_scene.h"
 #include "tests/sim/render/test_scenes.h"
 
 namespace cousin::test {

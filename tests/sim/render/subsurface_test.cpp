@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "benchmarks/suites/renderers/closed_form_case.h"
+#include "benchmarks/suites/light/closed_form_case.h"
 #include "sim/render/path_tracer.h"
 #include "sim/render/ray_scene.h"
 

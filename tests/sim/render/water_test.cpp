@@ -4,7 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "benchmarks/suites/renderers/closed_form_case.h"
+#include "benchmarks/suites/light/closed_form_case.h"
 #include "sim/render/path_tracer.h"
 #include "sim/render/ray_scene.h"
 

@@ -10,11 +10,11 @@ namespace {
 
 TEST(ApplesSuite, AJobIsATreeOfOneOcclusion) {
   const std::vector<ShardJob> quick = apples_suite_jobs({.quick = true});
-  ASSERT_EQ(quick.size(), 5U);
+  ASSERT_EQ(quick.size(), 5U + 5);
   EXPECT_EQ(quick.front().name, "quick_hidden_0_run0.json");
-  EXPECT_EQ(quick.back().name, "quick_near_run0.json");
+  EXPECT_EQ(quick.back().name, "quick_camera_kinect-v2_0_run0.json");
   const std::vector<ShardJob> full = apples_suite_jobs({.runs = 2});
-  EXPECT_EQ(full.size(), 2U * (4 + 1 + 1 + 1));
+  EXPECT_EQ(full.size(), 2U * (4 + 1 + 1 + 1 + 5));
   std::set<std::string> keys;
   for (const ShardJob& job : full) keys.insert(job.key);
   EXPECT_EQ(keys.size(), full.size());

@@ -1,9 +1,9 @@
-#include "benchmarks/suites/renderers/renderers_page.h"
+#include "benchmarks/suites/light/light_page.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "benchmarks/suites/renderers/image_error.h"
+#include "benchmarks/suites/light/image_error.h"
 #include "sim/imaging/color.h"
 #include "sim/imaging/image_io.h"
 
@@ -29,7 +29,7 @@ void add(ReportScene& scene, const char* name, const char* caption, const Image<
 
 }  // namespace
 
-std::vector<ErrorTimeCurve> renderers_curves(const std::vector<ScoreRow>& rows) {
+std::vector<ErrorTimeCurve> light_curves(const std::vector<ScoreRow>& rows) {
   std::vector<ErrorTimeCurve> curves;
   const auto add_curve = [&](const char* metric, const char* title) {
     ErrorTimeCurve curve;
@@ -37,7 +37,7 @@ std::vector<ErrorTimeCurve> renderers_curves(const std::vector<ScoreRow>& rows) 
     curve.metric = "relative error of luminance, RMS over pixels";
     curve.unit = "1";
     for (const ScoreRow& row : rows) {
-      if (row.suite != "renderers" || row.metric != metric || !(row.wall_s > 0)) continue;
+      if (row.suite != "light" || row.metric != metric || !(row.wall_s > 0)) continue;
       const bool is_adaptive = row.case_name.starts_with("adaptive, ");
       const std::string who = row.method == "cycles" ? "Cycles" : row.method;
       curve.points.push_back({who + (is_adaptive ? ", adaptive" : ", plain"),

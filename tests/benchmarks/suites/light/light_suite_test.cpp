@@ -1,4 +1,4 @@
-#include "benchmarks/suites/renderers/renderers_suite.h"
+#include "benchmarks/suites/light/light_suite.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "benchmarks/suites/renderers/renderers_page.h"
+#include "benchmarks/suites/light/light_page.h"
 #include "sim/render/cycles/cycles.h"
 
 namespace cousin {
@@ -16,8 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Small enough for a test: 64 x 48 pixels, few samples.
-RenderersConfig small(const fs::path& folder) {
-  RenderersConfig config;
+LightConfig small(const fs::path& folder) {
+  LightConfig config;
   config.folder = folder;
   config.width_px = 64;
   config.height_px = 48;
@@ -39,10 +39,10 @@ const ScoreRow* row_of(const ScoreFile& file, const std::string& method,
   return found == file.scores.end() ? nullptr : &*found;
 }
 
-TEST(RenderersSuite, ReportsErrorsAgainstEachOnesOwnConvergedImage) {
-  const fs::path folder = fs::path(testing::TempDir()) / "renderers_suite";
+TEST(LightSuite, ReportsErrorsAgainstEachOnesOwnConvergedImage) {
+  const fs::path folder = fs::path(testing::TempDir()) / "light_suite";
   fs::remove_all(folder);
-  const RenderersResult result = renderers_suite(small(folder));
+  const LightResult result = light_suite(small(folder));
   const auto error = [&](const char* method, const char* setting, const char* metric) {
     const ScoreRow* row = row_of(result.file, method, setting, metric);
     EXPECT_NE(row, nullptr) << method << " " << setting << " " << metric;
@@ -70,18 +70,18 @@ TEST(RenderersSuite, ReportsErrorsAgainstEachOnesOwnConvergedImage) {
   EXPECT_NEAR(mean->value, 1, 0.02);
   EXPECT_EQ(result.pictures.pictures.size(), 4U);
   // Two curves of two renderers, plain and adaptive.
-  const std::vector<ErrorTimeCurve> curves = renderers_curves(result.file.scores);
+  const std::vector<ErrorTimeCurve> curves = light_curves(result.file.scores);
   ASSERT_EQ(curves.size(), 2U);
   EXPECT_EQ(curves[0].points.size(), 6U);
   fs::remove_all(folder);
 }
 
-TEST(RenderersPage, RowsOfOtherSuitesMakeNoCurve) {
+TEST(LightPage, RowsOfOtherSuitesMakeNoCurve) {
   ScoreRow row;
   row.suite = "seeds";
   row.metric = "relative_error";
   row.value = row.wall_s = 1;
-  EXPECT_TRUE(renderers_curves({row}).empty());
+  EXPECT_TRUE(light_curves({row}).empty());
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
-#include "benchmarks/suites/renderers/closed_forms.h"
+#include "benchmarks/suites/light/closed_forms.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "benchmarks/suites/renderers/closed_form_case.h"
+#include "benchmarks/suites/light/closed_form_case.h"
 #include "sim/render/path_tracer.h"
 #include "sim/types/pi.h"
 

@@ -1,4 +1,4 @@
-#include "benchmarks/suites/renderers/reference_store.h"
+#include "benchmarks/suites/light/reference_store.h"
 
 #include <stdexcept>
 #include <string_view>

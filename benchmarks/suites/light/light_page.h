@@ -11,7 +11,7 @@ namespace cousin {
 
 /// Error over seconds of both renderers, plain and adaptive: against their own converged images,
 /// and from pairs. Of rows of other suites: none.
-std::vector<ErrorTimeCurve> renderers_curves(const std::vector<ScoreRow>& rows);
+std::vector<ErrorTimeCurve> light_curves(const std::vector<ScoreRow>& rows);
 
 /// Both images under one exposure and their difference, in which grey is none and black and white
 /// are a tenth of the luminance and more.

@@ -1,4 +1,4 @@
-#include "benchmarks/suites/renderers/image_error.h"
+#include "benchmarks/suites/light/image_error.h"
 
 #include <algorithm>
 #include <cmath>

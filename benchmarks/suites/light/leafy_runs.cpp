@@ -1,20 +1,20 @@
-#include "benchmarks/suites/renderers/leafy_runs.h"
+#include "benchmarks/suites/light/leafy_runs.h"
 
 #include <cstdio>
 
-#include "benchmarks/suites/renderers/reference_store.h"
+#include "benchmarks/suites/light/reference_store.h"
 #include "sim/types/stage_clock.h"
 
 namespace cousin {
 namespace {
 
-TrueView resized_view(const RenderersConfig& config) {
+TrueView resized_view(const LightConfig& config) {
   TrueView view = leafy_view();
   view.camera = resized(view.camera, config.width_px, config.height_px);
   return view;
 }
 
-CyclesConfig cycles_config(const RenderersConfig& config) {
+CyclesConfig cycles_config(const LightConfig& config) {
   CyclesConfig cycles;
   cycles.folder = config.folder / "cycles";
   cycles.threads = config.threads;
@@ -28,11 +28,10 @@ std::string pass_text(const char* whose, int pass, int passes) {
 
 }  // namespace
 
-LeafyScene::LeafyScene(const RenderersConfig& config)
+LeafyScene::LeafyScene(const LightConfig& config)
     : scene(leafy_scene()), view(resized_view(config)), rays(scene), tracer(rays, scene) {}
 
-std::vector<LeafyRun> our_runs(const LeafyScene& leafy, const RenderersConfig& config,
-                               const Say& say) {
+std::vector<LeafyRun> our_runs(const LeafyScene& leafy, const LightConfig& config, const Say& say) {
   std::vector<LeafyRun> runs;
   const auto run = [&](double samples, bool is_adaptive) {
     LeafyRun r;
@@ -52,7 +51,7 @@ std::vector<LeafyRun> our_runs(const LeafyScene& leafy, const RenderersConfig& c
   return runs;
 }
 
-CyclesRuns cycles_runs(const LeafyScene& leafy, const RenderersConfig& config) {
+CyclesRuns cycles_runs(const LeafyScene& leafy, const LightConfig& config) {
   // The first run builds Cycles' tree; the second is geometry alone.
   std::vector<CyclesRun> orders = {{.samples = 1}, {.samples = 1, .filter_width_px = 0.01}};
   CyclesRuns result;
@@ -89,7 +88,7 @@ CyclesRuns cycles_runs(const LeafyScene& leafy, const RenderersConfig& config) {
   return result;
 }
 
-std::optional<Reference> our_reference(const LeafyScene& leafy, const RenderersConfig& config,
+std::optional<Reference> our_reference(const LeafyScene& leafy, const LightConfig& config,
                                        const Say& say) {
   if (config.reference_passes < 2) return std::nullopt;
   const auto image = [&](int samples, Rng rng) {
@@ -106,7 +105,7 @@ std::optional<Reference> our_reference(const LeafyScene& leafy, const RenderersC
       }));
 }
 
-std::optional<Reference> cycles_reference(const LeafyScene& leafy, const RenderersConfig& config,
+std::optional<Reference> cycles_reference(const LeafyScene& leafy, const LightConfig& config,
                                           const Image<Rgbf>& one_sample, const Say& say) {
   if (config.reference_passes < 2) return std::nullopt;
   const std::string key = image_hash(one_sample) + " " + std::to_string(config.reference_samples);

@@ -11,7 +11,7 @@
 
 namespace cousin {
 
-struct RenderersConfig {
+struct LightConfig {
   std::uint64_t seed = 1;
   std::filesystem::path folder;  ///< for Blender's files (cycles/) and references (references/)
   int threads = 2;               ///< of Cycles
@@ -24,11 +24,11 @@ struct RenderersConfig {
   int reference_samples = 256;  ///< a pixel of a pass
   int closed_form_samples = 1 << 20;
 };
-Fields fields(RenderersConfig& config);
+Fields fields(LightConfig& config);
 /// Fewer samples, no reference.
-RenderersConfig quick(RenderersConfig config);
+LightConfig quick(LightConfig config);
 
-struct RenderersResult {
+struct LightResult {
   ScoreFile file;
   ReportScene pictures;  ///< ours, Cycles', their differences in light and in depth
 };
@@ -39,6 +39,6 @@ struct RenderersResult {
 /// converged image, which shows noise and bias, and beside it from pairs of images, which shows
 /// noise alone. The converged images' passes are kept in references/ and rendered once; a pass is
 /// minutes. Without Blender the rows beside it say `not_built`.
-RenderersResult renderers_suite(const RenderersConfig& config, const Progress& progress = {});
+LightResult light_suite(const LightConfig& config, const Progress& progress = {});
 
 }  // namespace cousin

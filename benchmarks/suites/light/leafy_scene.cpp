@@ -1,4 +1,4 @@
-#include "benchmarks/suites/renderers/leafy_scene.h"
+#include "benchmarks/suites/light/leafy_scene.h"
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "benchmarks/suites/renderers/closed_form_case.h"
+#include "benchmarks/suites/light/closed_form_case.h"
 
 #include <Eigen/Geometry>
 #include <array>

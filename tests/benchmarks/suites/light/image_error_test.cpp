@@ -1,4 +1,4 @@
-#include "benchmarks/suites/renderers/image_error.h"
+#include "benchmarks/suites/light/image_error.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "benchmarks/suites/renderers/reference_store.h"
+#include "benchmarks/suites/light/reference_store.h"
 
 namespace cousin {
 namespace {

@@ -1,24 +1,24 @@
-// The row of `cousin bench renderers`.
+// The row of `cousin bench light`.
 #include <filesystem>
 #include <string>
 #include <thread>
 #include <utility>
 
 #include "benchmarks/loop/bench_suite.h"
-#include "benchmarks/suites/renderers/renderers_page.h"
-#include "benchmarks/suites/renderers/renderers_suite.h"
+#include "benchmarks/suites/light/light_page.h"
+#include "benchmarks/suites/light/light_suite.h"
 
 namespace cousin {
 namespace {
 
-SuitePage renderers_page(const SuiteRun& run, const std::vector<ShardResult>&) {
-  RenderersConfig config;
+SuitePage light_page(const SuiteRun& run, const std::vector<ShardResult>&) {
+  LightConfig config;
   config.seed = run.seed;
   config.folder = std::filesystem::absolute(run.out);
   config.threads =
       run.threads > 0 ? run.threads : static_cast<int>(std::thread::hardware_concurrency());
   if (run.quick) config = quick(config);
-  RenderersResult result = renderers_suite(config, run.progress);
+  LightResult result = light_suite(config, run.progress);
   SuitePage page = suite_page(std::move(result.file));
   page.report.summary =
       std::string(
@@ -33,13 +33,14 @@ SuitePage renderers_page(const SuiteRun& run, const std::vector<ShardResult>&) {
 
 }  // namespace
 
-BenchSuite bench_renderers() {
-  return {.name = "renderers",
+BenchSuite bench_light() {
+  return {.name = "light",
+          .old_name = "renderers",
           .help = "The path tracer beside closed forms and beside Cycles.",
           .takes = {"--quick"},
-          .page = renderers_page,
+          .page = light_page,
           .plots = [](SeedsReport& report) {
-            add_all(renderers_curves(report.scores.scores), report.curves);
+            add_all(light_curves(report.scores.scores), report.curves);
           }};
 }
 

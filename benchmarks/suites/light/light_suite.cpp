@@ -1,4 +1,4 @@
-#include "benchmarks/suites/renderers/renderers_suite.h"
+#include "benchmarks/suites/light/light_suite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/suites/renderers/closed_forms.h"
-#include "benchmarks/suites/renderers/image_error.h"
-#include "benchmarks/suites/renderers/leafy_runs.h"
-#include "benchmarks/suites/renderers/renderers_page.h"
+#include "benchmarks/suites/light/closed_forms.h"
+#include "benchmarks/suites/light/image_error.h"
+#include "benchmarks/suites/light/leafy_runs.h"
+#include "benchmarks/suites/light/light_page.h"
 #include "sim/render/truth_pass.h"
 #include "sim/types/pi.h"
 #include "sim/types/stage_clock.h"
@@ -22,7 +22,7 @@ ScoreRow row_of(const std::string& scene, const std::string& case_name, const st
                 const std::string& metric, double value, const std::string& unit, std::int64_t n,
                 std::uint64_t seed) {
   ScoreRow row;
-  row.suite = "renderers";
+  row.suite = "light";
   row.scene = scene;
   row.case_name = case_name;
   row.method = method;
@@ -125,7 +125,7 @@ void add_agreement(ScoreFile& file, const TruthImages& truth, const CyclesImage&
 constexpr double kDeviations99 = 2.576;  ///< half of the 99 % interval
 
 /// What an estimate is off its closed form, with a 95 % interval; it passes within the 99 % one.
-void add_closed_forms(ScoreFile& file, const RenderersConfig& config) {
+void add_closed_forms(ScoreFile& file, const LightConfig& config) {
   for (const ClosedForm& form : closed_forms(config.closed_form_samples, config.seed)) {
     const double deviation = form.estimate / form.truth - 1;
     const double sigma = form.standard_error / form.truth;
@@ -162,7 +162,7 @@ void add_time_ratios(ScoreFile& file, const std::vector<Point>& ours,
 
 }  // namespace
 
-Fields fields(RenderersConfig& c) {
+Fields fields(LightConfig& c) {
   return {
       {"width_px", &c.width_px, "of the leafy scene's image", 8, 8192},
       {"height_px", &c.height_px, "of the leafy scene's image", 8, 8192},
@@ -176,7 +176,7 @@ Fields fields(RenderersConfig& c) {
   };
 }
 
-RenderersConfig quick(RenderersConfig config) {
+LightConfig quick(LightConfig config) {
   config.samples = {4, 16};
   config.adaptive_samples = {32};
   config.thresholds = {0.05};
@@ -185,7 +185,7 @@ RenderersConfig quick(RenderersConfig config) {
   return config;
 }
 
-RenderersResult renderers_suite(const RenderersConfig& config, const Progress& progress) {
+LightResult light_suite(const LightConfig& config, const Progress& progress) {
   const std::uint64_t seed = config.seed;
   const int steps = 3 + static_cast<int>(config.samples.size() + config.adaptive_samples.size()) +
                     2 * config.reference_passes;
@@ -193,7 +193,7 @@ RenderersResult renderers_suite(const RenderersConfig& config, const Progress& p
   const Say say = [&](const std::string& what) {
     if (progress) progress(what, done++, steps);
   };
-  RenderersResult result;
+  LightResult result;
   ScoreFile& file = result.file;
   say("closed forms");
   add_closed_forms(file, config);

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/suites/renderers/closed_form_case.h"
+#include "benchmarks/suites/light/closed_form_case.h"
 
 namespace cousin::closed_form {
 namespace {
