@@ -18,6 +18,7 @@
 #include "benchmarks/loop/truth_choice.h"
 #include "benchmarks/study/shard.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/categories.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/output_folder.h"
@@ -65,7 +66,7 @@ FolderClaim render_claim(const std::string& hash) {
   return {.verb = "render",
           .version = COUSIN_VERSION,
           .config = hash,
-          .names = {"######", "manifest.json", "manifest.*.json", "timings.json"},
+          .names = {"######", kCategoriesFile, "manifest.json", "manifest.*.json", "timings.json"},
           .other_config = FolderClaim::OtherConfig::refuse,
           .sharing = FolderClaim::Sharing::shards};
 }
@@ -302,6 +303,10 @@ ExitCode command_render(const JobContext& context) {
     timings.push_back(clock.finish());
   }
   take_folder();  // a shard may have nothing to render
+  if (const auto names = specimen_categories(config.scene); first == 0 && !names.empty()) {
+    write_categories(dataset, names);
+    written.emplace_back(kCategoriesFile);
+  }
   Manifest header;
   header.program_version = COUSIN_VERSION;
   header.config_hash = hash;

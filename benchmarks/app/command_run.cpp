@@ -25,6 +25,7 @@
 #include "perception/sfm/colmap_run.h"
 #include "perception/sfm/sfm_poses.h"
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/categories.h"
 #include "sim/dataset/manifest.h"
 #include "sim/types/rng.h"
 #include "sim/types/stage_clock.h"
@@ -358,6 +359,8 @@ ExitCode run_whole(const JobContext& context, const RunJob& job) {
   for (const std::string& warning : user_mesh_warnings(job.config))
     context.progress.line("warning: " + warning);
   OutputFolder folder = run_folder(job.out, job.key, o.scenes);
+  if (const auto names = specimen_categories(job.config.scene); !names.empty())
+    write_categories(job.out / "estimate", names);
   SeedsReport report = begin_report(context, job, by_colmap);
   ScoreFile& file = report.scores;
   const bool resumed = run_scenes(context, job, job.out / "parts", report);

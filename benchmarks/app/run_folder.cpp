@@ -4,6 +4,7 @@
 
 #include "benchmarks/loop/seeds_report.h"
 #include "benchmarks/loop/stage_files.h"
+#include "sim/dataset/categories.h"
 #include "sim/dataset/manifest.h"
 #include "sim/types/whole_file.h"
 
@@ -13,10 +14,11 @@ namespace fs = std::filesystem;
 namespace {
 
 FolderClaim run_claim(const std::string& key, int scenes) {
-  FolderClaim claim{.verb = "run",
-                    .version = COUSIN_VERSION,
-                    .config = sha256_hex(key),
-                    .names = report_names({"parts/######.json"})};
+  FolderClaim claim{
+      .verb = "run",
+      .version = COUSIN_VERSION,
+      .config = sha256_hex(key),
+      .names = report_names({"parts/######.json", std::string("estimate/") + kCategoriesFile})};
   for (int scene = 0; scene < scenes; ++scene) {
     for (std::string& name : estimate_names(fs::path("estimate") / scene_id(scene)))
       claim.names.push_back(std::move(name));

@@ -291,6 +291,7 @@ SimulatedRun simulate(const RunConfig& config, std::uint64_t seed, int scene_ind
   };
   const Streams streams = planned_streams(config);
   SimulatedRun run;
+  run.categories = specimen_categories(config.scene);
   say("scene", 0, 1);
   const StageClock scene_clock("scene");
   const Simulation simulation(config, seed, scene_index);

@@ -76,6 +76,7 @@ void add_other_sensors(const std::vector<std::size_t>& sensors, const Simulation
 struct SimulatedRun {
   Capture capture;
   SceneTruth truth;
+  std::vector<std::string> categories;  ///< of boxes, id 1 first
   std::vector<StageTiming> timings;
   StageTiming radiance;  ///< part of `render`: "radiance_by_cached" or "radiance_by_paths"
 };

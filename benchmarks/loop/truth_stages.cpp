@@ -129,11 +129,16 @@ DetectedBox box_with_mask(const TrueBox& truth, int id, const Image<std::int32_t
 Boxes true_boxes(const SimulatedRun& run) {
   Boxes result;
   const auto objects = specimens_of(run.truth.scene);
+  const auto category = [&](const Instance& object) {
+    const auto found = std::find(run.categories.begin(), run.categories.end(), object.category);
+    return found == run.categories.end() ? 1 : static_cast<int>(found - run.categories.begin()) + 1;
+  };
   for (const std::size_t sensor : sensors_with_truth(run.truth)) {
     const SensorTruth own = truth_of_sensor(run.truth, sensor);
     for (const TrueBox& truth : true_boxes_of(run.truth, sensor)) {
-      const int id = objects[static_cast<std::size_t>(truth.specimen)]->id;
-      DetectedBox box = box_with_mask(truth, id, own.images[truth.view].instance);
+      const Instance& object = *objects[static_cast<std::size_t>(truth.specimen)];
+      DetectedBox box = box_with_mask(truth, object.id, own.images[truth.view].instance);
+      box.category = category(object);
       box.id = static_cast<int>(result.size());
       result.push_back(std::move(box));
     }

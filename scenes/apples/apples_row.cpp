@@ -3,6 +3,7 @@
 #include "scenes/apples/apples_scene.h"
 #include "scenes/apples/apples_text.h"
 #include "scenes/apples/apples_toml.h"
+#include "scenes/fruit/fruit_model.h"
 
 namespace cousin {
 namespace {
@@ -24,6 +25,10 @@ Scene build_scene(const ApplesSceneConfig& config, const SceneBuild& which) {
 }
 
 void see(ApplesSceneConfig& config, const RigSight& sight) { config.eye = sight.eye; }
+
+std::vector<std::string> specimen_categories(const ApplesSceneConfig& /*config*/) {
+  return {kMaturities.begin(), kMaturities.end()};
+}
 
 std::string* cache_folder(ApplesSceneConfig& config) { return &config.cache; }
 

@@ -81,6 +81,7 @@ std::string description_of_tree(const ApplesSceneConfig& config);
 
 Scene build_scene(const ApplesSceneConfig& config, const SceneBuild& which);
 void see(ApplesSceneConfig& config, const RigSight& sight);
+std::vector<std::string> specimen_categories(const ApplesSceneConfig& config);
 std::string* cache_folder(ApplesSceneConfig& config);
 PhysicsUse physics_of(const ApplesSceneConfig& config);
 

@@ -24,6 +24,10 @@ void see(BoardsSceneConfig& config, const RigSight& sight) {
   config.readout_s = sight.readout_s;
 }
 
+std::vector<std::string> specimen_categories(const BoardsSceneConfig& config) {
+  return {std::string(to_string(config.target.kind))};
+}
+
 PhysicsUse physics_of(const BoardsSceneConfig& config) {
   return {false, "nothing settles or moves by force", config.place == "hand"};
 }

@@ -79,6 +79,7 @@ std::vector<Pose> board_poses(const BoardsSceneConfig& config,
 // ---- Its row -----------------------------------------------------------------------------------
 
 Scene build_scene(const BoardsSceneConfig& config, const SceneBuild& which);
+std::vector<std::string> specimen_categories(const BoardsSceneConfig& config);
 void see(BoardsSceneConfig& config, const RigSight& sight);
 PhysicsUse physics_of(const BoardsSceneConfig& config);
 const SceneRow& boards_row();

@@ -26,6 +26,10 @@ const SceneRow& maize_row() {
   return kRow;
 }
 
+std::vector<std::string> specimen_categories(const MaizeSceneConfig& /*config*/) {
+  return {"maize"};
+}
+
 const SceneRow& row_of(const MaizeSceneConfig&) { return maize_row(); }
 
 }  // namespace cousin

@@ -41,6 +41,7 @@ std::vector<View> maize_views(const MaizeSceneConfig& config, double height_m, R
 // ---- Its row -----------------------------------------------------------------------------------
 
 Scene build_scene(const MaizeSceneConfig& config, const SceneBuild& which);
+std::vector<std::string> specimen_categories(const MaizeSceneConfig& config);
 const SceneRow& maize_row();
 const SceneRow& row_of(const MaizeSceneConfig& config);
 

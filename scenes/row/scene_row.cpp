@@ -1,5 +1,7 @@
 #include "scenes/row/scene_row.h"
 
+#include <set>
+
 namespace cousin {
 
 Fields fields(SceneConfig& config) { return config.own_->keys(); }
@@ -13,6 +15,11 @@ std::vector<std::string> shared_plants(const SceneConfig& config, int index) {
 }
 bool is_series(const SceneConfig& config) { return config.own_->series(); }
 std::vector<UserFile> user_files(const SceneConfig& config) { return config.own_->files(); }
+std::vector<std::string> specimen_categories(const SceneConfig& config) {
+  const std::vector<std::string> all = config.own_->categories();
+  const std::set<std::string> sorted(all.begin(), all.end());
+  return {sorted.begin(), sorted.end()};
+}
 std::string* cache_folder(SceneConfig& config) { return config.own_->cache(); }
 PhysicsUse physics_of(const SceneConfig& config) { return config.own_->physics(); }
 void check_movable(const SceneConfig& config, const CousinDistance& distance) {

@@ -73,6 +73,11 @@ template <class Config>
 std::vector<UserFile> user_files(const Config& /*config*/) {
   return {};
 }
+/// All that Instance::category may be of its specimens, whether a scene shows one or not.
+template <class Config>
+std::vector<std::string> specimen_categories(const Config& /*config*/) {
+  return {};
+}
 /// The key `cache`; null: the scene keeps nothing.
 template <class Config>
 std::string* cache_folder(Config& /*config*/) {
@@ -137,6 +142,7 @@ class SceneConfig {
     virtual std::vector<std::string> shared(int index) const = 0;
     virtual bool series() const = 0;
     virtual std::vector<UserFile> files() const = 0;
+    virtual std::vector<std::string> categories() const = 0;
     virtual std::string* cache() = 0;
     virtual PhysicsUse physics() const = 0;
     virtual void movable(const CousinDistance& distance) const = 0;
@@ -157,6 +163,7 @@ class SceneConfig {
     }
     bool series() const override { return is_series(config); }
     std::vector<UserFile> files() const override { return user_files(config); }
+    std::vector<std::string> categories() const override { return specimen_categories(config); }
     std::string* cache() override { return cache_folder(config); }
     PhysicsUse physics() const override { return physics_of(config); }
     void movable(const CousinDistance& distance) const override { check_movable(config, distance); }
@@ -172,6 +179,7 @@ class SceneConfig {
   friend std::vector<std::string> shared_plants(const SceneConfig& config, int index);
   friend bool is_series(const SceneConfig& config);
   friend std::vector<UserFile> user_files(const SceneConfig& config);
+  friend std::vector<std::string> specimen_categories(const SceneConfig& config);
   friend std::string* cache_folder(SceneConfig& config);
   friend PhysicsUse physics_of(const SceneConfig& config);
   friend void check_movable(const SceneConfig& config, const CousinDistance& distance);
@@ -188,6 +196,8 @@ Scene build_scene(const SceneConfig& config, const SceneBuild& which);
 std::vector<std::string> shared_plants(const SceneConfig& config, int index);
 bool is_series(const SceneConfig& config);
 std::vector<UserFile> user_files(const SceneConfig& config);
+/// Sorted, each once.
+std::vector<std::string> specimen_categories(const SceneConfig& config);
 std::string* cache_folder(SceneConfig& config);
 PhysicsUse physics_of(const SceneConfig& config);
 void check_movable(const SceneConfig& config, const CousinDistance& distance);

@@ -36,6 +36,10 @@ const SceneRow& seedlings_row() {
   return kRow;
 }
 
+std::vector<std::string> specimen_categories(const SeedlingsSceneConfig& /*config*/) {
+  return {"watermelon"};
+}
+
 const SceneRow& row_of(const SeedlingsSceneConfig&) { return seedlings_row(); }
 
 }  // namespace cousin

@@ -46,6 +46,7 @@ std::vector<View> seedling_views(const SeedlingsSceneConfig& config, Rng rng);
 // ---- Its row -----------------------------------------------------------------------------------
 
 Scene build_scene(const SeedlingsSceneConfig& config, const SceneBuild& which);
+std::vector<std::string> specimen_categories(const SeedlingsSceneConfig& config);
 std::vector<std::string> shared_plants(const SeedlingsSceneConfig& config, int index);
 bool is_series(const SeedlingsSceneConfig& config);
 const SceneRow& seedlings_row();

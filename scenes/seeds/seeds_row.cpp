@@ -47,6 +47,13 @@ std::vector<UserFile> user_files(const SeedsSceneConfig& config) {
   return files;
 }
 
+std::vector<std::string> specimen_categories(const SeedsSceneConfig& config) {
+  if (config.sphere) return {"sphere"};
+  if (!config.specimen.empty()) return {"specimen"};
+  if (config.cultivar == "mixed") return cultivar_names();
+  return {config.cultivar};
+}
+
 PhysicsUse physics_of(const SeedsSceneConfig& config) {
   return {true, config.sphere ? "a sphere is dropped and settles on the board"
                               : "seeds are dropped and settle on the board"};

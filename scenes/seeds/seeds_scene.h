@@ -76,6 +76,7 @@ Scene build_seeds_scene(const SeedsSceneConfig& config, Rng rng,
 // ---- Its row -----------------------------------------------------------------------------------
 
 Scene build_scene(const SeedsSceneConfig& config, const SceneBuild& which);
+std::vector<std::string> specimen_categories(const SeedsSceneConfig& config);
 std::vector<UserFile> user_files(const SeedsSceneConfig& config);
 PhysicsUse physics_of(const SeedsSceneConfig& config);
 void check_movable(const SeedsSceneConfig& config, const CousinDistance& distance);

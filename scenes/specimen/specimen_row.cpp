@@ -23,6 +23,10 @@ const SceneRow& specimen_row() {
   return kRow;
 }
 
+std::vector<std::string> specimen_categories(const SpecimenSceneConfig& config) {
+  return {config.name};
+}
+
 const SceneRow& row_of(const SpecimenSceneConfig&) { return specimen_row(); }
 
 }  // namespace cousin

@@ -65,6 +65,7 @@ Scene build_specimen_scene(const SpecimenSceneConfig& config, const UserMesh& us
 // ---- Its row -----------------------------------------------------------------------------------
 
 Scene build_scene(const SpecimenSceneConfig& config, const SceneBuild& which);
+std::vector<std::string> specimen_categories(const SpecimenSceneConfig& config);
 std::vector<UserFile> user_files(const SpecimenSceneConfig& config);
 const SceneRow& specimen_row();
 const SceneRow& row_of(const SpecimenSceneConfig& config);

@@ -1,6 +1,8 @@
+#include "scenes/fruit/fruit_model.h"
 #include "scenes/strawberries/strawberries_scene.h"
 #include "scenes/strawberries/strawberries_text.h"
 #include "scenes/strawberries/strawberry_toml.h"
+#include "scenes/strawberries/variety.h"
 
 namespace cousin {
 namespace {
@@ -26,6 +28,11 @@ void see(StrawberriesSceneConfig& config, const RigSight& sight) { config.eye = 
 
 std::vector<std::string> shared_plants(const StrawberriesSceneConfig& config, int index) {
   return {"stretch " + std::to_string(index % config.plants)};
+}
+
+std::vector<std::string> specimen_categories(const StrawberriesSceneConfig& config) {
+  if (config.category == "variety") return strawberry_varieties();
+  return {kMaturities.begin(), kMaturities.end()};
 }
 
 std::string* cache_folder(StrawberriesSceneConfig& config) { return &config.cache; }

@@ -80,6 +80,7 @@ double sepals_in_fruits_m(const Scene& scene);
 Scene build_scene(const StrawberriesSceneConfig& config, const SceneBuild& which);
 void see(StrawberriesSceneConfig& config, const RigSight& sight);
 std::vector<std::string> shared_plants(const StrawberriesSceneConfig& config, int index);
+std::vector<std::string> specimen_categories(const StrawberriesSceneConfig& config);
 std::string* cache_folder(StrawberriesSceneConfig& config);
 PhysicsUse physics_of(const StrawberriesSceneConfig& config);
 

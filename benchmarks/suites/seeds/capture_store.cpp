@@ -92,6 +92,7 @@ void check_whole(const fs::path& stored, const SimulatedRun& run, const RunConfi
 SimulatedRun read_stored(const fs::path& stored, const RunConfig& config, std::uint64_t seed,
                          const TruthNeeds& needs) {
   SimulatedRun run;
+  run.categories = specimen_categories(config.scene);
   run.capture = read_capture(stored);
   run.truth = read_truth(stored);
   check_whole(stored, run, config, seed, needs);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
+#include "sim/dataset/categories.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/truth_sensors.h"
 #include "sim/imaging/image_io.h"
@@ -130,6 +131,9 @@ std::vector<Category> categories_of(const std::vector<ExportScene>& scenes,
   std::map<std::string, std::set<std::string>> all;
   for (const ExportScene& scene : scenes) {
     if (!scene.truth) continue;
+    if (label.empty()) {
+      for (const std::string& known : read_categories(scene.folder.parent_path())) longest[known];
+    }
     for (const Instance* instance : specimens_of(scene.truth->scene)) {
       std::vector<std::string> names;
       for (const Keypoint& k : keypoints_of(scene.truth->scene, *instance)) names.push_back(k.name);

@@ -15,8 +15,9 @@ struct Category {
   std::string name;
   std::vector<std::string> keypoints;  ///< of all its specimens
 };
-/// Of the specimens of all scenes. Keypoints are those of the specimen with the most, in its order,
-/// then what only others have.
+/// Of the specimens of all scenes, and those that the datasets' categories.json names beside: a
+/// class has the same id whether or not a dataset shows it. Keypoints are those of the specimen
+/// with the most, in its order, then what only others have.
 /// @param label  of the specimens by which they are sorted; empty: by Instance::category
 /// @throws std::runtime_error naming the scene, a specimen without that label, and what it has
 std::vector<Category> categories_of(const std::vector<ExportScene>& scenes,

@@ -1,5 +1,7 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -8,6 +10,7 @@
 
 #include "benchmarks/loop/run_config.h"
 #include "benchmarks/loop/scene_list.h"
+#include "benchmarks/loop/simulate.h"
 #include "scenes/apples/apples_scene.h"
 #include "scenes/boards/boards_scene.h"
 #include "scenes/maize/maize_scene.h"
@@ -15,26 +18,50 @@
 #include "scenes/seeds/seeds_scene.h"
 #include "scenes/specimen/specimen_scene.h"
 #include "scenes/strawberries/strawberries_scene.h"
+#include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
 
 namespace fs = std::filesystem;
 
-TEST(RunConfig, EveryScenesResolvedConfigurationReadsBackAsItIs) {
+std::vector<const SceneRow*> scene_rows() {
   std::vector<const SceneRow*> rows = {&seeds_row()};
 #define COUSIN_ADD(text, row) rows.push_back(&row());
   COUSIN_PART_SCENES(COUSIN_ADD)
 #undef COUSIN_ADD
-  for (const SceneRow* row : rows) {
+  return rows;
+}
+
+/// Settings of a short run; what a scene has no default for is there.
+std::vector<std::string> short_settings(const std::string& scene) {
+  std::vector<std::string> sets = {"views=3"};
+  if (scene == "specimen") {
+    const fs::path mesh = fs::path(testing::TempDir()) / "plant_run_cube.obj";
+    std::ofstream(mesh) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    sets.push_back("mesh=" + mesh.string());
+  }
+  return sets;
+}
+
+TEST(RunConfig, EverySpecimenIsOfACategoryOfItsScene) {
+  for (const SceneRow* row : scene_rows()) {
     const std::string name(row->text.name);
-    std::vector<std::string> sets = {"views=3"};
-    if (name == "specimen") {
-      const fs::path mesh = fs::path(testing::TempDir()) / "plant_run_cube.obj";
-      std::ofstream(mesh) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-      sets.push_back("mesh=" + mesh.string());
-    }
-    const RunConfig config = run_config(*row, sets);
+    const RunConfig config = run_config(*row, short_settings(name));
+    if (physics_of(config.scene).runs && !COUSIN_WITH_MUJOCO) continue;
+    const std::vector<std::string> categories = specimen_categories(config.scene);
+    EXPECT_TRUE(std::is_sorted(categories.begin(), categories.end())) << name;
+    const Scene scene = built_scene(config, 1, 0);
+    EXPECT_FALSE(specimens_of(scene).empty()) << name;
+    for (const Instance* specimen : specimens_of(scene))
+      EXPECT_THAT(categories, testing::Contains(specimen->category)) << name;
+  }
+}
+
+TEST(RunConfig, EveryScenesResolvedConfigurationReadsBackAsItIs) {
+  for (const SceneRow* row : scene_rows()) {
+    const std::string name(row->text.name);
+    const RunConfig config = run_config(*row, short_settings(name));
     const fs::path file = fs::path(testing::TempDir()) / ("plant_run_" + name + ".toml");
     std::ofstream(file) << resolved_toml(config);
     RunConfig back = config;

@@ -10,6 +10,7 @@
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/camera_files.h"
+#include "sim/dataset/categories.h"
 #include "sim/dataset/export/export_dataset.h"
 #include "sim/dataset/import.h"
 #include "sim/geometry/mesh_io.h"
@@ -76,6 +77,20 @@ Camera distorted() {
 }
 
 // ---- labels -------------------------------------------------------------------------------------
+
+TEST_F(Export, AClassHasTheSameNumberWhetherOrNotADatasetShowsIt) {
+  write({});
+  write_categories(path("data"), {"apple", "berry", "zea"});
+  make("coco");
+  const json coco = json_in("out/annotations/train.json");
+  ASSERT_EQ(coco["categories"].size(), 3U);
+  EXPECT_EQ(coco["categories"][1]["name"], "berry");
+  EXPECT_EQ(coco["categories"][2]["id"], 3);
+  EXPECT_EQ(coco["categories"][2]["keypoints"], json({"root", "node 1", "tip"}));
+  EXPECT_EQ(coco["annotations"][1]["category_id"], 3);
+  make("yolo", {}, "yolo");
+  EXPECT_THAT(read_file(path("yolo/data.yaml")), HasSubstr("2: \"zea\""));
+}
 
 TEST_F(Export, CocoHasBoxesMasksKeypointsAndVisibleFractions) {
   write({});
