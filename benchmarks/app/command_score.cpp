@@ -13,6 +13,7 @@
 #include "benchmarks/app/terminal.h"
 #include "benchmarks/loop/result_folder.h"
 #include "benchmarks/loop/score_boxes.h"
+#include "benchmarks/loop/score_depths.h"
 #include "benchmarks/loop/score_views.h"
 #include "benchmarks/study/shard.h"
 #include "sim/dataset/atomic_file.h"
@@ -53,10 +54,16 @@ DetectionImages images_of(const fs::path& dir, const SceneTruth& truth) {
   return images;
 }
 
+/// Whether depth images are all that was measured.
+bool is_depth_alone(const fs::path& dir) {
+  return fs::is_directory(dir / "depth") && !fs::exists(dir / "traits.json") &&
+         !fs::exists(dir / "poses.json");
+}
+
 /// The seams that scores are of.
 Estimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
   Estimate estimate;
-  const bool is_whole = is_whole_scene(dir);
+  const bool is_whole = is_whole_scene(dir) || is_depth_alone(dir);
   if (!is_whole) estimate.traits = read_traits(dir);
   if (is_whole && fs::exists(dir / "cloud.ply")) estimate.cloud = read_cloud(dir);
   if (fs::exists(dir / "poses.json")) estimate.poses = read_poses(dir);
@@ -97,13 +104,19 @@ void check_alignment(const Options& o, const fs::path& estimate_dir) {
 
 ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path& estimate_dir,
                       const SeedsScoreLabels& labels, ProgressPrinter& progress) {
-  const Estimate estimate = read_estimate(estimate_dir, truth);
+  Estimate estimate = read_estimate(estimate_dir, truth);
   ScoreFile file;
+  const bool has_depth = is_depth_alone(estimate_dir);
+  if (has_depth) estimate.depths = read_depths(estimate_dir);
   const bool is_whole = is_whole_scene(estimate_dir);
-  if (is_whole)
+  if (has_depth)
+    progress.line(estimate_dir.string() + ": depth alone: scored against the first surfaces");
+  else if (is_whole)
     progress.line(estimate_dir.string() + ": no traits.json: scored as a scene as a whole");
   try {
-    if (is_whole) {
+    if (has_depth) {
+      file.scores = score_depths(truth, estimate, labels);
+    } else if (is_whole) {
       file.scores =
           score_views(truth, estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
                       fs::exists(estimate_dir / "cloud.ply"), labelled_row(labels));

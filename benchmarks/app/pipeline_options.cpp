@@ -45,12 +45,12 @@ std::vector<StageSource> stage_sources(const Options& options, const PipelineRow
 
 void refuse_foreign_options(const Options& options, const PipelineRow& row) {
   const std::string name(row.name);
-  if (row.traits_of == TraitsOf::nothing) {
+  if (row.traits_of == TraitsOf::nothing || row.traits_of == TraitsOf::depths) {
     refuse_given(options, {"--attribution"},
                  "is of pipelines that measure traits; pipeline " + name +
                      " puts no truth in place of stages");
-    return;
   }
+  if (row.traits_of == TraitsOf::nothing) return;
   refuse_whole_scene_options(options);
 }
 

@@ -1,11 +1,13 @@
 #include "benchmarks/loop/pipeline_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <utility>
 
 #include "benchmarks/loop/perceive_views.h"
+#include "benchmarks/loop/score_depths.h"
 #include "benchmarks/loop/score_views.h"
 #include "benchmarks/loop/seeds_report.h"
 #include "benchmarks/loop/specimens_text.h"
@@ -51,6 +53,26 @@ bool found_nothing(const Estimate& estimate) {
 
 std::string no_gaussians_text(const SplatModel& none) {
   return "no Gaussians" + (none.why_none.empty() ? "" : ": " + none.why_none);
+}
+
+/// "3 of 4 frames have depth, 62 % of their pixels; 410233 points".
+std::string depths_text(const Estimate& estimate) {
+  std::size_t frames = 0, pixels = 0, known = 0;
+  for (const FrameDepth& frame : estimate.depths) {
+    if (frame.depth_m.empty()) continue;
+    ++frames;
+    pixels += frame.depth_m.size();
+    known += static_cast<std::size_t>(std::count_if(frame.depth_m.begin(), frame.depth_m.end(),
+                                                    [](float z) { return !std::isnan(z); }));
+  }
+  char text[160];
+  std::snprintf(
+      text, sizeof text, "%zu of %zu frames have depth, %.0f %% of their pixels", frames,
+      estimate.depths.size(),
+      100 * static_cast<double>(known) / static_cast<double>(std::max<std::size_t>(1, pixels)));
+  std::string all = text;
+  if (!estimate.cloud.empty()) all += "; " + std::to_string(estimate.cloud.size()) + " points";
+  return all;
 }
 
 // ---- Why nothing was found
@@ -112,6 +134,13 @@ PerceivedScene perceive_traits(const PerceiveTask& task, const Progress& progres
   made.estimate = perceive(task.capture, task.config, task.seed, task.sources, task.scene_index,
                            task.estimate_dir, progress, warn, task.outside);
   const Estimate& estimate = made.estimate;
+  for (const std::string& note : *estimate.notes) {
+    if (warn) warn(note);
+  }
+  if (row_of(task.config).traits_of == TraitsOf::depths) {
+    made.summary = depths_text(estimate);
+    return made;
+  }
   const int posed = count_posed(estimate.poses, estimate.corners, warn);
   if (!estimate.poses.empty())
     made.summary = std::to_string(posed) + " of " + std::to_string(task.capture.frames.size()) +
@@ -199,6 +228,9 @@ ScoreFile score_scene(const SimulatedRun& run, const PerceivedScene& made,
                       const SeedsScoreLabels& labels) {
   const TraitsOf traits_of = row_of(config).traits_of;
   if (traits_of == TraitsOf::nothing) return score_whole(run, made, alignment, labels);
+  if (traits_of == TraitsOf::depths)
+    return {
+        .header = {}, .scores = score_depths(run.truth, made.estimate, labels), .specimens = {}};
   SeedsScores scores =
       score_estimate(traits_of, run.truth, made.estimate, labels, row_of(config).traits);
   ScoreFile file;
@@ -234,6 +266,10 @@ std::string page_summary(const PipelineConfig& config) {
              "of each frame's first camera, their internodes and heights. Intervals are 95 % "
              "bootstrap intervals, drawn by scene where there are several. The scene and the "
              "sensor are verified against theory only; no real device has been compared with them.";
+    case TraitsOf::depths:
+      return "Every depth here is measured against the first surface that the pixel's ray meets. "
+             "The scene and the sensor are verified against theory only; no real device has been "
+             "compared with them.";
     case TraitsOf::nothing:
       break;
   }

@@ -14,6 +14,7 @@ TruthNeeds planned_truth(const PipelineConfig& pipeline, bool attribution) {
   const bool reads_truth = row.traits_of == TraitsOf::boxes || !row.from_outside.empty();
   TruthNeeds needs = attribution || reads_truth ? truth_stage_needs() : TruthNeeds{};
   if (row.traits_of == TraitsOf::plants || takes_keypoints(row)) needs.keypoints = true;
+  if (row.traits_of == TraitsOf::depths) needs.depth = true;
   // Sizes and places of what boxes show are scored by how much of it is hidden.
   needs.visibility = row.traits_of == TraitsOf::boxes && !are_all_of_points(row.traits);
   return needs;
@@ -151,6 +152,8 @@ const char* score_text(TraitsOf what) {
       return "what each box shows against the true surface under its middle";
     case TraitsOf::plants:
       return "nodes, internodes and heights of each plant against the truth";
+    case TraitsOf::depths:
+      return "depth of each pixel against the first surface there";
     case TraitsOf::nothing:
       break;
   }
@@ -166,9 +169,11 @@ void add_pipeline_plan(const PipelineConfig& pipeline, bool attribution,
   const char* nobody = row.traits_of == TraitsOf::nothing
                            ? "no score reads it: the scene's own shapes and cameras do"
                            : "no score reads it: traits come from the exact meshes";
-  const char* reads = attribution || row.traits_of != TraitsOf::boxes
-                          ? "true seams are put into the pipeline"
-                          : "true boxes and the points under their middles";
+  const char* reads = attribution ? "true seams are put into the pipeline"
+                      : row.traits_of == TraitsOf::boxes
+                          ? "true boxes and the points under their middles"
+                      : row.traits_of == TraitsOf::depths ? "depth is scored against it"
+                                                          : "true seams are put into the pipeline";
   for (const auto& [pass, runs] : truth_passes(planned_truth(pipeline, attribution)))
     plan.push_back({std::string("truth: ") + pass, runs, runs ? reads : nobody});
   for (const std::string_view stage : row.order) {

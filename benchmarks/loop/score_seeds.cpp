@@ -398,13 +398,6 @@ std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens,
       if (both.size() < 2) continue;
       const Rng rng = Rng(labels.seed).fork("paired").fork(group + "/" + trait);
       const PairedComparison c = compare_paired(both, rng);
-      std::vector<PairedMeasurement> shares = both;
-      for (PairedMeasurement& pair : shares) {
-        pair.measured_a /= pair.truth;
-        pair.measured_b /= pair.truth;
-        pair.truth = 1;
-      }
-      const PairedComparison relative = compare_paired(shares, rng);
       ScoreRow base = labelled_row(labels);
       base.case_name = group;
       base.method = method_a + "/" + method_b;
@@ -413,6 +406,15 @@ std::vector<ScoreRow> paired_rows(std::span<const SpecimenRow> specimens,
           with_interval(base, trait + ".absolute_difference", unit, c.absolute_difference, c.n));
       add(rows, base, trait + ".paired_t", c.t, "1", c.n);
       add(rows, base, trait + ".paired_t_p", c.p_value, "1", c.n);
+      const TraitRow* known = find_trait(trait);
+      if (known && known->scoring != TraitScoring::relative) continue;  // it may be zero
+      std::vector<PairedMeasurement> shares = both;
+      for (PairedMeasurement& pair : shares) {
+        pair.measured_a /= pair.truth;
+        pair.measured_b /= pair.truth;
+        pair.truth = 1;
+      }
+      const PairedComparison relative = compare_paired(shares, rng);
       rows.push_back(with_interval(base, trait + ".relative_difference", "1",
                                    relative.absolute_difference, c.n));
       add(rows, base, trait + ".relative_paired_t", relative.t, "1", c.n);

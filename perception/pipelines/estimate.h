@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -30,12 +31,17 @@ struct SeamsOf {
   Of<Traits> traits;
 };
 
+/// Sentences of stages for whoever took the capture: what is doubted, or used in part.
+using StageNotes = std::vector<std::string>;
+
 template <class Seam>
 using Made = Seam;
 /// Everything between a capture and its traits: what the stages of a pipeline made, the seams of
 /// stages that there are not being empty.
 struct Estimate : SeamsOf<Made> {
   std::vector<StageTiming> timings;
+  /// Stages, which read an estimate, add to them.
+  std::shared_ptr<StageNotes> notes = std::make_shared<StageNotes>();
 };
 
 /// Makes one seam of the capture and all earlier results.

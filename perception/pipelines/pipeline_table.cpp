@@ -12,6 +12,7 @@ namespace cousin {
   PIPELINE(strawberries_pipeline)  \
   PIPELINE(apples_pipeline)        \
   PIPELINE(maize_pipeline)         \
+  PIPELINE(stereo_pipeline)        \
   PIPELINE(views_pipeline)
 
 #define COUSIN_DECLARE(row) const PipelineRow& row();

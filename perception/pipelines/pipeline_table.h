@@ -143,6 +143,7 @@ enum class TraitsOf {
   specimens,  ///< of each object, over all views
   boxes,      ///< of what one box of one image shows
   plants,     ///< of one plant in one frame, and of its nodes
+  depths,     ///< there are none: depth images are what is measured
   nothing     ///< there are none: the scene is scored as a whole
 };
 

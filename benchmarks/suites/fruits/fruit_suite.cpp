@@ -68,8 +68,7 @@ struct Group {
     const auto limit = suite.limit ? suite.limit(row) : std::nullopt;
     out.push_back(limit ? limited(std::move(row), *limit) : std::move(row));
   }
-  void add(const std::string& metric, double value, const std::string& unit,
-           std::int64_t n) const {
+  void add(const std::string& metric, double value, const std::string& unit, std::int64_t n) const {
     add(measured_row(base, metric, value, unit, n));
   }
 };

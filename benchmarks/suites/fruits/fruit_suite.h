@@ -34,8 +34,8 @@ struct FruitSuite {
   std::optional<ScoreLimit> (*limit)(const ScoreRow& row) = nullptr;
 };
 
-/// One job: scores of each method. Of rows it keeps seconds and counts of boxes, of which the pooled
-/// ones are made; specimens are one row a box and trait.
+/// One job: scores of each method. Of rows it keeps seconds and counts of boxes, of which the
+/// pooled ones are made; specimens are one row a box and trait.
 ScoreFile run_fruit_job(const FruitSuite& suite, const GridJob& job);
 
 /// Of each method and case (box_case; after "SCENE, " of other jobs than the usual), over all runs:

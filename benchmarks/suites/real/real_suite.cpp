@@ -5,6 +5,7 @@
 #include <exception>
 #include <iterator>
 
+#include "benchmarks/suites/real/cones_stereo.h"
 #include "benchmarks/suites/real/fox_stereo.h"
 #include "benchmarks/suites/real/maize_carving.h"
 #include "benchmarks/suites/real/real_rows.h"
@@ -18,8 +19,10 @@ struct Part {
   RealPart (*run)(const std::filesystem::path& real_data, const std::filesystem::path& out,
                   bool quick);
 };
-constexpr std::array<Part, 3> kParts = {
-    {{"maize", maize_carving}, {"rice", rice_grains}, {"fox", fox_stereo}}};
+constexpr std::array<Part, 4> kParts = {{{"maize", maize_carving},
+                                         {"rice", rice_grains},
+                                         {"fox", fox_stereo},
+                                         {"cones", cones_stereo}}};
 
 template <class T>
 void append(std::vector<T>& all, std::vector<T>& some) {

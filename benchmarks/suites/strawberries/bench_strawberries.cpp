@@ -18,7 +18,8 @@ BenchSuite bench_strawberries() {
           "rule and by simpler bodies on the same captures of simulated depth cameras. Boxes and "
           "masks are the true ones: there is no detector. No real bed has confirmed it.",
       .takes = {"--quick", "--runs", "--set", "--shard", "--only"},
-      .jobs = [](const SuiteRun& run) { return strawberries_suite_jobs(strawberries_config_of(run)); },
+      .jobs =
+          [](const SuiteRun& run) { return strawberries_suite_jobs(strawberries_config_of(run)); },
       .page =
           [](const SuiteRun& run, const std::vector<ShardResult>& results) {
             ScoreFile file = scores_of_shards(results, "strawberries", run.seed);

@@ -52,8 +52,7 @@ TEST(StrawberriesSuite, APointThatIsOffFailsItsLimit) {
     if (row.metric == "point.rmse_x" || row.metric == "point.rmse_z") {
       ++seen;
       EXPECT_NEAR(row.value, 0.0012, 1e-12);
-      EXPECT_EQ(row.status,
-                row.metric == "point.rmse_z" ? ScoreStatus::pass : ScoreStatus::fail);
+      EXPECT_EQ(row.status, row.metric == "point.rmse_z" ? ScoreStatus::pass : ScoreStatus::fail);
     }
     if (row.metric == "volume.mape") {
       ++seen;
