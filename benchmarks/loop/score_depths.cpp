@@ -16,7 +16,7 @@ namespace {
 struct DepthErrors {
   std::int64_t there = 0;  ///< pixels that show a surface
   std::vector<double> error_m, relative, normalised;
-  std::int64_t disparities = 0, off_05_px = 0, off_1_px = 0, off_2_px = 0;
+  std::vector<double> off_px;
 };
 
 /// Depth times disparity of the first camera and the rig's second; 0 without one.
@@ -29,8 +29,7 @@ double focal_baseline(const SceneTruth& truth, std::size_t view) {
   return left.camera.fx_px * apart_m.norm();
 }
 
-std::string octave_of(double depth_m) {
-  const int power = static_cast<int>(std::floor(std::log2(depth_m)));
+std::string octave_name(int power) {
   char text[48];
   std::snprintf(text, sizeof text, "%g to %g m", std::exp2(power), std::exp2(power + 1));
   return text;
@@ -44,11 +43,7 @@ void add_pixel(double true_m, double measured_m, double sigma_m, double fb, Dept
   errors.relative.push_back(std::abs(off_m) / true_m);
   if (sigma_m > 0) errors.normalised.push_back(std::abs(off_m) / sigma_m);
   if (!(fb > 0)) return;
-  const double off_px = std::abs(fb / measured_m - fb / true_m);
-  ++errors.disparities;
-  errors.off_05_px += off_px > 0.5;
-  errors.off_1_px += off_px > 1;
-  errors.off_2_px += off_px > 2;
+  errors.off_px.push_back(fb / measured_m - fb / true_m);
 }
 
 std::vector<double> sizes_of(const std::vector<double>& values) {
@@ -56,6 +51,28 @@ std::vector<double> sizes_of(const std::vector<double>& values) {
   sizes.reserve(values.size());
   for (const double v : values) sizes.push_back(std::abs(v));
   return sizes;
+}
+
+void add_disparity_rows(const std::vector<double>& off_px, const ScoreRow& base,
+                        std::vector<ScoreRow>& rows) {
+  if (off_px.empty()) return;
+  const auto n = static_cast<std::int64_t>(off_px.size());
+  const auto add = [&](const char* metric, double value, const char* unit) {
+    rows.push_back(measured_row(base, metric, value, unit, n));
+  };
+  const auto bad = [&](double limit_px) {
+    const auto count = std::count_if(off_px.begin(), off_px.end(),
+                                     [&](double off) { return std::abs(off) > limit_px; });
+    return static_cast<double>(count) / static_cast<double>(n);
+  };
+  add("depth.bad_05_px", bad(0.5), "1");
+  add("depth.bad_1_px", bad(1), "1");
+  add("depth.bad_2_px", bad(2), "1");
+  const double offset_px = quantile(off_px, 0.5);
+  std::vector<double> about_px;
+  for (const double off : off_px) about_px.push_back(std::abs(off - offset_px));
+  add("depth.offset_px", offset_px, "px");
+  add("depth.spread_px", 1.4826 * quantile(about_px, 0.5), "px");
 }
 
 void add_rows(const DepthErrors& errors, const ScoreRow& base, std::vector<ScoreRow>& rows) {
@@ -69,14 +86,7 @@ void add_rows(const DepthErrors& errors, const ScoreRow& base, std::vector<Score
   add("depth.error", quantile(sizes_of(errors.error_m), 0.5), "m", n);
   add("depth.error_relative", quantile(errors.relative, 0.5), "1", n);
   add("depth.bias", quantile(errors.error_m, 0.5), "m", n);
-  if (errors.disparities > 0) {
-    const auto share = [&](std::int64_t count) {
-      return static_cast<double>(count) / static_cast<double>(errors.disparities);
-    };
-    add("depth.bad_05_px", share(errors.off_05_px), "1", errors.disparities);
-    add("depth.bad_1_px", share(errors.off_1_px), "1", errors.disparities);
-    add("depth.bad_2_px", share(errors.off_2_px), "1", errors.disparities);
-  }
+  add_disparity_rows(errors.off_px, base, rows);
   if (errors.normalised.empty()) return;
   const auto known = static_cast<std::int64_t>(errors.normalised.size());
   const auto within = std::count_if(errors.normalised.begin(), errors.normalised.end(),
@@ -91,7 +101,8 @@ std::vector<ScoreRow> score_depths(const SceneTruth& truth, const Estimate& esti
                                    const SeedsScoreLabels& labels) {
   std::map<int, const FrameDepth*> depth_of;
   for (const FrameDepth& depth : estimate.depths) depth_of[depth.frame] = &depth;
-  std::map<std::string, DepthErrors> cases;
+  std::map<int, DepthErrors> octaves;  ///< by the power of two of their nearest
+  DepthErrors whole;
   std::int64_t frames = 0;
   for (std::size_t i = 0; i < truth.views.size(); ++i) {
     const TrueView& view = truth.views[i];
@@ -104,13 +115,13 @@ std::vector<ScoreRow> score_depths(const SceneTruth& truth, const Estimate& esti
     const Image<float>& true_m = truth.images[i].depth_m;
     const bool is_there = depth && !depth->depth_m.empty();
     frames += is_there;
-    if (is_there && (depth->depth_m.width() != true_m.width() ||
-                     depth->depth_m.height() != true_m.height()))
-      throw std::invalid_argument(
-          "the depth of frame " + std::to_string(view.frame) + " has " +
-          std::to_string(depth->depth_m.width()) + " x " +
-          std::to_string(depth->depth_m.height()) + " pixels; its view has " +
-          std::to_string(true_m.width()) + " x " + std::to_string(true_m.height()));
+    if (is_there &&
+        (depth->depth_m.width() != true_m.width() || depth->depth_m.height() != true_m.height()))
+      throw std::invalid_argument("the depth of frame " + std::to_string(view.frame) + " has " +
+                                  std::to_string(depth->depth_m.width()) + " x " +
+                                  std::to_string(depth->depth_m.height()) +
+                                  " pixels; its view has " + std::to_string(true_m.width()) +
+                                  " x " + std::to_string(true_m.height()));
     const double fb = focal_baseline(truth, i);
     for (std::size_t k = 0; k < true_m.size(); ++k) {
       const auto z_m = static_cast<double>(true_m.data()[k]);
@@ -120,8 +131,9 @@ std::vector<ScoreRow> score_depths(const SceneTruth& truth, const Estimate& esti
       const double sigma_m = is_there && !depth->sigma_m.empty()
                                  ? static_cast<double>(depth->sigma_m.data()[k])
                                  : ScoreRow::kNone;
-      add_pixel(z_m, measured_m, sigma_m, fb, cases["all"]);
-      add_pixel(z_m, measured_m, sigma_m, fb, cases[octave_of(z_m)]);
+      add_pixel(z_m, measured_m, sigma_m, fb, whole);
+      add_pixel(z_m, measured_m, sigma_m, fb,
+                octaves[static_cast<int>(std::floor(std::log2(z_m)))]);
     }
   }
   if (!depth_of.empty())
@@ -133,8 +145,9 @@ std::vector<ScoreRow> score_depths(const SceneTruth& truth, const Estimate& esti
   const auto n = static_cast<std::int64_t>(truth.views.size());
   rows.push_back(measured_row(base, "depth.frames",
                               static_cast<double>(frames) / static_cast<double>(n), "1", n));
-  for (const auto& [name, errors] : cases) {
-    base.case_name = name;
+  add_rows(whole, base, rows);
+  for (const auto& [power, errors] : octaves) {
+    base.case_name = octave_name(power);
     add_rows(errors, base, rows);
   }
   score_timings(estimate, labelled_row(labels), rows);

@@ -11,7 +11,9 @@ namespace cousin {
 /// - depth.error, depth.error_relative: medians of the absolute error, the latter over the depth;
 ///   depth.bias: median error;
 /// - depth.bad_05_px, .bad_1_px, .bad_2_px: shares of the measured pixels whose disparity to the
-///   next camera of the rig would be off by more; nothing where there is no other camera;
+///   next camera of the rig would be off by more; depth.offset_px, the median of these errors,
+///   which a unit's calibration makes, and depth.spread_px, their robust deviation about it;
+///   nothing where there is no other camera;
 /// - depth.coverage_95: of intervals of 1.96 sigma; depth.normalised: median of |error| over sigma,
 ///   0.67 of normal errors.
 /// Cases: "all", and by true distance "0.5 to 1 m" and so on, in octaves.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "benchmarks/report/drawn_number.h"
+#include "benchmarks/report/pictures.h"
 #include "sim/geometry/measure.h"
 #include "sim/imaging/image_io.h"
 #include "sim/truth/specimens.h"
@@ -192,6 +194,37 @@ void show_keypoints(const SimulatedRun& run, const Estimate& estimate, ReportSce
     scene.pictures.push_back(
         {"Keypoints in view " + std::to_string(frame->id), "blue crosses",
          encode_png(with_keypoints(frame->sensors[0].color, frame->id, estimate.keypoints))});
+  }
+}
+
+namespace {
+
+/// Both side by side, so that one depth has one colour.
+Image<float> beside(const Image<float>& left, const Image<float>& right) {
+  constexpr int kGap_px = 8;
+  Image<float> both(left.width() + kGap_px + right.width(), left.height(),
+                    std::numeric_limits<float>::quiet_NaN());
+  for (int y = 0; y < left.height(); ++y) {
+    for (int x = 0; x < left.width(); ++x) both(x, y) = left(x, y);
+    for (int x = 0; x < right.width(); ++x) both(left.width() + kGap_px + x, y) = right(x, y);
+  }
+  return both;
+}
+
+}  // namespace
+
+void show_depths(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene) {
+  if (!estimate.clusters.cloud.empty()) return;
+  const auto shown = shown_frames(run);
+  for (std::size_t i = 0; i < estimate.depths.size() && i < run.truth.images.size(); ++i) {
+    const FrameDepth& depth = estimate.depths[i];
+    const Image<float>& truth = run.truth.images[i].depth_m;
+    const bool is_shown = std::any_of(shown.begin(), shown.end(),
+                                      [&](const Frame* frame) { return frame->id == depth.frame; });
+    if (!is_shown || depth.depth_m.empty() || truth.height() != depth.depth_m.height()) continue;
+    scene.pictures.push_back({"Depth in view " + std::to_string(depth.frame),
+                              "measured, and true: near red, far blue, none grey",
+                              encode_png(depth_in_color(beside(depth.depth_m, truth)))});
   }
 }
 

@@ -18,6 +18,8 @@ void show_splats(const SimulatedRun& run, const Estimate& estimate, ReportScene&
 /// With a cross where each measured point is seen.
 void show_boxes(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene);
 void show_keypoints(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene);
+/// Measured and true depth in one scale; not where a cloud of specimens shows it.
+void show_depths(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene);
 void show_cloud(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene);
 void show_outlines(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene);
 void show_surfaces(const SimulatedRun& run, const Estimate& estimate, ReportScene& scene);

@@ -373,8 +373,7 @@ std::span<const TruthRow> truth_table() {
       {.stage = "splats", .why_none = "no set of Gaussians is the true one", .show = show_splats},
       row_of<&Stages::boxes, true_boxes>({.stage = "boxes", .show = show_boxes}),
       row_of<&Stages::keypoints, true_keypoints>({.stage = "keypoints", .show = show_keypoints}),
-      row_of<&Stages::depths, true_depths>(
-          {.stage = "depth", .why_not_shown = "the cloud shows what it gives"}),
+      row_of<&Stages::depths, true_depths>({.stage = "depth", .show = show_depths}),
       row_of<&Stages::cloud, true_cloud>({.stage = "cloud", .show = show_cloud}),
       row_of<&Stages::clusters, true_clusters>(
           {.stage = "clusters", .why_not_shown = "the cloud is shown as a whole"}),

@@ -11,6 +11,7 @@
 #include "perception/fruit/fruit_seam.h"
 #include "perception/pipelines/pipeline_table.h"
 #include "perception/pipelines/seen_boxes.h"
+#include "sim/config/changed_keys.h"
 #include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
 
@@ -128,6 +129,14 @@ void validate(const ApplesPipelineConfig& config) {
 
 PipelineNeeds needs(const ApplesPipelineConfig&) {
   return {.images = {"depth"}, .stages = {"boxes", "depth", "fits", "traits"}, .left_out = {}};
+}
+
+std::vector<std::string> unused_settings(const ApplesPipelineConfig& config) {
+  const std::string_view method = to_string(config.method);
+  if (config.method == ApplesMethod::ours) return keys_without_effect(config, method, {"clv."});
+  if (config.method == ApplesMethod::paper)
+    return keys_without_effect(config, method, {"surface.", "fit."});
+  return keys_without_effect(config, method, {"clv.", "fit."});
 }
 
 void check_capture(const Capture& capture, const ApplesPipelineConfig& config) {

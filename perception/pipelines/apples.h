@@ -31,6 +31,8 @@ void validate(const ApplesPipelineConfig& config);
 std::string_view to_string(ApplesMethod method);
 
 PipelineNeeds needs(const ApplesPipelineConfig& config);
+/// A sentence for each setting that the method does not use.
+std::vector<std::string> unused_settings(const ApplesPipelineConfig& config);
 /// @throws std::invalid_argument if the capture has no depth
 void check_capture(const Capture& capture, const ApplesPipelineConfig& config);
 

@@ -10,6 +10,7 @@
 
 #include "perception/pipelines/pipeline_table.h"
 #include "perception/stem/stem_seam.h"
+#include "sim/config/changed_keys.h"
 #include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
 
@@ -390,6 +391,15 @@ void validate(const MaizePipelineConfig& config) {
 
 PipelineNeeds needs(const MaizePipelineConfig&) {
   return {.images = {"color"}, .stages = {"keypoints", "fits", "traits"}, .left_out = {}};
+}
+
+std::vector<std::string> unused_settings(const MaizePipelineConfig& config) {
+  const std::string_view method = to_string(config.method);
+  if (config.method == MaizeMethod::paper)
+    return keys_without_effect(config, method, {"stem.", "shift.", "match_images"});
+  if (config.method == MaizeMethod::triangulation)
+    return keys_without_effect(config, method, {"shift.", "match_images"});
+  return {};
 }
 
 void check_capture(const Capture& capture, const MaizePipelineConfig& config) {

@@ -39,6 +39,8 @@ void validate(const MaizePipelineConfig& config);
 std::string_view to_string(MaizeMethod method);
 
 PipelineNeeds needs(const MaizePipelineConfig& config);
+/// A sentence for each setting that the method does not use.
+std::vector<std::string> unused_settings(const MaizePipelineConfig& config);
 /// @throws std::invalid_argument if the capture is not of a stereo pair
 void check_capture(const Capture& capture, const MaizePipelineConfig& config);
 

@@ -6,6 +6,7 @@
 
 #include "perception/pipelines/pipeline_table.h"
 #include "perception/stereo/stereo_pair.h"
+#include "sim/config/changed_keys.h"
 #include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
 
@@ -66,8 +67,7 @@ void add_frame(const Frame& frame, const SensorReport& sensor, const FrameDepth&
     for (int x = stride / 2; x < depth.depth_m.width(); x += stride) {
       const auto z_m = static_cast<double>(depth.depth_m(x, y));
       if (!(z_m > 0)) continue;
-      const double sigma_m =
-          depth.sigma_m.empty() ? 0 : static_cast<double>(depth.sigma_m(x, y));
+      const double sigma_m = depth.sigma_m.empty() ? 0 : static_cast<double>(depth.sigma_m(x, y));
       if (sigma_m > config.cloud_sigma * z_m) continue;
       const auto ray = lens.unproject(Eigen::Vector2d(x, y));
       if (!ray) continue;
@@ -96,8 +96,8 @@ Cloud cloud_of(const Capture& capture, const Depths& depths, const StereoPipelin
   std::size_t pixels = 0, left_out = 0;
   for (std::size_t i = 0; i < depths.size() && i < capture.frames.size(); ++i) {
     if (depths[i].depth_m.empty()) continue;
-    if (!used.empty() && !(capture.frames[i].rig_from_world &&
-                           capture.frames[used.front()].rig_from_world)) {
+    if (!used.empty() &&
+        !(capture.frames[i].rig_from_world && capture.frames[used.front()].rig_from_world)) {
       ++left_out;
       continue;
     }
@@ -140,6 +140,14 @@ PipelineNeeds needs(const StereoPipelineConfig& config) {
   else
     result.left_out.emplace_back("cloud", "cloud_points=0");
   return result;
+}
+
+std::vector<std::string> unused_settings(const StereoPipelineConfig& config) {
+  if (config.method == PairMatcher::ours) return {};
+  return keys_without_effect(
+      config, to_string(config.method),
+      {"stereo.uniqueness", "stereo.speckle_px", "stereo.radius_px", "stereo.least_likeness",
+       "stereo.most_sigma_px", "stereo.sigma_floor_px", "stereo.calibration_px"});
 }
 
 void check_capture(const Capture& capture, const StereoPipelineConfig& /*config*/) {

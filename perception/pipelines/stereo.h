@@ -4,6 +4,7 @@
 
 #include "perception/pipelines/estimate.h"
 #include "perception/pipelines/pipeline_needs.h"
+#include "perception/pipelines/seeds_splats.h"
 #include "perception/stereo/stereo_depth.h"
 
 namespace cousin {
@@ -19,6 +20,8 @@ Fields fields(StereoPipelineConfig& config);
 void validate(const StereoPipelineConfig& config);
 
 PipelineNeeds needs(const StereoPipelineConfig& config);
+/// A sentence for each setting that the method does not use.
+std::vector<std::string> unused_settings(const StereoPipelineConfig& config);
 /// @throws as check_stereo_rig
 void check_capture(const Capture& capture, const StereoPipelineConfig& config);
 

@@ -15,6 +15,7 @@
 #include "perception/fruit/fruit_seam.h"
 #include "perception/pipelines/pipeline_table.h"
 #include "perception/pipelines/seen_boxes.h"
+#include "sim/config/changed_keys.h"
 #include "sim/config/choice_field.h"
 #include "sim/config/limits.h"
 
@@ -212,6 +213,14 @@ PipelineNeeds needs(const StrawberriesPipelineConfig& config) {
     own.left_out.emplace_back("fits", "the paper's rule knows the surface's point alone");
   }
   return own;
+}
+
+std::vector<std::string> unused_settings(const StrawberriesPipelineConfig& config) {
+  const std::string_view method = to_string(config.method);
+  if (config.method == StrawberriesMethod::ours) return {};
+  if (config.method == StrawberriesMethod::paper)
+    return keys_without_effect(config, method, {"surface.", "prior.", "fit.", "stalk.", "red."});
+  return keys_without_effect(config, method, {"surface."});
 }
 
 void check_capture(const Capture& capture, const StrawberriesPipelineConfig& config) {

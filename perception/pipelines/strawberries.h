@@ -38,6 +38,8 @@ void validate(const StrawberriesPipelineConfig& config);
 std::string_view to_string(StrawberriesMethod method);
 
 PipelineNeeds needs(const StrawberriesPipelineConfig& config);
+/// A sentence for each setting that the method does not use.
+std::vector<std::string> unused_settings(const StrawberriesPipelineConfig& config);
 /// @throws std::invalid_argument if the capture has no depth
 void check_capture(const Capture& capture, const StrawberriesPipelineConfig& config);
 

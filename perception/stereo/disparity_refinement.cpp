@@ -315,7 +315,7 @@ struct PairNoise {
   float brightness = 0;  ///< of one image, median
 };
 PairNoise noise_of(const Image<float>& left, const Image<float>& right,
-                    const Image<float>& found_px, const DisparityRefinementConfig& config) {
+                   const Image<float>& found_px, const DisparityRefinementConfig& config) {
   constexpr int kStep_px = 12;
   const int rows = (left.height() + kStep_px - 1) / kStep_px;
   std::vector<NoiseLikeness> of_row(static_cast<std::size_t>(rows));

@@ -18,7 +18,7 @@ namespace {
 constexpr int kMostCandidates = 254;     ///< of one matching
 constexpr int kAlignWidth_px = 240;      ///< at most, where rows are aligned first
 constexpr int kRangeWidth_px = 480;      ///< at most, where the range is found
-constexpr int kLeastSide_px = 32;       ///< of an image that is matched
+constexpr int kLeastSide_px = 32;        ///< of an image that is matched
 constexpr double kLeastRows_px = 0.1;    ///< offsets below are not worth resampling an image
 constexpr double kDoubtedRows_px = 0.5;  ///< offsets above are worth a word
 
@@ -151,8 +151,7 @@ StereoMatches match_inside(const ScaledPair& pair, const StereoMatchConfig& conf
       if (pair.left_whole(x, y) == 0) {
         reason = MatchReason::no_texture;  // of this image none is seen there
       } else if (reason == MatchReason::none) {
-        const auto there =
-            static_cast<int>(std::lround(static_cast<float>(x) - disparity_px));
+        const auto there = static_cast<int>(std::lround(static_cast<float>(x) - disparity_px));
         if (!pair.right_whole.contains(there, y) || pair.right_whole(there, y) == 0)
           reason = MatchReason::out_of_range;
       }
@@ -180,8 +179,8 @@ StereoMatches match_coarsely(const ScaledPair& pair, const PairMatchConfig& conf
   StereoMatchConfig match = config.match;
   match.shift_px = 0;
   match.range_px =
-      std::clamp(config.range_px > 0 ? config.range_px / pair.scale + 2 : pair.left.width() / 2,
-                 1, kMostCandidates);
+      std::clamp(config.range_px > 0 ? config.range_px / pair.scale + 2 : pair.left.width() / 2, 1,
+                 kMostCandidates);
   return match_inside(pair, match);
 }
 
@@ -189,10 +188,9 @@ StereoMatches match_coarsely(const ScaledPair& pair, const PairMatchConfig& conf
 /// @param pair  of the same images at some scale
 void align_rows(RectifiedPair& whole, const Image<Eigen::Vector2f>& reported_px,
                 const ScaledPair& pair, const Image<float>& disparity_px, PairFindings& findings) {
-  const RowOffset rows =
-      scaled(find_row_offset(pair.left, pair.right, disparity_px,
-                             scaled(findings.rows, 1.0 / pair.scale)),
-             pair.scale);
+  const RowOffset rows = scaled(
+      find_row_offset(pair.left, pair.right, disparity_px, scaled(findings.rows, 1.0 / pair.scale)),
+      pair.scale);
   const int width = whole.left.image.width(), height = whole.left.image.height();
   if (rows.windows == 0) return;
   RowOffset change = rows;
@@ -344,8 +342,8 @@ PairDisparities match_by_ours(RectifiedPair& pair, const Image<Eigen::Vector2f>&
   }
   for (std::size_t k = smaller.size(); k-- > 0;) {
     ScaledDisparities& larger = k == 0 ? result : smaller[k - 1];
-    fill_from(made_larger(smaller[k], 2, larger.reason.width(), larger.reason.height()),
-              left[k], larger);
+    fill_from(made_larger(smaller[k], 2, larger.reason.width(), larger.reason.height()), left[k],
+              larger);
   }
   if (findings.scale > 1) {
     result = made_larger(result, findings.scale, width, height);
@@ -387,8 +385,7 @@ void find_coarsely(RectifiedPair& pair, const Image<Eigen::Vector2f>& reported_p
     return;
   }
   if (matched < 0.3 * textured) {
-    const StereoMatches exchanged =
-        match_coarsely(
+    const StereoMatches exchanged = match_coarsely(
         {coarse.right, coarse.left, coarse.right_whole, coarse.left_whole, coarse.scale}, config);
     if (matched_share(exchanged.reason) > 2 * matched) {
       findings.why_none = "the right image shows what the left one should: exchange the two";

@@ -19,7 +19,7 @@ struct PairMatchConfig {
   /// Of brightness codes 0..255. Its range and shift are those that are found.
   StereoMatchConfig match = {
       .margin = 2.5, .p1 = 0.15, .p2 = 0.6, .worst_cost = 0.6, .uniqueness = 0.05};
-  bool align_rows = true;      ///< the images themselves say where the right one's rows are off
+  bool align_rows = true;  ///< the images themselves say where the right one's rows are off
   /// What has no disparity is looked for in images of half the size, so many times over.
   int smaller_sizes = 2;
   int speckle_px = 30;         ///< smaller patches of pixels are mistakes

@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kWindowRadius = 4;
 constexpr int kMostWindows = 3000;
-constexpr int kLeastWindows = 20;    ///< that say anything
+constexpr int kLeastWindows = 20;       ///< that say anything
 constexpr double kMostSpread_px = 0.5;  ///< of windows that agree
-constexpr int kEnoughWindows = 100;  ///< of which more than a shift is believed
+constexpr int kEnoughWindows = 100;     ///< of which more than a shift is believed
 
 /// One window's word.
 struct WindowOffset {

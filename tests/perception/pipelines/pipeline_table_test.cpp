@@ -32,7 +32,8 @@ TEST(PipelineTable, EachRowIsOfItsConfigurationAndNamesWhatThereIs) {
     }
     for (const std::string_view stage : row.order) EXPECT_NO_THROW(stage_row(stage));
     for (const std::string_view trait : row.traits) EXPECT_NO_THROW(trait_row(trait));
-    EXPECT_EQ(row.traits.empty(), row.traits_of == TraitsOf::nothing);
+    EXPECT_EQ(row.traits.empty(),
+              row.traits_of == TraitsOf::nothing || row.traits_of == TraitsOf::depths);
     for (const std::string_view stage : row.from_outside)
       EXPECT_NE(std::find(row.order.begin(), row.order.end(), stage), row.order.end()) << stage;
   }
@@ -40,6 +41,25 @@ TEST(PipelineTable, EachRowIsOfItsConfigurationAndNamesWhatThereIs) {
   EXPECT_EQ(pipeline_of_scene("moon"), nullptr);
   EXPECT_THAT([] { (void)pipeline_row("moon"); },
               ThrowsMessage<std::invalid_argument>(HasSubstr(pipeline_names())));
+}
+
+TEST(PipelineTable, ASettingThatTheMethodDoesNotReadIsSaidToBe) {
+  const auto unused = [](const char* name, const std::vector<std::string>& sets) {
+    PipelineConfig config = pipeline_row(name).defaults();
+    for (const std::string& set : sets) set_field(fields(config), set);
+    return unused_settings(config);
+  };
+  using testing::ElementsAre;
+  using testing::IsEmpty;
+  EXPECT_THAT(unused("strawberries", {"method=paper", "fit.odd_scale=3"}),
+              ElementsAre(HasSubstr("fit.odd_scale is not used by method paper")));
+  EXPECT_THAT(unused("strawberries", {"fit.odd_scale=3"}), IsEmpty());
+  EXPECT_THAT(unused("apples", {"method=hull", "fit.odd_scale=3"}), ElementsAre(HasSubstr("hull")));
+  EXPECT_THAT(unused("maize", {"method=triangulation", "match_images=false"}),
+              ElementsAre(HasSubstr("match_images")));
+  EXPECT_THAT(unused("stereo", {"method=opencv", "stereo.radius_px=6"}),
+              ElementsAre(HasSubstr("stereo.radius_px")));
+  EXPECT_THAT(unused("stereo", {"method=opencv", "stereo.range_px=64"}), IsEmpty());
 }
 
 TEST(PipelineTable, EveryMethodIsTakenAndSaysWhatItReads) {

@@ -17,11 +17,11 @@ using testing::HasSubstr;
 
 /// What becomes of the left pixels' disparities.
 struct Found {
-  double measured = 0;     ///< share of the pixels that both images show
-  double bad_1_px = 0;     ///< share of the measured ones
-  double median_px = 0;    ///< of the absolute errors
-  double within_95 = 0;    ///< share of errors within 1.96 sigma; wrong matches count
-  double hidden = 0;       ///< share of the pixels that one image shows, that have a disparity
+  double measured = 0;   ///< share of the pixels that both images show
+  double bad_1_px = 0;   ///< share of the measured ones
+  double median_px = 0;  ///< of the absolute errors
+  double within_95 = 0;  ///< share of errors within 1.96 sigma; wrong matches count
+  double hidden = 0;     ///< share of the pixels that one image shows, that have a disparity
 };
 
 Found compare(const DrawnPair& pair, const Capture& capture, const FrameDepth& depth) {
@@ -134,13 +134,15 @@ TEST(StereoDepth, WhatIsNoPairHasNoDepthAndSaysWhy) {
   strangers.right = draw_pair(drawn_clutter(6), {.seed = 6}).right;
   EXPECT_THAT(why(strangers, as_it_is),
               testing::AnyOf(HasSubstr("least_matched"), HasSubstr("no part of one image")));
-  EXPECT_THAT(why(pair, [](Capture& capture) {
-                capture.frames[0].sensors[1].time_s = capture.frames[0].time_s + 0.2;
-              }),
+  EXPECT_THAT(why(pair,
+                  [](Capture& capture) {
+                    capture.frames[0].sensors[1].time_s = capture.frames[0].time_s + 0.2;
+                  }),
               HasSubstr("apart"));
-  EXPECT_THAT(why(pair, [](Capture& capture) {
-                capture.frames[0].sensors[1].color = Image<Rgb8>(160, 120, {90, 90, 90});
-              }),
+  EXPECT_THAT(why(pair,
+                  [](Capture& capture) {
+                    capture.frames[0].sensors[1].color = Image<Rgb8>(160, 120, {90, 90, 90});
+                  }),
               HasSubstr("160 x 120"));
 }
 
@@ -157,12 +159,12 @@ TEST(StereoDepth, AreTheSameBytesOnOneThread) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const FrameDepth single = measure_stereo(capture, 0).depth;
   ASSERT_EQ(many.depth_m.size(), single.depth_m.size());
-  EXPECT_EQ(std::memcmp(many.depth_m.data(), single.depth_m.data(),
-                        many.depth_m.size() * sizeof(float)),
-            0);
-  EXPECT_EQ(std::memcmp(many.sigma_m.data(), single.sigma_m.data(),
-                        many.sigma_m.size() * sizeof(float)),
-            0);
+  EXPECT_EQ(
+      std::memcmp(many.depth_m.data(), single.depth_m.data(), many.depth_m.size() * sizeof(float)),
+      0);
+  EXPECT_EQ(
+      std::memcmp(many.sigma_m.data(), single.sigma_m.data(), many.sigma_m.size() * sizeof(float)),
+      0);
 }
 
 }  // namespace
