@@ -67,6 +67,41 @@ TEST(FruitFit, IntervalsCoverApplesOfThePrior) {
   EXPECT_GE(covered, 0.865 * solved);
 }
 
+TEST(FruitFit, IntervalsHoldOnLumpsThatNoPriorKnows) {
+  FruitPrior wild;
+  wild.sigma_waves_2 = 0.06;
+  wild.sigma_waves_3 = 0.06;
+  wild.sigma_waves_4 = 0.05;
+  FruitSurfaceConfig surface;
+  surface.correlated_px = 1;
+  const FruitKind apples = kind_of(FruitPrior{});
+  FruitFitConfig trusting;
+  trusting.strange_share = 0;
+  int solved = 0, covered = 0, trusted = 0, covered_trusting = 0;
+  double off = 0, off_trusting = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Rng rng = Rng(12).fork(static_cast<std::uint64_t>(i));
+    const FruitShape shape = drawn_apple(wild, rng.fork("shape"));
+    const double truth_m3 = numbers_of(shape).volume_m3.value;
+    const DrawnFruit drawn = draw_fruit(shape, 0.0008, rng.fork("noise"));
+    const FruitSurface seen = fruit_surface(drawn.depth, kFruitCamera, drawn.box, surface);
+    const auto count = [&](const FruitFit& fit, int& all, int& within, double& sum) {
+      if (fit.status != FitStatus::ok) return;
+      ++all;
+      const double error_m3 = std::abs(fit.volume_m3.value - truth_m3);
+      within += error_m3 < 1.96 * fit.volume_m3.sigma;
+      sum += error_m3 / truth_m3;
+    };
+    count(fit_fruit(seen, apples), solved, covered, off);
+    count(fit_fruit(seen, apples, trusting), trusted, covered_trusting, off_trusting);
+  }
+  EXPECT_GE(solved, 20);
+  EXPECT_GE(covered, 0.85 * solved);
+  // Without the hypothesis it is sure of what it does not know.
+  EXPECT_LT(covered_trusting, 0.7 * trusted);
+  EXPECT_LT(off / solved, off_trusting / trusted);
+}
+
 TEST(FruitFit, ATennisBallIsNoConfidentApple) {
   FruitShape ball;
   ball.numbers[kLogRadius] = std::log(0.0335);
