@@ -448,7 +448,7 @@ void allow_for_strange(const Lump& lump, double misfit, const Search& search,
   const double lead = std::clamp(0.5 * misfit, -50.0, 50.0);
   const double odds = std::exp(lead) * config.strange_share / (1 - config.strange_share);
   fit.strange = odds / (1 + odds);
-  constexpr double kWhole = 0.25;  // of what is hidden more, the mask says little
+  constexpr double kWhole = 0.1;  // of what is hidden more, the mask says little
   const bool is_lump = fit.strange > 0.5 && lump.hidden < kWhole;
   const auto mixed = [&](const FruitMeasure& own, const FruitMeasure& of_lump) {
     return is_lump ? either(of_lump, own, 1 - fit.strange) : either(own, of_lump, fit.strange);

@@ -18,10 +18,10 @@ struct FruitFitConfig {
   double odd_share = 0.05;  ///< probability of an odd shape before it is seen
   /// Probability of a fruit like none of its kind before it is seen.
   double strange_share = 0.002;
-  /// Mean costs of the best shape of the kind's own fruits: of a place of the outline, of an
-  /// independent depth, and of the prior. More says that a fruit is strange. Measured on seeds 101
-  /// to 103 of both scenes.
-  double usual_rim = 0.35, usual_depth = 1, usual_prior = 4;
+  /// What the best shape of a usual fruit costs at most: a place of the outline, an independent
+  /// depth, the prior. More says that a fruit is strange. Free; set on strawberries of seeds 101
+  /// and 102, and of another family of seed 105.
+  double usual_rim = 0.6, usual_depth = 1, usual_prior = 4;
   double outline_sigma_px = 0.5;  ///< of a place of the outline
   double along_rim = 0.85;        ///< cosine of an edge against the rim; less is no rim
   double unknown_share = 0.3;     ///< weight of an outline with no depth beyond it
