@@ -1,6 +1,7 @@
 // score: from a dataset and estimates, ours or anybody's, to numbers.
 #include <algorithm>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -28,16 +29,26 @@ namespace cousin {
 namespace fs = std::filesystem;
 namespace {
 
+/// What the files of an estimate are scored as.
+enum class ScoredAs {
+  traits,  ///< of specimens, boxes or plants
+  scene,   ///< a scene as a whole
+  depths   ///< depth images alone
+};
+
 /// An estimate without traits.json told no specimens apart; one with what only chains write that do
 /// was left before its end.
-bool is_whole_scene(const fs::path& estimate_dir) {
-  for (const char* file : {"traits.json", "corners.json", "clusters.ply", "masks.json"}) {
-    if (fs::exists(estimate_dir / file)) return false;
-  }
-  for (const char* file : {"poses.json", "cloud.ply", "surfaces.json"}) {
-    if (fs::exists(estimate_dir / file)) return true;
-  }
-  return false;
+ScoredAs scored_as(const fs::path& estimate_dir) {
+  const auto has = [&](std::initializer_list<const char*> files) {
+    return std::any_of(files.begin(), files.end(),
+                       [&](const char* file) { return fs::exists(estimate_dir / file); });
+  };
+  if (has({"traits.json", "corners.json", "clusters.ply", "masks.json", "boxes.json",
+           "keypoints.json", "fits.json"}))
+    return ScoredAs::traits;
+  if (has({"poses.json", "surfaces.json", "splats.ply"})) return ScoredAs::scene;
+  if (has({"depth"})) return ScoredAs::depths;
+  return has({"cloud.ply"}) ? ScoredAs::scene : ScoredAs::traits;
 }
 
 /// Colour images of all sensors.
@@ -54,18 +65,12 @@ DetectionImages images_of(const fs::path& dir, const SceneTruth& truth) {
   return images;
 }
 
-/// Whether depth images are all that was measured.
-bool is_depth_alone(const fs::path& dir) {
-  return fs::is_directory(dir / "depth") && !fs::exists(dir / "traits.json") &&
-         !fs::exists(dir / "poses.json");
-}
-
 /// The seams that scores are of.
-Estimate read_estimate(const fs::path& dir, const SceneTruth& truth) {
+Estimate read_estimate(const fs::path& dir, const SceneTruth& truth, ScoredAs as) {
   Estimate estimate;
-  const bool is_whole = is_whole_scene(dir) || is_depth_alone(dir);
-  if (!is_whole) estimate.traits = read_traits(dir);
-  if (is_whole && fs::exists(dir / "cloud.ply")) estimate.cloud = read_cloud(dir);
+  if (as == ScoredAs::traits) estimate.traits = read_traits(dir);
+  if (as == ScoredAs::depths) estimate.depths = read_depths(dir);
+  if (as == ScoredAs::scene && fs::exists(dir / "cloud.ply")) estimate.cloud = read_cloud(dir);
   if (fs::exists(dir / "poses.json")) estimate.poses = read_poses(dir);
   if (fs::exists(dir / "clusters.ply")) estimate.clusters = read_clusters(dir);
   if (fs::exists(dir / "surfaces.json")) estimate.surfaces = read_surfaces(dir);
@@ -97,26 +102,29 @@ bool is_detections(const fs::path& path, const fs::path& dataset) {
 }
 
 void check_alignment(const Options& o, const fs::path& estimate_dir) {
-  if (!o.align || !fs::exists(estimate_dir / "traits.json")) return;
+  if (!o.align) return;
+  if (scored_as(estimate_dir) == ScoredAs::depths)
+    throw std::invalid_argument("--align: " + estimate_dir.string() +
+                                " holds depth alone, which is metres before each camera");
+  if (!fs::exists(estimate_dir / "traits.json")) return;
   throw std::invalid_argument("--align: " + estimate_dir.string() +
                               " has traits.json, whose lengths are metres in the board's frame");
 }
 
 ScoreFile score_scene(const Options& o, const SceneTruth& truth, const fs::path& estimate_dir,
                       const SeedsScoreLabels& labels, ProgressPrinter& progress) {
-  Estimate estimate = read_estimate(estimate_dir, truth);
+  const ScoredAs as = scored_as(estimate_dir);
+  const Estimate estimate = read_estimate(estimate_dir, truth, as);
   ScoreFile file;
-  const bool has_depth = is_depth_alone(estimate_dir);
-  if (has_depth) estimate.depths = read_depths(estimate_dir);
-  const bool is_whole = is_whole_scene(estimate_dir);
-  if (has_depth)
-    progress.line(estimate_dir.string() + ": depth alone: scored against the first surfaces");
-  else if (is_whole)
+  if (as == ScoredAs::depths)
+    progress.line(estimate_dir.string() + ": depth alone: scored against the first surfaces" +
+                  (fs::exists(estimate_dir / "cloud.ply") ? "; cloud.ply is not scored" : ""));
+  if (as == ScoredAs::scene)
     progress.line(estimate_dir.string() + ": no traits.json: scored as a scene as a whole");
   try {
-    if (has_depth) {
+    if (as == ScoredAs::depths) {
       file.scores = score_depths(truth, estimate, labels);
-    } else if (is_whole) {
+    } else if (as == ScoredAs::scene) {
       file.scores =
           score_views(truth, estimate, o.align ? PoseAlignment::similarity : PoseAlignment::none,
                       fs::exists(estimate_dir / "cloud.ply"), labelled_row(labels));

@@ -19,14 +19,27 @@ struct DepthErrors {
   std::vector<double> off_px;
 };
 
-/// Depth times disparity of the first camera and the rig's second; 0 without one.
+/// Depth times disparity of the first camera and the rig's next; 0 without one.
 double focal_baseline(const SceneTruth& truth, std::size_t view) {
-  if (truth.other_sensors.empty() || view >= truth.other_sensors.front().views.size()) return 0;
+  const auto other =
+      std::find_if(truth.other_sensors.begin(), truth.other_sensors.end(),
+                   [](const SensorViews& sensor) { return sensor.sensor != kDepthSensor; });
+  if (other == truth.other_sensors.end() || view >= other->views.size()) return 0;
   const TrueView& left = truth.views[view];
-  const TrueView& right = truth.other_sensors.front().views[view];
+  const TrueView& right = other->views[view];
   const Eigen::Vector3d apart_m =
       (right.camera_from_world * inverse(left.camera_from_world)).translation_m;
   return left.camera.fx_px * apart_m.norm();
+}
+
+/// @throws std::invalid_argument for a depth that is none and not NaN
+void check_depths(const FrameDepth& depth) {
+  for (const float z_m : depth.depth_m) {
+    if (std::isnan(z_m) || (z_m > 0 && std::isfinite(z_m))) continue;
+    throw std::invalid_argument("the depth of frame " + std::to_string(depth.frame) +
+                                " has a pixel of " + std::to_string(z_m) +
+                                " m; what is not known is NaN");
+  }
 }
 
 std::string octave_name(int power) {
@@ -79,6 +92,7 @@ void add_rows(const DepthErrors& errors, const ScoreRow& base, std::vector<Score
   const auto add = [&](const char* metric, double value, const char* unit, std::int64_t n) {
     rows.push_back(measured_row(base, metric, value, unit, n));
   };
+  if (errors.there == 0) return;
   const auto n = static_cast<std::int64_t>(errors.error_m.size());
   add("depth.measured", static_cast<double>(n) / static_cast<double>(errors.there), "1",
       errors.there);
@@ -122,6 +136,7 @@ std::vector<ScoreRow> score_depths(const SceneTruth& truth, const Estimate& esti
                                   std::to_string(depth->depth_m.height()) +
                                   " pixels; its view has " + std::to_string(true_m.width()) +
                                   " x " + std::to_string(true_m.height()));
+    if (is_there) check_depths(*depth);
     const double fb = focal_baseline(truth, i);
     for (std::size_t k = 0; k < true_m.size(); ++k) {
       const auto z_m = static_cast<double>(true_m.data()[k]);

@@ -18,7 +18,7 @@ namespace cousin {
 ///   0.67 of normal errors.
 /// Cases: "all", and by true distance "0.5 to 1 m" and so on, in octaves.
 /// @throws std::invalid_argument without true depth, for an image of another size than its view's,
-/// or one of a frame that the truth has not
+/// one of a frame that the truth has not, or a depth that is zero, negative or infinite
 std::vector<ScoreRow> score_depths(const SceneTruth& truth, const Estimate& estimate,
                                    const SeedsScoreLabels& labels);
 

@@ -1,10 +1,8 @@
 #include "perception/fruit/fruit_fit.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -36,11 +34,11 @@ struct Normal {
   FruitCovariance information = FruitCovariance::Zero();
   FruitParameters gradient = FruitParameters::Zero();
   double cost = 0;
-  double prior_cost = 0, depth_cost = 0, outline_cost = 0;  ///< its parts
-  double depth_squares = 0, depth_count = 0;                ///< residuals in sigmas, and how many
-  double rim_squares = 0, rim_places = 0;                   ///< and of the fruit's own outline
-  double strange_cost = 0;  ///< of places that are the fruit's own edge, but no rim of the model
-  double own_places = 0;    ///< all places before what is farther
+  double prior_cost = 0, depth_cost = 0;      ///< parts of it
+  double depth_squares = 0, depth_count = 0;  ///< residuals in sigmas, and how many
+  double rim_squares = 0, rim_places = 0;     ///< and of the fruit's own outline
+  double edge_cost = 0;    ///< of places before what is farther: the fruit ends there
+  double edge_places = 0;  ///< how many
 
   void add(const FruitParameters& derivative, double residual, double weight, int used) {
     for (int i = 0; i < used; ++i)  // below the diagonal
@@ -82,7 +80,7 @@ class Search {
       add_point(shape, surface_.points[i], waves, more * point_share_, used, normal);
     for (std::size_t i = stride / 2; i < surface_.outline.size(); i += stride)
       add_place(shape, surface_.outline[i], waves, more, used, normal);
-    normal.cost = normal.prior_cost + normal.depth_cost + normal.outline_cost;
+    normal.cost += normal.prior_cost + normal.depth_cost;
     return normal;
   }
 
@@ -199,26 +197,26 @@ class Search {
     const bool is_along = d.normal.dot(place.outward) > config_.along_rim;
     const bool is_own = is_along && place.beyond == Beyond::farther;
     const bool may_be_own = is_along && place.beyond == Beyond::unknown;
+    const Robust robust = is_own && r > 0 ? huber(r) : cauchy(r);
     if (place.beyond == Beyond::farther) {
-      constexpr double kMostStrange = 4;  // a leaf that no depth shows may cut the fruit
-      normal.own_places += share;
-      if (!is_along) normal.strange_cost += share * std::min(r * r, kMostStrange);
+      constexpr double kMostBeside = 4;  // a leaf that no depth shows may cut the fruit
+      normal.edge_places += share;
+      normal.edge_cost += share * (is_own ? robust.cost : std::min(r * r, kMostBeside));
     }
     if (!is_own && r > 1) {  // the mask is of the fruit, whatever ends it
       const Robust outside = huber(r - 1);
       normal.add(d.derivative, d.distance_m - sigma_m, share * outside.weight / (sigma_m * sigma_m),
                  used);
-      normal.outline_cost += share * outside.cost;
+      normal.cost += share * outside.cost;
     }
     if (!is_own && !may_be_own) return;
     if (may_be_own) share *= config_.unknown_share;
-    const Robust robust = is_own && r > 0 ? huber(r) : cauchy(r);
     if (is_own) {
       normal.rim_squares += std::min(r * r, 16.0);
       normal.rim_places += 1;
     }
     normal.add(d.derivative, d.distance_m, share * robust.weight / (sigma_m * sigma_m), used);
-    normal.outline_cost += share * robust.cost;
+    normal.cost += share * robust.cost;
   }
 
   const FruitSurface& surface_;
@@ -291,8 +289,7 @@ Hypothesis fit_under(const Search& search, const FruitShape& from, double scale,
     fit.evidence += 2 * std::log(search.sigmas()[k] * scale_at(k, scale));
   fit.rms = std::sqrt(normal.depth_squares / std::max(1.0, normal.depth_count));
   // What one part explains well excuses no other.
-  fit.misfit = std::max(0.0, normal.outline_cost + normal.strange_cost -
-                                 config.usual_rim * normal.own_places) +
+  fit.misfit = std::max(0.0, normal.edge_cost - config.usual_rim * normal.edge_places) +
                std::max(0.0, normal.depth_cost - config.usual_depth * independent_points) +
                std::max(0.0, normal.prior_cost - config.usual_prior);
   const double rim = std::sqrt(normal.rim_squares / std::max(1.0, normal.rim_places));
@@ -369,87 +366,19 @@ FruitFit combined(const Hypothesis& usual, const Hypothesis& odd, double odd_sha
   return fit;
 }
 
-/// What of a fruit its mask alone says: a lump as deep as it is wide.
-struct Lump {
-  double radius_m = kNaN;  ///< of the circle of the mask's area
-  double hidden = 0;       ///< share of its outline that something nearer may hide
-  double longer = 1;       ///< the mask's length over its width
-  FruitMeasure volume_m3, diameter_m, length_m;
-};
-double length_over_width(const std::vector<OutlinePlace>& outline) {
-  if (outline.size() < 3) return 1;
-  Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  const double n = static_cast<double>(outline.size());
-  for (const OutlinePlace& place : outline) middle += place.ray.hnormalized() / n;
-  for (const OutlinePlace& place : outline) {
-    const Eigen::Vector2d off = place.ray.hnormalized() - middle;
-    moments += off * off.transpose();
-  }
-  const Eigen::Vector2d values =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(moments, Eigen::EigenvaluesOnly).eigenvalues();
-  return std::sqrt(values[1] / std::max(values[0], 1e-30));
-}
+constexpr double kMostLonger = 1.6;  ///< length over width of one lump's mask; two balls have 2
 
-/// Relative sigmas are free: of depth over width 0.2, and what is hidden besides.
-Lump lump_of(const FruitSurface& surface, double solid_share) {
-  double pixel_m = surface.depth_m / surface.focal_px;
-  Lump lump;
-  for (int i = 0; i < 2; ++i) {  // the outline is farther than the depths' median
-    lump.radius_m = pixel_m * std::sqrt(surface.mask_px / std::numbers::pi);
-    pixel_m = (surface.depth_m + 0.5 * lump.radius_m) / surface.focal_px;
-  }
-  const auto nearer =
-      std::count_if(surface.outline.begin(), surface.outline.end(),
-                    [](const OutlinePlace& p) { return p.beyond == Beyond::nearer; });
-  lump.hidden = static_cast<double>(nearer) /
-                static_cast<double>(std::max<std::size_t>(1, surface.outline.size()));
-  lump.longer = length_over_width(surface.outline);
-  const double hidden = 0.5 * lump.hidden;
-  constexpr double kDeep = 0.85;  // outlines are those of the highest places of a rough body
-  const double r = lump.radius_m, more = 1 + hidden;
-  const auto size = [&](double value, double sigma) {
-    return FruitMeasure{value, value * std::hypot(sigma, hidden)};
-  };
-  lump.volume_m3 =
-      size(kDeep * solid_share * 4 / 3.0 * std::numbers::pi * r * r * r * more * more, 0.25);
-  lump.diameter_m = size(2 * r * std::sqrt(more), 0.12);
-  lump.length_m = size(2 * r * std::sqrt(more), 0.2);
-  return lump;
-}
-
-/// What is known of the place and turn of a lump, beside what its fit says.
-FruitCovariance spread_of(const Lump& lump) {
-  FruitCovariance spread = FruitCovariance::Zero();
-  const auto set = [&](int k, double sigma) { spread(k, k) = sigma * sigma; };
-  for (const int k : {kCentreX, kCentreY}) set(k, 0.15 * lump.radius_m);
-  set(kCentreZ, 0.3 * lump.radius_m);
-  for (const int k : {kTurnX, kTurnY}) set(k, 1.2);
-  set(kLogRadius, 0.12);
-  set(kLogStretch, 0.2);
-  return spread;
-}
-
-/// The kind's mean shape, upright, as large as the lump and where it is.
-FruitShape shape_of(const Lump& lump, const Search& search) {
-  FruitShape shape = search.start({0, -1, 0});
-  const double radius_m = shape.radius_m();
-  const double larger = lump.diameter_m.value / numbers_of(shape, 12).diameter_m.value;
-  shape.numbers[kLogRadius] += std::log(larger);
-  const Vector3d sight = shape.centre_m().normalized();
-  shape.numbers.head<3>() += 0.7 * (larger - 1) * radius_m * sight;
-  return shape;
-}
+bool is_strange(const FruitFit& fit) { return fit.strange > 0.5; }
 
 /// The fit with what it is if the fruit is strange.
 /// @param misfit  of the kind's best shape
-void allow_for_strange(const Lump& lump, double misfit, const Search& search,
+void allow_for_strange(const FruitLump& lump, double misfit, const Search& search,
                        const FruitFitConfig& config, const FruitPrior& prior, FruitFit& fit) {
   const double lead = std::clamp(0.5 * misfit, -50.0, 50.0);
   const double odds = std::exp(lead) * config.strange_share / (1 - config.strange_share);
   fit.strange = odds / (1 + odds);
-  constexpr double kWhole = 0.1;  // of what is hidden more, the mask says little
-  const bool is_lump = fit.strange > 0.5 && lump.hidden < kWhole;
+  constexpr double kSurely = 0.95;  // what is less sure keeps its own value, and a wide interval
+  const bool is_lump = fit.strange > kSurely && lump.is_whole;
   const auto mixed = [&](const FruitMeasure& own, const FruitMeasure& of_lump) {
     return is_lump ? either(of_lump, own, 1 - fit.strange) : either(own, of_lump, fit.strange);
   };
@@ -457,7 +386,7 @@ void allow_for_strange(const Lump& lump, double misfit, const Search& search,
   fit.diameter_m = mixed(fit.diameter_m, lump.diameter_m);
   fit.length_m = mixed(fit.length_m, lump.length_m);
   if (is_lump) {
-    fit.shape = shape_of(lump, search);
+    fit.shape = shape_of(lump, search.start({0, -1, 0}));
     fit.covariance = spread_of(lump);
   } else {
     fit.covariance += fit.strange * spread_of(lump);
@@ -469,18 +398,17 @@ void allow_for_strange(const Lump& lump, double misfit, const Search& search,
 }
 
 /// Says why a fit is not to be trusted; empty: it is.
-std::string why_not(const FruitFit& fit, const Lump& lump, const Search& search,
+std::string why_not(const FruitFit& fit, const FruitLump& lump, const Search& search,
                     const FruitFitConfig& config) {
-  constexpr double kMostLonger = 1.6;
-  if (fit.strange > 0.5 && lump.longer > kMostLonger)
+  if (is_strange(fit) && lump.longer > kMostLonger)
     return "its mask is " + std::to_string(lump.longer) +
            " times as long as wide, and no such fruit: it may be two";
   if (!(fit.rms < config.most_rms))
     return "its depths are " + std::to_string(fit.rms) +
            " sigmas off any such fruit: most_rms is " + std::to_string(config.most_rms);
   if (!(fit.volume_m3.sigma < config.most_sigma_volume * fit.volume_m3.value))
-    return (fit.strange > 0.5 ? "it has the shape of no such fruit: its volume is known to "
-                              : "too little of it is seen: its volume is known to ") +
+    return (is_strange(fit) ? "it has the shape of no such fruit: its volume is known to "
+                            : "too little of it is seen: its volume is known to ") +
            std::to_string(100 * fit.volume_m3.sigma / fit.volume_m3.value) + " %";
   for (const auto& [k, what] : {std::pair(static_cast<int>(kLogRadius), "size"),
                                 {static_cast<int>(kLogStretch), "length over diameter"}}) {
@@ -558,10 +486,12 @@ FruitFit fit_fruit(const FruitSurface& surface, const FruitKind& kind,
   set_sizes(candidates, config, kind.prior.solid_share, usual);
   set_sizes(candidates, config, kind.prior.solid_share, odd);
   FruitFit fit = combined(usual, odd, config.odd_share);
-  const Lump lump = lump_of(surface, kind.prior.solid_share);
+  const FruitLump lump = lump_of(surface, kind.prior.solid_share);
   allow_for_strange(lump, usual.misfit, search, config, kind.prior, fit);
   fit.reason = why_not(fit, lump, search, config);
   fit.status = fit.reason.empty() ? FitStatus::ok : FitStatus::degenerate;
+  if (fit.status == FitStatus::ok && is_strange(fit))
+    fit.reason = "it has the shape of no such fruit: its intervals are wide";
   if (!fit.covariance.allFinite() || !std::isfinite(fit.volume_m3.value))
     return unseen_fruit(kind, "its fit does not converge");
   return fit;

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "perception/fruit/fruit_lump.h"
 #include "perception/fruit/fruit_shape.h"
 #include "perception/fruit/fruit_surface.h"
 
@@ -17,11 +18,11 @@ struct FruitFitConfig {
   double odd_scale = 12;
   double odd_share = 0.05;  ///< probability of an odd shape before it is seen
   /// Probability of a fruit like none of its kind before it is seen.
-  double strange_share = 0.002;
+  double strange_share = 0.01;
   /// What the best shape of a usual fruit costs at most: a place of the outline, an independent
   /// depth, the prior. More says that a fruit is strange. Free; set on strawberries of seeds 101
   /// and 102, and of another family of seed 105.
-  double usual_rim = 0.6, usual_depth = 1, usual_prior = 4;
+  double usual_rim = 0.3, usual_depth = 1, usual_prior = 4;
   double outline_sigma_px = 0.5;  ///< of a place of the outline
   double along_rim = 0.85;        ///< cosine of an edge against the rim; less is no rim
   double unknown_share = 0.3;     ///< weight of an outline with no depth beyond it
@@ -38,14 +39,11 @@ struct FruitFitConfig {
 Fields fields(FruitFitConfig& config);
 void validate(const FruitFitConfig& config);
 
-struct FruitMeasure {
-  double value = kNaN, sigma = kNaN;
-};
 /// A fruit's surface and size. With another status than ok, sizes are what is known of the kind or
 /// of a fit that is not trusted, with wide sigmas, or NaN.
 struct FruitFit {
   FitStatus status = FitStatus::not_converged;
-  std::string reason;
+  std::string reason;  ///< why it is not ok; of one that is, that it is strange
   FruitShape shape;
   FruitCovariance covariance = FruitCovariance::Zero();
   FruitMeasure volume_m3, diameter_m, length_m, mass_kg;
@@ -62,8 +60,8 @@ struct FruitFit {
 /// - two priors are tried, the kind's and one whose waves are far stronger; each counts by the
 ///   evidence for it [Laplace's approximation], so fruits of another shape get wider intervals;
 /// - what no shape of the kind explains, the outline where it is not the model's rim too, says that
-///   the fruit is strange: as likely as that is, its sizes are those of a lump with its mask, as
-///   deep as wide, and its axis is not known;
+///   the fruit is strange: as likely as that is, it is a lump (fruit_lump.h) whose axis is not
+///   known;
 /// - sigmas are those of the linearised posterior, times the residuals' spread where that is more
 ///   than expected, with what other axes that fit as well would give.
 FruitFit fit_fruit(const FruitSurface& surface, const FruitKind& kind,

@@ -76,7 +76,8 @@ void add_frame(const Frame& frame, const SensorReport& sensor, const FrameDepth&
       CloudPoint point;
       point.position_m = (world_from_camera * in_camera_m).cast<float>();
       point.normal = (world_from_camera.rotation * normal).cast<float>();
-      // Along the ray it is sigma / cos; across the surface less, by its turn.
+      // sigma_m is along the axis: times distance / z along the ray, of which the normal sees a
+      // part.
       const double turned = normal.isZero() ? 1 : std::abs(normal.dot(in_camera_m)) / z_m;
       point.sigma_m = static_cast<float>(sigma_m * turned);
       if (seen.color.contains(x, y)) {
@@ -90,12 +91,25 @@ void add_frame(const Frame& frame, const SensorReport& sensor, const FrameDepth&
   }
 }
 
+/// Depths may be somebody's.
+void require_size(const Frame& frame, const FrameDepth& depth) {
+  const Camera& camera = frame.sensors.front().reported;
+  const Image<float>& image = depth.depth_m;
+  if (image.width() == camera.width_px && image.height() == camera.height_px) return;
+  throw StageError("cloud",
+                   at_frame(frame, "its depth has " + std::to_string(image.width()) + " x " +
+                                       std::to_string(image.height()) + " pixels, its image " +
+                                       std::to_string(camera.width_px) + " x " +
+                                       std::to_string(camera.height_px)));
+}
+
 Cloud cloud_of(const Capture& capture, const Depths& depths, const StereoPipelineConfig& config,
                StageNotes& notes) {
   std::vector<std::size_t> used;
   std::size_t pixels = 0, left_out = 0;
   for (std::size_t i = 0; i < depths.size() && i < capture.frames.size(); ++i) {
     if (depths[i].depth_m.empty()) continue;
+    require_size(capture.frames[i], depths[i]);
     if (!used.empty() &&
         !(capture.frames[i].rig_from_world && capture.frames[used.front()].rig_from_world)) {
       ++left_out;
@@ -104,9 +118,14 @@ Cloud cloud_of(const Capture& capture, const Depths& depths, const StereoPipelin
     used.push_back(i);
     pixels += depths[i].depth_m.size();
   }
-  if (left_out > 0)
-    notes.push_back("the rig does not say where it was: the cloud is of frame " +
-                    std::to_string(capture.frames[used.front()].id) + " alone, in its axes");
+  if (left_out > 0) {
+    const Frame& first = capture.frames[used.front()];
+    notes.push_back(first.rig_from_world
+                        ? std::to_string(left_out) +
+                              " frames do not say where the rig was: the cloud is without them"
+                        : "the rig does not say where it was: the cloud is of frame " +
+                              std::to_string(first.id) + " alone, in its axes");
+  }
   const double every =
       static_cast<double>(pixels) / static_cast<double>(std::max(1, config.cloud_points));
   const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(every))));
@@ -121,7 +140,7 @@ Cloud cloud_of(const Capture& capture, const Depths& depths, const StereoPipelin
 Fields fields(StereoPipelineConfig& c) {
   return Fields{{"method", matcher_field(c.method), "which matching finds the disparities"}} +
          nested("stereo", fields(c.stereo)) +
-         Fields{{"cloud_points", &c.cloud_points, "at most, of all frames together; 0: no cloud", 0,
+         Fields{{"cloud_points", &c.cloud_points, "about, of all frames together; 0: no cloud", 0,
                  100'000'000},
                 {"cloud_sigma", &c.cloud_sigma,
                  "over the depth: points known worse are not in the cloud", 1e-6, 10}};
@@ -146,7 +165,7 @@ std::vector<std::string> unused_settings(const StereoPipelineConfig& config) {
   if (config.method == PairMatcher::ours) return {};
   return keys_without_effect(
       config, to_string(config.method),
-      {"stereo.uniqueness", "stereo.speckle_px", "stereo.radius_px", "stereo.least_likeness",
+      {"cloud_sigma", "stereo.speckle_px", "stereo.radius_px", "stereo.least_likeness",
        "stereo.most_sigma_px", "stereo.sigma_floor_px", "stereo.calibration_px"});
 }
 

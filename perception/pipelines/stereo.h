@@ -13,7 +13,7 @@ namespace cousin {
 struct StereoPipelineConfig {
   PairMatcher method = PairMatcher::ours;
   StereoDepthConfig stereo;
-  int cloud_points = 1'000'000;  ///< of all frames together, spread evenly; 0: no cloud
+  int cloud_points = 1'000'000;  ///< about, of all frames together, spread evenly; 0: no cloud
   double cloud_sigma = 0.02;     ///< over the depth: points known worse are left out of the cloud
 };
 Fields fields(StereoPipelineConfig& config);

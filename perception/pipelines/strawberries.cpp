@@ -126,6 +126,7 @@ void add_fit(const SeenBox& seen, const ObjectFit& fit, const StrawberriesPipeli
     return;
   }
   traits.status = TraitStatus::ok;
+  if (!fit.reason.empty()) traits.reason += (traits.reason.empty() ? "" : "; ") + fit.reason;
   const FruitPlaces places =
       places_of(shape, covariance_of(fit), config.stalk,
                 {.widen = config.fit.widen, .unit_sigma = config.fit.unit_sigma});
@@ -220,7 +221,10 @@ std::vector<std::string> unused_settings(const StrawberriesPipelineConfig& confi
   if (config.method == StrawberriesMethod::ours) return {};
   if (config.method == StrawberriesMethod::paper)
     return keys_without_effect(config, method, {"surface.", "prior.", "fit.", "stalk.", "red."});
-  return keys_without_effect(config, method, {"surface."});
+  return keys_without_effect(config, method,
+                             {"surface.", "fit.iterations", "fit.followed", "fit.wave", "fit.odd",
+                              "fit.strange", "fit.usual", "fit.outline", "fit.along", "fit.unknown",
+                              "fit.floor", "fit.lean", "fit.pitch", "fit.most"});
 }
 
 void check_capture(const Capture& capture, const StrawberriesPipelineConfig& config) {

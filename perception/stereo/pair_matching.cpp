@@ -39,9 +39,11 @@ Image<float> made_smaller(const Image<float>& image, int scale) {
   return small;
 }
 
-int scale_for(int width, int most_px) {
+/// The power of two that makes an image at most so wide, and no side too short to be matched.
+int scale_for(const Image<float>& image, int most_px) {
   int scale = 1;
-  while (width / scale > most_px) scale *= 2;
+  const int shorter = std::min(image.width(), image.height());
+  while (image.width() / scale > most_px && shorter / (2 * scale) >= kLeastSide_px) scale *= 2;
   return scale;
 }
 
@@ -141,7 +143,7 @@ ScaledPair scaled_pair(const RectifiedPair& pair, int scale) {
           whole_windows(pair.left.valid, scale), whole_windows(pair.right.valid, scale), scale};
 }
 
-/// What is seen beside an image's edge is no match.
+/// A match whose window reaches over the edge of either image is left out.
 StereoMatches match_inside(const ScaledPair& pair, const StereoMatchConfig& config) {
   StereoMatches matches = match_stereo(pair.left, pair.right, config);
   tbb::parallel_for(0, pair.left.height(), [&](int y) {
@@ -323,7 +325,6 @@ PairDisparities match_by_ours(RectifiedPair& pair, const Image<Eigen::Vector2f>&
     findings.scale *= 2;
   ScaledPair first = scaled_pair(pair, findings.scale);
   StereoMatches matches = match_in_range(first, config, findings);
-  findings.textured = textured_share(matches.reason);
   if (config.align_rows) {
     for (int round = 0; round < 2; ++round) {  // what agrees better is found in more places
       align_rows(pair, reported_px, first, matches.disparity_px, findings);
@@ -361,41 +362,53 @@ PairDisparities match_by_ours(RectifiedPair& pair, const Image<Eigen::Vector2f>&
 }
 
 PairDisparities match_with_opencv(const RectifiedPair& pair, PairFindings findings) {
-  findings.textured = 1;  // it does not say
   return {match_by_opencv(pair.left.image, pair.right.image,
                           std::max(1, static_cast<int>(findings.last_px))),
           {},
           std::move(findings)};
 }
 
+/// Where the left image shows texture, at a small scale.
+struct Texture {
+  Image<MatchReason> reason;
+  int scale = 1;
+
+  bool at(int x, int y) const {
+    return reason.contains(x / scale, y / scale) &&
+           reason(x / scale, y / scale) != MatchReason::no_texture;
+  }
+};
+
 /// The coarse steps: rows, range, and whether the images are a pair at all.
-void find_coarsely(RectifiedPair& pair, const Image<Eigen::Vector2f>& reported_px,
-                   const PairMatchConfig& config, PairFindings& findings) {
-  const int width = pair.left.image.width();
+Texture find_coarsely(RectifiedPair& pair, const Image<Eigen::Vector2f>& reported_px,
+                      const PairMatchConfig& config, PairFindings& findings) {
   if (config.align_rows) {
-    const ScaledPair small = scaled_pair(pair, scale_for(width, kAlignWidth_px));
+    const ScaledPair small = scaled_pair(pair, scale_for(pair.left.image, kAlignWidth_px));
     const StereoMatches matches = match_coarsely(small, config);
     align_rows(pair, reported_px, small, matches.disparity_px, findings);
   }
-  const ScaledPair coarse = scaled_pair(pair, scale_for(width, kRangeWidth_px));
+  const ScaledPair coarse = scaled_pair(pair, scale_for(pair.left.image, kRangeWidth_px));
   const StereoMatches matches = match_coarsely(coarse, config);
   const double textured = textured_share(matches.reason), matched = matched_share(matches.reason);
+  Texture texture{matches.reason, coarse.scale};
   if (textured < 0.001) {
     findings.why_none = "the images show no texture";
-    return;
+    return texture;
   }
   if (matched < 0.3 * textured) {
     const StereoMatches exchanged = match_coarsely(
         {coarse.right, coarse.left, coarse.right_whole, coarse.left_whole, coarse.scale}, config);
-    if (matched_share(exchanged.reason) > 2 * matched) {
+    const double other = matched_share(exchanged.reason);
+    if (other > 2 * matched && other > 0.3 * textured) {
       findings.why_none = "the right image shows what the left one should: exchange the two";
-      return;
+      return texture;
     }
   }
   if (config.range_px > 0)
-    findings.last_px = config.range_px;
+    findings.last_px = std::min(config.range_px, pair.left.image.width() - 1);
   else if (!find_range(matches, coarse, findings))
     findings.why_none = "no part of one image is found in the other";
+  return texture;
 }
 
 void say_doubts(const PairMatchConfig& config, PairFindings& findings) {
@@ -426,24 +439,32 @@ PairDisparities match_pair(RectifiedPair& pair, const PairMatchConfig& config) {
   const int width = pair.left.image.width(), height = pair.left.image.height();
   const Image<Eigen::Vector2f> reported_px = pair.geometry.right_px;
   PairFindings findings;
-  find_coarsely(pair, reported_px, config, findings);
   PairDisparities result{Image<float>(width, height, kNone), {}, findings};
+  if (std::min(width, height) < kLeastSide_px) {
+    result.findings.why_none =
+        "the images have fewer than " + std::to_string(kLeastSide_px) + " pixels along a side";
+    return result;
+  }
+  const Texture texture = find_coarsely(pair, reported_px, config, findings);
+  result.findings = findings;
   if (!findings.why_none.empty()) return result;
   result = config.matcher == PairMatcher::opencv
                ? match_with_opencv(pair, std::move(findings))
                : match_by_ours(pair, reported_px, config, std::move(findings));
   leave_out_hidden(result.disparity_px, pair.right.valid);
-  std::size_t found = 0;
-  for (std::size_t i = 0; i < result.disparity_px.size(); ++i) {
-    float& d = result.disparity_px.data()[i];
-    if (pair.left.valid.data()[i] == 0) d = kNone;
-    if (!std::isnan(d))
-      ++found;
-    else if (!result.sigma_px.empty())
-      result.sigma_px.data()[i] = kNone;
+  double textured = 0, matched = 0;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      float& d = result.disparity_px(x, y);
+      if (pair.left.valid(x, y) == 0) d = kNone;
+      if (std::isnan(d) && !result.sigma_px.empty()) result.sigma_px(x, y) = kNone;
+      if (!texture.at(x, y)) continue;
+      ++textured;
+      matched += !std::isnan(d);
+    }
   }
-  result.findings.matched = static_cast<double>(found) / static_cast<double>(width * height) /
-                            std::max(result.findings.textured, 1e-6);
+  result.findings.textured = textured / (static_cast<double>(width) * height);
+  result.findings.matched = matched / std::max(1.0, textured);
   say_doubts(config, result.findings);
   if (!result.findings.why_none.empty()) result.disparity_px = Image<float>(width, height, kNone);
   return result;

@@ -30,7 +30,7 @@ struct PairMatchConfig {
 /// What became of one pair.
 struct PairFindings {
   std::string why_none;  ///< empty: there are disparities
-  double textured = 0;   ///< share of the left image's pixels that show texture
+  double textured = 0;   ///< share of the left image's pixels about which there is texture
   double matched = 0;    ///< share of these that have a disparity
   double first_px = 0;   ///< disparities that were looked for
   double last_px = 0;

@@ -84,8 +84,8 @@ Fields fields(StereoDepthConfig& c) {
       {"align_rows", &c.pair.align_rows, "move the right image's rows to where the images agree"},
       {"calibration_px", &c.calibration_px,
        "deviation of a frame's disparities by what the calibration is off", 0, 100},
-      {"uniqueness", &c.pair.match.uniqueness, "ours: least share that the best match is better by",
-       0, 0.99},
+      {"uniqueness", &c.pair.match.uniqueness, "least share that the best match is better by", 0,
+       0.99},
       {"speckle_px", &c.pair.speckle_px, "ours: smaller patches are left out", 1, 100000},
       {"least_matched", &c.pair.least_matched,
        "of the pixels with texture; a frame with fewer is not solved", 0, 1},
@@ -100,6 +100,12 @@ void validate(const StereoDepthConfig& config) {
   StereoDepthConfig copy = config;
   check_limits(fields(copy), "stereo_depth");
   validate(config.pair.match);
+  const DisparityRefinementConfig& refine = config.pair.refine;
+  if (!(refine.sigma_floor_px < refine.most_sigma_px))
+    throw std::invalid_argument("stereo depth: sigma_floor_px " +
+                                std::to_string(refine.sigma_floor_px) +
+                                " is not below most_sigma_px " +
+                                std::to_string(refine.most_sigma_px) + ": nothing would be left");
 }
 
 StereoMeasure measure_stereo(const Capture& capture, std::size_t frame,

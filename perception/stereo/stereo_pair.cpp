@@ -88,6 +88,28 @@ void check_stereo_rig(const Capture& capture) {
       (centre_m.x() / apart_m < -std::sqrt(0.5) ? ", but at its left: exchange the two" : ""));
 }
 
+Capture capture_of_pair(Image<std::uint8_t> left, Image<std::uint8_t> right, double focal_px,
+                        double baseline_m) {
+  Camera camera;
+  camera.width_px = left.width();
+  camera.height_px = left.height();
+  camera.fx_px = camera.fy_px = focal_px;
+  camera.cx_px = 0.5 * (camera.width_px - 1);
+  camera.cy_px = 0.5 * (camera.height_px - 1);
+  Capture capture;
+  capture.rig.resize(2);
+  capture.rig[0].name = "grey";
+  capture.rig[1].name = "grey_right";
+  capture.rig[1].sensor_from_rig.translation_m.x() = -baseline_m;
+  Frame frame;
+  frame.sensors.resize(2);
+  for (std::size_t s = 0; s < 2; ++s) capture.rig[s].camera = frame.sensors[s].reported = camera;
+  frame.sensors[0].grey = std::move(left);
+  frame.sensors[1].grey = std::move(right);
+  capture.frames.push_back(std::move(frame));
+  return capture;
+}
+
 std::string why_no_stereo_pair(const Capture& capture, const Frame& frame, double most_apart_s) {
   if (frame.sensors.size() < 2) return "there is one image";
   const SensorFrame &left = frame.sensors[0], &right = frame.sensors[1];

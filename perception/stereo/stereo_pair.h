@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "sim/imaging/rectification.h"
@@ -12,6 +13,11 @@ namespace cousin {
 /// @throws std::invalid_argument saying what it has instead: one sensor, a depth sensor, cameras at
 /// one place, the second at the left of the first or before or behind it
 void check_stereo_rig(const Capture& capture);
+
+/// One frame of two grey images that are rectified already, as a rig of parallel pinhole cameras
+/// hands it over: depth = focal_px * baseline_m / disparity.
+Capture capture_of_pair(Image<std::uint8_t> left, Image<std::uint8_t> right, double focal_px,
+                        double baseline_m);
 
 /// Why a frame's two images are no pair; empty if they are: one is missing, their sizes differ from
 /// each other or from their calibration's, or they were exposed too far apart.

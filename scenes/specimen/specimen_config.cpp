@@ -81,6 +81,10 @@ Fields fields(SpecimenSceneConfig& c) {
 void validate(const SpecimenSceneConfig& config) {
   SpecimenSceneConfig copy = config;
   check_limits(fields(copy), "specimen");
+  constexpr std::size_t kMostName = 256;  // as categories.json has them
+  if (config.name.empty() || config.name.size() > kMostName)
+    throw std::invalid_argument("specimen: name has " + std::to_string(config.name.size()) +
+                                " bytes, outside [1, " + std::to_string(kMostName) + "]");
   metres_per_unit(config.unit);  // throws, naming those that exist
   one_of("up", config.up, {"x", "y", "z", "-x", "-y", "-z"});
   one_of("surface", config.surface, {"auto", "solid", "leaf"});

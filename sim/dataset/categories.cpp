@@ -37,8 +37,8 @@ std::string categories_to_json(const std::vector<std::string>& names) {
 }
 
 std::vector<std::string> read_categories(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / kCategoriesFile;
-  if (!std::filesystem::exists(file)) return {};
+  if (!std::filesystem::exists(folder / kCategoriesFile)) return {};
+  const std::filesystem::path file = resolve_inside(folder, kCategoriesFile);
   return categories_from_json(read_file(file), file.string());
 }
 

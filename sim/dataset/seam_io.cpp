@@ -72,6 +72,9 @@ std::vector<int> frames_with_depth(const fs::path& dir) {
       throw std::runtime_error(entry.path().string() + ": the name is not a frame's six digits");
     frames.push_back(frame);
   }
+  if (frames.empty())
+    throw std::runtime_error((dir / "depth").string() +
+                             ": holds no .exr and no .npy, such as 000000.npy");
   std::sort(frames.begin(), frames.end());
   return frames;
 }

@@ -140,7 +140,8 @@ void add_apples_plots(SeedsReport& report) {
   if (std::none_of(rows.begin(), rows.end(),
                    [](const ScoreRow& row) { return row.suite == kSuite; }))
     return;
-  LinePlot plot = abstention_plot(rows, "ours", "mass.mape", "Mean error of the mass, %", 100);
+  LinePlot plot =
+      abstention_plot(rows, "ours", "mass", "mass.mape", "Mean error of the mass, %", 100);
   if (!plot.series.empty()) report.lines.push_back(std::move(plot));
   std::vector<std::string> names;
   for (const Level& camera : cameras()) names.push_back(camera.word);

@@ -94,12 +94,17 @@ std::optional<double> rmse_by_width(std::vector<TraitPair> pairs) {
   return std::sqrt(squares(pairs.size() - third) / squares(0));
 }
 
+bool is_relative(std::string_view trait) {
+  return trait_row(trait).scoring == TraitScoring::relative;
+}
+
 void add_intervals(const Group& group, const std::string& name,
                    const std::vector<TraitPair>& pairs) {
   const SigmaCoverage coverage = sigma_coverage(pairs);
   if (coverage.n == 0) return;
   group.add(with_interval(group.base, name + ".coverage_95", "1", coverage.within_95, coverage.n));
   group.add(name + ".width_over_rmse", coverage.width_over_rmse, "1", coverage.n);
+  if (!is_relative(name)) return;
   if (const auto ratio = rmse_by_width(pairs))
     group.add(name + ".rmse_by_width", *ratio, "1", coverage.n);
 }
@@ -116,7 +121,7 @@ void add_trait(const Group& group, std::string_view trait) {
   const ScoreRow& base = group.base;
   const TraitStatistics s = trait_statistics(
       pairs, Rng(base.seed).fork(group.suite.name).fork(base.case_name).fork(trait));
-  group.add(with_interval(base, name + ".mape", "1", s.mape, s.n));
+  if (is_relative(trait)) group.add(with_interval(base, name + ".mape", "1", s.mape, s.n));
   if (trait == group.suite.known_density)  // a known density adds no error of its own
     group.add(with_interval(base, "mass_by_known_density.mape", "1", s.mape, s.n));
   group.add(with_interval(base, name + ".rmse", unit, s.rmse, s.n));
@@ -158,57 +163,77 @@ void add_points(const Group& group) {
     group.add(with_interval(group.base, "point.coverage_95", "1", coverage.within_95, coverage.n));
 }
 
-/// The traits of one box, in their order.
 using TraitList = std::vector<std::string_view>;
 
-/// The rows of the boxes that have the most traits, box after box: a capture of which nothing is
-/// measured has fewer.
-std::pair<std::vector<SpecimenRow>, TraitList> like_boxes(const std::vector<SpecimenRow>& rows) {
-  std::map<std::int64_t, TraitList> traits;
-  for (const SpecimenRow& row : rows) traits[row.instance].push_back(row.trait);
-  TraitList most;
-  for (const auto& [box, own] : traits) {
-    if (own.size() > most.size()) most = own;
+/// The group's boxes, each with all traits that any of them has: a capture of which nothing is
+/// measured has rows of fewer. What is added is not solved.
+std::pair<std::vector<SpecimenRow>, TraitList> completed(const std::vector<SpecimenRow>& rows) {
+  TraitList traits;
+  std::map<std::int64_t, std::map<std::string_view, const SpecimenRow*>> boxes;
+  for (const SpecimenRow& row : rows) {
+    boxes[row.instance][row.trait] = &row;
+    if (std::find(traits.begin(), traits.end(), row.trait) == traits.end())
+      traits.push_back(row.trait);
   }
-  std::vector<SpecimenRow> like;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(like),
-               [&](const SpecimenRow& row) { return traits[row.instance] == most; });
-  return {std::move(like), std::move(most)};
+  std::vector<SpecimenRow> all;
+  for (const auto& [box, own] : boxes) {
+    for (const std::string_view trait : traits) {
+      const auto found = own.find(trait);
+      SpecimenRow row = found != own.end() ? *found->second : *own.begin()->second;
+      if (found == own.end()) {
+        row.trait = trait;
+        row.truth = row.measured = row.sigma = ScoreRow::kNone;
+        row.status = ScoreStatus::not_solved;
+      }
+      all.push_back(std::move(row));
+    }
+  }
+  return {std::move(all), std::move(traits)};
 }
 
 void add_group(const Group& group) {
   add_points(group);
-  for (const std::string_view trait : group.suite.traits) add_trait(group, trait);
-  const auto [like, traits] = like_boxes(group.rows);
+  const auto [boxes, traits] = completed(group.rows);
+  const Group whole{group.suite, boxes, group.base, group.out};
+  for (const std::string_view trait : group.suite.traits) add_trait(whole, trait);
   if (std::none_of(traits.begin(), traits.end(), is_of_place)) return;
   std::vector<ScoreRow> places;
-  add_place_rows(like, traits, group.base, places);
+  add_place_rows(boxes, traits, group.base, places);
   for (ScoreRow& row : places) group.add(std::move(row));
 }
 
-/// How wide a box's interval is: of its volume relative to it, else of its point.
-double width_of(const std::vector<const SpecimenRow*>& box) {
-  for (const char* trait : {"volume", "mass", "point_z"}) {
-    for (const SpecimenRow* row : box) {
-      if (row->trait == trait && row->status == ScoreStatus::ok && row->sigma > 0)
-        return row->sigma / std::abs(row->measured);
-    }
+/// The trait whose relative interval says how sure a box is: one for all boxes of a group.
+std::string_view trait_of_width(const std::vector<SpecimenRow>& rows) {
+  for (const std::string_view trait : {"volume", "mass", "point_z"}) {
+    const bool is_there = std::any_of(rows.begin(), rows.end(), [&](const SpecimenRow& row) {
+      return row.trait == trait && row.status == ScoreStatus::ok;
+    });
+    if (is_there) return trait;
+  }
+  return {};
+}
+
+/// Width of a box's interval of the trait over its value; infinite where it is not measured.
+double width_of(const std::vector<const SpecimenRow*>& box, std::string_view trait) {
+  for (const SpecimenRow* row : box) {
+    if (row->trait == trait && row->status == ScoreStatus::ok && row->sigma > 0)
+      return row->sigma / std::abs(row->measured);
   }
   return std::numeric_limits<double>::infinity();
 }
 
-/// The rows of the surest `percent` of all boxes there are.
+/// The rows of the surest `percent` of all boxes there are; none where fewer are measured.
 std::vector<SpecimenRow> surest(const std::vector<SpecimenRow>& rows, int percent) {
   std::map<std::int64_t, std::vector<const SpecimenRow*>> boxes;
   for (const SpecimenRow& row : rows) boxes[row.instance].push_back(&row);
   std::vector<std::pair<double, std::int64_t>> widths;
-  for (const auto& [box, own] : boxes) widths.emplace_back(width_of(own), box);
+  const std::string_view trait = trait_of_width(rows);
+  for (const auto& [box, own] : boxes) widths.emplace_back(width_of(own, trait), box);
   std::sort(widths.begin(), widths.end());
   widths.resize(widths.size() * static_cast<std::size_t>(percent) / 100);
+  if (widths.empty() || !std::isfinite(widths.back().first)) return {};
   std::set<std::int64_t> kept;
-  for (const auto& [width, box] : widths) {
-    if (std::isfinite(width)) kept.insert(box);
-  }
+  for (const auto& [width, box] : widths) kept.insert(box);
   std::vector<SpecimenRow> result;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(result),
                [&](const SpecimenRow& row) { return kept.contains(row.instance); });
@@ -275,7 +300,7 @@ ScoreFile run_fruit_job(const FruitSuite& suite, const GridJob& job) {
 namespace {
 
 /// Rows of each method and case. Rows of a point, which have no case, go where their box's other
-/// rows are, and of a method that has points alone into "all".
+/// rows are, of this method or else of another.
 using Groups = std::map<std::pair<std::string, std::string>, std::vector<SpecimenRow>>;
 
 Groups groups_of_boxes(const FruitSuite& suite, const std::vector<SpecimenRow>& boxes) {
@@ -284,7 +309,6 @@ Groups groups_of_boxes(const FruitSuite& suite, const std::vector<SpecimenRow>& 
     if (const std::string own = case_of(suite, row); !own.empty())
       cases[{row.method, row.instance}] = own;
   }
-  // A method that measures points alone has the cases of the same boxes by another.
   std::map<std::int64_t, std::string> of_any;
   for (const auto& [box, name] : cases) of_any.emplace(box.second, name);
   Groups groups;
@@ -303,53 +327,60 @@ Groups groups_of_boxes(const FruitSuite& suite, const std::vector<SpecimenRow>& 
   return groups;
 }
 
+/// Ratios of ours to each other method, in each case on the boxes that both measure.
+void add_pairs(const FruitSuite& suite, const Groups& groups, std::vector<ScoreRow>& rows) {
+  SeedsScoreLabels labels;
+  labels.suite = suite.name;
+  labels.scene = "pooled";
+  labels.seed = suite.seed;
+  for (const auto& [key, theirs] : groups) {
+    const auto ours = groups.find({"ours", key.second});
+    if (key.first == "ours" || ours == groups.end()) continue;
+    std::vector<SpecimenRow> both = ours->second;
+    both.insert(both.end(), theirs.begin(), theirs.end());
+    for (SpecimenRow& row : both) row.cultivar = key.second;
+    for (ScoreRow& row : paired_rows(both, "ours", key.first, labels))
+      rows.push_back(std::move(row));
+  }
+}
+
 }  // namespace
 
 std::vector<ScoreRow> fruit_pooled_rows(const FruitSuite& suite, const ScoreFile& jobs) {
   std::vector<ScoreRow> rows;
-  std::vector<SpecimenRow> boxes = boxes_of_runs(jobs.specimens);
+  const std::vector<SpecimenRow> boxes = boxes_of_runs(jobs.specimens);
   ScoreRow base;
   base.suite = suite.name;
   base.scene = "pooled";
   base.seed = suite.seed;
-  std::set<std::string> methods;
-  for (const auto& [key, own] : groups_of_boxes(suite, boxes)) {
-    methods.insert(key.first);
+  const Groups groups = groups_of_boxes(suite, boxes);
+  for (const auto& [key, own] : groups) {
     base.method = key.first;
     base.case_name = key.second;
     add_group({suite, own, base, rows});
     if (!key.second.ends_with("all")) continue;
     add_seconds(suite, jobs, base, rows);
     for (const int percent : kSurest) {
-      base.case_name = key.second + ", surest " + std::to_string(percent) + " %";
       const std::vector<SpecimenRow> kept = surest(own, percent);
+      if (kept.empty()) continue;
+      base.case_name = key.second + ", surest " + std::to_string(percent) + " %";
       add_group({suite, kept, base, rows});
     }
   }
-  SeedsScoreLabels labels;
-  labels.suite = suite.name;
-  labels.scene = "pooled";
-  labels.seed = suite.seed;
-  for (SpecimenRow& row : boxes) {
-    const std::string own = case_of(suite, row);
-    row.cultivar = !own.empty() ? own : row.scene == suite.plain ? "all" : row.scene + ", all";
-  }
-  for (const std::string& method : methods) {
-    if (method == "ours") continue;
-    for (ScoreRow& row : paired_rows(boxes, "ours", method, labels)) rows.push_back(std::move(row));
-  }
+  add_pairs(suite, groups, rows);
   return rows;
 }
 
 LinePlot abstention_plot(const std::vector<ScoreRow>& rows, const std::string& method,
-                         const std::string& metric, const std::string& label, double factor) {
+                         const std::string& trait, const std::string& metric,
+                         const std::string& label, double factor) {
   LinePlot plot;
   plot.title = label + " against the share of boxes that are reported";
-  plot.caption = {"The boxes with the narrowest intervals are reported first."};
+  plot.caption = {"The boxes with the narrowest intervals of " + trait +
+                  " are reported first; the last point has all that are measured."};
   plot.x_label = "boxes reported, %";
   plot.y_label = label;
   plot.section = "What it dares to say";
-  std::map<std::string, LineSeries> series;
   const auto find = [&](const std::string& name, const std::string& of) -> const ScoreRow* {
     const auto row = std::find_if(rows.begin(), rows.end(), [&](const ScoreRow& r) {
       return r.scene == "pooled" && r.method == method && r.case_name == name && r.metric == of;
@@ -364,8 +395,8 @@ LinePlot abstention_plot(const std::vector<ScoreRow>& rows, const std::string& m
         {percent, {row->value * factor, row->ci_low * factor, row->ci_high * factor}});
   };
   for (const int percent : kSurest) add(percent, "all, surest " + std::to_string(percent) + " %");
-  const ScoreRow* measured = find("all", "volume.measured");
-  add(measured ? 100 * measured->value : 100, "all");
+  const ScoreRow *all = find("all", metric), *boxes = find("all", trait + ".measured");
+  if (all && boxes) add(100 * static_cast<double>(all->n) / static_cast<double>(boxes->n), "all");
   if (!own.points.empty()) plot.series.push_back(std::move(own));
   return plot;
 }

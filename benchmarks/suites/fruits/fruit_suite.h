@@ -44,16 +44,20 @@ ScoreFile run_fruit_job(const FruitSuite& suite, const GridJob& job);
 ///   third of widest intervals over that in the third of narrowest;
 /// - places and directions (add_place_rows), and point.rmse_x, .rmse_y, .rmse_z, .rmse_3d, and
 ///   .coverage_95 over the three;
-/// - case "all": whole in the image, in the sensor's range; "all, surest 50 %": the half of these
-///   boxes whose interval is the narrowest, as a robot that leaves the others out has them;
+/// - case "all": whole in the image, in the sensor's range; "all, surest 50 %": the half of all
+///   these boxes whose intervals are the narrowest, as a robot has them that leaves the others out;
+///   no such case where fewer than half are measured;
 /// - seconds.N_fruits: of an image with so many that are measured;
 /// - ratios of ours to the other methods on the same boxes with paired tests.
 /// Boxes of one run are drawn together: they show the same plants.
 std::vector<ScoreRow> fruit_pooled_rows(const FruitSuite& suite, const ScoreFile& jobs);
 
-/// Error against the share of boxes that are reported, the surest first, of pooled rows.
+/// Error against the share of all boxes that are reported, the surest first, of pooled rows.
+/// @param trait  whose rows say how many boxes there are: "volume"
+/// @param metric  that is drawn: "cut.error_3d"
 LinePlot abstention_plot(const std::vector<ScoreRow>& rows, const std::string& method,
-                         const std::string& metric, const std::string& label, double factor);
+                         const std::string& trait, const std::string& metric,
+                         const std::string& label, double factor);
 
 /// What each camera comes to on the same plants: a line for each scene "CAMERA" of pooled rows of
 /// `method` whose case is "CAMERA, all".

@@ -7,6 +7,7 @@
 
 #include "benchmarks/report/pictures.h"
 #include "perception/stereo/stereo_depth.h"
+#include "perception/stereo/stereo_pair.h"
 #include "sim/imaging/image_io.h"
 #include "sim/types/no_value.h"
 #include "sim/types/stage_clock.h"
@@ -60,29 +61,6 @@ Cones read_cones(const fs::path& folder) {
   if (!same(cones.right) || !same(cones.disparity_px) || !same(cones.visible))
     throw std::runtime_error(folder.string() + ": its images differ in size");
   return cones;
-}
-
-/// As a rig of two parallel pinhole cameras hands it over.
-Capture capture_of(const Cones& cones) {
-  Camera camera;
-  camera.width_px = cones.left.width();
-  camera.height_px = cones.left.height();
-  camera.fx_px = camera.fy_px = camera.width_px;
-  camera.cx_px = 0.5 * (camera.width_px - 1);
-  camera.cy_px = 0.5 * (camera.height_px - 1);
-  Capture capture;
-  capture.rig.resize(2);
-  capture.rig[0].name = "grey";
-  capture.rig[1].name = "grey_right";
-  capture.rig[1].sensor_from_rig.translation_m.x() = -kBaseline_m;
-  Frame frame;
-  frame.sensors.resize(2);
-  for (std::size_t s = 0; s < 2; ++s) {
-    capture.rig[s].camera = frame.sensors[s].reported = camera;
-    frame.sensors[s].grey = s == 0 ? cones.left : cones.right;
-  }
-  capture.frames.push_back(std::move(frame));
-  return capture;
 }
 
 struct Errors {
@@ -182,7 +160,7 @@ RealPart cones_stereo(const fs::path& real_data, const fs::path& out, bool /*qui
     return part;
   }
   const Cones cones = read_cones(folder);
-  const Capture capture = capture_of(cones);
+  const Capture capture = capture_of_pair(cones.left, cones.right, cones.left.width(), kBaseline_m);
   std::vector<Image<Rgb8>> pictures = {in_grey(cones.left),
                                        depth_in_color(true_depths(cones, capture))};
   for (const PairMatcher matcher : {PairMatcher::ours, PairMatcher::opencv}) {

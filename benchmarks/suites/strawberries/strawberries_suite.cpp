@@ -113,8 +113,9 @@ void add_strawberries_plots(SeedsReport& report) {
                    [](const ScoreRow& row) { return row.suite == "strawberries"; }))
     return;
   for (LinePlot plot :
-       {abstention_plot(rows, "ours", "volume.mape", "Mean error of the volume, %", 100),
-        abstention_plot(rows, "ours", "cut.error_3d", "Median error of the cut point, mm", 1e3)}) {
+       {abstention_plot(rows, "ours", "volume", "volume.mape", "Mean error of the volume, %", 100),
+        abstention_plot(rows, "ours", "volume", "cut.error_3d", "Median error of the cut point, mm",
+                        1e3)}) {
     if (!plot.series.empty()) report.lines.push_back(std::move(plot));
   }
   std::vector<std::string> names;

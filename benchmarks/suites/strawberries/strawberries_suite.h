@@ -10,8 +10,9 @@ namespace cousin {
 
 struct StrawberriesSuiteConfig {
   std::uint64_t seed = 1;
-  bool quick = false;  ///< one run of each, 3 views, the sensor's law in place of matched images
-  int runs = 0;        ///< stretches of bed; 0 = 10. Other jobs take a third of them
+  /// One run of each, 3 views; but for the camera jobs the sensor's law in place of matched images.
+  bool quick = false;
+  int runs = 0;  ///< stretches of bed; 0 = 10. Family and cameras take a third of them, near one
   std::vector<std::string> sets;
 };
 

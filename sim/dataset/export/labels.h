@@ -15,8 +15,8 @@ struct Category {
   std::string name;
   std::vector<std::string> keypoints;  ///< of all its specimens
 };
-/// Of the specimens of all scenes, and those that the datasets' categories.json names beside: a
-/// class has the same id whether or not a dataset shows it. Keypoints are those of the specimen
+/// Those of the datasets' categories.json, and those of the specimens of all scenes. So a class has
+/// the same id whether or not a dataset shows it. Keypoints are those of the specimen
 /// with the most, in its order, then what only others have.
 /// @param label  of the specimens by which they are sorted; empty: by Instance::category
 /// @throws std::runtime_error naming the scene, a specimen without that label, and what it has

@@ -74,6 +74,19 @@ TEST(ScoreDepths, BadPixelsAreOfDisparity) {
     EXPECT_THAT(row.metric, testing::Not(testing::HasSubstr("bad")));
 }
 
+TEST(ScoreDepths, ADepthSensorIsNoOtherEyeAndTheSkyIsNoSurface) {
+  SceneTruth truth = wall();
+  truth.other_sensors[0].sensor = "depth";
+  for (TruthImages& images : truth.images)
+    images.depth_m = Image<float>(10, 10, std::numeric_limits<float>::infinity());
+  Estimate estimate;
+  estimate.depths = {depth(0, 1.5F)};
+  for (const ScoreRow& row : score_depths(truth, estimate, {})) {
+    EXPECT_THAT(row.metric, testing::Not(testing::HasSubstr("bad")));
+    EXPECT_FALSE(std::isnan(row.value)) << row.metric;
+  }
+}
+
 TEST(ScoreDepths, WhatIsOfAnotherCaptureIsRefused) {
   Estimate estimate;
   estimate.depths = {depth(3, 1)};
@@ -81,6 +94,12 @@ TEST(ScoreDepths, WhatIsOfAnotherCaptureIsRefused) {
   estimate.depths = {depth(0, 1)};
   estimate.depths[0].depth_m = Image<float>(4, 4, 1.0F);
   EXPECT_THROW(score_depths(wall(), estimate, {}), std::invalid_argument);
+  // Somebody's zero is no depth, and may not count as one.
+  for (const float none : {0.0F, -1.0F, std::numeric_limits<float>::infinity()}) {
+    estimate.depths = {depth(0, 1)};
+    estimate.depths[0].depth_m(3, 3) = none;
+    EXPECT_THROW(score_depths(wall(), estimate, {}), std::invalid_argument) << none;
+  }
   SceneTruth blind = wall();
   blind.images.clear();
   EXPECT_THROW(score_depths(blind, {}, {}), std::invalid_argument);

@@ -60,6 +60,10 @@ TEST(PipelineTable, ASettingThatTheMethodDoesNotReadIsSaidToBe) {
   EXPECT_THAT(unused("stereo", {"method=opencv", "stereo.radius_px=6"}),
               ElementsAre(HasSubstr("stereo.radius_px")));
   EXPECT_THAT(unused("stereo", {"method=opencv", "stereo.range_px=64"}), IsEmpty());
+  EXPECT_THAT(unused("stereo", {"method=opencv", "cloud_sigma=0.1"}),
+              ElementsAre(HasSubstr("cloud_sigma")));
+  EXPECT_THAT(unused("strawberries", {"method=cone", "fit.odd_scale=3", "fit.widen=1"}),
+              ElementsAre(HasSubstr("fit.odd_scale")));
 }
 
 TEST(PipelineTable, EveryMethodIsTakenAndSaysWhatItReads) {

@@ -55,8 +55,34 @@ TEST(StereoPipeline, WhereTheRigSaysWhereItIsAllFramesMakeIt) {
   EXPECT_NEAR(static_cast<double>(most), 1 + 0.8, 0.05);
 }
 
-TEST(StereoPipeline, ACloudHasNoMorePointsThanAskedFor) {
-  EXPECT_LE(run(plane_twice(), {.cloud_points = 5000}).cloud.size(), 5000U);
+TEST(StereoPipeline, AFrameThatSaysNotWhereItWasIsNotInTheWorldsCloud) {
+  Capture capture = plane_twice();
+  capture.frames[0].rig_from_world = Pose{};
+  const Estimate estimate = run(capture);
+  EXPECT_THAT(*estimate.notes, testing::ElementsAre(HasSubstr("1 frames do not say where")));
+}
+
+TEST(StereoPipeline, SomebodysDepthOfAnotherSizeMakesNoCloud) {
+  const Capture capture = plane_twice();
+  const PipelineConfig pipeline{StereoPipelineConfig{}};
+  Stages stages = stages_for(pipeline, capture, 1, {});
+  stages.depths = [](const Capture& of, const Estimate&) {
+    Depths depths;
+    for (const Frame& frame : of.frames) depths.push_back({frame.id, Image<float>(160, 120, 1.6F)});
+    return depths;
+  };
+  try {
+    run_pipeline(capture, pipeline, stages);
+    ADD_FAILURE() << "a cloud of a half-size depth";
+  } catch (const StageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("160 x 120"));
+  }
+}
+
+TEST(StereoPipeline, ACloudHasAboutAsManyPointsAsAskedFor) {
+  const std::size_t points = run(plane_twice(), {.cloud_points = 5000}).cloud.size();
+  EXPECT_GT(points, 2500U);  // every second pixel more or less is a factor of two
+  EXPECT_LE(points, 5100U);
   const StereoPipelineConfig none{.cloud_points = 0};
   EXPECT_TRUE(run(plane_twice(), none).cloud.empty());
   EXPECT_THAT(needs(none).left_out, testing::ElementsAre(testing::Pair("cloud", "cloud_points=0")));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "perception/stereo/stereo_pair.h"
 #include "sim/types/rng.h"
 
 namespace cousin {
@@ -148,31 +149,7 @@ std::vector<DrawnPiece> drawn_clutter(std::uint64_t seed, const DrawnPairConfig&
 }
 
 Capture capture_of(const DrawnPair& pair, double baseline_m) {
-  const auto colored = [](const Image<std::uint8_t>& grey) {
-    Image<Rgb8> color(grey.width(), grey.height());
-    for (std::size_t i = 0; i < grey.size(); ++i)
-      color.data()[i] = {grey.data()[i], grey.data()[i], grey.data()[i]};
-    return color;
-  };
-  Camera camera;
-  camera.width_px = pair.left.width();
-  camera.height_px = pair.left.height();
-  camera.fx_px = camera.fy_px = camera.width_px;
-  camera.cx_px = 0.5 * (camera.width_px - 1);
-  camera.cy_px = 0.5 * (camera.height_px - 1);
-  Capture capture;
-  capture.rig.resize(2);
-  capture.rig[0].name = "rgb";
-  capture.rig[1].name = "rgb_right";
-  for (SensorReport& sensor : capture.rig) sensor.camera = camera;
-  capture.rig[1].sensor_from_rig.translation_m.x() = -baseline_m;
-  Frame frame;
-  frame.sensors.resize(2);
-  for (SensorFrame& sensor : frame.sensors) sensor.reported = camera;
-  frame.sensors[0].color = colored(pair.left);
-  frame.sensors[1].color = colored(pair.right);
-  capture.frames = {frame};
-  return capture;
+  return capture_of_pair(pair.left, pair.right, pair.left.width(), baseline_m);
 }
 
 }  // namespace cousin

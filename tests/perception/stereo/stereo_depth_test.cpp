@@ -65,8 +65,8 @@ Found found_in(const std::vector<DrawnPiece>& pieces, const DrawnPairConfig& dra
 
 TEST(StereoDepth, ASlantedPlaneIsFoundWithinATenthOfAPixel) {
   const Found found = found_in({{.at_px = 20, .per_x = 0.02, .per_y = -0.03}}, {});
-  EXPECT_GT(found.measured, 0.97);
-  EXPECT_LT(found.median_px, 0.06);
+  EXPECT_GT(found.measured, 0.97);   // all but the rim of a matching window
+  EXPECT_LT(found.median_px, 0.06);  // noise of 1.5 codes in windows of 81 pixels, twice
   EXPECT_LT(found.bad_1_px, 0.002);
 }
 
@@ -85,17 +85,17 @@ TEST(StereoDepth, OfClutterFewPixelsAreWrongAndWhatIsHiddenIsSaidToBe) {
 }
 
 TEST(StereoDepth, SigmasHoldOnPairsThatNobodyTunedOn) {
-  double sum = 0;
-  int pairs = 0;
   for (const double noise : {0.5, 1.5, 5.0}) {
+    double sum = 0;
     for (const std::uint64_t seed : {21U, 22U}) {
       const DrawnPairConfig drawn{.noise = noise, .right_gain = 0.9, .seed = seed};
       sum += found_in(drawn_clutter(seed, drawn), drawn).within_95;
-      ++pairs;
     }
+    // 95 % would be right. Wrong matches, which have no sigma, take some; all would be too wide.
+    EXPECT_GT(sum / 2, 0.85) << noise;
+    EXPECT_LT(sum / 2, 0.99) << noise;
+    std::printf("noise %.1f: %.3f within 1.96 sigma\n", noise, sum / 2);
   }
-  EXPECT_GT(sum / pairs, 0.88);
-  EXPECT_LT(sum / pairs, 0.99);
 }
 
 TEST(StereoDepth, RowsThatAreOffAreFoundAndSaid) {
@@ -141,9 +141,30 @@ TEST(StereoDepth, WhatIsNoPairHasNoDepthAndSaysWhy) {
               HasSubstr("apart"));
   EXPECT_THAT(why(pair,
                   [](Capture& capture) {
-                    capture.frames[0].sensors[1].color = Image<Rgb8>(160, 120, {90, 90, 90});
+                    capture.frames[0].sensors[1].grey = Image<std::uint8_t>(160, 120, 90);
                   }),
               HasSubstr("160 x 120"));
+}
+
+TEST(StereoDepth, AColourImageBesideAGreyOneIsAPairToo) {
+  const DrawnPair pair = draw_pair({{.at_px = 20}});
+  Capture capture = capture_of(pair);
+  SensorFrame& right = capture.frames[0].sensors[1];
+  right.color = Image<Rgb8>(pair.right.width(), pair.right.height());
+  for (std::size_t i = 0; i < pair.right.size(); ++i) {
+    const std::uint8_t grey = pair.right.data()[i];
+    right.color.data()[i] = {grey, grey, grey};
+  }
+  right.grey = {};
+  EXPECT_GT(compare(pair, capture, measure_stereo(capture, 0).depth).measured, 0.9);
+}
+
+TEST(StereoDepth, TooSmallAPictureSaysSo) {
+  const DrawnPair pair = draw_pair({{.at_px = 5}}, {.width_px = 200, .height_px = 16});
+  EXPECT_THAT(measure_stereo(capture_of(pair), 0).findings.why_none, HasSubstr("fewer than 32"));
+  StereoDepthConfig nothing_left;
+  nothing_left.pair.refine.most_sigma_px = 0.01;
+  EXPECT_THROW(validate(nothing_left), std::invalid_argument);
 }
 
 TEST(StereoDepth, OneCameraIsRefused) {

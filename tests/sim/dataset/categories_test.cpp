@@ -36,6 +36,13 @@ TEST(Categories, CocosSupercategoryMayStandBeside) {
   EXPECT_THAT(read_categories(folder.path()), testing::ElementsAre("ripe"));
 }
 
+TEST(Categories, ALinkOutOfTheFolderIsNotFollowed) {
+  const TemporaryFolder folder, other;
+  write_categories(other.path(), {"ripe"});
+  std::filesystem::create_symlink(other.path() / kCategoriesFile, folder.path() / kCategoriesFile);
+  EXPECT_THROW(read_categories(folder.path()), std::runtime_error);
+}
+
 TEST(Categories, NumbersWithAGapAndNamesTwiceAreRefused) {
   using testing::HasSubstr;
   EXPECT_THAT(refusal_of(R"([{"id": 0, "name": "a"}])"), HasSubstr("/0/id"));

@@ -61,7 +61,7 @@ TEST(FruitSuite, TheSurestBoxesErrLess) {
   EXPECT_EQ(half->n, 30);
   EXPECT_NEAR(half->value, 0.02, 1e-9);
   EXPECT_NEAR(find(rows, "all", "volume.mape")->value, 0.04, 1e-9);
-  const LinePlot plot = abstention_plot(rows, "ours", "volume.mape", "Error, %", 100);
+  const LinePlot plot = abstention_plot(rows, "ours", "volume", "volume.mape", "Error, %", 100);
   ASSERT_EQ(plot.series.size(), 1U);
   EXPECT_EQ(plot.series[0].points.size(), 5U);
   EXPECT_NEAR(plot.series[0].points.back().y.value, 4, 1e-9);
@@ -107,6 +107,75 @@ TEST(FruitSuite, ACaptureOfWhichNothingIsMeasuredTakesNoPlaceFromTheOthers) {
   ASSERT_NE(off, nullptr);
   EXPECT_EQ(off->n, 40);
   EXPECT_NEAR(off->value, 0.001 * std::sqrt(3), 1e-9);
+}
+
+TEST(FruitSuite, SharesAreOfAllBoxesAndNoMoreAreReportedThanAreMeasured) {
+  ScoreFile file = fruits(0.02, 0.02);
+  // Of every third box a point alone is measured, whose relative sigma is far smaller; a sixth are
+  // of a capture that has no volumes at all.
+  std::vector<SpecimenRow> rows_with_points;
+  for (SpecimenRow row : file.specimens) {
+    const bool has_volume = row.instance % 3 != 0, has_row = row.instance % 6 != 0;
+    if (!has_volume) row.status = ScoreStatus::not_solved;
+    if (has_row) rows_with_points.push_back(row);
+    row.trait = "point_z";
+    row.unit = "m";
+    row.status = ScoreStatus::ok;
+    row.truth = row.measured = 0.5;
+    row.sigma = 1e-4;
+    rows_with_points.push_back(row);
+  }
+  file.specimens = rows_with_points;
+  const std::vector<ScoreRow> rows = fruit_pooled_rows(suite(), file);
+  const ScoreRow* measured = find(rows, "all", "volume.measured");
+  ASSERT_NE(measured, nullptr);
+  EXPECT_EQ(measured->n, 60);
+  EXPECT_NEAR(measured->value, 2.0 / 3, 1e-12);
+  EXPECT_EQ(find(rows, "all, surest 75 %", "volume.mape"), nullptr);
+  EXPECT_EQ(find(rows, "all, surest 50 %", "volume.mape")->n, 30);
+  const LinePlot plot = abstention_plot(rows, "ours", "volume", "volume.mape", "Error, %", 100);
+  std::vector<double> shares;
+  for (const PlotPoint& point : plot.series.at(0).points) shares.push_back(point.x);
+  EXPECT_THAT(shares, testing::ElementsAre(25, 50, testing::DoubleNear(100 * 2.0 / 3, 1e-9)));
+}
+
+TEST(FruitSuite, PairsAreOfOneCaseAndStandOnce) {
+  ScoreFile file = fruits(0.02, 0.02);
+  const ScoreFile twice = fruits(0.04, 0.02);
+  for (SpecimenRow row : twice.specimens) {
+    row.method = "paper";
+    file.specimens.push_back(row);
+  }
+  for (SpecimenRow row : fruits(0.2, 0.02).specimens) {  // of another family, ours alone is worse
+    row.scene = "family";
+    row.run = "b_run0";
+    file.specimens.push_back(row);
+    row.method = "paper";
+    file.specimens.push_back(row);
+  }
+  int all = 0;
+  for (const ScoreRow& row : fruit_pooled_rows(suite(), file)) {
+    if (row.metric != "volume.rmse_ratio" || row.case_name != "all") continue;
+    ++all;
+    EXPECT_EQ(row.n, 60);
+    EXPECT_NEAR(row.value, 0.5, 1e-9);
+  }
+  EXPECT_EQ(all, 1);
+}
+
+TEST(FruitSuite, ATraitThatMayBeZeroHasNoRelativeError) {
+  FruitSuite own = suite();
+  own.traits = {"red_share"};
+  ScoreFile file = fruits(0.02, 0.02);
+  for (SpecimenRow& row : file.specimens) {
+    row.trait = "red_share";
+    row.unit = "1";
+    row.truth = row.instance % 2;
+    row.measured = row.truth + 0.01;
+  }
+  const std::vector<ScoreRow> rows = fruit_pooled_rows(own, file);
+  EXPECT_EQ(find(rows, "all", "red_share.mape"), nullptr);
+  EXPECT_NEAR(find(rows, "all", "red_share.rmse")->value, 0.01, 1e-12);
 }
 
 }  // namespace
