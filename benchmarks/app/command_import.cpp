@@ -7,6 +7,7 @@
 #include "benchmarks/app/result_output.h"
 #include "benchmarks/tools/import/import_capture.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/categories.h"
 #include "sim/dataset/manifest.h"
 #include "sim/dataset/output_folder.h"
 
@@ -39,22 +40,34 @@ ExitCode command_import(const JobContext& context) {
   const FolderClaim claim{.verb = "import",
                           .version = COUSIN_VERSION,
                           .config = import_key(request),
-                          .names = {"######", "manifest.json", "manifest.*.json"},
+                          .names = {"######", kCategoriesFile, "manifest.json", "manifest.*.json"},
                           .other_config = FolderClaim::OtherConfig::refuse};
   check_output_folder(dataset, claim);
-  const Capture capture = import_capture(request);
+  const bool is_labelled = has_labels(request);
+  LabelledPhotographs labelled;
+  if (is_labelled)
+    labelled = import_labelled(request);
+  else
+    labelled.capture = import_capture(request);
+  const Capture& capture = labelled.capture;
   for (const std::string& warning : capture.warnings) context.progress.line("warning: " + warning);
   OutputFolder folder(dataset, claim);
   write_capture(dataset / scene_id(0), capture);
+  if (is_labelled) {
+    write_labels(dataset / scene_id(0), labelled.labels, 0);
+    write_categories(dataset, labelled.categories);
+  }
   folder.remove_earlier();  // pictures that the source has no longer
   if (o.json) {
     print_json({{"dataset", dataset.string()},
                 {"frames", capture.frames.size()},
+                {"labels", labelled.labels.boxes.size()},
                 {"warnings", capture.warnings}});
   }
-  context.progress.line("dataset: " + dataset.string() + ", " +
-                        std::to_string(capture.frames.size()) + " frames, " +
-                        std::to_string(capture.warnings.size()) + " warnings");
+  context.progress.line(
+      "dataset: " + dataset.string() + ", " + std::to_string(capture.frames.size()) + " frames, " +
+      (is_labelled ? std::to_string(labelled.labels.boxes.size()) + " labels, " : std::string()) +
+      std::to_string(capture.warnings.size()) + " warnings");
   return ExitCode::done;
 }
 

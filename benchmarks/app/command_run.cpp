@@ -213,7 +213,7 @@ std::vector<ScoreRow> left_out_rows(const RunJob& job, std::uint64_t seed,
 /// True seams for the stages that the pipeline has not.
 Stages stages_from_truth(const RunJob& job, const SimulatedRun& run, int scene) {
   Rng rng = Rng(run.truth.seed).fork("keypoints").fork(static_cast<std::uint64_t>(scene));
-  return outside_stages(run, job.row, job.config.keypoints, rng());
+  return outside_stages(run, job.row, job.config.keypoints, rng(), job.config.boxes);
 }
 
 /// One scene of a run: rows and specimens. The first scene's pictures go into `report`.

@@ -44,7 +44,7 @@ ScoredAs scored_as(const fs::path& estimate_dir) {
                        [&](const char* file) { return fs::exists(estimate_dir / file); });
   };
   if (has({"traits.json", "corners.json", "clusters.ply", "masks.json", "boxes.json",
-           "keypoints.json", "fits.json"}))
+           "keypoints.json", "fits.json", "tracks.json"}))
     return ScoredAs::traits;
   if (has({"poses.json", "surfaces.json", "splats.ply"})) return ScoredAs::scene;
   if (has({"depth"})) return ScoredAs::depths;

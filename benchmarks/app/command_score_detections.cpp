@@ -23,6 +23,10 @@ namespace {
 /// What the file says of the pictures that it is scored on.
 FoundFile read_found_of(const JobContext& context, const fs::path& file, TruePictures& truth) {
   FoundFile found = read_found(file, truth.names);
+  if (found.has_masks && !truth.has_masks) {
+    found.has_masks = false;
+    context.progress.line("masks are not scored: not all labels have one");
+  }
   if (const std::size_t out = leave_out_sensors(truth, found); out > 0) {
     context.progress.line(std::to_string(out) +
                           " pictures of sensors that the file names no picture of are left out");

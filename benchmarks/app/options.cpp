@@ -97,7 +97,9 @@ constexpr const char* kImportHelp =
     "  colmap       a workspace: images/ and a sparse model, text or binary\n"
     "  phenomenal   a turntable cabin's calibration and silhouettes\n"
     "  folder       photographs of one camera, without poses\n"
-    "  video        a video of one camera: its sharpest frames, evenly spread (needs ffmpeg)\n\n"
+    "  video        a video of one camera: its sharpest frames, evenly spread (needs ffmpeg)\n"
+    "  coco         labelled photographs: annotations beside their images; labels are truth\n"
+    "  yolo         the same as data.yaml names them, or images/ and labels/\n\n"
     "folder and video without --intrinsics: the focal length is that of EXIF, else found by\n"
     "self-calibration (needs colmap), else assumed; a warning says which, and how sure it is.\n"
     "rosbag2: scripts/rosbag2_to_rgbd.py makes a folder for rgbd. docs/import.md has an example "
@@ -107,7 +109,8 @@ constexpr const char* kImportHelp =
 void add_import(CLI::App& verb, Options& o) {
   verb.add_option("SOURCE", o.arguments, "File or folder")->expected(1, 1)->required();
   verb.add_option("--format", o.format,
-                  "rgbd, stereo, tum, nerfstudio, colmap, phenomenal, folder or video")
+                  "rgbd, stereo, tum, nerfstudio, colmap, phenomenal, folder, video; with labels "
+                  "coco or yolo")
       ->required();
   verb.add_option("--intrinsics", o.intrinsics,
                   "For folder, video, tum and rgbd: a YAML file (OpenCV, ROS, Kalibr), a "

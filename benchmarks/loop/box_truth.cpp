@@ -1,14 +1,25 @@
 #include "benchmarks/loop/box_truth.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <tuple>
 
 #include "sim/truth/specimens.h"
 
 namespace cousin {
 namespace {
+
+constexpr double kLeastOverlap = 0.5;
+
+double overlap(const TrueBox& a, const DetectedBox& b) {
+  const Eigen::Vector2d size =
+      (a.high_px.cwiseMin(b.high_px) - a.low_px.cwiseMax(b.low_px)).cwiseMax(0.0);
+  const double both = size.prod();
+  return both / ((a.high_px - a.low_px).prod() + (b.high_px - b.low_px).prod() - both);
+}
 
 /// Its surface at the pixel nearest to the middle of its box.
 Eigen::Vector3d middle_point_m(const TrueBox& box, int id, const TrueView& view,
@@ -93,6 +104,28 @@ std::vector<TrueBox> true_boxes_of(const SceneTruth& truth, std::size_t sensor) 
       set_places(truth.scene, object, own.views[f], box);
       result.push_back(box);
     }
+  }
+  return result;
+}
+
+std::vector<int> match_boxes(const std::vector<TrueBox>& truth, const Boxes& measured) {
+  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+  for (std::size_t t = 0; t < truth.size(); ++t) {
+    for (std::size_t m = 0; m < measured.size(); ++m) {
+      if (measured[m].frame != truth[t].frame ||
+          measured[m].sensor != static_cast<int>(truth[t].sensor))
+        continue;
+      const double share = overlap(truth[t], measured[m]);
+      if (share >= kLeastOverlap) pairs.emplace_back(-share, t, m);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  std::vector<int> result(truth.size(), -1);
+  std::vector<bool> taken(measured.size(), false);
+  for (const auto& [share, t, m] : pairs) {
+    if (result[t] >= 0 || taken[m]) continue;
+    result[t] = static_cast<int>(m);
+    taken[m] = true;
   }
   return result;
 }

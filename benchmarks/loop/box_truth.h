@@ -32,4 +32,8 @@ struct TrueBox {
 /// @throws std::invalid_argument if a view has no true depth or no true instances
 std::vector<TrueBox> true_boxes_of(const SceneTruth& truth, std::size_t sensor = 0);
 
+/// Place of each true box's measured one, that it overlaps most and by at least half (intersection
+/// over union), each once; -1 where there is none.
+std::vector<int> match_boxes(const std::vector<TrueBox>& truth, const Boxes& measured);
+
 }  // namespace cousin

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/loop/box_noise.h"
 #include "benchmarks/loop/truth_stages.h"
 #include "sim/config/limits.h"
 #include "sim/truth/specimens.h"
@@ -183,7 +184,8 @@ Keypoints detected_keypoints(const SimulatedRun& run, std::span<const std::strin
 }
 
 Stages outside_stages(const SimulatedRun& run, const PipelineRow& row,
-                      const KeypointNoiseConfig& config, std::uint64_t seed) {
+                      const KeypointNoiseConfig& config, std::uint64_t seed,
+                      const BoxNoiseConfig& boxes) {
   Stages stages;
   for (const std::string_view stage : row.from_outside) {
     if (const auto put = truth_row(stage).put) put(stages, run, SeedBoard{});
@@ -191,6 +193,12 @@ Stages outside_stages(const SimulatedRun& run, const PipelineRow& row,
   if (takes_keypoints(row)) {
     stages.keypoints = [&run, &row, config, seed](const Capture&, const Estimate&) {
       return detected_keypoints(run, row.keypoints, config, seed);
+    };
+  }
+  if (stages.boxes) {
+    stages.boxes = [of_truth = stages.boxes, boxes, seed](const Capture& capture,
+                                                          const Estimate& so_far) {
+      return detected_boxes(of_truth(capture, so_far), boxes, seed);
     };
   }
   return stages;

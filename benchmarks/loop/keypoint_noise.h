@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "benchmarks/loop/box_noise_config.h"
 #include "benchmarks/loop/keypoint_noise_config.h"
 #include "benchmarks/loop/simulate.h"
 
@@ -18,9 +19,10 @@ namespace cousin {
 Keypoints detected_keypoints(const SimulatedRun& run, std::span<const std::string_view> words,
                              const KeypointNoiseConfig& config, std::uint64_t seed);
 
-/// True seams for the stages that a pipeline has not (PipelineRow::from_outside), keypoints with
-/// noise. The run must outlive them.
+/// True seams for the stages that a pipeline has not (PipelineRow::from_outside), keypoints and
+/// boxes with noise. The run must outlive them.
 Stages outside_stages(const SimulatedRun& run, const PipelineRow& row,
-                      const KeypointNoiseConfig& config, std::uint64_t seed);
+                      const KeypointNoiseConfig& config, std::uint64_t seed,
+                      const BoxNoiseConfig& boxes = {});
 
 }  // namespace cousin

@@ -266,6 +266,11 @@ std::string page_summary(const PipelineConfig& config) {
              "of each frame's first camera, their internodes and heights. Intervals are 95 % "
              "bootstrap intervals, drawn by scene where there are several. The scene and the "
              "sensor are verified against theory only; no real device has been compared with them.";
+    case TraitsOf::trees:
+      return "Every number here is measured against the exact fruits that hang in the tree's place "
+             "of the row, each over all views. Intervals are 95 % bootstrap intervals, drawn by "
+             "scene where there are several. The scene and the sensor are verified against theory "
+             "only; no real device has been compared with them.";
     case TraitsOf::depths:
       return "Every depth here is measured against the first surface that the pixel's ray meets. "
              "The scene and the sensor are verified against theory only; no real device has been "

@@ -152,6 +152,8 @@ const char* score_text(TraitsOf what) {
       return "what each box shows against the true surface under its middle";
     case TraitsOf::plants:
       return "nodes, internodes and heights of each plant against the truth";
+    case TraitsOf::trees:
+      return "fruits, count and yield of the tree against the truth";
     case TraitsOf::depths:
       return "depth of each pixel against the first surface there";
     case TraitsOf::nothing:

@@ -65,7 +65,9 @@ Fields machine_fields(RunConfig& config) {
 
 Fields last_fields(RunConfig& config) {
   const bool has_keypoints = config.pipeline && takes_keypoints(row_of(*config.pipeline));
+  const bool has_boxes = config.pipeline && takes_boxes(row_of(*config.pipeline));
   return (has_keypoints ? nested("keypoints", fields(config.keypoints)) : Fields{}) +
+         (has_boxes ? nested("boxes", fields(config.boxes)) : Fields{}) +
          (config.pipeline ? nested("pipeline", fields(*config.pipeline)) : Fields{}) +
          nested("cousin", fields(config.cousin));
 }
@@ -187,6 +189,7 @@ void validate(const RunConfig& config) {
   validate(config.paths);
   if (config.pipeline) validate(*config.pipeline);
   validate(config.keypoints);
+  validate(config.boxes);
   RunConfig copy = config;  // fields point into what they describe
   check_limits(nested("cousin", fields(copy.cousin)));
   if (is_twin(config.cousin)) return;

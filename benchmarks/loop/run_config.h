@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/loop/box_noise_config.h"
 #include "benchmarks/loop/keypoint_noise_config.h"
 #include "perception/pipelines/pipeline_table.h"
 #include "scenes/row/scene_row.h"
@@ -25,8 +26,8 @@ enum class RadianceBy {
 
 /// Everything that decides what a run does, apart from the seed. Scene keys stand alone
 /// (`cultivar`), and so do those of the capture (`depth_by`, `streams`); the others carry a prefix
-/// (`rig.`, `render.`, `keypoints.`, `pipeline.`, `cousin.`). As `rig` decides what `rig.` holds,
-/// `render.by` decides what `render.` does.
+/// (`rig.`, `render.`, `keypoints.`, `boxes.`, `pipeline.`, `cousin.`). As `rig` decides what
+/// `rig.` holds, `render.by` decides what `render.` does.
 struct RunConfig {
   SceneConfig scene;
   DeviceConfig rig = PhoneConfig{};
@@ -37,6 +38,7 @@ struct RunConfig {
   PathConfig paths;
   std::optional<PipelineConfig> pipeline;  ///< that reads the images; none: nobody yet
   KeypointNoiseConfig keypoints;           ///< of true ones, where a pipeline takes them
+  BoxNoiseConfig boxes;                    ///< the same of boxes
   CousinDistance cousin;                   ///< each scene is another cousin of what the keys say
 };
 /// All keys; they point into it.

@@ -8,13 +8,13 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "benchmarks/loop/box_truth.h"
 #include "benchmarks/loop/score_geometry.h"
 #include "benchmarks/loop/score_places.h"
 #include "benchmarks/loop/score_plants.h"
+#include "benchmarks/loop/score_trees.h"
 #include "benchmarks/score/trait_statistics.h"
 #include "perception/fruit/fruit_place.h"
 #include "perception/pipelines/pipeline_table.h"
@@ -23,38 +23,6 @@
 
 namespace cousin {
 namespace {
-
-constexpr double kLeastOverlap = 0.5;
-
-double overlap(const TrueBox& a, const DetectedBox& b) {
-  const Eigen::Vector2d size =
-      (a.high_px.cwiseMin(b.high_px) - a.low_px.cwiseMax(b.low_px)).cwiseMax(0.0);
-  const double both = size.prod();
-  return both / ((a.high_px - a.low_px).prod() + (b.high_px - b.low_px).prod() - both);
-}
-
-/// Place of each true box's measured one; -1 where there is none. Best overlaps first.
-std::vector<int> match_boxes(const std::vector<TrueBox>& truth, const Boxes& measured) {
-  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
-  for (std::size_t t = 0; t < truth.size(); ++t) {
-    for (std::size_t m = 0; m < measured.size(); ++m) {
-      if (measured[m].frame != truth[t].frame ||
-          measured[m].sensor != static_cast<int>(truth[t].sensor))
-        continue;
-      const double share = overlap(truth[t], measured[m]);
-      if (share >= kLeastOverlap) pairs.emplace_back(-share, t, m);
-    }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  std::vector<int> result(truth.size(), -1);
-  std::vector<bool> taken(measured.size(), false);
-  for (const auto& [share, t, m] : pairs) {
-    if (result[t] >= 0 || taken[m]) continue;
-    result[t] = static_cast<int>(m);
-    taken[m] = true;
-  }
-  return result;
-}
 
 /// A true value and its unit.
 struct TrueValue {
@@ -350,15 +318,16 @@ bool is_of_plants(const std::string& trait) {
 }  // namespace
 
 TraitsOf traits_of_estimate(const Estimate& estimate) {
-  bool is_of_images = false, has_names = false, has_plants = false;
+  bool is_of_images = false, has_names = false, has_plants = false, has_tree = false;
   for (const SpecimenTraits& specimen : estimate.traits) {
     is_of_images = is_of_images || specimen.frame >= 0;
     for (const Trait& trait : specimen.traits) {
       has_names = true;
       has_plants = has_plants || is_of_plants(trait.name);
+      has_tree = has_tree || trait.name == "fruit_count";
     }
   }
-  if (!is_of_images) return TraitsOf::specimens;
+  if (!is_of_images) return has_tree ? TraitsOf::trees : TraitsOf::specimens;
   if (has_names) return has_plants ? TraitsOf::plants : TraitsOf::boxes;
   return estimate.boxes.empty() && !estimate.fits.empty() ? TraitsOf::plants : TraitsOf::boxes;
 }
@@ -367,6 +336,7 @@ SeedsScores score_estimate(TraitsOf traits_of, const SceneTruth& truth, const Es
                            const SeedsScoreLabels& labels, TraitNames traits) {
   if (traits_of == TraitsOf::boxes) return score_boxes(truth, estimate, labels, traits);
   if (traits_of == TraitsOf::plants) return score_plants(truth, estimate, labels);
+  if (traits_of == TraitsOf::trees) return score_trees(truth, estimate, labels);
   return score_run(truth, estimate, labels);
 }
 

@@ -57,8 +57,8 @@ SeedsScores score_boxes(const SceneTruth& truth, const Estimate& estimate,
 /// seams say. For estimates from files, whose pipeline nobody names.
 TraitsOf traits_of_estimate(const Estimate& estimate);
 
-/// Scores an estimate as its traits ask for: score_run, score_plants, or score_boxes of these
-/// traits.
+/// Scores an estimate as its traits ask for: score_run, score_plants, score_trees, or score_boxes
+/// of these traits.
 SeedsScores score_estimate(TraitsOf traits_of, const SceneTruth& truth, const Estimate& estimate,
                            const SeedsScoreLabels& labels, TraitNames traits = {});
 

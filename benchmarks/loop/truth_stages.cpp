@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "benchmarks/loop/box_truth.h"
+#include "benchmarks/loop/score_trees.h"
 #include "benchmarks/loop/stage_pictures.h"
 #include "benchmarks/loop/stem_pictures.h"
 #include "benchmarks/loop/true_outline.h"
@@ -356,6 +357,12 @@ void put_corners(Stages& stages, const SimulatedRun& run, const SeedBoard& board
   };
 }
 
+void put_tracks(Stages& stages, const SimulatedRun& run, const SeedBoard&) {
+  stages.tracks = [&run](const Capture&, const Estimate& so_far) {
+    return true_tracks(run.truth, so_far.boxes);
+  };
+}
+
 }  // namespace
 
 TruthNeeds truth_stage_needs() {
@@ -379,6 +386,7 @@ std::span<const TruthRow> truth_table() {
           {.stage = "clusters", .why_not_shown = "the cloud is shown as a whole"}),
       row_of<&Stages::silhouettes, true_silhouettes>({.stage = "masks", .show = show_outlines}),
       {.stage = "fits", .why_none = "a fit's model is its pipeline's own", .show = show_stems},
+      {.stage = "tracks", .put = put_tracks, .why_not_shown = "its fruits are numbered"},
       row_of<&Stages::surfaces, true_surfaces>({.stage = "surfaces", .show = show_surfaces}),
       row_of<&Stages::traits, true_traits>({.stage = "traits", .show = show_numbers}),
   });

@@ -11,6 +11,7 @@
 #include "perception/splats/splat_model.h"
 #include "sim/types/capture.h"
 #include "sim/types/seams.h"
+#include "sim/types/tracks.h"
 
 namespace cousin {
 
@@ -27,6 +28,7 @@ struct SeamsOf {
   Of<Clusters> clusters;
   Of<Silhouettes> silhouettes;
   Of<Fits> fits;
+  Of<Tracks> tracks;
   Of<Surfaces> surfaces;
   Of<Traits> traits;
 };

@@ -11,6 +11,7 @@ namespace cousin {
   PIPELINE(seeds_pipeline)         \
   PIPELINE(strawberries_pipeline)  \
   PIPELINE(apples_pipeline)        \
+  PIPELINE(tree_pipeline)          \
   PIPELINE(maize_pipeline)         \
   PIPELINE(stereo_pipeline)        \
   PIPELINE(views_pipeline)

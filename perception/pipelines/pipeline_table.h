@@ -143,6 +143,7 @@ enum class TraitsOf {
   specimens,  ///< of each object, over all views
   boxes,      ///< of what one box of one image shows
   plants,     ///< of one plant in one frame, and of its nodes
+  trees,      ///< of each fruit over all views, and of the tree
   depths,     ///< there are none: depth images are what is measured
   nothing     ///< there are none: the scene is scored as a whole
 };
@@ -152,8 +153,9 @@ struct PipelineRow {
   std::string_view name;
   std::string_view old_name = {};  ///< that is taken too; empty: none
   std::string_view help;
-  std::vector<std::string_view> scenes;  ///< of which it is the own one; empty: for any photographs
-  StageOrder order;                      ///< all stages that any of its methods has
+  /// That it measures; empty: any photographs. Of the rows of a scene the first is its own.
+  std::vector<std::string_view> scenes;
+  StageOrder order;  ///< all stages that any of its methods has
   /// Stages without one of ours: `run` puts truth there, `perceive` asks for --stage.
   std::vector<std::string_view> from_outside = {};
   /// What the points of `keypoints` are, by the first words of their names in the scene: an entry's
@@ -168,7 +170,7 @@ struct PipelineRow {
 std::vector<const PipelineRow*> pipeline_table();
 /// @throws std::invalid_argument listing the names that exist
 const PipelineRow& pipeline_row(std::string_view name);
-/// The scene's own pipeline; null where it has none.
+/// The scene's own pipeline, the first of its rows; null where it has none.
 const PipelineRow* pipeline_of_scene(std::string_view scene);
 /// "seeds, strawberries, scene".
 std::string pipeline_names();

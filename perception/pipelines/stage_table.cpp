@@ -177,6 +177,8 @@ std::vector<StageRow> make_rows() {
           {.name = "masks", .files = {"masks.json"}}),
       complete<&S::fits, &E::fits, reader<read_fits>, writer<write_fits>>(
           {.name = "fits", .files = {"fits.json"}}),
+      complete<&S::tracks, &E::tracks, reader<read_tracks>, writer<write_tracks>>(
+          {.name = "tracks", .files = {"tracks.json"}}),
       complete<&S::surfaces, &E::surfaces, reader<read_surfaces>, writer<write_surfaces>>(
           {.name = "surfaces", .files = {"surfaces.json", "meshes/######*.ply"}}),
       complete<&S::traits, &E::traits, reader<read_traits>, writer<write_traits>>(

@@ -212,6 +212,22 @@ TargetView take_view(Scene& scene, const ApplesSceneConfig& config,
   return best;
 }
 
+/// A camera before the whole tree: views of one side go from left to right.
+Pose tree_pose(const ApplesSceneConfig& config, int view, Rng rng) {
+  const auto& v = config.orchard.views;
+  const bool is_front = view % 2 == 0;
+  const int place = view / 2, count = is_front ? (config.views + 1) / 2 : config.views / 2;
+  const double across = count > 1 ? 2.0 * place / (count - 1) - 1 : 0;
+  const double azimuth = (is_front ? -0.5 : 0.5) * std::numbers::pi + v.tree_azimuth_rad * across +
+                         truncated_normal(rng, 0, 0.04, 2);
+  const double distance_m = v.tree_m * (1 + truncated_normal(rng, 0, 0.03, 2));
+  const double rise_m = (place % 2 == 0 ? -1 : 1) * v.tree_rise_m;
+  const Vector3d aim(0.05 * truncated_normal(rng, 0, 1, 2), 0, v.tree_height_m);
+  const Vector3d from(distance_m * std::cos(azimuth), distance_m * std::sin(azimuth),
+                      std::max(0.2, v.tree_height_m + rise_m));
+  return look_at(from, aim);
+}
+
 /// What is said of a view: its target, and of an occlusion asked for whether it is met.
 /// @throws std::invalid_argument if it is not and that is to be refused.
 std::vector<TrueTrait> notes_of(const Scene& scene, const ApplesSceneConfig& config,
@@ -230,7 +246,31 @@ std::vector<TrueTrait> notes_of(const Scene& scene, const ApplesSceneConfig& con
   return notes;
 }
 
+/// Sharp at `focus`, at its own time.
+View still_view(const ApplesSceneConfig& config, int number, const Pose& eye_from_world,
+                const Vector3d& focus_in_world_m) {
+  View view;
+  view.time_s = 2.0 * number;
+  view.rig_from_world = inverse(config.eye.eye_from_rig) * eye_from_world;
+  view.rig_from_world_end = view.rig_from_world;
+  view.focus_in_world_m = focus_in_world_m;
+  return view;
+}
+
 }  // namespace
+
+void add_tree_views(Scene& scene, const ApplesSceneConfig& config, const Rng& rng) {
+  const auto& v = config.orchard.views;
+  for (int i = 0; i < config.views; ++i) {
+    const Pose eye_from_world =
+        tree_pose(config, i, rng.fork("tree").fork(static_cast<std::uint64_t>(i)));
+    const Vector3d eye = inverse(eye_from_world).translation_m;
+    constexpr double kCrown_m = 0.5;  // of fruits before the trunk
+    const Vector3d towards = (eye.cwiseProduct(Vector3d(1, 1, 0))).normalized();
+    scene.views.push_back(still_view(config, i, eye_from_world,
+                                     Vector3d(0, 0, v.tree_height_m) + kCrown_m * towards));
+  }
+}
 
 void add_apple_views(Scene& scene, const ApplesSceneConfig& config,
                      const std::vector<std::size_t>& apples, TurnableLeaves& leaves,
@@ -254,12 +294,8 @@ void add_apple_views(Scene& scene, const ApplesSceneConfig& config,
       view.visible = visible.seen(counting_view(config, view.eye_from_world, visible));
     }
     for (TrueTrait& note : notes_of(scene, config, view, i)) notes.push_back(std::move(note));
-    View seen;
-    seen.time_s = 2.0 * i;
-    seen.rig_from_world = inverse(config.eye.eye_from_rig) * view.eye_from_world;
-    seen.rig_from_world_end = seen.rig_from_world;
-    seen.focus_in_world_m = scene.instances[view.target].world_from_object.translation_m;
-    scene.views.push_back(seen);
+    scene.views.push_back(still_view(config, i, view.eye_from_world,
+                                     scene.instances[view.target].world_from_object.translation_m));
   }
   if (config.occlusion >= 0)
     notes.push_back({"leaves_turned", "1", static_cast<double>(leaves.turned.size())});

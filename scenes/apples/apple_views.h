@@ -15,4 +15,8 @@ void add_apple_views(Scene& scene, const ApplesSceneConfig& config,
                      const std::vector<std::size_t>& apples, TurnableLeaves& leaves,
                      std::size_t tree, const Rng& rng);
 
+/// Appends views of the whole tree, from the alley of -y and the other in turns, each a little
+/// aside of the one before and higher or lower.
+void add_tree_views(Scene& scene, const ApplesSceneConfig& config, const Rng& rng);
+
 }  // namespace cousin

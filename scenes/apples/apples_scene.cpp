@@ -59,7 +59,7 @@ double leaf_area_of(const PlantModel& leaf) {
   return sum;
 }
 
-std::vector<TrueTrait> tree_traits(const GrownTree& grown) {
+std::vector<TrueTrait> tree_traits(const GrownTree& grown, const OrchardConfig& c) {
   const TreeRest& rest = grown.tree.rest;
   double area_m2 = 0, mass_kg = 0;
   for (const LeafPlace& leaf : grown.tree.leaves)
@@ -70,6 +70,8 @@ std::vector<TrueTrait> tree_traits(const GrownTree& grown) {
           {"leaf_area", "m2", area_m2},
           {"fruit_count", "1", static_cast<double>(grown.tree.fruits.size())},
           {"fruit_mass", "kg", mass_kg},
+          {"place_along", "m", c.tree.spacing_m},
+          {"place_across", "m", c.tree.row_m},
           {"fruits_thinned", "1", static_cast<double>(rest.thinned)},
           {"is_bent", "1", rest.is_bent ? 1.0 : 0.0},
           {"branches_not_at_rest", "1", static_cast<double>(rest.not_at_rest)},
@@ -121,8 +123,8 @@ Fields fields(ApplesSceneConfig& c) {
                 {"trees", &c.trees, "a row", 1, 101},
                 {"rows", &c.rows, "of the orchard", 1, 25},
                 {"light", &c.light, "sun at the front, back or side, or shade"},
-                {"views", &c.views, "each of a fruit of its own", 1, 10000},
-                {"look", &c.look, "up, level, down or any"},
+                {"views", &c.views, "each of a fruit of its own, or of the tree", 1, 10000},
+                {"look", &c.look, "up, level, down or any at a fruit; tree: at the whole tree"},
                 {"distance_min_m", &c.distance_min_m, "of the camera from the fruit's centre", 0,
                  kFar_m},
                 {"distance_max_m", &c.distance_max_m, "of the camera from the fruit's centre", 0,
@@ -162,7 +164,10 @@ void validate(const ApplesSceneConfig& config) {
     }
     throw std::invalid_argument(std::string(key) + " \"" + value + "\" is not one of " + list);
   };
-  one_of("look", config.look, {"up", "level", "down", "any"});
+  one_of("look", config.look, {"up", "level", "down", "any", "tree"});
+  if (config.look == "tree" && config.occlusion >= 0)
+    throw std::invalid_argument("occlusion " + std::to_string(config.occlusion) +
+                                " is of a view's target, and with look = tree there is none");
   one_of("unmet", config.unmet, {"state", "refuse"});
   Scene scene;
   add_light(scene, config.orchard, config.light);  // throws, naming those that exist
@@ -208,7 +213,7 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng, const BranchS
   scene.models.push_back(std::move(wood.model));
   Instance& tree = add_instance(scene, "tree", "tree", 0, kAppleBarkLook, {});
   tree.part_materials = wood.part_looks;
-  tree.traits = tree_traits(grown);
+  tree.traits = tree_traits(grown, c);
   const FruitModels models = add_fruit_models(scene, grown.fruits);
   const std::vector<std::size_t> apples =
       add_fruits(scene, "", grown.tree, {}, config.fuji, grown.fruits, models);
@@ -230,7 +235,10 @@ Scene build_apples_scene(const ApplesSceneConfig& config, Rng rng, const BranchS
   add_orchard_ground(scene, c, leaf_models, leaf_parts, rng.fork("ground"));
   add_neighbours(scene, config, grown.fruits, models, 0, rng.fork("neighbours"));
   TurnableLeaves turnable{grown, first_leaf, LeafRoom(grown.tree, grown.fruits), {}};
-  add_apple_views(scene, config, apples, turnable, 0, rng.fork("views"));
+  if (config.look == "tree")
+    add_tree_views(scene, config, rng.fork("views"));
+  else
+    add_apple_views(scene, config, apples, turnable, 0, rng.fork("views"));
   forget_unseen(scene, config, apples);
   sway_tree(scene, config, grown, {0, apples, first_leaf}, rng.fork("sway"));
   validate(scene);

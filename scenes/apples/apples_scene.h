@@ -24,9 +24,10 @@ struct ApplesSceneConfig {
   int neighbours = 2;                ///< trees of the row whose fruits are specimens too
   int trees = 31;                    ///< a row
   int rows = 7;
-  std::string light = "front";                         ///< front, back, side, shade
-  int views = 8;                                       ///< each of a fruit of its own
-  std::string look = "any";                            ///< up, level, down, any
+  std::string light = "front";  ///< front, back, side, shade
+  int views = 8;                ///< each of a fruit of its own
+  /// up, level, down or any at single fruits; tree: from both alleys at the whole tree
+  std::string look = "any";
   double distance_min_m = 0.25, distance_max_m = 1.0;  ///< of the camera from the target's centre
   /// Hidden share of the target; negative: as it comes.
   double occlusion = -1;
@@ -46,12 +47,13 @@ Fields fields(ApplesSceneConfig& config);
 /// @throws std::invalid_argument naming key, value and limit.
 void validate(const ApplesSceneConfig& config);
 
-/// A Fuji tree in its row, seen view by view from 0.1 to 1 m of one of its fruits. Fruits of the
+/// A Fuji tree in its row, seen view by view from 0.1 to 1 m of one of its fruits, or whole from
+/// both alleys in turns. Fruits of the
 /// tree and its neighbours are specimens "apple NNN" of their maturity as category, with labels
 /// maturity (low, medium, high: see cultivars.toml) and variety, traits and keypoints; each leaf of
 /// the tree is an instance. The wood of the tree, instance "tree", carries what is known of the
-/// whole and of each view: `target NNNNNN` (instance id), and with occlusion asked for `visible
-/// NNNNNN` and `met NNNNNN` (1: within 0.03).
+/// whole and of each view of a fruit: `target NNNNNN` (instance id), and with occlusion asked for
+/// `visible NNNNNN` and `met NNNNNN` (1: within 0.03).
 /// @throws std::invalid_argument for fruits that the tree cannot hold, and with unmet = refuse for
 /// an occlusion that is not met.
 /// In wind, or under a hand, branches with all they carry move about the times of the views, each

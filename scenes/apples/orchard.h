@@ -88,6 +88,7 @@ struct OrchardConfig {
   struct ViewNumbers {
     std::vector<double> up_rad, level_rad, down_rad;
     double azimuth_rad = 0, fruit_low_m = 0, fruit_high_m = 0;
+    double tree_m = 0, tree_azimuth_rad = 0, tree_height_m = 0, tree_rise_m = 0;  ///< whole trees
   } views;
 };
 Fields fields(OrchardConfig& config);

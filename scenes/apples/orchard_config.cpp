@@ -207,12 +207,17 @@ Fields fields(OrchardConfig::LightNumbers& c) {
 }
 
 Fields fields(OrchardConfig::ViewNumbers& c) {
-  return {{"up_rad", &c.up_rad, "least and most pitch of views that look up", -1.5, 1.5},
-          {"level_rad", &c.level_rad, "of level ones", -1.5, 1.5},
-          {"down_rad", &c.down_rad, "of those that look down", -1.5, 1.5},
-          {"azimuth_rad", &c.azimuth_rad, "within this of straight across the row", 0, 3.1416},
-          {"fruit_low_m", &c.fruit_low_m, "targets hang above", 0, 3.5},
-          {"fruit_high_m", &c.fruit_high_m, "and below", 0, 3.5}};
+  return {
+      {"up_rad", &c.up_rad, "least and most pitch of views that look up", -1.5, 1.5},
+      {"level_rad", &c.level_rad, "of level ones", -1.5, 1.5},
+      {"down_rad", &c.down_rad, "of those that look down", -1.5, 1.5},
+      {"azimuth_rad", &c.azimuth_rad, "within this of straight across the row", 0, 3.1416},
+      {"tree_m", &c.tree_m, "look = tree: from the trunk", 0.5, 10},
+      {"tree_azimuth_rad", &c.tree_azimuth_rad, "of the outer ones beside straight across", 0, 1.4},
+      {"tree_height_m", &c.tree_height_m, "what is looked at", 0.2, 5},
+      {"tree_rise_m", &c.tree_rise_m, "of cameras above and below it, in turns", 0, 3},
+      {"fruit_low_m", &c.fruit_low_m, "targets hang above", 0, 3.5},
+      {"fruit_high_m", &c.fruit_high_m, "and below", 0, 3.5}};
 }
 
 void require_count(const char* key, const std::vector<double>& list, std::size_t count) {

@@ -5,9 +5,9 @@
 // Values of any unit that units.h knows are converted to its SI unit with their covariance, others
 // are refused. "reason" and "covariance" may be absent.
 
-#include <Eigen/Cholesky>
 #include <set>
 
+#include "sim/dataset/json_covariance.h"
 #include "sim/dataset/json_interop.h"
 #include "sim/dataset/seam_json.h"
 #include "sim/dataset/units.h"
@@ -43,25 +43,7 @@ void read_parameters(const JsonNode& node, Eigen::VectorXd& factors, ObjectFit& 
 }
 
 void read_covariance(const JsonNode& node, const Eigen::VectorXd& factors, ObjectFit& fit) {
-  const Eigen::Index n = factors.size();
-  const auto count = static_cast<std::size_t>(n * n);
-  const std::vector<double> values = node.numbers(count, count);
-  if (n == 0) return;
-  fit.covariance = Eigen::Map<const Eigen::MatrixXd>(values.data(), n, n);
-  if ((fit.covariance - fit.covariance.transpose()).cwiseAbs().maxCoeff() >
-      1e-9 * fit.covariance.cwiseAbs().maxCoeff())
-    node.fail("is not symmetric");
-  // Semi-definite up to rounding, whatever the units: of the correlations.
-  const Eigen::VectorXd sigma = fit.covariance.diagonal().cwiseMax(0).cwiseSqrt();
-  if ((fit.covariance.diagonal().array() < 0).any()) node.fail("has a negative variance");
-  const Eigen::VectorXd inverse = sigma.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
-  Eigen::MatrixXd correlation = inverse.asDiagonal() * fit.covariance * inverse.asDiagonal();
-  correlation.diagonal().array() += 1e-9;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (sigma[i] == 0) correlation(i, i) = 1;
-  }
-  if (n > 0 && (!correlation.allFinite() || correlation.llt().info() != Eigen::Success))
-    node.fail("is not a covariance: it is not positive semi-definite");
+  fit.covariance = covariance_from(node, factors.size());
   fit.covariance = factors.asDiagonal() * fit.covariance * factors.asDiagonal();
 }
 

@@ -323,6 +323,11 @@ void write_fits(const fs::path& dir, const Fits& fits) {
 }
 Fits read_fits(const fs::path& dir) { return read_json(dir, "fits.json", fits_from_json); }
 
+void write_tracks(const fs::path& dir, const Tracks& tracks) {
+  write_file(dir / "tracks.json", tracks_to_json(tracks));
+}
+Tracks read_tracks(const fs::path& dir) { return read_json(dir, "tracks.json", tracks_from_json); }
+
 void write_silhouettes(const fs::path& dir, const Silhouettes& silhouettes, int scene_index) {
   write_file(dir / "masks.json", silhouettes_to_json(silhouettes, scene_index));
 }

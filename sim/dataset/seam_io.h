@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/types/seams.h"
+#include "sim/types/tracks.h"
 
 namespace cousin {
 
@@ -47,6 +48,8 @@ void write_keypoints(const std::filesystem::path& dir, const Keypoints& keypoint
 Keypoints read_keypoints(const std::filesystem::path& dir, const DetectionImages& images = {});
 void write_fits(const std::filesystem::path& dir, const Fits& fits);  // fits.json
 Fits read_fits(const std::filesystem::path& dir);
+void write_tracks(const std::filesystem::path& dir, const Tracks& tracks);  // tracks.json
+Tracks read_tracks(const std::filesystem::path& dir);
 void write_surfaces(const std::filesystem::path& dir,
                     const Surfaces& surfaces);  // meshes/000000.ply, surfaces.json
 Surfaces read_surfaces(const std::filesystem::path& dir);

@@ -9,8 +9,8 @@
 namespace cousin {
 
 /// Private to sim/dataset: the JSON seams as text; the schemas are in seam_json.cpp,
-/// seam_masks.cpp, seam_detections.cpp and seam_fits.cpp. Readers take the text and the name that
-/// errors show. @throws std::runtime_error naming file, key, value and limit.
+/// seam_masks.cpp, seam_detections.cpp, seam_fits.cpp and seam_tracks.cpp. Readers take the text
+/// and the name that errors show. @throws std::runtime_error naming file, key, value and limit.
 
 std::string corners_to_json(const Corners& corners);
 Corners corners_from_json(std::string_view text, const std::string& name);
@@ -31,5 +31,7 @@ Keypoints keypoints_from_json(std::string_view text, const std::string& name,
                               const DetectionImages& images = {});
 std::string fits_to_json(const Fits& fits);
 Fits fits_from_json(std::string_view text, const std::string& name);
+std::string tracks_to_json(const Tracks& tracks);
+Tracks tracks_from_json(std::string_view text, const std::string& name);
 
 }  // namespace cousin

@@ -18,6 +18,8 @@ std::span<const TraitRow> trait_table() {
       {"leaf_area", "m2", "mm²", 1e6},
       {"visible_leaf_area", "m2", "mm²", 1e6},
       {"leaves", "1", "", 1, TraitScoring::count},
+      {"fruit_count", "1", "", 1},
+      {"yield", "kg", "kg", 1},
       {"maturity", "1", "", 1, TraitScoring::count},
       {"point_x", "m", "mm", 1e3, TraitScoring::absolute},
       {"point_y", "m", "mm", 1e3, TraitScoring::absolute},

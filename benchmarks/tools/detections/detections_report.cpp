@@ -123,10 +123,11 @@ ReportTable missed_of(const TruePictures& truth, const DetectionScores& detectio
         ++more;
         continue;
       }
-      table.lines.push_back({picture.name, object.name, object.category,
-                             share(object.visible_fraction), table_cell(object.box.x, 1, 0),
-                             table_cell(object.box.y, 1, 0), table_cell(object.box.width, 1, 0),
-                             table_cell(object.box.height, 1, 0)});
+      table.lines.push_back(
+          {picture.name, object.name, object.category,
+           std::isnan(object.visible_fraction) ? "" : share(object.visible_fraction),
+           table_cell(object.box.x, 1, 0), table_cell(object.box.y, 1, 0),
+           table_cell(object.box.width, 1, 0), table_cell(object.box.height, 1, 0)});
     }
   }
   if (more > 0) table.caption = std::to_string(more) + " more are not listed";

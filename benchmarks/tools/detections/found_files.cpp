@@ -67,11 +67,22 @@ double number(const json& value, const char* key, double low, double high, const
   return number;
 }
 
+/// A picture's name without the ending of an image: other dots are of the name itself, as in
+/// Roboflow's "a_jpg.rf.1b2c".
+std::string without_ending(const std::string& text) {
+  const fs::path name = fs::path(text).filename();
+  for (const char* ending :
+       {".jpg", ".jpeg", ".png", ".JPG", ".JPEG", ".PNG", ".bmp", ".webp", ".tif", ".tiff"}) {
+    if (name.extension() == ending) return name.stem().string();
+  }
+  return name.string();
+}
+
 std::string name_of(const json& entry, const Place& place) {
   if (!entry.contains("image_id")) place.fail("has no image_id");
   const json& id = entry["image_id"];
   if (id.is_number_unsigned()) return std::to_string(id.get<std::uint64_t>());
-  if (id.is_string()) return fs::path(id.get<std::string>()).stem().string();
+  if (id.is_string()) return without_ending(id.get<std::string>());
   place.fail("image_id = " + id.dump() + " is neither a number nor a name");
 }
 

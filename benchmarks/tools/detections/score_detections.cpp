@@ -301,6 +301,7 @@ class Rows {
 std::string visible_group(const TruePicture&, const TrueObject& object) {
   constexpr std::array<const char*, 4> kNames = {"below 0.25", "0.25 to 0.5", "0.5 to 0.75",
                                                  "from 0.75"};
+  if (std::isnan(object.visible_fraction)) return {};
   const double quarter = std::clamp(4 * object.visible_fraction, 0.0, 3.0);
   return kNames.at(static_cast<std::size_t>(quarter));
 }

@@ -1,14 +1,20 @@
 #include "benchmarks/tools/detections/true_pictures.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
 #include "sim/config/toml_peek.h"
 #include "sim/dataset/capture_io.h"
+#include "sim/dataset/categories.h"
 #include "sim/dataset/export/export_dataset.h"
 #include "sim/dataset/export/labels.h"
 #include "sim/dataset/links.h"
+#include "sim/dataset/photograph_labels.h"
 
 namespace cousin {
 namespace {
@@ -47,6 +53,90 @@ std::string plant_of(const ExportScene& scene) {
   return shared.empty() ? "scene " + std::to_string(scene.number) : shared.front();
 }
 
+// ---- Somebody's labels --------------------------------------------------------------------------
+
+TrueObject object_of(const DetectedBox& box, const std::vector<std::string>& categories) {
+  TrueObject object;
+  object.instance = box.id;
+  object.name = "label " + std::to_string(box.id);
+  object.category = categories.at(static_cast<std::size_t>(box.category) - 1);
+  object.box = {box.low_px.x() + 0.5, box.low_px.y() + 0.5, box.high_px.x() - box.low_px.x(),
+                box.high_px.y() - box.low_px.y()};
+  object.area_px = std::llround(object.box.width * object.box.height);
+  if (!box.mask.empty()) {
+    object.mask = {box.mask_at_px.x(), box.mask_at_px.y(), box.mask};
+    object.area_px = std::count_if(box.mask.begin(), box.mask.end(),
+                                   [](std::uint8_t inside) { return inside != 0; });
+  }
+  object.visible_fraction = std::numeric_limits<double>::quiet_NaN();
+  return object;
+}
+
+/// Pictures that were made of one photograph are of one plant.
+std::string source_of(const std::string& file) { return file.substr(0, file.find(".rf.")); }
+
+DetectionImages images_of(const ExportScene& scene) {
+  DetectionImages images;
+  for (const ExportPicture* picture : first_pictures(scene)) {
+    const Camera camera = camera_of(scene, *picture, false).camera;
+    images.size_px[{picture->frame, 0}] = {camera.width_px, camera.height_px};
+  }
+  images.scene = scene.number;
+  return images;
+}
+
+void add_labelled_scene(const fs::path& folder, TruePictures& all) {
+  const ExportScene scene = read_export_scene(folder);
+  const DetectionImages images = images_of(scene);
+  const PhotographLabels labels = read_labels(folder, images);
+  std::map<int, const LabelledPicture*> source;
+  for (const LabelledPicture& picture : labels.pictures) source[picture.frame] = &picture;
+  std::map<int, std::size_t> place;
+  for (const ExportPicture* picture : first_pictures(scene)) {
+    const auto own = source.find(picture->frame);
+    if (own == source.end())
+      throw std::runtime_error(folder.string() + "/labels/pictures.json: frame " +
+                               std::to_string(picture->frame) + " is not named");
+    const Eigen::Vector2i size = images.size_px.at({picture->frame, 0});
+    place[picture->frame] = all.pictures.size();
+    TruePicture one;
+    one.file = picture->file;
+    one.name = own->second->file;
+    one.plant = source_of(own->second->file);
+    one.width_px = size.x();
+    one.height_px = size.y();
+    const PictureSize named{all.pictures.size(), size.x(), size.y()};
+    all.names.emplace(
+        own->second->id.empty() ? std::to_string(picture_id(scene, *picture)) : own->second->id,
+        named);
+    all.names.emplace(fs::path(own->second->file).stem().string(), named);
+    all.pictures.push_back(std::move(one));
+  }
+  for (const DetectedBox& box : labels.boxes) {
+    if (box.category < 1 || box.category > static_cast<int>(all.categories.size()))
+      throw std::runtime_error(folder.string() + "/labels/boxes.json: category_id " +
+                               std::to_string(box.category) + " is none of the " +
+                               std::to_string(all.categories.size()) + " of categories.json");
+    all.pictures[place.at(box.frame)].objects.push_back(object_of(box, all.categories));
+    all.has_masks = all.has_masks && !box.mask.empty();
+  }
+}
+
+TruePictures read_labelled_pictures(const fs::path& dataset, const std::vector<fs::path>& folders,
+                                    const std::string& label) {
+  if (!label.empty())
+    throw std::runtime_error(dataset.string() +
+                             ": --category: labels of photographs have their "
+                             "own categories and no others");
+  TruePictures all;
+  all.categories = read_categories(dataset);
+  for (const fs::path& folder : folders) {
+    refuse_links_out(dataset, folder.filename());
+    add_labelled_scene(folder, all);
+  }
+  return all;
+}
+
 }  // namespace
 
 TruePictures read_true_pictures(const fs::path& dataset, const std::string& label,
@@ -54,6 +144,7 @@ TruePictures read_true_pictures(const fs::path& dataset, const std::string& labe
   const std::vector<fs::path> folders = scene_folders(dataset);
   if (folders.empty())
     throw std::runtime_error(dataset.string() + ": holds no scene (000000/rig.json)");
+  if (has_labels(folders.front())) return read_labelled_pictures(dataset, folders, label);
   std::vector<ExportScene> scenes;
   for (const fs::path& folder : folders) {
     refuse_links_out(dataset, folder.filename());

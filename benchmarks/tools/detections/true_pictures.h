@@ -19,7 +19,7 @@ struct TrueObject {
   PictureBox box;        ///< of what is seen
   PlacedMask mask;       ///< of what is seen
   std::int64_t area_px = 0;
-  double visible_fraction = 0;
+  double visible_fraction = 0;           ///< NaN: nobody knows
   std::map<std::string, double> traits;  ///< SI
   std::map<std::string, std::string> labels;
 };
@@ -39,8 +39,12 @@ struct TruePictures {
   std::vector<TruePicture> pictures;
   std::vector<std::string> categories;  ///< sorted; a class of a file is a place, from 1
   PictureNames names;                   ///< that files of detections may use
+  bool has_masks = true;                ///< of the objects
 };
 
+/// Truth is the scenes', or the labels that somebody gave to photographs (photograph_labels.h). A
+/// file of detections then calls a picture by COCO's number or its file's name, and pictures that
+/// Roboflow made of one ("NAME.rf.HASH") count as of one plant.
 /// @param label  of the specimens that is their category; empty: the scenes' own
 /// @param progress  called with scenes done and in all
 /// @throws std::runtime_error naming the scene and the truth that `render` must write

@@ -55,6 +55,8 @@ void refuse_options(const ImportRequest& request) {
   };
   if (is_one_of({"nerfstudio", "colmap", "phenomenal"}) && !request.intrinsics.empty())
     throw std::invalid_argument("--intrinsics: " + format + " has its own lens");
+  if (has_labels(request) && !request.intrinsics.empty())
+    throw std::invalid_argument("--intrinsics: labelled photographs are of any cameras");
   if (request.depth_unit_m && !is_one_of({"rgbd", "tum", "nerfstudio"}))
     throw std::invalid_argument("--depth-unit: " + format +
                                 " has no depth; rgbd, tum and nerfstudio do");
@@ -85,13 +87,22 @@ Capture import_capture(const ImportRequest& request) {
   if (format != "folder") {
     throw std::invalid_argument("--format \"" + format +
                                 "\" is not one of rgbd, stereo, tum, nerfstudio, colmap, "
-                                "phenomenal, folder, video");
+                                "phenomenal, folder, video, coco, yolo");
   }
   if (fs::is_regular_file(request.source))
     throw std::runtime_error(request.source.string() +
                              ": a file, not a folder; a video is --format video");
   return import_folder(request.source, request.intrinsics,
                        [](const Capture& photographs) { return unknown_lens(photographs); });
+}
+
+bool has_labels(const ImportRequest& request) {
+  return request.format == "coco" || request.format == "yolo";
+}
+
+LabelledPhotographs import_labelled(const ImportRequest& request) {
+  refuse_options(request);
+  return request.format == "coco" ? import_coco(request.source) : import_yolo(request.source);
 }
 
 }  // namespace cousin

@@ -14,10 +14,9 @@ using testing::HasSubstr;
 
 TEST(AppStereo, DepthAloneIsScoredAndAnInterruptedChainIsNot) {
   const Program program;
-  const Outcome rendered =
-      program.run(Words{"render", "boards", "--frames", "1", "--seed", "3", "--set",
-                        "rig=zed_hd720", "--set", "render.pixel_samples=1", "--truth", "depth",
-                        "--out", "data"});
+  const Outcome rendered = program.run(
+      Words{"render", "boards", "--frames", "1", "--seed", "3", "--set", "rig=zed_hd720", "--set",
+            "render.pixel_samples=1", "--truth", "depth", "--out", "data"});
   ASSERT_EQ(rendered.code, 0) << rendered.err;
   const Outcome made = program.run(
       Words{"perceive", "data", "--pipeline", "stereo", "--method", "opencv", "--out", "depth"});
@@ -27,8 +26,7 @@ TEST(AppStereo, DepthAloneIsScoredAndAnInterruptedChainIsNot) {
   const Outcome scored = program.run(Words{"score", "data", "depth", "--out", "scores"});
   ASSERT_EQ(scored.code, 0) << scored.err;
   EXPECT_THAT(scored.err, HasSubstr("depth alone"));
-  const ScoreFile file =
-      scores_from_json(read_file(program.path("scores/scores.json")), "scores");
+  const ScoreFile file = scores_from_json(read_file(program.path("scores/scores.json")), "scores");
   double relative = ScoreRow::kNone;
   for (const ScoreRow& row : file.scores) {
     if (row.case_name == "all" && row.metric == "depth.error_relative") relative = row.value;

@@ -155,6 +155,8 @@ TEST(SpecimenScene, RefusesWordsThatItDoesNotKnow) {
   refuses([](auto& c) { c.up = "w"; });
   refuses([](auto& c) { c.surface = "glass"; });
   refuses([](auto& c) { c.light = "moon"; });
+  refuses([](auto& c) { c.name = ""; });
+  refuses([](auto& c) { c.name = std::string(257, 'x'); });
   refuses([](auto& c) { c.views = 0; });
   refuses([](auto& c) { c.distance_min = 5; });
   refuses([](auto& c) { c.setting.limits.largest_m = 1e-5; });
