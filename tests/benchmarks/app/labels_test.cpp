@@ -78,8 +78,8 @@ TEST(AppLabelsReal, AnnotationsOfRoboflowScoredAgainstThemselvesAreAllFound) {
   const Outcome score = program.run({"score", "data", "same.json"});
   ASSERT_EQ(score.code, 0) << score.err;
   const std::string rows = read_file(program.path("out/same_scores/scores.csv"));
-  EXPECT_THAT(rows, AllOf(HasSubstr("all classes,same.json,AP50,1,"),
-                          HasSubstr("all classes,same.json,mask_AP50,1,")));
+  EXPECT_THAT(rows, AllOf(HasSubstr("mean of classes,same.json,AP50,1,"),
+                          HasSubstr("mean of classes,same.json,mask_AP50,1,")));
 }
 
 }  // namespace
