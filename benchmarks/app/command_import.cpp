@@ -59,10 +59,11 @@ ExitCode command_import(const JobContext& context) {
   }
   folder.remove_earlier();  // pictures that the source has no longer
   if (o.json) {
-    print_json({{"dataset", dataset.string()},
-                {"frames", capture.frames.size()},
-                {"labels", labelled.labels.boxes.size()},
-                {"warnings", capture.warnings}});
+    nlohmann::json result = {{"dataset", dataset.string()},
+                             {"frames", capture.frames.size()},
+                             {"warnings", capture.warnings}};
+    if (is_labelled) result["labels"] = labelled.labels.boxes.size();
+    print_json(result);
   }
   context.progress.line(
       "dataset: " + dataset.string() + ", " + std::to_string(capture.frames.size()) + " frames, " +

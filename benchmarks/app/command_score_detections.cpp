@@ -62,6 +62,7 @@ ExitCode command_score_detections(const JobContext& context) {
     context.progress.function()("read labels", done, all);
   });
   const FoundFile found = read_found_of(context, path, truth);
+  if (config.classes.empty() && !config.is_from_zero) config.classes = truth.class_numbers;
   ScoreRow base;
   base.suite = "score";
   base.scene = dataset.filename().string();

@@ -96,7 +96,7 @@ bool false_box(const DetectedBox& like, Rng& rng, DetectedBox& box) {
 Fields fields(BoxNoiseConfig& c) {
   return {{"missed", &c.missed, "share of true boxes that are not found", 0, 1},
           {"half_px", &c.half_px, "pixels in sight of which half are found; 0: all", 0, 1e6},
-          {"edge_sigma_px", &c.edge_sigma_px, "a mask is larger or smaller all round", 0, 100},
+          {"edge_sigma_px", &c.edge_sigma_px, "a mask is larger or smaller all round", 0, 10},
           {"false_boxes", &c.false_boxes, "mean count in an image of boxes of nothing", 0, 1000}};
 }
 
@@ -118,7 +118,8 @@ Boxes detected_boxes(const Boxes& truth, const BoxNoiseConfig& config, std::uint
   for (const DetectedBox& box : truth) {
     of_image[{box.frame, box.sensor}].push_back(&box);
     Rng own = rng.fork(static_cast<std::uint64_t>(box.id));
-    const double chance = uniform(own), by_px = config.edge_sigma_px * normal(own);
+    const double chance = uniform(own),
+                 by_px = config.edge_sigma_px * std::clamp(normal(own), -3.0, 3.0);
     const double over = config.half_px / std::max(1, seen_px(box));
     if (chance >= (1 - config.missed) / (1 + over * over)) continue;
     DetectedBox one = box;

@@ -40,12 +40,13 @@ Vector3d middle_m(const Scene& scene, const Instance& object) {
   return mass_properties(mesh_in_world(scene, object)).centroid_m;
 }
 
-/// A fruit of the tree's place.
+/// A fruit of the scene.
 struct TrueFruit {
   const Instance* object = nullptr;
   Vector3d middle_m;
+  bool is_in_place = false;
 };
-std::vector<TrueFruit> fruits_in_place(const Scene& scene) {
+std::vector<TrueFruit> fruits_of(const Scene& scene) {
   const Instance& tree = tree_of(scene);
   const Vector3d at_m = tree.world_from_object.translation_m;
   const double along_m = 0.5 * trait_of(tree, "place_along"),
@@ -53,8 +54,8 @@ std::vector<TrueFruit> fruits_in_place(const Scene& scene) {
   std::vector<TrueFruit> fruits;
   for (const Instance* object : specimens_of(scene)) {
     const Vector3d middle = middle_m(scene, *object), off_m = middle - at_m;
-    if (std::abs(off_m.x()) < along_m && std::abs(off_m.y()) < across_m)
-      fruits.push_back({object, middle});
+    fruits.push_back(
+        {object, middle, std::abs(off_m.x()) < along_m && std::abs(off_m.y()) < across_m});
   }
   return fruits;
 }
@@ -95,20 +96,33 @@ SpecimenRow row_of_trait(const Instance& object, const std::string& cultivar,
   return row;
 }
 
-/// Measured fruits that stand for none, by whether one is near that another stands for.
-void add_unmatched(const SpecimenMatching& matching, const std::vector<Vector3d>& measured_m,
-                   const std::vector<TrueFruit>& fruits, const ScoreRow& base,
-                   std::vector<ScoreRow>& rows) {
-  const auto doubled =
-      std::count_if(matching.spurious.begin(), matching.spurious.end(), [&](int i) {
-        return std::any_of(fruits.begin(), fruits.end(), [&](const TrueFruit& fruit) {
-          return (fruit.middle_m - measured_m[static_cast<std::size_t>(i)]).norm() < kBeside_m;
-        });
-      });
-  const auto n = static_cast<std::int64_t>(fruits.size());
-  const auto others = static_cast<std::ptrdiff_t>(matching.spurious.size()) - doubled;
-  rows.push_back(measured_row(base, "fruits.doubled", static_cast<double>(doubled), "1", n));
-  rows.push_back(measured_row(base, "fruits.spurious", static_cast<double>(others), "1", n));
+/// Counts of the fruits of the place and of the measured ones, by what each stands for.
+void add_counts(const SpecimenMatching& matching, const std::vector<Vector3d>& measured_m,
+                const std::vector<TrueFruit>& fruits, const ScoreRow& base,
+                std::vector<ScoreRow>& rows) {
+  std::int64_t there = 0, found = 0, beside = 0, doubled = 0;
+  for (const TrueFruit& fruit : fruits) there += fruit.is_in_place ? 1 : 0;
+  std::vector<Vector3d> taken_m;
+  for (const SpecimenMatch& match : matching.matches) {
+    const TrueFruit& fruit = fruits[static_cast<std::size_t>(match.truth)];
+    ++(fruit.is_in_place ? found : beside);
+    taken_m.push_back(fruit.middle_m);
+  }
+  for (const int i : matching.spurious) {
+    const Vector3d& at_m = measured_m[static_cast<std::size_t>(i)];
+    const bool is_double = std::any_of(taken_m.begin(), taken_m.end(), [&](const Vector3d& other) {
+      return (other - at_m).norm() < kBeside_m;
+    });
+    doubled += is_double ? 1 : 0;
+  }
+  const auto add = [&](const char* metric, std::int64_t count) {
+    rows.push_back(measured_row(base, metric, static_cast<double>(count), "1", there));
+  };
+  add("fruits.found", found);
+  add("fruits.missed", there - found);
+  add("fruits.beside", beside);
+  add("fruits.doubled", doubled);
+  add("fruits.spurious", static_cast<std::int64_t>(matching.spurious.size()) - doubled);
 }
 
 }  // namespace
@@ -117,7 +131,7 @@ SeedsScores score_trees(const SceneTruth& truth, const Estimate& estimate,
                         const SeedsScoreLabels& labels) {
   SeedsScores scores;
   const ScoreRow base = labelled_row(labels);
-  const std::vector<TrueFruit> fruits = fruits_in_place(truth.scene);
+  const std::vector<TrueFruit> fruits = fruits_of(truth.scene);
   std::vector<Vector3d> true_m, measured_m;
   for (const TrueFruit& fruit : fruits) true_m.push_back(fruit.middle_m);
   std::vector<const SpecimenTraits*> measured;
@@ -134,15 +148,11 @@ SeedsScores score_trees(const SceneTruth& truth, const Estimate& estimate,
   std::vector<const SpecimenTraits*> own(fruits.size(), nullptr);
   for (const SpecimenMatch& match : matching.matches)
     own[static_cast<std::size_t>(match.truth)] = measured[static_cast<std::size_t>(match.measured)];
-  const auto n = static_cast<std::int64_t>(fruits.size());
-  const auto add = [&](const char* metric, std::size_t count) {
-    scores.rows.push_back(measured_row(base, metric, static_cast<double>(count), "1", n));
-  };
-  add("fruits.found", matching.matches.size());
-  add("fruits.missed", matching.missed.size());
-  add_unmatched(matching, measured_m, fruits, base, scores.rows);
-  double yield_kg = 0;
+  add_counts(matching, measured_m, fruits, base, scores.rows);
+  double yield_kg = 0, there = 0;
   for (std::size_t i = 0; i < fruits.size(); ++i) {
+    if (!fruits[i].is_in_place) continue;
+    ++there;
     const Instance& object = *fruits[i].object;
     for (const TrueTrait& trait : object.traits) {
       if (trait.name == "mass") yield_kg += trait.value;
@@ -152,7 +162,6 @@ SeedsScores score_trees(const SceneTruth& truth, const Estimate& estimate,
     }
   }
   const Instance& wood = tree_of(truth.scene);
-  const auto there = static_cast<double>(fruits.size());
   scores.specimens.push_back(row_of_trait(wood, "tree", kTreeTraits[0], there, "1", tree, labels));
   scores.specimens.push_back(
       row_of_trait(wood, "tree", kTreeTraits[1], yield_kg, "kg", tree, labels));

@@ -20,6 +20,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kMostBoxes = 20'000;
+constexpr std::size_t kMostPairs = 10'000'000;
 
 // ---- Places -------------------------------------------------------------------------------------
 
@@ -48,11 +49,12 @@ std::vector<double> depths_in(const DetectedBox& box, const Image<float>& depth_
   if (box.mask.empty()) {
     const Eigen::Vector2d middle = 0.5 * (box.low_px + box.high_px),
                           half = 0.25 * (box.high_px - box.low_px);
-    for (int y = static_cast<int>(std::ceil(middle.y() - half.y())); y <= middle.y() + half.y();
-         ++y)
-      for (int x = static_cast<int>(std::ceil(middle.x() - half.x())); x <= middle.x() + half.x();
-           ++x)
-        add(x, y);
+    const Eigen::Vector2d
+        first = (middle - half).cwiseMax(0.0),
+        last = (middle + half).cwiseMin(Eigen::Vector2d(depth_m.width() - 1, depth_m.height() - 1));
+    for (int y = static_cast<int>(std::ceil(first.y())); y <= last.y(); ++y) {
+      for (int x = static_cast<int>(std::ceil(first.x())); x <= last.x(); ++x) add(x, y);
+    }
     return depths;
   }
   for (int y = 0; y < box.mask.height(); ++y) {
@@ -180,8 +182,10 @@ void validate(const FruitTracksConfig& config) {
 }
 
 int pixels_of(const DetectedBox& box) {
-  if (box.mask.empty())
-    return static_cast<int>((box.high_px - box.low_px).cwiseMax(0).prod() * std::numbers::pi / 4);
+  if (box.mask.empty()) {
+    const double ellipse_px = (box.high_px - box.low_px).cwiseMax(0).prod() * std::numbers::pi / 4;
+    return static_cast<int>(std::min(ellipse_px, 1e9));
+  }
   return static_cast<int>(std::count_if(box.mask.begin(), box.mask.end(),
                                         [](std::uint8_t inside) { return inside != 0; }));
 }
@@ -239,6 +243,9 @@ Tracks join_boxes(std::span<const PlacedBox> boxes, const FruitTracksConfig& con
             [](const Group& a, const Group& b) { return a.boxes.front() < b.boxes.front(); });
   std::priority_queue<Pair> pairs;
   const auto add_pairs = [&](std::size_t i, std::size_t before) {
+    if (pairs.size() > kMostPairs)
+      throw std::invalid_argument("more than " + std::to_string(kMostPairs) +
+                                  " pairs of boxes may be one fruit");
     for (std::size_t k = 0; k < before; ++k) {
       if (k == i || groups[k].version < 0) continue;
       const double lead = lead_of(groups[i], groups[k], config);

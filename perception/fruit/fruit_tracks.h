@@ -55,7 +55,7 @@ PlacedBox in_row(PlacedBox box, double crown_sigma_m);
 /// first, as long as one fruit explains them better than two of `per_m3` [the likelihood ratio of
 /// data association, Bar-Shalom & Fortmann, Tracking and Data Association, 1988], no image shows
 /// both, and they are within `most_off`. The result does not depend on the boxes' order.
-/// @throws std::invalid_argument for more than 20,000 boxes
+/// @throws std::invalid_argument for more than 20,000 boxes, or 10,000,000 pairs that may be one
 Tracks join_boxes(std::span<const PlacedBox> boxes, const FruitTracksConfig& config = {});
 
 }  // namespace cousin

@@ -5,7 +5,8 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <span>
+#include <set>
+#include <stdexcept>
 
 #include "perception/fruit/fruit_seam.h"
 #include "perception/pipelines/pipeline_table.h"
@@ -75,7 +76,13 @@ Tracks tracks_of(const Capture& capture, const Estimate& so_far, const TreePipel
                             " boxes are not brought together with others: they have less than " +
                             std::to_string(config.tracks.least_px) +
                             " pixels (tracks.least_px), or their image has no pose");
-  if (config.method != TreeMethod::boxes) return join_boxes(in_world, config.tracks);
+  if (config.method != TreeMethod::boxes) {
+    try {
+      return join_boxes(in_world, config.tracks);
+    } catch (const std::invalid_argument& error) {
+      throw StageError("tracks", std::string("boxes.json: ") + error.what());
+    }
+  }
   Tracks tracks;
   for (const PlacedBox& box : in_world)
     tracks.push_back({static_cast<int>(tracks.size()),
@@ -145,21 +152,46 @@ SpecimenTraits traits_of_tree(int instance, const TreeYield& tree) {
   return traits;
 }
 
+/// How many images show a track. @throws StageError naming a box that there is not
+int views_of(const Track& track, const std::map<int, int>& frame_of_box) {
+  std::set<int> frames;
+  for (const int box : track.boxes) {
+    const auto frame = frame_of_box.find(box);
+    if (frame == frame_of_box.end())
+      throw StageError("traits", "tracks.json: track " + std::to_string(track.id) + " has box " +
+                                     std::to_string(box) + ", which boxes.json has not");
+    frames.insert(frame->second);
+  }
+  if (frames.empty())
+    throw StageError("traits", "tracks.json: track " + std::to_string(track.id) + " has no box");
+  return static_cast<int>(frames.size());
+}
+
 Traits traits_of(const Estimate& so_far, const TreePipelineConfig& config) {
   const std::map<int, const ObjectFit*> fits = fits_by_box(so_far.fits);
+  std::map<int, int> frame_of_box;
+  for (const DetectedBox& box : so_far.boxes) frame_of_box[box.id] = box.frame;
+  int without_place = 0;
   Traits traits;
   std::vector<SeenFruit> seen;
   int next = 0;
   for (const Track& track : so_far.tracks) {
     next = std::max(next, track.id + 1);
-    if (!track.centre_in_world_m.allFinite() || !is_in_place(track.centre_in_world_m, config.yield))
+    const int views = views_of(track, frame_of_box);
+    if (!track.centre_in_world_m.allFinite()) {
+      ++without_place;
       continue;
+    }
+    if (!is_in_place(track.centre_in_world_m, config.yield)) continue;
     traits.push_back(traits_of_track(track, fits, config));
     const double variance_m2 =
         track.covariance_m2.selfadjointView<Eigen::Upper>().eigenvalues().maxCoeff();
-    seen.push_back({static_cast<int>(track.boxes.size()), mass_of(traits.back()),
+    seen.push_back({views, mass_of(traits.back()),
                     variance_m2 < config.yield.located_m * config.yield.located_m});
   }
+  if (without_place > 0)
+    so_far.notes->push_back(std::to_string(without_place) +
+                            " tracks say no place and are not counted");
   const auto posed = static_cast<int>(poses_by_frame(so_far.poses).size());
   if (posed == 0) return traits;
   // Without more views than one, none of those that are not seen is counted.
@@ -192,9 +224,17 @@ PipelineNeeds needs(const TreePipelineConfig&) {
 }
 
 std::vector<std::string> unused_settings(const TreePipelineConfig& config) {
-  if (config.method != TreeMethod::boxes) return {};
-  return keys_without_effect(config, to_string(config.method),
-                             {"tracks.per_m3", "tracks.most_off", "yield.common_share"});
+  std::vector<std::string> unused;
+  for (const std::string& of_fruit : unused_settings(config.fruit))
+    unused.push_back("fruit." + of_fruit);
+  const auto add = [&](std::initializer_list<std::string_view> keys) {
+    for (std::string& sentence : keys_without_effect(config, to_string(config.method), keys))
+      unused.push_back(std::move(sentence));
+  };
+  if (config.method == TreeMethod::tracks) add({"yield.located_m"});
+  if (config.method == TreeMethod::boxes)
+    add({"tracks.per_m3", "tracks.most_off", "yield.common_share", "yield.located_m"});
+  return unused;
 }
 
 void check_capture(const Capture& capture, const TreePipelineConfig& config) {

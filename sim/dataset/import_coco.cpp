@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
+#include <stdexcept>
 
 #include "sim/dataset/atomic_file.h"
 #include "sim/dataset/coco_entries.h"
@@ -41,10 +44,14 @@ struct ListedImage {
   std::int64_t width_px = 0, height_px = 0;  ///< 0: not said
 };
 
+fs::path folder_of(const fs::path& file) {
+  return file.parent_path().empty() ? fs::path(".") : file.parent_path();
+}
+
 fs::path image_file(const fs::path& annotations, const JsonNode& name) {
-  const fs::path folder = annotations.parent_path();
+  const fs::path folder = folder_of(annotations);
   const std::string listed = name.text(4096);
-  for (const fs::path& below : {folder, folder / "images", folder / "../images", folder / ".."}) {
+  for (const fs::path& below : {folder, folder / "images", folder / "../images"}) {
     if (!fs::is_directory(below)) continue;
     if (const auto found = find_listed_image(below, listed)) return *found;
   }
@@ -68,21 +75,26 @@ std::vector<ListedImage> images_of(const fs::path& annotations, const JsonNode& 
   return images;
 }
 
-/// Place of each category's number, from 1. @param names  out, in the order of the numbers
-std::map<std::int64_t, int> categories_of(const JsonNode& root, std::vector<std::string>& names) {
+/// Place of each category's number, from 1, in the order of the numbers.
+std::map<std::int64_t, int> categories_of(const JsonNode& root, const fs::path& source,
+                                          LabelledPhotographs& all) {
   std::map<std::int64_t, std::string> by_id;
   std::set<std::string> known;
   for (const JsonNode& node : root["categories"].elements(10'000)) {
     const std::string name = node["name"].text(256);
     if (!known.insert(name).second) node["name"].fail("occurs twice");
-    if (!by_id.emplace(node["id"].integer(0, kMostCocoId), name).second)
+    if (!by_id.emplace(node["id"].integer(0, 1'000'000), name).second)
       node["id"].fail("occurs twice");
   }
+  if (by_id.empty()) root["categories"].fail("is empty: labels need categories");
   std::map<std::int64_t, int> place;
+  std::vector<std::string> names;
   for (const auto& [id, name] : by_id) {
     names.push_back(name);
     place[id] = static_cast<int>(names.size());
+    all.labels.category_ids.push_back(static_cast<int>(id));
   }
+  set_categories(source, std::move(names), all);
   return place;
 }
 
@@ -97,33 +109,41 @@ void check_listed_size(const ListedImage& image, const Camera& camera) {
                            std::to_string(image.width_px) + "x" + std::to_string(image.height_px));
 }
 
-PlacedMask mask_of_label(const JsonNode& segmentation, const Eigen::Vector2i& image_px) {
+std::optional<PlacedMask> mask_of_label(const JsonNode& label, const Eigen::Vector2i& image_px) {
+  if (!label.has("segmentation") || label["segmentation"].is_null()) return std::nullopt;
+  const JsonNode segmentation = label["segmentation"];
   Eigen::Vector2i own = image_px;
   if (segmentation.is_object()) return mask_of_runs(segmentation, own);
-  return segmentation.size(kMaxOutlinePoints) == 0 ? PlacedMask{}
-                                                   : mask_of_polygons(segmentation, image_px);
+  if (segmentation.size(kMaxOutlinePoints) == 0) return std::nullopt;
+  return mask_of_polygons(segmentation, image_px);
+}
+
+bool is_crowd(const JsonNode& label) {
+  if (!label.has("iscrowd") || label["iscrowd"].is_false()) return false;
+  return !label["iscrowd"].is_number() || label["iscrowd"].integer(0, 1) == 1;
 }
 
 }  // namespace
 
 LabelledPhotographs import_coco(const fs::path& source) {
   const fs::path annotations = annotations_in(source);
-  const JsonDocument document(read_file(annotations, kMostCocoBytes), annotations.string());
+  const std::string text = read_file(annotations, kMostCocoBytes);
+  const JsonDocument document(without_bom(text), annotations.string());
   const JsonNode root = document.root();
   const std::vector<ListedImage> images = images_of(annotations, root);
   std::vector<fs::path> files;
   for (const ListedImage& image : images) files.push_back(image.file);
-  LabelledPhotographs all = photographs_of(annotations, files);
+  LabelledPhotographs all = photographs_of(annotations, folder_of(annotations), files);
   std::map<std::int64_t, int> frame_of;
   for (std::size_t i = 0; i < images.size(); ++i) {
     check_listed_size(images[i], all.capture.frames[i].sensors.front().reported);
     all.labels.pictures[i].id = std::to_string(images[i].id);
     frame_of[images[i].id] = static_cast<int>(i);
   }
-  const std::map<std::int64_t, int> category_of = categories_of(root, all.categories);
+  const std::map<std::int64_t, int> category_of = categories_of(root, annotations, all);
   LabelCounts counts;
   for (const JsonNode& node : root["annotations"].elements(kMostCocoEntries)) {
-    if (node.has("iscrowd") && node["iscrowd"].integer(0, 1) == 1) {
+    if (is_crowd(node)) {
       ++counts.crowds;
       continue;
     }
@@ -133,14 +153,13 @@ LabelledPhotographs import_coco(const fs::path& source) {
     if (category == category_of.end()) node["category_id"].fail("is no category's id");
     const Camera& camera =
         all.capture.frames[static_cast<std::size_t>(frame->second)].sensors.front().reported;
-    PlacedMask mask;
-    if (node.has("segmentation"))
-      mask = mask_of_label(node["segmentation"], {camera.width_px, camera.height_px});
     const Eigen::Vector4d bbox = node["bbox"].vector<4>();
     if (bbox.cwiseAbs().maxCoeff() > kMaxCocoPixel) node["bbox"].fail("is outside [-1e6, 1e6]");
     if (bbox.tail<2>().minCoeff() < 0) node["bbox"].fail("has a negative width or height");
-    add_label(frame->second, category->second, bbox.head<2>(), bbox.tail<2>(), std::move(mask), all,
-              counts);
+    add_label(annotations,
+              {frame->second, category->second, bbox.head<2>(), bbox.tail<2>(),
+               mask_of_label(node, {camera.width_px, camera.height_px})},
+              all, counts);
   }
   warn_of_labels(annotations, counts, all);
   return all;

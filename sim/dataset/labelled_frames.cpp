@@ -1,12 +1,15 @@
 #include "sim/dataset/labelled_frames.h"
 
 #include <algorithm>
+#include <set>
+#include <stdexcept>
 #include <utility>
 
-#include "sim/dataset/camera_files.h"
+#include "sim/dataset/categories.h"
 #include "sim/dataset/for_each_frame.h"
 #include "sim/dataset/import_images.h"
 #include "sim/imaging/image_io.h"
+#include "sim/types/memory_limit.h"
 
 namespace cousin {
 namespace {
@@ -26,8 +29,14 @@ Camera camera_of_picture(const Image<Rgb8>& color) {
 
 }  // namespace
 
-LabelledPhotographs photographs_of(const fs::path& source, const std::vector<fs::path>& images) {
+LabelledPhotographs photographs_of(const fs::path& source, const fs::path& root,
+                                   const std::vector<fs::path>& images) {
   if (images.empty()) throw std::runtime_error(source.string() + ": it names no image");
+  std::set<fs::path> known;
+  for (const fs::path& image : images) {
+    if (!known.insert(image.lexically_normal()).second)
+      throw std::runtime_error(source.string() + ": names " + image.string() + " twice");
+  }
   check_images_memory(source, images);
   LabelledPhotographs all;
   Capture& capture = all.capture;
@@ -41,32 +50,51 @@ LabelledPhotographs photographs_of(const fs::path& source, const std::vector<fs:
     sensor.color = read_color(images[i]);
     sensor.reported = camera_of_picture(sensor.color);
   });
-  for (std::size_t i = 0; i < images.size(); ++i)
-    all.labels.pictures.push_back({static_cast<int>(i), images[i].filename().string(), ""});
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    fs::path name = fs::proximate(images[i], root);
+    if (name.empty() || *name.begin() == "..") name = images[i].filename();
+    all.labels.pictures.push_back({static_cast<int>(i), name.generic_string(), ""});
+  }
   capture.rig.push_back({.camera = capture.frames.front().sensors.front().reported});
   warn_of_orientation(images, capture);
   return all;
 }
 
-void add_label(int frame, int category, const Eigen::Vector2d& corner_px,
-               const Eigen::Vector2d& size_px, PlacedMask mask, LabelledPhotographs& all,
+void set_categories(const fs::path& source, std::vector<std::string> names,
+                    LabelledPhotographs& all) {
+  all.categories = categories_from_json(categories_to_json(names), source.string() + ": names");
+}
+
+std::string_view without_bom(std::string_view text) {
+  return text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
+}
+
+void add_label(const fs::path& source, GivenLabel label, LabelledPhotographs& all,
                LabelCounts& counts) {
   const Camera& camera =
-      all.capture.frames.at(static_cast<std::size_t>(frame)).sensors.front().reported;
+      all.capture.frames.at(static_cast<std::size_t>(label.frame)).sensors.front().reported;
   const Eigen::Vector2d image_px(camera.width_px, camera.height_px);
-  const Eigen::Vector2d low = corner_px.cwiseMax(0.0),
-                        high = (corner_px + size_px).cwiseMin(image_px);
+  const Eigen::Vector2d low = label.corner_px.cwiseMax(0.0),
+                        high = (label.corner_px + label.size_px).cwiseMin(image_px);
   if ((high - low).minCoeff() <= 0) {
     ++counts.outside;
     return;
   }
   DetectedBox box;
-  box.frame = frame;
+  box.frame = label.frame;
   box.id = static_cast<int>(all.labels.boxes.size());
-  box.category = category;
+  box.category = label.category;
   box.low_px = low.array() - 0.5;
   box.high_px = high.array() - 0.5;
-  if (!mask.mask.empty()) {
+  if (label.mask) {
+    PlacedMask& mask = *label.mask;
+    if (mask.mask.empty()) {
+      const Eigen::Vector2d middle = 0.5 * (low + high);
+      mask = {static_cast<int>(middle.x()), static_cast<int>(middle.y()),
+              Image<std::uint8_t>(1, 1, 255)};
+    }
+    counts.mask_bytes += mask.mask.size();
+    check_memory(source, counts.mask_bytes, "its masks");
     box.image_px = image_px.cast<int>();
     box.mask_at_px = {mask.x, mask.y};
     box.mask = std::move(mask.mask);

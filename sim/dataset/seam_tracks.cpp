@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kMaxTracks = 10'000'000;
 constexpr std::size_t kMaxTrackBoxes = 1'000'000;  ///< of one track
-constexpr int kMaxTrackId = 1'000'000'000;
+constexpr int kMaxTrackId = 999'999'999;           ///< the tree's own entry comes behind
+constexpr int kMaxTrackBoxId = 2'000'000'000;      ///< as of boxes.json
 
 Track read_track(const JsonNode& node, std::set<int>& ids, std::set<int>& boxes) {
   node.expect_keys({"id", "boxes"}, {"centre_in_world_m", "covariance_m2"});
@@ -22,7 +23,7 @@ Track read_track(const JsonNode& node, std::set<int>& ids, std::set<int>& boxes)
   track.id = static_cast<int>(node["id"].integer(0, kMaxTrackId));
   if (!ids.insert(track.id).second) node["id"].fail("occurs twice");
   for (const JsonNode& box : node["boxes"].elements(kMaxTrackBoxes)) {
-    track.boxes.push_back(static_cast<int>(box.integer(0, kMaxTrackId)));
+    track.boxes.push_back(static_cast<int>(box.integer(0, kMaxTrackBoxId)));
     if (!boxes.insert(track.boxes.back()).second) box.fail("is in two tracks");
   }
   if (node.has("centre_in_world_m") && !node["centre_in_world_m"].is_null())

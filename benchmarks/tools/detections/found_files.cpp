@@ -33,7 +33,7 @@ class Place {
   std::string text_;
 };
 
-/// Of scene and frame; the others are numbers.
+/// Of scene and frame, or of a file; the others are numbers.
 std::string longest_name(const PictureNames& pictures) {
   std::string longest;
   for (const auto& [name, size] : pictures) {
@@ -44,11 +44,16 @@ std::string longest_name(const PictureNames& pictures) {
 
 const PictureSize& picture_of(const PictureNames& pictures, const std::string& name,
                               const Place& place) {
-  const auto found = pictures.find(name);
-  if (found != pictures.end()) return found->second;
-  place.fail("is of picture \"" + name +
-             "\", which the dataset has not; its pictures are named as \"" +
-             longest_name(pictures) + "\" (scene and frame), as `cousin export` names them");
+  const std::string plain = name.starts_with("#") ? name.substr(1) : name;
+  auto found = pictures.find(name);
+  if (found == pictures.end()) found = pictures.find(plain);
+  if (found == pictures.end())
+    place.fail("is of picture \"" + plain +
+               "\", which the dataset has not; its pictures are named as \"" +
+               longest_name(pictures) + "\"");
+  if (found->second.is_ambiguous)
+    place.fail("is of picture \"" + plain + "\", and the dataset has several of this name");
+  return found->second;
 }
 
 // ---- COCO
@@ -81,7 +86,7 @@ std::string without_ending(const std::string& text) {
 std::string name_of(const json& entry, const Place& place) {
   if (!entry.contains("image_id")) place.fail("has no image_id");
   const json& id = entry["image_id"];
-  if (id.is_number_unsigned()) return std::to_string(id.get<std::uint64_t>());
+  if (id.is_number_unsigned()) return "#" + std::to_string(id.get<std::uint64_t>());
   if (id.is_string()) return without_ending(id.get<std::string>());
   place.fail("image_id = " + id.dump() + " is neither a number nor a name");
 }

@@ -22,7 +22,9 @@ struct FoundObject {
 struct PictureSize {
   std::size_t place = 0;  ///< among the pictures that are scored
   int width_px = 0, height_px = 0;
+  bool is_ambiguous = false;  ///< several pictures are called so
 };
+/// A number that is no text begins with "#"; if none is called so, its digits are looked for.
 using PictureNames = std::map<std::string, PictureSize>;
 
 /// A file of detections.
@@ -34,7 +36,7 @@ struct FoundFile {
 
 /// COCO results, a list of {"image_id", "category_id", "bbox", "score", "segmentation"}, as
 /// pycocotools and Ultralytics (predictions.json, whose image_id is the file's stem) write them. An
-/// image_id is a name of `pictures`; a number counts as its digits.
+/// image_id is a name of `pictures`.
 /// @throws std::runtime_error naming file, key, value and limit, or the picture that there is not
 FoundFile read_coco_results(const std::filesystem::path& file, const PictureNames& pictures);
 

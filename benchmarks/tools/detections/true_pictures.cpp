@@ -75,6 +75,24 @@ TrueObject object_of(const DetectedBox& box, const std::vector<std::string>& cat
 /// Pictures that were made of one photograph are of one plant.
 std::string source_of(const std::string& file) { return file.substr(0, file.find(".rf.")); }
 
+void add_name(const std::string& name, const PictureSize& picture, PictureNames& names) {
+  const auto [known, is_new] = names.emplace(name, picture);
+  if (!is_new && known->second.place != picture.place) known->second.is_ambiguous = true;
+}
+
+/// COCO's number, the file's name, and what Ultralytics makes of a name that is a number.
+void add_source_names(const LabelledPicture& picture, const PictureSize& size,
+                      PictureNames& names) {
+  const std::string stem = fs::path(picture.file).stem().string();
+  add_name(stem, size, names);
+  if (!picture.id.empty()) {
+    add_name("#" + picture.id, size, names);
+  } else if (!stem.empty() && stem.find_first_not_of("0123456789") == std::string::npos) {
+    const std::size_t first = stem.find_first_not_of('0');
+    add_name("#" + (first == std::string::npos ? "0" : stem.substr(first)), size, names);
+  }
+}
+
 DetectionImages images_of(const ExportScene& scene) {
   DetectionImages images;
   for (const ExportPicture* picture : first_pictures(scene)) {
@@ -106,12 +124,11 @@ void add_labelled_scene(const fs::path& folder, TruePictures& all) {
     one.width_px = size.x();
     one.height_px = size.y();
     const PictureSize named{all.pictures.size(), size.x(), size.y()};
-    all.names.emplace(
-        own->second->id.empty() ? std::to_string(picture_id(scene, *picture)) : own->second->id,
-        named);
-    all.names.emplace(fs::path(own->second->file).stem().string(), named);
+    add_source_names(*own->second, named, all.names);
     all.pictures.push_back(std::move(one));
   }
+  for (std::size_t k = 0; k < std::min(labels.category_ids.size(), all.categories.size()); ++k)
+    all.class_numbers[labels.category_ids[k]] = all.categories[k];
   for (const DetectedBox& box : labels.boxes) {
     if (box.category < 1 || box.category > static_cast<int>(all.categories.size()))
       throw std::runtime_error(folder.string() + "/labels/boxes.json: category_id " +
@@ -125,9 +142,9 @@ void add_labelled_scene(const fs::path& folder, TruePictures& all) {
 TruePictures read_labelled_pictures(const fs::path& dataset, const std::vector<fs::path>& folders,
                                     const std::string& label) {
   if (!label.empty())
-    throw std::runtime_error(dataset.string() +
-                             ": --category: labels of photographs have their "
-                             "own categories and no others");
+    throw std::invalid_argument(dataset.string() +
+                                ": --category: labels of photographs have their "
+                                "own categories and no others");
   TruePictures all;
   all.categories = read_categories(dataset);
   for (const fs::path& folder : folders) {

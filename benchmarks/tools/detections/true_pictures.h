@@ -37,9 +37,12 @@ struct TruePicture {
 
 struct TruePictures {
   std::vector<TruePicture> pictures;
-  std::vector<std::string> categories;  ///< sorted; a class of a file is a place, from 1
-  PictureNames names;                   ///< that files of detections may use
-  bool has_masks = true;                ///< of the objects
+  /// The dataset's, in its order; a class of a file is a place, from 1.
+  std::vector<std::string> categories;
+  PictureNames names;     ///< that files of detections may use
+  bool has_masks = true;  ///< of the objects
+  /// Names of categories by the numbers that their source has for them; empty: places from 1.
+  std::map<int, std::string> class_numbers;
 };
 
 /// Truth is the scenes', or the labels that somebody gave to photographs (photograph_labels.h). A

@@ -51,6 +51,49 @@ TEST_F(AppLabels, ADetectorIsScoredOnThem) {
             2);
 }
 
+/// COCO's numbers begin where they like, and files are called as they like.
+TEST_F(AppLabels, ACocoFileOfItsOwnNumbersIsRight) {
+  write_file(program_.path("mine/images/set.json"),
+             R"({"categories": [{"id": 0, "name": "fruit"}, {"id": 4, "name": "berry"}],
+                 "images": [{"id": 5, "file_name": "a.png"}, {"id": 3, "file_name": "b.png"}],
+                 "annotations": [{"image_id": 5, "category_id": 4, "bbox": [2, 3, 10, 5]},
+                                 {"image_id": 3, "category_id": 4, "bbox": [8, 3, 10, 5]}]})");
+  ASSERT_EQ(program_.run({"import", "mine/images", "--format", "coco", "--out", "coco"}).code, 0);
+  const auto score = [&](const std::string& a, const std::string& b) {
+    const std::string of = R"("category_id": 4, "score": 1, "bbox": )";
+    write_file(program_.path("found.json"), "[{\"image_id\": " + a + ", " + of +
+                                                "[2, 3, 10, 5]}, {\"image_id\": " + b + ", " + of +
+                                                "[8, 3, 10, 5]}]");
+    const Outcome outcome = program_.run({"score", "coco", "found.json"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return read_file(program_.path("out/found_scores/scores.csv"));
+  };
+  EXPECT_THAT(score("5", "3"), HasSubstr("class berry,found.json,AP50.of_class,1,"));
+  EXPECT_THAT(score("\"a\"", "\"b.png\""), HasSubstr("class berry,found.json,AP50.of_class,1,"));
+}
+
+TEST_F(AppLabels, NumbersThatAreNamesAreFoundAndANameOfTwoPicturesIsRefused) {
+  for (const char* name : {"2", "10"}) {
+    write_png(program_.path("mine/images") / (std::string(name) + ".png"),
+              Image<Rgb8>(40, 20, Rgb8{90, 120, 40}));
+    write_file(program_.path("mine/labels") / (std::string(name) + ".txt"), "1 0.5 0.5 0.25 0.5\n");
+  }
+  ASSERT_EQ(program_.run({"import", "mine", "--format", "yolo", "--out", "data"}).code, 0);
+  write_file(program_.path("found.json"),
+             R"([{"image_id": 10, "category_id": 2, "bbox": [15, 5, 10, 10], "score": 1},
+                 {"image_id": "2", "category_id": 2, "bbox": [15, 5, 10, 10], "score": 1}])");
+  const Outcome numbers = program_.run({"score", "data", "found.json"});
+  ASSERT_EQ(numbers.code, 0) << numbers.err;
+  EXPECT_THAT(numbers.err, HasSubstr("2 of 4 objects in 4 pictures were found"));
+  fs::create_directories(program_.path("mine/images/more"));
+  write_png(program_.path("mine/images/more/a.png"), Image<Rgb8>(40, 20, Rgb8{90, 120, 40}));
+  ASSERT_EQ(program_.run({"import", "mine", "--format", "yolo", "--out", "two"}).code, 0);
+  write_file(program_.path("found/a.txt"), "1 0.5 0.5 0.25 0.5 0.9\n");
+  const Outcome twice = program_.run({"score", "two", "found"});
+  EXPECT_EQ(twice.code, 3);
+  EXPECT_THAT(twice.err, HasSubstr("the dataset has several of this name"));
+}
+
 TEST_F(AppLabels, WhatHasNoUseIsRefused) {
   const Outcome lens = program_.run(
       {"import", "mine", "--format", "yolo", "--intrinsics", "40,40,20,10", "--out", "data"});
@@ -68,11 +111,12 @@ TEST(AppLabelsReal, AnnotationsOfRoboflowScoredAgainstThemselvesAreAllFound) {
   ASSERT_EQ(program.run({"import", source.string(), "--format", "coco", "--out", "data"}).code, 0);
   using Json = nlohmann::json;
   Json found = Json::parse(read_file(program.path("data/000000/labels/boxes.json")));
-  const Json pictures =
-      Json::parse(read_file(program.path("data/000000/labels/pictures.json")))["pictures"];
+  const Json names = Json::parse(read_file(program.path("data/000000/labels/pictures.json")));
+  const Json &pictures = names["pictures"], &numbers = names["category_ids"];
   for (Json& entry : found) {
     const std::string file = pictures.at(entry["image_id"].get<std::size_t>())["file"];
     entry["image_id"] = fs::path(file).stem().string();
+    entry["category_id"] = numbers.at(entry["category_id"].get<std::size_t>() - 1);
   }
   write_file(program.path("same.json"), found.dump());
   const Outcome score = program.run({"score", "data", "same.json"});

@@ -189,7 +189,7 @@ TEST(AppRunViews, AnySceneBecomesGaussiansNumbersAndAPage) {
   EXPECT_THAT(keys.out, AllOf(HasSubstr("hold_out_every"), HasSubstr("tray")));
   const Outcome unknown = program.run({"run", "seedlings", "--pipeline", "plants"});
   EXPECT_EQ(unknown.code, 2);
-  EXPECT_THAT(unknown.err, HasSubstr("seeds, strawberries, apples, maize, stereo, scene"));
+  EXPECT_THAT(unknown.err, HasSubstr("seeds, strawberries, apples, tree, maize, stereo, scene"));
 }
 
 TEST(AppPerceiveViews, MistakesAreNamed) {

@@ -77,6 +77,15 @@ TEST(AppTree, ABoxForEachViewCountsFruitsTwiceAndPosesAreAskedFor) {
   const ScoreFile file = scores_from_json(read_file(program.path("boxes/scores.json")), "scores");
   EXPECT_GT(tree_row(file, "fruit_count").measured, 1.3 * tree_row(file, "fruit_count").truth);
   EXPECT_GT(value_of_tree(file, "fruits.doubled"), 2);
+  // A detector that misses half of all boxes still sees most fruits in one view of the four.
+  const Outcome missed = program.run(Words{"run", "apples", "--pipeline", "tree", "--set",
+                                           "boxes.missed=0.5", "--set", "boxes.edge_sigma_px=0.5",
+                                           "--set", "boxes.false_boxes=0.5", "--out", "missed"} +
+                                     whole_tree());
+  ASSERT_EQ(missed.code, 0) << missed.err;
+  const ScoreFile seen = scores_from_json(read_file(program.path("missed/scores.json")), "scores");
+  EXPECT_GT(value_of_tree(seen, "fruits.missed"), value_of_tree(file, "fruits.missed"));
+  EXPECT_NEAR(tree_row(seen, "fruit_count").measured, tree_row(seen, "fruit_count").truth, 7);
   const Outcome none =
       program.run({"run", "apples", "--set", "look=tree", "--set", "occlusion=0.5", "--plan"});
   EXPECT_EQ(none.code, 2);

@@ -68,6 +68,7 @@ TEST(ScoreTrees, FruitsOfThePlaceCountAndEachOnce) {
   EXPECT_EQ(value_of(scores.rows, "fruits.missed"), 1);
   EXPECT_EQ(value_of(scores.rows, "fruits.doubled"), 1);
   EXPECT_EQ(value_of(scores.rows, "fruits.spurious"), 1);
+  EXPECT_EQ(value_of(scores.rows, "fruits.beside"), 0);
   ASSERT_EQ(scores.specimens.size(), 4U);  // two masses, and the tree's count and yield
   EXPECT_EQ(scores.specimens[0].trait, "mass");
   EXPECT_EQ(scores.specimens[0].measured, 0.21);
@@ -78,6 +79,17 @@ TEST(ScoreTrees, FruitsOfThePlaceCountAndEachOnce) {
   EXPECT_EQ(count.measured, 3.5);
   EXPECT_DOUBLE_EQ(scores.specimens[3].truth, 0.5);
   EXPECT_EQ(scores.specimens[3].measured, 0.65);
+}
+
+TEST(ScoreTrees, WhatIsFarOffIsNoDoubleAndANeighboursFruitIsBeside) {
+  Estimate estimate;
+  estimate.traits = {fruit_at(0, {0.15, 0.2, 1}, 0.2),  // 5 cm off: the fruit is missed
+                     fruit_at(1, {0.69, 0, 1}, 0.4)};   // of the neighbour
+  const SeedsScores scores = score_trees(small_orchard(), estimate, {});
+  EXPECT_EQ(value_of(scores.rows, "fruits.found"), 0);
+  EXPECT_EQ(value_of(scores.rows, "fruits.doubled"), 0);
+  EXPECT_EQ(value_of(scores.rows, "fruits.spurious"), 1);
+  EXPECT_EQ(value_of(scores.rows, "fruits.beside"), 1);
 }
 
 TEST(ScoreTrees, WithoutAnEstimateNothingIsSolved) {

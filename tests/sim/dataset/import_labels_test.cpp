@@ -67,7 +67,7 @@ TEST_F(ImportLabels, YoloHasBoxesAndPolygonsInSharesOfEachImage) {
   EXPECT_THAT(all.categories, ElementsAre("leaf", "berry"));
   ASSERT_EQ(all.capture.frames.size(), 2U);
   EXPECT_EQ(all.capture.frames[1].sensors[0].reported.height_px, 30);
-  EXPECT_EQ(all.labels.pictures[1].file, "b.png");
+  EXPECT_EQ(all.labels.pictures[1].file, "images/train/b.png");
   EXPECT_THAT(all.capture.warnings, ElementsAre(HasSubstr("1 images have no label file")));
   const Boxes& boxes = all.labels.boxes;
   ASSERT_EQ(boxes.size(), 2U);
@@ -93,6 +93,42 @@ TEST_F(ImportLabels, YoloReadsMappingsRoboflowsFoldersAndNoFileAtAll) {
   EXPECT_EQ(bare.categories.back(), "class 4");
 }
 
+TEST_F(ImportLabels, YoloReadsQuotesFoldersBelowAndMarksOfByteOrder) {
+  const std::string mark = "\xEF\xBB\xBF";
+  picture("images/a.png", 40, 20);
+  picture("images/deep/er/a.png", 40, 20);
+  text("labels/a.txt", mark + "0 0.5 0.5 0.25 0.5\n\n");
+  text("labels/deep/er/a.txt", "1 0.5 0.5 0.25 0.5\n");
+  text("data.yaml", mark + "train: [\"images\"]\nval: valid\nnames: ['leaf', \"berry\"]\n");
+  const LabelledPhotographs all = import_yolo(root());
+  EXPECT_THAT(all.categories, ElementsAre("leaf", "berry"));
+  ASSERT_EQ(all.labels.pictures.size(), 2U);
+  EXPECT_EQ(all.labels.pictures[1].file, "images/deep/er/a.png");
+  EXPECT_EQ(all.labels.boxes.size(), 2U);
+  EXPECT_THAT(all.capture.warnings, testing::Contains(HasSubstr("not read: valid")));
+}
+
+TEST_F(ImportLabels, YoloReadsNothingOutsideItsFolder) {
+  picture("other/images/a.png", 40, 20);
+  text("other/labels/a.txt", "0 0.5 0.5 0.25 0.5\n");
+  picture("set/images/a.png", 40, 20);
+  text("set/data.yaml", "path: ../other\ntrain: images\nnames: [leaf]\n");
+  fs::create_directories(path("set/labels"));
+  fs::create_symlink(path("other/labels/a.txt"), path("set/labels/a.txt"));
+  const auto import_set = [](const fs::path& root) { import_yolo(root / "set"); };
+  expect_refused(import_set, "a link that leads out");
+  text("set/data.yaml", "train: ../other/images\nnames: [leaf]\n");
+  expect_refused(import_set, "leads out of");
+}
+
+TEST_F(ImportLabels, APolygonThatCoversNoPixelsMiddleIsOnePixel) {
+  small_yolo();
+  text("labels/train/a.txt", "0 0.251 0.251 0.252 0.251 0.252 0.252\n");
+  const LabelledPhotographs all = import_yolo(root());
+  ASSERT_EQ(all.labels.boxes.size(), 1U);
+  EXPECT_EQ(std::count(all.labels.boxes[0].mask.begin(), all.labels.boxes[0].mask.end(), 255), 1);
+}
+
 TEST_F(ImportLabels, WhatIsOutsideTheImageIsCutOffOrCounted) {
   small_yolo();
   text("labels/train/a.txt", "0 0 0.5 0.5 0.5\n0 1.5 0.5 0.2 0.2\n");
@@ -114,8 +150,17 @@ TEST_F(ImportLabels, YoloNamesFileAndLineOfWhatItCannotRead) {
   line("-1 0.5 0.5 0.25 0.5\n", "a.txt: line 1");
   line("0 0.5 0.5 -0.25 0.5\n", "negative width");
   line("2 0.5 0.5 0.25 0.5\n", "class 2 of a label is none of the 2 names");
-  text("data.yaml", "train: ../../etc\nnames: [leaf]\n");
-  expect_refused(import_yolo, "is no folder below");
+  text("data.yaml", "train: nowhere\nnames: [leaf]\n");
+  expect_refused(import_yolo, "nowhere: no such folder below");
+  text("labels/train/a.txt", "0 0.5 0.5 0.25 0.5\n");
+  text("data.yaml", "train: images/train\nnames: [leaf, leaf]\n");
+  expect_refused(import_yolo, "stands twice");
+  text("data.yaml", "train: images/train\nnc: 3\nnames: [leaf, berry]\n");
+  expect_refused(import_yolo, "nc = 3, and there are 2 names");
+  text("data.yaml", "train: images/train\nnames: ['leaf, old', berry]\n");
+  expect_refused(import_yolo, "quotes about a comma");
+  text("data.yaml", "train: images/train\nnames: {0: leaf, 1: berry}\n");
+  expect_refused(import_yolo, "one name a line");
   text("data.yaml", "train: images/train\nkpt_shape: [5, 3]\nnames: [leaf]\n");
   expect_refused(import_yolo, "keypoints are not read");
   text("data.yaml", "train: images/train\nnames:\n  0: leaf\n  2: berry\n");
@@ -132,6 +177,7 @@ TEST_F(ImportLabels, CocosNumbersBecomePlacesAndItsMasksAreRead) {
   const LabelledPhotographs all = import_coco(root());
   EXPECT_THAT(all.categories, ElementsAre("leaf", "berry"));  // by their numbers
   EXPECT_EQ(all.labels.pictures[0].id, "12");
+  EXPECT_THAT(all.labels.category_ids, ElementsAre(3, 7));
   const Boxes& boxes = all.labels.boxes;
   ASSERT_EQ(boxes.size(), 2U);
   EXPECT_EQ(boxes[0].category, 2);
@@ -166,7 +212,8 @@ TEST_F(ImportLabels, LabelsComeBackFromADataset) {
   const PhotographLabels back =
       read_labels(scene, {.scene = 0, .size_px = {{{0, 0}, {40, 20}}, {{1, 0}, {20, 30}}}});
   ASSERT_EQ(back.boxes.size(), 2U);
-  EXPECT_EQ(back.pictures[0].file, "a.png");
+  EXPECT_EQ(back.pictures[0].file, "images/train/a.png");
+  EXPECT_TRUE(back.category_ids.empty());
   EXPECT_EQ(std::count(back.boxes[1].mask.begin(), back.boxes[1].mask.end(), 255), 64);
   EXPECT_THAT(
       [] { pictures_from_json(R"({"pictures": [{"frame": -1, "file": "", "id": ""}]})", "p"); },
